@@ -1,0 +1,124 @@
+// io/xplt/xplt.h – FEBio's binary plot file as plain structs: write it, read it.
+// Format: docs/formats.md. Version 0x35. All numbers in the file are 4-byte integers and floats.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "joint_model.h"
+
+namespace dea {
+
+enum class XpltType { Float = 0, Vec3 = 1, Mat3s = 2, Mat3d = 3, Tens4s = 4, Mat3 = 5, Array = 6, ArrayVec3 = 7 };
+enum class XpltFormat { Node = 0, Item = 1, Mult = 2, Region = 3 };
+enum class XpltGroup { Global, Nodal, Domain, Surface, Edge };
+
+/// One entry of the dictionary: what a variable is.
+struct XpltVariable {
+  XpltGroup group = XpltGroup::Nodal;
+  XpltType type = XpltType::Float;
+  XpltFormat format = XpltFormat::Node;
+  int array_size = 0;
+  std::vector<std::string> array_names;
+  std::string name;
+  std::string units;  ///< FEBio's dimension code, only used when XpltFile::units is given
+};
+
+struct XpltDomain {
+  int element_type = 0;  ///< code of the file format (0 hex8, 1 penta6, ...)
+  int part = 1;          ///< 1-based position in XpltMesh::parts
+  std::string name;      ///< may be empty
+  std::vector<int> element_ids;
+  std::vector<int> nodes;  ///< zero-based node indices, as many per element as the type has
+};
+
+/// A surface or facet set. Facet i: nodes[begin[i]] .. nodes[begin[i + 1]].
+struct XpltFacets {
+  std::string name;
+  std::vector<int> begin = {0};
+  std::vector<int> nodes;  ///< zero-based
+  int max_nodes = 4;       ///< slots per facet in face records and MULT data
+  int size() const { return static_cast<int>(begin.size()) - 1; }
+};
+
+struct XpltSet {
+  std::string name;
+  std::vector<int> items;  ///< node set: zero-based node indices; element set: element ids
+};
+
+/// A point object: a rigid body's axes and time curves.
+struct XpltObject {
+  std::string name;
+  int tag = 1;  ///< 1: rigid body
+  float position[3] = {0, 0, 0};
+  float rotation[4] = {0, 0, 0, 1};  ///< quaternion x y z w
+  std::vector<XpltVariable> data;    ///< type and name only
+};
+
+struct XpltObjectState {
+  float position[3] = {0, 0, 0};
+  float rotation[4] = {0, 0, 0, 1};
+  float point[3] = {0, 0, 0};
+  std::vector<std::vector<float>> data;  ///< one per item of XpltObject::data
+};
+
+struct XpltMesh {
+  std::vector<int> node_ids;
+  std::vector<float> coordinates;  ///< 3 per node, reference position
+  std::vector<XpltDomain> domains;
+  std::vector<XpltFacets> surfaces;
+  std::vector<XpltSet> node_sets;
+  std::vector<XpltSet> element_sets;
+  std::vector<XpltFacets> facet_sets;
+  std::vector<std::string> parts;
+  std::vector<XpltObject> objects;
+};
+
+/// Values of one variable on one region: domain or surface (1-based), 0 for nodal and global variables.
+struct XpltRegion {
+  int region = 0;
+  std::vector<float> values;
+};
+
+struct XpltState {
+  float time = 0;
+  int status = 0;                                  ///< 0: converged
+  std::vector<std::uint32_t> element_flags;        ///< one per element in file order; empty: section left out
+  std::vector<std::vector<XpltRegion>> variables;  ///< one per dictionary entry, in the dictionary's order
+  std::vector<XpltObjectState> objects;            ///< one per object of the mesh, or empty
+  int mesh = 0;                                    ///< index into XpltFile::meshes
+};
+
+struct XpltFile {
+  std::uint32_t version = 0x35;
+  bool compressed = false;
+  std::string software;
+  std::string units;                    ///< empty: none
+  std::vector<XpltVariable> variables;  ///< ordered by group: global, nodal, domain, surface, edge
+  std::vector<XpltMesh> meshes;         ///< almost always one
+  std::vector<XpltState> states;
+  bool truncated = false;  ///< read_xplt: the last state was cut off and left out
+};
+
+/// Number of floats of one value of this variable.
+int floats_per_value(const XpltVariable& variable);
+/// Number of nodes of an element-type code; 0: unknown code.
+int xplt_nodes_per_element(int element_type);
+/// The file format's code of an element shape.
+int xplt_element_type(ElementShape shape);
+
+/// Index in file.variables of the variable with this name in this group, -1 if none.
+int find_variable(const XpltFile& file, XpltGroup group, const std::string& name);
+
+/// The file's bytes. Throws std::logic_error when sizes of `file` do not fit together (our fault), so that
+/// no file a reader would run past its end is ever written; also on NaN or infinite values.
+std::string xplt_bytes(const XpltFile& file);
+
+/// Writes to a temporary file beside `path`, then renames. Throws WriteError.
+void write_xplt(const std::string& path, const XpltFile& file);
+
+/// Reads a plot file of version 0x30 to 0x35, compressed or not. A truncated last state is dropped and
+/// flagged. Throws InputError: not a plot file, older version, inconsistent chunk sizes, ...
+XpltFile read_xplt(const std::string& path);
+
+}  // namespace dea

@@ -1,0 +1,251 @@
+// src/joint_model.h – what a model says: mesh, materials, rigid conditions, contacts, loads, steps.
+//
+// Neutral between file formats and versions: `io/` fills it from a .feb file, `plugin/` from FEBio's own
+// model. It holds statements, not conclusions: which body a cartilage layer belongs to, which thickness
+// it has, which contact is a joint, is found later by make_joint (src/joint.h).
+// Frame: global. Units: whatever the model uses; they pass through unchanged.
+#pragma once
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace dea {
+
+using Eigen::Vector3d;
+
+/// A place in the model's files: `files[file]`, 1-based `line`. line 0: no place (not from a text file).
+struct Origin {
+  int file = 0;
+  int line = 0;
+};
+
+/// Element shapes, FEBio's node order (docs/formats.md).
+enum class ElementShape {
+  Hex8, Hex20, Hex27, Penta6, Penta15, Tet4, Tet5, Tet10, Tet15, Tet20, Pyra5, Pyra13,
+  Tri3, Tri6, Quad4, Quad8, Quad9, Line2, Line3
+};
+
+/// One set of elements of one shape and one material (an `Elements` section).
+struct Domain {
+  std::string name;
+  ElementShape shape = ElementShape::Hex8;
+  int material = -1;                    ///< index into JointModel::materials; -1: the model gives none
+  std::vector<int> element_ids;         ///< as in the file
+  std::vector<int> nodes;               ///< node indices (zero-based), nodes_per_element(shape) each
+  std::vector<double> shell_thickness;  ///< one per element node; empty: none given
+  Origin origin;
+};
+
+/// A list of facets of 3, 4, 6, 7, 8, 9 or 10 nodes. Facet i: nodes[begin[i]] .. nodes[begin[i + 1]].
+struct Surface {
+  std::string name;
+  std::vector<int> begin = {0};  ///< facets + 1 entries
+  std::vector<int> nodes;        ///< node indices (zero-based)
+  Origin origin;
+  int size() const { return static_cast<int>(begin.size()) - 1; }
+};
+
+struct NodeSet {
+  std::string name;
+  std::vector<int> nodes;  ///< node indices (zero-based)
+  Origin origin;
+};
+
+struct ElementSet {
+  std::string name;
+  std::vector<int> element_ids;  ///< element ids as in the file
+  Origin origin;
+};
+
+/// Pairs of nodes joined by discrete springs.
+struct DiscreteSet {
+  std::string name;
+  std::vector<std::array<int, 2>> pairs;  ///< node indices (zero-based)
+  Origin origin;
+};
+
+/// A material, reduced to what rigid-body contact needs.
+struct Material {
+  int id = 0;  ///< 1-based id of the file
+  std::string name;
+  std::string type;  ///< FEBio's type word, nested types after a slash: "biphasic/neo-Hookean"
+  bool rigid = false;
+  double density = 1.0;
+  std::optional<Vector3d> center_of_mass;  ///< rigid: given explicitly; otherwise integrated from the elements
+  double E = std::numeric_limits<double>::quiet_NaN();   ///< small-strain Young's modulus; NaN: see `note`
+  double nu = std::numeric_limits<double>::quiet_NaN();  ///< small-strain Poisson's ratio; NaN: see `note`
+  std::string note;  ///< how E and nu were found ("drained solid"), or why there are none
+  Origin origin;
+};
+
+/// A number of the model that a load controller may scale: factor * controller(t).
+struct Scaled {
+  double factor = 0.0;
+  int controller = -1;  ///< index into JointModel::controllers; -1: constant
+};
+
+/// A function of time given by points. See src/load_curve.h for its value.
+struct LoadController {
+  enum class Interpolate { Linear, Step, Smooth, CubicSpline, ControlPoints, Approximation, SmoothStep, C2Smooth };
+  enum class Extend { Constant, Extrapolate, Repeat, RepeatOffset };
+  int id = 0;  ///< 1-based id of the file
+  std::string name;
+  Interpolate interpolate = Interpolate::Linear;
+  Extend extend = Extend::Constant;
+  std::vector<std::array<double, 2>> points;  ///< (t, value)
+  std::string unsupported;  ///< not empty: a kind of controller we cannot evaluate; refused where it is used
+  Origin origin;
+};
+
+/// Degrees of freedom of a rigid body: translation of the centre of mass along global x, y, z, then the
+/// components of rotation about global x, y, z (Ru, Rv, Rw). Also the order of every 6-vector in this code.
+inline constexpr int kDofs = 6;
+inline constexpr const char* kDofNames[kDofs] = {"x", "y", "z", "Ru", "Rv", "Rw"};
+
+/// `step` of every condition below: -1 = active in all steps, otherwise only in that step.
+/// `material`: index of a rigid material (the body is the one that material became).
+
+struct RigidFixed {
+  int material = -1;
+  std::array<bool, kDofs> dofs = {};
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Prescribed motion of one dof: COM translation, or component of the rotation vector [rad].
+struct RigidPrescribed {
+  int material = -1;
+  int dof = 0;
+  Scaled value;
+  bool relative = false;  ///< from the pose at the start of the step instead of the reference pose
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Force (dof 0-2) or moment (dof 3-5) on a rigid body at its centre of mass.
+struct RigidLoad {
+  enum class Kind { Dead, Follower };  ///< Follower: the vector turns with the body
+  int material = -1;
+  int dof = 0;
+  Scaled value;
+  Kind kind = Kind::Dead;
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Line spring between points of two rigid bodies (global reference coordinates). It pushes when shortened.
+struct RigidSpring {
+  int material_a = -1, material_b = -1;
+  Vector3d insertion_a = Vector3d::Zero(), insertion_b = Vector3d::Zero();
+  double k = 1.0;            ///< force per elongation
+  double free_length = 0.0;  ///< 0: the reference distance
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Springs between nodes; force = stiffness * elongation along the line, tension_only: never pushes.
+struct DiscreteSprings {
+  int set = -1;  ///< index into JointModel::discrete_sets
+  double stiffness = 1.0;
+  bool tension_only = false;
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Nodes held by the ground in the flagged components.
+struct FixedNodes {
+  std::vector<int> nodes;
+  std::array<bool, 3> xyz = {};
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Nodes that move with a rigid body.
+struct RigidNodes {
+  int material = -1;
+  std::vector<int> nodes;
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+struct Contact {
+  enum class Kind { Sliding, Tied };
+  std::string name;
+  std::string type;  ///< FEBio's word
+  Kind kind = Kind::Sliding;
+  int primary = -1, secondary = -1;  ///< indices into JointModel::surfaces
+  double max_distance = 0.0;         ///< tied: facets farther apart are not tied; 0: no limit
+  std::vector<std::string> ignored;  ///< parameters away from their defaults that DEA has no use for: "fric_coeff = 0.2"
+  int step = -1;
+  Origin origin;
+};
+
+struct Step {
+  std::string name;
+  double duration = 0.0;
+  double step_size = 0.0;
+  std::vector<double> must_points;  ///< absolute times inside the step that a result must have
+  Origin origin;
+};
+
+/// Something the file has and we do not use, listed once with how often it occurs.
+struct Remark {
+  std::string what;
+  int count = 1;
+  Origin origin;  ///< first occurrence
+};
+
+struct JointModel {
+  std::vector<std::string> files;  ///< as the user named them; files[0] is the model, then its includes
+  std::string version;             ///< "4.0"
+  std::string module;              ///< "solid"; empty: not given
+  std::string units;               ///< FEBio's name of the unit system; empty: not given
+
+  std::vector<int> node_ids;
+  std::vector<Vector3d> nodes;  ///< reference positions
+  std::vector<Domain> domains;
+  std::vector<Surface> surfaces;
+  std::vector<NodeSet> node_sets;
+  std::vector<ElementSet> element_sets;
+  std::vector<DiscreteSet> discrete_sets;
+  std::vector<Material> materials;
+
+  std::vector<RigidFixed> rigid_fixed;
+  std::vector<RigidPrescribed> rigid_prescribed;
+  std::vector<RigidLoad> rigid_loads;
+  std::vector<RigidSpring> rigid_springs;
+  std::vector<DiscreteSprings> discrete_springs;
+  std::vector<FixedNodes> fixed_nodes;
+  std::vector<RigidNodes> rigid_nodes;
+  std::vector<Contact> contacts;
+  std::vector<LoadController> controllers;
+  std::vector<Step> steps;  ///< at least one
+
+  std::vector<Remark> ignored;      ///< harmless: does not change the joint
+  std::vector<Remark> unsupported;  ///< changes the mechanics and cannot be taken into account: refused by `dea run`
+};
+
+/// "hip.feb:214: " or "hip.feb: " when the line is unknown.
+std::string where(const JointModel& model, Origin origin);
+
+/// Number of nodes of an element of this shape.
+int nodes_per_element(ElementShape shape);
+
+/// True for triangles and quads (shells).
+bool is_shell(ElementShape shape);
+
+/// True for lines (trusses, beams, springs).
+bool is_line(ElementShape shape);
+
+}  // namespace dea

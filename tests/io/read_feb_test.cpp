@@ -1,0 +1,2 @@
+#include "read_feb.h"
+#include <gtest/gtest.h>

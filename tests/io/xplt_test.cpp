@@ -1,0 +1,2 @@
+#include "xplt.h"
+#include <gtest/gtest.h>

@@ -1,0 +1,2 @@
+#include "load_curve.h"
+#include <gtest/gtest.h>
