@@ -1,0 +1,132 @@
+#include "analysis.h"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace dea {
+
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+
+}  // namespace
+
+void refuse_unsupported(const JointModel& model) {
+  if (model.unsupported.empty()) return;
+  const Remark& first = model.unsupported.front();
+  std::string more;
+  if (model.unsupported.size() > 1) more = fmt::format(" (and {} more; `dea info` lists them)", model.unsupported.size() - 1);
+  throw InputError(model, first.origin, first.what + more);
+}
+
+Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options) {
+  refuse_unsupported(model);
+  Analysis analysis;
+  double clock = now();
+  analysis.joint = make_joint(model, settings);
+  const Joint& joint = analysis.joint;
+  const SpringBeds beds = make_spring_beds(joint, settings);
+  const FieldMaps maps = make_field_maps(model, joint);
+  analysis.seconds_joint = now() - clock;
+
+  clock = now();
+  const std::vector<TimePoint> times = options.times.empty() ? model_times(model) : options.times;
+  std::vector<Pose> poses = reference_poses(joint), step_start = poses;
+  int step = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (times[i].step != step) {
+      step = times[i].step;
+      step_start = poses;
+    }
+    const LoadCase conditions = make_load_case(model, joint, settings, times[i].step, times[i].time);
+    StateResult state;
+    state.when = times[i];
+    const bool reference = i == 0 && times[i].time <= 0.0;
+    state.equilibrium = reference ? state_at(joint, beds, conditions, poses)
+                                  : solve_equilibrium(joint, beds, conditions, poses, step_start, options.equilibrium);
+    poses = state.equilibrium.poses;
+    const bool wanted = options.wanted.empty() || options.wanted[i];
+    if (wanted) {
+      state.fields = contact_fields(joint, beds, maps, state.equilibrium);
+      state.statistics = contact_statistics(joint, beds, maps, state.equilibrium, state.fields);
+      state.displacements = node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);
+    }
+    if (options.progress) options.progress(state, i, times.size());
+    state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported
+    if (wanted) analysis.states.push_back(std::move(state));
+  }
+  analysis.seconds_solve = now() - clock;
+  return analysis;
+}
+
+std::vector<Convergence> converge(const JointModel& model, Settings settings, double target, int max_springs,
+                                  const std::function<void(const ConvergenceRow&)>& progress) {
+  refuse_unsupported(model);
+  std::vector<Convergence> result;
+  const std::vector<TimePoint> times = model_times(model);
+  for (int refine = 1;; refine *= 2) {
+    settings.refine = refine;
+    AnalysisOptions options;
+    options.times = times;
+    options.wanted.assign(times.size(), 0);
+    options.wanted.back() = 1;
+    const Analysis analysis = analyse(model, settings, options);
+    const StateResult& last = analysis.states.back();
+    int springs = 0;
+    bool done = refine > 1;
+    for (std::size_t c = 0; c < last.statistics.size(); ++c) {
+      const ContactStatistics& s = last.statistics[c];
+      if (result.size() <= c) {
+        result.emplace_back();
+        result.back().contact = analysis.joint.contacts[c].name;
+      }
+      ConvergenceRow row;
+      row.refine = refine;
+      row.springs = s.springs;
+      row.springs_hit = s.springs_hit;
+      row.springs_active = s.springs_active;
+      row.peak = s.peak;
+      row.mean = s.mean;
+      row.area = s.contact_area;
+      row.outcome = last.equilibrium.outcome;
+      const auto change = [&](double now_value, double before) { return before != 0 ? std::abs(now_value - before) / std::abs(before) : std::numeric_limits<double>::quiet_NaN(); };
+      if (result[c].rows.empty()) {
+        row.change_peak = row.change_mean = row.change_area = std::numeric_limits<double>::quiet_NaN();
+      } else {
+        const ConvergenceRow& before = result[c].rows.back();
+        row.change_peak = change(row.peak, before.peak);
+        row.change_mean = change(row.mean, before.mean);
+        row.change_area = change(row.area, before.area);
+      }
+      done = done && row.change_peak < target && row.change_mean < target && row.change_area < target;
+      springs = std::max(springs, row.springs);
+      result[c].rows.push_back(row);
+      if (progress) progress(row);
+    }
+    const double next = 4.0 * springs;
+    if (done || next > max_springs) break;
+  }
+  for (Convergence& c : result) {
+    const auto reached = [&](double limit) {
+      // the row before the first small change already was fine enough, if all later changes stay small
+      int springs = -1;
+      for (std::size_t i = c.rows.size(); i-- > 1;) {
+        const ConvergenceRow& r = c.rows[i];
+        if (!(r.change_peak < limit && r.change_mean < limit && r.change_area < limit)) break;
+        springs = c.rows[i - 1].springs;
+      }
+      return springs;
+    };
+    c.springs_5_percent = reached(0.05);
+    c.springs_1_percent = reached(0.01);
+  }
+  return result;
+}
+
+}  // namespace dea

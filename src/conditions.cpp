@@ -1,0 +1,146 @@
+#include "conditions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "error.h"
+#include "load_curve.h"
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Two times that differ by rounding of n * step_size only.
+bool same_time(double a, double b, double scale) { return std::abs(a - b) <= 1e-9 * std::max(scale, 1e-300); }
+
+int body_of(const Joint& joint, int material) {
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    for (int m : joint.bodies[b].materials)
+      if (m == material) return static_cast<int>(b);
+  return -1;
+}
+
+}  // namespace
+
+LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wanted) {
+  LoadPointFound found;
+  found.point = wanted.point;
+  if (!wanted.sphere_center) return found;
+  for (const ContactPair& pair : joint.contacts) {
+    for (const Layer& layer : pair.layers) {
+      if (layer.body != body) continue;
+      found.fit = fit_sphere(layer.articular);
+      found.point = found.fit.center;
+      found.fitted = true;
+      return found;
+    }
+  }
+  throw UsageError(fmt::format("--load-at {}=sphere-center: this body has no articular surface", joint.bodies[at(body)].name));
+}
+
+LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time) {
+  LoadCase c;
+  c.time = time;
+  c.step = step;
+  c.bodies.resize(joint.bodies.size());
+  const auto active = [&](int condition_step) { return condition_step < 0 || condition_step == step; };
+  for (const ContactPair& pair : joint.contacts) c.contact_active.push_back(active(pair.step));
+  for (const Ligament& l : joint.ligaments) c.ligament_active.push_back(active(l.step));
+
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    if (joint.bodies[b].ground) c.bodies[b].dofs.fill(DofState::Held);
+  for (const RigidFixed& f : model.rigid_fixed) {
+    const int b = body_of(joint, f.material);
+    if (!active(f.step) || b < 0) continue;
+    for (std::size_t k = 0; k < kDofs; ++k)
+      if (f.dofs[k]) c.bodies[at(b)].dofs[k] = DofState::Held;
+  }
+  for (const auto& entry : settings.free) {
+    const int b = joint.find_body(model, entry.first);
+    for (std::size_t k = 0; k < kDofs; ++k) c.bodies[at(b)].dofs[k] = entry.second[k] ? DofState::Free : DofState::Held;
+  }
+  for (const RigidPrescribed& p : model.rigid_prescribed) {
+    const int b = body_of(joint, p.material);
+    if (!active(p.step) || b < 0) continue;
+    c.bodies[at(b)].dofs[at(p.dof)] = DofState::Prescribed;
+    c.bodies[at(b)].value[p.dof] = value(model, p.value, time);
+    c.bodies[at(b)].relative[at(p.dof)] = p.relative;
+  }
+  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
+    const auto& dofs = c.bodies[b].dofs;
+    const bool any = std::count(dofs.begin() + 3, dofs.end(), DofState::Prescribed) > 0;
+    if (any && std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0)
+      throw InputError(where(model, {0, 0}) + fmt::format("body \"{}\": some rotations are prescribed and others free; FEBio and DEA need all three prescribed or "
+                                     "fixed (a fixed one counts as 0)", joint.bodies[b].name));
+  }
+  std::vector<char> force_replaced(joint.bodies.size(), 0);
+  for (const auto& entry : settings.force) force_replaced[at(joint.find_body(model, entry.first))] = 1;
+  for (const RigidLoad& l : model.rigid_loads) {
+    const int b = body_of(joint, l.material);
+    if (!active(l.step) || b < 0) continue;
+    if (l.dof < 3 && force_replaced[at(b)]) continue;
+    Vector6& load = l.kind == RigidLoad::Kind::Follower ? c.bodies[at(b)].follower : c.bodies[at(b)].dead;
+    load[l.dof] += value(model, l.value, time);
+  }
+  for (const auto& entry : settings.force) {
+    const int b = joint.find_body(model, entry.first);
+    const std::vector<double> starts = step_starts(model);
+    const int last = static_cast<int>(model.steps.size()) - 1;
+    if (step != last) continue;
+    const double duration = starts[at(last) + 1] - starts[at(last)];
+    const double ramp = duration > 0 ? std::clamp((time - starts[at(last)]) / duration, 0.0, 1.0) : 1.0;
+    c.bodies[at(b)].dead.head<3>() = ramp * entry.second;
+  }
+  for (const auto& entry : settings.load_at) {
+    const int b = joint.find_body(model, entry.first);
+    c.bodies[at(b)].arm = find_load_point(joint, b, entry.second).point - joint.bodies[at(b)].center_of_mass;
+  }
+  return c;
+}
+
+std::vector<double> step_starts(const JointModel& model) {
+  std::vector<double> starts = {0.0};
+  for (const Step& s : model.steps) starts.push_back(starts.back() + s.duration);
+  return starts;
+}
+
+std::vector<TimePoint> model_times(const JointModel& model) {
+  std::vector<TimePoint> times = {{0.0, 0}};
+  const std::vector<double> starts = step_starts(model);
+  for (int s = 0; s < static_cast<int>(model.steps.size()); ++s) {
+    const Step& step = model.steps[at(s)];
+    const double start = starts[at(s)], end = starts[at(s) + 1];
+    const double scale = std::max(std::abs(end), step.duration);
+    std::vector<double> in_step = step.must_points;
+    if (step.step_size > 0) {
+      const auto whole = static_cast<long>(std::floor(step.duration / step.step_size * (1 + 1e-9)));
+      for (long i = 1; i <= whole; ++i) in_step.push_back(start + static_cast<double>(i) * step.step_size);
+    }
+    in_step.push_back(end);
+    std::sort(in_step.begin(), in_step.end());
+    for (double t : in_step) {
+      if (t <= start || same_time(t, start, scale) || t > end * (1 + 1e-12) + 1e-300) continue;
+      if (same_time(t, end, scale)) t = end;
+      if (!same_time(t, times.back().time, scale)) times.push_back({t, s});
+    }
+  }
+  return times;
+}
+
+std::vector<TimePoint> place_times(const JointModel& model, const std::vector<double>& times) {
+  const std::vector<double> starts = step_starts(model);
+  std::vector<TimePoint> placed;
+  for (double t : times) {
+    int s = 0;
+    // plot files hold times in single precision
+    while (s + 1 < static_cast<int>(model.steps.size()) && t > starts[at(s) + 1] * (1 + 1e-6)) ++s;
+    placed.push_back({t, s});
+  }
+  return placed;
+}
+
+}  // namespace dea

@@ -1,0 +1,67 @@
+// src/conditions.h – what holds, moves and loads the bodies at one time.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "joint.h"
+#include "springs.h"
+
+namespace dea {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// What the model asks of one dof of a body (order of kDofs).
+enum class DofState {
+  Free,        ///< an unknown of the equilibrium
+  Held,        ///< stays where it is
+  Prescribed   ///< follows a given motion
+};
+
+struct BodyConditions {
+  std::array<DofState, kDofs> dofs = {};  ///< all Free
+  Vector6 value = Vector6::Zero();        ///< prescribed: translation of the centre of mass, rotation vector [rad]
+  std::array<bool, kDofs> relative = {};  ///< prescribed from the pose at the start of the step
+  Vector6 dead = Vector6::Zero();         ///< force and moment with fixed directions
+  Vector6 follower = Vector6::Zero();     ///< force that turns with the body (reference directions)
+  Vector3d arm = Vector3d::Zero();        ///< where the force acts, from the centre of mass (turns with the body)
+};
+
+struct LoadCase {
+  double time = 0.0;
+  int step = 0;
+  std::vector<BodyConditions> bodies;   ///< one per body of the joint
+  std::vector<char> contact_active;     ///< one per contact
+  std::vector<char> ligament_active;    ///< one per ligament
+};
+
+/// Conditions at `time` in `step`, overrides of the settings included:
+///   --free BODY=dofs: of the dofs that are not prescribed, these are free and the others held, in every step
+///   --force BODY=F: takes the place of all rigid forces (not moments) on the body, growing from 0 to F over the last step
+///   --load-at BODY=point: where the force acts
+/// Throws InputError where rotations are prescribed in part.
+LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time);
+
+/// Reference coordinates where the force on a body acts by settings.load_at; for sphere-center the fit is returned
+/// too (through the body's articular surface of the first contact that has it).
+struct LoadPointFound {
+  Vector3d point = Vector3d::Zero();
+  bool fitted = false;
+  SphereFit fit;
+};
+LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wanted);
+
+/// Times of the states: 0, every step_size, ends of steps, must points; and the step each belongs to.
+struct TimePoint {
+  double time = 0.0;
+  int step = 0;
+};
+std::vector<TimePoint> model_times(const JointModel& model);
+
+/// Start time of each step, and the end of the last.
+std::vector<double> step_starts(const JointModel& model);
+
+/// The given times (of an FEA result, say) with the step each belongs to; time 0 and ends of steps belong to the
+/// earlier step.
+std::vector<TimePoint> place_times(const JointModel& model, const std::vector<double>& times);
+
+}  // namespace dea

@@ -1,0 +1,736 @@
+#include "joint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "bodies.h"
+#include "element_faces.h"
+#include "error.h"
+#include "ray_caster.h"
+#include "thickness.h"
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::string quoted_list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& n : names) text += (text.empty() ? "\"" : ", \"") + n + "\"";
+  return text.empty() ? "none" : text;
+}
+
+/// A face of an element, found by its corner nodes.
+struct ElementFace {
+  int domain, element, face;
+};
+
+using CornerKey = std::array<int, 4>;  // sorted corner nodes, -1 padded
+
+CornerKey corner_key(const int* nodes, int corners) {
+  CornerKey key = {-1, -1, -1, -1};
+  for (int k = 0; k < corners; ++k) key[at(k)] = nodes[k];
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+struct KeyHash {
+  std::size_t operator()(const CornerKey& k) const {
+    std::size_t h = 1469598103934665603ull;
+    for (int v : k) h = (h ^ static_cast<std::size_t>(v)) * 1099511628211ull;
+    return h ^ (h >> 29);
+  }
+};
+
+using FaceMap = std::unordered_map<CornerKey, std::vector<ElementFace>, KeyHash>;
+
+/// Everything that recognition looks up again and again.
+struct Recognition {
+  const JointModel& model;
+  const Settings& settings;
+  std::vector<char> rigid;     // per material
+  Bodies bodies;
+  std::vector<int> region;     // per node: root node of its deformable region, -1: in no deformable solid element
+  FaceMap faces;               // element faces all of whose corners are nodes of a contact surface
+  std::map<int, std::map<int, std::string>> held;      // region root -> body -> how
+  std::vector<std::vector<std::pair<int, int>>> node_holders;  // per node: (body, 0) for all that hold it
+};
+
+int surface_index(const JointModel& model, const std::string& name) {
+  for (std::size_t i = 0; i < model.surfaces.size(); ++i)
+    if (model.surfaces[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+std::vector<std::string> surface_names(const JointModel& model) {
+  std::vector<std::string> names;
+  for (const Surface& s : model.surfaces) names.push_back(s.name);
+  return names;
+}
+
+bool deformable(const Recognition& r, const Domain& d) {
+  return d.material >= 0 && !r.rigid[at(d.material)] && !is_line(d.shape) && !is_shell(d.shape);
+}
+
+void find_regions(Recognition& r) {
+  const JointModel& model = r.model;
+  std::vector<int> parent(model.nodes.size(), -1);
+  const auto root = [&](int i) {
+    while (parent[at(i)] != i) {
+      parent[at(i)] = parent[at(parent[at(i)])];
+      i = parent[at(i)];
+    }
+    return i;
+  };
+  for (const Domain& d : model.domains) {
+    if (!deformable(r, d)) continue;
+    const int n = nodes_per_element(d.shape);
+    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+      const int* nodes = d.nodes.data() + e * at(n);
+      for (int k = 0; k < n; ++k)
+        if (parent[at(nodes[k])] < 0) parent[at(nodes[k])] = nodes[k];
+      int a = root(nodes[0]);
+      for (int k = 1; k < n; ++k) {
+        const int b = root(nodes[k]);
+        parent[at(std::max(a, b))] = std::min(a, b);
+        a = std::min(a, b);
+      }
+    }
+  }
+  r.region.assign(model.nodes.size(), -1);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (parent[i] >= 0) r.region[i] = root(static_cast<int>(i));
+}
+
+void find_faces(Recognition& r) {
+  const JointModel& model = r.model;
+  std::vector<char> on_surface(model.nodes.size(), 0);
+  const auto mark = [&](int surface) {
+    if (surface < 0) return;
+    for (int node : model.surfaces[at(surface)].nodes) on_surface[at(node)] = 1;
+  };
+  for (const Contact& c : model.contacts) {
+    mark(c.primary);
+    mark(c.secondary);
+  }
+  for (const auto& entry : r.settings.bone) mark(surface_index(model, entry.second));
+  int face_nodes[9];
+  for (int d = 0; d < static_cast<int>(model.domains.size()); ++d) {
+    const Domain& domain = model.domains[at(d)];
+    const int n = nodes_per_element(domain.shape);
+    const auto& faces = element_faces(domain.shape);
+    for (int e = 0; e < static_cast<int>(domain.element_ids.size()); ++e) {
+      const int* nodes = domain.nodes.data() + static_cast<std::ptrdiff_t>(e) * n;
+      for (int f = 0; f < static_cast<int>(faces.size()); ++f) {
+        const int corners = facet_corners(static_cast<int>(faces[at(f)].size()));
+        bool all = true;
+        for (int k = 0; k < corners && all; ++k) {
+          face_nodes[k] = nodes[faces[at(f)][at(k)]];
+          all = on_surface[at(face_nodes[k])];
+        }
+        if (all) r.faces[corner_key(face_nodes, corners)].push_back({d, e, f});
+      }
+    }
+  }
+}
+
+/// A distinct corner list: degenerate quads (a repeated node) are looked up by their three corners too.
+const std::vector<ElementFace>* find_face(const Recognition& r, const int* nodes, int count) {
+  const auto found = r.faces.find(corner_key(nodes, facet_corners(count)));
+  return found == r.faces.end() ? nullptr : &found->second;
+}
+
+/// The element that carries a facet: a deformable solid before a rigid solid before a shell.
+const ElementFace* carrier(const Recognition& r, const std::vector<ElementFace>& candidates) {
+  const ElementFace* best = nullptr;
+  int best_rank = 4;
+  for (const ElementFace& c : candidates) {
+    const Domain& d = r.model.domains[at(c.domain)];
+    const int rank = deformable(r, d) ? 0 : is_shell(d.shape) ? 2 : d.material >= 0 ? 1 : 3;
+    if (rank < best_rank) {
+      best = &c;
+      best_rank = rank;
+    }
+  }
+  return best;
+}
+
+void hold(Recognition& r, int node, int body, const std::string& how) {
+  if (r.region[at(node)] < 0) return;
+  r.held[r.region[at(node)]].try_emplace(body, how);
+  auto& holders = r.node_holders[at(node)];
+  for (const auto& h : holders)
+    if (h.first == body) return;
+  holders.emplace_back(body, 0);
+}
+
+/// The body of a surface as far as it is known: -1 not (yet).
+int body_of_surface_nodes(const Recognition& r, const Surface& s) {
+  int body = -1;
+  for (int node : s.nodes) {
+    int b = r.bodies.of_node[at(node)];
+    if (r.region[at(node)] >= 0 && b < 0) {
+      const auto found = r.held.find(r.region[at(node)]);
+      if (found != r.held.end() && found->second.size() == 1) b = found->second.begin()->first;
+    }
+    if (b >= 0 && body >= 0 && b != body) return -1;
+    if (b >= 0) body = b;
+  }
+  return body;
+}
+
+void find_holders(Recognition& r) {
+  const JointModel& model = r.model;
+  r.node_holders.resize(model.nodes.size());
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const int b = r.bodies.of_node[i];
+    if (b >= 0) hold(r, static_cast<int>(i), b, fmt::format("shares nodes with rigid body \"{}\"", r.bodies.bodies[at(b)].name));
+  }
+  for (const RigidNodes& set : model.rigid_nodes) {
+    const int b = r.bodies.of_material[at(set.material)];
+    for (int node : set.nodes)
+      hold(r, node, b, fmt::format("rigid node set \"{}\" on body \"{}\"", set.name, r.bodies.bodies[at(b)].name));
+  }
+  // fixed in all three components, by one condition or several; in fewer it is a symmetry plane
+  std::vector<std::array<bool, 3>> fixed;
+  for (const FixedNodes& f : model.fixed_nodes) {
+    if (fixed.empty()) fixed.resize(model.nodes.size(), {false, false, false});
+    for (int node : f.nodes)
+      for (std::size_t k = 0; k < 3; ++k) fixed[at(node)][k] = fixed[at(node)][k] || f.xyz[k];
+  }
+  for (std::size_t i = 0; i < fixed.size(); ++i)
+    if (fixed[i][0] && fixed[i][1] && fixed[i][2]) hold(r, static_cast<int>(i), r.bodies.ground(), "nodes fixed in x, y and z");
+
+  // Tied contacts: a surface takes the body of the one it is tied to. Repeat, for layers tied to layers.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Contact& c : model.contacts) {
+      if (c.kind != Contact::Kind::Tied || c.primary < 0 || c.secondary < 0) continue;
+      const Surface *a = &model.surfaces[at(c.primary)], *b = &model.surfaces[at(c.secondary)];
+      for (int side = 0; side < 2; ++side, std::swap(a, b)) {
+        const int from = body_of_surface_nodes(r, *b);
+        if (from < 0 || body_of_surface_nodes(r, *a) >= 0) continue;
+        const SurfaceMesh mesh = make_surface_mesh(b->begin, b->nodes, model.nodes);
+        if (mesh.size() == 0) continue;
+        const RayCaster caster(mesh);
+        for (int node : a->nodes) {
+          if (r.region[at(node)] < 0) continue;
+          if (c.max_distance > 0) {
+            const Vector3d& x = model.nodes[at(node)];
+            if ((position(mesh, caster.closest(x)) - x).norm() > c.max_distance) continue;
+          }
+          hold(r, node, from, fmt::format("tied contact \"{}\" to body \"{}\"", c.name, r.bodies.bodies[at(from)].name));
+          changed = true;
+        }
+      }
+    }
+  }
+}
+
+/// Facets of a surface with their carrying elements, oriented out of them.
+struct CarriedSurface {
+  std::vector<int> begin = {0};
+  std::vector<int> nodes;
+  std::vector<ElementFace> carriers;  // one per facet
+  bool on_shells = false;
+};
+
+CarriedSurface carry(const Recognition& r, int surface) {
+  const JointModel& model = r.model;
+  const Surface& s = model.surfaces[at(surface)];
+  if (s.size() == 0) throw InputError(model, s.origin, fmt::format("surface \"{}\" has no facets", s.name));
+  CarriedSurface out;
+  int face_nodes[9];
+  for (int f = 0; f < s.size(); ++f) {
+    const int first = s.begin[at(f)], count = s.begin[at(f) + 1] - first;
+    const std::vector<ElementFace>* candidates = find_face(r, s.nodes.data() + first, count);
+    const ElementFace* c = candidates ? carrier(r, *candidates) : nullptr;
+    if (!c) {
+      std::string ids;
+      for (int k = 0; k < count; ++k) ids += fmt::format("{}{}", k ? "," : "", model.node_ids[at(s.nodes[at(first + k)])]);
+      throw InputError(model, s.origin, fmt::format("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the "
+                                   "mesh do not fit together, define the surface again on this mesh", s.name, f + 1, ids));
+    }
+    const Domain& d = model.domains[at(c->domain)];
+    out.carriers.push_back(*c);
+    std::vector<int> facet(s.nodes.begin() + first, s.nodes.begin() + first + count);
+    if (is_shell(d.shape)) {
+      out.on_shells = true;  // a shell has two sides: the surface's own orientation tells which
+    } else {
+      const ElementVolume v = element_volume(model, d, c->element);
+      if (!(v.volume > 0))
+        throw InputError(model, d.origin, fmt::format("element {} of \"{}\" is inside out (volume {:g}); check the node order of its elements",
+                                     d.element_ids[at(c->element)], d.name, v.volume));
+      const auto& face = element_faces(d.shape)[at(c->face)];
+      for (std::size_t k = 0; k < face.size(); ++k)
+        face_nodes[k] = d.nodes[at(c->element * nodes_per_element(d.shape) + face[k])];
+      // same sense of rotation as the element's outward face?
+      const int corners = facet_corners(count);
+      int k0 = 0;
+      while (k0 < corners && face_nodes[k0] != facet[0]) ++k0;
+      const bool same = k0 < corners && face_nodes[(k0 + 1) % corners] == facet[1];
+      if (!same) {
+        std::reverse(facet.begin() + 1, facet.begin() + corners);
+        if (count >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
+      }
+    }
+    out.nodes.insert(out.nodes.end(), facet.begin(), facet.end());
+    out.begin.push_back(static_cast<int>(out.nodes.size()));
+  }
+  return out;
+}
+
+std::string surface_override(const std::map<std::string, std::string>& values, const std::string& surface) {
+  const auto found = values.find(surface);
+  return found == values.end() ? std::string() : found->second;
+}
+
+std::optional<double> surface_override(const std::map<std::string, double>& values, const std::string& surface) {
+  auto found = values.find(surface);
+  if (found == values.end()) found = values.find("");
+  return found == values.end() ? std::nullopt : std::optional<double>(found->second);
+}
+
+int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const std::string& name) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].name == name) return static_cast<int>(b);
+    for (int m : bodies[b].materials)
+      if (model.materials[at(m)].name == name) return static_cast<int>(b);
+  }
+  return -1;
+}
+
+/// Faces of the region's elements all of whose nodes are held by `body`, on the region's boundary, oriented into
+/// the layer; the articular facets left out.
+SurfaceMesh bone_surface(const Recognition& r, int root, int body, const CarriedSurface& articular) {
+  const JointModel& model = r.model;
+  std::vector<char> is_held(model.nodes.size(), 0);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    if (r.region[i] != root) continue;
+    for (const auto& h : r.node_holders[i])
+      if (h.first == body) is_held[i] = 1;
+  }
+  std::set<CornerKey> own;
+  for (std::size_t f = 0; f + 1 < articular.begin.size(); ++f) {
+    const int first = articular.begin[f], count = articular.begin[f + 1] - first;
+    own.insert(corner_key(articular.nodes.data() + first, facet_corners(count)));
+  }
+  struct Found {
+    int count = 0;
+    std::vector<int> nodes;
+    std::size_t order = 0;
+  };
+  std::unordered_map<CornerKey, Found, KeyHash> faces;
+  std::size_t order = 0;
+  std::vector<int> face_nodes;
+  for (const Domain& d : model.domains) {
+    if (!deformable(r, d)) continue;
+    const int n = nodes_per_element(d.shape);
+    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+      const int* nodes = d.nodes.data() + e * at(n);
+      if (r.region[at(nodes[0])] != root) continue;
+      for (const auto& face : element_faces(d.shape)) {
+        face_nodes.clear();
+        bool all = true;
+        for (int k : face) {
+          all = all && is_held[at(nodes[k])];
+          face_nodes.push_back(nodes[k]);
+        }
+        if (!all) continue;
+        const int corners = facet_corners(static_cast<int>(face.size()));
+        const CornerKey key = corner_key(face_nodes.data(), corners);
+        if (own.count(key)) continue;
+        Found& found = faces[key];
+        if (found.count++ > 0) continue;
+        found.order = order++;
+        std::reverse(face_nodes.begin() + 1, face_nodes.begin() + corners);  // from out of the element to into it
+        if (static_cast<int>(face_nodes.size()) >= 2 * corners) std::reverse(face_nodes.begin() + corners, face_nodes.begin() + 2 * corners);
+        found.nodes = face_nodes;
+      }
+    }
+  }
+  std::vector<const Found*> boundary;
+  for (const auto& entry : faces)
+    if (entry.second.count == 1) boundary.push_back(&entry.second);
+  std::sort(boundary.begin(), boundary.end(), [](const Found* a, const Found* b) { return a->order < b->order; });
+  std::vector<int> begin = {0}, list;
+  for (const Found* f : boundary) {
+    list.insert(list.end(), f->nodes.begin(), f->nodes.end());
+    begin.push_back(static_cast<int>(list.size()));
+  }
+  return make_surface_mesh(begin, list, model.nodes);
+}
+
+Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
+  const JointModel& model = r.model;
+  const Settings& settings = r.settings;
+  const Surface& s = model.surfaces[at(surface)];
+  const auto refuse = [&](const std::string& text) -> InputError {
+    return InputError(model, s.origin, fmt::format("contact \"{}\", surface \"{}\": {}", contact.name, s.name, text));
+  };
+  const CarriedSurface carried = carry(r, surface);
+
+  Layer layer;
+  layer.surface = surface;
+  layer.springs_at = settings.springs_at;
+
+  // What carries the facets: one deformable region, or one rigid body.
+  std::set<int> roots, bodies;
+  std::map<int, int> materials;  // deformable material -> facets
+  for (const ElementFace& c : carried.carriers) {
+    const Domain& d = model.domains[at(c.domain)];
+    if (d.material < 0)
+      throw refuse(fmt::format("its elements \"{}\" have no material (no domain in MeshDomains); give them one", d.name));
+    if (r.rigid[at(d.material)]) {
+      bodies.insert(r.bodies.of_material[at(d.material)]);
+    } else if (is_shell(d.shape)) {
+      throw refuse(fmt::format("lies on deformable shells (\"{}\"); DEA needs a solid cartilage layer or a rigid surface: "
+                               "mesh the layer with solid elements, or take the shells as rigid with --rigid \"{}\"",
+                               d.name, model.materials[at(d.material)].name));
+    } else {
+      roots.insert(r.region[at(d.nodes[at(c.element * nodes_per_element(d.shape))])]);
+      ++materials[d.material];
+    }
+  }
+  if (!roots.empty() && !bodies.empty()) throw refuse("lies partly on rigid, partly on deformable elements; split it into two surfaces");
+  if (roots.size() > 1) throw refuse(fmt::format("lies on {} separate deformable parts; split it into one surface per part", roots.size()));
+
+  std::vector<int> zero;
+  layer.articular = make_surface_mesh(carried.begin, carried.nodes, model.nodes, &zero);
+  if (!zero.empty()) {
+    const int f = zero.front();
+    throw refuse(fmt::format("facet {} has no area ({} such facets); repair the mesh", f + 1, zero.size()));
+  }
+
+  const std::string attach = surface_override(settings.attach, s.name);
+  if (!attach.empty()) {
+    layer.body = attach == "ground" ? r.bodies.ground() : body_by_name(model, r.bodies.bodies, attach);
+    if (layer.body < 0) throw UsageError(fmt::format("--attach {}={}: the model has no rigid body of this name", s.name, attach));
+    layer.attached_by = "attached by the user";
+  }
+  const std::optional<double> given_thickness = surface_override(settings.thickness, s.name);
+  const std::optional<double> given_E = surface_override(settings.E, s.name), given_nu = surface_override(settings.nu, s.name);
+
+  if (roots.empty()) {  // a rigid surface
+    if (bodies.size() > 1) throw refuse("lies on several rigid bodies; split it into one surface per body");
+    if (layer.body < 0) {
+      layer.body = *bodies.begin();
+      layer.attached_by = "is a surface of the rigid body itself";
+    }
+    layer.rigid = !given_thickness || *given_thickness == 0.0;
+    layer.bone = layer.articular;
+  } else {
+    const int root = *roots.begin();
+    const auto held = r.held.find(root);
+    if (layer.body < 0) {
+      if (held == r.held.end() || held->second.empty()) {
+        std::string others;
+        for (std::size_t b = 0; b + 1 < r.bodies.bodies.size(); ++b) others += (b ? ", " : "") + r.bodies.bodies[b].name;
+        throw refuse(fmt::format("its layer is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in x, y and z); "
+                                 "name the body with --attach \"{}=BODY\" (bodies: {}), or take its bone as rigid with --rigid MATERIAL "
+                                 "(deformable materials of this part: {})",
+                                 s.name, others.empty() ? "none" : others, [&] {
+                                   std::vector<std::string> names;
+                                   for (const auto& m : materials) names.push_back(model.materials[at(m.first)].name);
+                                   return quoted_list(names);
+                                 }()));
+      }
+      if (held->second.size() > 1) {
+        std::string list;
+        for (const auto& h : held->second) list += (list.empty() ? "" : "; ") + h.second;
+        throw refuse(fmt::format("its layer is held by {} bodies ({}); choose with --attach \"{}=BODY\"", held->second.size(), list, s.name));
+      }
+      layer.body = held->second.begin()->first;
+      layer.attached_by = held->second.begin()->second;
+    }
+    layer.material = materials.begin()->first;
+    for (const auto& m : materials)
+      if (m.second > materials[layer.material]) layer.material = m.first;
+
+    // Another, much stiffer material in the same deformable part is a deformable bone: the "layer" would be bone and all.
+    std::set<int> region_materials;
+    std::set<int> nodes;
+    for (const Domain& d : model.domains) {
+      if (!deformable(r, d)) continue;
+      const int n = nodes_per_element(d.shape);
+      for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+        if (r.region[at(d.nodes[e * at(n)])] != root) continue;
+        region_materials.insert(d.material);
+        for (int k = 0; k < n; ++k) nodes.insert(d.nodes[e * at(n) + at(k)]);
+        if (!is_shell(d.shape)) {
+          const ElementVolume v = element_volume(model, d, static_cast<int>(e));
+          if (!(v.volume > 0))
+            throw InputError(model, d.origin, fmt::format("element {} of \"{}\" is inside out (volume {:g}); check the node order of its elements",
+                                         d.element_ids[e], d.name, v.volume));
+        }
+      }
+    }
+    layer.region_nodes.assign(nodes.begin(), nodes.end());
+    const double E = model.materials[at(layer.material)].E;
+    for (int m : region_materials) {
+      const double other = model.materials[at(m)].E;
+      if (m == layer.material || given_thickness) continue;
+      if (!(other <= 5.0 * E))
+        throw refuse(fmt::format("its part also holds material \"{}\" ({}), a deformable bone? DEA keeps bones rigid: type --rigid \"{}\"",
+                                 model.materials[at(m)].name,
+                                 std::isnan(other) ? "no modulus known" : fmt::format("E = {:g} against {:g} of \"{}\"", other, E, model.materials[at(layer.material)].name),
+                                 model.materials[at(m)].name));
+    }
+
+    const std::string bone = surface_override(settings.bone, s.name);
+    if (!bone.empty()) {
+      const int b = surface_index(model, bone);
+      if (b < 0) throw UsageError(fmt::format("--bone {}={}: the model has no surface \"{}\"; it has {}", s.name, bone, bone, quoted_list(surface_names(model))));
+      const CarriedSurface facets = carry(r, b);
+      layer.bone = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
+      // out of the bone means: towards the articular surface
+      const RayCaster caster(layer.articular);
+      double towards = 0.0;
+      for (int t = 0; t < layer.bone.size(); ++t)
+        towards += layer.bone.areas[at(t)] * layer.bone.normals[at(t)].dot(position(layer.articular, caster.closest(layer.bone.centroid(t))) - layer.bone.centroid(t));
+      if (towards < 0) {
+        std::vector<int> begin = {0}, list;
+        for (int t = 0; t < layer.bone.size(); ++t) {
+          const auto& tri = layer.bone.triangles[at(t)];
+          for (int v : {tri[0], tri[2], tri[1]}) list.push_back(layer.bone.model_nodes[at(v)]);
+          begin.push_back(static_cast<int>(list.size()));
+        }
+        layer.bone = make_surface_mesh(begin, list, model.nodes);
+      }
+    } else {
+      layer.bone = bone_surface(r, root, layer.body, carried);
+    }
+    if (layer.bone.size() == 0) {
+      if (!given_thickness)
+        throw refuse(fmt::format("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone surface to measure the "
+                                 "thickness to; name it with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
+                                 r.bodies.bodies[at(layer.body)].name, s.name, s.name));
+      if (layer.springs_at == SpringsAt::Bone)
+        throw refuse(fmt::format("--springs-at bone needs a bone surface; name it with --bone \"{}=SURFACE\"", s.name));
+      layer.bone = layer.articular;
+    }
+  }
+
+  // Modulus.
+  if (!layer.rigid) {
+    if (layer.material >= 0) layer.elasticity = {model.materials[at(layer.material)].E, model.materials[at(layer.material)].nu};
+    else layer.elasticity = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    if (given_E) layer.elasticity.E = *given_E;
+    if (given_nu) layer.elasticity.nu = *given_nu;
+    const std::string who = layer.material >= 0 ? fmt::format("material \"{}\" (type {})", model.materials[at(layer.material)].name, model.materials[at(layer.material)].type)
+                                                : std::string("the rigid surface");
+    if (std::isnan(layer.elasticity.E) || std::isnan(layer.elasticity.nu)) {
+      const std::string note = layer.material >= 0 ? model.materials[at(layer.material)].note : "no cartilage material";
+      throw refuse(fmt::format("{} gives no E and nu{}; give them with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who, note.empty() ? "" : " (" + note + ")", s.name, s.name));
+    }
+    if (!(layer.elasticity.E > 0) || !(layer.elasticity.nu > -1 && layer.elasticity.nu < 0.5))
+      throw refuse(fmt::format("E = {:g}, nu = {:g}; need E > 0 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed)", layer.elasticity.E, layer.elasticity.nu));
+  }
+
+  // Thickness.
+  const std::size_t n = layer.spring_surface().vertices.size();
+  if (layer.rigid) {
+    layer.thickness.assign(n, 0.0);
+    layer.missed.assign(n, 0);
+  } else if (given_thickness) {
+    if (!(*given_thickness > 0) || !std::isfinite(*given_thickness))
+      throw UsageError(fmt::format("--thickness {}: need a number > 0 (0 on a rigid surface), got {:g}", s.name, *given_thickness));
+    layer.thickness.assign(n, *given_thickness);
+    layer.missed.assign(n, 0);
+    layer.thickness_given = true;
+  } else {
+    measure_thickness(layer);
+    const double mean = layer.mean_thickness();
+    if (!(mean > 0)) throw refuse("its layer has no thickness: the articular and the bone surface are the same");
+  }
+  return layer;
+}
+
+/// Does a shell surface look away from its partner? Compared at the closest points, area-weighted.
+bool looks_away(const SurfaceMesh& surface, const SurfaceMesh& partner) {
+  const RayCaster caster(partner);
+  double facing = 0.0;
+  for (int t = 0; t < surface.size(); ++t) {
+    const SurfacePoint p = caster.closest(surface.centroid(t));
+    facing += surface.areas[at(t)] * surface.normals[at(t)].dot(partner.normals[at(p.triangle)]);
+  }
+  return facing > 0;
+}
+
+void flip(SurfaceMesh& mesh, const JointModel& model) {
+  std::vector<int> begin = {0}, list, facet = mesh.facet;
+  const int facets = mesh.facets;
+  for (const auto& tri : mesh.triangles) {
+    for (int v : {tri[0], tri[2], tri[1]}) list.push_back(mesh.model_nodes[at(v)]);
+    begin.push_back(static_cast<int>(list.size()));
+  }
+  mesh = make_surface_mesh(begin, list, model.nodes);
+  mesh.facet = facet;
+  mesh.facets = facets;
+}
+
+void check_names(const JointModel& model, const Settings& settings, const Joint& joint) {
+  const auto check_surface = [&](const std::string& option, const std::string& name) {
+    if (!name.empty() && surface_index(model, name) < 0)
+      throw UsageError(fmt::format("--{} {}: the model has no surface of this name; it has {}", option, name, quoted_list(surface_names(model))));
+  };
+  for (const auto& e : settings.attach) check_surface("attach", e.first);
+  for (const auto& e : settings.bone) check_surface("bone", e.first);
+  for (const auto& e : settings.thickness) check_surface("thickness", e.first);
+  for (const auto& e : settings.E) check_surface("E", e.first);
+  for (const auto& e : settings.nu) check_surface("nu", e.first);
+  const auto check_body = [&](const std::string& option, const std::string& name) {
+    if (joint.find_body(model, name) >= 0) return;
+    std::vector<std::string> names;
+    for (const Body& b : joint.bodies) names.push_back(b.name);
+    throw UsageError(fmt::format("--{} {}: the model has no rigid body of this name; it has {}", option, name, quoted_list(names)));
+  };
+  for (const auto& e : settings.free) check_body("free", e.first);
+  for (const auto& e : settings.force) check_body("force", e.first);
+  for (const auto& e : settings.load_at) check_body("load-at", e.first);
+  if (!settings.source.empty()) check_body("source", settings.source);
+}
+
+}  // namespace
+
+double Layer::min_thickness() const { return thickness.empty() ? 0.0 : *std::min_element(thickness.begin(), thickness.end()); }
+double Layer::max_thickness() const { return thickness.empty() ? 0.0 : *std::max_element(thickness.begin(), thickness.end()); }
+double Layer::mean_thickness() const {
+  double sum = 0.0, area = 0.0;
+  for (std::size_t v = 0; v < thickness.size(); ++v) {
+    sum += thickness[v] * spring_surface().vertex_areas[v];
+    area += spring_surface().vertex_areas[v];
+  }
+  return area > 0 ? sum / area : 0.0;
+}
+int Layer::missed_count() const { return static_cast<int>(std::count(missed.begin(), missed.end(), 1)); }
+
+int Joint::find_body(const JointModel& model, const std::string& name) const { return body_by_name(model, bodies, name); }
+
+Joint make_joint(const JointModel& model, const Settings& settings) {
+  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}};
+  r.bodies = find_bodies(model, r.rigid);
+  find_regions(r);
+  find_faces(r);
+  find_holders(r);
+
+  Joint joint;
+  joint.bodies = r.bodies.bodies;
+  check_names(model, settings, joint);
+  for (const std::string& name : settings.rigid)
+    joint.findings.push_back(fmt::format("material \"{}\" is taken as rigid (--rigid)", name));
+
+  // Contact pairs.
+  bool named = settings.contact.empty();
+  int sliding = 0;
+  std::vector<std::string> names;
+  for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
+    const Contact& c = model.contacts[at(i)];
+    if (c.kind != Contact::Kind::Sliding) continue;
+    ++sliding;
+    names.push_back(c.name);
+    if (!settings.contact.empty() && c.name != settings.contact) continue;
+    named = true;
+    if (c.primary < 0 || c.secondary < 0) throw InputError(model, c.origin, fmt::format("contact \"{}\" lacks a surface", c.name));
+    ContactPair pair;
+    pair.name = c.name;
+    pair.contact = i;
+    pair.step = c.step;
+    pair.layers[0] = make_layer(r, c.primary, c);
+    pair.layers[1] = make_layer(r, c.secondary, c);
+    if (pair.layers[0].body == pair.layers[1].body) {
+      joint.findings.push_back(fmt::format("contact \"{}\": both surfaces belong to body \"{}\": left out", c.name, joint.bodies[at(pair.layers[0].body)].name));
+      continue;
+    }
+    if (pair.layers[0].rigid && pair.layers[1].rigid)
+      throw InputError(model, c.origin, fmt::format("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to compress; give one a layer "
+                                   "with --thickness \"SURFACE=VALUE\" --E \"SURFACE=VALUE\" --nu \"SURFACE=VALUE\"", c.name));
+    // A shell surface has two sides: turn it to its partner. Solids know their outside.
+    for (int side = 0; side < 2; ++side) {
+      Layer& layer = pair.layers[side];
+      if (layer.material >= 0 || !carry(r, layer.surface).on_shells || !looks_away(layer.articular, pair.layers[1 - side].articular)) continue;
+      flip(layer.articular, model);
+      layer.bone = layer.articular;
+      joint.findings.push_back(fmt::format("surface \"{}\" lies on rigid shells and looked away from its partner: turned round", model.surfaces[at(layer.surface)].name));
+    }
+    if (!settings.source.empty()) {
+      const int body = joint.find_body(model, settings.source);
+      if (pair.layers[0].body == body) pair.source = 0;
+      if (pair.layers[1].body == body) pair.source = 1;
+    }
+    joint.contacts.push_back(std::move(pair));
+  }
+  if (!named)
+    throw UsageError(fmt::format("--contact {}: the model has no sliding contact of this name; it has {}", settings.contact, quoted_list(names)));
+  if (joint.contacts.empty()) {
+    if (sliding == 0)
+      throw InputError(where(model, {0, 0}) + "no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type \"sliding-elastic\")");
+    throw InputError(where(model, {0, 0}) + "no sliding contact joins two different bodies: " + joint.findings.back());
+  }
+
+  joint.node_body = r.bodies.of_node;
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    if (joint.node_body[i] >= 0) continue;
+    if (r.region[i] >= 0) {
+      const auto held = r.held.find(r.region[i]);
+      if (held != r.held.end() && held->second.size() == 1) joint.node_body[i] = held->second.begin()->first;
+    }
+  }
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (int node : set.nodes)
+      if (joint.node_body[at(node)] < 0) joint.node_body[at(node)] = r.bodies.of_material[at(set.material)];
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& layer : pair.layers)
+      for (int node : layer.region_nodes) joint.node_body[at(node)] = layer.body;
+
+  // Ligaments.
+  const auto add_ligament = [&](Ligament l, Origin origin) {
+    if (l.body_a == l.body_b) {
+      joint.findings.push_back(fmt::format("spring \"{}\" joins two points of body \"{}\": left out", l.name, joint.bodies[at(l.body_a)].name));
+      return;
+    }
+    const double length = (l.point_b - l.point_a).norm();
+    if (l.free_length <= 0) l.free_length = length;
+    if (length <= 0) throw InputError(model, origin, fmt::format("spring \"{}\" has no length", l.name));
+    joint.ligaments.push_back(l);
+  };
+  for (const RigidSpring& s : model.rigid_springs) {
+    Ligament l;
+    l.name = s.name;
+    l.body_a = r.bodies.of_material[at(s.material_a)];
+    l.body_b = r.bodies.of_material[at(s.material_b)];
+    l.point_a = s.insertion_a;
+    l.point_b = s.insertion_b;
+    l.stiffness = s.k;
+    l.free_length = s.free_length;
+    l.step = s.step;
+    add_ligament(l, s.origin);
+  }
+  for (const DiscreteSprings& set : model.discrete_springs) {
+    for (const auto& pair : model.discrete_sets[at(set.set)].pairs) {
+      Ligament l;
+      l.name = set.name;
+      l.body_a = joint.node_body[at(pair[0])];
+      l.body_b = joint.node_body[at(pair[1])];
+      for (int k = 0; k < 2; ++k)
+        if (joint.node_body[at(pair[at(k)])] < 0)
+          throw InputError(model, set.origin, fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body", set.name, model.node_ids[at(pair[at(k)])]));
+      l.point_a = model.nodes[at(pair[0])];
+      l.point_b = model.nodes[at(pair[1])];
+      l.stiffness = set.stiffness;
+      l.tension_only = set.tension_only;
+      l.step = set.step;
+      add_ligament(l, set.origin);
+    }
+  }
+  return joint;
+}
+
+}  // namespace dea

@@ -1,0 +1,84 @@
+// src/joint.h – the joint behind a model: rigid bodies, cartilage layers, what holds and moves them.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "joint_model.h"
+#include "settings.h"
+#include "spring_law.h"
+#include "surface_mesh.h"
+
+namespace dea {
+
+/// A rigid body: one or more rigid materials whose elements share nodes, or the ground.
+struct Body {
+  std::string name;                           ///< of the first of its materials; "ground"
+  std::vector<int> materials;                 ///< indices into JointModel::materials; empty: ground
+  Vector3d center_of_mass = Vector3d::Zero(); ///< reference position; given, or integrated from the elements
+  bool center_given = false;
+  double mass = 0.0;
+  bool ground = false;                        ///< never moves
+};
+
+/// A layer of cartilage between an articular surface and its bone, or the bare surface of a rigid body.
+struct Layer {
+  int surface = -1;           ///< index into JointModel::surfaces: the articular surface
+  int body = -1;              ///< index into Joint::bodies
+  std::string attached_by;    ///< the rule that found the body, as a sentence
+  int material = -1;          ///< index into JointModel::materials; -1 for a bare rigid surface
+  Elasticity elasticity;      ///< of the cartilage
+  bool rigid = false;         ///< a bare rigid surface: thickness 0
+  SurfaceMesh articular;      ///< normals out of the layer, towards the other side
+  SurfaceMesh bone;           ///< normals out of the bone, into the layer; equals `articular` when rigid
+  SpringsAt springs_at = SpringsAt::Articular;
+  std::vector<double> thickness;  ///< per vertex of spring_surface(); 0 when rigid
+  std::vector<char> missed;       ///< per vertex: its ray found no opposing face near enough; closest point used
+  bool thickness_given = false;   ///< by the user, not measured
+  std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
+
+  /// The surface thickness and springs live on.
+  const SurfaceMesh& spring_surface() const { return springs_at == SpringsAt::Bone ? bone : articular; }
+  double min_thickness() const;
+  double max_thickness() const;
+  double mean_thickness() const;  ///< area-weighted
+  int missed_count() const;
+};
+
+/// Two layers that slide on each other. layers[source] carries the springs, layers[1 - source] is their target.
+struct ContactPair {
+  std::string name;
+  int contact = -1;  ///< index into JointModel::contacts
+  Layer layers[2];   ///< primary, secondary
+  int source = 0;
+  int step = -1;     ///< active only in this step; -1: in all
+  const Layer& source_layer() const { return layers[source]; }
+  const Layer& target_layer() const { return layers[1 - source]; }
+};
+
+/// A line spring between two bodies.
+struct Ligament {
+  std::string name;
+  int body_a = -1, body_b = -1;
+  Vector3d point_a = Vector3d::Zero(), point_b = Vector3d::Zero();  ///< reference positions
+  double stiffness = 0.0;    ///< force per elongation
+  double free_length = 0.0;  ///< > 0
+  bool tension_only = false;
+  int step = -1;
+};
+
+struct Joint {
+  std::vector<Body> bodies;
+  std::vector<ContactPair> contacts;
+  std::vector<Ligament> ligaments;
+  std::vector<int> node_body;         ///< per model node: body that carries it, -1: none (stays where it is)
+  std::vector<std::string> findings;  ///< what was concluded or left out, a sentence each, in order
+
+  /// Index of the body with this name (of any of its materials), -1: none.
+  int find_body(const JointModel& model, const std::string& name) const;
+};
+
+/// Finds bodies, layers, thicknesses and moduli (docs/theory.md, section 2). Throws InputError with the place in
+/// the model when the joint cannot be made of it, UsageError when an override names nothing in the model.
+Joint make_joint(const JointModel& model, const Settings& settings);
+
+}  // namespace dea

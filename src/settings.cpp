@@ -1,0 +1,16 @@
+#include "settings.h"
+
+namespace dea {
+
+const char* name(SpringsAt springs_at) { return springs_at == SpringsAt::Bone ? "bone" : "articular"; }
+
+const char* name(Law law) {
+  switch (law) {
+    case Law::Linear: return "linear";
+    case Law::Logarithmic: return "logarithmic";
+    case Law::NeoHookean: return "neo-Hookean";
+  }
+  return "";
+}
+
+}  // namespace dea

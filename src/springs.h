@@ -1,0 +1,84 @@
+// src/springs.h – the bed of springs between two facing layers, and its state at a pose of the two bodies.
+#pragma once
+#include <array>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "joint.h"
+#include "ray_caster.h"
+
+namespace dea {
+
+/// Pose of a body: x = center + rotation * (X - center of mass in the reference).
+struct Pose {
+  Vector3d center = Vector3d::Zero();                    ///< current centre of mass
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+};
+
+/// The springs of one contact. Frame: the source's reference configuration.
+struct Springs {
+  std::vector<std::array<Vector3d, 3>> triangle;     ///< foot triangle: its share of the source surface
+  std::vector<Vector3d> foot;                        ///< its centroid
+  std::vector<Vector3d> direction;                   ///< unit normal of the triangle, towards the target
+  std::vector<double> area;                          ///< of the triangle, > 0
+  std::vector<std::array<double, 3>> corner_thickness;  ///< t_s at the corners, >= 0
+  std::vector<int> surface_triangle;                 ///< triangle of the source's spring surface it stands on
+  std::vector<std::array<std::array<double, 3>, 3>> weights;  ///< of each corner in that triangle (barycentric)
+  int size() const { return static_cast<int>(foot.size()); }
+};
+
+/// One spring per triangle of the source's spring surface, each divided into refine^2 equal ones.
+Springs make_springs(const Layer& source, int refine);
+
+/// Everything needed again and again at new poses.
+struct SpringBed {
+  const ContactPair* pair = nullptr;
+  int source_body = -1, target_body = -1;
+  Vector3d source_center = Vector3d::Zero(), target_center = Vector3d::Zero();  ///< reference centres of mass
+  Springs springs;
+  RayCaster target;                       ///< of the target's spring surface, reference frame
+  std::vector<double> rim_distance;       ///< of the target's triangles
+  double foot_radius = 0.0;               ///< largest distance of a foot triangle's corner from its centroid
+  double max_target_thickness = 0.0;
+  Law law = Law::Linear;
+};
+SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair, const Settings& settings);
+
+/// What the springs do at one pose. One entry per spring; global frame, current configuration.
+struct SpringStates {
+  std::vector<int> triangle;        ///< of the target's spring surface, -1: the ray met nothing
+  std::vector<double> coverage;     ///< fraction of the foot triangle that lies over the target, 0..1
+  std::vector<Vector3d> foot;       ///< where the spring stands (centroid of the covered part of its triangle)
+  std::vector<Vector3d> direction;  ///< n
+  std::vector<Vector3d> end;        ///< q: where the ray meets the target
+  std::vector<Vector3d> normal;     ///< m: target's unit normal at q, against n
+  std::vector<std::array<double, 3>> end_weights;  ///< barycentric weights of q in `triangle`
+  std::vector<double> gap;          ///< signed g of (S2), > 0 apart; infinity where the ray met nothing
+  std::vector<double> t_source, t_target;
+  std::vector<double> overlap;      ///< Delta >= 0
+  std::vector<double> pressure;     ///< >= 0
+  std::vector<double> strain;       ///< the larger of the two layers' strains
+  std::vector<double> strain_source, strain_target;
+  std::vector<double> per_overlap;  ///< dp/dDelta
+  std::vector<Vector3d> per_motion; ///< kappa: dp = kappa . (delta_target - delta_source) at q  (E2-E4)
+  std::vector<double> area;         ///< coverage * area: what the pressure acts on
+  std::vector<char> too_deep;       ///< the target lies deeper under the foot than both layers are thick
+  int size() const { return static_cast<int>(gap.size()); }
+};
+
+/// Casts every spring's ray at this pose (S1-S5, E2-E4). Parallel over springs; each is computed by itself, so the
+/// result does not depend on the number of threads.
+SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target);
+
+/// Force and moment of the contact on target and source, about their current centres of mass, and their
+/// derivative with respect to small motions (translation of the centre of mass, rotation) of both. Order of the
+/// 12 unknowns: target's translation, rotation, source's translation, rotation.
+struct ContactWrench {
+  Eigen::Matrix<double, 12, 1> wrench = Eigen::Matrix<double, 12, 1>::Zero();
+  Eigen::Matrix<double, 12, 12> derivative = Eigen::Matrix<double, 12, 12>::Zero();
+  double normal_force = 0.0;  ///< sum of p A: the scale of the contact's forces
+};
+ContactWrench contact_wrench(const SpringStates& states, const Pose& source, const Pose& target);
+
+}  // namespace dea

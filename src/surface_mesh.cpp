@@ -1,0 +1,197 @@
+#include "surface_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+#include <Eigen/Dense>
+
+#include "element_faces.h"
+
+namespace dea {
+
+namespace {
+
+double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b) {
+  const Vector3d ab = b - a;
+  const double length2 = ab.squaredNorm();
+  const double s = length2 > 0 ? std::clamp((x - a).dot(ab) / length2, 0.0, 1.0) : 0.0;
+  return (x - (a + s * ab)).norm();
+}
+
+void find_neighbours(SurfaceMesh& mesh) {
+  struct HalfEdge {
+    int low, high, triangle, edge;
+  };
+  std::vector<HalfEdge> edges;
+  edges.reserve(mesh.triangles.size() * 3);
+  for (int t = 0; t < mesh.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const auto& tri = mesh.triangles[static_cast<std::size_t>(t)];
+      const int a = tri[static_cast<std::size_t>(k)], b = tri[static_cast<std::size_t>((k + 1) % 3)];
+      edges.push_back({std::min(a, b), std::max(a, b), t, k});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  mesh.neighbours.assign(mesh.triangles.size(), {-1, -1, -1});
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    // more than two triangles at an edge: the first two are neighbours, the others end there
+    if (edges[i].low == edges[i + 1].low && edges[i].high == edges[i + 1].high) {
+      mesh.neighbours[static_cast<std::size_t>(edges[i].triangle)][static_cast<std::size_t>(edges[i].edge)] = edges[i + 1].triangle;
+      mesh.neighbours[static_cast<std::size_t>(edges[i + 1].triangle)][static_cast<std::size_t>(edges[i + 1].edge)] = edges[i].triangle;
+      ++i;
+    }
+  }
+}
+
+void finish_surface_mesh(SurfaceMesh& mesh) {
+  const std::size_t n = mesh.triangles.size();
+  mesh.normals.resize(n);
+  mesh.areas.resize(n);
+  mesh.vertex_normals.assign(mesh.vertices.size(), Vector3d::Zero());
+  mesh.vertex_areas.assign(mesh.vertices.size(), 0.0);
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto i = static_cast<std::size_t>(t);
+    const Vector3d twice = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
+    mesh.areas[i] = 0.5 * twice.norm();
+    mesh.normals[i] = twice.normalized();
+    for (int v : mesh.triangles[i]) {
+      mesh.vertex_normals[static_cast<std::size_t>(v)] += 0.5 * twice;
+      mesh.vertex_areas[static_cast<std::size_t>(v)] += mesh.areas[i] / 3.0;
+    }
+  }
+  for (Vector3d& normal : mesh.vertex_normals) {
+    const double length = normal.norm();
+    normal = length > 0 ? Vector3d(normal / length) : Vector3d::UnitZ();
+  }
+  find_neighbours(mesh);
+}
+
+}  // namespace
+
+SurfaceMesh make_surface_mesh(const std::vector<int>& begin, const std::vector<int>& nodes,
+                              const std::vector<Vector3d>& positions, std::vector<int>* zero_area) {
+  SurfaceMesh mesh;
+  mesh.facets = static_cast<int>(begin.size()) - 1;
+  std::unordered_map<int, int> vertex_of;
+  const auto vertex = [&](int node) {
+    const auto found = vertex_of.try_emplace(node, static_cast<int>(mesh.vertices.size()));
+    if (found.second) {
+      mesh.model_nodes.push_back(node);
+      mesh.vertices.push_back(positions[static_cast<std::size_t>(node)]);
+    }
+    return found.first->second;
+  };
+  for (int f = 0; f < mesh.facets; ++f) {
+    const int first = begin[static_cast<std::size_t>(f)];
+    const int count = begin[static_cast<std::size_t>(f) + 1] - first;
+    int kept = 0;
+    for (const auto& t : split_facet(nodes.data() + first, count, positions)) {
+      const Vector3d &a = positions[static_cast<std::size_t>(t[0])], &b = positions[static_cast<std::size_t>(t[1])],
+                     &c = positions[static_cast<std::size_t>(t[2])];
+      const double longest2 = std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (c - b).squaredNorm()});
+      if ((b - a).cross(c - a).norm() <= 1e-10 * longest2) continue;  // a collapsed quad keeps its other triangle
+      mesh.triangles.push_back({vertex(t[0]), vertex(t[1]), vertex(t[2])});
+      mesh.facet.push_back(f);
+      ++kept;
+    }
+    if (kept == 0 && zero_area) zero_area->push_back(f);
+  }
+  finish_surface_mesh(mesh);
+  return mesh;
+}
+
+std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
+  std::vector<std::array<Vector3d, 2>> rim;
+  for (int t = 0; t < mesh.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.neighbours[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)] < 0) {
+        rim.push_back({mesh.corner(t, k), mesh.corner(t, (k + 1) % 3)});
+      }
+    }
+  }
+  std::vector<double> distance(mesh.triangles.size(), std::numeric_limits<double>::infinity());
+  if (rim.empty()) return distance;
+
+  // Rim edges are binned by their midpoints; an edge nearer than cell - longest / 2 lies in a neighbouring cell.
+  double longest = 0.0;
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, (mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm());
+  const double cell = std::max(reach, longest) + 1.5 * longest;
+  const auto key = [&](const Vector3d& x) {
+    return std::array<long, 3>{std::lround(std::floor(x.x() / cell)), std::lround(std::floor(x.y() / cell)),
+                               std::lround(std::floor(x.z() / cell))};
+  };
+  std::map<std::array<long, 3>, std::vector<int>> grid;
+  for (int i = 0; i < static_cast<int>(rim.size()); ++i)
+    grid[key(0.5 * (rim[static_cast<std::size_t>(i)][0] + rim[static_cast<std::size_t>(i)][1]))].push_back(i);
+  std::vector<double> vertex_distance(mesh.vertices.size(), cell - 0.5 * longest);  // no rim edge within this distance
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const auto home = key(mesh.vertices[v]);
+    for (long dx = -1; dx <= 1; ++dx)
+      for (long dy = -1; dy <= 1; ++dy)
+        for (long dz = -1; dz <= 1; ++dz) {
+          const auto found = grid.find({home[0] + dx, home[1] + dy, home[2] + dz});
+          if (found == grid.end()) continue;
+          for (int i : found->second) {
+            vertex_distance[v] = std::min(vertex_distance[v], distance_to_segment(mesh.vertices[v], rim[static_cast<std::size_t>(i)][0],
+                                                                                  rim[static_cast<std::size_t>(i)][1]));
+          }
+        }
+  }
+  for (int t = 0; t < mesh.size(); ++t) {
+    // distance is 1-Lipschitz: any point of the triangle lies within `size` of the vertex where it is measured
+    double bound = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double size = std::max((mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm(), (mesh.corner(t, k) - mesh.corner(t, (k + 2) % 3)).norm());
+      bound = std::max(bound, vertex_distance[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] - size);
+    }
+    distance[static_cast<std::size_t>(t)] = bound;
+  }
+  return distance;
+}
+
+SphereFit fit_sphere(const SurfaceMesh& surface) {
+  // |x|^2 = 2 c.x + (R^2 - |c|^2) is linear in c and the constant; centred for accuracy.
+  const Vector3d shift = surface_extent(surface).centroid;
+  Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d rhs = Eigen::Vector4d::Zero();
+  for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
+    const Vector3d x = surface.vertices[v] - shift;
+    const Eigen::Vector4d row(2 * x.x(), 2 * x.y(), 2 * x.z(), 1.0);
+    normal_matrix += surface.vertex_areas[v] * row * row.transpose();
+    rhs += surface.vertex_areas[v] * x.squaredNorm() * row;
+  }
+  const Eigen::Vector4d solution = normal_matrix.completeOrthogonalDecomposition().solve(rhs);
+  SphereFit fit;
+  fit.center = solution.head<3>() + shift;
+  fit.radius = std::sqrt(std::max(0.0, solution[3] + solution.head<3>().squaredNorm()));
+  double sum = 0.0, area = 0.0;
+  for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
+    const double d = (surface.vertices[v] - fit.center).norm() - fit.radius;
+    sum += surface.vertex_areas[v] * d * d;
+    area += surface.vertex_areas[v];
+  }
+  fit.rms = area > 0 ? std::sqrt(sum / area) : 0.0;
+  return fit;
+}
+
+SurfaceExtent surface_extent(const SurfaceMesh& surface) {
+  SurfaceExtent extent;
+  for (int t = 0; t < surface.size(); ++t) {
+    extent.centroid += surface.areas[static_cast<std::size_t>(t)] * surface.centroid(t);
+    extent.area += surface.areas[static_cast<std::size_t>(t)];
+  }
+  if (extent.area <= 0) return extent;
+  extent.centroid /= extent.area;
+  double sum = 0.0;
+  for (int t = 0; t < surface.size(); ++t)
+    sum += surface.areas[static_cast<std::size_t>(t)] * (surface.centroid(t) - extent.centroid).squaredNorm();
+  extent.radius_of_gyration = std::sqrt(sum / extent.area);
+  return extent;
+}
+
+}  // namespace dea

@@ -1,0 +1,58 @@
+// src/surface_mesh.h – a triangulated surface: vertices, oriented triangles, normals, rim.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "joint_model.h"
+
+namespace dea {
+
+/// Struct of arrays. Frame: global, reference configuration. The normals of an articular surface point out of
+/// its layer, those of a bone surface out of the bone (into the layer).
+struct SurfaceMesh {
+  std::vector<int> model_nodes;               ///< per vertex: index of the model's node
+  std::vector<Vector3d> vertices;             ///< per vertex: position
+  std::vector<std::array<int, 3>> triangles;  ///< per triangle: vertex numbers, counter-clockwise seen from outside
+  std::vector<int> facet;                     ///< per triangle: facet of the surface it was cut from
+  int facets = 0;                             ///< number of facets
+
+  // derived by finish_surface_mesh
+  std::vector<Vector3d> normals;                ///< per triangle, unit
+  std::vector<double> areas;                    ///< per triangle, > 0
+  std::vector<Vector3d> vertex_normals;         ///< per vertex: area-weighted average, unit
+  std::vector<double> vertex_areas;             ///< per vertex: a third of each triangle around it
+  std::vector<std::array<int, 3>> neighbours;   ///< per triangle: triangle across edge (k, k + 1); -1: rim
+
+  int size() const { return static_cast<int>(triangles.size()); }
+  const Vector3d& corner(int triangle, int k) const {
+    return vertices[static_cast<std::size_t>(triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)])];
+  }
+  Vector3d centroid(int t) const { return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0; }
+};
+
+/// Cuts the facets (node lists into `positions`, see split_facet) into triangles and derives everything else.
+/// A facet of no area is left without triangles, its number is returned in `zero_area` (if given).
+SurfaceMesh make_surface_mesh(const std::vector<int>& facet_begin, const std::vector<int>& facet_nodes,
+                              const std::vector<Vector3d>& positions, std::vector<int>* zero_area = nullptr);
+
+/// Per triangle a lower bound of the distance of all its points to the rim: exact enough to tell apart distances
+/// up to `reach`, beyond that only known to be larger. Infinity on a closed surface.
+std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach);
+
+/// Least-squares sphere through the vertices (algebraic fit, vertices weighted by their area).
+struct SphereFit {
+  Vector3d center = Vector3d::Zero();
+  double radius = 0.0;
+  double rms = 0.0;  ///< root mean square distance of the vertices from the sphere
+};
+SphereFit fit_sphere(const SurfaceMesh& surface);
+
+/// Centre and radius of gyration of a surface (area-weighted).
+struct SurfaceExtent {
+  Vector3d centroid = Vector3d::Zero();
+  double radius_of_gyration = 0.0;
+  double area = 0.0;
+};
+SurfaceExtent surface_extent(const SurfaceMesh& surface);
+
+}  // namespace dea

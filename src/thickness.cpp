@@ -1,0 +1,45 @@
+#include "thickness.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "ray_caster.h"
+
+namespace dea {
+
+namespace {
+
+/// The same surface with its normals the other way.
+SurfaceMesh flipped(SurfaceMesh mesh) {
+  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  for (auto& n : mesh.neighbours) std::swap(n[0], n[2]);
+  for (Vector3d& n : mesh.normals) n = -n;
+  for (Vector3d& n : mesh.vertex_normals) n = -n;
+  return mesh;
+}
+
+}  // namespace
+
+void measure_thickness(Layer& layer) {
+  const bool from_bone = layer.springs_at == SpringsAt::Bone;
+  const SurfaceMesh& from = layer.spring_surface();
+  // rays leave `from` through the layer; the faces they may meet look against them
+  const SurfaceMesh to = from_bone ? flipped(layer.articular) : layer.bone;
+  const RayCaster caster(to);
+  constexpr double kCos60 = 0.5;
+  layer.thickness.assign(from.vertices.size(), 0.0);
+  layer.missed.assign(from.vertices.size(), 0);
+  tbb::parallel_for(std::size_t{0}, from.vertices.size(), [&](std::size_t v) {
+    const Vector3d& x = from.vertices[v];
+    const Vector3d direction = from_bone ? from.vertex_normals[v] : Vector3d(-from.vertex_normals[v]);
+    const double nearest = (position(to, caster.closest(x)) - x).norm();
+    // a vertex both surfaces share (a feather edge) has thickness 0 by its closest point
+    const LineHit hit = caster.nearest_facing(x, direction, 0.0, 0.0, 2.0 * nearest, kCos60);
+    const bool found = hit.point.triangle >= 0 && hit.distance > 0.0;
+    layer.thickness[v] = found ? hit.distance : nearest;
+    layer.missed[v] = !found && nearest > 0.0;
+  });
+}
+
+}  // namespace dea
