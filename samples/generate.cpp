@@ -1,12 +1,18 @@
 // samples/generate.cpp – writes the joint models of samples/ whose answers are known on paper.
 //
 //   make_samples SAMPLES_DIR                writes every generated .feb file below SAMPLES_DIR
-//   make_samples --spheres N out.feb        one of them, with N elements along an edge of the mesh:
-//                --two-layer-spheres          3 N^2 quads on the hemisphere (N even)
-//                --sphere-on-flat             N^2 quads on the layer (N even)
-//                --ligament                   the same
+//   make_samples --spheres N out.feb        one model, N (even) quads along an edge: 3 N^2 on the hemisphere
+//                --twisted-spheres            the same, the ball's mesh turned so that facets do not coincide
+//                --two-layer-spheres          3 N^2 on each hemisphere
+//                --sphere-on-flat             N^2 on the layer
+//                --ligament                   N^2 on the layer
 //
 // mm, N, MPa. The same command writes the same bytes. samples/hip/hip_walking.feb is not made here.
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -15,11 +21,6 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
-#include <Eigen/Geometry>
-#include <fmt/core.h>
-#include <fmt/format.h>
 
 namespace {
 
@@ -61,17 +62,21 @@ Patch hemisphere(int n, int below) {
   // The four sides, row by row downwards. Side s faces +x, +y, -x, -y; a runs along it, counter-clockwise.
   const auto side_point = [&](int s, int a, int k) {
     switch (s) {
-      case 0: return point(n, a, k);
-      case 1: return point(-a, n, k);
-      case 2: return point(-n, -a, k);
-      default: return point(a, -n, k);
+      case 0:
+        return point(n, a, k);
+      case 1:
+        return point(-a, n, k);
+      case 2:
+        return point(-n, -a, k);
+      default:
+        return point(a, -n, k);
     }
   };
   for (int k = n; k > -2 * below; k -= 2) {
     for (int s = 0; s < 4; ++s) {
       for (int a = -n; a < n; a += 2) {
-        patch.quads.push_back({side_point(s, a, k - 2), side_point(s, a + 2, k - 2), side_point(s, a + 2, k),
-                               side_point(s, a, k)});
+        patch.quads.push_back(
+            {side_point(s, a, k - 2), side_point(s, a + 2, k - 2), side_point(s, a + 2, k), side_point(s, a, k)});
       }
     }
   }
@@ -172,14 +177,17 @@ struct Feb {
   }
 
   void add_cartilage(const std::string& name) {
-    materials += fmt::format("<material id=\"{}\" name=\"{}\" type=\"neo-Hookean\">\n<density>1</density>\n<E>11.85</E>\n"
-                             "<v>0.45</v>\n</material>\n", ++material_count, name);
+    materials += fmt::format(
+        "<material id=\"{}\" name=\"{}\" type=\"neo-Hookean\">\n<density>1</density>\n<E>11.85</E>\n"
+        "<v>0.45</v>\n</material>\n",
+        ++material_count, name);
   }
 
   void add_bone(const std::string& name, const Vector3d& center_of_mass) {
-    materials += fmt::format("<material id=\"{}\" name=\"{}\" type=\"rigid body\">\n<density>1</density>\n"
-                             "<center_of_mass>{}</center_of_mass>\n</material>\n",
-                             ++material_count, name, text(center_of_mass));
+    materials += fmt::format(
+        "<material id=\"{}\" name=\"{}\" type=\"rigid body\">\n<density>1</density>\n"
+        "<center_of_mass>{}</center_of_mass>\n</material>\n",
+        ++material_count, name, text(center_of_mass));
   }
 
   /// dofs: which of Rx, Ry, Rz, Ru, Rv, Rw are held, as six characters 0 or 1.
@@ -191,15 +199,18 @@ struct Feb {
   }
 
   static std::string moved(const std::string& body, const std::string& dof, double value, int controller) {
-    return fmt::format("<rigid_bc name=\"{0} moved\" type=\"rigid_displacement\">\n<rb>{0}</rb>\n<dof>{1}</dof>\n"
-                       "<value lc=\"{3}\">{2:.9g}</value>\n<relative>0</relative>\n</rigid_bc>\n",
-                       body, dof, value, controller);
+    return fmt::format(
+        "<rigid_bc name=\"{0} moved\" type=\"rigid_displacement\">\n<rb>{0}</rb>\n<dof>{1}</dof>\n"
+        "<value lc=\"{3}\">{2:.9g}</value>\n<relative>0</relative>\n</rigid_bc>\n",
+        body, dof, value, controller);
   }
 
   static std::string loaded(const std::string& body, const std::string& dof, double value, int controller) {
-    return fmt::format("<rigid_load name=\"load on {0}\" type=\"rigid_force\">\n<rb>{0}</rb>\n<dof>{1}</dof>\n"
-                       "<value lc=\"{3}\">{2:.9g}</value>\n<load_type>LOAD</load_type>\n<relative>0</relative>\n"
-                       "</rigid_load>\n", body, dof, value, controller);
+    return fmt::format(
+        "<rigid_load name=\"load on {0}\" type=\"rigid_force\">\n<rb>{0}</rb>\n<dof>{1}</dof>\n"
+        "<value lc=\"{3}\">{2:.9g}</value>\n<load_type>LOAD</load_type>\n<relative>0</relative>\n"
+        "</rigid_load>\n",
+        body, dof, value, controller);
   }
 
   /// A step of length 1 in two increments.
@@ -211,13 +222,16 @@ struct Feb {
         "<solver type=\"solid\">\n<symmetric_stiffness>non-symmetric</symmetric_stiffness>\n<max_refs>30</max_refs>\n"
         "<dtol>0.001</dtol>\n<etol>0.01</etol>\n<rtol>0</rtol>\n<lstol>0.9</lstol>\n<lsmin>0.01</lsmin>\n"
         "<lsiter>5</lsiter>\n<qn_method type=\"BFGS\">\n<max_ups>0</max_ups>\n</qn_method>\n</solver>\n</Control>\n"
-        "<Rigid>\n{}</Rigid>\n</step>\n", ++step_count, name, rigid_conditions);
+        "<Rigid>\n{}</Rigid>\n</step>\n",
+        ++step_count, name, rigid_conditions);
   }
 
   /// Linear load curve through the points "t,value".
   int add_controller(const std::string& name, const std::vector<std::string>& points) {
-    load_data += fmt::format("<load_controller id=\"{}\" name=\"{}\" type=\"loadcurve\">\n<interpolate>LINEAR</interpolate>\n"
-                             "<extend>CONSTANT</extend>\n<points>\n", ++controller_count, name);
+    load_data += fmt::format(
+        "<load_controller id=\"{}\" name=\"{}\" type=\"loadcurve\">\n<interpolate>LINEAR</interpolate>\n"
+        "<extend>CONSTANT</extend>\n<points>\n",
+        ++controller_count, name);
     for (const std::string& point : points) load_data += fmt::format("<pt>{}</pt>\n", point);
     load_data += "</points>\n</load_controller>\n";
     return controller_count;
@@ -230,14 +244,17 @@ struct Feb {
     all += "<Globals>\n<Constants>\n<T>0</T>\n<R>0</R>\n<Fc>0</Fc>\n</Constants>\n</Globals>\n";
     all += "<Material>\n" + materials + "</Material>\n";
     all += "<Mesh>\n" + nodes + elements + surfaces;
-    all += fmt::format("<SurfacePair name=\"joint\">\n<primary>{}</primary>\n<secondary>{}</secondary>\n</SurfacePair>\n",
-                       primary, secondary);
+    all +=
+        fmt::format("<SurfacePair name=\"joint\">\n<primary>{}</primary>\n<secondary>{}</secondary>\n</SurfacePair>\n",
+                    primary, secondary);
     all += sets + "</Mesh>\n<MeshDomains>\n" + domains + "</MeshDomains>\n";
     all += "<Rigid>\n" + rigid + "</Rigid>\n";
-    all += "<Contact>\n<contact name=\"joint\" type=\"sliding-elastic\" surface_pair=\"joint\">\n<laugon>PENALTY</laugon>\n"
-           "<penalty>20</penalty>\n<auto_penalty>1</auto_penalty>\n<two_pass>0</two_pass>\n"
-           "<symmetric_stiffness>0</symmetric_stiffness>\n<search_radius>1</search_radius>\n"
-           "<search_tol>0.01</search_tol>\n<fric_coeff>0</fric_coeff>\n</contact>\n</Contact>\n";
+    all +=
+        "<Contact>\n<contact name=\"joint\" type=\"sliding-elastic\" "
+        "surface_pair=\"joint\">\n<laugon>PENALTY</laugon>\n"
+        "<penalty>20</penalty>\n<auto_penalty>1</auto_penalty>\n<two_pass>0</two_pass>\n"
+        "<symmetric_stiffness>0</symmetric_stiffness>\n<search_radius>1</search_radius>\n"
+        "<search_tol>0.01</search_tol>\n<fric_coeff>0</fric_coeff>\n</contact>\n</Contact>\n";
     if (!discrete.empty()) all += "<Discrete>\n" + discrete + "</Discrete>\n";
     all += "<Step>\n" + steps + "</Step>\n<LoadData>\n" + load_data + "</LoadData>\n";
     all += "<Output>\n<plotfile type=\"febio\">\n";
@@ -253,7 +270,7 @@ struct Feb {
 // The samples
 
 constexpr double kBall = 20, kInterface = 22, kSocket = 24;  // [mm]
-constexpr double kLoad = 2000;                                // [N]
+constexpr double kLoad = 2000;                               // [N]
 
 /// Rows of quads by which the ball goes on below the rim: 20 degrees, so that no ray from the rim misses it.
 int rows_below(int n) { return static_cast<int>(std::lround(n * 20.0 / 90.0)); }
@@ -265,12 +282,17 @@ void hold_and_load_ball(Feb& feb) {
 }
 
 /// Ball of radius 20 in a hemispherical socket of radius 24 that is lined with 4 mm of cartilage.
-std::string one_layer_spheres(int n) {
+/// twist: angle by which the ball's mesh is turned about the pole [rad]; 0: its facets coincide with the layer's.
+std::string one_layer_spheres(int n, double twist) {
   Feb feb;
   feb.add_cartilage("cartilage");
   feb.add_bone("socket", Vector3d::Zero());
   feb.add_bone("ball", Vector3d::Zero());
-  const Patch lining = hemisphere(n, 0), ball = hemisphere(n, rows_below(n));
+  const Patch lining = hemisphere(n, 0);
+  Patch ball = hemisphere(n, rows_below(n));
+  if (twist != 0) {
+    for (Vector3d& point : ball.points) point = Eigen::AngleAxisd(twist, Vector3d::UnitZ()) * point;
+  }
   std::vector<int> sheets;
   for (const double radius : {kBall, kInterface, kSocket}) {
     sheets.push_back(feb.add_nodes(fmt::format("cartilage_r{}", radius), scaled(lining.points, radius)));
@@ -284,6 +306,9 @@ std::string one_layer_spheres(int n) {
   hold_and_load_ball(feb);
   return feb.file("Concentric spheres, one 4 mm layer on the socket.", "socket_articular", "ball_articular");
 }
+
+std::string matched_spheres(int n) { return one_layer_spheres(n, 0); }
+std::string twisted_spheres(int n) { return one_layer_spheres(n, 17 * kPi / 180); }
 
 /// Ball of radius 20 and socket of radius 24, each lined with 2 mm; the layers meet at radius 22.
 std::string two_layer_spheres(int n) {
@@ -370,16 +395,20 @@ std::string ligament(int n) {
     return first;
   };
   const int femur_node = plate("femur", kIndenter), frame_node = plate("tibia", 60);
-  feb.sets = fmt::format("<DiscreteSet name=\"tethers\">\n<delem>{0},{1}</delem>\n<delem>{0},{2}</delem>\n</DiscreteSet>\n",
-                         femur_node, frame_node, plateau_center);
-  feb.discrete = "<discrete_material id=\"1\" name=\"tether\" type=\"tension-only linear spring\">\n<E>40</E>\n"
-                 "</discrete_material>\n<discrete dmat=\"1\" discrete_set=\"tethers\"/>\n";
+  feb.sets =
+      fmt::format("<DiscreteSet name=\"tethers\">\n<delem>{0},{1}</delem>\n<delem>{0},{2}</delem>\n</DiscreteSet>\n",
+                  femur_node, frame_node, plateau_center);
+  feb.discrete =
+      "<discrete_material id=\"1\" name=\"tether\" type=\"tension-only linear spring\">\n<E>40</E>\n"
+      "</discrete_material>\n<discrete dmat=\"1\" discrete_set=\"tethers\"/>\n";
   feb.rigid = Feb::fixed("tibia", "111111") + Feb::fixed("femur", "000100");
   for (const int side : {1, -1}) {
     feb.rigid += fmt::format(
-        "<rigid_connector name=\"{}\" type=\"rigid spring\">\n<body_a>femur</body_a>\n<body_b>tibia</body_b>\n<k>50</k>\n"
+        "<rigid_connector name=\"{}\" type=\"rigid "
+        "spring\">\n<body_a>femur</body_a>\n<body_b>tibia</body_b>\n<k>50</k>\n"
         "<insertion_a>{},0,25</insertion_a>\n<insertion_b>{},0,-20</insertion_b>\n<free_length>44</free_length>\n"
-        "</rigid_connector>\n", side > 0 ? "medial ligament" : "lateral ligament", 30 * side, 24 * side);
+        "</rigid_connector>\n",
+        side > 0 ? "medial ligament" : "lateral ligament", 30 * side, 24 * side);
   }
   const int ramp = feb.add_controller("ramp", {"0,0", "1,1"});
   feb.add_step("load", Feb::loaded("femur", "z", -300, ramp));
@@ -397,12 +426,13 @@ void write(const std::string& path, const std::string& bytes) {
 
 struct Sample {
   const char* option;
-  const char* path;
-  int n;  ///< of the committed file
+  const char* path;  ///< of the committed file; nullptr: made on demand only
+  int n;             ///< of the committed file
   std::string (*make)(int n);
 };
 constexpr Sample kSamples[] = {
-    {"--spheres", "spheres/one_layer.feb", 28, one_layer_spheres},
+    {"--spheres", "spheres/one_layer.feb", 28, matched_spheres},
+    {"--twisted-spheres", nullptr, 0, twisted_spheres},
     {"--two-layer-spheres", "spheres/two_layers.feb", 28, two_layer_spheres},
     {"--sphere-on-flat", "sphere_on_flat/sphere_on_flat.feb", 56, sphere_on_flat},
     {"--ligament", "ligament/ligament.feb", 48, ligament},
@@ -410,7 +440,9 @@ constexpr Sample kSamples[] = {
 
 int run(const std::vector<std::string>& arguments) {
   if (arguments.size() == 1 && arguments[0].rfind("--", 0) != 0) {
-    for (const Sample& sample : kSamples) write(arguments[0] + "/" + sample.path, sample.make(sample.n));
+    for (const Sample& sample : kSamples) {
+      if (sample.path != nullptr) write(arguments[0] + "/" + sample.path, sample.make(sample.n));
+    }
     return 0;
   }
   for (const Sample& sample : kSamples) {
@@ -420,8 +452,9 @@ int run(const std::vector<std::string>& arguments) {
     write(arguments[2], sample.make(n));
     return 0;
   }
-  throw std::runtime_error("usage: make_samples SAMPLES_DIR, or make_samples --spheres|--two-layer-spheres|"
-                           "--sphere-on-flat|--ligament N out.feb");
+  throw std::runtime_error(
+      "usage: make_samples SAMPLES_DIR, or make_samples --spheres|--twisted-spheres|"
+      "--two-layer-spheres|--sphere-on-flat|--ligament N out.feb");
 }
 
 }  // namespace
