@@ -191,7 +191,7 @@ XpltFile everything() {
   declare(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact pressure");
   declare(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Mult, "nodal traction");
   declare(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Region, "contact force");
-  declare(XpltGroup::Surface, XpltType::Float, XpltFormat::Node, "thickness");
+  declare(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "thickness");
   declare(XpltGroup::Edge, XpltType::Float, XpltFormat::Mult, "line load");
   file.variables[1].array_names = {"force", "moment"};
   file.variables[8].units = "P";
@@ -380,6 +380,7 @@ TEST(XpltBytes, SizesThatDoNotFitAreOurFault) {
       [](XpltFile& f) { f.variables[1].name.clear(); },
       [](XpltFile& f) { f.variables[0].type = XpltType::Mat3d; },
       [](XpltFile& f) { f.variables[1].type = XpltType::Array; },  // without a size
+      [](XpltFile& f) { f.variables[1].format = XpltFormat::Node, f.states[0].variables[1].clear(); },
       [](XpltFile& f) { f.variables[1].type = XpltType::Mat3, f.variables[1].format = XpltFormat::Mult; },
       [](XpltFile& f) { f.meshes[0].coordinates.pop_back(); },
       [](XpltFile& f) { f.meshes[0].domains.clear(); },
@@ -681,7 +682,8 @@ XpltFile random_file() {
       XpltVariable v;
       v.group = group;
       v.type = *rc::gen::element(XpltType::Float, XpltType::Vec3);
-      v.format = *rc::gen::element(XpltFormat::Node, XpltFormat::Item, XpltFormat::Mult, XpltFormat::Region);
+      v.format = *rc::gen::element(XpltFormat::Item, XpltFormat::Mult, XpltFormat::Region);
+      if (group == XpltGroup::Domain && *rc::gen::arbitrary<bool>()) v.format = XpltFormat::Node;
       v.name = fmt::format("v{}", number++);
       if (!file.units.empty()) v.units = random_name();
       file.variables.push_back(v);
@@ -808,6 +810,34 @@ TEST(Xplt, ElementTypesHaveTheNodesOfTheirShapes) {
   }
   EXPECT_EQ(xplt_nodes_per_element(-1), 0);
   EXPECT_EQ(xplt_nodes_per_element(20), 0);
+}
+
+TEST(Xplt, FloatsInRegion) {
+  const XpltFile file = everything();
+  const XpltMesh& mesh = file.meshes[0];  // 9 nodes; a cube and two triangles; surfaces of 1, 2 and 0 facets
+  XpltVariable v;
+  const auto floats = [&](XpltGroup group, XpltFormat format, int region) {
+    v.group = group;
+    v.format = format;
+    return floats_in_region(mesh, v, region);
+  };
+  EXPECT_EQ(floats(XpltGroup::Global, XpltFormat::Region, 0), 1);
+  EXPECT_EQ(floats(XpltGroup::Nodal, XpltFormat::Node, 0), 9);
+  EXPECT_EQ(floats(XpltGroup::Nodal, XpltFormat::Node, 1), -1);
+  EXPECT_EQ(floats(XpltGroup::Domain, XpltFormat::Node, 2), 4);  // each node once
+  EXPECT_EQ(floats(XpltGroup::Domain, XpltFormat::Item, 2), 2);
+  EXPECT_EQ(floats(XpltGroup::Domain, XpltFormat::Mult, 2), 6);
+  EXPECT_EQ(floats(XpltGroup::Domain, XpltFormat::Region, 2), 1);
+  EXPECT_EQ(floats(XpltGroup::Domain, XpltFormat::Item, 3), -1);
+  EXPECT_EQ(floats(XpltGroup::Domain, XpltFormat::Item, 0), -1);
+  EXPECT_EQ(floats(XpltGroup::Surface, XpltFormat::Node, 2), 5);
+  EXPECT_EQ(floats(XpltGroup::Surface, XpltFormat::Mult, 2), 8);  // the triangle has a fourth, unused slot
+  EXPECT_EQ(floats(XpltGroup::Surface, XpltFormat::Item, 3), 0);
+  EXPECT_EQ(floats(XpltGroup::Surface, XpltFormat::Item, 4), -1);
+  EXPECT_EQ(floats(XpltGroup::Edge, XpltFormat::Mult, 1), 6);
+  v.type = XpltType::ArrayVec3;
+  v.array_size = 2;
+  EXPECT_EQ(floats(XpltGroup::Domain, XpltFormat::Item, 2), 12);
 }
 
 TEST(Xplt, FindVariable) {
