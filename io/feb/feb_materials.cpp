@@ -49,9 +49,7 @@ void set_from_G_lambda(Stiffness& s, double G, double lambda) {
   s.lambda = lambda;
   s.E = 9 * K * G / (3 * K + G);
   s.nu = (3 * K - 2 * G) / (2 * (3 * K + G));
-  if (G > 0 && K > 0) return;
-  s.E = s.nu = kNaN;
-  add_note(s.note, fmt::format("no stiffness: G = {:g}, K = {:g}, need both > 0", G, K));
+  if (!(G > 0 && K > 0)) s.E = s.nu = kNaN;  // a part alone may have none; a whole material gets a note
 }
 
 /// A material constant; NaN with the reason in `why` if it is a map, an expression or follows a curve.
@@ -292,7 +290,10 @@ void read_material(Reading& reading, const XMLElement& element) {
     if (const XMLElement* com = element.FirstChildElement("center_of_mass")) material.center_of_mass = read_vector(reading, *com);
     material.note = "rigid body";
   } else {
-    const Stiffness s = stiffness_of(reading, element, material.name);
+    Stiffness s = stiffness_of(reading, element, material.name);
+    if (std::isnan(s.E) && !std::isnan(s.G + s.lambda)) {
+      add_note(s.note, fmt::format("no stiffness: G = {:g}, K = {:g}, need both > 0", s.G, s.lambda + 2 * s.G / 3));
+    }
     material.type = s.type;
     material.E = s.E;
     material.nu = s.nu;
