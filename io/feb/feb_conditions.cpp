@@ -30,13 +30,24 @@ std::vector<int> nodes_of(Reading& reading, const XMLElement& element) {
   return nodes;
 }
 
-/// "x,y" and FEBio's older "xy" as single dof names.
+/// True for FEBio's older "xy", "xyz", "uvw": letters in their order; "wx" is a fluid velocity.
+bool is_joined(std::string_view dof) {
+  constexpr std::string_view kLetters = "xyzuvw";
+  std::size_t next = 0;
+  for (const char letter : dof) {
+    const std::size_t place = kLetters.find(letter, next);
+    if (place == kLetters.npos) return false;
+    next = place + 1;
+  }
+  return dof.size() > 1;
+}
+
+/// "x,y" and "xy" as single dof names.
 std::vector<std::string> split_dofs(std::string_view text) {
   std::vector<std::string> dofs;
   for (const std::string& word : split_words(text)) {
     const std::string dof(trim(word));
-    const bool joined = dof.size() > 1 && dof.find_first_not_of("xyzuvw") == dof.npos;
-    if (joined) {
+    if (is_joined(dof)) {
       for (const char letter : dof) dofs.emplace_back(1, letter);
     } else {
       dofs.push_back(dof);

@@ -176,7 +176,27 @@ Facts facts_of(const JointModel& m) {
     for (const auto& p : c.points) text += fmt::format(" ({:g},{:g})", p[0], p[1]);
     return text;
   };
-  const auto surface = [&](int index) { return list(m.surfaces[static_cast<std::size_t>(index)].nodes); };
+  // Facets as a set, each from its lowest corner: FEBio Studio starts them elsewhere from format to format.
+  const auto surface = [&](int index) {
+    const Surface& s = m.surfaces[static_cast<std::size_t>(index)];
+    std::multiset<std::string> facets;
+    for (std::size_t i = 0; i + 1 < s.begin.size(); ++i) {
+      std::vector<int> nodes(s.nodes.begin() + s.begin[i], s.nodes.begin() + s.begin[i + 1]);
+      const auto corners = static_cast<std::ptrdiff_t>(nodes.size() == 3 || nodes.size() == 6 ? 3 : 4);
+      const auto turn = std::min_element(nodes.begin(), nodes.begin() + corners) - nodes.begin();
+      std::rotate(nodes.begin(), nodes.begin() + turn, nodes.begin() + corners);
+      if (nodes.size() > static_cast<std::size_t>(corners)) {
+        std::rotate(nodes.begin() + corners, nodes.begin() + corners + turn, nodes.begin() + 2 * corners);
+      }
+      facets.insert(list(nodes));
+    }
+    return fmt::format("{}", fmt::join(facets, ", "));
+  };
+  const auto sorted = [](std::vector<int> nodes) {
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return list(nodes);
+  };
   for (std::size_t i = 0; i < m.nodes.size(); ++i) {
     facts["nodes"].insert(fmt::format("{} {:.6g} {:.6g} {:.6g}", m.node_ids[i], m.nodes[i].x(), m.nodes[i].y(), m.nodes[i].z()));
   }
@@ -184,7 +204,7 @@ Facts facts_of(const JointModel& m) {
     facts["elements"].insert(fmt::format("{} material {}: {}", static_cast<int>(d.shape), d.material, list(d.nodes)));
     double thickest = 0;
     for (const double t : d.shell_thickness) thickest = std::max(thickest, t);
-    facts["thickness"].insert(fmt::format("{} {:g}", d.name, thickest));
+    facts["thickness"].insert(fmt::format("{} {:g}", &d - m.domains.data(), thickest));
   }
   for (const Material& a : m.materials) {
     facts["materials"].insert(fmt::format("{} {} {} {:g} {:g} {:g} {}", a.id, a.name, a.type, a.density, a.E, a.nu, a.note));
@@ -211,13 +231,10 @@ Facts facts_of(const JointModel& m) {
   }
   for (const FixedNodes& f : m.fixed_nodes) {
     for (std::size_t i = 0; i < 3; ++i) {
-      std::vector<int> nodes = f.nodes;
-      std::sort(nodes.begin(), nodes.end());
-      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-      if (f.xyz[i]) facts["fixed"].insert(fmt::format("{} step {}: {}", "xyz"[i], f.step, list(nodes)));
+      if (f.xyz[i]) facts["fixed"].insert(fmt::format("{} step {}: {}", "xyz"[i], f.step, sorted(f.nodes)));
     }
   }
-  for (const RigidNodes& r : m.rigid_nodes) facts["rigid nodes"].insert(fmt::format("{} step {}: {}", r.material, r.step, list(r.nodes)));
+  for (const RigidNodes& r : m.rigid_nodes) facts["rigid nodes"].insert(fmt::format("{} step {}: {}", r.material, r.step, sorted(r.nodes)));
   for (const Contact& c : m.contacts) {
     facts["contacts"].insert(fmt::format("{} {:g} step {}: {} | {}", static_cast<int>(c.kind), c.max_distance, c.step, surface(c.primary), surface(c.secondary)));
     facts["contact parameters"].insert(fmt::format("{} {}", c.type, fmt::join(c.ignored, ", ")));
@@ -527,6 +544,15 @@ TEST_F(ReadFeb, WhatIsHarmlessIsListedOnceAsIgnored) {
   }
 }
 
+TEST_F(ReadFeb, DofsOfFixedNodesMayBeJoinedButFluidVelocitiesAreNoDisplacement) {
+  const std::pair<const char*, std::array<bool, 3>> cases[] = {
+      {"x,y,z", {true, true, true}}, {"xz", {true, false, true}}, {"xyzuvw", {true, true, true}}, {" y , w ", {false, true, false}}, {"x,wz,wy", {true, false, false}}};
+  for (const auto& c : cases) {
+    EXPECT_EQ(read(replaced(kModel25, "bc=\"x,z\"", fmt::format("bc=\"{}\"", c.first))).fixed_nodes.at(0).xyz, c.second) << c.first;
+  }
+  EXPECT_TRUE(read(replaced(kModel25, "bc=\"x,z\"", "bc=\"wx,wy,p\"")).fixed_nodes.empty());
+}
+
 TEST_F(ReadFeb, ZeroPrescribedDisplacementHoldsTheNodes) {
   const JointModel m = read(model_and(R"(<Boundary><bc type="prescribed displacement" node_set="held"><dof>y</dof><value lc="1">0</value></bc></Boundary>)"));
   ASSERT_EQ(m.fixed_nodes.size(), 2u);
@@ -766,29 +792,26 @@ TEST(CorpusModels, AllAreRead) {
   EXPECT_GT(count["v4.0 read"], 0);
 }
 
-/// What the formats of a problem really say differently: read by eye in the files.
-const std::map<std::string, std::set<std::string>> kDifferent40 = {};
-const std::map<std::string, std::set<std::string>> kDifferent25 = {};
+/// Problems whose authors shortened the analysis in the 4.0 file.
+const std::set<std::string> kShorterIn40 = {"cf09", "co28", "co56", "co58", "dm17"};
 
 TEST(CorpusModels, TheSameProblemIsTheSameInEveryFormat) {
   if (!fs::is_directory(DEA_CORPUS_DIR)) GTEST_SKIP() << "no " << DEA_CORPUS_DIR;
   int compared = 0;
-  const auto except = [](const auto& table, const std::string& problem) {
-    std::set<std::string> keys = {"contact parameters", "module"};
-    if (table.count(problem) > 0) keys.insert(table.at(problem).begin(), table.at(problem).end());
-    return keys;
-  };
+  // Parameters and module names were reworked from format to format.
+  const std::set<std::string> except = {"contact parameters", "module"};
+  const std::set<std::string> except_steps = {"contact parameters", "module", "steps"};
   for (const auto& problem : corpus()) {
     const auto& files = problem.second;
     if (files.count("v3.0") == 0) continue;
     const Facts v30 = facts_of(read_feb(files.at("v3.0")));
     if (files.count("v4.0") > 0) {
       ++compared;
-      EXPECT_EQ(differences(v30, facts_of(read_feb(files.at("v4.0"))), except(kDifferent40, problem.first)), "") << problem.first << " 3.0 - 4.0";
+      EXPECT_EQ(differences(v30, facts_of(read_feb(files.at("v4.0"))), kShorterIn40.count(problem.first) > 0 ? except_steps : except), "") << problem.first << " 3.0 - 4.0";
     }
     if (files.count("v2.5") > 0) {
       ++compared;
-      EXPECT_EQ(differences(v30, facts_of(read_feb(files.at("v2.5"))), except(kDifferent25, problem.first)), "") << problem.first << " 3.0 - 2.5";
+      EXPECT_EQ(differences(v30, facts_of(read_feb(files.at("v2.5"))), except), "") << problem.first << " 3.0 - 2.5";
     }
   }
   EXPECT_GT(compared, 0);
