@@ -165,6 +165,7 @@ void read_section(Reading& reading, const XMLElement& section) {
   if (tag == "Include") return read_include(reading, section);
   if (tag == "Step") return read_steps(reading, section);
   if (tag == "Globals" || tag == "Output") return;
+  if (tag == "Rigid") return unsupported(reading, section, "section <Rigid> in a version without one");
   ignore(reading, section, fmt::format("section <{}>", tag));
 }
 

@@ -459,6 +459,36 @@ TEST_F(ReadFeb, StepsFollowTheirRules) {
   EXPECT_EQ(m.rigid_fixed[3].step, 1);
 }
 
+TEST_F(ReadFeb, RigidBodiesOf25) {
+  const JointModel m = read(replaced(kModel25, "</febio_spec>", R"(<Boundary><rigid_body mat="femur">
+<prescribed bc="Ry" lc="1" type="relative">0.5</prescribed><force bc="y" lc="1" type="ramp">3</force>
+<force bc="Rx" lc="1" type="follow">3</force><force bc="y">3</force><initial_velocity>1,0,0</initial_velocity>
+</rigid_body></Boundary><Rigid/></febio_spec>)"));
+  EXPECT_EQ(m.rigid_prescribed.back().dof, 4);  // Ry is a rotation in 2.5
+  EXPECT_EQ(m.rigid_prescribed.back().material, 3);
+  EXPECT_TRUE(m.rigid_prescribed.back().relative);
+  EXPECT_EQ(m.rigid_loads.back().dof, 1);
+  EXPECT_EQ(m.rigid_loads.back().value.controller, -1);
+  ASSERT_EQ(m.unsupported.size(), 3u);
+  EXPECT_EQ(m.unsupported[0].what, "rigid force with load_type TARGET");
+  EXPECT_EQ(m.unsupported[1].what, "rigid moment with load_type FOLLOW");
+  EXPECT_EQ(m.unsupported[2].what, "section <Rigid> in a version without one");
+  ASSERT_EQ(m.ignored.size(), 1u);
+  EXPECT_EQ(m.ignored[0].what, "initial velocity of a rigid body");
+}
+
+// A name that is a number is taken as an id first, as FEBio does.
+TEST_F(ReadFeb, RigidBodyByIdBeforeName) {
+  const std::string model =
+      R"(<Material><material id="1" name="2" type="rigid body"/><material id="2" name="b" type="rigid body"/>
+</Material><Rigid><rigid_bc type="rigid_fixed"><rb>2</rb><Rx_dof>1</Rx_dof></rigid_bc>
+<rigid_bc type="rigid_fixed"><rb> b </rb><Rx_dof>1</Rx_dof></rigid_bc></Rigid>)";
+  const JointModel m = read(feb("4.0", model));
+  ASSERT_EQ(m.rigid_fixed.size(), 2u);
+  EXPECT_EQ(m.rigid_fixed[0].material, 1);
+  EXPECT_EQ(m.rigid_fixed[1].material, 1);
+}
+
 // -- materials ---------------------------------------------------------------------------------------
 
 TEST_F(ReadFeb, SmallStrainConstantsOfTheMaterials) {
