@@ -1,1 +1,764 @@
+// io/xplt/read_xplt.cpp – FEBio's plot file into plain structs.
+//
+// Files come from programs that were killed, disks that were full and copies that broke off, so no length
+// and no index is believed before it is checked, and nothing is allocated that the file does not fill.
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <set>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "error.h"
 #include "xplt.h"
+#include "xplt_format.h"
+
+namespace dea {
+
+using namespace xplt;
+
+namespace {
+
+// --------------------------------------------------------------------------------------------- chunks
+
+// A run of bytes with its place in the file, for errors.
+struct Source {
+  const std::string* name = nullptr;
+  const std::string* bytes = nullptr;
+  bool swapped = false;            // written on a big-endian machine
+  std::optional<std::size_t> unpacked_from;  // the bytes were compressed; offset of their zlib stream
+};
+
+[[noreturn]] void fail(const Source& source, std::size_t at, const std::string& fault) {
+  if (source.unpacked_from) {
+    throw InputError(fmt::format("{}: byte {} of the data compressed at byte {}: {}", *source.name, at,
+                                 *source.unpacked_from, fault));
+  }
+  throw InputError(fmt::format("{}: byte {}: {}", *source.name, at, fault));
+}
+
+// Part of a source. As a branch it is read with next_chunk, as a leaf with the functions below.
+struct Chunk {
+  const Source* source = nullptr;
+  std::uint32_t id = 0;
+  std::size_t begin = 0, end = 0;  // payload
+  std::size_t size() const { return end - begin; }
+};
+
+[[noreturn]] void fail(const Chunk& chunk, const std::string& fault) { fail(*chunk.source, chunk.begin, fault); }
+
+std::uint32_t u32_at(const Source& source, std::size_t at) {
+  const auto byte = [&](std::size_t i) {
+    return static_cast<std::uint32_t>(static_cast<unsigned char>((*source.bytes)[at + i]));
+  };
+  const std::uint32_t value = byte(0) | byte(1) << 8 | byte(2) << 16 | byte(3) << 24;
+  if (!source.swapped) return value;
+  return value << 24 | (value & 0xFF00) << 8 | (value >> 8 & 0xFF00) | value >> 24;
+}
+int int_at(const Source& source, std::size_t at) { return static_cast<int>(u32_at(source, at)); }
+float float_at(const Source& source, std::size_t at) { return std::bit_cast<float>(u32_at(source, at)); }
+
+// The child of a branch that starts at `at`, and `at` moved behind it.
+bool next_chunk(const Chunk& branch, std::size_t& at, Chunk& child) {
+  if (at == branch.end) return false;
+  if (branch.end - at < 8) fail(*branch.source, at, "chunk header cut off");
+  child.source = branch.source;
+  child.id = u32_at(*branch.source, at);
+  const std::size_t size = u32_at(*branch.source, at + 4);
+  if (size > branch.end - at - 8) {
+    fail(*branch.source, at,
+         fmt::format("chunk {:08x} has {} bytes, but {} are left", child.id, size, branch.end - at - 8));
+  }
+  child.begin = at + 8;
+  child.end = at = at + 8 + size;
+  return true;
+}
+
+// Calls read(child) for each child.
+template <class Read>
+void for_each_child(const Chunk& branch, Read read) {
+  std::size_t at = branch.begin;
+  Chunk child;
+  while (next_chunk(branch, at, child)) read(child);
+}
+
+[[noreturn]] void fail_unknown(const Chunk& chunk, const char* where) {
+  fail(chunk, fmt::format("unknown chunk {:08x} in {}", chunk.id, where));
+}
+
+void require_size(const Chunk& leaf, std::size_t size) {
+  if (leaf.size() != size) {
+    fail(leaf, fmt::format("chunk {:08x} has {} bytes, expected {}", leaf.id, leaf.size(), size));
+  }
+}
+
+std::uint32_t read_u32(const Chunk& leaf) {
+  require_size(leaf, 4);
+  return u32_at(*leaf.source, leaf.begin);
+}
+int read_int(const Chunk& leaf) { return static_cast<int>(read_u32(leaf)); }
+float read_float(const Chunk& leaf) { return std::bit_cast<float>(read_u32(leaf)); }
+
+int read_count(const Chunk& leaf) {
+  const int count = read_int(leaf);
+  if (count < 0) fail(leaf, fmt::format("negative count {}", count));
+  return count;
+}
+
+std::vector<float> read_floats(const Chunk& leaf) {
+  if (leaf.size() % 4 != 0) fail(leaf, fmt::format("{} bytes are no sequence of floats", leaf.size()));
+  std::vector<float> values(leaf.size() / 4);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = float_at(*leaf.source, leaf.begin + 4 * i);
+  return values;
+}
+
+template <std::size_t N>
+void read_floats(const Chunk& leaf, std::array<float, N>& values) {
+  require_size(leaf, 4 * N);
+  for (std::size_t i = 0; i < N; ++i) values[i] = float_at(*leaf.source, leaf.begin + 4 * i);
+}
+
+std::string text_at(const Source& source, std::size_t at, std::size_t size) {
+  const std::string text = source.bytes->substr(at, size);
+  return text.substr(0, text.find('\0'));
+}
+
+std::string read_prefixed_name(const Chunk& leaf) {
+  if (leaf.size() < 4) fail(leaf, "name without a length");
+  const std::uint32_t length = u32_at(*leaf.source, leaf.begin);
+  if (length != leaf.size() - 4) {
+    fail(leaf, fmt::format("name of {} bytes in a chunk of {}", length, leaf.size()));
+  }
+  return text_at(*leaf.source, leaf.begin + 4, length);
+}
+
+// What follows the terminating zero is whatever FEBio had in memory.
+std::string read_fixed_name(const Chunk& leaf) {
+  require_size(leaf, kFixedName);
+  return text_at(*leaf.source, leaf.begin, kFixedName);
+}
+
+// A name from the file, fit for a one-line message.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  }
+  return text;
+}
+
+// ----------------------------------------------------------------------------------------------- root
+
+void read_header(const Chunk& header, XpltFile& file) {
+  bool has_version = false;
+  for_each_child(header, [&](const Chunk& child) {
+    switch (child.id) {
+      case kVersion:
+        file.version = read_u32(child);
+        has_version = true;
+        if (file.version < 0x30) {
+          fail(child, fmt::format("plot file version {:#x}, need 0x30 to 0x35 (written by FEBio 1 or 2?)",
+                                  file.version));
+        }
+        if (file.version > 0x35) {
+          fail(child, fmt::format("plot file version {:#x}, need 0x30 to 0x35", file.version));
+        }
+        break;
+      case kCompression: file.compressed = read_int(child) != 0; break;
+      case kSoftware: file.software = read_prefixed_name(child); break;
+      case kUnits: file.units = read_prefixed_name(child); break;
+      case kAuthor:
+      case kNodeCountV1:
+      case kMaxFacetV1: break;
+      default: fail_unknown(child, "the header");
+    }
+  });
+  if (!has_version) fail(header, "no version");
+}
+
+XpltVariable read_item(const Chunk& item) {
+  XpltVariable variable;
+  bool has_type = false, has_name = false;
+  for_each_child(item, [&](const Chunk& child) {
+    switch (child.id) {
+      case kItemType: {
+        const std::uint32_t type = read_u32(child);
+        if (type > 7) fail(child, fmt::format("variable of type {}, need 0 to 7", type));
+        variable.type = static_cast<XpltType>(type);
+        has_type = true;
+        break;
+      }
+      case kItemFormat: {
+        const std::uint32_t format = read_u32(child);
+        if (format > 3) fail(child, fmt::format("variable of format {}, need 0 to 3", format));
+        variable.format = static_cast<XpltFormat>(format);
+        break;
+      }
+      case kItemArraySize:
+        variable.array_size = read_count(child);
+        if (variable.array_size > std::numeric_limits<int>::max() / 3) {
+          fail(child, fmt::format("array of {} values", variable.array_size));
+        }
+        break;
+      case kItemArrayName: variable.array_names.push_back(read_fixed_name(child)); break;
+      case kItemName:
+        variable.name = read_fixed_name(child);
+        has_name = true;
+        break;
+      case kItemUnits: variable.units = read_fixed_name(child); break;
+      default: fail_unknown(child, "a variable's description");
+    }
+  });
+  if (!has_type || !has_name) fail(item, "variable without type or name");
+  return variable;
+}
+
+void read_dictionary(const Chunk& dictionary, XpltFile& file) {
+  std::vector<XpltVariable> groups[kGroups];  // the file may have them in any order
+  for_each_child(dictionary, [&](const Chunk& child) {
+    const auto* found = std::find(kGroupItems, kGroupItems + kGroups, child.id);
+    if (found == kGroupItems + kGroups) fail_unknown(child, "the dictionary");
+    const auto group = static_cast<int>(found - kGroupItems);
+    for_each_child(child, [&](const Chunk& item) {
+      if (item.id != kItem) fail_unknown(item, "the dictionary");
+      XpltVariable variable = read_item(item);
+      variable.group = static_cast<XpltGroup>(group);
+      groups[group].push_back(std::move(variable));
+    });
+  });
+  for (const std::vector<XpltVariable>& group : groups) {
+    file.variables.insert(file.variables.end(), group.begin(), group.end());
+  }
+}
+
+void read_root(const Chunk& root, XpltFile& file) {
+  bool has_header = false;
+  for_each_child(root, [&](const Chunk& child) {
+    if (child.id == kHeader && !has_header) {
+      read_header(child, file);
+      has_header = true;
+    } else if (child.id == kDictionary && has_header) {
+      read_dictionary(child, file);
+    } else {
+      fail_unknown(child, "the root");
+    }
+  });
+  if (!has_header) fail(root, "no header");
+}
+
+// ----------------------------------------------------------------------------------------------- mesh
+
+void read_nodes(const Chunk& nodes, std::uint32_t version, XpltMesh& mesh) {
+  int count = -1, dimension = 3;
+  for_each_child(nodes, [&](const Chunk& child) {
+    if (child.id == kNodeHeader) {
+      for_each_child(child, [&](const Chunk& entry) {
+        if (entry.id == kNodeCount) count = read_count(entry);
+        if (entry.id == kNodeDimension) dimension = read_int(entry);
+      });
+      if (dimension != 3) fail(child, fmt::format("nodes with {} coordinates, need 3", dimension));
+    } else if (child.id == kNodeCoordinates) {
+      if (count < 0) fail(child, "coordinates before the number of nodes");
+      require_size(child, 16 * static_cast<std::size_t>(count));
+      for (std::size_t at = child.begin; at < child.end; at += 16) {
+        // Before version 0x33 the number here was not the node's id.
+        mesh.node_ids.push_back(version < 0x33 ? static_cast<int>(mesh.node_ids.size()) + 1
+                                               : int_at(*child.source, at));
+        for (std::size_t k = 1; k <= 3; ++k) mesh.coordinates.push_back(float_at(*child.source, at + 4 * k));
+      }
+    } else {
+      fail_unknown(child, "the nodes");
+    }
+  });
+}
+
+XpltDomain read_domain(const Chunk& chunk) {
+  XpltDomain domain;
+  int count = -1;
+  std::size_t n = 0;
+  for_each_child(chunk, [&](const Chunk& child) {
+    if (child.id == kDomainHeader) {
+      if (!domain.element_ids.empty()) fail(child, "description of a domain after its elements");
+      for_each_child(child, [&](const Chunk& entry) {
+        switch (entry.id) {
+          case kDomainType:
+            domain.element_type = read_int(entry);
+            n = static_cast<std::size_t>(xplt_nodes_per_element(domain.element_type));
+            if (n == 0) fail(entry, fmt::format("unknown element type {}", domain.element_type));
+            break;
+          case kDomainPart: domain.part = read_int(entry); break;
+          case kDomainElements: count = read_count(entry); break;
+          case kDomainName: domain.name = read_prefixed_name(entry); break;
+          default: fail_unknown(entry, "a domain");
+        }
+      });
+    } else if (child.id == kElementList) {
+      if (n == 0) fail(child, "elements before their type");
+      for_each_child(child, [&](const Chunk& element) {
+        if (element.id != kElement) fail_unknown(element, "a list of elements");
+        require_size(element, 4 * (n + 1));
+        domain.element_ids.push_back(int_at(*element.source, element.begin));
+        for (std::size_t k = 1; k <= n; ++k) {
+          domain.nodes.push_back(int_at(*element.source, element.begin + 4 * k));
+        }
+      });
+    } else {
+      fail_unknown(child, "a domain");
+    }
+  });
+  if (count != xplt_elements(domain)) {
+    fail(chunk, fmt::format("domain of {} elements, {} expected", xplt_elements(domain), count));
+  }
+  return domain;
+}
+
+XpltFacets read_facets(const Chunk& chunk, const FacetIds& ids) {
+  XpltFacets facets;
+  int count = 0;
+  for_each_child(chunk, [&](const Chunk& child) {
+    if (child.id == ids.header) {
+      if (facets.size() > 0) fail(child, "description of a surface after its facets");
+      for_each_child(child, [&](const Chunk& entry) {
+        if (entry.id == ids.id) return;  // the position counts
+        if (entry.id == ids.count) {
+          count = read_count(entry);
+        } else if (entry.id == ids.name) {
+          facets.name = read_prefixed_name(entry);
+        } else if (entry.id == ids.max_nodes) {
+          facets.max_nodes = read_count(entry);
+        } else {
+          fail_unknown(entry, "a surface");
+        }
+      });
+    } else if (child.id == ids.list) {
+      for_each_child(child, [&](const Chunk& facet) {
+        if (facet.id != ids.facet) fail_unknown(facet, "a list of facets");
+        require_size(facet, 4 * (static_cast<std::size_t>(facets.max_nodes) + 2));
+        const int n = int_at(*facet.source, facet.begin + 4);  // before it: the facet's number
+        if (n < 1 || n > facets.max_nodes) {
+          fail(facet, fmt::format("facet of {} nodes, need 1 to {}", n, facets.max_nodes));
+        }
+        for (int k = 0; k < n; ++k) {
+          facets.nodes.push_back(int_at(*facet.source, facet.begin + 8 + 4 * static_cast<std::size_t>(k)));
+        }
+        facets.begin.push_back(static_cast<int>(facets.nodes.size()));
+      });
+    } else {
+      fail_unknown(child, "a surface");
+    }
+  });
+  if (count != facets.size()) fail(chunk, fmt::format("surface of {} facets, {} expected", facets.size(), count));
+  return facets;
+}
+
+XpltSet read_set(const Chunk& chunk, const SetIds& ids) {
+  XpltSet set;
+  int count = 0;
+  for_each_child(chunk, [&](const Chunk& child) {
+    if (child.id == ids.header) {
+      for_each_child(child, [&](const Chunk& entry) {
+        if (entry.id == ids.id) return;
+        if (entry.id == ids.count) {
+          count = read_count(entry);
+        } else if (entry.id == ids.name) {
+          set.name = read_prefixed_name(entry);
+        } else {
+          fail_unknown(entry, "a set");
+        }
+      });
+    } else if (child.id == ids.list) {
+      require_size(child, 4 * static_cast<std::size_t>(count));
+      for (std::size_t at = child.begin; at < child.end; at += 4) set.items.push_back(int_at(*child.source, at));
+    } else {
+      fail_unknown(child, "a set");
+    }
+  });
+  if (static_cast<std::size_t>(count) != set.items.size()) {
+    fail(chunk, fmt::format("set of {} items, {} expected", set.items.size(), count));
+  }
+  return set;
+}
+
+std::string read_part(const Chunk& chunk) {
+  std::string name;
+  for_each_child(chunk, [&](const Chunk& child) {
+    if (child.id == kPartName) name = read_fixed_name(child);
+  });
+  return name;
+}
+
+XpltObject read_object(const Chunk& chunk) {
+  XpltObject object;
+  object.line = chunk.id == kLineObject;
+  for_each_child(chunk, [&](const Chunk& child) {
+    switch (child.id) {
+      case kObjectName: object.name = read_prefixed_name(child); break;
+      case kObjectTag: object.tag = read_int(child); break;
+      case kObjectPosition: read_floats(child, object.position); break;
+      case kObjectRotation: read_floats(child, object.rotation); break;
+      case kLineEnds: read_floats(child, object.line_ends); break;
+      case kObjectData: {
+        const XpltVariable item = read_item(child);
+        XpltVariable plain;
+        plain.type = item.type;
+        plain.name = item.name;
+        object.data.push_back(plain);
+        break;
+      }
+      default: break;  // the id: objects are numbered in the order of the file
+    }
+  });
+  return object;
+}
+
+void check_indices(const Chunk& chunk, const std::vector<int>& nodes, std::size_t count, const char* what) {
+  for (const int node : nodes) {
+    if (node < 0 || static_cast<std::size_t>(node) >= count) {
+      fail(chunk, fmt::format("{}: node index {}, but the mesh has {} nodes", what, node, count));
+    }
+  }
+}
+
+void check_mesh(const Chunk& chunk, const XpltMesh& mesh) {
+  const std::size_t nodes = mesh.node_ids.size();
+  for (std::size_t i = 0; i < mesh.domains.size(); ++i) {
+    check_indices(chunk, mesh.domains[i].nodes, nodes, "domain");
+    const int part = mesh.domains[i].part;
+    if (part < 1 || static_cast<std::size_t>(part) > mesh.parts.size()) {
+      fail(chunk, fmt::format("domain {} is of part {}, but there are {} parts", i + 1, part, mesh.parts.size()));
+    }
+  }
+  for (const XpltFacets& facets : mesh.surfaces) check_indices(chunk, facets.nodes, nodes, "surface");
+  for (const XpltFacets& facets : mesh.edges) check_indices(chunk, facets.nodes, nodes, "edge");
+  for (const XpltFacets& facets : mesh.facet_sets) check_indices(chunk, facets.nodes, nodes, "facet set");
+  for (const XpltSet& set : mesh.node_sets) check_indices(chunk, set.items, nodes, "node set");
+}
+
+XpltMesh read_mesh(const Chunk& chunk, std::uint32_t version) {
+  XpltMesh mesh;
+  const auto read_all = [](const Chunk& section, std::uint32_t id, auto read) {
+    for_each_child(section, [&](const Chunk& child) {
+      if (child.id != id) fail_unknown(child, "the mesh");
+      read(child);
+    });
+  };
+  const auto facets_into = [&](std::vector<XpltFacets>& all, const Chunk& section, const FacetIds& ids) {
+    read_all(section, ids.one, [&](const Chunk& child) { all.push_back(read_facets(child, ids)); });
+  };
+  const auto sets_into = [&](std::vector<XpltSet>& all, const Chunk& section, const SetIds& ids) {
+    read_all(section, ids.one, [&](const Chunk& child) { all.push_back(read_set(child, ids)); });
+  };
+  for_each_child(chunk, [&](const Chunk& section) {
+    switch (section.id) {
+      case kNodes: read_nodes(section, version, mesh); break;
+      case kDomains:
+        read_all(section, kDomain, [&](const Chunk& child) { mesh.domains.push_back(read_domain(child)); });
+        break;
+      case kSurfaceIds.section: facets_into(mesh.surfaces, section, kSurfaceIds); break;
+      case kEdgeIds.section: facets_into(mesh.edges, section, kEdgeIds); break;
+      case kFacetSetIds.section: facets_into(mesh.facet_sets, section, kFacetSetIds); break;
+      case kNodeSetIds.section: sets_into(mesh.node_sets, section, kNodeSetIds); break;
+      case kElementSetIds.section: sets_into(mesh.element_sets, section, kElementSetIds); break;
+      case kParts:
+        read_all(section, kPart, [&](const Chunk& child) { mesh.parts.push_back(read_part(child)); });
+        break;
+      case kObjects:
+        for_each_child(section, [&](const Chunk& child) {
+          if (child.id == kPointObject || child.id == kLineObject) mesh.objects.push_back(read_object(child));
+        });
+        break;
+      default: break;  // a section that came later than this reader
+    }
+  });
+  check_mesh(chunk, mesh);
+  return mesh;
+}
+
+// ---------------------------------------------------------------------------------------------- state
+
+void read_data(const Chunk& section, const XpltFile& file, XpltGroup group, XpltState& state) {
+  const XpltMesh& mesh = file.meshes.back();
+  std::vector<std::size_t> in_group;
+  for (std::size_t i = 0; i < file.variables.size(); ++i) {
+    if (file.variables[i].group == group) in_group.push_back(i);
+  }
+  std::set<std::size_t> done;
+  for_each_child(section, [&](const Chunk& child) {
+    if (child.id != kStateVariable) fail_unknown(child, "a state");
+    std::optional<std::size_t> index;
+    for_each_child(child, [&](const Chunk& entry) {
+      if (entry.id == kStateVariableId) {
+        const std::uint32_t number = read_u32(entry);  // counts within the group
+        if (number < 1 || number > in_group.size()) {
+          fail(entry, fmt::format("variable {} of a group of {}", number, in_group.size()));
+        }
+        index = in_group[number - 1];
+        if (!done.insert(*index).second) fail(entry, fmt::format("variable {} twice in one state", number));
+      } else if (entry.id == kStateVariableData) {
+        if (!index) fail(entry, "data before the number of its variable");
+        const XpltVariable& variable = file.variables[*index];
+        std::vector<XpltRegion>& regions = state.variables[*index];
+        for_each_child(entry, [&](const Chunk& data) {
+          const int region = static_cast<int>(data.id);
+          const std::int64_t floats = floats_in_region(mesh, variable, region);
+          if (floats < 0) {
+            fail(data, fmt::format("\"{}\": no region {} in the mesh", printable(variable.name), data.id));
+          }
+          if (data.size() != 4 * static_cast<std::size_t>(floats)) {
+            fail(data, fmt::format("\"{}\", region {}: {} bytes, expected {}", printable(variable.name), region,
+                                   data.size(), 4 * floats));
+          }
+          for (const XpltRegion& other : regions) {
+            if (other.region == region) {
+              fail(data, fmt::format("\"{}\": region {} twice", printable(variable.name), region));
+            }
+          }
+          regions.push_back({region, read_floats(data)});
+        });
+      } else {
+        fail_unknown(entry, "a variable's data");
+      }
+    });
+  });
+}
+
+void read_object_states(const Chunk& section, const std::vector<XpltObject>& objects, XpltState& state) {
+  std::vector<std::size_t> points, lines;
+  for (std::size_t i = 0; i < objects.size(); ++i) (objects[i].line ? lines : points).push_back(i);
+  state.objects.resize(objects.size());
+  std::vector<char> done(objects.size(), 0);
+  for_each_child(section, [&](const Chunk& child) {
+    if (child.id != kPointObject && child.id != kLineObject) fail_unknown(child, "the states of objects");
+    const std::vector<std::size_t>& kind = child.id == kLineObject ? lines : points;
+    std::optional<std::size_t> index;
+    for_each_child(child, [&](const Chunk& entry) {
+      if (entry.id == kObjectId) {
+        const std::uint32_t number = read_u32(entry);
+        if (number < 1 || number > kind.size()) {
+          fail(entry, fmt::format("state of object {} of {}", number, kind.size()));
+        }
+        index = kind[number - 1];
+        if (done[*index]++ != 0) fail(entry, fmt::format("two states of object {}", number));
+        state.objects[*index].data.resize(objects[*index].data.size());
+        return;
+      }
+      if (!index) fail(entry, "state of an object before its number");
+      XpltObjectState& object = state.objects[*index];
+      switch (entry.id) {
+        case kObjectPosition: read_floats(entry, object.position); break;
+        case kObjectRotation: read_floats(entry, object.rotation); break;
+        case kPointCoordinate: read_floats(entry, object.point); break;
+        case kLineEnds: read_floats(entry, object.line_ends); break;
+        case kObjectData:
+          for_each_child(entry, [&](const Chunk& item) {
+            if (item.id >= object.data.size()) {
+              fail(item, fmt::format("data item {} of an object with {}", item.id, object.data.size()));
+            }
+            const XpltVariable& description = objects[*index].data[item.id];
+            require_size(item, 4 * static_cast<std::size_t>(floats_per_value(description)));
+            object.data[item.id] = read_floats(item);
+          });
+          break;
+        default: break;
+      }
+    });
+    if (!index) fail(child, "state of an object without its number");
+  });
+  if (std::find(done.begin(), done.end(), 0) != done.end()) fail(section, "not every object has a state");
+}
+
+XpltState read_state(const Chunk& chunk, const XpltFile& file) {
+  const XpltMesh& mesh = file.meshes.back();
+  std::size_t elements = 0;
+  for (const XpltDomain& domain : mesh.domains) elements += domain.element_ids.size();
+
+  XpltState state;
+  state.mesh = static_cast<int>(file.meshes.size()) - 1;
+  state.variables.resize(file.variables.size());
+  bool has_time = false;
+  for_each_child(chunk, [&](const Chunk& child) {
+    switch (child.id) {
+      case kStateHeader:
+        for_each_child(child, [&](const Chunk& entry) {
+          if (entry.id == kStateTime) {
+            state.time = read_float(entry);
+            has_time = true;
+          }
+          if (entry.id == kStateStatus) state.status = read_int(entry);
+        });
+        break;
+      case kMeshState:
+        for_each_child(child, [&](const Chunk& entry) {
+          if (entry.id != kElementFlags) return;
+          require_size(entry, 4 * elements);
+          state.element_flags.clear();
+          for (std::size_t at = entry.begin; at < entry.end; at += 4) {
+            state.element_flags.push_back(u32_at(*entry.source, at));
+          }
+        });
+        break;
+      case kStateData: {
+        std::set<std::uint32_t> done;
+        for_each_child(child, [&](const Chunk& section) {
+          const auto* found = std::find(kGroupData, kGroupData + kGroups, section.id);
+          if (found == kGroupData + kGroups || !done.insert(section.id).second) fail_unknown(section, "a state");
+          read_data(section, file, static_cast<XpltGroup>(found - kGroupData), state);
+        });
+        break;
+      }
+      case kObjectStates: read_object_states(child, file.meshes.front().objects, state); break;
+      default: fail_unknown(child, "a state");
+    }
+  });
+  if (!has_time) fail(chunk, "state without a time");
+  return state;
+}
+
+// ----------------------------------------------------------------------------------------------- file
+
+// The bytes of the zlib stream that starts at `at`; `at` moves behind it. Nothing if the file ends first.
+std::optional<std::string> unpack(const Source& file, std::size_t& at) {
+  z_stream stream = {};
+  if (inflateInit(&stream) != Z_OK) fail(file, at, "not enough memory to unpack");
+  const std::size_t start = at;
+  std::string result;
+  std::string buffer(1 << 16, '\0');
+  int code = Z_OK;
+  bool too_long = false;
+  while (code == Z_OK && !too_long && (at < file.bytes->size() || stream.avail_out == 0)) {
+    // avail_in is 32 bits wide; the file may be longer.
+    const auto portion = static_cast<uInt>(std::min<std::size_t>(file.bytes->size() - at, 1 << 20));
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(file.bytes->data() + at));
+    stream.avail_in = portion;
+    stream.next_out = reinterpret_cast<Bytef*>(buffer.data());
+    stream.avail_out = static_cast<uInt>(buffer.size());
+    code = inflate(&stream, Z_NO_FLUSH);
+    at += portion - stream.avail_in;
+    result.append(buffer, 0, buffer.size() - stream.avail_out);
+    // The chunk states its own size: a stream that runs on is damage, or made to fill the memory.
+    if (result.size() >= 8) {
+      Source unpacked = file;
+      unpacked.bytes = &result;
+      too_long = result.size() - 8 > u32_at(unpacked, 4);
+    }
+  }
+  inflateEnd(&stream);
+  if (too_long) fail(file, start, "compressed chunk longer than it says");
+  if (code == Z_STREAM_END) return result;
+  if (code == Z_OK || code == Z_BUF_ERROR) return std::nullopt;
+  fail(file, start, "damaged compressed data");
+}
+
+// The chunk at `at` of an uncompressed part of the file; nothing if the file ends first.
+std::optional<Chunk> top_chunk(const Source& file, std::size_t& at) {
+  const std::size_t left = file.bytes->size() - at;
+  if (left < 8) return std::nullopt;
+  const std::size_t size = u32_at(file, at + 4);
+  if (size > left - 8) return std::nullopt;
+  const Chunk chunk{&file, u32_at(file, at), at + 8, at + 8 + size};
+  at += 8 + size;
+  return chunk;
+}
+
+// A mesh or a state, after the first mesh.
+void read_mesh_or_state(const Chunk& chunk, XpltFile& file) {
+  if (chunk.id == kState) {
+    file.states.push_back(read_state(chunk, file));
+  } else if (chunk.id == kMesh) {
+    XpltMesh mesh = read_mesh(chunk, file.version);
+    if (!mesh.objects.empty()) fail(chunk, "objects in another mesh than the first");
+    file.meshes.push_back(std::move(mesh));
+  } else {
+    fail(chunk, fmt::format("chunk {:08x} where a state or a mesh is expected", chunk.id));
+  }
+}
+
+std::string bytes_of_file(const std::string& path) {
+  const auto fail_reading = [&](int error) {
+    throw InputError(fmt::format("{}: {}", path, std::generic_category().message(error != 0 ? error : EIO)));
+  };
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) fail_reading(EISDIR);
+  errno = 0;
+  std::FILE* stream = std::fopen(path.c_str(), "rb");
+  if (stream == nullptr) fail_reading(errno);
+  std::string bytes;
+  const std::uintmax_t size = std::filesystem::file_size(path, ignored);
+  if (!ignored) bytes.reserve(static_cast<std::size_t>(size));
+  std::string buffer(1 << 18, '\0');
+  errno = 0;
+  for (std::size_t n = 1; n > 0;) {
+    n = std::fread(buffer.data(), 1, buffer.size(), stream);
+    bytes.append(buffer, 0, n);
+  }
+  const bool failed = std::ferror(stream) != 0;
+  const int error = errno;
+  std::fclose(stream);
+  if (failed) fail_reading(error);
+  return bytes;
+}
+
+}  // namespace
+
+XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
+  Source source;
+  source.name = &name;
+  source.bytes = &bytes;
+  if (bytes.size() < 4) fail(source, 0, "not an FEBio plot file (too short)");
+  source.swapped = u32_at(source, 0) != kMagic;
+  if (u32_at(source, 0) != kMagic) fail(source, 0, "not an FEBio plot file");
+
+  XpltFile file;
+  std::size_t at = 4;
+  const std::optional<Chunk> root = top_chunk(source, at);
+  if (!root) fail(source, at, "the file ends in its root");
+  if (root->id != kRoot) fail(*root, fmt::format("chunk {:08x} where the root is expected", root->id));
+  read_root(*root, file);
+  const std::optional<Chunk> mesh = top_chunk(source, at);
+  if (!mesh) fail(source, at, "the file ends before or in its mesh");
+  if (mesh->id != kMesh) fail(*mesh, fmt::format("chunk {:08x} where the mesh is expected", mesh->id));
+  file.meshes.push_back(read_mesh(*mesh, file.version));
+
+  while (at < bytes.size() && !file.truncated) {
+    if (file.compressed) {
+      const std::size_t start = at;
+      const std::optional<std::string> unpacked = unpack(source, at);
+      file.truncated = !unpacked;
+      if (!unpacked) break;
+      Source inner = source;
+      inner.bytes = &*unpacked;
+      inner.unpacked_from = start;
+      std::size_t inner_at = 0;
+      const std::optional<Chunk> chunk = top_chunk(inner, inner_at);
+      if (!chunk || inner_at != unpacked->size()) {
+        fail(inner, 0, fmt::format("{} bytes do not hold one chunk", unpacked->size()));
+      }
+      read_mesh_or_state(*chunk, file);
+    } else {
+      const std::size_t start = at;
+      const std::optional<Chunk> chunk = top_chunk(source, at);
+      if (chunk) {
+        read_mesh_or_state(*chunk, file);
+        continue;
+      }
+      // Cut off if it begins like a chunk that may stand here; else the file is damaged.
+      if (bytes.size() - start >= 4) {
+        const std::uint32_t id = u32_at(source, start);
+        if (id != kState && id != kMesh) {
+          fail(source, start, fmt::format("chunk {:08x} where a state or a mesh is expected", id));
+        }
+      }
+      file.truncated = true;
+    }
+  }
+  return file;
+}
+
+XpltFile read_xplt(const std::string& path) { return xplt_from_bytes(bytes_of_file(path), path); }
+
+}  // namespace dea

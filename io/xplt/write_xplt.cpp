@@ -1,1 +1,637 @@
+// io/xplt/write_xplt.cpp – check the plot file, lay it out, bring it to disk.
+//
+// The viewers' reader copies by sizes it computes itself and indexes without looking: one wrong length and it
+// crashes or shows noise. So everything it relies on is checked here before the first byte is written.
+#include <atomic>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "error.h"
 #include "xplt.h"
+#include "xplt_format.h"
+
+namespace dea {
+
+using namespace xplt;
+
+namespace {
+
+// ---------------------------------------------------------------------------------------------- names
+
+bool continues_character(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
+
+// What the format can hold of a name: ends at a zero byte, at most 63 bytes, no half UTF-8 character.
+std::string_view stored_name(std::string_view name) {
+  name = name.substr(0, name.find('\0'));
+  if (name.size() <= kLongestName) return name;
+  std::size_t end = kLongestName;
+  while (end > 0 && continues_character(name[end])) --end;
+  return name.substr(0, end);
+}
+
+// The viewers read "long name=alias" and show, and look up, the alias.
+std::string_view shown_name(std::string_view name) {
+  name = stored_name(name);
+  const std::size_t equals = name.find('=');
+  return equals == std::string_view::npos ? name : name.substr(equals + 1);
+}
+
+// --------------------------------------------------------------------------------------------- checks
+
+void require(bool fits, const char* what) {
+  if (!fits) throw std::logic_error(fmt::format("plot file: {}", what));
+}
+
+template <class Numbers>
+void require_finite(const Numbers& numbers, const char* what) {
+  for (const float number : numbers) {
+    if (!std::isfinite(number)) throw std::logic_error(fmt::format("plot file: {}: not a finite number", what));
+  }
+}
+
+// Combinations that the viewers refuse, crash on or read with other sizes than FEBio writes.
+bool viewers_can_read(const XpltVariable& v) {
+  const bool array = v.type == XpltType::Array || v.type == XpltType::ArrayVec3;
+  switch (v.group) {
+    case XpltGroup::Global: return v.type != XpltType::ArrayVec3;
+    case XpltGroup::Nodal: return v.type != XpltType::Mat3d && v.type != XpltType::ArrayVec3;
+    case XpltGroup::Domain:
+      if (v.name == "shell thickness") return v.type == XpltType::Float && v.format == XpltFormat::Mult;
+      if (v.type == XpltType::ArrayVec3) return v.format == XpltFormat::Item;
+      return !array || v.format == XpltFormat::Node || v.format == XpltFormat::Item;
+    case XpltGroup::Surface:
+      if (v.format == XpltFormat::Mult) return v.type == XpltType::Float || v.type == XpltType::Vec3;
+      return !array || (v.type == XpltType::Array && v.format == XpltFormat::Item);
+    case XpltGroup::Edge: return !array;
+  }
+  return false;
+}
+
+void check_dictionary(const std::vector<XpltVariable>& variables) {
+  std::set<std::string_view> names;
+  XpltGroup group = XpltGroup::Global;
+  for (const XpltVariable& variable : variables) {
+    require(variable.group >= group, "variables are not ordered by group");
+    group = variable.group;
+    require(!shown_name(variable.name).empty(), "variable without a name");
+    require(names.insert(shown_name(variable.name)).second, "two variables of one name");
+    require(viewers_can_read(variable), "type and format of a variable do not go together");
+    if (variable.type == XpltType::Array || variable.type == XpltType::ArrayVec3) {
+      require(variable.array_size >= 1 && variable.array_size <= std::numeric_limits<int>::max() / 3,
+              "array size of a variable");
+    }
+    require(variable.array_names.empty() ||
+                variable.array_names.size() == static_cast<std::size_t>(variable.array_size),
+            "names of an array's components");
+  }
+}
+
+void check_indices(const std::vector<int>& nodes, std::size_t count, const char* what) {
+  for (const int node : nodes) require(node >= 0 && static_cast<std::size_t>(node) < count, what);
+}
+
+void check_facets(const XpltFacets& facets, std::size_t nodes, bool lines) {
+  require(!facets.begin.empty() && facets.begin.front() == 0 &&
+              static_cast<std::size_t>(facets.begin.back()) == facets.nodes.size(),
+          "facets and their nodes");
+  require(facets.max_nodes <= kLargestFacet, "more slots per facet than the viewers have room for");
+  for (std::size_t i = 0; i + 1 < facets.begin.size(); ++i) {
+    const int n = facets.begin[i + 1] - facets.begin[i];
+    require(lines ? n == 2 || n == 3 : n == 3 || n == 4 || (n >= 6 && n <= 9), "number of nodes of a facet");
+    require(n <= facets.max_nodes, "facet with more nodes than max_nodes");
+  }
+  check_indices(facets.nodes, nodes, "node of a facet");
+}
+
+void check_mesh(const XpltMesh& mesh) {
+  const std::size_t nodes = mesh.node_ids.size();
+  require(mesh.coordinates.size() == 3 * nodes, "node ids and coordinates");
+  require_finite(mesh.coordinates, "coordinates");
+  require(!mesh.domains.empty(), "mesh without elements");
+  std::set<int> element_ids;
+  for (const XpltDomain& domain : mesh.domains) {
+    constexpr int kTri10 = 15;
+    const int n = xplt_nodes_per_element(domain.element_type);
+    require(n > 0 && domain.element_type != kTri10, "element type");
+    require(!domain.element_ids.empty(), "domain without elements");
+    require(domain.nodes.size() == domain.element_ids.size() * static_cast<std::size_t>(n),
+            "element ids and nodes of a domain");
+    require(domain.part >= 1 && static_cast<std::size_t>(domain.part) <= mesh.parts.size(), "part of a domain");
+    check_indices(domain.nodes, nodes, "node of an element");
+    if (!mesh.element_sets.empty()) element_ids.insert(domain.element_ids.begin(), domain.element_ids.end());
+  }
+  for (const XpltFacets& surface : mesh.surfaces) check_facets(surface, nodes, false);
+  for (const XpltFacets& edge : mesh.edges) check_facets(edge, nodes, true);
+  for (const XpltFacets& facets : mesh.facet_sets) check_facets(facets, nodes, false);
+  for (const XpltSet& set : mesh.node_sets) check_indices(set.items, nodes, "node of a node set");
+  for (const XpltSet& set : mesh.element_sets) {
+    for (const int id : set.items) require(element_ids.count(id) == 1, "element of an element set");
+  }
+  for (const XpltObject& object : mesh.objects) {
+    require_finite(object.position, "position of an object");
+    require_finite(object.rotation, "rotation of an object");
+    require_finite(object.line_ends, "ends of a line");
+    for (const XpltVariable& item : object.data) {
+      require(item.type == XpltType::Float || item.type == XpltType::Vec3, "type of an object's data");
+    }
+  }
+}
+
+void check_state(const XpltFile& file, const XpltState& state) {
+  const XpltMesh& mesh = file.meshes[static_cast<std::size_t>(state.mesh)];
+  require(std::isfinite(state.time), "time: not a finite number");
+  std::size_t elements = 0;
+  for (const XpltDomain& domain : mesh.domains) elements += domain.element_ids.size();
+  require(state.element_flags.empty() || state.element_flags.size() == elements, "element flags");
+
+  require(state.variables.size() == file.variables.size(), "data for each variable of the dictionary");
+  for (std::size_t i = 0; i < file.variables.size(); ++i) {
+    const XpltVariable& variable = file.variables[i];
+    std::set<int> regions;
+    for (const XpltRegion& region : state.variables[i]) {
+      const std::int64_t floats = floats_in_region(mesh, variable, region.region);
+      if (floats < 0 || static_cast<std::size_t>(floats) != region.values.size()) {
+        throw std::logic_error(fmt::format("plot file: {}, region {}: {} values, need {}", variable.name,
+                                           region.region, region.values.size(), floats));
+      }
+      require(regions.insert(region.region).second, "two sets of values for one region");
+      require_finite(region.values, variable.name.c_str());
+      constexpr int kLine3 = 19;  // the viewers know its nodes, but not its nodal data
+      require(variable.group != XpltGroup::Domain || variable.format == XpltFormat::Item ||
+                  variable.format == XpltFormat::Region ||
+                  mesh.domains[static_cast<std::size_t>(region.region) - 1].element_type != kLine3,
+              "data at the nodes of line3 elements");
+    }
+  }
+
+  const std::vector<XpltObject>& objects = file.meshes.front().objects;
+  require(state.objects.empty() || state.objects.size() == objects.size(), "state of each object");
+  for (std::size_t i = 0; i < state.objects.size(); ++i) {
+    const XpltObjectState& object = state.objects[i];
+    require_finite(object.position, "position of an object");
+    require_finite(object.rotation, "rotation of an object");
+    require_finite(object.point, "point of an object");
+    require_finite(object.line_ends, "ends of a line");
+    require(object.data.size() == objects[i].data.size(), "data of an object");
+    for (std::size_t j = 0; j < object.data.size(); ++j) {
+      require(object.data[j].empty() ||
+                  object.data[j].size() == static_cast<std::size_t>(floats_per_value(objects[i].data[j])),
+              "data of an object");
+      require_finite(object.data[j], "data of an object");
+    }
+  }
+}
+
+void check(const XpltFile& file) {
+  require(file.version >= 0x30 && file.version <= 0x35, "version");
+  check_dictionary(file.variables);
+  require(!file.meshes.empty(), "no mesh");
+  for (const XpltMesh& mesh : file.meshes) check_mesh(mesh);
+  for (std::size_t i = 1; i < file.meshes.size(); ++i) {
+    require(file.meshes[i].objects.empty(), "objects in another mesh than the first");
+  }
+  int mesh = 0;
+  for (const XpltState& state : file.states) {
+    require(state.mesh >= mesh && static_cast<std::size_t>(state.mesh) < file.meshes.size(), "mesh of a state");
+    mesh = state.mesh;
+    check_state(file, state);
+  }
+}
+
+// --------------------------------------------------------------------------------------------- chunks
+
+// Bytes of nested chunks. Sizes are known only at their ends, so begin() leaves a gap that end() fills.
+struct Chunks {
+  std::string bytes;
+  std::vector<std::size_t> open;  // where the payloads of the open chunks start
+};
+
+void put(std::string& bytes, std::uint32_t number) {
+  const char little_endian[4] = {static_cast<char>(number), static_cast<char>(number >> 8),
+                                 static_cast<char>(number >> 16), static_cast<char>(number >> 24)};
+  bytes.append(little_endian, 4);
+}
+void put(std::string& bytes, int number) { put(bytes, static_cast<std::uint32_t>(number)); }
+void put(std::string& bytes, float number) { put(bytes, std::bit_cast<std::uint32_t>(number)); }
+
+void begin(Chunks& out, std::uint32_t id) {
+  put(out.bytes, id);
+  put(out.bytes, 0);
+  out.open.push_back(out.bytes.size());
+}
+
+void end(Chunks& out) {
+  const std::size_t start = out.open.back();
+  out.open.pop_back();
+  const std::size_t size = out.bytes.size() - start;
+  // FEBio computes sizes in a signed int.
+  if (size > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
+    throw WriteError(fmt::format("a mesh or state of {} bytes, a plot file holds less than 2 GiB", size));
+  }
+  std::string number;
+  put(number, static_cast<std::uint32_t>(size));
+  out.bytes.replace(start - 4, 4, number);
+}
+
+template <class Number>
+void leaf(Chunks& out, std::uint32_t id, Number number) {
+  begin(out, id);
+  put(out.bytes, number);
+  end(out);
+}
+
+// An empty leaf is left out: a reader takes it for an empty branch and loses its place.
+template <class Numbers>
+void leaf_of_all(Chunks& out, std::uint32_t id, const Numbers& numbers) {
+  if (numbers.empty()) return;
+  begin(out, id);
+  for (const auto number : numbers) put(out.bytes, number);
+  end(out);
+}
+
+void prefixed_name(Chunks& out, std::uint32_t id, const std::string& name) {
+  const std::string_view stored = stored_name(name);
+  begin(out, id);
+  put(out.bytes, static_cast<int>(stored.size()));
+  out.bytes += stored;
+  end(out);
+}
+
+void fixed_name(Chunks& out, std::uint32_t id, const std::string& name) {
+  const std::string_view stored = stored_name(name);
+  begin(out, id);
+  out.bytes += stored;
+  out.bytes.append(kFixedName - stored.size(), '\0');
+  end(out);
+}
+
+// ----------------------------------------------------------------------------------------------- root
+
+void put_item(Chunks& out, const XpltVariable& variable, bool with_units) {
+  leaf(out, kItemType, static_cast<int>(variable.type));
+  leaf(out, kItemFormat, static_cast<int>(variable.format));
+  leaf(out, kItemArraySize, variable.array_size);
+  for (const std::string& name : variable.array_names) fixed_name(out, kItemArrayName, name);
+  fixed_name(out, kItemName, variable.name);
+  if (with_units && !variable.units.empty()) fixed_name(out, kItemUnits, variable.units);
+}
+
+void put_root(Chunks& out, const XpltFile& file) {
+  begin(out, kRoot);
+  begin(out, kHeader);
+  leaf(out, kVersion, file.version);
+  leaf(out, kCompression, file.compressed ? 1 : 0);
+  if (!file.software.empty()) prefixed_name(out, kSoftware, file.software);
+  if (!file.units.empty()) prefixed_name(out, kUnits, file.units);
+  end(out);
+  begin(out, kDictionary);
+  for (std::size_t i = 0; i < file.variables.size();) {
+    const XpltGroup group = file.variables[i].group;
+    begin(out, kGroupItems[static_cast<int>(group)]);
+    for (; i < file.variables.size() && file.variables[i].group == group; ++i) {
+      begin(out, kItem);
+      put_item(out, file.variables[i], !file.units.empty());
+      end(out);
+    }
+    end(out);
+  }
+  end(out);
+  end(out);
+}
+
+// ----------------------------------------------------------------------------------------------- mesh
+
+void put_nodes(Chunks& out, const XpltMesh& mesh) {
+  begin(out, kNodes);
+  begin(out, kNodeHeader);
+  leaf(out, kNodeCount, static_cast<int>(mesh.node_ids.size()));
+  leaf(out, kNodeDimension, 3);
+  end(out);
+  begin(out, kNodeCoordinates);
+  for (std::size_t i = 0; i < mesh.node_ids.size(); ++i) {
+    put(out.bytes, mesh.node_ids[i]);
+    for (std::size_t k = 0; k < 3; ++k) put(out.bytes, mesh.coordinates[3 * i + k]);
+  }
+  end(out);
+  end(out);
+}
+
+void put_domains(Chunks& out, const XpltMesh& mesh) {
+  begin(out, kDomains);
+  for (const XpltDomain& domain : mesh.domains) {
+    begin(out, kDomain);
+    begin(out, kDomainHeader);
+    leaf(out, kDomainType, domain.element_type);
+    leaf(out, kDomainPart, domain.part);
+    leaf(out, kDomainElements, xplt_elements(domain));
+    if (!domain.name.empty()) prefixed_name(out, kDomainName, domain.name);
+    end(out);
+    begin(out, kElementList);
+    const std::size_t n = static_cast<std::size_t>(xplt_nodes_per_element(domain.element_type));
+    for (std::size_t i = 0; i < domain.element_ids.size(); ++i) {
+      begin(out, kElement);
+      put(out.bytes, domain.element_ids[i]);
+      for (std::size_t k = 0; k < n; ++k) put(out.bytes, domain.nodes[n * i + k]);
+      end(out);
+    }
+    end(out);
+    end(out);
+  }
+  end(out);
+}
+
+void put_facets(Chunks& out, const std::vector<XpltFacets>& all, const FacetIds& ids) {
+  if (all.empty()) return;
+  begin(out, ids.section);
+  for (std::size_t s = 0; s < all.size(); ++s) {
+    const XpltFacets& facets = all[s];
+    begin(out, ids.one);
+    begin(out, ids.header);
+    leaf(out, ids.id, static_cast<int>(s) + 1);
+    leaf(out, ids.count, facets.size());
+    prefixed_name(out, ids.name, facets.name);
+    leaf(out, ids.max_nodes, facets.max_nodes);
+    end(out);
+    if (facets.size() > 0) {
+      begin(out, ids.list);
+      for (int i = 0; i < facets.size(); ++i) {
+        const int first = facets.begin[static_cast<std::size_t>(i)];
+        const int n = facets.begin[static_cast<std::size_t>(i) + 1] - first;
+        begin(out, ids.facet);
+        put(out.bytes, i + 1);
+        put(out.bytes, n);
+        for (int k = 0; k < facets.max_nodes; ++k) {
+          put(out.bytes, k < n ? facets.nodes[static_cast<std::size_t>(first + k)] : 0);
+        }
+        end(out);
+      }
+      end(out);
+    }
+    end(out);
+  }
+  end(out);
+}
+
+void put_sets(Chunks& out, const std::vector<XpltSet>& sets, const SetIds& ids) {
+  if (sets.empty()) return;
+  begin(out, ids.section);
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    begin(out, ids.one);
+    begin(out, ids.header);
+    leaf(out, ids.id, static_cast<int>(s) + 1);
+    leaf(out, ids.count, static_cast<int>(sets[s].items.size()));
+    prefixed_name(out, ids.name, sets[s].name);
+    end(out);
+    leaf_of_all(out, ids.list, sets[s].items);
+    end(out);
+  }
+  end(out);
+}
+
+void put_parts(Chunks& out, const XpltMesh& mesh) {
+  begin(out, kParts);
+  for (std::size_t i = 0; i < mesh.parts.size(); ++i) {
+    begin(out, kPart);
+    leaf(out, kPartId, static_cast<int>(i) + 1);
+    fixed_name(out, kPartName, mesh.parts[i]);
+    end(out);
+  }
+  end(out);
+}
+
+// Objects are numbered from 1 within their kind.
+struct ObjectNumbers {
+  int points = 0, lines = 0;
+  int next(bool line) { return line ? ++lines : ++points; }
+};
+
+void put_objects(Chunks& out, const std::vector<XpltObject>& objects) {
+  if (objects.empty()) return;
+  begin(out, kObjects);
+  ObjectNumbers numbers;
+  for (const XpltObject& object : objects) {
+    begin(out, object.line ? kLineObject : kPointObject);
+    leaf(out, kObjectId, numbers.next(object.line));
+    prefixed_name(out, kObjectName, object.name);
+    leaf(out, kObjectTag, object.tag);
+    leaf_of_all(out, kObjectPosition, object.position);
+    leaf_of_all(out, kObjectRotation, object.rotation);
+    if (object.line) leaf_of_all(out, kLineEnds, object.line_ends);
+    for (const XpltVariable& item : object.data) {
+      XpltVariable plain;
+      plain.type = item.type;
+      plain.format = XpltFormat::Item;
+      plain.name = item.name;
+      begin(out, kObjectData);
+      put_item(out, plain, false);
+      end(out);
+    }
+    end(out);
+  }
+  end(out);
+}
+
+void put_mesh(Chunks& out, const XpltMesh& mesh) {
+  begin(out, kMesh);
+  put_nodes(out, mesh);
+  put_domains(out, mesh);
+  put_facets(out, mesh.surfaces, kSurfaceIds);
+  put_facets(out, mesh.edges, kEdgeIds);
+  put_sets(out, mesh.node_sets, kNodeSetIds);
+  put_sets(out, mesh.element_sets, kElementSetIds);
+  put_facets(out, mesh.facet_sets, kFacetSetIds);
+  put_parts(out, mesh);
+  put_objects(out, mesh.objects);
+  end(out);
+}
+
+// ---------------------------------------------------------------------------------------------- state
+
+void put_data(Chunks& out, const XpltFile& file, const XpltState& state, XpltGroup group) {
+  std::uint32_t id = 0;  // counts within the group
+  for (std::size_t i = 0; i < file.variables.size(); ++i) {
+    if (file.variables[i].group != group) continue;
+    if (id == 0) begin(out, kGroupData[static_cast<int>(group)]);
+    ++id;
+    begin(out, kStateVariable);
+    leaf(out, kStateVariableId, id);
+    begin(out, kStateVariableData);
+    for (const XpltRegion& region : state.variables[i]) {
+      leaf_of_all(out, static_cast<std::uint32_t>(region.region), region.values);
+    }
+    end(out);
+    end(out);
+  }
+  if (id > 0) end(out);
+}
+
+void put_object_states(Chunks& out, const std::vector<XpltObject>& objects, const XpltState& state) {
+  if (state.objects.empty()) return;
+  begin(out, kObjectStates);
+  ObjectNumbers numbers;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const XpltObjectState& object = state.objects[i];
+    begin(out, objects[i].line ? kLineObject : kPointObject);
+    leaf(out, kObjectId, numbers.next(objects[i].line));
+    leaf_of_all(out, kObjectPosition, object.position);
+    leaf_of_all(out, kObjectRotation, object.rotation);
+    if (objects[i].line) {
+      leaf_of_all(out, kLineEnds, object.line_ends);
+    } else {
+      leaf_of_all(out, kPointCoordinate, object.point);
+    }
+    begin(out, kObjectData);
+    for (std::size_t j = 0; j < object.data.size(); ++j) {
+      leaf_of_all(out, static_cast<std::uint32_t>(j), object.data[j]);
+    }
+    end(out);
+    end(out);
+  }
+  end(out);
+}
+
+void put_state(Chunks& out, const XpltFile& file, const XpltState& state) {
+  begin(out, kState);
+  begin(out, kStateHeader);
+  leaf(out, kStateTime, state.time);
+  leaf(out, kStateStatus, state.status);
+  end(out);
+  if (!state.element_flags.empty()) {
+    begin(out, kMeshState);
+    leaf_of_all(out, kElementFlags, state.element_flags);
+    end(out);
+  }
+  begin(out, kStateData);
+  // FEBio's order: faces before edges, as in the dictionary.
+  for (int group = 0; group < kGroups; ++group) put_data(out, file, state, static_cast<XpltGroup>(group));
+  end(out);
+  put_object_states(out, file.meshes.front().objects, state);
+  end(out);
+}
+
+// A top-level chunk as its own zlib stream, with zlib's default effort as in FEBio.
+std::string packed(const std::string& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string result(size, '\0');
+  const int code = compress2(reinterpret_cast<Bytef*>(result.data()), &size,
+                             reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
+                             Z_DEFAULT_COMPRESSION);
+  if (code != Z_OK) throw WriteError("not enough memory to compress the plot file");
+  result.resize(size);
+  return result;
+}
+
+// ----------------------------------------------------------------------------------------------- disk
+
+std::string reason(int error) { return error == 0 ? "write error" : std::generic_category().message(error); }
+
+// 0, or the system's reason why not all bytes arrived. Buffered data may fail as late as in fclose.
+int write_and_close(std::FILE* stream, const std::string& bytes) {
+  errno = 0;
+  bool failed = std::fwrite(bytes.data(), 1, bytes.size(), stream) != bytes.size();
+  int error = errno;
+  if (std::fclose(stream) != 0 && !failed) {
+    failed = true;
+    error = errno;
+  }
+  if (!failed) return 0;
+  return error != 0 ? error : EIO;
+}
+
+// Exclusively created, with a short name of its own: the result's name may already be as long as is allowed.
+std::FILE* create_temporary(const std::filesystem::path& directory, std::filesystem::path& temporary) {
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    const auto stamp = static_cast<unsigned long long>(
+        std::filesystem::file_time_type::clock::now().time_since_epoch().count());
+    temporary = directory / fmt::format(".dea-{:x}-{}.tmp", stamp, counter++);
+    errno = 0;
+    if (std::FILE* stream = std::fopen(temporary.string().c_str(), "wbx")) return stream;
+    if (errno != EEXIST) break;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::string xplt_bytes(const XpltFile& file) {
+  check(file);
+  Chunks out;
+  put(out.bytes, kMagic);
+  put_root(out, file);
+  put_mesh(out, file.meshes.front());
+
+  // From here on each chunk may be compressed; the root and the first mesh never are.
+  const auto finish = [&](Chunks& chunk) { out.bytes += file.compressed ? packed(chunk.bytes) : chunk.bytes; };
+  std::size_t mesh = 0;
+  const auto advance_to = [&](std::size_t target) {
+    while (mesh < target) {
+      Chunks chunk;
+      put_mesh(chunk, file.meshes[++mesh]);
+      finish(chunk);
+    }
+  };
+  for (const XpltState& state : file.states) {
+    advance_to(static_cast<std::size_t>(state.mesh));
+    Chunks chunk;
+    put_state(chunk, file, state);
+    finish(chunk);
+  }
+  advance_to(file.meshes.size() - 1);
+  return std::move(out.bytes);
+}
+
+void write_xplt(const std::string& path, const XpltFile& file) {
+  namespace fs = std::filesystem;
+  const auto fail = [&](const std::string& why) { throw WriteError(fmt::format("{}: {}", path, why)); };
+  std::string bytes;
+  try {
+    bytes = xplt_bytes(file);
+  } catch (const WriteError& error) {
+    fail(error.what());
+  }
+
+  std::error_code error;
+  fs::path target = path;
+  const fs::file_type link = fs::symlink_status(target, error).type();
+  if (link == fs::file_type::symlink) {  // write to where it points, keep the link
+    target = fs::weakly_canonical(target, error);
+    if (error) fail(error.message());
+  }
+  const fs::file_type type = fs::status(target, error).type();
+  if (type == fs::file_type::directory) fail(reason(EISDIR));
+
+  // A device or a pipe cannot be replaced by renaming a file over it.
+  if (type != fs::file_type::regular && type != fs::file_type::not_found && type != fs::file_type::none &&
+      type != fs::file_type::unknown) {
+    errno = 0;
+    std::FILE* stream = std::fopen(target.string().c_str(), "wb");
+    if (stream == nullptr) fail(reason(errno));
+    const int why = write_and_close(stream, bytes);
+    if (why != 0) fail(reason(why));
+    return;
+  }
+
+  fs::path temporary;
+  std::FILE* stream = create_temporary(target.parent_path(), temporary);
+  if (stream == nullptr) fail(reason(errno));
+  const int why = write_and_close(stream, bytes);
+  if (why == 0) fs::rename(temporary, target, error);
+  if (why == 0 && !error) return;
+  std::error_code ignored;  // the first error is the one to report
+  fs::remove(temporary, ignored);
+  fail(why != 0 ? reason(why) : error.message());
+}
+
+}  // namespace dea

@@ -1,6 +1,7 @@
 // io/xplt/xplt.h – FEBio's binary plot file as plain structs: write it, read it.
 // Format: docs/formats.md. Version 0x35. All numbers in the file are 4-byte integers and floats.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct XpltVariable {
   std::vector<std::string> array_names;
   std::string name;
   std::string units;  ///< FEBio's dimension code, only used when XpltFile::units is given
+  bool operator==(const XpltVariable&) const = default;
 };
 
 struct XpltDomain {
@@ -30,36 +32,44 @@ struct XpltDomain {
   std::string name;      ///< may be empty
   std::vector<int> element_ids;
   std::vector<int> nodes;  ///< zero-based node indices, as many per element as the type has
+  bool operator==(const XpltDomain&) const = default;
 };
 
-/// A surface or facet set. Facet i: nodes[begin[i]] .. nodes[begin[i + 1]].
+/// A surface, a facet set or an edge (its facets are lines). Facet i: nodes[begin[i]] .. nodes[begin[i + 1]].
 struct XpltFacets {
   std::string name;
   std::vector<int> begin = {0};
   std::vector<int> nodes;  ///< zero-based
   int max_nodes = 4;       ///< slots per facet in face records and MULT data
   int size() const { return static_cast<int>(begin.size()) - 1; }
+  bool operator==(const XpltFacets&) const = default;
 };
 
 struct XpltSet {
   std::string name;
   std::vector<int> items;  ///< node set: zero-based node indices; element set: element ids
+  bool operator==(const XpltSet&) const = default;
 };
 
-/// A point object: a rigid body's axes and time curves.
+/// A rigid body's axes or a connector, with its time curves. A point object, or a line between two points.
 struct XpltObject {
   std::string name;
-  int tag = 1;  ///< 1: rigid body
-  float position[3] = {0, 0, 0};
-  float rotation[4] = {0, 0, 0, 1};  ///< quaternion x y z w
-  std::vector<XpltVariable> data;    ///< type and name only
+  bool line = false;
+  int tag = 1;  ///< point: 1 rigid body, 2 joint, ...; line: 1 spring, ...
+  std::array<float, 3> position = {0, 0, 0};
+  std::array<float, 4> rotation = {0, 0, 0, 1};          ///< quaternion x y z w
+  std::array<float, 6> line_ends = {0, 0, 0, 0, 0, 0};  ///< line objects only
+  std::vector<XpltVariable> data;                        ///< type and name only
+  bool operator==(const XpltObject&) const = default;
 };
 
 struct XpltObjectState {
-  float position[3] = {0, 0, 0};
-  float rotation[4] = {0, 0, 0, 1};
-  float point[3] = {0, 0, 0};
-  std::vector<std::vector<float>> data;  ///< one per item of XpltObject::data
+  std::array<float, 3> position = {0, 0, 0};
+  std::array<float, 4> rotation = {0, 0, 0, 1};
+  std::array<float, 3> point = {0, 0, 0};               ///< point objects only
+  std::array<float, 6> line_ends = {0, 0, 0, 0, 0, 0};  ///< line objects only
+  std::vector<std::vector<float>> data;  ///< one per item of XpltObject::data; an empty one is left out
+  bool operator==(const XpltObjectState&) const = default;
 };
 
 struct XpltMesh {
@@ -67,17 +77,20 @@ struct XpltMesh {
   std::vector<float> coordinates;  ///< 3 per node, reference position
   std::vector<XpltDomain> domains;
   std::vector<XpltFacets> surfaces;
+  std::vector<XpltFacets> edges;
   std::vector<XpltSet> node_sets;
   std::vector<XpltSet> element_sets;
   std::vector<XpltFacets> facet_sets;
   std::vector<std::string> parts;
-  std::vector<XpltObject> objects;
+  std::vector<XpltObject> objects;  ///< of the first mesh only; they hold for all states
+  bool operator==(const XpltMesh&) const = default;
 };
 
-/// Values of one variable on one region: domain or surface (1-based), 0 for nodal and global variables.
+/// Values of one variable on one region: domain, surface or edge (1-based), 0 for nodal and global variables.
 struct XpltRegion {
   int region = 0;
   std::vector<float> values;
+  bool operator==(const XpltRegion&) const = default;
 };
 
 struct XpltState {
@@ -85,8 +98,9 @@ struct XpltState {
   int status = 0;                                  ///< 0: converged
   std::vector<std::uint32_t> element_flags;        ///< one per element in file order; empty: section left out
   std::vector<std::vector<XpltRegion>> variables;  ///< one per dictionary entry, in the dictionary's order
-  std::vector<XpltObjectState> objects;            ///< one per object of the mesh, or empty
+  std::vector<XpltObjectState> objects;            ///< one per object of the first mesh, or empty
   int mesh = 0;                                    ///< index into XpltFile::meshes
+  bool operator==(const XpltState&) const = default;
 };
 
 struct XpltFile {
@@ -98,6 +112,7 @@ struct XpltFile {
   std::vector<XpltMesh> meshes;         ///< almost always one
   std::vector<XpltState> states;
   bool truncated = false;  ///< read_xplt: the last state was cut off and left out
+  bool operator==(const XpltFile&) const = default;
 };
 
 /// Number of floats of one value of this variable.
@@ -106,19 +121,29 @@ int floats_per_value(const XpltVariable& variable);
 int xplt_nodes_per_element(int element_type);
 /// The file format's code of an element shape.
 int xplt_element_type(ElementShape shape);
+/// Number of elements of a domain.
+int xplt_elements(const XpltDomain& domain);
 
 /// Index in file.variables of the variable with this name in this group, -1 if none.
 int find_variable(const XpltFile& file, XpltGroup group, const std::string& name);
 
+/// Number of floats that the variable has on this region (as in XpltRegion) of the mesh; -1: no such region.
+std::int64_t floats_in_region(const XpltMesh& mesh, const XpltVariable& variable, int region);
+
 /// The file's bytes. Throws std::logic_error when sizes of `file` do not fit together (our fault), so that
-/// no file a reader would run past its end is ever written; also on NaN or infinite values.
+/// no file a reader would run past its end is ever written; also on NaN or infinite values. Names longer
+/// than the 63 bytes the format holds are cut. Throws WriteError when a mesh or a state has 2 GiB or more.
 std::string xplt_bytes(const XpltFile& file);
 
-/// Writes to a temporary file beside `path`, then renames. Throws WriteError.
+/// Writes to a temporary file beside `path`, then renames: no half-written file is left behind, and an
+/// older result stays until the new one is complete. Devices and pipes are written directly. Throws WriteError.
 void write_xplt(const std::string& path, const XpltFile& file);
 
 /// Reads a plot file of version 0x30 to 0x35, compressed or not. A truncated last state is dropped and
 /// flagged. Throws InputError: not a plot file, older version, inconsistent chunk sizes, ...
 XpltFile read_xplt(const std::string& path);
+
+/// The same from bytes in memory; `name` stands for the path in errors.
+XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name);
 
 }  // namespace dea
