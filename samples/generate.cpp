@@ -1,0 +1,469 @@
+// samples/generate.cpp – writes the joint models of samples/ whose answers are known on paper.
+//
+//   make_samples SAMPLES_DIR                writes every generated .feb file below SAMPLES_DIR
+//   make_samples --spheres N out.feb        one model, N (even) quads along an edge: 3 N^2 on the hemisphere
+//                --twisted-spheres            the same, the ball's mesh turned so that facets do not coincide
+//                --two-layer-spheres          3 N^2 on each hemisphere
+//                --sphere-on-flat             N^2 on the layer
+//                --ligament                   N^2 on the layer
+//
+// mm, N, MPa. The same command writes the same bytes. samples/hip/hip_walking.feb is not made here.
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Eigen::Vector3d;
+using Quad = std::array<int, 4>;
+
+constexpr double kPi = 3.14159265358979323846;
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Meshes
+
+/// A surface patch: points, and quads counter-clockwise seen from outside (from +z, from far away).
+struct Patch {
+  std::vector<Vector3d> points;
+  std::vector<Quad> quads;
+};
+
+/// Unit sphere around the origin, z >= 0, as the upper half of a cube whose lines are spread evenly in angle: no
+/// quad is degenerate, and the rim is the circle z = 0. n (even): quads along an edge of the cube. Then `below`
+/// rows of quads under the rim, whose points and quads come last.
+Patch hemisphere(int n, int below) {
+  Patch patch;
+  std::map<std::array<int, 3>, int> index;  // by lattice coordinates -n .. n on the cube, in steps of 2
+  const auto coordinate = [n](int lattice) {
+    if (std::abs(lattice) == n) return lattice < 0 ? -1.0 : 1.0;
+    const double value = std::tan(kPi / 4 * std::abs(lattice) / n);
+    return lattice < 0 ? -value : value;
+  };
+  const auto point = [&](int i, int j, int k) {
+    const auto [place, is_new] = index.try_emplace({i, j, k}, static_cast<int>(patch.points.size()));
+    if (is_new) patch.points.push_back(Vector3d(coordinate(i), coordinate(j), coordinate(k)).normalized());
+    return place->second;
+  };
+  for (int j = -n; j < n; j += 2) {
+    for (int i = -n; i < n; i += 2) {
+      patch.quads.push_back({point(i, j, n), point(i + 2, j, n), point(i + 2, j + 2, n), point(i, j + 2, n)});
+    }
+  }
+  // The four sides, row by row downwards. Side s faces +x, +y, -x, -y; a runs along it, counter-clockwise.
+  const auto side_point = [&](int s, int a, int k) {
+    switch (s) {
+      case 0:
+        return point(n, a, k);
+      case 1:
+        return point(-a, n, k);
+      case 2:
+        return point(-n, -a, k);
+      default:
+        return point(a, -n, k);
+    }
+  };
+  for (int k = n; k > -2 * below; k -= 2) {
+    for (int s = 0; s < 4; ++s) {
+      for (int a = -n; a < n; a += 2) {
+        patch.quads.push_back(
+            {side_point(s, a, k - 2), side_point(s, a + 2, k - 2), side_point(s, a + 2, k), side_point(s, a, k)});
+      }
+    }
+  }
+  return patch;
+}
+
+/// Square |x|, |y| <= half_width in the plane z = 0, n x n quads.
+Patch square(int n, double half_width) {
+  Patch patch;
+  const auto coordinate = [&](int i) { return half_width * (2 * i - n) / n; };
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) patch.points.emplace_back(coordinate(i), coordinate(j), 0);
+  }
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const int first = j * (n + 1) + i;
+      patch.quads.push_back({first, first + 1, first + n + 2, first + n + 1});
+    }
+  }
+  return patch;
+}
+
+std::vector<Vector3d> scaled(const std::vector<Vector3d>& points, double factor) {
+  std::vector<Vector3d> result;
+  for (const Vector3d& point : points) result.push_back(factor * point);
+  return result;
+}
+
+/// Node numbers of the quads of a patch whose first point is node `first`.
+std::vector<Quad> shifted(const std::vector<Quad>& quads, int first) {
+  std::vector<Quad> result = quads;
+  for (Quad& quad : result) {
+    for (int& node : quad) node += first;
+  }
+  return result;
+}
+
+/// The same quads seen from the other side.
+std::vector<Quad> reversed(const std::vector<Quad>& quads) {
+  std::vector<Quad> result;
+  for (const Quad& quad : quads) result.push_back({quad[0], quad[3], quad[2], quad[1]});
+  return result;
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+// Model files
+
+std::string text(const Vector3d& v) {
+  return fmt::format("{:.9g},{:.9g},{:.9g}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);  // + 0.0: no "-0"
+}
+
+/// A FEBio 4.0 file in the making. Node and element numbers are 1-based.
+struct Feb {
+  std::string nodes, elements, surfaces, domains, sets;  // parts of the mesh
+  std::string materials, rigid, discrete, steps, load_data;
+  int node_count = 0, element_count = 0, material_count = 0, step_count = 0, controller_count = 0;
+
+  int add_nodes(const std::string& name, const std::vector<Vector3d>& points) {
+    const int first = node_count + 1;
+    nodes += fmt::format("<Nodes name=\"{}\">\n", name);
+    for (const Vector3d& point : points) nodes += fmt::format("<node id=\"{}\">{}</node>\n", ++node_count, text(point));
+    nodes += "</Nodes>\n";
+    return first;
+  }
+
+  void add_shells(const std::string& name, const std::string& material, const std::vector<Quad>& quads) {
+    elements += fmt::format("<Elements type=\"quad4\" name=\"{}\">\n", name);
+    for (const Quad& q : quads) {
+      elements += fmt::format("<elem id=\"{}\">{},{},{},{}</elem>\n", ++element_count, q[0], q[1], q[2], q[3]);
+    }
+    elements += "</Elements>\n";
+    domains += fmt::format("<ShellDomain name=\"{}\" mat=\"{}\"><shell_thickness>0</shell_thickness></ShellDomain>\n",
+                           name, material);
+  }
+
+  /// Hexahedra between surfaces of equal mesh; sheets: the first node of each, from the inside outwards.
+  void add_hexes(const std::string& name, const std::string& material, const std::vector<Quad>& quads,
+                 const std::vector<int>& sheets) {
+    elements += fmt::format("<Elements type=\"hex8\" name=\"{}\">\n", name);
+    for (std::size_t layer = 0; layer + 1 < sheets.size(); ++layer) {
+      const std::vector<Quad> inner = shifted(quads, sheets[layer]), outer = shifted(quads, sheets[layer + 1]);
+      for (std::size_t i = 0; i < quads.size(); ++i) {
+        elements += fmt::format("<elem id=\"{}\">{},{}</elem>\n", ++element_count, fmt::join(inner[i], ","),
+                                fmt::join(outer[i], ","));
+      }
+    }
+    elements += "</Elements>\n";
+    domains += fmt::format("<SolidDomain name=\"{}\" mat=\"{}\"/>\n", name, material);
+  }
+
+  void add_surface(const std::string& name, const std::vector<Quad>& quads) {
+    surfaces += fmt::format("<Surface name=\"{}\">\n", name);
+    int id = 0;
+    for (const Quad& q : quads) {
+      surfaces += fmt::format("<quad4 id=\"{}\">{},{},{},{}</quad4>\n", ++id, q[0], q[1], q[2], q[3]);
+    }
+    surfaces += "</Surface>\n";
+  }
+
+  void add_cartilage(const std::string& name) {
+    materials += fmt::format(
+        "<material id=\"{}\" name=\"{}\" type=\"neo-Hookean\">\n<density>1</density>\n<E>11.85</E>\n"
+        "<v>0.45</v>\n</material>\n",
+        ++material_count, name);
+  }
+
+  void add_bone(const std::string& name, const Vector3d& center_of_mass) {
+    materials += fmt::format(
+        "<material id=\"{}\" name=\"{}\" type=\"rigid body\">\n<density>1</density>\n"
+        "<center_of_mass>{}</center_of_mass>\n</material>\n",
+        ++material_count, name, text(center_of_mass));
+  }
+
+  /// dofs: which of Rx, Ry, Rz, Ru, Rv, Rw are held, as six characters 0 or 1.
+  static std::string fixed(const std::string& body, const std::string& dofs) {
+    std::string result = fmt::format("<rigid_bc name=\"{0} held\" type=\"rigid_fixed\">\n<rb>{0}</rb>\n", body);
+    const char* names = "xyzuvw";
+    for (int i = 0; i < 6; ++i) result += fmt::format("<R{0}_dof>{1}</R{0}_dof>\n", names[i], dofs[i]);
+    return result + "</rigid_bc>\n";
+  }
+
+  static std::string moved(const std::string& body, const std::string& dof, double value, int controller) {
+    return fmt::format(
+        "<rigid_bc name=\"{0} moved\" type=\"rigid_displacement\">\n<rb>{0}</rb>\n<dof>{1}</dof>\n"
+        "<value lc=\"{3}\">{2:.9g}</value>\n<relative>0</relative>\n</rigid_bc>\n",
+        body, dof, value, controller);
+  }
+
+  static std::string loaded(const std::string& body, const std::string& dof, double value, int controller) {
+    return fmt::format(
+        "<rigid_load name=\"load on {0}\" type=\"rigid_force\">\n<rb>{0}</rb>\n<dof>{1}</dof>\n"
+        "<value lc=\"{3}\">{2:.9g}</value>\n<load_type>LOAD</load_type>\n<relative>0</relative>\n"
+        "</rigid_load>\n",
+        body, dof, value, controller);
+  }
+
+  /// A step of length 1 in two increments.
+  void add_step(const std::string& name, const std::string& rigid_conditions) {
+    steps += fmt::format(
+        "<step id=\"{}\" name=\"{}\">\n<Control>\n<analysis>STATIC</analysis>\n<time_steps>2</time_steps>\n"
+        "<step_size>0.5</step_size>\n<time_stepper type=\"default\">\n<max_retries>10</max_retries>\n"
+        "<opt_iter>12</opt_iter>\n<dtmin>0.0001</dtmin>\n<dtmax>0.5</dtmax>\n</time_stepper>\n"
+        "<solver type=\"solid\">\n<symmetric_stiffness>non-symmetric</symmetric_stiffness>\n<max_refs>30</max_refs>\n"
+        "<dtol>0.001</dtol>\n<etol>0.01</etol>\n<rtol>0</rtol>\n<lstol>0.9</lstol>\n<lsmin>0.01</lsmin>\n"
+        "<lsiter>5</lsiter>\n<qn_method type=\"BFGS\">\n<max_ups>0</max_ups>\n</qn_method>\n</solver>\n</Control>\n"
+        "<Rigid>\n{}</Rigid>\n</step>\n",
+        ++step_count, name, rigid_conditions);
+  }
+
+  /// Linear load curve through the points "t,value".
+  int add_controller(const std::string& name, const std::vector<std::string>& points) {
+    load_data += fmt::format(
+        "<load_controller id=\"{}\" name=\"{}\" type=\"loadcurve\">\n<interpolate>LINEAR</interpolate>\n"
+        "<extend>CONSTANT</extend>\n<points>\n",
+        ++controller_count, name);
+    for (const std::string& point : points) load_data += fmt::format("<pt>{}</pt>\n", point);
+    load_data += "</points>\n</load_controller>\n";
+    return controller_count;
+  }
+
+  std::string file(const std::string& comment, const std::string& primary, const std::string& secondary) const {
+    std::string all = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n";
+    all += fmt::format("<!-- {} Made by samples/generate.cpp. -->\n", comment);
+    all += "<febio_spec version=\"4.0\">\n<Module type=\"solid\">\n<units>mm-N-s</units>\n</Module>\n";
+    all += "<Globals>\n<Constants>\n<T>0</T>\n<R>0</R>\n<Fc>0</Fc>\n</Constants>\n</Globals>\n";
+    all += "<Material>\n" + materials + "</Material>\n";
+    all += "<Mesh>\n" + nodes + elements + surfaces;
+    all +=
+        fmt::format("<SurfacePair name=\"joint\">\n<primary>{}</primary>\n<secondary>{}</secondary>\n</SurfacePair>\n",
+                    primary, secondary);
+    all += sets + "</Mesh>\n<MeshDomains>\n" + domains + "</MeshDomains>\n";
+    all += "<Rigid>\n" + rigid + "</Rigid>\n";
+    all +=
+        "<Contact>\n<contact name=\"joint\" type=\"sliding-elastic\" "
+        "surface_pair=\"joint\">\n<laugon>PENALTY</laugon>\n"
+        "<penalty>20</penalty>\n<auto_penalty>1</auto_penalty>\n<two_pass>0</two_pass>\n"
+        "<symmetric_stiffness>0</symmetric_stiffness>\n<search_radius>1</search_radius>\n"
+        "<search_tol>0.01</search_tol>\n<fric_coeff>0</fric_coeff>\n</contact>\n</Contact>\n";
+    if (!discrete.empty()) all += "<Discrete>\n" + discrete + "</Discrete>\n";
+    all += "<Step>\n" + steps + "</Step>\n<LoadData>\n" + load_data + "</LoadData>\n";
+    all += "<Output>\n<plotfile type=\"febio\">\n";
+    for (const char* variable : {"displacement", "contact pressure", "contact gap", "contact force", "contact area",
+                                 "rigid force", "rigid position"}) {
+      all += fmt::format("<var type=\"{}\"/>\n", variable);
+    }
+    return all + "</plotfile>\n</Output>\n</febio_spec>\n";
+  }
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+// The samples
+
+constexpr double kBall = 20, kInterface = 22, kSocket = 24;  // [mm]
+constexpr double kLoad = 2000;                               // [N]
+
+/// Rows of quads by which the ball goes on below the rim: 20 degrees, so that no ray from the rim misses it.
+int rows_below(int n) { return static_cast<int>(std::lround(n * 20.0 / 90.0)); }
+
+void hold_and_load_ball(Feb& feb) {
+  feb.rigid = Feb::fixed("socket", "111111") + Feb::fixed("ball", "000111");
+  const int ramp = feb.add_controller("ramp", {"0,0", "1,1"});
+  feb.add_step("load", Feb::loaded("ball", "z", kLoad, ramp));
+}
+
+/// Ball of radius 20 in a hemispherical socket of radius 24 that is lined with 4 mm of cartilage.
+/// twist: angle by which the ball's mesh is turned about the pole [rad]; 0: its facets coincide with the layer's.
+std::string one_layer_spheres(int n, double twist) {
+  Feb feb;
+  feb.add_cartilage("cartilage");
+  feb.add_bone("socket", Vector3d::Zero());
+  feb.add_bone("ball", Vector3d::Zero());
+  const Patch lining = hemisphere(n, 0);
+  Patch ball = hemisphere(n, rows_below(n));
+  if (twist != 0) {
+    for (Vector3d& point : ball.points) point = Eigen::AngleAxisd(twist, Vector3d::UnitZ()) * point;
+  }
+  std::vector<int> sheets;
+  for (const double radius : {kBall, kInterface, kSocket}) {
+    sheets.push_back(feb.add_nodes(fmt::format("cartilage_r{}", radius), scaled(lining.points, radius)));
+  }
+  const int ball_node = feb.add_nodes("ball_nodes", scaled(ball.points, kBall));
+  feb.add_hexes("cartilage_layer", "cartilage", lining.quads, sheets);
+  feb.add_shells("socket_bone", "socket", reversed(shifted(lining.quads, sheets.back())));
+  feb.add_shells("ball_bone", "ball", shifted(ball.quads, ball_node));
+  feb.add_surface("socket_articular", reversed(shifted(lining.quads, sheets.front())));
+  feb.add_surface("ball_articular", shifted(ball.quads, ball_node));
+  hold_and_load_ball(feb);
+  return feb.file("Concentric spheres, one 4 mm layer on the socket.", "socket_articular", "ball_articular");
+}
+
+std::string matched_spheres(int n) { return one_layer_spheres(n, 0); }
+std::string twisted_spheres(int n) { return one_layer_spheres(n, 17 * kPi / 180); }
+
+/// Ball of radius 20 and socket of radius 24, each lined with 2 mm; the layers meet at radius 22.
+std::string two_layer_spheres(int n) {
+  Feb feb;
+  feb.add_cartilage("socket cartilage");
+  feb.add_cartilage("ball cartilage");
+  feb.add_bone("socket", Vector3d::Zero());
+  feb.add_bone("ball", Vector3d::Zero());
+  const Patch lining = hemisphere(n, 0), ball = hemisphere(n, rows_below(n));
+  std::vector<int> socket_sheets, ball_sheets;
+  for (const double radius : {kInterface, kSocket}) {
+    socket_sheets.push_back(feb.add_nodes(fmt::format("socket_r{}", radius), scaled(lining.points, radius)));
+  }
+  for (const double radius : {kBall, kInterface}) {
+    ball_sheets.push_back(feb.add_nodes(fmt::format("ball_r{}", radius), scaled(ball.points, radius)));
+  }
+  feb.add_hexes("socket_layer", "socket cartilage", lining.quads, socket_sheets);
+  feb.add_hexes("ball_layer", "ball cartilage", ball.quads, ball_sheets);
+  feb.add_shells("socket_bone", "socket", reversed(shifted(lining.quads, socket_sheets.back())));
+  feb.add_shells("ball_bone", "ball", shifted(ball.quads, ball_sheets.front()));
+  feb.add_surface("socket_articular", reversed(shifted(lining.quads, socket_sheets.front())));
+  feb.add_surface("ball_articular", shifted(ball.quads, ball_sheets.back()));
+  hold_and_load_ball(feb);
+  return feb.file("Concentric spheres, two 2 mm layers.", "socket_articular", "ball_articular");
+}
+
+constexpr double kIndenter = 25, kThickness = 2;  // [mm]
+constexpr double kHalfWidth = 5.6;                // [mm], outside every contact circle of these samples
+
+/// A spherical indenter above a flat layer, touching it at the origin. The layer's nodes lie at z = 0, -1 and -2, the
+/// indenter's straight above them.
+struct FlatMesh {
+  int bone_node = 0;  ///< first node of the sheet at z = -2
+};
+FlatMesh add_sphere_on_flat(Feb& feb, int n, const std::string& sphere, const std::string& base) {
+  const Patch flat = square(n, kHalfWidth);
+  FlatMesh mesh;
+  std::vector<int> sheets;
+  for (const double depth : {kThickness, kThickness / 2, 0.0}) {
+    std::vector<Vector3d> points = flat.points;
+    for (Vector3d& point : points) point.z() = -depth;
+    sheets.push_back(feb.add_nodes(fmt::format("cartilage_z{}", depth), points));
+  }
+  mesh.bone_node = sheets.front();
+  std::vector<Vector3d> cap = flat.points;
+  for (Vector3d& p : cap) p.z() = p.squaredNorm() / (kIndenter + std::sqrt(kIndenter * kIndenter - p.squaredNorm()));
+  const int cap_node = feb.add_nodes(sphere + "_nodes", cap);
+  feb.add_hexes("cartilage_layer", "cartilage", flat.quads, sheets);
+  feb.add_shells(base + "_bone", base, shifted(flat.quads, sheets.front()));
+  feb.add_shells(sphere + "_bone", sphere, reversed(shifted(flat.quads, cap_node)));
+  feb.add_surface(base + "_articular", shifted(flat.quads, sheets.back()));
+  feb.add_surface(sphere + "_articular", reversed(shifted(flat.quads, cap_node)));
+  return mesh;
+}
+
+/// Rigid sphere pressed into a flat layer: 0.4 mm deep at t = 1, then by 400 N at t = 2.
+std::string sphere_on_flat(int n) {
+  Feb feb;
+  feb.add_cartilage("cartilage");
+  feb.add_bone("base", Vector3d::Zero());
+  feb.add_bone("sphere", {0, 0, kIndenter});
+  add_sphere_on_flat(feb, n, "sphere", "base");
+  feb.rigid = Feb::fixed("base", "111111") + Feb::fixed("sphere", "110111");
+  const int depth = feb.add_controller("depth", {"0,0", "1,1"});
+  const int force = feb.add_controller("force", {"1,0.7", "2,1"});
+  feb.add_step("by depth", Feb::moved("sphere", "z", -0.4, depth));
+  feb.add_step("by force", Feb::loaded("sphere", "z", -400, force));
+  return feb.file("Rigid sphere of radius 25 on a flat layer of 2 mm.", "base_articular", "sphere_articular");
+}
+
+/// A spherical condyle on a flat plateau, pressed by 300 N and tied by two stretched ligaments, one tether that
+/// gets taut and one that gets slack. Free but for flexion (Ru).
+std::string ligament(int n) {
+  Feb feb;
+  feb.add_cartilage("cartilage");
+  feb.add_bone("tibia", Vector3d::Zero());
+  feb.add_bone("femur", {0, 0, kIndenter});
+  const FlatMesh mesh = add_sphere_on_flat(feb, n, "femur", "tibia");
+  const int plateau_center = mesh.bone_node + (n + 1) * (n / 2) + n / 2;
+  // Tethers run between nodes, so each bone has a small plate with a node on the z axis.
+  const auto plate = [&](const std::string& bone, double z) {
+    const int first = feb.add_nodes(bone + "_plate_nodes", {{0, 0, z}, {2, 0, z}, {2, 2, z}, {0, 2, z}});
+    feb.add_shells(bone + "_plate", bone, {{first, first + 1, first + 2, first + 3}});
+    return first;
+  };
+  const int femur_node = plate("femur", kIndenter), frame_node = plate("tibia", 60);
+  feb.sets =
+      fmt::format("<DiscreteSet name=\"tethers\">\n<delem>{0},{1}</delem>\n<delem>{0},{2}</delem>\n</DiscreteSet>\n",
+                  femur_node, frame_node, plateau_center);
+  feb.discrete =
+      "<discrete_material id=\"1\" name=\"tether\" type=\"tension-only linear spring\">\n<E>40</E>\n"
+      "</discrete_material>\n<discrete dmat=\"1\" discrete_set=\"tethers\"/>\n";
+  feb.rigid = Feb::fixed("tibia", "111111") + Feb::fixed("femur", "000100");
+  for (const int side : {1, -1}) {
+    feb.rigid += fmt::format(
+        "<rigid_connector name=\"{}\" type=\"rigid "
+        "spring\">\n<body_a>femur</body_a>\n<body_b>tibia</body_b>\n<k>50</k>\n"
+        "<insertion_a>{},0,25</insertion_a>\n<insertion_b>{},0,-20</insertion_b>\n<free_length>44</free_length>\n"
+        "</rigid_connector>\n",
+        side > 0 ? "medial ligament" : "lateral ligament", 30 * side, 24 * side);
+  }
+  const int ramp = feb.add_controller("ramp", {"0,0", "1,1"});
+  feb.add_step("load", Feb::loaded("femur", "z", -300, ramp));
+  return feb.file("Spherical condyle on a flat plateau, with ligaments.", "tibia_articular", "femur_articular");
+}
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+void write(const std::string& path, const std::string& bytes) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  bool ok = file != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  ok = file != nullptr && std::fclose(file) == 0 && ok;
+  if (!ok) throw std::runtime_error(path + ": cannot be written");
+}
+
+struct Sample {
+  const char* option;
+  const char* path;  ///< of the committed file; nullptr: made on demand only
+  int n;             ///< of the committed file
+  std::string (*make)(int n);
+};
+constexpr Sample kSamples[] = {
+    {"--spheres", "spheres/one_layer.feb", 28, matched_spheres},
+    {"--twisted-spheres", nullptr, 0, twisted_spheres},
+    {"--two-layer-spheres", "spheres/two_layers.feb", 28, two_layer_spheres},
+    {"--sphere-on-flat", "sphere_on_flat/sphere_on_flat.feb", 56, sphere_on_flat},
+    {"--ligament", "ligament/ligament.feb", 48, ligament},
+};
+
+int run(const std::vector<std::string>& arguments) {
+  if (arguments.size() == 1 && arguments[0].rfind("--", 0) != 0) {
+    for (const Sample& sample : kSamples) {
+      if (sample.path != nullptr) write(arguments[0] + "/" + sample.path, sample.make(sample.n));
+    }
+    return 0;
+  }
+  for (const Sample& sample : kSamples) {
+    if (arguments.size() != 3 || arguments[0] != sample.option) continue;
+    const int n = std::atoi(arguments[1].c_str());
+    if (n < 2 || n % 2 != 0) throw std::runtime_error("N = " + arguments[1] + ", need an even number of at least 2");
+    write(arguments[2], sample.make(n));
+    return 0;
+  }
+  throw std::runtime_error(
+      "usage: make_samples SAMPLES_DIR, or make_samples --spheres|--twisted-spheres|"
+      "--two-layer-spheres|--sphere-on-flat|--ligament N out.feb");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(std::vector<std::string>(argv + 1, argv + argc));
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "make_samples: {}\n", error.what());
+    return 1;
+  }
+}
