@@ -1,1 +1,183 @@
 #include "read_feb.h"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "error.h"
+#include "feb_reading.h"
+
+namespace dea {
+namespace feb {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Files that include each other often, not in a circle, could still be without end.
+constexpr int kMostIncludes = 1000;
+
+void read_section(Reading& reading, const XMLElement& section);
+
+const XMLElement& need_root(const XMLDocument& document, const std::string& name) {
+  const XMLElement* root = document.RootElement();
+  if (root == nullptr) throw InputError(name, 1, "no element at all, expected <febio_spec>: this is no FEBio model");
+  if (std::strcmp(root->Name(), "febio_spec") != 0) {
+    throw InputError(name, root->GetLineNum(), fmt::format("the root is {}, expected <febio_spec>: this is no FEBio model", quote(root->Name())));
+  }
+  return *root;
+}
+
+const Rules* need_rules(const XMLElement& root, const std::string& name) {
+  const std::string version = attribute(root, "version");
+  for (const Rules* rules : {&kRules25, &kRules30, &kRules40}) {
+    if (version == rules->version) return rules;
+  }
+  throw InputError(name, root.GetLineNum(),
+                   fmt::format("version {}, expected 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0", quote(version)));
+}
+
+/// First of the candidates that is a file; the first one if none is.
+std::string first_file(const std::vector<fs::path>& candidates) {
+  std::error_code error;
+  for (const fs::path& path : candidates) {
+    if (fs::is_regular_file(path, error)) return path.string();
+  }
+  return candidates.front().string();
+}
+
+/// The document of an include; remembers the file while `read` runs, so that circles are found.
+template <class Read>
+void read_other_file(Reading& reading, const XMLElement& place, const std::string& path, Read read) {
+  std::error_code error;
+  if (!fs::exists(path, error)) fail(reading, place, fmt::format("no such file: {}: check the path", quote(path)));
+  const std::string canonical = fs::weakly_canonical(path, error).string();
+  if (std::find(reading.open_files.begin(), reading.open_files.end(), canonical) != reading.open_files.end()) {
+    fail(reading, place, fmt::format("{} includes itself: remove one include", quote(path)));
+  }
+  if (++reading.files_read > kMostIncludes) fail(reading, place, fmt::format("more than {} includes", kMostIncludes));
+  const std::unique_ptr<XMLDocument> document = load_xml(path, path);
+  const XMLElement& root = need_root(*document, path);
+
+  const int outer_file = reading.file;
+  const Rules* outer_rules = reading.rules;
+  auto& files = reading.model.files;
+  const auto known = std::find(files.begin(), files.end(), path);
+  reading.file = static_cast<int>(known - files.begin());
+  if (known == files.end()) files.push_back(path);
+  reading.open_files.push_back(canonical);
+  read(root);
+  reading.open_files.pop_back();
+  reading.file = outer_file;
+  reading.rules = outer_rules;
+}
+
+fs::path folder_of_current(const Reading& reading) {
+  return fs::path(reading.model.files[static_cast<std::size_t>(reading.file)]).parent_path();
+}
+
+/// <Include>: a bare name lies beside the model, a path is taken as written; then beside the including file.
+void read_include(Reading& reading, const XMLElement& element) {
+  const std::string name(trim(text_of(element)));
+  if (name.empty()) fail(reading, element, "<Include> without a file name");
+  const bool bare = name.find_first_of("/\\") == name.npos;
+  const fs::path first = bare ? fs::path(reading.main_folder) / name : fs::path(name);
+  read_other_file(reading, element, first_file({first, folder_of_current(reading) / name}), [&](const XMLElement& root) {
+    reading.rules = need_rules(root, reading.model.files[static_cast<std::size_t>(reading.file)]);
+    for (const XMLElement* section = root.FirstChildElement(); section != nullptr; section = section->NextSiblingElement()) {
+      read_section(reading, *section);
+    }
+  });
+}
+
+/// <Geometry from="file"/>: the section of that name, by the rules of the including file.
+void read_from(Reading& reading, const XMLElement& element) {
+  const std::string name = attribute(element, "from");
+  const std::string path = first_file({fs::path(name), folder_of_current(reading) / name});
+  read_other_file(reading, element, path, [&](const XMLElement& root) {
+    const XMLElement* section = root.FirstChildElement(element.Name());
+    if (section == nullptr) throw InputError(path, root.GetLineNum(), fmt::format("no <{}> here, which {} takes from this file", element.Name(), quote(reading.model.files[0])));
+    read_section(reading, *section);
+  });
+}
+
+void read_module(Reading& reading, const XMLElement& section) {
+  JointModel& model = reading.model;
+  model.module = attribute(section, "type");
+  const std::string units = child_text(section, "units");
+  if (!units.empty()) model.units = trim(units);
+  const std::string& m = model.module;
+  const bool known = m.empty() || m.find("solid") != m.npos || m == "biphasic" || m == "solute" || m == "multiphasic";
+  if (!known) unsupported(reading, section, fmt::format("module {}", quote(m)));
+}
+
+/// One step: sections read from now on belong to it, even those after its end tag, as in FEBio.
+void read_step(Reading& reading, const XMLElement& section) {
+  reading.controls.push_back(reading.controls.empty() ? reading.top_control : Control());
+  reading.step = static_cast<int>(reading.controls.size()) - 1;
+  reading.control().name = attribute(section, "name");
+  reading.control().origin = origin_of(reading, section);
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "Step" || tag == "step") fail(reading, *child, "a step inside a step");
+    read_section(reading, *child);
+  }
+}
+
+void read_steps(Reading& reading, const XMLElement& section) {
+  const bool one_step = section.FirstChildElement("step") == nullptr;
+  const bool of_25 = std::strcmp(reading.rules->version, "2.5") == 0;
+  if (one_step && (of_25 || !is_leaf(section))) read_step(reading, section);
+  if (one_step) return;
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    if (std::strcmp(child->Name(), "step") == 0) read_step(reading, *child);
+    else ignore(reading, *child, fmt::format("<{}> in Step", child->Name()));
+  }
+}
+
+void read_section(Reading& reading, const XMLElement& section) {
+  if (section.Attribute("from") != nullptr) return read_from(reading, section);
+  const std::string_view tag = section.Name();
+  if (tag == "Module") return read_module(reading, section);
+  if (tag == "Control") return read_control(reading, section);
+  if (tag == "Material") return read_materials(reading, section);
+  if (tag == "Geometry" || tag == "Mesh") return read_mesh(reading, section);
+  if (tag == "MeshDomains") return read_mesh_domains(reading, section);
+  if (tag == "MeshData") return read_mesh_data(reading, section);
+  if (tag == "Boundary") return reading.rules->boundary(reading, section);
+  if (tag == "Rigid" && reading.rules->rigid != nullptr) return reading.rules->rigid(reading, section);
+  if (tag == "Loads") return read_loads(reading, section);
+  if (tag == "Contact") return read_contact(reading, section);
+  if (tag == "Constraints") return reading.rules->constraints(reading, section);
+  if (tag == "Discrete") return read_discrete(reading, section);
+  if (tag == "Initial") return read_initial(reading, section);
+  if (tag == "LoadData") return read_load_data(reading, section);
+  if (tag == "Include") return read_include(reading, section);
+  if (tag == "Step") return read_steps(reading, section);
+  if (tag == "Globals" || tag == "Output") return;
+  ignore(reading, section, fmt::format("section <{}>", tag));
+}
+
+}  // namespace
+}  // namespace feb
+
+JointModel read_feb(const std::string& path) {
+  using namespace feb;
+  const std::unique_ptr<XMLDocument> document = load_xml(path, path);
+  const XMLElement& root = need_root(*document, path);
+  Reading reading;
+  reading.rules = need_rules(root, path);
+  reading.model.files = {path};
+  reading.model.version = reading.rules->version;
+  std::error_code error;
+  reading.open_files = {fs::weakly_canonical(path, error).string()};
+  reading.main_folder = fs::path(path).parent_path().string();
+  for (const XMLElement* section = root.FirstChildElement(); section != nullptr; section = section->NextSiblingElement()) {
+    read_section(reading, *section);
+  }
+  finish(reading);
+  return std::move(reading.model);
+}
+
+}  // namespace dea

@@ -1,0 +1,577 @@
+// Nodes, elements, sets and shell thickness: Geometry (2.5), Mesh, MeshDomains and MeshData (3.0, 4.0).
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "feb_reading.h"
+
+namespace dea::feb {
+namespace {
+
+struct ShapeName {
+  const char* name;
+  ElementShape shape;
+};
+
+/// Names without an integration rule; longer ones first where one starts another.
+constexpr ShapeName kShapes[] = {
+    {"hex8", ElementShape::Hex8},       {"hex20", ElementShape::Hex20},     {"hex27", ElementShape::Hex27},
+    {"penta6", ElementShape::Penta6},   {"penta15", ElementShape::Penta15}, {"pyra5", ElementShape::Pyra5},
+    {"pyra13", ElementShape::Pyra13},   {"tet4", ElementShape::Tet4},       {"tet5", ElementShape::Tet5},
+    {"tet10", ElementShape::Tet10},     {"tet15", ElementShape::Tet15},     {"tet20", ElementShape::Tet20},
+    {"quad4", ElementShape::Quad4},     {"quad8", ElementShape::Quad8},     {"quad9", ElementShape::Quad9},
+    {"tri3", ElementShape::Tri3},       {"tri6", ElementShape::Tri6},       {"truss2", ElementShape::Line2},
+    {"line2", ElementShape::Line2},     {"line3", ElementShape::Line3},     {"ut4", ElementShape::Tet4},
+    {"q4eas", ElementShape::Quad4},     {"q4ans", ElementShape::Quad4},     {"q4s", ElementShape::Quad4},
+    {"tri3s", ElementShape::Tri3},
+};
+
+/// "hex8", or with FEBio's integration rule: "HEX20G8", "TET10G4_S3", "hex8ri".
+std::optional<ElementShape> shape_of(const std::string& type) {
+  const std::string word = lower(type);
+  for (const ShapeName& entry : kShapes) {
+    if (word == entry.name) return entry.shape;
+    const std::size_t length = std::strlen(entry.name);
+    if (word.compare(0, length, entry.name) == 0 && (word[length] == 'g' || word.compare(length, word.npos, "ri") == 0)) {
+      return entry.shape;
+    }
+  }
+  return std::nullopt;
+}
+
+int facet_nodes(std::string_view tag) {
+  constexpr std::pair<std::string_view, int> kFacets[] = {{"quad4", 4}, {"tri3", 3}, {"quad8", 8}, {"tri6", 6},
+                                                          {"quad9", 9}, {"tri7", 7}, {"tri10", 10}};
+  for (const auto& facet : kFacets) {
+    if (facet.first == tag) return facet.second;
+  }
+  return 0;
+}
+
+int read_id(const Reading& reading, const XMLElement& element, const char* name = "id") {
+  const char* text = element.Attribute(name);
+  const auto id = text == nullptr ? std::nullopt : whole_int(text);
+  if (!id || *id < 1) {
+    fail(reading, element, fmt::format("<{}> with {} = {}, expected a positive whole number", element.Name(), name,
+                                       quote(text == nullptr ? "" : text)));
+  }
+  return *id;
+}
+
+/// A number list of the wrong form: what is wrong with it.
+[[noreturn]] void fail_list(const Reading& reading, const XMLElement& element, std::string_view rest) {
+  fail(reading, element, fmt::format("<{}> lists {}, expected whole numbers and commas", element.Name(), quote(trim(rest))));
+}
+
+/// Appends the nodes of an element, facet or edge. count 0: any number.
+void append_nodes(const Reading& reading, const XMLElement& element, int count, const std::string& what,
+                  std::vector<int>& nodes) {
+  std::string store;
+  std::string_view rest = text_of(element, store);
+  int found = 0;
+  while (true) {
+    int id = 0;
+    if (take_int(rest, id) != Number::Ok) {
+      if (trim(rest).empty()) break;  // also after a trailing comma
+      fail_list(reading, element, rest);
+    }
+    const int node = reading.nodes.find(id);
+    if (node < 0) fail(reading, element, fmt::format("{} uses node {}, which does not exist", what, id));
+    ++found;
+    if (count == 0 || found <= count) nodes.push_back(node);
+    if (!take_comma(rest)) {
+      if (!trim(rest).empty()) fail_list(reading, element, rest);
+      break;
+    }
+  }
+  if (found == 0 || (count > 0 && found != count)) {
+    fail(reading, element, fmt::format("{} has {} nodes, expected {}", what, found, count > 0 ? count : 1));
+  }
+}
+
+/// Ranges and nested sets can name far more nodes than the file is long: not more than the memory holds.
+void count_entries(Reading& reading, const XMLElement& element, std::size_t more) {
+  constexpr std::size_t kMost = 100'000'000;
+  reading.set_entries += more;
+  if (reading.set_entries > kMost) fail(reading, element, fmt::format("the sets list more than {} nodes or elements", kMost));
+}
+
+/// 1,2,5:9,10:20:2 – `add` gets every id.
+template <class Add>
+void read_ranges(const Reading& reading, const XMLElement& element, Add add) {
+  std::string store;
+  std::string_view rest = text_of(element, store);
+  while (!trim(rest).empty()) {
+    int range[3] = {0, 0, 1};
+    int parts = 0;
+    for (; parts < 3; ++parts) {
+      if (take_int(rest, range[parts]) != Number::Ok) fail_list(reading, element, rest);
+      rest = trim(rest);
+      if (parts == 2 || rest.empty() || rest.front() != ':') break;
+      rest.remove_prefix(1);
+    }
+    if (parts == 0) {
+      add(range[0]);
+    } else {
+      if (range[2] < 1 || range[0] > range[1]) {
+        fail(reading, element, fmt::format("range {}:{}:{}, expected first:last:step going up", range[0], range[1], range[2]));
+      }
+      for (long long id = range[0]; id <= range[1]; id += range[2]) add(static_cast<int>(id));
+    }
+    if (!take_comma(rest) && !trim(rest).empty()) fail_list(reading, element, rest);
+  }
+}
+
+template <class Index>
+void add_name(const Reading& reading, const XMLElement& element, Index& index, const std::string& name, int place,
+              const char* what) {
+  if (!index.emplace(name, place).second) {
+    fail(reading, element, fmt::format("{} {} exists twice: rename one", what, quote(name)));
+  }
+}
+
+int find_name(const std::map<std::string, int, std::less<>>& index, const std::string& name) {
+  const auto place = index.find(name);
+  return place == index.end() ? -1 : place->second;
+}
+
+// -- nodes and elements ------------------------------------------------------------------------------
+
+void read_nodes(Reading& reading, const XMLElement& section) {
+  JointModel& model = reading.model;
+  const int begin = reading.nodes.size();
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    if (std::strcmp(child->Name(), "node") != 0) {
+      ignore(reading, *child, fmt::format("<{}> in Nodes", child->Name()));
+      continue;
+    }
+    const int id = read_id(reading, *child);
+    if (!reading.nodes.add(id)) fail(reading, *child, fmt::format("node {} exists twice: renumber one", id));
+    std::string store;
+    std::string_view rest = text_of(*child, store);
+    Vector3d x;
+    for (int i = 0; i < 3; ++i) {
+      const Number found = (i == 0 || take_comma(rest)) ? take_double(rest, x[i]) : Number::None;
+      if (found == Number::Ok) continue;
+      const char* expected = found == Number::None ? "three numbers x,y,z" : "numbers of at most 1e30";
+      fail(reading, *child, fmt::format("node {} is {}, expected {}", id, quote(trim(text_of(*child))), expected));
+    }
+    if (!trim(rest).empty()) {
+      fail(reading, *child, fmt::format("node {} is {}, expected three numbers x,y,z", id, quote(trim(text_of(*child)))));
+    }
+    model.nodes.push_back(x);
+  }
+  const std::string name = attribute(section, section.Attribute("name") != nullptr ? "name" : "set");
+  if (!name.empty()) reading.node_ranges.push_back({name, begin, reading.nodes.size()});
+}
+
+/// Gives a domain its material: by name, or by id where the format allows it.
+void assign_material(Reading& reading, const XMLElement& element, int domain, const std::string& mat, bool by_id) {
+  int material = find_name(reading.material_index, mat);
+  const auto id = whole_int(mat);
+  if (material < 0 && by_id && id) {
+    for (std::size_t i = 0; i < reading.model.materials.size(); ++i) {
+      if (reading.model.materials[i].id == *id) material = static_cast<int>(i);
+    }
+  }
+  if (material < 0) {
+    fail(reading, element, fmt::format("<{}> with mat = {}, expected the {} of a material", element.Name(), quote(mat),
+                                       by_id ? "name or id" : "name"));
+  }
+  reading.model.domains[static_cast<std::size_t>(domain)].material = material;
+}
+
+void read_elements(Reading& reading, const XMLElement& section) {
+  JointModel& model = reading.model;
+  const std::string type = need_attribute(reading, section, "type");
+  const auto shape = shape_of(type);
+  if (!shape) {
+    fail(reading, section, fmt::format("element type {} is unknown, expected one like hex8, tet4, tet10, penta6, quad4, tri3", quote(type)));
+  }
+  const int domain_number = static_cast<int>(model.domains.size());
+  Domain domain;
+  domain.name = attribute(section, "name");
+  domain.shape = *shape;
+  domain.origin = origin_of(reading, section);
+  const int count = nodes_per_element(*shape);
+  reading.first_element.push_back(reading.elements.size());
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    if (std::strcmp(child->Name(), "elem") != 0 && std::strcmp(child->Name(), "e") != 0) {
+      ignore(reading, *child, fmt::format("<{}> in Elements", child->Name()));
+      continue;
+    }
+    const int id = read_id(reading, *child);
+    if (!reading.elements.add(id)) fail(reading, *child, fmt::format("element {} exists twice: renumber one", id));
+    const std::size_t before = domain.nodes.size();
+    std::string store;
+    std::string_view rest = text_of(*child, store);
+    for (int i = 0; i < count; ++i) {  // the usual case without a message to build
+      int node_id = 0;
+      if ((i > 0 && !take_comma(rest)) || take_int(rest, node_id) != Number::Ok) break;
+      const int node = reading.nodes.find(node_id);
+      if (node < 0) break;
+      domain.nodes.push_back(node);
+    }
+    if (domain.nodes.size() != before + static_cast<std::size_t>(count) || !trim(rest).empty()) {
+      domain.nodes.resize(before);
+      append_nodes(reading, *child, count, fmt::format("{} element {}", type, id), domain.nodes);
+    }
+    domain.element_ids.push_back(id);
+  }
+  if (!domain.name.empty()) {
+    auto& same_name = reading.domain_index[domain.name];
+    if (!same_name.empty() && std::strcmp(reading.rules->version, "2.5") > 0) {
+      fail(reading, section, fmt::format("Elements {} exists twice: rename one", quote(domain.name)));
+    }
+    same_name.push_back(domain_number);
+  }
+  domain.element_ids.shrink_to_fit();
+  domain.nodes.shrink_to_fit();
+  model.domains.push_back(std::move(domain));
+  if (const char* mat = section.Attribute("mat")) assign_material(reading, section, domain_number, mat, true);
+}
+
+// -- sets --------------------------------------------------------------------------------------------
+
+void append_node_id(Reading& reading, const XMLElement& element, int id, std::vector<int>& nodes) {
+  nodes.push_back(need_node(reading, element, id));
+  count_entries(reading, element, 1);
+}
+
+void read_node_set(Reading& reading, const XMLElement& section) {
+  NodeSet set;
+  set.name = need_attribute(reading, section, "name");
+  set.origin = origin_of(reading, section);
+  if (is_leaf(section)) {
+    read_ranges(reading, section, [&](int id) { append_node_id(reading, section, id, set.nodes); });
+  }
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "n" || tag == "node") {
+      append_node_id(reading, *child, read_id(reading, *child), set.nodes);
+    } else if (tag == "node_list") {
+      read_ranges(reading, *child, [&](int id) { append_node_id(reading, *child, id, set.nodes); });
+    } else if (tag == "NodeSet") {
+      const std::string other = attribute(*child, child->Attribute("node_set") != nullptr ? "node_set" : "set");
+      const std::vector<int> nodes = need_node_set(reading, *child, other);
+      set.nodes.insert(set.nodes.end(), nodes.begin(), nodes.end());
+    } else {
+      ignore(reading, *child, fmt::format("<{}> in NodeSet", tag));
+    }
+  }
+  // FEBio Studio wrote some sets of 2.5 twice. The same nodes: no harm. Others: a fault where the name is used.
+  auto& sets = reading.model.node_sets;
+  const auto [place, is_new] = reading.node_set_index.try_emplace(set.name, static_cast<int>(sets.size()));
+  if (is_new) {
+    sets.push_back(std::move(set));
+  } else if (sets[static_cast<std::size_t>(place->second)].nodes != set.nodes) {
+    reading.ambiguous_node_sets.insert(set.name);
+  }
+}
+
+void read_element_set(Reading& reading, const XMLElement& section) {
+  ElementSet set;
+  set.name = need_attribute(reading, section, "name");
+  set.origin = origin_of(reading, section);
+  const auto add = [&](const XMLElement& element, int id) {
+    if (reading.elements.find(id) < 0) {
+      fail(reading, element, fmt::format("element set {} has element {}, which does not exist", quote(set.name), id));
+    }
+    set.element_ids.push_back(id);
+    count_entries(reading, element, 1);
+  };
+  if (is_leaf(section)) read_ranges(reading, section, [&](int id) { add(section, id); });
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    add(*child, read_id(reading, *child));
+  }
+  add_name(reading, section, reading.element_set_index, set.name, static_cast<int>(reading.model.element_sets.size()), "element set");
+  reading.model.element_sets.push_back(std::move(set));
+}
+
+void read_surface(Reading& reading, const XMLElement& section) {
+  Surface surface;
+  surface.name = need_attribute(reading, section, "name");
+  surface.origin = origin_of(reading, section);
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const int count = facet_nodes(child->Name());
+    if (count == 0) {
+      fail(reading, *child, fmt::format("<{}> in surface {}, expected tri3, tri6, quad4, quad8 or another facet", child->Name(), quote(surface.name)));
+    }
+    const std::string what = fmt::format("{} facet {} of surface {}", child->Name(), surface.size() + 1, quote(surface.name));
+    append_nodes(reading, *child, count, what, surface.nodes);
+    for (auto a = surface.nodes.end() - count; a != surface.nodes.end(); ++a) {
+      if (std::find(a + 1, surface.nodes.end(), *a) != surface.nodes.end()) {
+        std::string text = text_of(*child);
+        fail(reading, *child, fmt::format("{} has a node twice ({}): repair the mesh", what, quote(trim(text))));
+      }
+    }
+    surface.begin.push_back(static_cast<int>(surface.nodes.size()));
+  }
+  add_name(reading, section, reading.surface_index, surface.name, static_cast<int>(reading.model.surfaces.size()), "surface");
+  reading.model.surfaces.push_back(std::move(surface));
+}
+
+void read_edge(Reading& reading, const XMLElement& section) {
+  const std::string name = need_attribute(reading, section, "name");
+  std::vector<int> nodes;
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    append_nodes(reading, *child, 0, fmt::format("edge {}", quote(name)), nodes);
+  }
+  if (!reading.edges.emplace(name, std::move(nodes)).second) {
+    fail(reading, section, fmt::format("edge {} exists twice: rename one", quote(name)));
+  }
+}
+
+void read_discrete_set(Reading& reading, const XMLElement& section) {
+  DiscreteSet set;
+  set.name = need_attribute(reading, section, "name");
+  set.origin = origin_of(reading, section);
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    std::vector<int> nodes;
+    append_nodes(reading, *child, 2, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name)), nodes);
+    set.pairs.push_back({nodes[0], nodes[1]});
+  }
+  add_name(reading, section, reading.discrete_set_index, set.name, static_cast<int>(reading.model.discrete_sets.size()), "discrete set");
+  reading.model.discrete_sets.push_back(std::move(set));
+}
+
+void read_part_list(Reading& reading, const XMLElement& section) {
+  const std::string name = need_attribute(reading, section, "name");
+  std::vector<std::string> parts = split_words(text_of(section));
+  for (std::string& part : parts) {
+    if (reading.domain_index.find(part) == reading.domain_index.end()) part = trim(part);
+    if (reading.domain_index.find(part) == reading.domain_index.end()) {
+      fail(reading, section, fmt::format("part list {} names {}, expected the name of an Elements section", quote(name), quote(part)));
+    }
+  }
+  if (!reading.part_lists.emplace(name, std::move(parts)).second) {
+    fail(reading, section, fmt::format("part list {} exists twice: rename one", quote(name)));
+  }
+}
+
+/// `new_tag` or `old_tag`, the surface as text (3.0, 4.0) or attribute (2.5).
+int pair_surface(const Reading& reading, const XMLElement& section, const char* new_tag, const char* old_tag, SurfacePair& pair) {
+  const XMLElement* child = section.FirstChildElement(new_tag);
+  if (child == nullptr) child = section.FirstChildElement(old_tag);
+  if (child == nullptr) {
+    fail(reading, section, fmt::format("surface pair {} without <{}>", quote(attribute(section, "name")), new_tag));
+  }
+  std::string name = attribute(*child, "surface");
+  if (name.empty()) name = text_of(*child);
+  int surface = find_name(reading.surface_index, name);
+  if (surface < 0) surface = find_name(reading.surface_index, std::string(trim(name)));
+  if (surface < 0 && name.rfind("@part_list:", 0) == 0) {
+    pair.unsupported = fmt::format("a surface given as {}: make it a Surface", quote(name));
+  } else if (surface < 0) {
+    fail(reading, *child, fmt::format("surface pair {} names {}, expected the name of a Surface above it",
+                                      quote(attribute(section, "name")), quote(name)));
+  }
+  return surface;
+}
+
+void read_surface_pair(Reading& reading, const XMLElement& section) {
+  const std::string name = need_attribute(reading, section, "name");
+  SurfacePair pair;
+  pair.primary = pair_surface(reading, section, "primary", "slave", pair);
+  pair.secondary = pair_surface(reading, section, "secondary", "master", pair);
+  if (!reading.surface_pairs.emplace(name, pair).second) {
+    fail(reading, section, fmt::format("surface pair {} exists twice: rename one", quote(name)));
+  }
+}
+
+// -- shell thickness ---------------------------------------------------------------------------------
+
+/// (domain, element in it) of the lid-th element of a set; domains come in file order.
+struct ElementPlace {
+  int domain = 0;
+  int index = 0;
+};
+
+std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement& element, const std::string& name) {
+  std::vector<ElementPlace> places;
+  const JointModel& model = reading.model;
+  const int set = find_name(reading.element_set_index, name);
+  if (set >= 0) {
+    for (const int id : model.element_sets[static_cast<std::size_t>(set)].element_ids) {
+      const int number = reading.elements.find(id);
+      const auto after = std::upper_bound(reading.first_element.begin(), reading.first_element.end(), number);
+      const int domain = static_cast<int>(after - reading.first_element.begin()) - 1;
+      places.push_back({domain, number - reading.first_element[static_cast<std::size_t>(domain)]});
+    }
+    return places;
+  }
+  const auto domains = reading.domain_index.find(name);
+  if (domains == reading.domain_index.end()) {
+    fail(reading, element, fmt::format("elem_set = {}, expected the name of an ElementSet or Elements section", quote(name)));
+  }
+  for (const int domain : domains->second) {
+    const std::size_t count = model.domains[static_cast<std::size_t>(domain)].element_ids.size();
+    for (std::size_t i = 0; i < count; ++i) places.push_back({domain, static_cast<int>(i)});
+  }
+  return places;
+}
+
+void read_thickness(Reading& reading, const XMLElement& section) {
+  const std::vector<ElementPlace> places = places_of_set(reading, section, need_attribute(reading, section, "elem_set"));
+  const auto set_values = [&](const XMLElement& element, const ElementPlace& place) {
+    Domain& domain = reading.model.domains[static_cast<std::size_t>(place.domain)];
+    const std::size_t count = static_cast<std::size_t>(nodes_per_element(domain.shape));
+    domain.shell_thickness.resize(domain.nodes.size(), 0.0);
+    std::string store;
+    std::string_view rest = text_of(element, store);
+    for (std::size_t i = 0; i < count; ++i) {
+      double value = 0.0;
+      if ((i > 0 && !take_comma(rest)) || take_double(rest, value) != Number::Ok || value < 0) {
+        fail(reading, element, fmt::format("shell thickness {}, expected {} numbers >= 0, one per node", quote(trim(text_of(element))), count));
+      }
+      domain.shell_thickness[static_cast<std::size_t>(place.index) * count + i] = value;
+    }
+  };
+  if (is_leaf(section)) {
+    for (const ElementPlace& place : places) set_values(section, place);
+  }
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const int lid = read_id(reading, *child, "lid");
+    if (lid > static_cast<int>(places.size())) {
+      fail(reading, *child, fmt::format("lid = {}, but the element set has {} elements", lid, places.size()));
+    }
+    set_values(*child, places[static_cast<std::size_t>(lid) - 1]);
+  }
+}
+
+}  // namespace
+
+int need_node(const Reading& reading, const XMLElement& element, int id) {
+  const int node = reading.nodes.find(id);
+  if (node < 0) fail(reading, element, fmt::format("<{}> uses node {}, which does not exist", element.Name(), id));
+  return node;
+}
+
+std::vector<int> need_node_set(Reading& reading, const XMLElement& element, const std::string& name) {
+  const JointModel& model = reading.model;
+  const int set = find_name(reading.node_set_index, name);
+  if (reading.ambiguous_node_sets.count(name) > 0) {
+    fail(reading, element, fmt::format("node set {} exists twice with different nodes: rename one", quote(name)));
+  }
+  if (set >= 0) {
+    const std::vector<int>& nodes = model.node_sets[static_cast<std::size_t>(set)].nodes;
+    count_entries(reading, element, nodes.size());
+    return nodes;
+  }
+
+  std::vector<int> nodes;
+  bool found = false;
+  for (const NodeRange& range : reading.node_ranges) {
+    if (range.name != name) continue;
+    found = true;
+    for (int node = range.begin; node < range.end; ++node) nodes.push_back(node);
+  }
+  count_entries(reading, element, nodes.size());
+  if (found) return nodes;
+
+  const std::size_t colon = name.find(':');
+  const std::string kind = name.substr(0, colon);
+  const std::string rest = colon == name.npos ? "" : name.substr(colon + 1);
+  const auto add_domains = [&](const std::string& domain_name) {
+    for (const int domain : reading.domain_index.find(domain_name)->second) {
+      const std::vector<int>& more = model.domains[static_cast<std::size_t>(domain)].nodes;
+      nodes.insert(nodes.end(), more.begin(), more.end());
+    }
+  };
+  if (kind == "@surface" && find_name(reading.surface_index, rest) >= 0) {
+    nodes = model.surfaces[static_cast<std::size_t>(find_name(reading.surface_index, rest))].nodes;
+  } else if (kind == "@edge" && reading.edges.count(rest) > 0) {
+    nodes = reading.edges.find(rest)->second;
+  } else if (kind == "@part_list" && reading.part_lists.count(rest) > 0) {
+    for (const std::string& part : reading.part_lists.find(rest)->second) add_domains(part);
+  } else if (kind == "@elem_set" && (find_name(reading.element_set_index, rest) >= 0 || reading.domain_index.count(rest) > 0)) {
+    for (const ElementPlace& place : places_of_set(reading, element, rest)) {
+      const Domain& domain = model.domains[static_cast<std::size_t>(place.domain)];
+      const int count = nodes_per_element(domain.shape);
+      const auto first = domain.nodes.begin() + static_cast<std::ptrdiff_t>(place.index) * count;
+      nodes.insert(nodes.end(), first, first + count);
+    }
+  } else {
+    fail(reading, element, fmt::format("{} names no node set", quote(name)));
+  }
+  count_entries(reading, element, nodes.size());
+  // Each node once, in the order of its first appearance.
+  std::vector<bool> seen(model.nodes.size(), false);
+  std::size_t kept = 0;
+  for (const int node : nodes) {
+    if (seen[static_cast<std::size_t>(node)]) continue;
+    seen[static_cast<std::size_t>(node)] = true;
+    nodes[kept++] = node;
+  }
+  nodes.resize(kept);
+  return nodes;
+}
+
+void read_mesh(Reading& reading, const XMLElement& section) {
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "Nodes") {
+      read_nodes(reading, *child);
+    } else if (tag == "Elements") {
+      read_elements(reading, *child);
+    } else if (tag == "NodeSet") {
+      read_node_set(reading, *child);
+    } else if (tag == "ElementSet") {
+      read_element_set(reading, *child);
+    } else if (tag == "Surface") {
+      read_surface(reading, *child);
+    } else if (tag == "Edge") {
+      read_edge(reading, *child);
+    } else if (tag == "DiscreteSet") {
+      read_discrete_set(reading, *child);
+    } else if (tag == "PartList") {
+      read_part_list(reading, *child);
+    } else if (tag == "SurfacePair") {
+      read_surface_pair(reading, *child);
+    } else if (tag == "Part" || tag == "Instance") {
+      fail(reading, *child, fmt::format("<{}>: parts and instances cannot be read; open it in FEBio Studio and save as 4.0", tag));
+    } else {
+      ignore(reading, *child, fmt::format("<{}> in {}", tag, section.Name()));
+    }
+  }
+}
+
+void read_mesh_domains(Reading& reading, const XMLElement& section) {
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag.size() < 6 || tag.substr(tag.size() - 6) != "Domain") {
+      ignore(reading, *child, fmt::format("<{}> in MeshDomains", tag));
+      continue;
+    }
+    const std::string name = need_attribute(reading, *child, "name");
+    const auto domains = reading.domain_index.find(name);
+    if (domains == reading.domain_index.end()) {
+      fail(reading, *child, fmt::format("{} {} names no Elements section", tag, quote(name)));
+    }
+    const std::string mat = need_attribute(reading, *child, "mat");
+    const XMLElement* thickness = child->FirstChildElement("shell_thickness");
+    for (const int index : domains->second) {
+      assign_material(reading, *child, index, mat, false);
+      Domain& domain = reading.model.domains[static_cast<std::size_t>(index)];
+      if (thickness == nullptr || !is_shell(domain.shape)) continue;
+      const double value = read_double(reading, *thickness);
+      if (value > 0) domain.shell_thickness.assign(domain.nodes.size(), value);
+    }
+  }
+}
+
+void read_mesh_data(Reading& reading, const XMLElement& section) {
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string variable = attribute(*child, child->Attribute("var") != nullptr ? "var" : "type");
+    if (std::strcmp(child->Name(), "ElementData") == 0 && variable == "shell thickness") {
+      read_thickness(reading, *child);
+    } else {
+      ignore(reading, *child, fmt::format("{} {}", child->Name(), quote(variable)));
+    }
+  }
+}
+
+}  // namespace dea::feb

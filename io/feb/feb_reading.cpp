@@ -1,0 +1,168 @@
+#include "feb_reading.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace dea::feb {
+namespace {
+
+void list_once(std::vector<Remark>& remarks, std::unordered_map<std::string, std::size_t>& index,
+               const std::string& what, Origin origin) {
+  const auto [place, is_new] = index.try_emplace(what, remarks.size());
+  if (is_new) {
+    remarks.push_back({what, 1, origin});
+  } else {
+    ++remarks[place->second].count;
+  }
+}
+
+}  // namespace
+
+bool IdTable::add(int id) {
+  if (index_.empty() && (ids_.empty() || id > ids_.back())) {
+    ids_.push_back(id);
+    return true;
+  }
+  if (index_.empty()) {  // the first id out of order: from now on by a hash table
+    for (int i = 0; i < size(); ++i) index_.emplace(ids_[static_cast<std::size_t>(i)], i);
+  }
+  if (!index_.emplace(id, size()).second) return false;
+  ids_.push_back(id);
+  return true;
+}
+
+int IdTable::find(int id) const {
+  if (!index_.empty()) {
+    const auto place = index_.find(id);
+    return place == index_.end() ? -1 : place->second;
+  }
+  if (ids_.empty() || id < ids_.front() || id > ids_.back()) return -1;
+  const std::size_t guess = static_cast<std::size_t>(static_cast<long long>(id) - ids_.front());  // no gaps: 1..N
+  if (guess < ids_.size() && ids_[guess] == id) return static_cast<int>(guess);
+  const auto place = std::lower_bound(ids_.begin(), ids_.end(), id);
+  return place != ids_.end() && *place == id ? static_cast<int>(place - ids_.begin()) : -1;
+}
+
+Origin origin_of(const Reading& reading, const XMLElement& element) { return {reading.file, element.GetLineNum()}; }
+
+void fail(const Reading& reading, const XMLElement& element, const std::string& fault) {
+  throw InputError(reading.model, origin_of(reading, element), fault);
+}
+
+void ignore(Reading& reading, const XMLElement& element, const std::string& what) {
+  list_once(reading.model.ignored, reading.ignored_index, what, origin_of(reading, element));
+}
+
+void unsupported(Reading& reading, const XMLElement& element, const std::string& what) {
+  list_once(reading.model.unsupported, reading.unsupported_index, what, origin_of(reading, element));
+}
+
+std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name) {
+  const char* text = element.Attribute(name);
+  if (text == nullptr || *text == '\0') fail(reading, element, fmt::format("<{}> without attribute {}", element.Name(), name));
+  return text;
+}
+
+double read_double(const Reading& reading, const XMLElement& element) {
+  const std::string text = text_of(element);
+  const auto value = whole_double(text);
+  if (!value) fail(reading, element, fmt::format("{} = {}, expected a number of at most 1e30", element.Name(), quote(trim(text))));
+  return *value;
+}
+
+int read_int(const Reading& reading, const XMLElement& element) {
+  const std::string text = text_of(element);
+  const auto value = whole_int(text);
+  if (!value) fail(reading, element, fmt::format("{} = {}, expected a whole number", element.Name(), quote(trim(text))));
+  return *value;
+}
+
+bool read_bool(const Reading& reading, const XMLElement& element) {
+  const std::string text = text_of(element);
+  const auto value = whole_int(text);
+  // FEBio reads the word "true" as 0: rather refuse than follow it or guess.
+  if (!value) fail(reading, element, fmt::format("{} = {}, expected 0 or 1", element.Name(), quote(trim(text))));
+  return *value != 0;
+}
+
+Vector3d read_vector(const Reading& reading, const XMLElement& element) {
+  const std::string text = text_of(element);
+  std::string_view rest = text;
+  Vector3d vector;
+  bool good = true;
+  for (int i = 0; i < 3 && good; ++i) {
+    good = (i == 0 || take_comma(rest)) && take_double(rest, vector[i]) == Number::Ok;
+  }
+  if (!good || !trim(rest).empty()) {
+    fail(reading, element, fmt::format("{} = {}, expected three numbers x,y,z of at most 1e30", element.Name(), quote(trim(text))));
+  }
+  return vector;
+}
+
+int read_lc(const Reading& reading, const XMLElement& element) {
+  const char* lc = element.Attribute("lc");
+  if (lc == nullptr) return 0;
+  const auto id = whole_int(lc);
+  if (!id || *id < 1) {
+    fail(reading, element, fmt::format("{} has lc = {}, expected the id of a load controller", element.Name(), quote(lc)));
+  }
+  return *id;
+}
+
+Scaled read_scaled(const Reading& reading, const XMLElement& element) {
+  return {read_double(reading, element), read_lc(reading, element)};
+}
+
+int read_word(const XMLElement& element, std::initializer_list<const char*> words) {
+  const std::string text = text_of(element);
+  const std::string_view word = trim(text);
+  int i = 0;
+  for (const char* candidate : words) {
+    if (same_word(word, candidate)) return i;
+    ++i;
+  }
+  const auto position = whole_int(word);
+  return position && *position >= 0 && *position < i ? *position : -1;
+}
+
+double child_double(const Reading& reading, const XMLElement& parent, const char* name, double fallback) {
+  const XMLElement* child = parent.FirstChildElement(name);
+  return child == nullptr ? fallback : read_double(reading, *child);
+}
+
+bool child_bool(const Reading& reading, const XMLElement& parent, const char* name, bool fallback) {
+  const XMLElement* child = parent.FirstChildElement(name);
+  return child == nullptr ? fallback : read_bool(reading, *child);
+}
+
+std::string child_text(const XMLElement& parent, const char* name) {
+  const XMLElement* child = parent.FirstChildElement(name);
+  return child == nullptr ? std::string() : text_of(*child);
+}
+
+int need_rigid(const Reading& reading, const XMLElement& element, const std::string& id_or_name) {
+  const JointModel& model = reading.model;
+  int index = -1;
+  if (const auto id = whole_int(id_or_name)) {  // a text that is a number is an id first
+    for (std::size_t i = 0; i < model.materials.size(); ++i) {
+      if (model.materials[i].id == *id) index = static_cast<int>(i);
+    }
+  }
+  for (const std::string& name : {id_or_name, std::string(trim(id_or_name))}) {
+    const auto place = reading.material_index.find(name);
+    if (index < 0 && place != reading.material_index.end()) index = place->second;
+  }
+  if (index < 0) {
+    fail(reading, element, fmt::format("{} names no material, expected the id or name of a rigid body", quote(id_or_name)));
+  }
+  const Material& material = model.materials[static_cast<std::size_t>(index)];
+  if (!material.rigid) {
+    fail(reading, element, fmt::format("material {} is {}, expected a rigid body", quote(material.name), quote(material.type)));
+  }
+  return index;
+}
+
+}  // namespace dea::feb

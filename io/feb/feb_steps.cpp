@@ -1,0 +1,197 @@
+// Control, load controllers, and what can only be known at the end: steps, must points, references to controllers.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "error.h"
+#include "feb_reading.h"
+
+namespace dea::feb {
+namespace {
+
+using Interpolate = LoadController::Interpolate;
+
+void read_analysis(Reading& reading, const XMLElement& element) {
+  const std::string word = element.Attribute("type") != nullptr ? attribute(element, "type") : text_of(element);
+  const bool solid = reading.model.module.empty() || reading.model.module.find("solid") != std::string::npos;
+  if (same_word(trim(word), "DYNAMIC") || (solid && trim(word) == "1")) {
+    ignore(reading, element, "analysis DYNAMIC: DEA is quasi-static, inertia is left out");
+  } else if (same_word(trim(word), "TRANSIENT")) {
+    ignore(reading, element, "analysis TRANSIENT: DEA uses the drained solid, fluid flow is left out");
+  }
+}
+
+/// Points of a curve: children of any name, "t,v".
+void read_points(const Reading& reading, const XMLElement& element, LoadController& curve) {
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string text = text_of(*child);
+    std::string_view rest = text;
+    std::array<double, 2> point = {0, 0};
+    if (take_double(rest, point[0]) != Number::Ok || !take_comma(rest) || take_double(rest, point[1]) != Number::Ok ||
+        !trim(rest).empty()) {
+      fail(reading, *child, fmt::format("point {} of load controller {}, expected two numbers time,value of at most 1e30",
+                                        quote(trim(text)), curve.id));
+    }
+    curve.points.push_back(point);
+  }
+}
+
+void set_interpolate(LoadController& curve, std::string_view word) {
+  constexpr const char* kWords[] = {"linear", "step", "smooth", "cubic spline", "control points", "approximation", "smooth step", "C2-smooth"};
+  const auto position = whole_int(word);
+  for (int i = 0; i < 8; ++i) {
+    if (!same_word(trim(word), kWords[i]) && position != i) continue;
+    curve.interpolate = static_cast<Interpolate>(i);
+    const bool known = i < 3 || curve.interpolate == Interpolate::SmoothStep;
+    if (!known) curve.unsupported = fmt::format("interpolation {}", quote(kWords[i]));
+    return;
+  }
+  curve.unsupported = fmt::format("interpolation {}", quote(trim(word)));
+}
+
+void set_extend(LoadController& curve, std::string_view word) {
+  constexpr const char* kWords[] = {"constant", "extrapolate", "repeat", "repeat offset"};
+  const auto position = whole_int(word);
+  for (int i = 0; i < 4; ++i) {
+    if (!same_word(trim(word), kWords[i]) && position != i) continue;
+    curve.extend = static_cast<LoadController::Extend>(i);
+    return;
+  }
+  curve.unsupported = fmt::format("extend {}", quote(trim(word)));
+}
+
+/// Times a curve cannot be evaluated with; refused only where the curve is used.
+void check_times(LoadController& curve) {
+  for (std::size_t i = 1; i < curve.points.size() && curve.unsupported.empty(); ++i) {
+    const double before = curve.points[i - 1][0], t = curve.points[i][0];
+    if (t < before) curve.unsupported = fmt::format("times that go back from {:g} to {:g}", before, t);
+    if (t == before && curve.interpolate == Interpolate::Smooth) curve.unsupported = fmt::format("a smooth curve with time {:g} twice", t);
+  }
+}
+
+/// Index of the controller with this id; a fault at `origin` if there is none.
+int need_controller(const JointModel& model, int id, Origin origin) {
+  if (id == 0) return -1;
+  for (std::size_t i = 0; i < model.controllers.size(); ++i) {
+    if (model.controllers[i].id == id) return static_cast<int>(i);
+  }
+  throw InputError(model, origin, fmt::format("lc = {}, but there is no load controller {}", id, id));
+}
+
+template <class Condition>
+void resolve_controllers(JointModel& model, std::vector<Condition>& conditions) {
+  for (Condition& condition : conditions) {
+    condition.value.controller = need_controller(model, condition.value.controller, condition.origin);
+    if (condition.value.controller < 0) continue;
+    const LoadController& curve = model.controllers[static_cast<std::size_t>(condition.value.controller)];
+    if (curve.unsupported.empty()) continue;
+    model.unsupported.push_back({fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, condition.origin});
+  }
+}
+
+std::vector<double> must_points(JointModel& model, const Control& control, double begin, double end) {
+  std::vector<double> times;
+  const int index = need_controller(model, control.dtmax_controller, control.dtmax_origin);
+  if (index < 0) return times;
+  const LoadController& curve = model.controllers[static_cast<std::size_t>(index)];
+  const double close = 1e-9 * (end - begin);
+  for (const auto& point : curve.points) {
+    if (point[0] > begin + close && point[0] < end + close) times.push_back(std::min(point[0], end));
+  }
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  if (curve.points.empty() && !curve.unsupported.empty()) {
+    model.ignored.push_back({fmt::format("dtmax: load controller {} with {} gives no must points", curve.id, curve.unsupported), 1,
+                             control.dtmax_origin});
+  }
+  return times;
+}
+
+}  // namespace
+
+void read_control(Reading& reading, const XMLElement& section) {
+  Control& control = reading.control();
+  control.origin = origin_of(reading, section);
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "time_steps") {
+      control.time_steps = read_double(reading, *child);
+      if (control.time_steps != -1 && !(control.time_steps >= 0)) {
+        fail(reading, *child, fmt::format("time_steps = {:g}, need time_steps >= 0, or -1 with a final_time", control.time_steps));
+      }
+    } else if (tag == "step_size") {
+      control.step_size = read_double(reading, *child);
+      if (!(control.step_size > 0)) fail(reading, *child, fmt::format("step_size = {:g}, need step_size > 0", control.step_size));
+    } else if (tag == "final_time") {
+      control.final_time = read_double(reading, *child);
+    } else if (tag == "analysis") {
+      read_analysis(reading, *child);
+    } else if (tag == "time_stepper") {
+      const XMLElement* dtmax = child->FirstChildElement("dtmax");
+      if (dtmax == nullptr) continue;
+      control.dtmax_controller = read_lc(reading, *dtmax);
+      control.dtmax_origin = origin_of(reading, *dtmax);
+    }  // everything else steers the solver
+  }
+}
+
+void read_load_data(Reading& reading, const XMLElement& section) {
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag != "loadcurve" && tag != "load_controller") {
+      ignore(reading, *child, fmt::format("<{}> in LoadData", tag));
+      continue;
+    }
+    LoadController curve;
+    const auto id = whole_int(need_attribute(reading, *child, "id"));
+    if (!id || *id < 1) fail(reading, *child, fmt::format("<{}> with id = {}, expected a positive whole number", tag, quote(attribute(*child, "id"))));
+    curve.id = *id;
+    curve.name = attribute(*child, "name");
+    curve.origin = origin_of(reading, *child);
+    const std::string type = attribute(*child, "type");
+    if (tag == "loadcurve") {
+      if (!type.empty()) set_interpolate(curve, type);
+      if (child->Attribute("extend") != nullptr) set_extend(curve, attribute(*child, "extend"));
+      read_points(reading, *child, curve);
+    } else if (type.empty() || type == "loadcurve") {
+      if (const XMLElement* word = child->FirstChildElement("interpolate")) set_interpolate(curve, text_of(*word));
+      if (const XMLElement* word = child->FirstChildElement("extend")) set_extend(curve, text_of(*word));
+      if (const XMLElement* points = child->FirstChildElement("points")) read_points(reading, *points, curve);
+    } else {
+      curve.unsupported = fmt::format("type {}", quote(type));
+    }
+    for (const LoadController& other : reading.model.controllers) {
+      if (other.id == curve.id) fail(reading, *child, fmt::format("load controller {} exists twice: renumber one", curve.id));
+    }
+    check_times(curve);
+    reading.model.controllers.push_back(std::move(curve));
+  }
+}
+
+void finish(Reading& reading) {
+  JointModel& model = reading.model;
+  if (reading.controls.empty()) reading.controls.push_back(reading.top_control);
+  double begin = 0.0;
+  for (const Control& control : reading.controls) {
+    Step step;
+    step.name = control.name;
+    step.step_size = control.step_size;
+    step.origin = control.origin;
+    if (control.time_steps >= 0) {
+      step.duration = control.time_steps * control.step_size;
+    } else if (control.final_time && *control.final_time > 0) {
+      step.duration = *control.final_time;
+    } else {
+      throw InputError(model, control.origin, "time_steps = -1 without a final_time > 0");
+    }
+    step.must_points = must_points(model, control, begin, begin + step.duration);
+    begin += step.duration;
+    model.steps.push_back(std::move(step));
+  }
+  resolve_controllers(model, model.rigid_prescribed);
+  resolve_controllers(model, model.rigid_loads);
+  model.node_ids = reading.nodes.take();
+}
+
+}  // namespace dea::feb

@@ -1,0 +1,201 @@
+#include "feb_xml.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace dea::feb {
+namespace {
+
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
+
+void skip_space(std::string_view& text) {
+  std::size_t n = 0;
+  while (n < text.size() && is_space(text[n])) ++n;
+  text.remove_prefix(n);
+}
+
+/// White space and one plus sign, which from_chars does not take.
+void skip_to_number(std::string_view& text) {
+  skip_space(text);
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+') text.remove_prefix(1);
+}
+
+bool is_project_file(const std::string& path) {
+  const std::string extension = lower(std::filesystem::path(path).extension().string());
+  return extension == ".fsm" || extension == ".fs2" || extension == ".fsp" || extension == ".fsprj";
+}
+
+std::string read_start(const std::string& path) {
+  std::string start(64, '\0');
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) return "";
+  start.resize(std::fread(start.data(), 1, start.size(), file));
+  std::fclose(file);
+  return start;
+}
+
+/// The end of the file, to tell a file that was cut off from one that is damaged.
+std::string read_end(const std::string& path) {
+  std::string end(256, '\0');
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) return "";
+  std::fseek(file, 0, SEEK_END);
+  const long size = std::ftell(file);
+  std::fseek(file, std::max(0L, size - static_cast<long>(end.size())), SEEK_SET);
+  end.resize(std::fread(end.data(), 1, end.size(), file));
+  std::fclose(file);
+  return end;
+}
+
+}  // namespace
+
+std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string& name) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw InputError(name + ": no such file: check the path");
+  if (std::filesystem::is_directory(status)) throw InputError(name + ": this is a folder, expected a .feb file");
+  if (!std::filesystem::is_regular_file(status)) throw InputError(name + ": not a file, expected a .feb file");
+  if (is_project_file(path)) {
+    throw InputError(name + ": this is a FEBio Studio project; export the FEBio file: File > Export FE model (.feb)");
+  }
+  const auto size = std::filesystem::file_size(path, error);
+  if (error) throw InputError(name + ": cannot be read: check its permissions");
+  if (size == 0) throw InputError(name + ": the file is empty, expected a FEBio model: save it again");
+  std::string start = read_start(path);
+  if (start.empty()) throw InputError(name + ": cannot be read: check its permissions");
+  if (start.rfind("\xEF\xBB\xBF", 0) == 0) start.erase(0, 3);  // byte order mark
+  if (start.rfind("<?xml", 0) != 0) {
+    throw InputError(name, 1, fmt::format("the file starts with {}, expected \"<?xml\": this is no FEBio model (.feb)",
+                                          quote(start.substr(0, 12))));
+  }
+
+  auto document = std::make_unique<XMLDocument>();
+  const tinyxml2::XMLError outcome = document->LoadFile(path.c_str());
+  if (outcome == tinyxml2::XML_SUCCESS) return document;
+  if (outcome == tinyxml2::XML_ERROR_FILE_NOT_FOUND || outcome == tinyxml2::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
+      outcome == tinyxml2::XML_ERROR_FILE_READ_ERROR) {
+    throw InputError(name + ": cannot be read: check its permissions");
+  }
+  const int line = std::max(1, document->ErrorLineNum());
+  if (outcome == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED) {
+    throw InputError(name, line, "XML nested too deeply: this is no FEBio model");
+  }
+  if (read_end(path).find("</febio_spec>") == std::string::npos) {
+    throw InputError(name, line, "the file ends without </febio_spec>: it is cut off; save or copy it again");
+  }
+  throw InputError(name, line,
+                   fmt::format("broken XML ({}): the file is damaged here; repair or save it again",
+                               XMLDocument::ErrorIDToName(outcome)));
+}
+
+std::string quote(std::string_view text) {
+  constexpr std::size_t kLongest = 60;
+  std::string result = "\"";
+  for (const char c : text.substr(0, kLongest)) result += (static_cast<unsigned char>(c) < 32 || c == 127) ? ' ' : c;
+  if (text.size() > kLongest) result += "...";
+  return result + "\"";
+}
+
+std::string_view text_of(const XMLElement& element, std::string& store) {
+  std::string_view only;
+  int pieces = 0;
+  for (const tinyxml2::XMLNode* child = element.FirstChild(); child != nullptr; child = child->NextSibling()) {
+    if (child->ToText() == nullptr) continue;
+    if (++pieces == 1) {
+      only = child->Value();
+      continue;
+    }
+    if (pieces == 2) store = only;
+    store += child->Value();
+  }
+  return pieces > 1 ? std::string_view(store) : only;
+}
+
+std::string text_of(const XMLElement& element) {
+  std::string store;
+  return std::string(text_of(element, store));
+}
+
+std::string_view trim(std::string_view text) {
+  skip_space(text);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string attribute(const XMLElement& element, const char* name) {
+  const char* text = element.Attribute(name);
+  return text == nullptr ? std::string() : std::string(text);
+}
+
+bool is_leaf(const XMLElement& element) { return element.FirstChildElement() == nullptr; }
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return result;
+}
+
+bool same_word(std::string_view a, std::string_view b) { return a.size() == b.size() && lower(a) == lower(b); }
+
+Number take_double(std::string_view& text, double& value) {
+  constexpr double kLargest = 1e30;
+  skip_to_number(text);
+  const char* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, value);
+  if (result.ec == std::errc::invalid_argument) return Number::None;
+  const std::string_view digits = text.substr(0, static_cast<std::size_t>(result.ptr - text.data()));
+  text.remove_prefix(digits.size());
+  if (result.ec == std::errc::result_out_of_range) {
+    const bool tiny = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
+    value = 0.0;
+    return tiny ? Number::Ok : Number::NotFinite;
+  }
+  return std::abs(value) <= kLargest ? Number::Ok : Number::NotFinite;  // false for NaN
+}
+
+Number take_int(std::string_view& text, int& value) {
+  skip_to_number(text);
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc()) return Number::None;
+  text.remove_prefix(static_cast<std::size_t>(result.ptr - text.data()));
+  return Number::Ok;
+}
+
+bool take_comma(std::string_view& text) {
+  skip_space(text);
+  if (text.empty() || text.front() != ',') return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+std::optional<double> whole_double(std::string_view text) {
+  double value = 0.0;
+  if (take_double(text, value) != Number::Ok || !trim(text).empty()) return std::nullopt;
+  return value;
+}
+
+std::optional<int> whole_int(std::string_view text) {
+  int value = 0;
+  if (take_int(text, value) != Number::Ok || !trim(text).empty()) return std::nullopt;
+  return value;
+}
+
+std::vector<std::string> split_words(std::string_view text) {
+  std::vector<std::string> words;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    words.emplace_back(text.substr(0, comma));
+    if (comma == text.npos) return words;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace dea::feb
