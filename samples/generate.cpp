@@ -278,7 +278,7 @@ int rows_below(int n) { return static_cast<int>(std::lround(n * 20.0 / 90.0)); }
 void hold_and_load_ball(Feb& feb) {
   feb.rigid = Feb::fixed("socket", "111111") + Feb::fixed("ball", "000111");
   const int ramp = feb.add_controller("ramp", {"0,0", "1,1"});
-  feb.add_step("load", Feb::loaded("ball", "z", kLoad, ramp));
+  feb.add_step("load", Feb::loaded("ball", "Rz", kLoad, ramp));
 }
 
 /// Ball of radius 20 in a hemispherical socket of radius 24 that is lined with 4 mm of cartilage.
@@ -375,7 +375,7 @@ std::string sphere_on_flat(int n) {
   const int depth = feb.add_controller("depth", {"0,0", "1,1"});
   const int force = feb.add_controller("force", {"1,0.7", "2,1"});
   feb.add_step("by depth", Feb::moved("sphere", "z", -0.4, depth));
-  feb.add_step("by force", Feb::loaded("sphere", "z", -400, force));
+  feb.add_step("by force", Feb::loaded("sphere", "Rz", -400, force));
   return feb.file("Rigid sphere of radius 25 on a flat layer of 2 mm.", "base_articular", "sphere_articular");
 }
 
@@ -411,7 +411,7 @@ std::string ligament(int n) {
         side > 0 ? "medial ligament" : "lateral ligament", 30 * side, 24 * side);
   }
   const int ramp = feb.add_controller("ramp", {"0,0", "1,1"});
-  feb.add_step("load", Feb::loaded("femur", "z", -300, ramp));
+  feb.add_step("load", Feb::loaded("femur", "Rz", -300, ramp));
   return feb.file("Spherical condyle on a flat plateau, with ligaments.", "tibia_articular", "femur_articular");
 }
 

@@ -245,7 +245,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
         const LineHit hit = map.articular[to].nearest_facing(x, R * mesh.normals[at(i)], -4 * deep, -deep, kInfinity);
         if (hit.point.triangle >= 0) {
           (*feet)[at(i)] = hit.point;
-          (*along)[at(i)] = hit.distance;
+          constexpr std::array<double, 3> kMiddle = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+          (*along)[at(i)] = hit.distance - bulge_height(mesh, i, kMiddle) - bulge_height(pair.layers[to].articular, hit.point.triangle, hit.point.weights);
         } else {
           (*feet)[at(i)] = SurfacePoint{};
           (*along)[at(i)] = (position(pair.layers[to].articular, map.articular[to].closest(x)) - x).norm();

@@ -518,6 +518,11 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     }
   }
 
+  if (settings.facets == Facets::Flat) {
+    layer.articular.bulge.assign(layer.articular.bulge.size(), {0, 0, 0});
+    layer.bone.bulge.assign(layer.bone.bulge.size(), {0, 0, 0});
+  }
+
   // Modulus.
   if (!layer.rigid) {
     if (layer.material >= 0) layer.elasticity = {model.materials[at(layer.material)].E, model.materials[at(layer.material)].nu};
@@ -657,6 +662,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       Layer& layer = pair.layers[side];
       if (layer.material >= 0 || !carry(r, layer.surface).on_shells || !looks_away(layer.articular, pair.layers[1 - side].articular)) continue;
       flip(layer.articular, model);
+      if (settings.facets == Facets::Flat) layer.articular.bulge.assign(layer.articular.bulge.size(), {0, 0, 0});
       layer.bone = layer.articular;
       joint.findings.push_back(fmt::format("surface \"{}\" lies on rigid shells and looked away from its partner: turned round", model.surfaces[at(layer.surface)].name));
     }

@@ -2,13 +2,14 @@
 
 #include <cassert>
 
+#include <fmt/format.h>
+
 namespace dea {
 
 std::string where(const JointModel& model, Origin origin) {
-  std::string text;
-  if (origin.file >= 0 && origin.file < static_cast<int>(model.files.size())) text = model.files[static_cast<std::size_t>(origin.file)];
-  if (origin.line > 0) text += ":" + std::to_string(origin.line);
-  return text.empty() ? text : text + ": ";
+  if (origin.file < 0 || origin.file >= static_cast<int>(model.files.size())) return {};
+  const std::string& file = model.files[static_cast<std::size_t>(origin.file)];
+  return origin.line > 0 ? fmt::format("{}:{}: ", file, origin.line) : fmt::format("{}: ", file);
 }
 
 int nodes_per_element(ElementShape shape) {

@@ -46,14 +46,18 @@ double value_inside(const LoadController& curve, double t) {
   const Point& a = points[i - 1];
   const Point& b = points[i];
   switch (curve.interpolate) {
-    case Interpolate::Linear: return line_through(a, b, t);
-    case Interpolate::Step: return b[1];
-    case Interpolate::Smooth: return smooth(points, i, t);
+    case Interpolate::Linear:
+      return line_through(a, b, t);
+    case Interpolate::Step:
+      return b[1];
+    case Interpolate::Smooth:
+      return smooth(points, i, t);
     case Interpolate::SmoothStep: {
       const double w = (t - a[0]) / (b[0] - a[0]);
       return a[1] + (b[1] - a[1]) * w * w * w * (10 - 15 * w + 6 * w * w);
     }
-    default: break;
+    default:
+      break;
   }
   throw std::logic_error("a spline load curve cannot be evaluated");
 }

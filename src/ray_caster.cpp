@@ -143,6 +143,8 @@ void intersect_callback(const RTCIntersectFunctionNArguments* args) {
 struct ClosestQuery {
   const RayCaster::Scene* scene;
   Vector3d x;
+  std::vector<int>* within;  // collect all triangles within `radius` instead of looking for the closest point
+  double radius;
   double best2;
   double tolerance;
   SurfacePoint point;
@@ -153,6 +155,10 @@ bool closest_callback(RTCPointQueryFunctionArguments* args) {
   std::array<double, 3> weights;
   const int t = static_cast<int>(args->primID);
   const double d2 = closest_on_triangle(*query.scene->mesh, t, query.x, &weights);
+  if (query.within) {
+    if (d2 <= query.radius * query.radius) query.within->push_back(t);
+    return false;
+  }
   const double d = std::sqrt(d2), best = std::sqrt(query.best2);
   const bool tie = std::abs(d - best) <= query.tolerance;
   if (d < best - query.tolerance || (tie && t < query.point.triangle) || query.point.triangle < 0) {
@@ -253,24 +259,36 @@ LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direct
   return result;
 }
 
-SurfacePoint RayCaster::closest(const Vector3d& x) const {
-  const Scene& s = *scene_;
-  ClosestQuery query;
-  query.scene = &s;
-  query.x = x;
-  query.best2 = std::numeric_limits<double>::infinity();
-  query.tolerance = 1e-12 * s.extent;
-  const Vector3d local = x - s.center;
+namespace {
+
+void point_query(const RayCaster::Scene& scene, ClosestQuery& query, double radius) {
+  const Vector3d local = query.x - scene.center;
   RTCPointQuery point;
   point.x = static_cast<float>(local.x());
   point.y = static_cast<float>(local.y());
   point.z = static_cast<float>(local.z());
   point.time = 0.0f;
-  point.radius = std::numeric_limits<float>::infinity();
+  point.radius = static_cast<float>(radius);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(s.scene, &point, &context, closest_callback, &query);
+  rtcPointQuery(scene.scene, &point, &context, closest_callback, &query);
+}
+
+}  // namespace
+
+SurfacePoint RayCaster::closest(const Vector3d& x) const {
+  ClosestQuery query{scene_.get(), x, nullptr, 0.0, std::numeric_limits<double>::infinity(), 1e-12 * scene_->extent, {}};
+  point_query(*scene_, query, std::numeric_limits<double>::infinity());
   return query.point;
+}
+
+std::vector<int> RayCaster::within(const Vector3d& x, double radius) const {
+  std::vector<int> found;
+  ClosestQuery query{scene_.get(), x, &found, radius, std::numeric_limits<double>::infinity(), 0.0, {}};
+  point_query(*scene_, query, radius * (1 + 1e-6) + 2 * scene_->padding);
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());  // a triangle may sit in several leaves
+  return found;
 }
 
 Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& p) {

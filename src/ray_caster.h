@@ -44,6 +44,9 @@ class RayCaster {
   /// Closest point of the surface to x; the lowest-numbered triangle on ties.
   SurfacePoint closest(const Vector3d& x) const;
 
+  /// Numbers of the triangles that have a point within `radius` of x, ascending.
+  std::vector<int> within(const Vector3d& x, double radius) const;
+
   const SurfaceMesh& mesh() const { return *mesh_; }
 
  private:

@@ -4,6 +4,8 @@ namespace dea {
 
 const char* name(SpringsAt springs_at) { return springs_at == SpringsAt::Bone ? "bone" : "articular"; }
 
+const char* name(Facets facets) { return facets == Facets::Flat ? "flat" : "curved"; }
+
 const char* name(Law law) {
   switch (law) {
     case Law::Linear: return "linear";

@@ -18,6 +18,12 @@ enum class SpringsAt { Articular, Bone };
 /// Pressure as a function of strain (docs/theory.md, section 3).
 enum class Law { Linear, Logarithmic, NeoHookean };
 
+/// How the facets of a surface are taken when gaps and thicknesses are measured.
+enum class Facets {
+  Curved,  ///< as the smooth surface they stand for: each facet bulges by the turning of its vertex normals (surface_mesh.h)
+  Flat     ///< as they are
+};
+
 /// Where the force on a body acts.
 struct LoadPoint {
   bool sphere_center = false;  ///< centre of the least-squares sphere through the body's articular surface
@@ -29,6 +35,7 @@ struct Settings {
   std::string source;        ///< body whose layer carries the springs; empty: the contact's primary side
   SpringsAt springs_at = SpringsAt::Articular;
   Law law = Law::Linear;
+  Facets facets = Facets::Curved;
   int refine = 1;            ///< each spring triangle is divided into refine^2; >= 1
   std::vector<std::string> rigid;              ///< deformable materials to take as rigid
   std::map<std::string, std::string> attach;   ///< surface -> body it belongs to ("ground" for the ground)
@@ -44,5 +51,6 @@ struct Settings {
 
 const char* name(SpringsAt springs_at);
 const char* name(Law law);
+const char* name(Facets facets);
 
 }  // namespace dea

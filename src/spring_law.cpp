@@ -21,7 +21,8 @@ LayerResponse law_response(Law law, const Elasticity& layer, double e) {
       const double lambda = M - 2 * mu;
       const double J = 1 - e, log_J = std::log1p(-e);
       // dp/de = -dp/dJ
-      return {mu * (1 / J - J) - lambda * log_J / J, mu * (1 / (J * J) + 1) + lambda * (1 - log_J) / (J * J)};
+      return {mu * e * (2 - e) / J - lambda * log_J / J,  // 1/J - J without cancellation
+               mu * (1 / (J * J) + 1) + lambda * (1 - log_J) / (J * J)};
     }
   }
   assert(false);

@@ -42,6 +42,7 @@ Springs make_springs(const Layer& source, int refine) {
     s.area.push_back(mesh.areas[at(t)] * step * step);
     s.corner_thickness.push_back(thickness);
     s.surface_triangle.push_back(t);
+    s.bulge.push_back(bulge_height(mesh, t, {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3}));
     s.weights.push_back(w);
   };
   const auto corner = [&](int i, int j) -> std::array<double, 3> { return {1.0 - (i + j) * step, i * step, j * step}; };
@@ -80,81 +81,108 @@ using Point2 = Eigen::Vector2d;
 
 double cross2(const Point2& a, const Point2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
+/// Corner of a clipped triangle; `rim`: the edge that starts here is part of the target's rim.
+struct ClipPoint {
+  Point2 x;
+  bool rim;
+};
+
 /// Clips a convex polygon (counter-clockwise) by the half plane left of a -> b, in place (Sutherland-Hodgman).
-void clip(std::vector<Point2>& polygon, const Point2& a, const Point2& b, std::vector<Point2>& scratch) {
+void clip(std::vector<ClipPoint>& polygon, const Point2& a, const Point2& b, std::vector<ClipPoint>& scratch) {
   scratch.clear();
   const Point2 edge = b - a;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point2 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-    const double dp = cross2(edge, p - a), dq = cross2(edge, q - a);
+    const ClipPoint &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+    const double dp = cross2(edge, p.x - a), dq = cross2(edge, q.x - a);
     if (dp >= 0) scratch.push_back(p);
-    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) scratch.push_back(p + dp / (dp - dq) * (q - p));
+    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) scratch.push_back({p.x + dp / (dp - dq) * (q.x - p.x), dp < 0 && p.rim});
   }
   polygon.swap(scratch);
 }
 
-struct Coverage {
-  double fraction = 0.0;           ///< of the foot triangle's area
-  Vector3d centroid = Vector3d::Zero();  ///< of the covered part, in the foot triangle's plane
+/// A linear functional of the motion of the target relative to the source: sum of v . (delta_target - delta_source)(r)
+/// over points r, stored like forces v at r: their sum and their moment about a point.
+struct Functional {
+  Vector3d force = Vector3d::Zero();
+  Vector3d moment = Vector3d::Zero();
 };
 
-/// The part of the foot triangle onto which target triangles project along n, found by walking over the target from
-/// `seeds`. Exact for a target that does not fold over itself inside the foot triangle.
-Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot, const Vector3d& n,
-                  const std::vector<int>& seeds) {
-  const Vector3d e1 = (foot[1] - foot[0]).normalized();
-  const Vector3d e2 = n.cross(e1);
-  const auto project = [&](const Vector3d& x) { return Point2((x - foot[0]).dot(e1), (x - foot[0]).dot(e2)); };
+struct Coverage {
+  double fraction = 0.0;                 ///< of the foot triangle's area
+  double area = 0.0;
+  Vector3d centroid = Vector3d::Zero();  ///< of the covered part, in the foot triangle's plane
+  Vector3d e1 = Vector3d::Zero(), e2 = Vector3d::Zero();  ///< axes of that plane
+  Functional area_rate, centroid_rate[2];  ///< d(area), d(centroid) along e1, e2: the rim sweeps over the foot triangle
+};
+
+/// The part of the foot triangle onto which the target triangles `candidates` project along n: exact where the target
+/// does not fold over itself there. Frame: any; moments about `reference`.
+Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot, const Vector3d& n, const std::vector<int>& candidates,
+                  const Vector3d& reference) {
+  Coverage result;
+  result.e1 = (foot[1] - foot[0]).normalized();
+  result.e2 = n.cross(result.e1);
+  const auto project = [&](const Vector3d& x) { return Point2((x - foot[0]).dot(result.e1), (x - foot[0]).dot(result.e2)); };
   const Point2 corner[3] = {project(foot[0]), project(foot[1]), project(foot[2])};
   const double foot_area = 0.5 * cross2(corner[1] - corner[0], corner[2] - corner[0]);
-  std::vector<int> queue = seeds;
-  std::sort(queue.begin(), queue.end());
-  queue.erase(std::unique(queue.begin(), queue.end()), queue.end());
-  std::vector<Point2> polygon, scratch;
-  double area = 0.0;
+  std::vector<ClipPoint> polygon, scratch;
   Point2 moment = Point2::Zero();
-  for (std::size_t next = 0; next < queue.size() && next < 4096; ++next) {
-    const int t = queue[next];
-    if (!(target.normals[at(t)].dot(n) < 0)) continue;
-    // seen along n the target's triangles run clockwise: take them the other way round
-    polygon = {project(target.corner(t, 0)), project(target.corner(t, 2)), project(target.corner(t, 1))};
+  for (const int t : candidates) {
+    const Vector3d& m = target.normals[at(t)];
+    if (!(m.dot(n) < 0)) continue;
+    // seen along n the target's triangles run clockwise: take them the other way round, edges (0,2), (2,1), (1,0)
+    const auto& next = target.neighbours[at(t)];
+    polygon = {{project(target.corner(t, 0)), next[2] < 0}, {project(target.corner(t, 2)), next[1] < 0}, {project(target.corner(t, 1)), next[0] < 0}};
     for (int k = 0; k < 3 && !polygon.empty(); ++k) clip(polygon, corner[k], corner[(k + 1) % 3], scratch);
     if (polygon.size() < 3) continue;
-    double part = 0.0;
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
-      const double a = 0.5 * cross2(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
-      part += a;
-      moment += a * (polygon[0] + polygon[i] + polygon[i + 1]) / 3.0;
+      const double a = 0.5 * cross2(polygon[i].x - polygon[0].x, polygon[i + 1].x - polygon[0].x);
+      result.area += a;
+      moment += a * (polygon[0].x + polygon[i].x + polygon[i + 1].x) / 3.0;
     }
-    area += part;
-    if (part <= 0) continue;
-    for (int neighbour : target.neighbours[at(t)])
-      if (neighbour >= 0 && std::find(queue.begin(), queue.end(), neighbour) == queue.end()) queue.push_back(neighbour);
+    // The rim moves against the foot triangle: d(integral of f) = sum over rim pieces of f v_normal ds, two Gauss points each.
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      if (!polygon[i].rim) continue;
+      const Point2 p = polygon[i].x, along = polygon[(i + 1) % polygon.size()].x - p;
+      const Vector3d outward_times_length = along.y() * result.e1 - along.x() * result.e2;
+      for (double s : {0.5 - 0.28867513459481287, 0.5 + 0.28867513459481287}) {
+        const Point2 x = p + s * along;
+        const Vector3d in_plane = foot[0] + x.x() * result.e1 + x.y() * result.e2;
+        const Vector3d r = in_plane + n * ((target.corner(t, 0) - in_plane).dot(m) / n.dot(m));  // on the target
+        const Vector3d v = 0.5 * outward_times_length, arm = (r - reference).cross(v);
+        result.area_rate.force += v;
+        result.area_rate.moment += arm;
+        for (int k = 0; k < 2; ++k) {
+          result.centroid_rate[k].force += x[k] * v;
+          result.centroid_rate[k].moment += x[k] * arm;
+        }
+      }
+    }
   }
-  Coverage result;
-  if (area <= 0 || foot_area <= 0) return result;
-  result.fraction = std::min(1.0, area / foot_area);
-  moment /= area;
-  result.centroid = foot[0] + moment.x() * e1 + moment.y() * e2;
+  if (result.area <= 0 || foot_area <= 0) return {};
+  moment /= result.area;
+  result.centroid = foot[0] + moment.x() * result.e1 + moment.y() * result.e2;
+  // d(centroid) = (d(area * centroid) - centroid d(area)) / area
+  for (int k = 0; k < 2; ++k) {
+    result.centroid_rate[k].force = (result.centroid_rate[k].force - moment[k] * result.area_rate.force) / result.area;
+    result.centroid_rate[k].moment = (result.centroid_rate[k].moment - moment[k] * result.area_rate.moment) / result.area;
+  }
+  result.fraction = std::min(1.0, result.area / foot_area);
   return result;
 }
 
-double thickness_in_triangle(const std::array<Vector3d, 3>& corners, const std::array<double, 3>& values, const Vector3d& x) {
-  const Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+/// Barycentric weights of a point in the plane of a triangle.
+std::array<double, 3> weights_in(const std::array<Vector3d, 3>& c, const Vector3d& x) {
+  const Vector3d normal = (c[1] - c[0]).cross(c[2] - c[0]);
   const double twice2 = normal.squaredNorm();
-  const double w0 = (corners[1] - x).cross(corners[2] - x).dot(normal) / twice2;
-  const double w1 = (corners[2] - x).cross(corners[0] - x).dot(normal) / twice2;
-  return w0 * values[0] + w1 * values[1] + (1 - w0 - w1) * values[2];
+  const double w0 = (c[1] - x).cross(c[2] - x).dot(normal) / twice2, w1 = (c[2] - x).cross(c[0] - x).dot(normal) / twice2;
+  return {w0, w1, 1 - w0 - w1};
 }
 
 /// Gradient of the linear thickness field in a triangle.
 Vector3d thickness_gradient(const SurfaceMesh& mesh, const std::vector<double>& thickness, int t) {
-  const Vector3d e1 = mesh.corner(t, 1) - mesh.corner(t, 0), e2 = mesh.corner(t, 2) - mesh.corner(t, 0);
-  const Vector3d normal = e1.cross(e2);
   const auto& tri = mesh.triangles[at(t)];
-  const double t0 = thickness[at(tri[0])];
-  return ((thickness[at(tri[1])] - t0) * e2.cross(normal) + (thickness[at(tri[2])] - t0) * normal.cross(e1)) /
-         normal.squaredNorm();
+  return linear_gradient(mesh, t, {thickness[at(tri[0])], thickness[at(tri[1])], thickness[at(tri[2])]});
 }
 
 /// The source seen from the target's reference frame: X_target = rotation * X_source + shift.
@@ -172,51 +200,48 @@ LineHit cast(const SpringBed& bed, const Vector3d& foot, const Vector3d& n, doub
   return bed.target.nearest_facing(foot, n, -4.0 * deep, -deep, kInfinity);
 }
 
-void set_hit(const SpringBed& bed, SpringStates& s, int i, const LineHit& hit) {
+void set_hit(SpringStates& s, int i, const LineHit& hit) {
   s.triangle[at(i)] = hit.point.triangle;
   s.end_weights[at(i)] = hit.point.weights;
-  s.gap[at(i)] = hit.point.triangle >= 0 ? hit.distance : kInfinity;  // made a gap (not a length) by finish_spring
+  s.gap[at(i)] = hit.point.triangle >= 0 ? hit.distance : kInfinity;  // the ray's length, made a gap at the end
   s.coverage[at(i)] = hit.point.triangle >= 0 ? 1.0 : 0.0;
-  (void)bed;
 }
 
-/// Near the rim of the target: how much of the foot triangle lies over it, and the spring moved to the middle of that.
-void cover_spring(const SpringBed& bed, const RelativePose& relative, SpringStates& s, int i) {
+/// A spring that may reach over the rim: how much of its foot triangle lies over the target, and the spring moved to
+/// the middle of that part. `distance`: along n to the target hereabouts.
+Coverage cover_spring(const SpringBed& bed, const RelativePose& relative, SpringStates& s, std::vector<double>& bulge, int i, double distance) {
+  const auto k = at(i);
   const SurfaceMesh& target = bed.target.mesh();
-  const Vector3d n = relative.rotation * bed.springs.direction[at(i)];
+  const Vector3d n = relative.rotation * bed.springs.direction[k];
   std::array<Vector3d, 3> foot;
-  std::vector<int> seeds;
-  if (s.triangle[at(i)] >= 0) seeds.push_back(s.triangle[at(i)]);
-  const Vector3d middle = relative.rotation * bed.springs.foot[at(i)] + relative.shift;
-  LineHit any;
-  for (std::size_t k = 0; k < 3; ++k) {
-    foot[k] = relative.rotation * bed.springs.triangle[at(i)][k] + relative.shift;
-    const Vector3d inside = foot[k] + 1e-3 * (middle - foot[k]);
-    const LineHit hit = cast(bed, inside, n, bed.springs.corner_thickness[at(i)][k]);
-    if (hit.point.triangle < 0) continue;
-    seeds.push_back(hit.point.triangle);
-    any = hit;
+  for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * bed.springs.triangle[k][c] + relative.shift;
+  const Vector3d middle = (foot[0] + foot[1] + foot[2]) / 3.0;
+  const std::vector<int> near_by = bed.target.within(middle + distance * n, 3.0 * bed.foot_radius);
+  const Coverage covered = coverage(target, foot, n, near_by, bed.target_center);
+  if (covered.fraction >= 1.0 - 1e-9) return {};
+  if (covered.fraction <= 1e-9) {
+    s.triangle[k] = -1;
+    s.gap[k] = kInfinity;
+    s.coverage[k] = 0.0;
+    return {};
   }
-  if (seeds.empty()) return;
-  const Coverage covered = coverage(target, foot, n, seeds);
-  if (covered.fraction >= 1.0 - 1e-12) return;
-  if (covered.fraction <= 0.0) {
-    s.triangle[at(i)] = -1;
-    s.gap[at(i)] = kInfinity;
-    s.coverage[at(i)] = 0.0;
-    return;
+  const std::array<double, 3> w = weights_in(foot, covered.centroid);
+  const auto& t = bed.springs.corner_thickness[k];
+  const double t_s = w[0] * t[0] + w[1] * t[1] + w[2] * t[2];
+  const LineHit hit = cast(bed, covered.centroid, n, t_s);
+  if (hit.point.triangle >= 0) {
+    set_hit(s, i, hit);
+    s.foot[k] = covered.centroid;
+    s.t_source[k] = t_s;
+    std::array<double, 3> in_surface = {0, 0, 0};
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t j = 0; j < 3; ++j) in_surface[j] += w[c] * bed.springs.weights[k][c][j];
+    bulge[k] = bulge_height(bed.pair->source_layer().spring_surface(), bed.springs.surface_triangle[k], in_surface);
+  } else if (s.triangle[k] < 0) {
+    return {};  // a covered part so far from convex that neither its middle nor the triangle's is covered: left out
   }
-  const double t_s = thickness_in_triangle(foot, bed.springs.corner_thickness[at(i)], covered.centroid);
-  LineHit hit = cast(bed, covered.centroid, n, t_s);
-  if (hit.point.triangle < 0) {
-    // a covered part that is not convex: keep the ray that met the target
-    if (s.triangle[at(i)] < 0) set_hit(bed, s, i, any);
-  } else {
-    set_hit(bed, s, i, hit);
-    s.foot[at(i)] = covered.centroid;  // target frame for now
-    s.t_source[at(i)] = t_s;
-  }
-  s.coverage[at(i)] = covered.fraction;
+  s.coverage[k] = covered.fraction;
+  return covered;
 }
 
 }  // namespace
@@ -263,38 +288,47 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     });
   };
 
+  std::vector<double> bulge = springs.bulge;
   parallel([&](int i) {
     const auto& t = springs.corner_thickness[at(i)];
     s.t_source[at(i)] = (t[0] + t[1] + t[2]) / 3.0;
     s.foot[at(i)] = relative.rotation * springs.foot[at(i)] + relative.shift;
-    set_hit(bed, s, i, cast(bed, s.foot[at(i)], relative.rotation * springs.direction[at(i)], s.t_source[at(i)]));
+    set_hit(s, i, cast(bed, s.foot[at(i)], relative.rotation * springs.direction[at(i)], s.t_source[at(i)]));
   });
 
-  // Springs that may reach over the target's rim: those whose ray met it near the rim, and those beside a spring that hit.
-  std::vector<char> triangle_hit(source_layer.spring_surface().triangles.size(), 0);
+  // Springs that may reach over the target's rim: those whose ray met it near the rim, and those beside one that hit.
+  const SurfaceMesh& source_mesh = source_layer.spring_surface();
+  std::vector<double> distance_at(source_mesh.triangles.size(), kInfinity);  // of a ray from this triangle
   for (int i = 0; i < n_springs; ++i)
-    if (s.triangle[at(i)] >= 0) triangle_hit[at(springs.surface_triangle[at(i)])] = 1;
-  const auto beside_a_hit = [&](int t) {
-    if (triangle_hit[at(t)]) return true;
-    for (int first : source_layer.spring_surface().neighbours[at(t)]) {
+    if (s.triangle[at(i)] >= 0) distance_at[at(springs.surface_triangle[at(i)])] = s.gap[at(i)];
+  const auto distance_beside = [&](int t) {
+    double distance = distance_at[at(t)];
+    for (int first : source_mesh.neighbours[at(t)]) {
+      if (std::isfinite(distance)) return distance;
       if (first < 0) continue;
-      if (triangle_hit[at(first)]) return true;
-      for (int second : source_layer.spring_surface().neighbours[at(first)])
-        if (second >= 0 && triangle_hit[at(second)]) return true;
+      distance = distance_at[at(first)];
+      for (int second : source_mesh.neighbours[at(first)]) {
+        if (std::isfinite(distance)) break;
+        if (second >= 0) distance = distance_at[at(second)];
+      }
     }
-    return false;
+    return distance;
   };
-  parallel([&](int i) {
+  std::vector<std::pair<int, double>> at_rim;  // spring, distance to the target hereabouts
+  for (int i = 0; i < n_springs; ++i) {
     const int t = s.triangle[at(i)];
-    bool may_reach_over;
     if (t < 0) {
-      may_reach_over = beside_a_hit(springs.surface_triangle[at(i)]);
+      const double distance = distance_beside(springs.surface_triangle[at(i)]);
+      if (std::isfinite(distance)) at_rim.emplace_back(i, distance);
     } else {
       // the foot triangle, seen along n on a target tilted by m.n, reaches this far from q
       const double tilt = -mesh.normals[at(t)].dot(relative.rotation * springs.direction[at(i)]);
-      may_reach_over = bed.rim_distance[at(t)] < 2.0 * bed.foot_radius / std::max(tilt, 0.5);
+      if (bed.rim_distance[at(t)] < 1.5 * bed.foot_radius / std::max(tilt, 0.5)) at_rim.emplace_back(i, s.gap[at(i)]);
     }
-    if (may_reach_over) cover_spring(bed, relative, s, i);
+  }
+  std::vector<Coverage> covered(at_rim.size());
+  tbb::parallel_for(std::size_t{0}, at_rim.size(), [&](std::size_t i) {
+    covered[i] = cover_spring(bed, relative, s, bulge, at_rim[i].first, at_rim[i].second);
   });
 
   parallel([&](int i) {
@@ -320,7 +354,8 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     s.normal[k] = target.rotation * m;
     s.t_target[k] = interpolate(mesh, target_layer.thickness, {t, s.end_weights[k]});
     const double h = s.t_source[k] + s.t_target[k];
-    s.gap[k] = at_bone ? distance - h : distance;  // (S2)
+    const double length = distance - bulge[k] - bulge_height(mesh, t, s.end_weights[k]);  // between the smooth surfaces
+    s.gap[k] = at_bone ? length - h : length;  // (S2)
     if (s.gap[k] <= -h) {
       s.too_deep[k] = 1;
       s.coverage[k] = 0.0;
@@ -341,12 +376,38 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     const double mn = m.dot(direction);
     const double per_t = r.per_t_target + (at_bone ? r.per_overlap : 0.0);
     Vector3d kappa = -r.per_overlap / mn * m;
-    if (!target_layer.rigid) {
-      const Vector3d gradient = thickness_gradient(mesh, target_layer.thickness, t);
-      kappa -= per_t * (gradient - m * (direction.dot(gradient) / mn));
-    }
+    Vector3d gradient = r.per_overlap * bulge_gradient(mesh, t, s.end_weights[k]);  // the bulge at q changes like the thickness there
+    if (!target_layer.rigid) gradient += per_t * thickness_gradient(mesh, target_layer.thickness, t);
+    kappa -= gradient - m * (direction.dot(gradient) / mn);
     s.per_motion[k] = target.rotation * kappa;
   });
+
+  for (std::size_t i = 0; i < at_rim.size(); ++i) {
+    const auto k = at(at_rim[i].first);
+    if (covered[i].fraction <= 0 || s.pressure[k] <= 0 || s.area[k] <= 0) continue;
+    const Coverage& c = covered[i];
+    RimSpring rim;
+    rim.spring = at_rim[i].first;
+    const Vector3d between = target.center - source.center;
+    const auto functional = [&](const Functional& f) {
+      const Vector3d force = target.rotation * f.force, moment = target.rotation * f.moment;
+      Eigen::Matrix<double, 12, 1> row;
+      row << force, moment, -force, -(moment + between.cross(force));
+      return row;
+    };
+    rim.area_rate = functional(c.area_rate);
+    rim.foot_rate = (target.rotation * c.e1) * functional(c.centroid_rate[0]).transpose() +
+                    (target.rotation * c.e2) * functional(c.centroid_rate[1]).transpose();
+    // a foot shifted in its plane sees the target move the other way, and its own thickness and bulge change
+    const int tri = springs.surface_triangle[k];
+    const double per_t_source = (at_bone ? 1.0 - s.strain_source[k] : -s.strain_source[k]) * s.per_overlap[k];
+    const Vector3d foot_reference = bed.source_center + source.rotation.transpose() * (s.foot[k] - source.center);
+    const std::array<double, 3> w = weights_in({source_mesh.corner(tri, 0), source_mesh.corner(tri, 1), source_mesh.corner(tri, 2)}, foot_reference);
+    Vector3d own = s.per_overlap[k] * bulge_gradient(source_mesh, tri, w);
+    if (!source_layer.rigid) own += per_t_source * thickness_gradient(source_mesh, source_layer.thickness, tri);
+    rim.pressure_gradient = -s.per_motion[k] + source.rotation * own;
+    s.rim.push_back(rim);
+  }
   return s;
 }
 
@@ -375,6 +436,17 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
     }
   });
   ContactWrench total;
+  // Over the rim the covered area and the foot change too.
+  for (const RimSpring& rim : s.rim) {
+    const auto k = at(rim.spring);
+    const Vector3d& n = s.direction[k];
+    const Vector3d force = s.pressure[k] * s.area[k] * n;
+    Vector12 w;
+    w << n, (s.foot[k] - target.center).cross(n), -n, -(s.foot[k] - source.center).cross(n);
+    total.derivative += w * (s.pressure[k] * rim.area_rate.transpose() + s.area[k] * rim.pressure_gradient.transpose() * rim.foot_rate);
+    total.derivative.block<3, 12>(3, 0) -= skew(force) * rim.foot_rate;
+    total.derivative.block<3, 12>(9, 0) += skew(force) * rim.foot_rate;
+  }
   for (const ContactWrench& part : partial) {
     total.wrench += part.wrench;
     total.derivative += part.derivative;

@@ -23,6 +23,7 @@ struct Springs {
   std::vector<Vector3d> direction;                   ///< unit normal of the triangle, towards the target
   std::vector<double> area;                          ///< of the triangle, > 0
   std::vector<std::array<double, 3>> corner_thickness;  ///< t_s at the corners, >= 0
+  std::vector<double> bulge;                         ///< height of the smooth surface above the foot (surface_mesh.h)
   std::vector<int> surface_triangle;                 ///< triangle of the source's spring surface it stands on
   std::vector<std::array<std::array<double, 3>, 3>> weights;  ///< of each corner in that triangle (barycentric)
   int size() const { return static_cast<int>(foot.size()); }
@@ -45,6 +46,15 @@ struct SpringBed {
 };
 SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair, const Settings& settings);
 
+/// A spring over the target's rim: how the covered part of its foot triangle changes with small motions. Order of the
+/// 12 unknowns as in ContactWrench.
+struct RimSpring {
+  int spring = -1;
+  Eigen::Matrix<double, 12, 1> area_rate = Eigen::Matrix<double, 12, 1>::Zero();       ///< d(area)
+  Eigen::Matrix<double, 3, 12> foot_rate = Eigen::Matrix<double, 3, 12>::Zero();       ///< d(foot) in the source's frame (its plane)
+  Vector3d pressure_gradient = Vector3d::Zero();                                       ///< of the pressure along the foot's plane
+};
+
 /// What the springs do at one pose. One entry per spring; global frame, current configuration.
 struct SpringStates {
   std::vector<int> triangle;        ///< of the target's spring surface, -1: the ray met nothing
@@ -64,6 +74,7 @@ struct SpringStates {
   std::vector<Vector3d> per_motion; ///< kappa: dp = kappa . (delta_target - delta_source) at q  (E2-E4)
   std::vector<double> area;         ///< coverage * area: what the pressure acts on
   std::vector<char> too_deep;       ///< the target lies deeper under the foot than both layers are thick
+  std::vector<RimSpring> rim;       ///< the springs that are covered in part and loaded
   int size() const { return static_cast<int>(gap.size()); }
 };
 

@@ -47,6 +47,37 @@ void find_neighbours(SurfaceMesh& mesh) {
   }
 }
 
+void find_bulges(SurfaceMesh& mesh) {
+  // A rim vertex has facets on one side only: its average normal belongs to a place half a facet inside, so that an edge
+  // from there to an inner vertex sees only half the turning of the normals.
+  std::vector<char> on_rim(mesh.vertices.size(), 0);
+  for (int t = 0; t < mesh.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (mesh.neighbours[static_cast<std::size_t>(t)][k] < 0) {
+        on_rim[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][k])] = 1;
+        on_rim[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][(k + 1) % 3])] = 1;
+      }
+  constexpr double kCos40 = 0.76604444311897801;
+  mesh.bulge.assign(mesh.triangles.size(), {0, 0, 0});
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto& tri = mesh.triangles[static_cast<std::size_t>(t)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(tri[k]), j = static_cast<std::size_t>(tri[(k + 1) % 3]);
+      const int other = mesh.neighbours[static_cast<std::size_t>(t)][k];
+      // sharp where the facets at the edge turn by more than 40 degrees, or a vertex normal is that far from them
+      const Vector3d& n = mesh.normals[static_cast<std::size_t>(t)];
+      double least = std::min(n.dot(mesh.vertex_normals[i]), n.dot(mesh.vertex_normals[j]));
+      if (other >= 0) {
+        const Vector3d& m = mesh.normals[static_cast<std::size_t>(other)];
+        least = std::min({least, n.dot(m), m.dot(mesh.vertex_normals[i]), m.dot(mesh.vertex_normals[j])});
+      }
+      if (least < kCos40) continue;
+      const double b = 0.5 * (mesh.vertices[i] - mesh.vertices[j]).dot(mesh.vertex_normals[i] - mesh.vertex_normals[j]);
+      mesh.bulge[static_cast<std::size_t>(t)][k] = on_rim[i] != on_rim[j] ? 2.0 * b : b;
+    }
+  }
+}
+
 void finish_surface_mesh(SurfaceMesh& mesh) {
   const std::size_t n = mesh.triangles.size();
   mesh.normals.resize(n);
@@ -68,6 +99,7 @@ void finish_surface_mesh(SurfaceMesh& mesh) {
     normal = length > 0 ? Vector3d(normal / length) : Vector3d::UnitZ();
   }
   find_neighbours(mesh);
+  find_bulges(mesh);
 }
 
 }  // namespace
@@ -102,6 +134,23 @@ SurfaceMesh make_surface_mesh(const std::vector<int>& begin, const std::vector<i
   }
   finish_surface_mesh(mesh);
   return mesh;
+}
+
+double bulge_height(const SurfaceMesh& mesh, int t, const std::array<double, 3>& w) {
+  const auto& b = mesh.bulge[static_cast<std::size_t>(t)];
+  return w[0] * w[1] * b[0] + w[1] * w[2] * b[1] + w[2] * w[0] * b[2];
+}
+
+Vector3d linear_gradient(const SurfaceMesh& mesh, int t, const std::array<double, 3>& v) {
+  const Vector3d e1 = mesh.corner(t, 1) - mesh.corner(t, 0), e2 = mesh.corner(t, 2) - mesh.corner(t, 0);
+  const Vector3d normal = e1.cross(e2);
+  return ((v[1] - v[0]) * e2.cross(normal) + (v[2] - v[0]) * normal.cross(e1)) / normal.squaredNorm();
+}
+
+Vector3d bulge_gradient(const SurfaceMesh& mesh, int t, const std::array<double, 3>& w) {
+  const auto& b = mesh.bulge[static_cast<std::size_t>(t)];
+  // dH/dw_k at the corners' unit weights: the gradient of a function of the weights is linear_gradient of its partials
+  return linear_gradient(mesh, t, {w[1] * b[0] + w[2] * b[2], w[0] * b[0] + w[2] * b[1], w[1] * b[1] + w[0] * b[2]});
 }
 
 std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {

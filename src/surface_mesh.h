@@ -22,6 +22,7 @@ struct SurfaceMesh {
   std::vector<Vector3d> vertex_normals;         ///< per vertex: area-weighted average, unit
   std::vector<double> vertex_areas;             ///< per vertex: a third of each triangle around it
   std::vector<std::array<int, 3>> neighbours;   ///< per triangle: triangle across edge (k, k + 1); -1: rim
+  std::vector<std::array<double, 3>> bulge;     ///< per triangle and edge (k, k + 1): see bulge_height; 0 at sharp edges
 
   int size() const { return static_cast<int>(triangles.size()); }
   const Vector3d& corner(int triangle, int k) const {
@@ -34,6 +35,18 @@ struct SurfaceMesh {
 /// A facet of no area is left without triangles, its number is returned in `zero_area` (if given).
 SurfaceMesh make_surface_mesh(const std::vector<int>& facet_begin, const std::vector<int>& facet_nodes,
                               const std::vector<Vector3d>& positions, std::vector<int>* zero_area = nullptr);
+
+/// Height of the smooth surface that the facets stand for above a point of a triangle, along its normal (C0):
+///     H(w) = sum over edges (i, j) of w_i w_j b_ij,   b_ij = (x_i - x_j) . (n_i - n_j) / 2
+/// with the vertices x and the vertex normals n: the parabola through both ends that leaves them with the slopes the
+/// normals ask for. Exact to O(size^4 / R^3) on a sphere, continuous across edges, 0 at vertices, 0 on plane surfaces,
+/// and 0 along edges sharper than 40 degrees, which are meant to be sharp.
+double bulge_height(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& weights);
+/// Its gradient in the triangle's plane.
+Vector3d bulge_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& weights);
+
+/// Gradient in a triangle's plane of the linear interpolation of three corner values.
+Vector3d linear_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& corner_values);
 
 /// Per triangle a lower bound of the distance of all its points to the rim: exact enough to tell apart distances
 /// up to `reach`, beyond that only known to be larger. Infinity on a closed surface.

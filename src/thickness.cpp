@@ -14,6 +14,7 @@ namespace {
 SurfaceMesh flipped(SurfaceMesh mesh) {
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   for (auto& n : mesh.neighbours) std::swap(n[0], n[2]);
+  for (auto& b : mesh.bulge) b = {-b[2], -b[1], -b[0]};
   for (Vector3d& n : mesh.normals) n = -n;
   for (Vector3d& n : mesh.vertex_normals) n = -n;
   return mesh;
@@ -37,7 +38,7 @@ void measure_thickness(Layer& layer) {
     // a vertex both surfaces share (a feather edge) has thickness 0 by its closest point
     const LineHit hit = caster.nearest_facing(x, direction, 0.0, 0.0, 2.0 * nearest, kCos60);
     const bool found = hit.point.triangle >= 0 && hit.distance > 0.0;
-    layer.thickness[v] = found ? hit.distance : nearest;
+    layer.thickness[v] = found ? hit.distance - bulge_height(to, hit.point.triangle, hit.point.weights) : nearest;
     layer.missed[v] = !found && nearest > 0.0;
   });
 }

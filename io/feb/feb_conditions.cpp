@@ -1,8 +1,8 @@
 // Conditions shared by the versions: held nodes, rigid bodies, contacts, springs, loads.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "feb_reading.h"
 
@@ -21,22 +21,36 @@ std::vector<int> nodes_of(Reading& reading, const XMLElement& element) {
     if (element.Attribute(name) != nullptr) return need_node_set(reading, element, attribute(element, name));
   }
   std::vector<int> nodes;
-  for (const XMLElement* child = element.FirstChildElement("node"); child != nullptr; child = child->NextSiblingElement("node")) {
+  for (const XMLElement* child = element.FirstChildElement("node"); child != nullptr;
+       child = child->NextSiblingElement("node")) {
     const auto id = whole_int(need_attribute(reading, *child, "id"));
-    if (!id) fail(reading, *child, fmt::format("<node> with id = {}, expected a whole number", quote(attribute(*child, "id"))));
+    if (!id)
+      fail(reading, *child,
+           fmt::format("<node> with id = {}, expected a whole number", quote(attribute(*child, "id"))));
     nodes.push_back(need_node(reading, *child, *id));
   }
   if (nodes.empty()) fail(reading, element, fmt::format("<{}> without attribute node_set", element.Name()));
   return nodes;
 }
 
-/// "x,y" and FEBio's older "xy" as single dof names.
+/// True for FEBio's older "xy", "xyz", "uvw": letters in their order; "wx" is a fluid velocity.
+bool is_joined(std::string_view dof) {
+  constexpr std::string_view kLetters = "xyzuvw";
+  std::size_t next = 0;
+  for (const char letter : dof) {
+    const std::size_t place = kLetters.find(letter, next);
+    if (place == kLetters.npos) return false;
+    next = place + 1;
+  }
+  return dof.size() > 1;
+}
+
+/// "x,y" and "xy" as single dof names.
 std::vector<std::string> split_dofs(std::string_view text) {
   std::vector<std::string> dofs;
   for (const std::string& word : split_words(text)) {
     const std::string dof(trim(word));
-    const bool joined = dof.size() > 1 && dof.find_first_not_of("xyzuvw") == dof.npos;
-    if (joined) {
+    if (is_joined(dof)) {
       for (const char letter : dof) dofs.emplace_back(1, letter);
     } else {
       dofs.push_back(dof);
@@ -124,8 +138,10 @@ void add_prescribed(Reading& reading, const XMLElement& element, int dof, const 
   RigidPrescribed motion;
   motion.material = body_of(reading, element);
   motion.dof = dof;
-  if (value != nullptr) motion.value = read_scaled(reading, *value);
-  else motion.value.controller = 0;
+  if (value != nullptr)
+    motion.value = read_scaled(reading, *value);
+  else
+    motion.value.controller = 0;
   motion.relative = child_bool(reading, element, "relative", false);
   motion.step = reading.step;
   motion.name = name_of(element);
@@ -146,7 +162,8 @@ void add_load(Reading& reading, const XMLElement& element, int dof) {
   const char* what = dof < 3 ? "rigid force" : "rigid moment";
   const XMLElement* type = element.FirstChildElement("load_type");
   const int load_type = type == nullptr ? 0 : read_word(*type, {"LOAD", "FOLLOW", "TARGET"});
-  if (load_type < 0) fail(reading, *type, fmt::format("load_type = {}, expected LOAD, FOLLOW or TARGET", quote(text_of(*type))));
+  if (load_type < 0)
+    fail(reading, *type, fmt::format("load_type = {}, expected LOAD, FOLLOW or TARGET", quote(text_of(*type))));
   if (load_type == 2) {
     unsupported(reading, element, fmt::format("{} with load_type TARGET", what));
   } else if (load_type == 1 && dof >= 3) {
@@ -175,8 +192,10 @@ bool rigid_condition(Reading& reading, const XMLElement& element, const std::str
     reading.model.rigid_fixed.push_back(std::move(fixed));
   } else if (type == "rigid_displacement") {
     const bool letter = !trim(dof).empty() && lower(trim(dof))[0] == 'r';
-    add_prescribed(reading, element, letter ? read_dof(reading, element, dof, {"Rx", "Ry", "Rz"})
-                                            : read_dof(reading, element, dof, {"x", "y", "z"}), value);
+    add_prescribed(
+        reading, element,
+        letter ? read_dof(reading, element, dof, {"Rx", "Ry", "Rz"}) : read_dof(reading, element, dof, {"x", "y", "z"}),
+        value);
   } else if (type == "rigid_rotation") {
     add_prescribed(reading, element, 3 + read_dof(reading, element, dof, {"Ru", "Rv", "Rw"}), value);
   } else if (type == "rigid_rotation_vector") {
@@ -239,9 +258,10 @@ bool rigid_connector(Reading& reading, const XMLElement& element, const std::str
 namespace {
 
 std::optional<Contact::Kind> contact_kind(const std::string& type) {
-  if (one_of(type, {"sliding-elastic", "sliding-tension-compression", "sliding-facet-on-facet", "facet-to-facet sliding",
-                    "sliding-node-on-facet", "sliding_with_gaps", "sliding", "sliding2", "sliding3", "sliding-biphasic",
-                    "sliding-biphasic-mixed", "sliding-biphasic-solute", "sliding-multiphasic", "mortar-sliding"})) {
+  if (one_of(type,
+             {"sliding-elastic", "sliding-tension-compression", "sliding-facet-on-facet", "facet-to-facet sliding",
+              "sliding-node-on-facet", "sliding_with_gaps", "sliding", "sliding2", "sliding3", "sliding-biphasic",
+              "sliding-biphasic-mixed", "sliding-biphasic-solute", "sliding-multiphasic", "mortar-sliding"})) {
     return Contact::Kind::Sliding;
   }
   if (one_of(type, {"tied-node-on-facet", "tied-facet-on-facet", "tied-elastic", "sticky", "tied-biphasic",
@@ -255,10 +275,19 @@ std::optional<Contact::Kind> contact_kind(const std::string& type) {
 std::vector<std::string> ignored_parameters(const XMLElement& element, const std::string& type) {
   const bool unlimited = one_of(type, {"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
                                        "sliding_with_gaps", "sliding"});
-  const std::pair<const char*, double> defaults[] = {
-      {"fric_coeff", 0}, {"mu", 0}, {"tension", 0}, {"offset", 0}, {"search_radius", unlimited ? 0 : 1},
-      {"node_reloc", 0}, {"flip_primary", 0}, {"flip_secondary", 0}, {"shell_bottom_primary", 0},
-      {"shell_bottom_secondary", 0}, {"offset_shells", 0}, {"contact_frac", 0}, {"max_traction", 0}};
+  const std::pair<const char*, double> defaults[] = {{"fric_coeff", 0},
+                                                     {"mu", 0},
+                                                     {"tension", 0},
+                                                     {"offset", 0},
+                                                     {"search_radius", unlimited ? 0 : 1},
+                                                     {"node_reloc", 0},
+                                                     {"flip_primary", 0},
+                                                     {"flip_secondary", 0},
+                                                     {"shell_bottom_primary", 0},
+                                                     {"shell_bottom_secondary", 0},
+                                                     {"offset_shells", 0},
+                                                     {"contact_frac", 0},
+                                                     {"max_traction", 0}};
   std::vector<std::string> ignored;
   for (const auto& parameter : defaults) {
     const XMLElement* child = element.FirstChildElement(parameter.first);
@@ -299,7 +328,9 @@ void read_contact(Reading& reading, const XMLElement& section) {
     for (const int index : {pair.primary, pair.secondary}) {
       const Surface& surface = reading.model.surfaces[static_cast<std::size_t>(index)];
       if (surface.size() == 0) {
-        fail(reading, *child, fmt::format("contact {} uses surface {}, which has no facets", quote(name_of(*child)), quote(surface.name)));
+        fail(reading, *child,
+             fmt::format("contact {} uses surface {}, which has no facets", quote(name_of(*child)),
+                         quote(surface.name)));
       }
     }
     contact.name = name_of(*child);
@@ -325,9 +356,12 @@ void read_discrete_material(Reading& reading, const XMLElement& element) {
   if (material.type != "linear spring" && material.type != "tension-only linear spring") {
     material.unsupported = fmt::format("discrete material {}", quote(material.type));
   } else if (E != nullptr) {
-    const bool plain = E->Attribute("lc") == nullptr && (E->Attribute("type") == nullptr || attribute(*E, "type") == "const");
-    if (plain) material.stiffness = read_double(reading, *E);
-    else material.unsupported = "spring whose E is not one number";
+    const bool plain =
+        E->Attribute("lc") == nullptr && (E->Attribute("type") == nullptr || attribute(*E, "type") == "const");
+    if (plain)
+      material.stiffness = read_double(reading, *E);
+    else
+      material.unsupported = "spring whose E is not one number";
   }
   reading.discrete_materials.push_back(std::move(material));
 }
@@ -341,16 +375,17 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
   const std::string dmat = need_attribute(reading, element, "dmat");
   const auto number = whole_int(dmat);
   if (!number || *number < 1 || *number > static_cast<int>(reading.discrete_materials.size())) {
-    fail(reading, element, fmt::format("dmat = {}, expected the number of one of the {} discrete materials above it", quote(dmat),
-                                       reading.discrete_materials.size()));
+    fail(reading, element,
+         fmt::format("dmat = {}, expected the number of one of the {} discrete materials above it", quote(dmat),
+                     reading.discrete_materials.size()));
   }
   const DiscreteMaterial& material = reading.discrete_materials[static_cast<std::size_t>(*number) - 1];
   if (!material.unsupported.empty()) {
     unsupported(reading, element, material.unsupported);
     return;
   }
-  reading.model.discrete_springs.push_back({set->second, material.stiffness, material.type != "linear spring", reading.step,
-                                            name_of(element), origin_of(reading, element)});
+  reading.model.discrete_springs.push_back({set->second, material.stiffness, material.type != "linear spring",
+                                            reading.step, name_of(element), origin_of(reading, element)});
 }
 
 }  // namespace
@@ -358,9 +393,12 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
 void read_discrete(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Name();
-    if (tag == "discrete_material") read_discrete_material(reading, *child);
-    else if (tag == "discrete") read_discrete_springs(reading, *child);
-    else unsupported(reading, *child, fmt::format("<{}> in Discrete", tag));
+    if (tag == "discrete_material")
+      read_discrete_material(reading, *child);
+    else if (tag == "discrete")
+      read_discrete_springs(reading, *child);
+    else
+      unsupported(reading, *child, fmt::format("<{}> in Discrete", tag));
   }
 }
 
@@ -384,19 +422,26 @@ void read_loads(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string type = attribute(*child, "type");
     if (rigid_condition(reading, *child, type)) continue;
-    const std::string what = type.empty() ? std::string(child->Name()) : fmt::format("{} {}", child->Name(), quote(type));
-    const bool of_fluid = type.rfind("fluid", 0) == 0 || type.rfind("solute", 0) == 0 || type.rfind("concentration", 0) == 0;
-    if (is_zero_load(*child)) ignore(reading, *child, what + " of zero");
-    else if (of_fluid && type.find("FSI") == type.npos) ignore(reading, *child, what);
-    else unsupported(reading, *child, what);
+    const std::string what =
+        type.empty() ? std::string(child->Name()) : fmt::format("{} {}", child->Name(), quote(type));
+    const bool of_fluid =
+        type.rfind("fluid", 0) == 0 || type.rfind("solute", 0) == 0 || type.rfind("concentration", 0) == 0;
+    if (is_zero_load(*child))
+      ignore(reading, *child, what + " of zero");
+    else if (of_fluid && type.find("FSI") == type.npos)
+      ignore(reading, *child, what);
+    else
+      unsupported(reading, *child, what);
   }
 }
 
 void read_initial(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string type = attribute(*child, "type");
-    if (type.find("prestrain") != type.npos) unsupported(reading, *child, fmt::format("initial {}", quote(type)));
-    else ignore(reading, *child, "initial conditions");
+    if (type.find("prestrain") != type.npos)
+      unsupported(reading, *child, fmt::format("initial {}", quote(type)));
+    else
+      ignore(reading, *child, "initial conditions");
   }
 }
 

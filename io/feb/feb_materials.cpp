@@ -1,9 +1,9 @@
 // Materials, reduced to density, centre of mass and small-strain E and nu.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 
 #include "feb_reading.h"
 
@@ -49,9 +49,7 @@ void set_from_G_lambda(Stiffness& s, double G, double lambda) {
   s.lambda = lambda;
   s.E = 9 * K * G / (3 * K + G);
   s.nu = (3 * K - 2 * G) / (2 * (3 * K + G));
-  if (G > 0 && K > 0) return;
-  s.E = s.nu = kNaN;
-  add_note(s.note, fmt::format("no stiffness: G = {:g}, K = {:g}, need both > 0", G, K));
+  if (!(G > 0 && K > 0)) s.E = s.nu = kNaN;  // a part alone may have none; a whole material gets a note
 }
 
 /// A material constant; NaN with the reason in `why` if it is a map, an expression or follows a curve.
@@ -94,7 +92,8 @@ bool is_fibre(const std::string& type) {
 }
 
 /// E and v as written; what no material may have is refused here, with its line.
-Stiffness from_E_and_v(const Reading& reading, const XMLElement& material, const std::string& name, const std::string& type) {
+Stiffness from_E_and_v(const Reading& reading, const XMLElement& material, const std::string& name,
+                       const std::string& type) {
   Stiffness s;
   s.type = type;
   const double E = constant(material, "E", 0.0, s.note);
@@ -103,7 +102,8 @@ Stiffness from_E_and_v(const Reading& reading, const XMLElement& material, const
   const XMLElement* nu_place = material.FirstChildElement("v");
   if (!std::isnan(E) && E <= 0) {
     const std::string found = E_place == nullptr ? "E is missing" : fmt::format("E = {:g}", E);
-    fail(reading, E_place == nullptr ? material : *E_place, fmt::format("material {}: {}, need E > 0", quote(name), found));
+    fail(reading, E_place == nullptr ? material : *E_place,
+         fmt::format("material {}: {}, need E > 0", quote(name), found));
   }
   if (!std::isnan(nu) && !(nu > -1 && nu < 0.5)) {
     fail(reading, nu_place == nullptr ? material : *nu_place,
@@ -128,8 +128,7 @@ bool uncoupled_shear(const XMLElement& m, const std::string& type, double& G, st
     G = 2 * constant(m, "c1", 0, note);
   } else if (type == "Arruda-Boyce") {
     const double f = 3 / constant(m, "N", 0, note);
-    G = constant(m, "mu", 0, note) *
-        (1 + f * (0.4 + f * (66.0 / 350 + f * (152.0 / 1750 + f * (5190.0 / 134750)))));
+    G = constant(m, "mu", 0, note) * (1 + f * (0.4 + f * (66.0 / 350 + f * (152.0 / 1750 + f * (5190.0 / 134750)))));
   } else if (type == "uncoupled Holmes-Mow") {
     G = constant(m, "mu", 0, note);
   } else {
@@ -244,13 +243,15 @@ Stiffness stiffness_of(const Reading& reading, const XMLElement& m, const std::s
   if (one_of(type, {"coupled Mooney-Rivlin", "coupled Veronda-Westmann"})) {
     const double c1 = constant(m, "c1", 0, s.note), c2 = constant(m, "c2", 0, s.note), k = constant(m, "k", 0, s.note);
     if (std::isnan(c1 + c2 + k)) return s;
-    if (type == "coupled Mooney-Rivlin") set_from_G_lambda(s, 2 * (c1 + c2), k + 4 * c2);
-    else set_from_G_lambda(s, c1 * c2, k + c1 * c2 * (4 * c2 - 2));
+    if (type == "coupled Mooney-Rivlin")
+      set_from_G_lambda(s, 2 * (c1 + c2), k + 4 * c2);
+    else
+      set_from_G_lambda(s, c1 * c2, k + c1 * c2 * (4 * c2 - 2));
     return s;
   }
   if (one_of(type, {"solid mixture", "uncoupled solid mixture"})) return mixture(reading, m, name, type);
-  if (one_of(type, {"viscoelastic", "uncoupled viscoelastic", "prestrain elastic", "uncoupled prestrain elastic", "biphasic",
-                    "biphasic-solute", "triphasic", "multiphasic"})) {
+  if (one_of(type, {"viscoelastic", "uncoupled viscoelastic", "prestrain elastic", "uncoupled prestrain elastic",
+                    "biphasic", "biphasic-solute", "triphasic", "multiphasic"})) {
     return wrapped(reading, m, name, type);
   }
   if (type == "orthotropic elastic") return unknown(type, "orthotropic, no single E and nu");
@@ -267,7 +268,8 @@ void read_density(Reading& reading, const XMLElement& element, Material& materia
   }
   material.density = value;
   if (std::isnan(value) && material.rigid && !material.center_of_mass) {
-    unsupported(reading, *density, fmt::format("rigid body whose density is not one number ({}): give it a center_of_mass", why));
+    unsupported(reading, *density,
+                fmt::format("rigid body whose density is not one number ({}): give it a center_of_mass", why));
   }
 }
 
@@ -275,12 +277,15 @@ void read_material(Reading& reading, const XMLElement& element) {
   Material material;
   material.origin = origin_of(reading, element);
   const auto id = whole_int(need_attribute(reading, element, "id"));
-  if (!id || *id < 1) fail(reading, element, fmt::format("material with id = {}, expected a positive whole number", quote(attribute(element, "id"))));
+  if (!id || *id < 1)
+    fail(reading, element,
+         fmt::format("material with id = {}, expected a positive whole number", quote(attribute(element, "id"))));
   material.id = *id;
   material.name = element.Attribute("name") != nullptr ? attribute(element, "name") : fmt::format("Material{}", *id);
   for (const Material& other : reading.model.materials) {
     if (other.id == material.id) {
-      fail(reading, element, fmt::format("material id {} exists twice: {} and {}", *id, quote(other.name), quote(material.name)));
+      fail(reading, element,
+           fmt::format("material id {} exists twice: {} and {}", *id, quote(other.name), quote(material.name)));
     }
   }
   if (!reading.material_index.emplace(material.name, static_cast<int>(reading.model.materials.size())).second) {
@@ -289,10 +294,14 @@ void read_material(Reading& reading, const XMLElement& element) {
   material.type = need_attribute(reading, element, "type");
   material.rigid = material.type == "rigid body";
   if (material.rigid) {
-    if (const XMLElement* com = element.FirstChildElement("center_of_mass")) material.center_of_mass = read_vector(reading, *com);
+    if (const XMLElement* com = element.FirstChildElement("center_of_mass"))
+      material.center_of_mass = read_vector(reading, *com);
     material.note = "rigid body";
   } else {
-    const Stiffness s = stiffness_of(reading, element, material.name);
+    Stiffness s = stiffness_of(reading, element, material.name);
+    if (std::isnan(s.E) && !std::isnan(s.G + s.lambda)) {
+      add_note(s.note, fmt::format("no stiffness: G = {:g}, K = {:g}, need both > 0", s.G, s.lambda + 2 * s.G / 3));
+    }
     material.type = s.type;
     material.E = s.E;
     material.nu = s.nu;

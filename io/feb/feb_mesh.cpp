@@ -1,10 +1,10 @@
 // Nodes, elements, sets and shell thickness: Geometry (2.5), Mesh, MeshDomains and MeshData (3.0, 4.0).
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
-
-#include <fmt/format.h>
 
 #include "feb_reading.h"
 
@@ -18,14 +18,14 @@ struct ShapeName {
 
 /// Names without an integration rule; longer ones first where one starts another.
 constexpr ShapeName kShapes[] = {
-    {"hex8", ElementShape::Hex8},       {"hex20", ElementShape::Hex20},     {"hex27", ElementShape::Hex27},
-    {"penta6", ElementShape::Penta6},   {"penta15", ElementShape::Penta15}, {"pyra5", ElementShape::Pyra5},
-    {"pyra13", ElementShape::Pyra13},   {"tet4", ElementShape::Tet4},       {"tet5", ElementShape::Tet5},
-    {"tet10", ElementShape::Tet10},     {"tet15", ElementShape::Tet15},     {"tet20", ElementShape::Tet20},
-    {"quad4", ElementShape::Quad4},     {"quad8", ElementShape::Quad8},     {"quad9", ElementShape::Quad9},
-    {"tri3", ElementShape::Tri3},       {"tri6", ElementShape::Tri6},       {"truss2", ElementShape::Line2},
-    {"line2", ElementShape::Line2},     {"line3", ElementShape::Line3},     {"ut4", ElementShape::Tet4},
-    {"q4eas", ElementShape::Quad4},     {"q4ans", ElementShape::Quad4},     {"q4s", ElementShape::Quad4},
+    {"hex8", ElementShape::Hex8},     {"hex20", ElementShape::Hex20},     {"hex27", ElementShape::Hex27},
+    {"penta6", ElementShape::Penta6}, {"penta15", ElementShape::Penta15}, {"pyra5", ElementShape::Pyra5},
+    {"pyra13", ElementShape::Pyra13}, {"tet4", ElementShape::Tet4},       {"tet5", ElementShape::Tet5},
+    {"tet10", ElementShape::Tet10},   {"tet15", ElementShape::Tet15},     {"tet20", ElementShape::Tet20},
+    {"quad4", ElementShape::Quad4},   {"quad8", ElementShape::Quad8},     {"quad9", ElementShape::Quad9},
+    {"tri3", ElementShape::Tri3},     {"tri6", ElementShape::Tri6},       {"truss2", ElementShape::Line2},
+    {"line2", ElementShape::Line2},   {"line3", ElementShape::Line3},     {"ut4", ElementShape::Tet4},
+    {"q4eas", ElementShape::Quad4},   {"q4ans", ElementShape::Quad4},     {"q4s", ElementShape::Quad4},
     {"tri3s", ElementShape::Tri3},
 };
 
@@ -35,7 +35,8 @@ std::optional<ElementShape> shape_of(const std::string& type) {
   for (const ShapeName& entry : kShapes) {
     if (word == entry.name) return entry.shape;
     const std::size_t length = std::strlen(entry.name);
-    if (word.compare(0, length, entry.name) == 0 && (word[length] == 'g' || word.compare(length, word.npos, "ri") == 0)) {
+    if (word.compare(0, length, entry.name) == 0 &&
+        (word[length] == 'g' || word.compare(length, word.npos, "ri") == 0)) {
       return entry.shape;
     }
   }
@@ -55,15 +56,17 @@ int read_id(const Reading& reading, const XMLElement& element, const char* name 
   const char* text = element.Attribute(name);
   const auto id = text == nullptr ? std::nullopt : whole_int(text);
   if (!id || *id < 1) {
-    fail(reading, element, fmt::format("<{}> with {} = {}, expected a positive whole number", element.Name(), name,
-                                       quote(text == nullptr ? "" : text)));
+    fail(reading, element,
+         fmt::format("<{}> with {} = {}, expected a positive whole number", element.Name(), name,
+                     quote(text == nullptr ? "" : text)));
   }
   return *id;
 }
 
 /// A number list of the wrong form: what is wrong with it.
 [[noreturn]] void fail_list(const Reading& reading, const XMLElement& element, std::string_view rest) {
-  fail(reading, element, fmt::format("<{}> lists {}, expected whole numbers and commas", element.Name(), quote(trim(rest))));
+  fail(reading, element,
+       fmt::format("<{}> lists {}, expected whole numbers and commas", element.Name(), quote(trim(rest))));
 }
 
 /// Appends the nodes of an element, facet or edge. count 0: any number.
@@ -96,7 +99,8 @@ void append_nodes(const Reading& reading, const XMLElement& element, int count, 
 void count_entries(Reading& reading, const XMLElement& element, std::size_t more) {
   constexpr std::size_t kMost = 100'000'000;
   reading.set_entries += more;
-  if (reading.set_entries > kMost) fail(reading, element, fmt::format("the sets list more than {} nodes or elements", kMost));
+  if (reading.set_entries > kMost)
+    fail(reading, element, fmt::format("the sets list more than {} nodes or elements", kMost));
 }
 
 /// 1,2,5:9,10:20:2 – `add` gets every id.
@@ -117,7 +121,8 @@ void read_ranges(const Reading& reading, const XMLElement& element, Add add) {
       add(range[0]);
     } else {
       if (range[2] < 1 || range[0] > range[1]) {
-        fail(reading, element, fmt::format("range {}:{}:{}, expected first:last:step going up", range[0], range[1], range[2]));
+        fail(reading, element,
+             fmt::format("range {}:{}:{}, expected first:last:step going up", range[0], range[1], range[2]));
       }
       for (long long id = range[0]; id <= range[1]; id += range[2]) add(static_cast<int>(id));
     }
@@ -160,7 +165,8 @@ void read_nodes(Reading& reading, const XMLElement& section) {
       fail(reading, *child, fmt::format("node {} is {}, expected {}", id, quote(trim(text_of(*child))), expected));
     }
     if (!trim(rest).empty()) {
-      fail(reading, *child, fmt::format("node {} is {}, expected three numbers x,y,z", id, quote(trim(text_of(*child)))));
+      fail(reading, *child,
+           fmt::format("node {} is {}, expected three numbers x,y,z", id, quote(trim(text_of(*child)))));
     }
     model.nodes.push_back(x);
   }
@@ -178,8 +184,9 @@ void assign_material(Reading& reading, const XMLElement& element, int domain, co
     }
   }
   if (material < 0) {
-    fail(reading, element, fmt::format("<{}> with mat = {}, expected the {} of a material", element.Name(), quote(mat),
-                                       by_id ? "name or id" : "name"));
+    fail(reading, element,
+         fmt::format("<{}> with mat = {}, expected the {} of a material", element.Name(), quote(mat),
+                     by_id ? "name or id" : "name"));
   }
   reading.model.domains[static_cast<std::size_t>(domain)].material = material;
 }
@@ -189,7 +196,9 @@ void read_elements(Reading& reading, const XMLElement& section) {
   const std::string type = need_attribute(reading, section, "type");
   const auto shape = shape_of(type);
   if (!shape) {
-    fail(reading, section, fmt::format("element type {} is unknown, expected one like hex8, tet4, tet10, penta6, quad4, tri3", quote(type)));
+    fail(reading, section,
+         fmt::format("element type {} is unknown, expected one like hex8, tet4, tet10, penta6, quad4, tri3",
+                     quote(type)));
   }
   const int domain_number = static_cast<int>(model.domains.size());
   Domain domain;
@@ -287,7 +296,8 @@ void read_element_set(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     add(*child, read_id(reading, *child));
   }
-  add_name(reading, section, reading.element_set_index, set.name, static_cast<int>(reading.model.element_sets.size()), "element set");
+  add_name(reading, section, reading.element_set_index, set.name, static_cast<int>(reading.model.element_sets.size()),
+           "element set");
   reading.model.element_sets.push_back(std::move(set));
 }
 
@@ -298,9 +308,12 @@ void read_surface(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const int count = facet_nodes(child->Name());
     if (count == 0) {
-      fail(reading, *child, fmt::format("<{}> in surface {}, expected tri3, tri6, quad4, quad8 or another facet", child->Name(), quote(surface.name)));
+      fail(reading, *child,
+           fmt::format("<{}> in surface {}, expected tri3, tri6, quad4, quad8 or another facet", child->Name(),
+                       quote(surface.name)));
     }
-    const std::string what = fmt::format("{} facet {} of surface {}", child->Name(), surface.size() + 1, quote(surface.name));
+    const std::string what =
+        fmt::format("{} facet {} of surface {}", child->Name(), surface.size() + 1, quote(surface.name));
     append_nodes(reading, *child, count, what, surface.nodes);
     for (auto a = surface.nodes.end() - count; a != surface.nodes.end(); ++a) {
       if (std::find(a + 1, surface.nodes.end(), *a) != surface.nodes.end()) {
@@ -310,7 +323,8 @@ void read_surface(Reading& reading, const XMLElement& section) {
     }
     surface.begin.push_back(static_cast<int>(surface.nodes.size()));
   }
-  add_name(reading, section, reading.surface_index, surface.name, static_cast<int>(reading.model.surfaces.size()), "surface");
+  add_name(reading, section, reading.surface_index, surface.name, static_cast<int>(reading.model.surfaces.size()),
+           "surface");
   reading.model.surfaces.push_back(std::move(surface));
 }
 
@@ -331,10 +345,12 @@ void read_discrete_set(Reading& reading, const XMLElement& section) {
   set.origin = origin_of(reading, section);
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     std::vector<int> nodes;
-    append_nodes(reading, *child, 2, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name)), nodes);
+    append_nodes(reading, *child, 2, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name)),
+                 nodes);
     set.pairs.push_back({nodes[0], nodes[1]});
   }
-  add_name(reading, section, reading.discrete_set_index, set.name, static_cast<int>(reading.model.discrete_sets.size()), "discrete set");
+  add_name(reading, section, reading.discrete_set_index, set.name, static_cast<int>(reading.model.discrete_sets.size()),
+           "discrete set");
   reading.model.discrete_sets.push_back(std::move(set));
 }
 
@@ -344,7 +360,8 @@ void read_part_list(Reading& reading, const XMLElement& section) {
   for (std::string& part : parts) {
     if (reading.domain_index.find(part) == reading.domain_index.end()) part = trim(part);
     if (reading.domain_index.find(part) == reading.domain_index.end()) {
-      fail(reading, section, fmt::format("part list {} names {}, expected the name of an Elements section", quote(name), quote(part)));
+      fail(reading, section,
+           fmt::format("part list {} names {}, expected the name of an Elements section", quote(name), quote(part)));
     }
   }
   if (!reading.part_lists.emplace(name, std::move(parts)).second) {
@@ -353,7 +370,8 @@ void read_part_list(Reading& reading, const XMLElement& section) {
 }
 
 /// `new_tag` or `old_tag`, the surface as text (3.0, 4.0) or attribute (2.5).
-int pair_surface(const Reading& reading, const XMLElement& section, const char* new_tag, const char* old_tag, SurfacePair& pair) {
+int pair_surface(const Reading& reading, const XMLElement& section, const char* new_tag, const char* old_tag,
+                 SurfacePair& pair) {
   const XMLElement* child = section.FirstChildElement(new_tag);
   if (child == nullptr) child = section.FirstChildElement(old_tag);
   if (child == nullptr) {
@@ -366,8 +384,9 @@ int pair_surface(const Reading& reading, const XMLElement& section, const char* 
   if (surface < 0 && name.rfind("@part_list:", 0) == 0) {
     pair.unsupported = fmt::format("a surface given as {}: make it a Surface", quote(name));
   } else if (surface < 0) {
-    fail(reading, *child, fmt::format("surface pair {} names {}, expected the name of a Surface above it",
-                                      quote(attribute(section, "name")), quote(name)));
+    fail(reading, *child,
+         fmt::format("surface pair {} names {}, expected the name of a Surface above it",
+                     quote(attribute(section, "name")), quote(name)));
   }
   return surface;
 }
@@ -405,7 +424,8 @@ std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement
   }
   const auto domains = reading.domain_index.find(name);
   if (domains == reading.domain_index.end()) {
-    fail(reading, element, fmt::format("elem_set = {}, expected the name of an ElementSet or Elements section", quote(name)));
+    fail(reading, element,
+         fmt::format("elem_set = {}, expected the name of an ElementSet or Elements section", quote(name)));
   }
   for (const int domain : domains->second) {
     const std::size_t count = model.domains[static_cast<std::size_t>(domain)].element_ids.size();
@@ -415,7 +435,8 @@ std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement
 }
 
 void read_thickness(Reading& reading, const XMLElement& section) {
-  const std::vector<ElementPlace> places = places_of_set(reading, section, need_attribute(reading, section, "elem_set"));
+  const std::vector<ElementPlace> places =
+      places_of_set(reading, section, need_attribute(reading, section, "elem_set"));
   const auto set_values = [&](const XMLElement& element, const ElementPlace& place) {
     Domain& domain = reading.model.domains[static_cast<std::size_t>(place.domain)];
     const std::size_t count = static_cast<std::size_t>(nodes_per_element(domain.shape));
@@ -425,7 +446,9 @@ void read_thickness(Reading& reading, const XMLElement& section) {
     for (std::size_t i = 0; i < count; ++i) {
       double value = 0.0;
       if ((i > 0 && !take_comma(rest)) || take_double(rest, value) != Number::Ok || value < 0) {
-        fail(reading, element, fmt::format("shell thickness {}, expected {} numbers >= 0, one per node", quote(trim(text_of(element))), count));
+        fail(reading, element,
+             fmt::format("shell thickness {}, expected {} numbers >= 0, one per node", quote(trim(text_of(element))),
+                         count));
       }
       domain.shell_thickness[static_cast<std::size_t>(place.index) * count + i] = value;
     }
@@ -487,7 +510,8 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
     nodes = reading.edges.find(rest)->second;
   } else if (kind == "@part_list" && reading.part_lists.count(rest) > 0) {
     for (const std::string& part : reading.part_lists.find(rest)->second) add_domains(part);
-  } else if (kind == "@elem_set" && (find_name(reading.element_set_index, rest) >= 0 || reading.domain_index.count(rest) > 0)) {
+  } else if (kind == "@elem_set" &&
+             (find_name(reading.element_set_index, rest) >= 0 || reading.domain_index.count(rest) > 0)) {
     for (const ElementPlace& place : places_of_set(reading, element, rest)) {
       const Domain& domain = model.domains[static_cast<std::size_t>(place.domain)];
       const int count = nodes_per_element(domain.shape);
@@ -532,7 +556,8 @@ void read_mesh(Reading& reading, const XMLElement& section) {
     } else if (tag == "SurfacePair") {
       read_surface_pair(reading, *child);
     } else if (tag == "Part" || tag == "Instance") {
-      fail(reading, *child, fmt::format("<{}>: parts and instances cannot be read; open it in FEBio Studio and save as 4.0", tag));
+      fail(reading, *child,
+           fmt::format("<{}>: parts and instances cannot be read; open it in FEBio Studio and save as 4.0", tag));
     } else {
       ignore(reading, *child, fmt::format("<{}> in {}", tag, section.Name()));
     }

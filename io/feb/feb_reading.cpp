@@ -1,8 +1,8 @@
 #include "feb_reading.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "error.h"
 
@@ -62,21 +62,25 @@ void unsupported(Reading& reading, const XMLElement& element, const std::string&
 
 std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name) {
   const char* text = element.Attribute(name);
-  if (text == nullptr || *text == '\0') fail(reading, element, fmt::format("<{}> without attribute {}", element.Name(), name));
+  if (text == nullptr || *text == '\0')
+    fail(reading, element, fmt::format("<{}> without attribute {}", element.Name(), name));
   return text;
 }
 
 double read_double(const Reading& reading, const XMLElement& element) {
   const std::string text = text_of(element);
   const auto value = whole_double(text);
-  if (!value) fail(reading, element, fmt::format("{} = {}, expected a number of at most 1e30", element.Name(), quote(trim(text))));
+  if (!value)
+    fail(reading, element,
+         fmt::format("{} = {}, expected a number of at most 1e30", element.Name(), quote(trim(text))));
   return *value;
 }
 
 int read_int(const Reading& reading, const XMLElement& element) {
   const std::string text = text_of(element);
   const auto value = whole_int(text);
-  if (!value) fail(reading, element, fmt::format("{} = {}, expected a whole number", element.Name(), quote(trim(text))));
+  if (!value)
+    fail(reading, element, fmt::format("{} = {}, expected a whole number", element.Name(), quote(trim(text))));
   return *value;
 }
 
@@ -97,7 +101,8 @@ Vector3d read_vector(const Reading& reading, const XMLElement& element) {
     good = (i == 0 || take_comma(rest)) && take_double(rest, vector[i]) == Number::Ok;
   }
   if (!good || !trim(rest).empty()) {
-    fail(reading, element, fmt::format("{} = {}, expected three numbers x,y,z of at most 1e30", element.Name(), quote(trim(text))));
+    fail(reading, element,
+         fmt::format("{} = {}, expected three numbers x,y,z of at most 1e30", element.Name(), quote(trim(text))));
   }
   return vector;
 }
@@ -107,7 +112,8 @@ int read_lc(const Reading& reading, const XMLElement& element) {
   if (lc == nullptr) return 0;
   const auto id = whole_int(lc);
   if (!id || *id < 1) {
-    fail(reading, element, fmt::format("{} has lc = {}, expected the id of a load controller", element.Name(), quote(lc)));
+    fail(reading, element,
+         fmt::format("{} has lc = {}, expected the id of a load controller", element.Name(), quote(lc)));
   }
   return *id;
 }
@@ -156,11 +162,13 @@ int need_rigid(const Reading& reading, const XMLElement& element, const std::str
     if (index < 0 && place != reading.material_index.end()) index = place->second;
   }
   if (index < 0) {
-    fail(reading, element, fmt::format("{} names no material, expected the id or name of a rigid body", quote(id_or_name)));
+    fail(reading, element,
+         fmt::format("{} names no material, expected the id or name of a rigid body", quote(id_or_name)));
   }
   const Material& material = model.materials[static_cast<std::size_t>(index)];
   if (!material.rigid) {
-    fail(reading, element, fmt::format("material {} is {}, expected a rigid body", quote(material.name), quote(material.type)));
+    fail(reading, element,
+         fmt::format("material {} is {}, expected a rigid body", quote(material.name), quote(material.type)));
   }
   return index;
 }

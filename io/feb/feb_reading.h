@@ -26,7 +26,7 @@ struct Rules {
   const char* version;
   bool nested_k_adds;  ///< the k of nested uncoupled materials is added to the top-level k
   SectionReader boundary;
-  SectionReader rigid;        ///< the Rigid section; null: the version has none
+  SectionReader rigid;  ///< the Rigid section; null: the version has none
   SectionReader constraints;
 };
 extern const Rules kRules25;
@@ -36,7 +36,7 @@ extern const Rules kRules40;
 /// Ids of nodes or elements, in file order. Costs nothing while they increase, as FEBio writes them.
 class IdTable {
  public:
-  bool add(int id);  ///< false: there already
+  bool add(int id);        ///< false: there already
   int find(int id) const;  ///< index in file order; -1: unknown
   int size() const { return static_cast<int>(ids_.size()); }
   std::vector<int> take() { return std::move(ids_); }
@@ -89,14 +89,14 @@ struct Reading {
   std::map<std::string, std::vector<int>, std::less<>> domain_index;  ///< by name; 2.5 may repeat a name
   std::map<std::string, std::vector<std::string>, std::less<>> part_lists;
   std::map<std::string, std::vector<int>, std::less<>> edges;  ///< nodes of an Edge
-  std::set<std::string> ambiguous_node_sets;              ///< names with two different node lists
-  std::size_t set_entries = 0;                            ///< nodes and elements listed by sets so far
+  std::set<std::string> ambiguous_node_sets;                   ///< names with two different node lists
+  std::size_t set_entries = 0;                                 ///< nodes and elements listed by sets so far
   std::map<std::string, SurfacePair, std::less<>> surface_pairs;
   std::vector<DiscreteMaterial> discrete_materials;
 
-  Control top_control;           ///< of the model; the first step starts from it
-  std::vector<Control> controls; ///< one per step
-  int step = -1;                 ///< the step a section belongs to
+  Control top_control;            ///< of the model; the first step starts from it
+  std::vector<Control> controls;  ///< one per step
+  int step = -1;                  ///< the step a section belongs to
   Control& control() { return step < 0 ? top_control : controls[static_cast<std::size_t>(step)]; }
 
   std::unordered_map<std::string, std::size_t> ignored_index, unsupported_index;

@@ -1,8 +1,8 @@
 // Control, load controllers, and what can only be known at the end: steps, must points, references to controllers.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "error.h"
 #include "feb_reading.h"
@@ -30,15 +30,17 @@ void read_points(const Reading& reading, const XMLElement& element, LoadControll
     std::array<double, 2> point = {0, 0};
     if (take_double(rest, point[0]) != Number::Ok || !take_comma(rest) || take_double(rest, point[1]) != Number::Ok ||
         !trim(rest).empty()) {
-      fail(reading, *child, fmt::format("point {} of load controller {}, expected two numbers time,value of at most 1e30",
-                                        quote(trim(text)), curve.id));
+      fail(reading, *child,
+           fmt::format("point {} of load controller {}, expected two numbers time,value of at most 1e30",
+                       quote(trim(text)), curve.id));
     }
     curve.points.push_back(point);
   }
 }
 
 void set_interpolate(LoadController& curve, std::string_view word) {
-  constexpr const char* kWords[] = {"linear", "step", "smooth", "cubic spline", "control points", "approximation", "smooth step", "C2-smooth"};
+  constexpr const char* kWords[] = {"linear",         "step",          "smooth",      "cubic spline",
+                                    "control points", "approximation", "smooth step", "C2-smooth"};
   const auto position = whole_int(word);
   for (int i = 0; i < 8; ++i) {
     if (!same_word(trim(word), kWords[i]) && position != i) continue;
@@ -66,7 +68,8 @@ void check_times(LoadController& curve) {
   for (std::size_t i = 1; i < curve.points.size() && curve.unsupported.empty(); ++i) {
     const double before = curve.points[i - 1][0], t = curve.points[i][0];
     if (t < before) curve.unsupported = fmt::format("times that go back from {:g} to {:g}", before, t);
-    if (t == before && curve.interpolate == Interpolate::Smooth) curve.unsupported = fmt::format("a smooth curve with time {:g} twice", t);
+    if (t == before && curve.interpolate == Interpolate::Smooth)
+      curve.unsupported = fmt::format("a smooth curve with time {:g} twice", t);
   }
 }
 
@@ -86,7 +89,8 @@ void resolve_controllers(JointModel& model, std::vector<Condition>& conditions) 
     if (condition.value.controller < 0) continue;
     const LoadController& curve = model.controllers[static_cast<std::size_t>(condition.value.controller)];
     if (curve.unsupported.empty()) continue;
-    model.unsupported.push_back({fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, condition.origin});
+    model.unsupported.push_back(
+        {fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, condition.origin});
   }
 }
 
@@ -102,8 +106,9 @@ std::vector<double> must_points(JointModel& model, const Control& control, doubl
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   if (curve.points.empty() && !curve.unsupported.empty()) {
-    model.ignored.push_back({fmt::format("dtmax: load controller {} with {} gives no must points", curve.id, curve.unsupported), 1,
-                             control.dtmax_origin});
+    model.ignored.push_back(
+        {fmt::format("dtmax: load controller {} with {} gives no must points", curve.id, curve.unsupported), 1,
+         control.dtmax_origin});
   }
   return times;
 }
@@ -118,11 +123,13 @@ void read_control(Reading& reading, const XMLElement& section) {
     if (tag == "time_steps") {
       control.time_steps = read_double(reading, *child);
       if (control.time_steps != -1 && !(control.time_steps >= 0)) {
-        fail(reading, *child, fmt::format("time_steps = {:g}, need time_steps >= 0, or -1 with a final_time", control.time_steps));
+        fail(reading, *child,
+             fmt::format("time_steps = {:g}, need time_steps >= 0, or -1 with a final_time", control.time_steps));
       }
     } else if (tag == "step_size") {
       control.step_size = read_double(reading, *child);
-      if (!(control.step_size > 0)) fail(reading, *child, fmt::format("step_size = {:g}, need step_size > 0", control.step_size));
+      if (!(control.step_size > 0))
+        fail(reading, *child, fmt::format("step_size = {:g}, need step_size > 0", control.step_size));
     } else if (tag == "final_time") {
       control.final_time = read_double(reading, *child);
     } else if (tag == "analysis") {
@@ -145,7 +152,9 @@ void read_load_data(Reading& reading, const XMLElement& section) {
     }
     LoadController curve;
     const auto id = whole_int(need_attribute(reading, *child, "id"));
-    if (!id || *id < 1) fail(reading, *child, fmt::format("<{}> with id = {}, expected a positive whole number", tag, quote(attribute(*child, "id"))));
+    if (!id || *id < 1)
+      fail(reading, *child,
+           fmt::format("<{}> with id = {}, expected a positive whole number", tag, quote(attribute(*child, "id"))));
     curve.id = *id;
     curve.name = attribute(*child, "name");
     curve.origin = origin_of(reading, *child);
@@ -162,7 +171,8 @@ void read_load_data(Reading& reading, const XMLElement& section) {
       curve.unsupported = fmt::format("type {}", quote(type));
     }
     for (const LoadController& other : reading.model.controllers) {
-      if (other.id == curve.id) fail(reading, *child, fmt::format("load controller {} exists twice: renumber one", curve.id));
+      if (other.id == curve.id)
+        fail(reading, *child, fmt::format("load controller {} exists twice: renumber one", curve.id));
     }
     check_times(curve);
     reading.model.controllers.push_back(std::move(curve));

@@ -26,13 +26,16 @@ void read_rigid_body(Reading& reading, const XMLElement& section) {
     } else if (tag == "force") {
       const int dof = rigid_dof(reading, *child);
       const char* what = dof < 3 ? "rigid force" : "rigid moment";
-      if (type == "ramp") unsupported(reading, *child, fmt::format("{} with load_type TARGET", what));
-      else if (type == "follow" && dof >= 3) unsupported(reading, *child, "rigid moment with load_type FOLLOW");
-      else if (!type.empty() && type != "follow") unsupported(reading, *child, fmt::format("{} with type {}", what, quote(type)));
+      if (type == "ramp")
+        unsupported(reading, *child, fmt::format("{} with load_type TARGET", what));
+      else if (type == "follow" && dof >= 3)
+        unsupported(reading, *child, "rigid moment with load_type FOLLOW");
+      else if (!type.empty() && type != "follow")
+        unsupported(reading, *child, fmt::format("{} with type {}", what, quote(type)));
       else
         reading.model.rigid_loads.push_back({material, dof, read_scaled(reading, *child),
-                                             type == "follow" ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead, reading.step,
-                                             name, origin_of(reading, *child)});
+                                             type == "follow" ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead,
+                                             reading.step, name, origin_of(reading, *child)});
     } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {
       ignore(reading, *child, "initial velocity of a rigid body");
     } else {

@@ -16,7 +16,8 @@ void read_boundary(Reading& reading, const XMLElement& section) {
     } else if (type == "rigid") {
       rigid_nodes(reading, *child, child_text(*child, "rb"));
     } else {
-      unsupported(reading, *child, type.empty() ? fmt::format("<{}> in Boundary", child->Name()) : fmt::format("bc {}", quote(type)));
+      unsupported(reading, *child,
+                  type.empty() ? fmt::format("<{}> in Boundary", child->Name()) : fmt::format("bc {}", quote(type)));
     }
   }
 }
@@ -37,9 +38,12 @@ void read_fix(Reading& reading, const XMLElement& element) {
 void read_rigid(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string type = attribute(*child, "type");
-    if (type == "fix") read_fix(reading, *child);
-    else if (rigid_condition(reading, *child, type) || rigid_connector(reading, *child, type)) continue;
-    else unsupported(reading, *child, fmt::format("{} {}", child->Name(), quote(type)));
+    if (type == "fix")
+      read_fix(reading, *child);
+    else if (rigid_condition(reading, *child, type) || rigid_connector(reading, *child, type))
+      continue;
+    else
+      unsupported(reading, *child, fmt::format("{} {}", child->Name(), quote(type)));
   }
 }
 

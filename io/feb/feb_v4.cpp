@@ -24,7 +24,8 @@ void read_zero_displacement(Reading& reading, const XMLElement& element) {
 void read_boundary(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string type = attribute(*child, "type");
-    const std::string what = type.empty() ? fmt::format("<{}> in Boundary", child->Name()) : fmt::format("bc {}", quote(type));
+    const std::string what =
+        type.empty() ? fmt::format("<{}> in Boundary", child->Name()) : fmt::format("bc {}", quote(type));
     if (type == "zero displacement") {
       read_zero_displacement(reading, *child);
     } else if (type == "prescribed displacement") {

@@ -1,11 +1,11 @@
 #include "feb_xml.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-
-#include <fmt/format.h>
 
 #include "error.h"
 
@@ -71,8 +71,9 @@ std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string
   if (start.empty()) throw InputError(name + ": cannot be read: check its permissions");
   if (start.rfind("\xEF\xBB\xBF", 0) == 0) start.erase(0, 3);  // byte order mark
   if (start.rfind("<?xml", 0) != 0) {
-    throw InputError(name, 1, fmt::format("the file starts with {}, expected \"<?xml\": this is no FEBio model (.feb)",
-                                          quote(start.substr(0, 12))));
+    throw InputError(name, 1,
+                     fmt::format("the file starts with {}, expected \"<?xml\": this is no FEBio model (.feb)",
+                                 quote(start.substr(0, 12))));
   }
 
   auto document = std::make_unique<XMLDocument>();

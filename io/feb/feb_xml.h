@@ -1,12 +1,12 @@
 // io/feb/feb_xml.h – the syntax all .feb versions share: XML elements, numbers, lists, words.
 #pragma once
+#include <tinyxml2.h>
+
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <tinyxml2.h>
 
 #include "joint_model.h"
 

@@ -1,10 +1,10 @@
 #include "read_feb.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-
-#include <fmt/format.h>
 
 #include "error.h"
 #include "feb_reading.h"
@@ -24,7 +24,8 @@ const XMLElement& need_root(const XMLDocument& document, const std::string& name
   const XMLElement* root = document.RootElement();
   if (root == nullptr) throw InputError(name, 1, "no element at all, expected <febio_spec>: this is no FEBio model");
   if (std::strcmp(root->Name(), "febio_spec") != 0) {
-    throw InputError(name, root->GetLineNum(), fmt::format("the root is {}, expected <febio_spec>: this is no FEBio model", quote(root->Name())));
+    throw InputError(name, root->GetLineNum(),
+                     fmt::format("the root is {}, expected <febio_spec>: this is no FEBio model", quote(root->Name())));
   }
   return *root;
 }
@@ -34,8 +35,9 @@ const Rules* need_rules(const XMLElement& root, const std::string& name) {
   for (const Rules* rules : {&kRules25, &kRules30, &kRules40}) {
     if (version == rules->version) return rules;
   }
-  throw InputError(name, root.GetLineNum(),
-                   fmt::format("version {}, expected 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0", quote(version)));
+  throw InputError(
+      name, root.GetLineNum(),
+      fmt::format("version {}, expected 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0", quote(version)));
 }
 
 /// First of the candidates that is a file; the first one if none is.
@@ -83,12 +85,14 @@ void read_include(Reading& reading, const XMLElement& element) {
   if (name.empty()) fail(reading, element, "<Include> without a file name");
   const bool bare = name.find_first_of("/\\") == name.npos;
   const fs::path first = bare ? fs::path(reading.main_folder) / name : fs::path(name);
-  read_other_file(reading, element, first_file({first, folder_of_current(reading) / name}), [&](const XMLElement& root) {
-    reading.rules = need_rules(root, reading.model.files[static_cast<std::size_t>(reading.file)]);
-    for (const XMLElement* section = root.FirstChildElement(); section != nullptr; section = section->NextSiblingElement()) {
-      read_section(reading, *section);
-    }
-  });
+  read_other_file(reading, element, first_file({first, folder_of_current(reading) / name}),
+                  [&](const XMLElement& root) {
+                    reading.rules = need_rules(root, reading.model.files[static_cast<std::size_t>(reading.file)]);
+                    for (const XMLElement* section = root.FirstChildElement(); section != nullptr;
+                         section = section->NextSiblingElement()) {
+                      read_section(reading, *section);
+                    }
+                  });
 }
 
 /// <Geometry from="file"/>: the section of that name, by the rules of the including file.
@@ -97,7 +101,10 @@ void read_from(Reading& reading, const XMLElement& element) {
   const std::string path = first_file({fs::path(name), folder_of_current(reading) / name});
   read_other_file(reading, element, path, [&](const XMLElement& root) {
     const XMLElement* section = root.FirstChildElement(element.Name());
-    if (section == nullptr) throw InputError(path, root.GetLineNum(), fmt::format("no <{}> here, which {} takes from this file", element.Name(), quote(reading.model.files[0])));
+    if (section == nullptr)
+      throw InputError(
+          path, root.GetLineNum(),
+          fmt::format("no <{}> here, which {} takes from this file", element.Name(), quote(reading.model.files[0])));
     read_section(reading, *section);
   });
 }
@@ -131,8 +138,10 @@ void read_steps(Reading& reading, const XMLElement& section) {
   if (one_step && (of_25 || !is_leaf(section))) read_step(reading, section);
   if (one_step) return;
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::strcmp(child->Name(), "step") == 0) read_step(reading, *child);
-    else ignore(reading, *child, fmt::format("<{}> in Step", child->Name()));
+    if (std::strcmp(child->Name(), "step") == 0)
+      read_step(reading, *child);
+    else
+      ignore(reading, *child, fmt::format("<{}> in Step", child->Name()));
   }
 }
 
@@ -156,6 +165,7 @@ void read_section(Reading& reading, const XMLElement& section) {
   if (tag == "Include") return read_include(reading, section);
   if (tag == "Step") return read_steps(reading, section);
   if (tag == "Globals" || tag == "Output") return;
+  if (tag == "Rigid") return unsupported(reading, section, "section <Rigid> in a version without one");
   ignore(reading, section, fmt::format("section <{}>", tag));
 }
 
@@ -173,7 +183,8 @@ JointModel read_feb(const std::string& path) {
   std::error_code error;
   reading.open_files = {fs::weakly_canonical(path, error).string()};
   reading.main_folder = fs::path(path).parent_path().string();
-  for (const XMLElement* section = root.FirstChildElement(); section != nullptr; section = section->NextSiblingElement()) {
+  for (const XMLElement* section = root.FirstChildElement(); section != nullptr;
+       section = section->NextSiblingElement()) {
     read_section(reading, *section);
   }
   finish(reading);

@@ -51,7 +51,11 @@ struct Chunk {
   std::size_t size() const { return end - begin; }
 };
 
+// A fault in what a chunk holds, or in what it is.
 [[noreturn]] void fail(const Chunk& chunk, const std::string& fault) { fail(*chunk.source, chunk.begin, fault); }
+[[noreturn]] void fail_header(const Chunk& chunk, const std::string& fault) {
+  fail(*chunk.source, chunk.begin - 8, fault);
+}
 
 std::uint32_t u32_at(const Source& source, std::size_t at) {
   const auto byte = [&](std::size_t i) {
@@ -89,12 +93,12 @@ void for_each_child(const Chunk& branch, Read read) {
 }
 
 [[noreturn]] void fail_unknown(const Chunk& chunk, const char* where) {
-  fail(chunk, fmt::format("unknown chunk {:08x} in {}", chunk.id, where));
+  fail_header(chunk, fmt::format("unknown chunk {:08x} in {}", chunk.id, where));
 }
 
 void require_size(const Chunk& leaf, std::size_t size) {
   if (leaf.size() != size) {
-    fail(leaf, fmt::format("chunk {:08x} has {} bytes, expected {}", leaf.id, leaf.size(), size));
+    fail_header(leaf, fmt::format("chunk {:08x} has {} bytes, expected {}", leaf.id, leaf.size(), size));
   }
 }
 
@@ -507,10 +511,10 @@ void read_data(const Chunk& section, const XpltFile& file, XpltGroup group, Xplt
           const int region = static_cast<int>(data.id);
           const std::int64_t floats = floats_in_region(mesh, variable, region);
           if (floats < 0) {
-            fail(data, fmt::format("\"{}\": no region {} in the mesh", printable(variable.name), data.id));
+            fail_header(data, fmt::format("\"{}\": no region {} in the mesh", printable(variable.name), data.id));
           }
           if (data.size() != 4 * static_cast<std::size_t>(floats)) {
-            fail(data, fmt::format("\"{}\", region {}: {} bytes, expected {}", printable(variable.name), region,
+            fail_header(data, fmt::format("\"{}\", region {}: {} bytes, expected {}", printable(variable.name), region,
                                    data.size(), 4 * floats));
           }
           for (const XpltRegion& other : regions) {
@@ -674,7 +678,7 @@ void read_mesh_or_state(const Chunk& chunk, XpltFile& file) {
     if (!mesh.objects.empty()) fail(chunk, "objects in another mesh than the first");
     file.meshes.push_back(std::move(mesh));
   } else {
-    fail(chunk, fmt::format("chunk {:08x} where a state or a mesh is expected", chunk.id));
+    fail_header(chunk, fmt::format("chunk {:08x} where a state or a mesh is expected", chunk.id));
   }
 }
 
@@ -717,11 +721,11 @@ XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
   std::size_t at = 4;
   const std::optional<Chunk> root = top_chunk(source, at);
   if (!root) fail(source, at, "the file ends in its root");
-  if (root->id != kRoot) fail(*root, fmt::format("chunk {:08x} where the root is expected", root->id));
+  if (root->id != kRoot) fail_header(*root, fmt::format("chunk {:08x} where the root is expected", root->id));
   read_root(*root, file);
   const std::optional<Chunk> mesh = top_chunk(source, at);
   if (!mesh) fail(source, at, "the file ends before or in its mesh");
-  if (mesh->id != kMesh) fail(*mesh, fmt::format("chunk {:08x} where the mesh is expected", mesh->id));
+  if (mesh->id != kMesh) fail_header(*mesh, fmt::format("chunk {:08x} where the mesh is expected", mesh->id));
   file.meshes.push_back(read_mesh(*mesh, file.version));
 
   while (at < bytes.size() && !file.truncated) {

@@ -60,7 +60,8 @@ void require_finite(const Numbers& numbers, const char* what) {
   }
 }
 
-// Combinations that the viewers refuse, crash on or read with other sizes than FEBio writes.
+// Not so: combinations that the viewers refuse, crash on, show wrongly or read with other sizes than FEBio
+// writes. Found with FEBio Studio's reader: nodal values of a surface all become the value of its first node.
 bool viewers_can_read(const XpltVariable& v) {
   const bool array = v.type == XpltType::Array || v.type == XpltType::ArrayVec3;
   switch (v.group) {
@@ -71,6 +72,7 @@ bool viewers_can_read(const XpltVariable& v) {
       if (v.type == XpltType::ArrayVec3) return v.format == XpltFormat::Item;
       return !array || v.format == XpltFormat::Node || v.format == XpltFormat::Item;
     case XpltGroup::Surface:
+      if (v.format == XpltFormat::Node) return false;
       if (v.format == XpltFormat::Mult) return v.type == XpltType::Float || v.type == XpltType::Vec3;
       return !array || (v.type == XpltType::Array && v.format == XpltFormat::Item);
     case XpltGroup::Edge: return !array;

@@ -1,2 +1,978 @@
 #include "read_feb.h"
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <random>
+#include <set>
+#include <sstream>
+
+#include "error.h"
+#include "load_curve.h"
+
+namespace dea {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own for each test, gone afterwards.
+class ReadFeb : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / fmt::format("dea_feb_{}_{}",
+                                                      testing::UnitTest::GetInstance()->current_test_info()->name(),
+                                                      std::random_device()());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return (folder_ / name).string();
+  }
+  JointModel read(const std::string& text) const { return read_feb(write("model.feb", text)); }
+  /// The message without the folder.
+  std::string fault(const std::string& path) const {
+    try {
+      read_feb(path);
+    } catch (const InputError& error) {
+      std::string text = error.what();
+      const std::string prefix = folder_.string() + "/";
+      for (std::size_t at = text.find(prefix); at != text.npos; at = text.find(prefix)) text.erase(at, prefix.size());
+      return text;
+    }
+    return "read without a fault";
+  }
+  std::string fault_of(const std::string& text) const { return fault(write("model.feb", text)); }
+  fs::path folder_;
+};
+
+std::string feb(const std::string& version, const std::string& sections) {
+  return "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n<febio_spec version=\"" + version + "\">\n" + sections +
+         "</febio_spec>\n";
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, text.npos) << "the model does not contain " << from;
+  return at == text.npos ? text : text.replace(at, from.size(), to);
+}
+
+// -- one model, three formats -------------------------------------------------------------------------
+
+// Two cubes on top of each other with a gap: a layer held by a rigid plate (shell), another by a rigid node set.
+const std::string kMaterials = R"(<Material>
+<material id="1" name="plate" type="rigid body"><density>2</density><center_of_mass>0,0,0</center_of_mass></material>
+<material id="2" name="lower" type="neo-Hookean"><E>10</E><v>0.4</v></material>
+<material id="3" name="upper" type="biphasic"><phi0>0.2</phi0><solid type="Holmes-Mow"><E>5</E><v>0.1</v></solid></material>
+<material id="4" name="femur" type="rigid body"/>
+</Material>
+)";
+const std::string kNodes = R"(<Nodes name="all">
+<node id="1">0,0,0</node><node id="2">1,0,0</node><node id="3">1,1,0</node><node id="4">0,1,0</node>
+<node id="5">0,0,1</node><node id="6">1,0,1</node><node id="7">1,1,1</node><node id="8">0,1,1</node>
+<node id="11">0,0,1.5</node><node id="12">1,0,1.5</node><node id="13">1,1,1.5</node><node id="14">0,1,1.5</node>
+<node id="15">0,0,2.5</node><node id="16">1,0,+2.5</node><node id="17"> 1, 1, 2.5 </node><node id="18">0,1,25e-1</node>
+</Nodes>
+)";
+const std::string kSurfaces = R"(<Surface name="bottom"><quad4 id="1">5,6,7,8</quad4></Surface>
+<Surface name="top"><tri3 id="1">11,13,12</tri3><tri3 id="2">11,14,13</tri3></Surface>
+)";
+const std::string kSets25 =
+    R"(<NodeSet name="held"><node id="18"/><node id="17"/><node id="15"/><node id="16"/></NodeSet>
+<NodeSet name="side"><node_list>1,5:8:3</node_list></NodeSet>
+<DiscreteSet name="ligament"><delem>1,18</delem></DiscreteSet>
+)";
+const std::string kCurves25 =
+    R"(<LoadData><loadcurve id="1" type="smooth" extend="repeat offset"><loadpoint>0,0</loadpoint><loadpoint>1,1</loadpoint></loadcurve>
+<loadcurve id="2" type="step"><point>0.5,1</point><point>1.5,1</point></loadcurve></LoadData>
+)";
+const std::string kCurves =
+    R"(<LoadData><load_controller id="1" type="loadcurve"><interpolate>SMOOTH</interpolate><extend>REPEAT OFFSET</extend>
+<points><point>0,0</point><point>1,1</point></points></load_controller>
+<load_controller id="2" type="loadcurve"><interpolate>1</interpolate><points><pt>0.5,1</pt><pt>1.5,1</pt></points></load_controller></LoadData>
+)";
+const std::string kDiscrete =
+    R"(<Discrete><discrete_material id="1" name="s" type="linear spring"><E>3</E></discrete_material>
+<discrete_material id="2" name="t" type="tension-only linear spring"><E>4</E></discrete_material>
+<discrete dmat="2" discrete_set="ligament"/></Discrete>
+)";
+const std::string kContact = R"(<Contact><contact name="joint" type="sliding-elastic" surface_pair="pair">
+<penalty>20</penalty><fric_coeff>0.2</fric_coeff><search_radius>1</search_radius><tension>0</tension></contact></Contact>
+)";
+const std::string kMesh30 =
+    "<Mesh>" + kNodes + R"(<Elements type="hex8" name="L"><elem id="1">1,2,3,4,5,6,7,8</elem></Elements>
+<Elements type="hex8" name="U"><elem id="2">11,12,13,14,15,16,17,18</elem></Elements>
+<Elements type="quad4" name="P"><elem id="3">1,4,3,2</elem></Elements>
+)" + kSurfaces;
+const std::string kDomains = R"(<MeshDomains><SolidDomain name="L" mat="lower"/><SolidDomain name="U" mat="upper"/>
+<ShellDomain name="P" mat="plate"><shell_thickness>0.5</shell_thickness></ShellDomain></MeshDomains>
+)";
+const std::string kPair30 =
+    R"(<SurfacePair name="pair"><primary>bottom</primary><secondary>top</secondary></SurfacePair>
+<DiscreteSet name="ligament"><delem>1,18</delem></DiscreteSet></Mesh>
+)";
+
+const std::string kModel25 = feb(
+    "2.5",
+    R"(<Module type="biphasic"><units>mm-N-s</units></Module>
+<Control><time_steps>4</time_steps><step_size>0.25</step_size><analysis type="static"/></Control>
+)" + kMaterials +
+        "<Geometry>" + kNodes + R"(<Elements type="hex8" mat="2" name="L"><elem id="1">1,2,3,4,5,6,7,8</elem></Elements>
+<Elements type="HEX8G8" mat="upper" name="U"><elem id="2">11,12,13,14,15,16,17,18</elem></Elements>
+<Elements type="q4eas" mat="plate" name="P"><elem id="3">1,4,3,2</elem></Elements>
+)" + kSurfaces +
+        kSets25 + R"(<SurfacePair name="pair"><master surface="top"/><slave surface="bottom"/></SurfacePair>
+</Geometry>
+<MeshData><ElementData var="shell thickness" elem_set="P"><elem lid="1">0.5,0.5,0.5,0.5</elem></ElementData></MeshData>
+<Boundary><fix bc="x,z" node_set="side"/><rigid rb="4" node_set="held"/>
+<rigid_body mat="1"><fixed bc="x"/><fixed bc="Rx"/></rigid_body></Boundary>
+)" + kContact +
+        R"(<Constraints><constraint name="c" type="rigid spring"><body_a>1</body_a><body_b>femur</body_b><k>7</k>
+<insertion_a>0,0,0</insertion_a><insertion_b>0,0,3</insertion_b></constraint></Constraints>
+)" + kDiscrete +
+        R"(<Step name="one"><Boundary><rigid_body mat="4"><prescribed bc="z" lc="1">-0.1</prescribed></rigid_body></Boundary></Step>
+<Step name="two"><Control><time_steps>10</time_steps><step_size>0.1</step_size><time_stepper><dtmax lc="2"></dtmax></time_stepper></Control>
+<Boundary><rigid_body mat="4"><force bc="Rz" lc="1">-50</force><force bc="x" lc="2" type="follow">1</force></rigid_body></Boundary></Step>
+)" + kCurves25);
+
+const std::string kModel30 = feb("3.0", R"(<Module type="biphasic"><units>mm-N-s</units></Module>
+<Control><analysis>STATIC</analysis><time_steps>4</time_steps><step_size>0.25</step_size></Control>
+)" + kMaterials + kMesh30 + R"(<NodeSet name="held"><n id="18"/><n id="17"/><n id="15"/><n id="16"/></NodeSet>
+<NodeSet name="side"><n id="1"/><n id="5"/><n id="8"/></NodeSet>
+)" + kPair30 + replaced(kDomains, "<shell_thickness>0.5</shell_thickness>", "") +
+                                            R"(
+<MeshData><ElementData var="shell thickness" elem_set="P"><elem lid="1">0.5,0.5,0.5,0.5</elem></ElementData></MeshData>
+<Boundary><bc type="fix" node_set="side"><dofs>x,z</dofs></bc><bc type="rigid" node_set="held"><rb>4</rb></bc></Boundary>
+<Rigid><rigid_constraint type="fix"><rb>1</rb><dofs>Rx,Ru</dofs></rigid_constraint>
+<rigid_connector name="c" type="rigid spring"><body_a>1</body_a><body_b>4</body_b><k>7</k>
+<insertion_a>0,0,0</insertion_a><insertion_b>0,0,3</insertion_b></rigid_connector></Rigid>
+)" + kContact + kDiscrete + R"(<Step><step id="1" name="one">
+<Rigid><rigid_constraint type="prescribe"><rb>femur</rb><dof>Rz</dof><value lc="1">-0.1</value></rigid_constraint></Rigid></step>
+<step id="2" name="two"><Control><time_steps>10</time_steps><step_size>0.1</step_size><time_stepper><dtmax lc="2">0</dtmax></time_stepper></Control>
+<Rigid><rigid_constraint type="force"><rb>4</rb><dof>Rw</dof><value lc="1">-50</value><load_type>0</load_type></rigid_constraint>
+<rigid_constraint type="force"><rb>4</rb><dof>0</dof><value lc="2">1</value><load_type>1</load_type></rigid_constraint></Rigid></step></Step>
+)" + kCurves);
+
+const std::string kModel40 = feb(
+    "4.0",
+    R"(<Module type="biphasic"><units>mm-N-s</units></Module>
+<Control><analysis>STATIC</analysis><time_steps>4</time_steps><step_size>0.25</step_size></Control>
+)" + kMaterials +
+        kMesh30 + R"(<NodeSet name="held">18, 17, 15,
+16</NodeSet><NodeSet name="side">1,5:8:3</NodeSet>
+)" + kPair30 +
+        kDomains +
+        R"(<Boundary><bc type="zero displacement" node_set="side"><x_dof>1</x_dof><y_dof>0</y_dof><z_dof>1</z_dof></bc>
+<bc type="rigid" node_set="held"><rb>femur</rb><clamp_shells>1</clamp_shells></bc></Boundary>
+<Rigid><rigid_bc type="rigid_fixed"><rb>plate</rb><Rx_dof>1</Rx_dof><Ru_dof>1</Ru_dof></rigid_bc>
+<rigid_connector name="c" type="rigid spring"><body_a>plate</body_a><body_b>femur</body_b><k>7</k>
+<insertion_a>0,0,0</insertion_a><insertion_b>0,0,3</insertion_b><free_length>0</free_length></rigid_connector></Rigid>
+)" + kContact +
+        kDiscrete + R"(<Step><step id="1" name="one">
+<Rigid><rigid_bc type="rigid_displacement"><rb>femur</rb><dof>z</dof><value lc="1">-0.1</value><relative>0</relative></rigid_bc></Rigid></step>
+<step id="2" name="two"><Control><time_steps>10</time_steps><step_size>0.1</step_size><time_stepper><dtmax lc="2">0</dtmax></time_stepper></Control>
+<Rigid><rigid_load type="rigid_moment"><rb>femur</rb><dof>Rw</dof><value lc="1">-50</value></rigid_load>
+<rigid_load type="rigid_force"><rb>femur</rb><dof>Rx</dof><value lc="2">1</value><load_type>FOLLOW</load_type></rigid_load></Rigid></step></Step>
+)" + kCurves);
+
+/// Everything a model says, one line each, without names of conditions, places and what formats count differently.
+using Facts = std::map<std::string, std::multiset<std::string>>;
+
+std::string list(const std::vector<int>& numbers) { return fmt::format("{}", fmt::join(numbers, " ")); }
+
+Facts facts_of(const JointModel& m) {
+  Facts facts;
+  const auto curve = [&](const Scaled& s) {
+    std::string text = fmt::format("{:.9g}", s.factor);
+    if (s.controller < 0) return text;
+    const LoadController& c = m.controllers[static_cast<std::size_t>(s.controller)];
+    text += fmt::format(" curve {} {} {}", static_cast<int>(c.interpolate), static_cast<int>(c.extend), c.unsupported);
+    for (const auto& p : c.points) text += fmt::format(" ({:g},{:g})", p[0], p[1]);
+    return text;
+  };
+  // Facets as a set, each from its lowest corner: FEBio Studio starts them elsewhere from format to format.
+  const auto surface = [&](int index) {
+    const Surface& s = m.surfaces[static_cast<std::size_t>(index)];
+    std::multiset<std::string> facets;
+    for (std::size_t i = 0; i + 1 < s.begin.size(); ++i) {
+      std::vector<int> nodes(s.nodes.begin() + s.begin[i], s.nodes.begin() + s.begin[i + 1]);
+      const auto corners = static_cast<std::ptrdiff_t>(nodes.size() == 3 || nodes.size() == 6 ? 3 : 4);
+      const auto turn = std::min_element(nodes.begin(), nodes.begin() + corners) - nodes.begin();
+      std::rotate(nodes.begin(), nodes.begin() + turn, nodes.begin() + corners);
+      if (nodes.size() > static_cast<std::size_t>(corners)) {
+        std::rotate(nodes.begin() + corners, nodes.begin() + corners + turn, nodes.begin() + 2 * corners);
+      }
+      facets.insert(list(nodes));
+    }
+    return fmt::format("{}", fmt::join(facets, ", "));
+  };
+  const auto sorted = [](std::vector<int> nodes) {
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return list(nodes);
+  };
+  for (std::size_t i = 0; i < m.nodes.size(); ++i) {
+    facts["nodes"].insert(
+        fmt::format("{} {:.6g} {:.6g} {:.6g}", m.node_ids[i], m.nodes[i].x(), m.nodes[i].y(), m.nodes[i].z()));
+  }
+  for (const Domain& d : m.domains) {
+    facts["elements"].insert(fmt::format("{} material {}: {}", static_cast<int>(d.shape), d.material, list(d.nodes)));
+    double thickest = 0;
+    for (const double t : d.shell_thickness) thickest = std::max(thickest, t);
+    facts["thickness"].insert(fmt::format("{} {:g}", &d - m.domains.data(), thickest));
+  }
+  for (const Material& a : m.materials) {
+    facts["materials"].insert(
+        fmt::format("{} {} {} {:g} {:g} {:g} {}", a.id, a.name, a.type, a.density, a.E, a.nu, a.note));
+    facts["com"].insert(a.center_of_mass ? fmt::format("{} {:g} {:g} {:g}", a.id, a.center_of_mass->x(),
+                                                       a.center_of_mass->y(), a.center_of_mass->z())
+                                         : "");
+  }
+  for (const RigidFixed& f : m.rigid_fixed) {
+    for (int i = 0; i < kDofs; ++i) {
+      if (f.dofs[static_cast<std::size_t>(i)])
+        facts["rigid fixed"].insert(fmt::format("{} {} step {}", f.material, kDofNames[i], f.step));
+    }
+  }
+  for (const RigidPrescribed& p : m.rigid_prescribed) {
+    facts["rigid prescribed"].insert(
+        fmt::format("{} {} {} {} step {}", p.material, kDofNames[p.dof], curve(p.value), p.relative, p.step));
+  }
+  for (const RigidLoad& l : m.rigid_loads) {
+    facts["rigid loads"].insert(fmt::format("{} {} {} {} step {}", l.material, kDofNames[l.dof], curve(l.value),
+                                            static_cast<int>(l.kind), l.step));
+  }
+  for (const RigidSpring& s : m.rigid_springs) {
+    facts["rigid springs"].insert(fmt::format("{} {} {:g} {:g} {:g}", s.material_a, s.material_b, s.k, s.free_length,
+                                              (s.insertion_b - s.insertion_a).norm()));
+  }
+  for (const DiscreteSprings& s : m.discrete_springs) {
+    std::string pairs;
+    for (const auto& p : m.discrete_sets[static_cast<std::size_t>(s.set)].pairs)
+      pairs += fmt::format(" {}-{}", p[0], p[1]);
+    facts["springs"].insert(fmt::format("{:g} {} {}", s.stiffness, s.tension_only, pairs));
+  }
+  for (const FixedNodes& f : m.fixed_nodes) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (f.xyz[i]) facts["fixed"].insert(fmt::format("{} step {}: {}", "xyz"[i], f.step, sorted(f.nodes)));
+    }
+  }
+  for (const RigidNodes& r : m.rigid_nodes)
+    facts["rigid nodes"].insert(fmt::format("{} step {}: {}", r.material, r.step, sorted(r.nodes)));
+  for (const Contact& c : m.contacts) {
+    facts["contacts"].insert(fmt::format("{} {:g} step {}: {} | {}", static_cast<int>(c.kind), c.max_distance, c.step,
+                                         surface(c.primary), surface(c.secondary)));
+    facts["contact parameters"].insert(fmt::format("{} {}", c.type, fmt::join(c.ignored, ", ")));
+  }
+  for (const Step& s : m.steps)
+    facts["steps"].insert(fmt::format("{:g} {:g} must {}", s.duration, s.step_size, fmt::join(s.must_points, " ")));
+  facts["module"].insert(m.module + " " + m.units);
+  return facts;
+}
+
+/// Differences as text, empty if there are none.
+std::string differences(const Facts& a, const Facts& b, const std::set<std::string>& except = {}) {
+  std::set<std::string> keys;
+  for (const auto& entry : a) keys.insert(entry.first);
+  for (const auto& entry : b) keys.insert(entry.first);
+  std::string text;
+  for (const std::string& key : keys) {
+    const auto of = [&](const Facts& facts) {
+      return facts.count(key) > 0 ? facts.at(key) : std::multiset<std::string>();
+    };
+    const std::multiset<std::string> left = of(a), right = of(b);
+    if (left == right || except.count(key) > 0) continue;
+    text += "\n  " + key + ":";
+    for (const std::string& line : left) {
+      if (right.count(line) == 0) text += "\n    - " + line.substr(0, 300);
+    }
+    for (const std::string& line : right) {
+      if (left.count(line) == 0) text += "\n    + " + line.substr(0, 300);
+    }
+  }
+  return text;
+}
+
+TEST_F(ReadFeb, OneModelInThreeFormatsIsTheSame) {
+  const JointModel m25 = read(kModel25), m30 = read(kModel30), m40 = read(kModel40);
+  EXPECT_EQ(differences(facts_of(m30), facts_of(m40)), "");
+  EXPECT_EQ(differences(facts_of(m25), facts_of(m40)), "");
+  EXPECT_EQ(m25.version, "2.5");
+  EXPECT_EQ(m40.version, "4.0");
+  for (const JointModel* m : {&m25, &m30, &m40}) {
+    EXPECT_TRUE(m->ignored.empty()) << m->ignored.front().what;
+    EXPECT_TRUE(m->unsupported.empty()) << m->unsupported.front().what;
+  }
+}
+
+TEST_F(ReadFeb, SaysWhatTheFileSays) {
+  const JointModel m = read(kModel40);
+  ASSERT_EQ(m.files.size(), 1u);
+  EXPECT_EQ(m.files[0], (folder_ / "model.feb").string());
+  EXPECT_EQ(m.module, "biphasic");
+  EXPECT_EQ(m.units, "mm-N-s");
+  ASSERT_EQ(m.nodes.size(), 16u);
+  EXPECT_EQ(m.node_ids[8], 11);
+  EXPECT_EQ(m.nodes[14], Vector3d(1, 1, 2.5));
+  ASSERT_EQ(m.domains.size(), 3u);
+  EXPECT_EQ(m.domains[1].nodes, (std::vector<int>{8, 9, 10, 11, 12, 13, 14, 15}));
+  EXPECT_EQ(m.domains[2].shell_thickness, (std::vector<double>{0.5, 0.5, 0.5, 0.5}));
+  EXPECT_EQ(m.node_sets[0].nodes, (std::vector<int>{15, 14, 12, 13}));  // in the order of the file
+  EXPECT_EQ(m.node_sets[1].nodes, (std::vector<int>{0, 4, 7}));
+  EXPECT_EQ(m.surfaces[1].begin, (std::vector<int>{0, 3, 6}));
+  EXPECT_EQ(m.surfaces[1].nodes, (std::vector<int>{8, 10, 9, 8, 11, 10}));
+  EXPECT_TRUE(m.materials[0].rigid);
+  EXPECT_EQ(m.materials[0].center_of_mass, Vector3d(0, 0, 0));
+  EXPECT_FALSE(m.materials[3].center_of_mass.has_value());
+  EXPECT_EQ(m.materials[2].type, "biphasic/Holmes-Mow");
+  EXPECT_EQ(m.materials[2].E, 5.0);
+  EXPECT_EQ(m.materials[2].note, "drained solid");
+  ASSERT_EQ(m.contacts.size(), 1u);
+  EXPECT_EQ(m.surfaces[static_cast<std::size_t>(m.contacts[0].primary)].name, "bottom");
+  EXPECT_EQ(m.contacts[0].ignored, (std::vector<std::string>{"fric_coeff = 0.2"}));
+  ASSERT_EQ(m.steps.size(), 2u);
+  EXPECT_DOUBLE_EQ(m.steps[0].duration, 1.0);  // the first step takes the control before it
+  EXPECT_DOUBLE_EQ(m.steps[0].step_size, 0.25);
+  EXPECT_EQ(m.steps[1].must_points, (std::vector<double>{1.5}));  // 0.5 lies in step one, which has none
+  EXPECT_EQ(m.rigid_prescribed[0].step, 0);
+  EXPECT_EQ(m.rigid_loads[1].step, 1);
+  EXPECT_EQ(m.rigid_loads[1].kind, RigidLoad::Kind::Follower);
+  EXPECT_DOUBLE_EQ(value(m, m.rigid_loads[0].value, 1.5), -75.0);
+  EXPECT_EQ(where(m, m.materials[1].origin), m.files[0] + ":7: ");
+}
+
+// -- syntax ------------------------------------------------------------------------------------------
+
+/// kModel40 with one piece exchanged.
+std::string model_with(const std::string& from, const std::string& to) { return replaced(kModel40, from, to); }
+/// kModel40 with sections before its end.
+std::string model_and(const std::string& sections) {
+  return replaced(kModel40, "</febio_spec>", sections + "</febio_spec>");
+}
+
+/// A 4.0 file with a few nodes and what stands in `mesh`.
+std::string mesh_model(const std::string& mesh, const std::string& more = "") {
+  std::string nodes;
+  for (int i = 1; i <= 30; ++i) nodes += fmt::format("<node id=\"{}\">{},0,0</node>", i, i);
+  return feb("4.0", "<Mesh><Nodes name=\"n\">" + nodes + "</Nodes>" + mesh + "</Mesh>" + more);
+}
+
+TEST_F(ReadFeb, EveryElementTypeHasItsShape) {
+  const std::pair<const char*, ElementShape> types[] = {
+      {"hex8", ElementShape::Hex8},       {"HEX8G8", ElementShape::Hex8},      {"hex20", ElementShape::Hex20},
+      {"HEX20G8", ElementShape::Hex20},   {"hex27", ElementShape::Hex27},      {"penta6", ElementShape::Penta6},
+      {"penta15", ElementShape::Penta15}, {"pyra5", ElementShape::Pyra5},      {"pyra13", ElementShape::Pyra13},
+      {"tet4", ElementShape::Tet4},       {"ut4", ElementShape::Tet4},         {"TET4G4", ElementShape::Tet4},
+      {"tet5", ElementShape::Tet5},       {"tet10", ElementShape::Tet10},      {"TET10G4", ElementShape::Tet10},
+      {"TET10GL11", ElementShape::Tet10}, {"TET10G8_S3", ElementShape::Tet10}, {"tet15", ElementShape::Tet15},
+      {"TET15G15", ElementShape::Tet15},  {"tet20", ElementShape::Tet20},      {"quad4", ElementShape::Quad4},
+      {"q4eas", ElementShape::Quad4},     {"q4ans", ElementShape::Quad4},      {"q4s", ElementShape::Quad4},
+      {"QUAD4G8", ElementShape::Quad4},   {"quad8", ElementShape::Quad8},      {"QUAD8G18", ElementShape::Quad8},
+      {"quad9", ElementShape::Quad9},     {"tri3", ElementShape::Tri3},        {"tri3s", ElementShape::Tri3},
+      {"TRI3G6", ElementShape::Tri3},     {"tri6", ElementShape::Tri6},        {"TRI6G14", ElementShape::Tri6},
+      {"truss2", ElementShape::Line2},    {"line2", ElementShape::Line2},      {"line3", ElementShape::Line3}};
+  for (const auto& type : types) {
+    std::vector<int> nodes;
+    for (int i = 1; i <= nodes_per_element(type.second); ++i) nodes.push_back(i);
+    const JointModel m = read(mesh_model(fmt::format(
+        "<Elements type=\"{}\" name=\"e\"><elem id=\"1\">{}</elem></Elements>", type.first, fmt::join(nodes, ","))));
+    EXPECT_EQ(m.domains[0].shape, type.second) << type.first;
+    EXPECT_EQ(m.domains[0].nodes.size(), nodes.size()) << type.first;
+    EXPECT_EQ(m.domains[0].material, -1);
+  }
+}
+
+TEST_F(ReadFeb, NodeSetsOfEveryKind) {
+  const std::string mesh =
+      R"(<Elements type="tri3" name="A"><elem id="5">3,2,4</elem><elem id="6">4,2,1</elem></Elements>
+<Elements type="line2" name="B"><elem id="7">9,8</elem></Elements>
+<NodeSet name="list">4, 7:9, 10:20:5,</NodeSet>
+<NodeSet name="nested"><NodeSet node_set="list"/><n id="1"/><node_list>2,3</node_list></NodeSet>
+<ElementSet name="two">6,7</ElementSet><PartList name="both">B,A</PartList>
+<Edge name="rim"><line2 id="1">12,11</line2><line2 id="2">11,10</line2></Edge>
+<Surface name="s"><tri3 id="1">6,5,7</tri3></Surface>)";
+  const std::pair<const char*, std::vector<int>> sets[] = {{"list", {3, 6, 7, 8, 9, 14, 19}},
+                                                           {"nested", {3, 6, 7, 8, 9, 14, 19, 0, 1, 2}},
+                                                           {"@surface:s", {5, 4, 6}},
+                                                           {"@edge:rim", {11, 10, 9}},
+                                                           {"@elem_set:two", {3, 1, 0, 8, 7}},
+                                                           {"@elem_set:A", {2, 1, 3, 0}},
+                                                           {"@part_list:both", {8, 7, 2, 1, 3, 0}}};
+  for (const auto& set : sets) {
+    const JointModel m = read(mesh_model(
+        mesh, fmt::format("<Boundary><bc type=\"zero displacement\" node_set=\"{}\"><y_dof>1</y_dof></bc></Boundary>",
+                          set.first)));
+    ASSERT_EQ(m.fixed_nodes.size(), 1u);
+    EXPECT_EQ(m.fixed_nodes[0].nodes, set.second) << set.first;
+    EXPECT_EQ(m.fixed_nodes[0].xyz, (std::array<bool, 3>{false, true, false}));
+  }
+  const JointModel named =
+      read(mesh_model("", "<Boundary><bc type=\"zero displacement\" node_set=\"n\"><x_dof>1</x_dof></bc></Boundary>"));
+  EXPECT_EQ(named.fixed_nodes[0].nodes.size(), 30u);
+}
+
+TEST_F(ReadFeb, RotationVectorIsThreePrescribedRotations) {
+  const JointModel m = read(model_and(
+      R"(<Rigid><rigid_bc type="rigid_rotation_vector"><rb>femur</rb><vx lc="1">0.1</vx><vz>0.3</vz></rigid_bc>
+<rigid_bc type="rigid_rotation"><rb>femur</rb><dof>Rv</dof><value>0.5</value><relative>1</relative></rigid_bc></Rigid>)"));
+  ASSERT_EQ(m.rigid_prescribed.size(), 5u);
+  EXPECT_EQ(m.rigid_prescribed[1].dof, 3);
+  EXPECT_EQ(m.rigid_prescribed[1].value.controller, 0);
+  EXPECT_EQ(m.rigid_prescribed[2].value.factor, 0.0);
+  EXPECT_EQ(m.rigid_prescribed[2].value.controller, -1);
+  EXPECT_EQ(m.rigid_prescribed[3].dof, 5);
+  EXPECT_EQ(m.rigid_prescribed[4].dof, 4);
+  EXPECT_TRUE(m.rigid_prescribed[4].relative);
+  EXPECT_EQ(m.rigid_prescribed[4].step, 1);  // a section after a Step belongs to the last step
+}
+
+TEST_F(ReadFeb, StepsFollowTheirRules) {
+  const std::string mats = kMaterials;
+  const auto rigid = [](const char* name) {
+    return fmt::format(
+        "<Rigid><rigid_bc name=\"{}\" type=\"rigid_fixed\"><rb>femur</rb><Rx_dof>1</Rx_dof></rigid_bc></Rigid>", name);
+  };
+  const JointModel none = read(feb("4.0", mats));
+  ASSERT_EQ(none.steps.size(), 1u);
+  EXPECT_DOUBLE_EQ(none.steps[0].duration, 1.0);  // FEBio's defaults: 10 steps of 0.1
+  EXPECT_DOUBLE_EQ(none.steps[0].step_size, 0.1);
+
+  const JointModel m = read(
+      feb("4.0", "<Control><time_steps>3</time_steps></Control>" + mats + rigid("before") + "<Step><step>" +
+                     rigid("in one") + "<Control><step_size>0.5</step_size></Control></step><step>" + rigid("in two") +
+                     "<Control><time_steps>-1</time_steps><final_time>7</final_time></Control></step></Step>" +
+                     rigid("after")));
+  ASSERT_EQ(m.steps.size(), 2u);
+  EXPECT_DOUBLE_EQ(m.steps[0].duration, 1.5);  // 3 of the control before, 0.5 of its own
+  EXPECT_DOUBLE_EQ(m.steps[1].duration, 7.0);
+  ASSERT_EQ(m.rigid_fixed.size(), 4u);
+  EXPECT_EQ(m.rigid_fixed[0].step, -1);
+  EXPECT_EQ(m.rigid_fixed[1].step, 0);
+  EXPECT_EQ(m.rigid_fixed[2].step, 1);
+  EXPECT_EQ(m.rigid_fixed[3].step, 1);
+}
+
+TEST_F(ReadFeb, RigidBodiesOf25) {
+  const JointModel m = read(replaced(kModel25, "</febio_spec>", R"(<Boundary><rigid_body mat="femur">
+<prescribed bc="Ry" lc="1" type="relative">0.5</prescribed><force bc="y" lc="1" type="ramp">3</force>
+<force bc="Rx" lc="1" type="follow">3</force><force bc="y">3</force><initial_velocity>1,0,0</initial_velocity>
+</rigid_body></Boundary><Rigid/></febio_spec>)"));
+  EXPECT_EQ(m.rigid_prescribed.back().dof, 4);  // Ry is a rotation in 2.5
+  EXPECT_EQ(m.rigid_prescribed.back().material, 3);
+  EXPECT_TRUE(m.rigid_prescribed.back().relative);
+  EXPECT_EQ(m.rigid_loads.back().dof, 1);
+  EXPECT_EQ(m.rigid_loads.back().value.controller, -1);
+  ASSERT_EQ(m.unsupported.size(), 3u);
+  EXPECT_EQ(m.unsupported[0].what, "rigid force with load_type TARGET");
+  EXPECT_EQ(m.unsupported[1].what, "rigid moment with load_type FOLLOW");
+  EXPECT_EQ(m.unsupported[2].what, "section <Rigid> in a version without one");
+  ASSERT_EQ(m.ignored.size(), 1u);
+  EXPECT_EQ(m.ignored[0].what, "initial velocity of a rigid body");
+}
+
+// A name that is a number is taken as an id first, as FEBio does.
+TEST_F(ReadFeb, RigidBodyByIdBeforeName) {
+  const std::string model =
+      R"(<Material><material id="1" name="2" type="rigid body"/><material id="2" name="b" type="rigid body"/>
+</Material><Rigid><rigid_bc type="rigid_fixed"><rb>2</rb><Rx_dof>1</Rx_dof></rigid_bc>
+<rigid_bc type="rigid_fixed"><rb> b </rb><Rx_dof>1</Rx_dof></rigid_bc></Rigid>)";
+  const JointModel m = read(feb("4.0", model));
+  ASSERT_EQ(m.rigid_fixed.size(), 2u);
+  EXPECT_EQ(m.rigid_fixed[0].material, 1);
+  EXPECT_EQ(m.rigid_fixed[1].material, 1);
+}
+
+// -- materials ---------------------------------------------------------------------------------------
+
+TEST_F(ReadFeb, SmallStrainConstantsOfTheMaterials) {
+  struct Case {
+    const char* version;
+    const char* material;  ///< its type and what it contains
+    double G, K;           ///< worked out by hand
+    const char* note;
+  };
+  // E = 10, v = 0.25: G = 4, K = 20/3. f = 3/N = 0.3 with N = 10.
+  const double f = 0.3;
+  const double arruda =
+      2 * (1 + 0.4 * f + 66.0 / 350 * f * f + 152.0 / 1750 * f * f * f + 5190.0 / 134750 * f * f * f * f);
+  const Case cases[] = {
+      {"4.0", R"(type="isotropic elastic"><E>10</E><v>0.25</v>)", 4, 20.0 / 3, ""},
+      {"4.0", R"(type="EFD neo-Hookean"><E>10</E><v>0.25</v><beta>2,2,2</beta>)", 4, 20.0 / 3,
+       "ground matrix, fibres left out"},
+      {"4.0", R"(type="Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><k>100</k>)", 3, 100, ""},
+      {"4.0", R"(type="trans iso Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><c3>9</c3><k>100</k>)", 3, 100,
+       "ground matrix, fibres left out"},
+      {"4.0", R"(type="Veronda-Westmann"><c1>2</c1><c2>3</c2><k>50</k>)", 6, 50, ""},
+      {"4.0", R"(type="Ogden"><c1>2</c1><m1>2</m1><c3>4</c3><m3>2</m3><k>50</k>)", 3, 50, ""},
+      {"4.0", R"(type="Gent"><G>3</G><Jm>10</Jm><k>30</k>)", 3, 30, ""},
+      {"4.0", R"(type="Yeoh"><c1>2</c1><c2>8</c2><k>30</k>)", 4, 30, ""},
+      {"4.0", R"(type="Arruda-Boyce"><mu>2</mu><N>10</N><k>30</k>)", arruda, 30, ""},
+      {"4.0", R"(type="uncoupled Holmes-Mow"><mu>2</mu><beta>1</beta><k>30</k>)", 2, 30, ""},
+      {"4.0", R"(type="Ogden unconstrained"><cp>5</cp><c1>6</c1><m1>2</m1>)", 3, 7, ""},
+      {"4.0", R"(type="coupled Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><k>10</k>)", 3, 14, ""},
+      {"4.0", R"(type="coupled Veronda-Westmann"><c1>3</c1><c2>1</c2><k>10</k>)", 3, 18, ""},
+      {"4.0",
+       R"(type="solid mixture"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid type="neo-Hookean"><E>20</E><v>0.25</v></solid>)",
+       12, 20, ""},
+      {"4.0",
+       R"(type="solid mixture"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid type="fiber-exp-pow"><ksi>5</ksi></solid>)",
+       4, 20.0 / 3, "ground matrix, fibres left out"},
+      {"2.5", R"(type="uncoupled solid mixture"><k>10</k><solid type="Yeoh"><c1>2</c1><k>30</k></solid>)", 4, 40, ""},
+      {"4.0", R"(type="uncoupled solid mixture"><k>10</k><solid type="Yeoh"><c1>2</c1><k>30</k></solid>)", 4, 10, ""},
+      {"4.0", R"(type="viscoelastic"><g0>0.5</g0><g1>2</g1><elastic type="neo-Hookean"><E>10</E><v>0.25</v></elastic>)",
+       2, 10.0 / 3, "long-term (g0 = 0.5)"},
+      {"4.0", R"(type="uncoupled viscoelastic"><g0>0.5</g0><k>30</k><elastic type="Yeoh"><c1>2</c1></elastic>)", 2, 30,
+       "long-term (g0 = 0.5)"},
+      {"4.0", R"(type="prestrain elastic"><elastic type="neo-Hookean"><E>10</E><v>0.25</v></elastic>)", 4, 20.0 / 3,
+       "prestrain left out"},
+      {"4.0", R"(type="multiphasic"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid>)", 4, 20.0 / 3,
+       "drained solid"},
+  };
+  for (const Case& c : cases) {
+    const JointModel m = read(
+        feb(c.version, fmt::format("<Material><material id=\"1\" name=\"a\" {}</material></Material>", c.material)));
+    EXPECT_NEAR(m.materials[0].E, 9 * c.K * c.G / (3 * c.K + c.G), 1e-12 * c.K) << c.material;
+    EXPECT_NEAR(m.materials[0].nu, (3 * c.K - 2 * c.G) / (2 * (3 * c.K + c.G)), 1e-13) << c.material;
+    EXPECT_EQ(m.materials[0].note, c.note) << c.material;
+  }
+}
+
+TEST_F(ReadFeb, MaterialsWithoutConstantsSayWhy) {
+  const std::pair<const char*, const char*> cases[] = {
+      {R"(type="neo-Hookean"><E type="math">1+X</E><v>0</v>)", "E is a \"math\", not one number"},
+      {R"(type="neo-Hookean"><E>1+X</E><v>0</v>)", "E = \"1+X\" is not one number"},
+      {R"(type="neo-Hookean"><E lc="1">1</E><v>0</v>)", "E follows a load controller"},
+      {R"(type="Mooney-Rivlin"><c1>1</c1>)", "no stiffness: G = 2, K = 0, need both > 0"},
+      {R"(type="plugin jelly"><E>1</E>)", "no small-strain E and nu are known for type \"plugin jelly\""},
+      {R"(type="orthotropic elastic"><E1>1</E1>)", "orthotropic, no single E and nu"},
+      {R"(type="biphasic"><phi0>0.2</phi0>)", "\"biphasic\" without a nested solid"},
+      {R"(type="solid mixture"><solid type="jelly"/>)", "no small-strain E and nu are known for type \"jelly\""},
+  };
+  for (const auto& c : cases) {
+    const JointModel m =
+        read(feb("4.0", fmt::format("<Material><material id=\"1\" name=\"a\" {}</material></Material>", c.first)));
+    EXPECT_TRUE(std::isnan(m.materials[0].E)) << c.first;
+    EXPECT_TRUE(std::isnan(m.materials[0].nu)) << c.first;
+    EXPECT_EQ(m.materials[0].note, c.second);
+  }
+}
+
+// -- contacts ----------------------------------------------------------------------------------------
+
+TEST_F(ReadFeb, ContactsSlideOrTie) {
+  for (const char* type :
+       {"sliding-elastic", "sliding-tension-compression", "sliding-facet-on-facet", "facet-to-facet sliding",
+        "sliding-node-on-facet", "sliding_with_gaps", "sliding2", "sliding-biphasic", "sliding-biphasic-mixed",
+        "sliding-biphasic-solute", "sliding-multiphasic"}) {
+    EXPECT_EQ(read(model_with("sliding-elastic", type)).contacts.at(0).kind, Contact::Kind::Sliding) << type;
+  }
+  for (const char* type :
+       {"tied-node-on-facet", "tied-facet-on-facet", "tied-elastic", "sticky", "tied-biphasic", "tied-multiphasic"}) {
+    const JointModel m = read(
+        replaced(model_with("sliding-elastic", type), "<penalty>20</penalty>", "<max_distance>0.3</max_distance>"));
+    EXPECT_EQ(m.contacts.at(0).kind, Contact::Kind::Tied) << type;
+    EXPECT_EQ(m.contacts.at(0).max_distance, 0.3);
+  }
+}
+
+TEST_F(ReadFeb, SearchRadiusIsListedAwayFromTheDefaultOfItsType) {
+  const JointModel elastic = read(model_with("<search_radius>1<", "<search_radius>0.5<"));
+  EXPECT_EQ(elastic.contacts[0].ignored, (std::vector<std::string>{"fric_coeff = 0.2", "search_radius = 0.5"}));
+  const JointModel facet = read(model_with("sliding-elastic", "sliding-facet-on-facet"));
+  EXPECT_EQ(facet.contacts[0].ignored, (std::vector<std::string>{"fric_coeff = 0.2", "search_radius = 1"}));
+}
+
+// -- what is left out --------------------------------------------------------------------------------
+
+TEST_F(ReadFeb, WhatChangesTheMechanicsIsListedAsUnsupported) {
+  const std::pair<const char*, const char*> cases[] = {
+      {R"(<Rigid><rigid_load type="rigid_force"><rb>femur</rb><dof>Rx</dof><value>1</value><load_type>TARGET</load_type></rigid_load></Rigid>)",
+       "rigid force with load_type TARGET"},
+      {R"(<Rigid><rigid_load type="rigid_moment"><rb>femur</rb><dof>Ru</dof><value>1</value><load_type>FOLLOW</load_type></rigid_load></Rigid>)",
+       "rigid moment with load_type FOLLOW"},
+      {R"(<Rigid><rigid_load type="rigid_force"><rb>femur</rb><dof>Rx</dof><value>1</value><relative>1</relative></rigid_load></Rigid>)",
+       "rigid force with relative = 1"},
+      {R"(<Rigid><rigid_bc type="rigid_euler_angles"><rb>femur</rb></rigid_bc></Rigid>)",
+       "rigid_bc \"rigid_euler_angles\""},
+      {R"(<Rigid><rigid_load type="rigid_follower_force"><rb>femur</rb></rigid_load></Rigid>)",
+       "rigid_load \"rigid_follower_force\""},
+      {R"(<Rigid><rigid_load type="rigid_axial_force"/></Rigid>)", "rigid_load \"rigid_axial_force\""},
+      {R"(<Rigid><rigid_connector type="rigid revolute joint"/></Rigid>)", "rigid connector \"rigid revolute joint\""},
+      {R"(<Discrete><discrete_material id="3" type="Hill"/><discrete dmat="3" discrete_set="ligament"/></Discrete>)",
+       "discrete material \"Hill\""},
+      {R"(<Contact><contact type="periodic boundary" surface_pair="pair"/></Contact>)",
+       "contact \"periodic boundary\""},
+      {R"(<Contact><contact type="rigid_wall" surface="top"/></Contact>)", "contact \"rigid_wall\""},
+      {R"(<Constraints><constraint type="volume" surface="top"/></Constraints>)", "constraint \"volume\""},
+      {R"(<Boundary><bc type="prescribed displacement" node_set="side"><dof>z</dof><value lc="1">0.1</value></bc></Boundary>)",
+       "prescribed displacement of nodes"},
+      {R"(<Boundary><bc type="linear constraint"/></Boundary>)", "bc \"linear constraint\""},
+      {R"(<Loads><nodal_load type="nodal_load" node_set="side"><dof>x</dof><scale>2</scale></nodal_load></Loads>)",
+       "nodal_load \"nodal_load\""},
+      {R"(<Loads><surface_load type="pressure" surface="top"><pressure lc="1">2</pressure></surface_load></Loads>)",
+       "surface_load \"pressure\""},
+      {R"(<Loads><body_load type="body force"><force>0,0,-9</force></body_load></Loads>)", "body_load \"body force\""},
+      {R"(<LoadData><load_controller id="3" type="math"><math>t</math></load_controller></LoadData>
+<Rigid><rigid_load type="rigid_force"><rb>femur</rb><dof>Rx</dof><value lc="3">1</value></rigid_load></Rigid>)",
+       "load controller 3 with type \"math\""},
+      {R"(<LoadData><load_controller id="3"><interpolate>CUBIC SPLINE</interpolate></load_controller></LoadData>
+<Rigid><rigid_load type="rigid_force"><rb>femur</rb><dof>Rx</dof><value lc="3">1</value></rigid_load></Rigid>)",
+       "load controller 3 with interpolation \"cubic spline\""},
+  };
+  for (const auto& c : cases) {
+    const JointModel m = read(model_and(c.first));
+    ASSERT_EQ(m.unsupported.size(), 1u) << c.first;
+    EXPECT_EQ(m.unsupported[0].what, c.second);
+    EXPECT_GT(m.unsupported[0].origin.line, 40) << c.first;
+    EXPECT_TRUE(m.ignored.empty()) << m.ignored[0].what;
+  }
+}
+
+TEST_F(ReadFeb, WhatIsHarmlessIsListedOnceAsIgnored) {
+  const std::pair<const char*, const char*> cases[] = {
+      {R"(<Constraints><constraint type="symmetry plane" surface="top"/></Constraints>)", "symmetry plane"},
+      {R"(<Rigid><rigid_connector type="rigid damper"/></Rigid>)", "rigid damper: statics has no velocity"},
+      {R"(<Rigid><rigid_ic type="initial_rigid_velocity"><rb>femur</rb><value>1,0,0</value></rigid_ic></Rigid>)",
+       "initial velocity of a rigid body"},
+      {R"(<Control><analysis>dynamic</analysis></Control>)",
+       "analysis DYNAMIC: DEA is quasi-static, inertia is left out"},
+      {R"(<Loads><surface_load type="pressure"><pressure lc="1">0</pressure></surface_load></Loads>)",
+       "surface_load \"pressure\" of zero"},
+      {R"(<Boundary><bc type="zero rotation" node_set="side"/></Boundary>)", "bc \"zero rotation\""},
+      {R"(<Initial><ic type="init_dof"/></Initial>)", "initial conditions"},
+      {R"(<Novelty><x/></Novelty>)", "section <Novelty>"},
+  };
+  for (const auto& c : cases) {
+    const JointModel m = read(model_and(std::string(c.first) + c.first));
+    ASSERT_EQ(m.ignored.size(), 1u) << c.first;
+    EXPECT_EQ(m.ignored[0].what, c.second);
+    EXPECT_EQ(m.ignored[0].count, 2);
+    EXPECT_TRUE(m.unsupported.empty()) << c.first;
+  }
+}
+
+TEST_F(ReadFeb, DofsOfFixedNodesMayBeJoinedButFluidVelocitiesAreNoDisplacement) {
+  const std::pair<const char*, std::array<bool, 3>> cases[] = {{"x,y,z", {true, true, true}},
+                                                               {"xz", {true, false, true}},
+                                                               {"xyzuvw", {true, true, true}},
+                                                               {" y , w ", {false, true, false}},
+                                                               {"x,wz,wy", {true, false, false}}};
+  for (const auto& c : cases) {
+    EXPECT_EQ(read(replaced(kModel25, "bc=\"x,z\"", fmt::format("bc=\"{}\"", c.first))).fixed_nodes.at(0).xyz, c.second)
+        << c.first;
+  }
+  EXPECT_TRUE(read(replaced(kModel25, "bc=\"x,z\"", "bc=\"wx,wy,p\"")).fixed_nodes.empty());
+}
+
+TEST_F(ReadFeb, ZeroPrescribedDisplacementHoldsTheNodes) {
+  const JointModel m = read(model_and(
+      R"(<Boundary><bc type="prescribed displacement" node_set="held"><dof>y</dof><value lc="1">0</value></bc></Boundary>)"));
+  ASSERT_EQ(m.fixed_nodes.size(), 2u);
+  EXPECT_EQ(m.fixed_nodes[1].xyz, (std::array<bool, 3>{false, true, false}));
+  EXPECT_TRUE(m.unsupported.empty());
+}
+
+TEST_F(ReadFeb, AControllerNobodyUsesMayBeOfAnyKind) {
+  EXPECT_TRUE(read(model_and(R"(<LoadData><load_controller id="3" type="PID"/></LoadData>)")).unsupported.empty());
+}
+
+// -- several files -----------------------------------------------------------------------------------
+
+TEST_F(ReadFeb, SectionsMayLieInOtherFiles) {
+  const Facts whole = facts_of(read(kModel40));
+  write("sub/materials.feb", feb("4.0", kMaterials));
+  const JointModel from = read(replaced(kModel40, kMaterials, "<Material from=\"sub/materials.feb\"/>"));
+  EXPECT_EQ(differences(whole, facts_of(from)), "");
+  ASSERT_EQ(from.files.size(), 2u);
+  EXPECT_EQ(where(from, from.materials[1].origin), (folder_ / "sub/materials.feb").string() + ":5: ");
+  EXPECT_EQ(where(from, from.contacts[0].origin).rfind((folder_ / "model.feb").string(), 0), 0u);
+
+  write("materials.feb", feb("3.0", kMaterials));
+  const JointModel include = read(replaced(kModel40, kMaterials, "<Include>materials.feb</Include>"));
+  EXPECT_EQ(differences(whole, facts_of(include)), "");
+}
+
+TEST_F(ReadFeb, BadIncludesAreRefused) {
+  write("a.feb", feb("4.0", "<Include>b.feb</Include>"));
+  write("b.feb", feb("4.0", "\n<Include>a.feb</Include>"));
+  EXPECT_EQ(fault((folder_ / "a.feb").string()), "b.feb:4: \"a.feb\" includes itself: remove one include");
+  EXPECT_EQ(fault_of(feb("4.0", "<Mesh from=\"none.feb\"/>")),
+            "model.feb:3: no such file: \"none.feb\": check the path");
+  write("old.feb", feb("2.0", ""));
+  EXPECT_EQ(fault_of(feb("4.0", "<Include>old.feb</Include>")),
+            "old.feb:2: version \"2.0\", expected 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0");
+  write("empty.feb", feb("4.0", ""));
+  EXPECT_EQ(fault_of(feb("4.0", "<Mesh from=\"empty.feb\"/>")),
+            "empty.feb:2: no <Mesh> here, which \"model.feb\" takes from this file");
+}
+
+// -- refusals ----------------------------------------------------------------------------------------
+
+TEST_F(ReadFeb, FilesThatAreNoModelAreRefused) {
+  EXPECT_EQ(fault((folder_ / "none.feb").string()), "none.feb: no such file: check the path");
+  EXPECT_EQ(fault(folder_.string()), folder_.string() + ": this is a folder, expected a .feb file");
+  EXPECT_EQ(fault(write("p.fs2", "\x01\x02")),
+            "p.fs2: this is a FEBio Studio project; export the FEBio file: File > Export FE model (.feb)");
+  EXPECT_EQ(fault(write("p.fsm", "<?xml?>")),
+            "p.fsm: this is a FEBio Studio project; export the FEBio file: File > Export FE model (.feb)");
+  EXPECT_EQ(fault_of(""), "model.feb: the file is empty, expected a FEBio model: save it again");
+  EXPECT_EQ(fault_of("solid cube\nfacet"),
+            "model.feb:1: the file starts with \"solid cube f\", expected \"<?xml\": this is no FEBio model (.feb)");
+  EXPECT_EQ(fault_of("<?xml version=\"1.0\"?>\n<html/>"),
+            "model.feb:2: the root is \"html\", expected <febio_spec>: this is no FEBio model");
+  EXPECT_EQ(fault_of("<?xml version=\"1.0\"?>\n"),
+            "model.feb:1: no element at all, expected <febio_spec>: this is no FEBio model");
+  EXPECT_EQ(fault_of(feb("1.2", "")),
+            "model.feb:2: version \"1.2\", expected 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0");
+  EXPECT_NE(fault_of(kModel40.substr(0, kModel40.size() / 2))
+                .find("the file ends without </febio_spec>: it is cut off; save or copy it again"),
+            std::string::npos);
+  EXPECT_EQ(
+      fault_of(feb("4.0", "<a>\n</b>\n")),
+      "model.feb:3: broken XML (XML_ERROR_MISMATCHED_ELEMENT): the file is damaged here; repair or save it again");
+}
+
+TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
+  struct Case {
+    const char* from;  ///< a piece of kModel40
+    const char* to;
+    const char* fault;
+  };
+  const Case cases[] = {
+      {"<v>0.4</v>", "<v>0.5</v>", "7: material \"lower\": v = 0.5, need -1 < v < 0.5"},
+      {"<v>0.1</v>", "<v>-1</v>", "8: material \"upper\": v = -1, need -1 < v < 0.5"},
+      {"<E>10</E>", "<E>0</E>", "7: material \"lower\": E = 0, need E > 0"},
+      {"<E>10</E>", "", "7: material \"lower\": E is missing, need E > 0"},
+      {"<density>2<", "<density>-2<", "6: material \"plate\": density = -2, need density >= 0"},
+      {"<center_of_mass>0,0,0<", "<center_of_mass>0,0<",
+       "6: center_of_mass = \"0,0\", expected three numbers x,y,z of at most 1e30"},
+      {"id=\"2\" name=\"lower\"", "id=\"1\" name=\"lower\"", "7: material id 1 exists twice: \"plate\" and \"lower\""},
+      {"name=\"lower\"", "name=\"plate\"", "7: material \"plate\" exists twice: rename one"},
+      {"<node id=\"2\">", "<node id=\"1\">", "12: node 1 exists twice: renumber one"},
+      {"<node id=\"2\">", "<node id=\"x\">", "12: <node> with id = \"x\", expected a positive whole number"},
+      {"<node id=\"2\">1,0,0<", "<node id=\"2\">1,nan,0<",
+       "12: node 2 is \"1,nan,0\", expected numbers of at most 1e30"},
+      {"<node id=\"2\">1,0,0<", "<node id=\"2\">1,0,-inf<",
+       "12: node 2 is \"1,0,-inf\", expected numbers of at most 1e30"},
+      {"<node id=\"2\">1,0,0<", "<node id=\"2\">1,1e31,0<",
+       "12: node 2 is \"1,1e31,0\", expected numbers of at most 1e30"},
+      {"<node id=\"2\">1,0,0<", "<node id=\"2\">1,1e999,0<",
+       "12: node 2 is \"1,1e999,0\", expected numbers of at most 1e30"},
+      {"<node id=\"2\">1,0,0<", "<node id=\"2\">1 0 0<", "12: node 2 is \"1 0 0\", expected three numbers x,y,z"},
+      {"<node id=\"2\">1,0,0<", "<node id=\"2\">1,0<", "12: node 2 is \"1,0\", expected three numbers x,y,z"},
+      {"<node id=\"2\">1,0,0<", "<node id=\"2\">1,0,0,0<", "12: node 2 is \"1,0,0,0\", expected three numbers x,y,z"},
+      {"5,6,7,8</elem>", "5,6,7</elem>", "17: hex8 element 1 has 7 nodes, expected 8"},
+      {"5,6,7,8</elem>", "5,6,7,8,11</elem>", "17: hex8 element 1 has 9 nodes, expected 8"},
+      {"5,6,7,8</elem>", "5,6,7,9</elem>", "17: hex8 element 1 uses node 9, which does not exist"},
+      {"5,6,7,8</elem>", "5,6,7,q</elem>", "17: <elem> lists \"q\", expected whole numbers and commas"},
+      {"<elem id=\"2\">", "<elem id=\"1\">", "18: element 1 exists twice: renumber one"},
+      {"type=\"hex8\" name=\"L\"", "type=\"brick\" name=\"L\"",
+       "17: element type \"brick\" is unknown, expected one like hex8, tet4, tet10, penta6, quad4, tri3"},
+      {"name=\"U\"><elem", "name=\"L\"><elem", "18: Elements \"L\" exists twice: rename one"},
+      {"<quad4 id=\"1\">5,6,7,8<", "<quad4 id=\"1\">5,6,6,8<",
+       "20: quad4 facet 1 of surface \"bottom\" has a node twice (\"5,6,6,8\"): repair the mesh"},
+      {"<quad4 id=\"1\">5,6,7,8<", "<quad4 id=\"1\">5,6,7,99<",
+       "20: quad4 facet 1 of surface \"bottom\" uses node 99, which does not exist"},
+      {"<quad4 id=\"1\">5,6,7,8</quad4>", "<hex8 id=\"1\">1</hex8>",
+       "20: <hex8> in surface \"bottom\", expected tri3, tri6, quad4, quad8 or another facet"},
+      {"<Surface name=\"top\">", "<Surface name=\"bottom\">", "21: surface \"bottom\" exists twice: rename one"},
+      {"18, 17, 15,\n16", "18, 99", "22: <NodeSet> uses node 99, which does not exist"},
+      {"1,5:8:3", "8:5", "23: range 8:5:1, expected first:last:step going up"},
+      {"1,5:8:3", "1,5:2000000000", "23: <NodeSet> uses node 9, which does not exist"},
+      {"<primary>bottom<", "<primary>bottem<",
+       "24: surface pair \"pair\" names \"bottem\", expected the name of a Surface above it"},
+      {"<primary>bottom</primary>", "", "24: surface pair \"pair\" without <primary>"},
+      {"<delem>1,18<", "<delem>1<", "25: spring 1 of discrete set \"ligament\" has 1 nodes, expected 2"},
+      {"mat=\"lower\"", "mat=\"2\"", "26: <SolidDomain> with mat = \"2\", expected the name of a material"},
+      {"SolidDomain name=\"L\"", "SolidDomain name=\"X\"", "26: SolidDomain \"X\" names no Elements section"},
+      {"type=\"zero displacement\" node_set=\"side\"", "type=\"zero displacement\" node_set=\"sode\"",
+       "28: \"sode\" names no node set"},
+      {"<x_dof>1<", "<x_dof>true<", "28: x_dof = \"true\", expected 0 or 1"},
+      {"<rb>femur</rb><clamp", "<rb>tibia</rb><clamp",
+       "29: \"tibia\" names no material, expected the id or name of a rigid body"},
+      {"<rb>femur</rb><clamp", "<rb>2</rb><clamp", "29: material \"lower\" is \"neo-Hookean\", expected a rigid body"},
+      {"<rb>plate</rb>", "", "30: <rigid_bc> without <rb>"},
+      {"<body_a>plate<", "<body_a>9<", "31: \"9\" names no material, expected the id or name of a rigid body"},
+      {"surface_pair=\"pair\"", "surface_pair=\"pear\"",
+       "33: surface_pair = \"pear\", expected the name of a SurfacePair"},
+      {"discrete_set=\"ligament\"", "discrete_set=\"ligamint\"",
+       "37: discrete_set = \"ligamint\", expected the name of a DiscreteSet"},
+      {"dmat=\"2\"", "dmat=\"3\"", "37: dmat = \"3\", expected the number of one of the 2 discrete materials above it"},
+      {"<dof>z</dof>", "<dof>w</dof>", "39: <rigid_bc> with dof \"w\", expected one of x, y, z"},
+      {"<value lc=\"1\">-0.1<", "<value lc=\"7\">-0.1<", "39: lc = 7, but there is no load controller 7"},
+      {"<value lc=\"1\">-0.1<", "<value lc=\"a\">-0.1<",
+       "39: value has lc = \"a\", expected the id of a load controller"},
+      {"<value lc=\"1\">-0.1<", "<value lc=\"1\">fast<", "39: value = \"fast\", expected a number of at most 1e30"},
+      {"<dtmax lc=\"2\">", "<dtmax lc=\"5\">", "40: lc = 5, but there is no load controller 5"},
+      {"<step_size>0.25<", "<step_size>0<", "4: step_size = 0, need step_size > 0"},
+      {"<time_steps>4<", "<time_steps>-4<", "4: time_steps = -4, need time_steps >= 0, or -1 with a final_time"},
+      {"<time_steps>10<", "<time_steps>-1<", "40: time_steps = -1 without a final_time > 0"},
+      {"<load_type>FOLLOW<", "<load_type>PULL<", "42: load_type = \"PULL\", expected LOAD, FOLLOW or TARGET"},
+      {"<point>1,1<", "<point>1<",
+       "44: point \"1\" of load controller 1, expected two numbers time,value of at most 1e30"},
+      {"<load_controller id=\"2\"", "<load_controller id=\"1\"", "45: load controller 1 exists twice: renumber one"},
+  };
+  for (const Case& c : cases)
+    EXPECT_EQ(fault_of(model_with(c.from, c.to)), std::string("model.feb:") + c.fault) << c.to;
+}
+
+TEST_F(ReadFeb, NodeSetsDefinedTwiceAreRefusedOnlyWhereTheyDiffer) {
+  const std::string use = "<Boundary><bc type=\"zero displacement\" node_set=\"a\"><x_dof>1</x_dof></bc></Boundary>";
+  EXPECT_EQ(
+      read(mesh_model("<NodeSet name=\"a\">1,2</NodeSet><NodeSet name=\"a\">1,2</NodeSet>", use)).fixed_nodes.size(),
+      1u);
+  EXPECT_EQ(fault_of(mesh_model("<NodeSet name=\"a\">1,2</NodeSet><NodeSet name=\"a\">1,3</NodeSet>", use)),
+            "model.feb:3: node set \"a\" exists twice with different nodes: rename one");
+}
+
+TEST_F(ReadFeb, NestedSetsCannotFillTheMemory) {
+  std::string mesh = "<NodeSet name=\"s0\">1:30</NodeSet>";
+  for (int i = 1; i < 40; ++i)
+    mesh += fmt::format("<NodeSet name=\"s{0}\"><NodeSet node_set=\"s{1}\"/><NodeSet node_set=\"s{1}\"/></NodeSet>", i,
+                        i - 1);
+  EXPECT_EQ(fault_of(mesh_model(mesh)), "model.feb:3: the sets list more than 100000000 nodes or elements");
+}
+
+TEST_F(ReadFeb, PartsOf25AreRefused) {
+  EXPECT_EQ(fault_of(feb("2.5", "<Geometry>\n<Part name=\"p\"/></Geometry>")),
+            "model.feb:4: <Part>: parts and instances cannot be read; open it in FEBio Studio and save as 4.0");
+}
+
+TEST_F(ReadFeb, NodesOutOfOrderAreFound) {
+  const JointModel m = read(feb("3.0",
+                                "<Mesh><Nodes name=\"n\"><node id=\"7\">7,0,0</node><node id=\"3\">3,0,0</node><node "
+                                "id=\"5\">5,0,0</node></Nodes>"
+                                "<Elements type=\"tri3\" name=\"e\"><elem id=\"1\">3,5,7</elem></Elements></Mesh>"));
+  EXPECT_EQ(m.domains[0].nodes, (std::vector<int>{1, 2, 0}));
+  EXPECT_EQ(m.node_ids, (std::vector<int>{7, 3, 5}));
+}
+
+// Whatever happens to a file, it is read or refused in one line; nothing else may come out.
+TEST_F(ReadFeb, DamagedFilesAreReadOrRefusedInOneLine) {
+  int refused = 0, tried = 0;
+  const auto try_text = [&](const std::string& text) {
+    ++tried;
+    try {
+      read_feb(write("model.feb", text));
+    } catch (const InputError& error) {
+      ++refused;
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  };
+  std::mt19937 random(1);
+  for (const std::string& model : {kModel25, kModel30, kModel40}) {
+    for (std::size_t size = 0; size + 20 < model.size(); size += 37) {
+      const int before = refused;
+      try_text(model.substr(0, size));
+      EXPECT_EQ(refused, before + 1) << "cut at " << size;
+    }
+    for (int i = 0; i < 700; ++i) {
+      std::string text = model;
+      for (int flips = 1 + i % 3; flips > 0; --flips) text[random() % text.size()] = static_cast<char>(random() % 256);
+      try_text(text);
+    }
+    for (int i = 0; i < 700; ++i) {  // digits and letters exchanged: well-formed XML with other contents
+      std::string text = model;
+      const std::size_t at = random() % text.size();
+      if (std::isalnum(static_cast<unsigned char>(text[at])) == 0) continue;
+      text[at] = "0123456789-+.exyz"[random() % 17];
+      try_text(text);
+    }
+    for (int i = 0; i < 200; ++i) {  // a piece missing
+      std::string text = model;
+      text.erase(random() % text.size(), random() % 200);
+      try_text(text);
+    }
+  }
+  EXPECT_GT(tried, 4000);
+  EXPECT_GT(refused, tried / 3);
+}
+
+// -- models of others --------------------------------------------------------------------------------
+
+TEST(ReferenceModels, AreReadWhole) {
+  if (!fs::is_directory(DEA_REFERENCE_DIR)) GTEST_SKIP() << "no " << DEA_REFERENCE_DIR;
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(DEA_REFERENCE_DIR)) {
+    if (entry.path().extension() != ".feb") continue;
+    ++count;
+    const JointModel m = read_feb(entry.path().string());
+    EXPECT_TRUE(m.unsupported.empty()) << entry.path();
+    EXPECT_TRUE(m.ignored.empty()) << entry.path();
+    EXPECT_EQ(m.contacts.size(), 1u);
+    EXPECT_EQ(m.steps.size(), 2u);
+    EXPECT_GT(m.nodes.size(), 1000u);
+    for (const Material& a : m.materials) EXPECT_TRUE(a.rigid || a.nu == 0.45) << a.name;
+  }
+  EXPECT_GT(count, 0);
+}
+
+/// Corpus models by problem and version. Empty without the corpus.
+std::map<std::string, std::map<std::string, std::string>> corpus() {
+  std::map<std::string, std::map<std::string, std::string>> problems;
+  for (const char* version : {"v2.5", "v3.0", "v4.0"}) {
+    const fs::path folder = fs::path(DEA_CORPUS_DIR) / version;
+    if (!fs::is_directory(folder)) continue;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path().extension() == ".feb") problems[entry.path().stem().string()][version] = entry.path().string();
+    }
+  }
+  return problems;
+}
+
+TEST(CorpusModels, AllAreRead) {
+  if (!fs::is_directory(DEA_CORPUS_DIR)) GTEST_SKIP() << "no " << DEA_CORPUS_DIR;
+  std::map<std::string, int> count;
+  for (const auto& problem : corpus()) {
+    for (const auto& file : problem.second) {
+      try {
+        const JointModel m = read_feb(file.second);
+        ++count[file.first + (m.unsupported.empty() ? " read" : " read, something unsupported")];
+        EXPECT_FALSE(m.nodes.empty()) << file.second;
+        EXPECT_FALSE(m.steps.empty()) << file.second;
+      } catch (const InputError& error) {
+        ADD_FAILURE() << error.what();
+      }
+    }
+  }
+  for (const auto& entry : count) std::cout << entry.first << ": " << entry.second << "\n";
+  EXPECT_GT(count["v4.0 read"], 0);
+}
+
+/// Problems whose authors shortened the analysis in the 4.0 file.
+const std::set<std::string> kShorterIn40 = {"cf09", "co28", "co56", "co58", "dm17", "fs22"};
+
+TEST(CorpusModels, TheSameProblemIsTheSameInEveryFormat) {
+  if (!fs::is_directory(DEA_CORPUS_DIR)) GTEST_SKIP() << "no " << DEA_CORPUS_DIR;
+  int compared = 0;
+  // Parameters and module names were reworked from format to format.
+  const std::set<std::string> except = {"contact parameters", "module"};
+  const std::set<std::string> except_steps = {"contact parameters", "module", "steps"};
+  for (const auto& problem : corpus()) {
+    const auto& files = problem.second;
+    if (files.count("v3.0") == 0) continue;
+    const Facts v30 = facts_of(read_feb(files.at("v3.0")));
+    if (files.count("v4.0") > 0) {
+      ++compared;
+      EXPECT_EQ(differences(v30, facts_of(read_feb(files.at("v4.0"))),
+                            kShorterIn40.count(problem.first) > 0 ? except_steps : except),
+                "")
+          << problem.first << " 3.0 - 4.0";
+    }
+    if (files.count("v2.5") > 0) {
+      ++compared;
+      EXPECT_EQ(differences(v30, facts_of(read_feb(files.at("v2.5"))), except), "") << problem.first << " 3.0 - 2.5";
+    }
+  }
+  EXPECT_GT(compared, 0);
+}
+
+}  // namespace
+}  // namespace dea

@@ -1,9 +1,9 @@
 #include "load_curve.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 namespace dea {
 namespace {
@@ -78,7 +78,8 @@ TEST(LoadCurve, SmoothStepFollowsItsPolynomial) {
 }
 
 TEST(LoadCurve, ConstantHoldsTheEnds) {
-  for (const Interpolate kind : {Interpolate::Linear, Interpolate::Step, Interpolate::Smooth, Interpolate::SmoothStep}) {
+  for (const Interpolate kind :
+       {Interpolate::Linear, Interpolate::Step, Interpolate::Smooth, Interpolate::SmoothStep}) {
     const LoadController held = curve(kind, Extend::Constant, {{0, 1}, {1, 3}, {2, 4}});
     EXPECT_EQ(value(held, -5.0), 1.0);
     EXPECT_EQ(value(held, 9.0), 4.0);

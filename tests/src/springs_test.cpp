@@ -1,0 +1,218 @@
+#include "springs.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "equilibrium.h"
+#include "test_models.h"
+
+namespace dea {
+namespace {
+
+using test::kPi;
+
+Pose small_pose(const Body& body, const Vector3d& shift, const Vector3d& turn) {
+  Pose p;
+  p.center = body.center_of_mass + shift;
+  p.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  return p;
+}
+
+/// A saddle on a saddle, both with varying thickness and different moduli: nothing special about it.
+JointModel saddles() {
+  using namespace test;
+  JointModel model = empty_model();
+  const int soft = add_material(model, "soft", false, 11.85, 0.45), stiff = add_material(model, "stiff", false, 20.0, 0.3);
+  const int low = add_material(model, "low", true), high = add_material(model, "high", true);
+  model.materials[static_cast<std::size_t>(high)].center_of_mass = Vector3d(3, -2, 25);
+  const auto z = [](double x, double y) { return 0.02 * x * x - 0.015 * y * y; };
+  const auto at = [&](double u, double v, double up, double size) {
+    const double x = size * (u - 0.5), y = size * (v - 0.5);
+    return Vector3d(x, y, z(x, y) + up);
+  };
+  const int a = add_layer(model, "lower", 14, 14, 2, [&](double u, double v) { return at(u, v, -2 - 0.3 * std::sin(3 * u), 20); },
+                          [&](double u, double v) { return at(u, v, 0, 20); }, soft, low);
+  const int b = add_layer(model, "upper", 11, 11, 2, [&](double u, double v) { return at(v, u, 2.2 + 0.4 * std::cos(2 * v), 26); },
+                          [&](double u, double v) { return at(v, u, 0.01 * std::sin(5 * u), 26); }, stiff, high);
+  add_contact(model, "saddles", a, b);
+  fix(model, low, {true, true, true, true, true, true});
+  return model;
+}
+
+// Forces and moments on both bodies against central differences (E2-E4 and the turning of n): the error of the difference
+// is of second order, and springs that change facet in between add jumps of the derivative, hence the step and tolerance.
+TEST(Springs, DerivativeMeetsFiniteDifferences) {
+  const JointModel model = saddles();
+  for (SpringsAt where : {SpringsAt::Articular, SpringsAt::Bone}) {
+    for (Law law : {Law::Linear, Law::Logarithmic, Law::NeoHookean}) {
+      for (const char* source : {"low", "high"}) {
+        Settings settings;
+        settings.springs_at = where;
+        settings.law = law;
+        settings.source = source;
+        const Joint joint = make_joint(model, settings);
+        const SpringBeds beds = make_spring_beds(joint, settings);
+        const SpringBed& bed = beds.beds[0];
+        Pose s = small_pose(joint.bodies[static_cast<std::size_t>(bed.source_body)], {0.05, -0.02, bed.source_body == 0 ? 0.3 : -0.3}, {0.01, -0.02, 0.015});
+        Pose t = small_pose(joint.bodies[static_cast<std::size_t>(bed.target_body)], {-0.03, 0.04, 0.0}, {-0.005, 0.01, 0.02});
+        const ContactWrench w = contact_wrench(project_springs(bed, s, t), s, t);
+        ASSERT_GT(w.normal_force, 100.0);
+        const double d = 1e-7;
+        Eigen::Matrix<double, 12, 12> numeric;
+        for (int k = 0; k < 12; ++k) {
+          Eigen::Matrix<double, 12, 1> side[2];
+          for (int sign = 0; sign < 2; ++sign) {
+            const double x = sign == 0 ? d : -d;
+            Pose moved[2] = {t, s};
+            Pose& p = moved[k / 6];
+            if (k % 6 < 3) p.center[k % 6] += x;
+            else p.rotation = Eigen::AngleAxisd(x, Vector3d::Unit(k % 6 - 3)).toRotationMatrix() * p.rotation;
+            side[sign] = contact_wrench(project_springs(bed, moved[1], moved[0]), moved[1], moved[0]).wrench;
+          }
+          numeric.col(k) = (side[0] - side[1]) / (2 * d);
+        }
+        // springs over the rim have a covered area that changes with the pose, which (E2-E4) leave out
+        const double error = (numeric - w.derivative).norm() / numeric.norm();
+        EXPECT_LT(error, 2e-4) << name(where) << " " << name(law) << " source " << source;
+      }
+    }
+  }
+}
+
+TEST(Springs, ContactForcesAreOppositeAndActAlongTheSameLines) {
+  const JointModel model = saddles();
+  const Joint joint = make_joint(model, {});
+  const SpringBeds beds = make_spring_beds(joint, {});
+  const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}), t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
+  const ContactWrench w = contact_wrench(project_springs(beds.beds[0], s, t), s, t);
+  const Vector3d F = w.wrench.segment<3>(0), M = w.wrench.segment<3>(3);
+  EXPECT_LT((F + w.wrench.segment<3>(6)).norm(), 1e-12 * F.norm());
+  // the moments about one common point, the origin, cancel
+  const Vector3d about_origin = M + t.center.cross(F) + w.wrench.segment<3>(9) - s.center.cross(F);
+  EXPECT_LT(about_origin.norm(), 1e-11 * M.norm());
+}
+
+// A plate pressed d deep into a flat layer of thickness h: p = M d / h everywhere, F = p * size^2.
+TEST(Springs, FlatPlates) {
+  const double size = 10, h = 2, d = 0.3;
+  const JointModel model = test::flat_plates(7, size, h, 0.0);
+  for (SpringsAt where : {SpringsAt::Articular, SpringsAt::Bone}) {
+    for (int refine : {1, 3}) {
+      Settings settings;
+      settings.springs_at = where;
+      settings.refine = refine;
+      const Joint joint = make_joint(model, settings);
+      const SpringBeds beds = make_spring_beds(joint, settings);
+      std::vector<Pose> poses = reference_poses(joint);
+      poses[1].center.z() -= d;
+      const SpringStates s = project_springs(beds.beds[0], poses[0], poses[1]);
+      const double p = confined_modulus(test::kE, test::kNu) * d / h;
+      EXPECT_EQ(s.size(), 2 * 49 * refine * refine);
+      for (int i = 0; i < s.size(); ++i) {
+        EXPECT_NEAR(s.pressure[static_cast<std::size_t>(i)], p, 1e-9 * p);
+        EXPECT_NEAR(s.coverage[static_cast<std::size_t>(i)], 1.0, 1e-9);
+      }
+      const ContactWrench w = contact_wrench(s, poses[0], poses[1]);
+      EXPECT_NEAR(w.wrench[2], p * size * size, 1e-9 * p * size * size);  // on the plate, upwards
+      EXPECT_NEAR(w.derivative(2, 2), -confined_modulus(test::kE, test::kNu) / h * size * size, 1e-6);
+    }
+  }
+}
+
+// A smaller plate over a larger layer, shifted by parts of a facet: the covered area is exactly the plate's.
+TEST(Springs, CoverageIsTheOverlappingArea) {
+  const double size = 10, plate = 6.3, h = 2, d = 0.1;
+  const JointModel model = test::flat_plates(9, size, h, 0.0, plate);
+  const Joint joint = make_joint(model, {});
+  const SpringBeds beds = make_spring_beds(joint, {});
+  const double p = confined_modulus(test::kE, test::kNu) * d / h;
+  for (double shift : {0.0, 0.1, 0.37, 1.0, 1.4, 2.0, 4.0}) {
+    for (double turn : {0.0, 0.2}) {
+      std::vector<Pose> poses = reference_poses(joint);
+      poses[1].center += Vector3d(shift, 0.0, -d);
+      poses[1].rotation = Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix();
+      if (turn > 0 && shift > 1.0) continue;  // then its corner leaves the layer: the area below would not hold
+      const double width = std::min(plate, 0.5 * (size + plate) - shift);
+      const ContactWrench w = contact_wrench(project_springs(beds.beds[0], poses[0], poses[1]), poses[0], poses[1]);
+      EXPECT_NEAR(w.wrench[2] / (p * plate * width), 1.0, 1e-6) << "shift " << shift << " turn " << turn;
+      // the resultant goes through the middle of the covered strip
+      const double x = -w.wrench[4] / w.wrench[2] + poses[1].center.x();
+      EXPECT_NEAR(x, shift + 0.5 * plate - 0.5 * plate + (width - plate) * 0.5, 0.02) << "shift " << shift;
+    }
+  }
+}
+
+// A rigid sphere R pressed d deep into a flat layer h. Source = the layer: cap volume, F = (M/h) pi d^2 (3R - d)/3.
+// Source = the sphere: along its own radii, F = M pi R d^2 / h (1 + O(d/R)): the ratio 1 + d/(3R) stays.
+JointModel sphere_on_flat(int n, double R, double h, double size) {
+  using namespace test;
+  JointModel model = empty_model();
+  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true), ball = add_material(model, "ball", true);
+  const int a = add_layer(model, "layer", n, n, 1, [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), -h); },
+                          [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0); }, cartilage, base);
+  const double wide = 1.2 * size;
+  const int b = add_rigid_surface(model, "ball", 2 * n, 2 * n, [=](double u, double v) {
+    const double x = wide * (v - 0.5), y = wide * (u - 0.5);
+    return Vector3d(x, y, R - std::sqrt(R * R - x * x - y * y));
+  }, ball);
+  add_contact(model, "press", a, b);
+  fix(model, base, {true, true, true, true, true, true});
+  return model;
+}
+
+TEST(Springs, SphereOnFlatLayerCarriesTheCapVolume) {
+  const double R = 25, h = 2, d = 0.4, M = confined_modulus(test::kE, test::kNu);
+  const double exact = M / h * kPi * d * d * (3 * R - d) / 3;
+  double error[2];
+  for (int level = 0; level < 2; ++level) {
+    const JointModel model = sphere_on_flat(20 << level, R, h, 12.0);
+    const Joint joint = make_joint(model, {});
+    const SpringBeds beds = make_spring_beds(joint, {});
+    std::vector<Pose> poses = reference_poses(joint);
+    poses[1].center.z() -= d;
+    error[level] = contact_wrench(project_springs(beds.beds[0], poses[0], poses[1]), poses[0], poses[1]).wrench[2] / exact - 1;
+  }
+  EXPECT_LT(std::abs(error[1]), 6e-3);
+  EXPECT_GT(std::abs(error[0] / error[1]), 3.0) << "second order: " << error[0] << " " << error[1];
+}
+
+TEST(Springs, SphereAsSourceDiffersByTheThirdOfTheDepth) {
+  const double R = 25, h = 2, M = confined_modulus(test::kE, test::kNu);
+  double gap[2];
+  for (int level = 0; level < 2; ++level) {
+    const double d = level == 0 ? 0.4 : 0.2;
+    const JointModel model = sphere_on_flat(60, R, h, level == 0 ? 12.0 : 8.5);
+    Settings settings;
+    settings.source = "ball";
+    const Joint joint = make_joint(model, settings);
+    const SpringBeds beds = make_spring_beds(joint, settings);
+    std::vector<Pose> poses = reference_poses(joint);
+    poses[1].center.z() -= d;
+    const double F = -contact_wrench(project_springs(beds.beds[0], poses[1], poses[0]), poses[1], poses[0]).wrench[2];
+    gap[level] = F / (M / h * kPi * d * d * (3 * R - d) / 3) - 1;
+    EXPECT_NEAR(F / (M * kPi * R * d * d / h), 1.0, 4e-3);
+  }
+  (void)gap;
+}
+
+TEST(Springs, SameBitsForAnyNumberOfThreads) {
+  const JointModel model = saddles();
+  Settings settings;
+  settings.refine = 6;
+  const Joint joint = make_joint(model, settings);
+  const SpringBeds beds = make_spring_beds(joint, settings);
+  const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}), t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
+  std::vector<ContactWrench, Eigen::aligned_allocator<ContactWrench>> w;
+  for (std::size_t threads : {1u, 2u, 4u}) {
+    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    w.push_back(contact_wrench(project_springs(beds.beds[0], s, t), s, t));
+  }
+  EXPECT_EQ(w[0].wrench, w[1].wrench);
+  EXPECT_EQ(w[0].derivative, w[1].derivative);
+  EXPECT_EQ(w[0].wrench, w[2].wrench);
+}
+
+}  // namespace
+}  // namespace dea
