@@ -143,7 +143,7 @@ std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint, c
   return shown;
 }
 
-XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const char* name, const char* units) {
+XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
   XpltVariable v;
   v.group = group;
   v.type = type;
@@ -163,7 +163,7 @@ std::vector<SurfaceField> surface_fields() {
   using S = const Surface&;
   using L = const Layer&;
   using F = const SideFields&;
-  const auto field = [](XpltType type, XpltFormat format, const char* name, const char* units) {
+  const auto field = [](XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
     return variable(XpltGroup::Surface, type, format, name, units);
   };
   return {

@@ -96,13 +96,14 @@ Json state_json(const Joint& joint, const StateResult& state) {
 
 std::string csv_word(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
+  std::string quoted(1, '"');
+  for (char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  quoted += '"';
+  return quoted;
 }
 
 /// Shortest text that reads back as the same number; nothing where it is undefined.
-std::string csv_number(double x) { return std::isfinite(x) ? fmt::format("{}", x) : ""; }
+std::string csv_number(double x) { return std::isfinite(x) ? fmt::format("{}", x) : std::string(); }
 
 }  // namespace
 
@@ -138,6 +139,7 @@ Json settings_json(const Settings& s) {
   for (const auto& entry : s.load_at)
     j["load_at"][entry.first] = entry.second.sphere_center ? Json("sphere-center") : json_vector(entry.second.point);
   j["squash"] = s.squash;
+  j["facets"] = name(s.facets);
   return j;
 }
 
@@ -220,12 +222,12 @@ std::string run_csv(const JointModel&, const Analysis& analysis) {
                           s.springs, s.springs_hit, s.springs_active);
       for (double x : {s.peak, s.p99, s.mean, s.median, s.p5, s.p25, s.p75, s.p95, s.contact_area, s.facet_peak, s.nodal_peak, s.nodal_mean,
                        s.nodal_median, s.facet_contact_area})
-        text += "," + csv_number(x);
+        text += fmt::format(",{}", csv_number(x));
       for (const Vector3d& v : {s.center_of_pressure, s.force, s.moment})
-        for (int k = 0; k < 3; ++k) text += "," + csv_number(v[k]);
-      text += "," + csv_number(s.largest_strain);
-      text += "," + csv_number(state.fields[c].sides[pair.source].resultant_factor);
-      text += "," + csv_number(state.fields[c].sides[1 - pair.source].resultant_factor) + "\n";
+        for (int k = 0; k < 3; ++k) text += fmt::format(",{}", csv_number(v[k]));
+      for (double x : {s.largest_strain, state.fields[c].sides[pair.source].resultant_factor, state.fields[c].sides[1 - pair.source].resultant_factor})
+        text += fmt::format(",{}", csv_number(x));
+      text += '\n';
     }
   }
   return text;

@@ -114,6 +114,7 @@ const std::vector<SettingOption>& setting_options() {
       {"source", nullptr, false, false, "BODY"},
       {"springs-at", nullptr, false, false, "articular|bone"},
       {"law", nullptr, false, false, "linear|logarithmic|neo-Hookean"},
+      {"facets", nullptr, false, false, "curved|flat"},
       {"refine", nullptr, false, false, "N"},
       {"rigid", nullptr, false, true, "MATERIAL"},
       {"attach", "surface", false, false, "BODY"},
@@ -201,6 +202,10 @@ void set_value(Settings& s, const SettingValue& v) {
     else if (lower(text) == "logarithmic") s.law = Law::Logarithmic;
     else if (lower(text) == "neo-hookean") s.law = Law::NeoHookean;
     else throw bad(text, "linear, logarithmic or neo-Hookean");
+  } else if (name == "facets") {
+    if (lower(text) == "curved") s.facets = Facets::Curved;
+    else if (lower(text) == "flat") s.facets = Facets::Flat;
+    else throw bad(text, "curved or flat");
   } else if (name == "refine") {
     s.refine = parse_count(text, 1, 1000);
   } else if (name == "rigid") {

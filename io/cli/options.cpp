@@ -28,6 +28,7 @@ constexpr OptionHelp kOptions[] = {
     {"bone", "SURFACE=SURFACE", kJoint, "Bone surface under a contact surface; may be repeated [faces held by the body]"},
     {"springs-at", "articular|bone", kCartilage, "Surface of the source's layer on which the springs stand [articular]"},
     {"law", "linear|logarithmic|neo-Hookean", kCartilage, "Pressure as a function of strain [linear]"},
+    {"facets", "curved|flat", kCartilage, "Take facets as the smooth surface they stand for, or as they are [curved]"},
     {"refine", "N", kCartilage, "Divide every spring's triangle into N*N [1]"},
     {"thickness", "[SURFACE=]LENGTH", kCartilage, "Constant cartilage thickness, in the model's length (mm); may be repeated [measured]"},
     {"E", "[SURFACE=]MODULUS", kCartilage, "Young's modulus, in the model's pressure (MPa); may be repeated [the material's]"},
