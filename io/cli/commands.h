@@ -1,0 +1,46 @@
+// io/cli/commands.h – the commands of the program: how each is spelled, and what it does.
+#pragma once
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "options.h"
+
+namespace dea {
+
+/// Exit codes. UsageError, InputError and WriteError end as 2, 3 and 4 (main.cpp).
+enum ExitCode { kSolved = 0, kNoSolution = 1, kWrongUse = 2, kInputRefused = 3, kCannotWrite = 4, kInternalError = 70 };
+
+struct RunArguments {
+  std::string model, output, json, csv;
+  bool quiet = false, verbose = false;
+  SettingsArguments settings;
+  std::string times_from, states = "all";
+  bool compress = false;
+  std::string threads;
+};
+CLI::App* add_run(CLI::App& app, RunArguments& arguments);
+int run(const RunArguments& arguments);
+
+struct InfoArguments {
+  std::string model, output, json;
+  SettingsArguments settings;
+  std::string threads;
+};
+CLI::App* add_info(CLI::App& app, InfoArguments& arguments);
+int info(const InfoArguments& arguments);
+
+struct ConvergeArguments {
+  std::string model, json;
+  bool quiet = false, verbose = false;
+  SettingsArguments settings;
+  std::string target = "0.01", max_springs = "400000";
+  std::string threads;
+};
+CLI::App* add_converge(CLI::App& app, ConvergeArguments& arguments);
+int converge_command(const ConvergeArguments& arguments);
+
+/// Version, commit and libraries, a line each.
+std::string version_text();
+
+}  // namespace dea

@@ -1,0 +1,71 @@
+// `dea converge`: how many springs the result needs.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "analysis.h"
+#include "commands.h"
+#include "error.h"
+#include "output.h"
+#include "read_feb.h"
+#include "report_json.h"
+#include "report_text.h"
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+Solves the model again and again with each spring's triangle divided into 1, 4, 16, 64, ... and compares peak pressure,
+mean pressure and contact area of the last state with those before. Ends when all changes are below the target, or when
+the next division would need more springs than allowed: then the target is not reached and the exit code is 1.
+
+Examples:
+  dea converge hip.feb
+  dea converge hip.feb --target 0.05 --law logarithmic
+  dea converge hip.feb --max-springs 100000 --json convergence.json)";
+
+}  // namespace
+
+CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
+  CLI::App* c = app.add_subcommand("converge", "Find how many springs the result needs");
+  c->footer(kFooter);
+  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 2.5, 3.0, 4.0)")->required()->type_name("");
+  c->add_option("--target", a.target, "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]")->type_name("CHANGE")->group("Study");
+  c->add_option("--max-springs", a.max_springs, "Most springs of a contact to try [400000]")->type_name("N")->group("Study");
+  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the table")->type_name("FILE|-")->group("Output");
+  CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")->excludes(q)->group("Output");
+  add_settings_options(*c, a.settings, false, false);
+  add_threads_option(*c, a.threads);
+  return c;
+}
+
+int converge_command(const ConvergeArguments& a) {
+  const double target = number_argument("target", a.target);
+  if (!(target > 0 && target < 1)) throw UsageError(fmt::format("--target {}: found \"{}\", expected a number between 0 and 1", a.target, a.target));
+  const int max_springs = count_argument("max-springs", a.max_springs, 1, 100000000);
+  std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
+  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  if (!a.json.empty()) outputs.push_back({"--json", a.json});
+  const auto threads = limit_threads(a.threads);
+  const Settings settings = effective_settings(a.settings);
+  const JointModel model = read_feb(a.model);
+  check_outputs(inputs, outputs);
+
+  std::function<void(const ConvergenceRow&)> progress;
+  if (!a.quiet && (a.verbose || stderr_is_terminal())) {
+    progress = [](const ConvergenceRow& r) { log(fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}", r.springs, r.peak, r.mean, r.area, name(r.outcome))); };
+  }
+  const std::vector<Convergence> studies = converge(model, settings, target, max_springs, progress);
+  if (!a.json.empty()) write_text(a.json, json_text(converge_json(model, settings, studies, target, max_springs)));
+  if (!a.quiet && a.json != "-") print(converge_text(model, studies, max_springs));
+
+  const bool reached = std::all_of(studies.begin(), studies.end(), [&](const Convergence& study) {
+    const ConvergenceRow& last = study.rows.back();
+    return solved(last.outcome) && last.change_peak < target && last.change_mean < target && last.change_area < target;
+  });
+  return reached ? kSolved : kNoSolution;
+}
+
+}  // namespace dea

@@ -1,0 +1,61 @@
+// `dea info`: what is recognised in a model, to be looked at before it is believed.
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "error.h"
+#include "output.h"
+#include "plot_file.h"
+#include "read_feb.h"
+#include "report_info.h"
+#include "report_json.h"
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+Units are the model's own. All options mean what they mean in dea run, so what is printed is what dea run would use. A
+model that dea run refuses is printed as far as it can be, then comes the reason, and the exit code is 3.
+
+The plot file of -o shows cartilage thickness, initial gap ("joint space") and missed normals on the contact surfaces, and
+the springs that face something within five thicknesses as lines.
+
+Examples:
+  dea info hip.feb
+  dea info hip.feb -o check.xplt
+  dea info hip.feb --attach "head surface=femur" --json -)";
+
+}  // namespace
+
+CLI::App* add_info(CLI::App& app, InfoArguments& a) {
+  CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
+  c->footer(kFooter);
+  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 2.5, 3.0, 4.0)")->required()->type_name("");
+  c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals and springs")->type_name("check.xplt")->group("Output");
+  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the text")->type_name("FILE|-")->group("Output");
+  add_settings_options(*c, a.settings, true, false);
+  add_threads_option(*c, a.threads);
+  return c;
+}
+
+int info(const InfoArguments& a) {
+  std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
+  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  if (a.output == "-") throw UsageError("-o -: the plot file cannot go to standard output, give it a name");
+  if (!a.output.empty()) outputs.push_back({"-o", a.output});
+  if (!a.json.empty()) outputs.push_back({"--json", a.json});
+  const auto threads = limit_threads(a.threads);
+  const Settings settings = effective_settings(a.settings);
+  const JointModel model = read_feb(a.model);
+  check_outputs(inputs, outputs);
+
+  JointCheck check;
+  check_joint(model, settings, check);
+  if (!a.output.empty() && check.recognised) write_xplt(a.output, make_check_file(model, check));
+  if (!a.json.empty()) write_text(a.json, json_text(info_json(model, settings, check)));
+  if (a.json != "-") print(info_text(model, settings, check));
+  if (!check.error.empty()) throw InputError(check.error);
+  return kSolved;
+}
+
+}  // namespace dea

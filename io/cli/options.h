@@ -1,0 +1,35 @@
+// io/cli/options.h – options that commands share: what takes the place of the model's own statements.
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <tbb/global_control.h>
+
+#include "settings.h"
+
+namespace dea {
+
+/// The options as typed, by name; read later, so that a fault is one line of ours.
+struct SettingsArguments {
+  std::string file;  ///< --settings
+  std::map<std::string, std::vector<std::string>> values;
+};
+
+/// `refine`, `squash`: whether this command has these options.
+void add_settings_options(CLI::App& command, SettingsArguments& arguments, bool refine, bool squash);
+
+/// Command line over settings file over the model's own. Throws UsageError, InputError (settings file).
+Settings effective_settings(const SettingsArguments& arguments);
+
+void add_threads_option(CLI::App& command, std::string& threads);
+/// Holds for as long as the result lives; empty `threads`: all cores.
+std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
+
+/// Numbers of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
+int count_argument(const char* option, const std::string& text, int least, int most);
+double number_argument(const char* option, const std::string& text);
+
+}  // namespace dea

@@ -1,0 +1,183 @@
+#include "report_text.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "error.h"
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Characters on the screen: bytes that do not continue a UTF-8 character.
+std::size_t width(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "-"; }
+std::string residual_number(double x) { return std::isfinite(x) ? fmt::format("{:.1e}", x) : "-"; }
+std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:.2f}%", 100.0 * x) : "-"; }
+
+void add_once(std::vector<std::string>& lines, const std::string& line) {
+  if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+}
+
+}  // namespace
+
+std::string number_text(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x == 0.0 ? 0.0 : x) : "-"; }
+
+std::string vector_text(const Vector3d& v) {
+  return fmt::format("({}, {}, {})", number_text(v[0]), number_text(v[1]), number_text(v[2]));
+}
+
+std::string units_text(const JointModel& model) {
+  return model.units.empty() ? "units: the model's own (it names none); rotations in radians"
+                             : fmt::format("units: the model's, {}; rotations in radians", model.units);
+}
+
+std::string table_text(const Table& table) {
+  std::vector<std::size_t> widths;
+  for (const std::string& h : table.headings) widths.push_back(width(h));
+  for (const auto& row : table.rows)
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
+  std::string text;
+  const auto add_row = [&](const std::vector<std::string>& row) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string space(widths[c] - width(row[c]), ' ');
+      if (c > 0) line += "  ";
+      line += table.left[c] == 'l' ? row[c] + space : space + row[c];
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  };
+  add_row(table.headings);
+  for (const auto& row : table.rows) add_row(row);
+  return text;
+}
+
+std::vector<int> reported_bodies(const Joint& joint) {
+  std::vector<int> bodies;
+  for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
+    bool used = !joint.bodies[at(b)].ground;
+    for (const ContactPair& pair : joint.contacts) used = used || pair.layers[0].body == b || pair.layers[1].body == b;
+    for (const Ligament& l : joint.ligaments) used = used || l.body_a == b || l.body_b == b;
+    if (used) bodies.push_back(b);
+  }
+  return bodies;
+}
+
+std::string run_text(const JointModel& model, const Analysis& analysis) {
+  const Joint& joint = analysis.joint;
+  std::string text = units_text(model) + "\n\n";
+  Table contacts;
+  contacts.headings = {"time", "contact", "outcome", "springs", "of", "peak", "p99", "mean", "median", "area", "force", "iterations", "residual"};
+  contacts.left = "rllrrrrrrrrrr";
+  for (const StateResult& state : analysis.states) {
+    for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+      const ContactStatistics& s = state.statistics[c];
+      contacts.rows.push_back({number_text(state.when.time), joint.contacts[c].name, name(state.equilibrium.outcome), fmt::format("{}", s.springs_active),
+                               fmt::format("{}", s.springs), short_number(s.peak), short_number(s.p99), short_number(s.mean), short_number(s.median),
+                               short_number(s.contact_area), short_number(s.force.norm()), fmt::format("{}", state.equilibrium.iterations),
+                               residual_number(state.equilibrium.residual_force)});
+    }
+  }
+  text += table_text(contacts);
+  if (analysis.states.empty()) return text;
+
+  const StateResult& last = analysis.states.back();
+  text += fmt::format("\nbodies at time {}: motion of the centre of mass, rotation vector, force and moment of the joint on whoever holds or loads the body\n",
+                      number_text(last.when.time));
+  Table bodies;
+  bodies.headings = {"body", "translation", "rotation", "force", "moment"};
+  bodies.left = "lllll";
+  for (int b : reported_bodies(joint)) {
+    const Pose& pose = last.equilibrium.poses[at(b)];
+    const Eigen::AngleAxisd turn(pose.rotation);
+    const Vector6& reaction = last.equilibrium.reaction[at(b)];
+    bodies.rows.push_back({joint.bodies[at(b)].name, vector_text(pose.center - joint.bodies[at(b)].center_of_mass), vector_text(turn.angle() * turn.axis()),
+                           vector_text(reaction.head<3>()), vector_text(reaction.tail<3>())});
+  }
+  text += table_text(bodies);
+  if (!joint.ligaments.empty()) {
+    text += "\n";
+    Table ligaments;
+    ligaments.headings = {"spring between bodies", "tension"};
+    ligaments.left = "lr";
+    for (std::size_t l = 0; l < joint.ligaments.size() && l < last.equilibrium.ligament_force.size(); ++l)
+      ligaments.rows.push_back({joint.ligaments[l].name, number_text(last.equilibrium.ligament_force[l])});
+    text += table_text(ligaments);
+  }
+  return text;
+}
+
+std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint) {
+  std::vector<std::string> lines;
+  for (const Remark& r : model.ignored)
+    add_once(lines, fmt::format("ignored: {}{}{}", where(model, r.origin), r.what, r.count > 1 ? fmt::format(" ({} times)", r.count) : ""));
+  for (const ContactPair& pair : joint.contacts) {
+    const Contact& contact = model.contacts[at(pair.contact)];
+    for (const std::string& what : contact.ignored)
+      add_once(lines, fmt::format("ignored: {}contact \"{}\": {}", where(model, contact.origin), contact.name, what));
+  }
+  for (const std::string& finding : joint.findings) add_once(lines, "note: " + finding);
+  for (const ContactPair& pair : joint.contacts) {
+    for (const Layer& layer : pair.layers) {
+      if (layer.missed_count() == 0) continue;
+      add_once(lines, fmt::format("warning: surface \"{}\": from {} of {} vertices the normal meets no opposing face near enough; the closest point gives the "
+                                  "thickness there (`dea info -o` shows where)",
+                                  model.surfaces[at(layer.surface)].name, layer.missed_count(), layer.missed.size()));
+    }
+  }
+  return lines;
+}
+
+std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis) {
+  const Joint& joint = analysis.joint;
+  std::vector<std::string> lines;
+  for (const StateResult& state : analysis.states) {
+    const Equilibrium& e = state.equilibrium;
+    for (const std::string& held : e.held) add_once(lines, fmt::format("note: held, since nothing resists or loads it: {}", held));
+    if (!solved(e.outcome)) add_once(lines, fmt::format("warning: time {}: {}: {}", number_text(state.when.time), name(e.outcome), e.message));
+    if (solved(e.outcome) && e.least_stiffness < 0)
+      add_once(lines, fmt::format("warning: time {}: the balance is unstable (least stiffness {:.3g})", number_text(state.when.time), e.least_stiffness));
+  }
+  if (analysis.states.empty()) return lines;
+  // The last state stands for all: the factor changes slowly.
+  const StateResult& last = analysis.states.back();
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    for (const Layer& layer : joint.contacts[c].layers) {
+      const double factor = last.fields[c].sides[&layer - joint.contacts[c].layers].resultant_factor;
+      if (!(std::abs(factor - 1.0) > 0.02)) continue;
+      add_once(lines, fmt::format("note: surface \"{}\": its pressure map is interpolated and carries {:.1f}% of the contact force", model.surfaces[at(layer.surface)].name, 100.0 * factor));
+    }
+  }
+  return lines;
+}
+
+std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs) {
+  std::string text = units_text(model) + "\n";
+  for (const Convergence& study : studies) {
+    text += fmt::format("\ncontact \"{}\", last state; changes against the row above\n", study.contact);
+    Table table;
+    table.headings = {"refine", "springs", "active", "peak", "mean", "area", "peak changes", "mean changes", "area changes", "outcome"};
+    table.left = "rrrrrrrrrl";
+    for (const ConvergenceRow& r : study.rows)
+      table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs), fmt::format("{}", r.springs_active), short_number(r.peak), short_number(r.mean),
+                            short_number(r.area), percent(r.change_peak), percent(r.change_mean), percent(r.change_area), name(r.outcome)});
+    text += table_text(table);
+    const auto needed = [&](int springs, const char* limit) {
+      return springs < 0 ? fmt::format("changes below {}: not reached (at most {} springs allowed)\n", limit, max_springs)
+                         : fmt::format("changes below {}: from {} springs on\n", limit, springs);
+    };
+    text += needed(study.springs_5_percent, "5%");
+    text += needed(study.springs_1_percent, "1%");
+  }
+  return text;
+}
+
+}  // namespace dea

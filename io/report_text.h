@@ -1,0 +1,37 @@
+// io/report_text.h – results as tables for people, and what they should know besides.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "analysis.h"
+
+namespace dea {
+
+/// Cells under headings; columns as wide as they need, all but those of words aligned to the right.
+struct Table {
+  std::vector<std::string> headings;
+  std::string left;  ///< per column: 'l' for words, 'r' for numbers
+  std::vector<std::vector<std::string>> rows;
+};
+std::string table_text(const Table& table);
+
+/// The states' contacts, then bodies and ligaments in the last state.
+std::string run_text(const JointModel& model, const Analysis& analysis);
+
+/// What was concluded, left out or is doubtful, a line each, each once: "note: ...", "ignored: ...", "warning: ...".
+std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint);
+std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis);
+
+std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs);
+
+/// All bodies, without a ground that nothing is attached to.
+std::vector<int> reported_bodies(const Joint& joint);
+
+/// "(1, 2, 3)" with six digits.
+std::string vector_text(const Vector3d& v);
+/// Number with six digits, "-" when undefined.
+std::string number_text(double x);
+/// "units: mm-N-s" or a sentence that they are the model's.
+std::string units_text(const JointModel& model);
+
+}  // namespace dea
