@@ -8,71 +8,16 @@ mean normal, with one colour scale (viridis) for all, and the centre of pressure
 """
 import argparse
 import math
-import struct
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(__file__))
+from xplt_reader import PlotFile, cross, dot, sub  # noqa: E402
 
 VIRIDIS = [(68, 1, 84), (72, 40, 120), (62, 74, 137), (49, 104, 142), (38, 130, 142), (31, 158, 137), (53, 183, 121),
            (109, 205, 89), (180, 222, 44), (253, 231, 37)]
 
 
-def chunks(data, begin, end):
-    while begin < end:
-        ident, size = struct.unpack_from("<II", data, begin)
-        yield ident, begin + 8, begin + 8 + size
-        begin += 8 + size
-
-
-def child(data, span, *path):
-    for wanted in path:
-        span = next((b, e) for i, b, e in chunks(data, *span) if i == wanted)
-    return span
-
-
-def text(data, span):
-    (n,) = struct.unpack_from("<I", data, span[0])
-    return data[span[0] + 4:span[0] + 4 + n].decode()
-
-
-def read(path, surface_name):
-    """Deformed node positions, facets of the surface, pressure per facet (last state of an uncompressed file)."""
-    with open(path, "rb") as f:
-        data = f.read()
-    top = list(chunks(data, 4, len(data)))
-    root, mesh, state = top[0][1:], top[1][1:], top[-1][1:]
-
-    def names(group):
-        found = []
-        for _, b, e in chunks(data, *child(data, root, 0x01020000, group)):
-            s = child(data, (b, e), 0x01020004)
-            found.append(data[s[0]:s[1]].split(b"\0")[0].decode())
-        return found
-
-    def values(section, index, region):
-        for _, b, e in chunks(data, *child(data, state, 0x02020000, section)):
-            s = child(data, (b, e), 0x02020002)
-            if struct.unpack_from("<I", data, s[0])[0] == index:
-                for ident, rb, re in chunks(data, *child(data, (b, e), 0x02020003)):
-                    if ident == region:
-                        return struct.unpack_from("<%df" % ((re - rb) // 4), data, rb)
-        raise SystemExit("%s: no data" % path)
-
-    b, e = child(data, mesh, 0x01041000, 0x01041200)
-    records = [struct.unpack_from("<i3f", data, o)[1:] for o in range(b, e, 16)]
-    u = values(0x02020300, names(0x01023000).index("displacement") + 1, 0)
-    nodes = [tuple(x + u[3 * i + k] for k, x in enumerate(p)) for i, p in enumerate(records)]
-    for region, (_, b, e) in enumerate(chunks(data, *child(data, mesh, 0x01043000)), 1):
-        if text(data, child(data, (b, e), 0x01043101, 0x01043104)) == surface_name:
-            facets = []
-            for _, fb, fe in chunks(data, *child(data, (b, e), 0x01043200)):
-                ints = struct.unpack_from("<%di" % ((fe - fb) // 4), data, fb)
-                corners = {3: 3, 6: 3, 7: 3, 4: 4, 8: 4, 9: 4}[ints[1]]
-                facets.append(ints[2:2 + corners])
-            return nodes, facets, values(0x02020500, names(0x01025000).index("contact pressure") + 1, region)
-    raise SystemExit("%s: no surface %s" % (path, surface_name))
-
-
-def sub(a, b): return tuple(x - y for x, y in zip(a, b))
-def dot(a, b): return sum(x * y for x, y in zip(a, b))
-def cross(a, b): return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 def unit(a): return tuple(x / math.sqrt(dot(a, a)) for x in a)
 
 
@@ -90,7 +35,11 @@ def main():
     parser.add_argument("-o", required=True)
     parser.add_argument("files", nargs="+", metavar="TITLE=FILE")
     args = parser.parse_args()
-    panels = [(f.split("=", 1)[0], *read(f.split("=", 1)[1], args.surface)) for f in args.files]
+    panels = []
+    for entry in args.files:
+        title, path = entry.split("=", 1)
+        file = PlotFile(path)
+        panels.append((title, file.nodes, *file.surface(args.surface)))
     top = args.max or max(max(p) for _, _, _, p in panels)
     out, width, height = [], 340, 330
     for k, (title, nodes, facets, pressure) in enumerate(panels):
