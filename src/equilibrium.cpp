@@ -350,10 +350,10 @@ double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& 
     const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
     for (int i = 0; i < s.size(); ++i) {
       const auto k = at(i);
-      if (s.triangle[k] < 0 || s.coverage[k] <= 0 || s.gap[k] <= 0) continue;
+      if (s.triangle[k] < 0 || s.coverage[k] <= 0) continue;
       const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
       const double rate = s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k]);  // dg per unit of direction (E2)
-      if (rate < 0) first = std::min(first, s.gap[k] / -rate);
+      if (rate < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -rate);
     }
   }
   return first;

@@ -48,8 +48,17 @@ void find_neighbours(SurfaceMesh& mesh) {
 }
 
 void find_bulges(SurfaceMesh& mesh) {
-  // A rim vertex has facets on one side only: its average normal belongs to a place half a facet inside, so that an edge
-  // from there to an inner vertex sees only half the turning of the normals.
+  // Vertex normals that are exact where the vertices lie on a sphere, however uneven the facets: each corner's cross
+  // product of edges over the squares of their lengths (N. Max, Weights for computing vertex normals from facet normals,
+  // J. Graphics Tools 4(2), 1999).
+  std::vector<Vector3d> normals(mesh.vertices.size(), Vector3d::Zero());
+  for (int t = 0; t < mesh.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d a = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k), b = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
+      normals[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] += a.cross(b) / (a.squaredNorm() * b.squaredNorm());
+    }
+  }
+  for (Vector3d& n : normals) n.normalize();
   std::vector<char> on_rim(mesh.vertices.size(), 0);
   for (int t = 0; t < mesh.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k)
@@ -66,14 +75,18 @@ void find_bulges(SurfaceMesh& mesh) {
       const int other = mesh.neighbours[static_cast<std::size_t>(t)][k];
       // sharp where the facets at the edge turn by more than 40 degrees, or a vertex normal is that far from them
       const Vector3d& n = mesh.normals[static_cast<std::size_t>(t)];
-      double least = std::min(n.dot(mesh.vertex_normals[i]), n.dot(mesh.vertex_normals[j]));
+      double least = std::min(n.dot(normals[i]), n.dot(normals[j]));
       if (other >= 0) {
         const Vector3d& m = mesh.normals[static_cast<std::size_t>(other)];
-        least = std::min({least, n.dot(m), m.dot(mesh.vertex_normals[i]), m.dot(mesh.vertex_normals[j])});
+        least = std::min({least, n.dot(m), m.dot(normals[i]), m.dot(normals[j])});
       }
       if (least < kCos40) continue;
-      const double b = 0.5 * (mesh.vertices[i] - mesh.vertices[j]).dot(mesh.vertex_normals[i] - mesh.vertex_normals[j]);
-      mesh.bulge[static_cast<std::size_t>(t)][k] = on_rim[i] != on_rim[j] ? 2.0 * b : b;
+      const Vector3d edge = mesh.vertices[i] - mesh.vertices[j];
+      double& b = mesh.bulge[static_cast<std::size_t>(t)][k];
+      // A rim vertex has facets on one side only and no normal of its own worth the name: the curvature at the inner
+      // end serves for the whole edge (the normal mirrored in the edge's bisecting plane).
+      if (on_rim[i] == on_rim[j]) b = 0.5 * edge.dot(normals[i] - normals[j]);
+      else b = on_rim[j] ? edge.dot(normals[i]) : -edge.dot(normals[j]);
     }
   }
 }
