@@ -16,7 +16,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The format has no undefined values and viewers compute ranges from all of them.
-float number(double x) { return std::isfinite(x) ? static_cast<float>(x) : 0.0f; }
+float number(double x) { return std::isfinite(x) ? static_cast<float>(x) + 0.0f : 0.0f; }
 
 void append(std::vector<float>& values, const Vector3d& v) {
   for (int k = 0; k < 3; ++k) values.push_back(number(v[k]));
@@ -317,6 +317,9 @@ XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
       state.variables[2].push_back({region, per_slot(s, layer.articular, missed)});
     }
   }
+
+  for (auto& regions : state.variables)
+    std::sort(regions.begin(), regions.end(), [](const XpltRegion& a, const XpltRegion& b) { return a.region < b.region; });
 
   int next_node = 1, next_element = 1;
   for (int id : mesh.node_ids) next_node = std::max(next_node, id + 1);

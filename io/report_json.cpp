@@ -103,11 +103,11 @@ std::string csv_word(const std::string& text) {
 }
 
 /// Shortest text that reads back as the same number; nothing where it is undefined.
-std::string csv_number(double x) { return std::isfinite(x) ? fmt::format("{}", x) : std::string(); }
+std::string csv_number(double x) { return std::isfinite(x) ? fmt::format("{}", x + 0.0) : std::string(); }
 
 }  // namespace
 
-Json json_number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json json_number(double x) { return std::isfinite(x) ? Json(x + 0.0) : Json(nullptr); }  // + 0.0: no -0.0
 
 Json json_vector(const Vector3d& v) { return Json::array({json_number(v[0]), json_number(v[1]), json_number(v[2])}); }
 

@@ -139,14 +139,25 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
 std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis) {
   const Joint& joint = analysis.joint;
   std::vector<std::string> lines;
+  int states_held = 0;  // the axes turn a little from state to state: those of the last one stand for all
+  const StateResult* last_held = nullptr;
   for (const StateResult& state : analysis.states) {
     const Equilibrium& e = state.equilibrium;
-    for (const std::string& held : e.held) add_once(lines, fmt::format("note: held, since nothing resists or loads it: {}", held));
+    if (!e.held.empty()) {
+      ++states_held;
+      last_held = &state;
+    }
     if (!solved(e.outcome)) add_once(lines, fmt::format("warning: time {}: {}: {}", number_text(state.when.time), name(e.outcome), e.message));
     if (solved(e.outcome) && e.least_stiffness < 0)
       add_once(lines, fmt::format("warning: time {}: the balance is unstable (least stiffness {:.3g})", number_text(state.when.time), e.least_stiffness));
   }
   if (analysis.states.empty()) return lines;
+  if (last_held) {
+    std::string directions;
+    for (const std::string& held : last_held->equilibrium.held) directions += (directions.empty() ? "" : ", ") + held;
+    add_once(lines, fmt::format("note: in {} of {} states motions were held that nothing resists or loads; at time {}: {}", states_held, analysis.states.size(),
+                                number_text(last_held->when.time), directions));
+  }
   // The last state stands for all: the factor changes slowly.
   const StateResult& last = analysis.states.back();
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {

@@ -1,5 +1,6 @@
 // `dea converge`: how many springs the result needs.
 #include <algorithm>
+#include <functional>
 
 #include <fmt/format.h>
 

@@ -1,5 +1,6 @@
 // io/cli/main.cpp – the program `dea`: reads the command line, runs a command, turns faults into exit codes.
 #include <exception>
+#include <sstream>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
 // `dea run`: every wanted state solved and written.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 

@@ -1,0 +1,555 @@
+// The program from outside: what it prints, writes and returns.
+//
+// Model of most tests, with its answer on paper: a square layer of cartilage, 3 x 3, thickness h = 2, bonded to a rigid
+// base, and a rigid plate that covers it, 0.1 above. Moved down by 0.3 the plate overlaps the layer by d = 0.2
+// everywhere, so that p = M d / h with the confined modulus M, on the area 9.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "xplt.h"
+
+namespace dea {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kE = 10.0, kNu = 0.3;
+constexpr double kM = kE * (1 - kNu) / ((1 + kNu) * (1 - 2 * kNu));
+
+std::string file_text(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+struct Finished {
+  int code = -1;
+  std::string out, err;
+};
+
+/// A folder of its own for every test, in which the program runs.
+class Cli : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "dea_cli_XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder = name;
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  Finished dea(const std::vector<std::string>& arguments, const std::string& out_path = "") {
+    const fs::path out = out_path.empty() ? folder.string() + ".out" : out_path, err = folder.string() + ".err";
+    const pid_t child = ::fork();
+    if (child == 0) {
+      std::vector<char*> argv;
+      std::string program = DEA_PROGRAM;
+      std::vector<std::string> words = arguments;
+      argv.push_back(program.data());
+      for (std::string& w : words) argv.push_back(w.data());
+      argv.push_back(nullptr);
+      const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      if (::chdir(folder.c_str()) != 0 || o < 0 || e < 0) ::_exit(99);
+      ::dup2(o, 1);
+      ::dup2(e, 2);
+      ::execv(program.c_str(), argv.data());
+      ::_exit(99);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    Finished f;
+    f.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (out_path.empty()) {
+      f.out = file_text(out);
+      fs::remove(out);
+    }
+    f.err = file_text(err);
+    fs::remove(err);
+    return f;
+  }
+
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder / name, std::ios::binary) << text; }
+
+  /// `push`: force on the plate that is free along z; NaN: its displacement is prescribed instead.
+  void write_model(const std::string& name = "flat.feb", double push = std::nan("")) {
+    std::string nodes, layer, base, plate, primary, secondary;
+    const auto id = [](int i, int j, int k) { return 1 + i + 4 * j + 16 * k; };
+    for (int k = 0; k < 2; ++k)
+      for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 4; ++i) nodes += fmt::format("<node id=\"{}\">{},{},{}</node>\n", id(i, j, k), i, j, 2 * k - 2);
+    for (int c = 0; c < 4; ++c) nodes += fmt::format("<node id=\"{}\">{},{},0.1</node>\n", 33 + c, c == 1 || c == 2 ? 4 : -1, c >= 2 ? 4 : -1);
+    int element = 0;
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) {
+        const auto quad = [&](int k) { return fmt::format("{},{},{},{}", id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)); };
+        ++element;
+        layer += fmt::format("<elem id=\"{}\">{},{}</elem>\n", element, quad(0), quad(1));
+        base += fmt::format("<elem id=\"{}\">{}</elem>\n", element + 9, quad(0));
+        primary += fmt::format("<quad4 id=\"{}\">{}</quad4>\n", element, quad(1));
+      }
+    }
+    const bool prescribed = std::isnan(push);
+    const std::string motion = prescribed ? "<rigid_bc name=\"down\" type=\"rigid_displacement\"><rb>plate</rb><dof>z</dof><value lc=\"1\">-0.3</value><relative>0</relative></rigid_bc>" : "";
+    const std::string load = prescribed ? "" : fmt::format("<rigid_load name=\"push\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value lc=\"1\">{}</value><load_type>LOAD</load_type></rigid_load>", push);
+    write(name, fmt::format(R"(<?xml version="1.0" encoding="ISO-8859-1"?>
+<febio_spec version="4.0">
+<Module type="solid"><units>mm-N-s</units></Module>
+<Material>
+<material id="1" name="cartilage" type="neo-Hookean"><density>1</density><E>{}</E><v>{}</v></material>
+<material id="2" name="base" type="rigid body"><density>1</density><center_of_mass>1.5,1.5,-2</center_of_mass></material>
+<material id="3" name="plate" type="rigid body"><density>1</density><center_of_mass>1.5,1.5,1</center_of_mass></material>
+</Material>
+<Mesh>
+<Nodes name="all">
+{}</Nodes>
+<Elements type="hex8" name="layer">
+{}</Elements>
+<Elements type="quad4" name="base">
+{}</Elements>
+<Elements type="quad4" name="plate">
+<elem id="19">33,34,35,36</elem>
+</Elements>
+<Surface name="top">
+{}</Surface>
+<Surface name="under">
+<quad4 id="1">33,36,35,34</quad4>
+</Surface>
+<SurfacePair name="pair"><primary>top</primary><secondary>under</secondary></SurfacePair>
+</Mesh>
+<MeshDomains>
+<SolidDomain name="layer" mat="cartilage"/>
+<ShellDomain name="base" mat="base"/>
+<ShellDomain name="plate" mat="plate"/>
+</MeshDomains>
+<Rigid>
+<rigid_bc name="hold base" type="rigid_fixed"><rb>base</rb><Rx_dof>1</Rx_dof><Ry_dof>1</Ry_dof><Rz_dof>1</Rz_dof><Ru_dof>1</Ru_dof><Rv_dof>1</Rv_dof><Rw_dof>1</Rw_dof></rigid_bc>
+<rigid_bc name="hold plate" type="rigid_fixed"><rb>plate</rb><Rx_dof>1</Rx_dof><Ry_dof>1</Ry_dof><Rz_dof>0</Rz_dof><Ru_dof>1</Ru_dof><Rv_dof>1</Rv_dof><Rw_dof>1</Rw_dof></rigid_bc>
+{}
+{}
+</Rigid>
+<Contact><contact name="touch" type="sliding-elastic" surface_pair="pair"/></Contact>
+<Step><step id="1" name="press"><Control><analysis>STATIC</analysis><time_steps>4</time_steps><step_size>0.25</step_size></Control></step></Step>
+<LoadData><load_controller id="1" type="loadcurve"><interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points></load_controller></LoadData>
+</febio_spec>
+)", kE, kNu, nodes, layer, base, primary, motion, load));
+  }
+
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  fs::path folder;
+};
+
+using Names = std::vector<std::string>;
+
+Names keys(const Json& j) {
+  Names names;
+  for (const auto& item : j.items()) names.push_back(item.key());
+  return names;
+}
+
+/// The first keys are fixed; more may follow.
+void expect_keys(const Json& j, const Names& expected) {
+  Names found = keys(j);
+  ASSERT_GE(found.size(), expected.size());
+  found.resize(expected.size());
+  EXPECT_EQ(found, expected);
+}
+
+TEST_F(Cli, PlatePressedOnALayerGivesTheAnswerOnPaper) {
+  write_model();
+  const Finished f = dea({"run", "flat.feb", "--json", "r.json"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  EXPECT_EQ(files(), (Names{"flat.feb", "flat_dea.xplt", "r.json"}));
+  const Json j = Json::parse(file_text(folder / "r.json"));
+  ASSERT_EQ(j["states"].size(), 5u);
+  const Json last = j["states"][4], contact = last["contacts"][0];
+  const double p = kM * 0.2 / 2.0;
+  EXPECT_NEAR(contact["peak_pressure"].get<double>(), p, 1e-12);  // plane surfaces: exact but for rounding
+  EXPECT_NEAR(contact["mean_pressure"].get<double>(), p, 1e-12);
+  EXPECT_NEAR(contact["nodal_peak_pressure"].get<double>(), p, 1e-12);
+  EXPECT_NEAR(contact["contact_area"].get<double>(), 9.0, 1e-12);
+  EXPECT_NEAR(contact["force"][2].get<double>(), 9.0 * p, 1e-11);
+  EXPECT_EQ(last["outcome"], "Prescribed");
+  EXPECT_NEAR(last["bodies"]["plate"]["translation"][2].get<double>(), -0.3, 1e-15);
+  EXPECT_NEAR(last["bodies"]["plate"]["force"][2].get<double>(), -9.0 * p, 1e-11);  // what holds the plate is pushed
+  EXPECT_TRUE(j["states"][0]["contacts"][0]["peak_pressure"].is_null());            // nothing touches
+
+  const XpltFile plot = read_xplt((folder / "flat_dea.xplt").string());
+  EXPECT_EQ(plot.units, "mm-N-s");
+  ASSERT_EQ(plot.states.size(), 5u);
+  EXPECT_EQ(plot.meshes[0].parts, (Names{"cartilage", "base", "plate"}));
+  ASSERT_EQ(plot.meshes[0].domains.size(), 3u);
+  ASSERT_EQ(plot.meshes[0].surfaces.size(), 2u);
+  EXPECT_EQ(plot.meshes[0].surfaces[0].name, "top");
+  ASSERT_EQ(plot.meshes[0].objects.size(), 2u);
+  EXPECT_EQ(plot.meshes[0].objects[1].name, "plate");
+  const XpltState& state = plot.states.back();
+  EXPECT_EQ(state.element_flags, std::vector<std::uint32_t>(19, 1));
+  const auto values = [&](XpltGroup group, const char* name) { return state.variables[static_cast<std::size_t>(find_variable(plot, group, name))]; };
+  const auto displacement = values(XpltGroup::Nodal, "displacement")[0].values;
+  EXPECT_NEAR(displacement[3 * 35 + 2], -0.3, 1e-6);  // the plate
+  EXPECT_NEAR(displacement[3 * 31 + 2], -0.2, 1e-6);  // the layer's top, compressed
+  EXPECT_NEAR(displacement[3 * 5 + 2], 0.0, 1e-6);    // its bottom
+  const auto pressure = values(XpltGroup::Surface, "contact pressure");
+  ASSERT_EQ(pressure.size(), 2u);
+  EXPECT_EQ(pressure[0].region, 1);
+  ASSERT_EQ(pressure[0].values.size(), 9u);
+  for (float x : pressure[0].values) EXPECT_NEAR(x, p, 1e-6);
+  const auto thickness = values(XpltGroup::Surface, "cartilage thickness");
+  for (float x : thickness[0].values) EXPECT_NEAR(x, 2.0, 1e-6);
+  EXPECT_EQ(thickness[1].values, std::vector<float>(4, 0.0f));
+  const auto position = values(XpltGroup::Domain, "rigid position");
+  ASSERT_EQ(position.size(), 2u);
+  EXPECT_EQ(position[1].region, 3);
+  EXPECT_NEAR(position[1].values[2], 0.7, 1e-6);
+  EXPECT_NEAR(state.objects[1].data[6][2], -9.0 * p, 1e-5);
+}
+
+TEST_F(Cli, ForceControlBalancesAndApartIsAnAnswer) {
+  write_model("push.feb", -12.0);
+  const Finished f = dea({"run", "push.feb", "--states", "last", "--json", "-"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  const Json last = Json::parse(f.out)["states"][0];
+  EXPECT_EQ(last["outcome"], "Balanced");
+  EXPECT_NEAR(last["contacts"][0]["mean_pressure"].get<double>(), 12.0 / 9.0, 1e-8);
+
+  write_model("pull.feb", 12.0);
+  const Finished apart = dea({"run", "pull.feb", "--json", "pull.json"});
+  EXPECT_EQ(apart.code, 1) << apart.err;
+  EXPECT_EQ(Json::parse(file_text(folder / "pull.json"))["states"].back()["outcome"], "SurfacesApart");
+  EXPECT_NE(apart.err.find("warning: time 1: SurfacesApart"), std::string::npos) << apart.err;
+  EXPECT_TRUE(fs::exists(folder / "pull_dea.xplt"));
+}
+
+TEST_F(Cli, JsonHasTheAgreedKeysInTheAgreedOrder) {
+  write_model();
+  const Finished f = dea({"run", "flat.feb", "--json", "-"});
+  ASSERT_EQ(f.code, 0);
+  EXPECT_EQ(f.out.find("{\n \"schema\": \"dea.run/1\""), 0u);
+  const Json j = Json::parse(f.out);  // nothing else on standard output
+  expect_keys(j, {"schema", "model", "version", "settings", "timings", "bodies", "states"});
+  expect_keys(j["timings"], {"read", "joint", "solve", "write", "total"});
+  EXPECT_EQ(j["bodies"], Json::array({"base", "plate"}));
+  const Json& s = j["states"][4];
+  expect_keys(s, {"time", "outcome", "iterations", "residual_force", "residual_moment", "bodies", "contacts"});
+  EXPECT_TRUE(s["residual_force"].is_null());  // nothing is free
+  EXPECT_EQ(keys(s["bodies"]), (Names{"base", "plate"}));
+  expect_keys(s["bodies"]["plate"], {"translation", "rotation", "force", "moment"});
+  expect_keys(s["contacts"][0],
+              {"name", "source", "target", "springs", "springs_active", "peak_pressure", "p99_pressure", "mean_pressure", "median_pressure", "contact_area",
+               "facet_peak_pressure", "nodal_peak_pressure", "nodal_mean_pressure", "nodal_median_pressure", "facet_contact_area", "center_of_pressure", "force", "moment"});
+  EXPECT_EQ(s["contacts"][0]["source"], "base");
+  EXPECT_EQ(s["contacts"][0]["target"], "plate");
+  EXPECT_EQ(j["settings"]["law"], "linear");
+}
+
+TEST_F(Cli, CsvHasALinePerStateAndContact) {
+  write_model();
+  const Finished f = dea({"run", "flat.feb", "--csv", "-", "-q"});
+  ASSERT_EQ(f.code, 0);
+  EXPECT_EQ(f.err, "");
+  std::istringstream lines(f.out);
+  std::string line, header;
+  std::getline(lines, header);
+  EXPECT_EQ(header.rfind("time,contact,outcome,", 0), 0u);
+  int count = 0;
+  while (std::getline(lines, line)) {
+    ++count;
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ','));
+  }
+  EXPECT_EQ(count, 5);
+}
+
+TEST_F(Cli, QuietPrintsNothing) {
+  write_model();
+  const Finished f = dea({"run", "flat.feb", "-q"});
+  EXPECT_EQ(f.code, 0);
+  EXPECT_EQ(f.out, "");
+  EXPECT_EQ(f.err, "");
+  const Finished loud = dea({"run", "flat.feb", "-v"});
+  EXPECT_NE(loud.err.find("state 5 of 5, time 1: Prescribed"), std::string::npos) << loud.err;
+  EXPECT_NE(loud.out.find("mm-N-s"), std::string::npos);
+}
+
+TEST_F(Cli, CommandLineBeforeSettingsFileBeforeModel) {
+  write_model();
+  write("s.xml", "<febiodea_settings version=\"1\">\n<E>20</E>\n<law>logarithmic</law>\n</febiodea_settings>\n");
+  const auto peak = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"run", "flat.feb", "--states", "last", "--json", "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished f = dea(words);
+    EXPECT_EQ(f.code, 0) << f.err;
+    return Json::parse(f.out)["states"][0]["contacts"][0]["peak_pressure"].get<double>();
+  };
+  const double e = 0.1;
+  EXPECT_NEAR(peak({}), kM * e, 1e-12);
+  EXPECT_NEAR(peak({"--settings", "s.xml"}), -2 * kM * std::log(1 - e), 1e-11);
+  EXPECT_NEAR(peak({"--settings", "s.xml", "--law", "LINEAR"}), 2 * kM * e, 1e-11);
+  EXPECT_NEAR(peak({"--settings", "s.xml", "--law", "linear", "--E", "top=30"}), 3 * kM * e, 1e-11);
+  EXPECT_NEAR(peak({"--thickness", "top=4"}), kM * e / 2, 1e-12);
+}
+
+TEST_F(Cli, VectorsMayBeginWithAMinus) {
+  write_model("push.feb", -12.0);
+  const Finished f = dea({"run", "push.feb", "--force", "plate=-1,2,-3", "--states", "last", "--nu", "-0.1", "--json", "-"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  const Json j = Json::parse(f.out);
+  EXPECT_EQ(j["settings"]["force"]["plate"], Json::array({-1.0, 2.0, -3.0}));
+  EXPECT_EQ(j["settings"]["nu"][""], -0.1);
+  EXPECT_NEAR(j["states"][0]["contacts"][0]["force"][2].get<double>(), 3.0, 1e-8);
+  EXPECT_EQ(dea({"run", "push.feb", "--force", "-1,2,3"}).err, "dea: --force -1,2,3: found no '=', expected BODY=x,y,z\n");
+}
+
+TEST_F(Cli, StatesAndTimesFrom) {
+  write_model();
+  const auto times = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"run", "flat.feb", "--json", "-"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished f = dea(words);
+    EXPECT_EQ(f.code, 0) << f.err;
+    std::vector<double> t;
+    const Json j = Json::parse(f.out);
+    for (const Json& s : j["states"]) t.push_back(s["time"].get<double>());
+    return t;
+  };
+  using Times = std::vector<double>;
+  EXPECT_EQ(times({}), (Times{0, 0.25, 0.5, 0.75, 1}));
+  EXPECT_EQ(times({"--states", "last"}), (Times{1}));
+  EXPECT_EQ(times({"--states", "0.75,0.1"}), (Times{0.1, 0.75}));
+  EXPECT_EQ(times({"--states", "0.1,0.75", "-o", "fea.xplt"}), (Times{0.1, 0.75}));
+  const Times from = times({"--times-from", "fea.xplt"});
+  ASSERT_EQ(from.size(), 2u);
+  EXPECT_NEAR(from[0], 0.1, 1e-8);  // single precision in the file
+  EXPECT_EQ(from[1], 0.75);         // a time of the model: exactly
+  EXPECT_EQ(times({"--times-from", "fea.xplt", "--states", "last"}), (Times{0.75}));
+  EXPECT_EQ(dea({"run", "flat.feb", "--states", "2"}).err, "dea: --states 2: found time 2, expected times from 0 to 1, those of the model\n");
+  EXPECT_EQ(dea({"run", "flat.feb", "--states", "some"}).err, "dea: --states some: found \"some\", expected all, last or times t1,t2,...\n");
+  EXPECT_EQ(dea({"run", "flat.feb", "--states", "-1"}).code, 2);
+  const Finished no_fea = dea({"run", "flat.feb", "--times-from", "flat.feb"});
+  EXPECT_EQ(no_fea.code, 3);
+  EXPECT_EQ(no_fea.err.rfind("flat.feb", 0), 0u) << no_fea.err;
+}
+
+TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
+  write_model();
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{}, "dea: A subcommand is required (dea --help lists the options)\n"},
+      {{"run"}, "dea run: MODEL is required (dea run --help lists the options)\n"},
+      {{"run", "flat.feb", "--speed"}, "dea run: The following argument was not expected: --speed (dea run --help lists the options)\n"},
+      {{"run", "flat.feb", "--law", "cubic"}, "dea: --law cubic: found \"cubic\", expected linear, logarithmic or neo-Hookean\n"},
+      {{"run", "flat.feb", "--E", "top=1x"}, "dea: --E top=1x: found \"1x\", expected a number\n"},
+      {{"run", "flat.feb", "--E", "inf"}, "dea: --E inf: found \"inf\", expected a number\n"},
+      {{"run", "flat.feb", "--threads", "0"}, "dea: --threads 0: found \"0\", expected a whole number from 1 to 1024\n"},
+      {{"run", "flat.feb", "-o", "-"}, "dea: -o -: the plot file cannot go to standard output, give it a name\n"},
+      {{"run", "flat.feb", "-o", "./flat.feb"}, "dea: -o ./flat.feb: would overwrite the model\n"},
+      {{"run", "flat.feb", "--json", "-", "--csv", "-"}, "dea: only one of --json and --csv can go to standard output\n"},
+      {{"run", "flat.feb", "--json", "a", "--csv", "./a"}, "dea: --csv ./a: is the file of --json too\n"},
+      {{"run", "flat.feb", "--contact", "hip"}, "dea: --contact hip: the model has no sliding contact of this name; it has \"touch\"\n"},
+      {{"run", "flat.feb", "--thickness", "side=1"}, "dea: --thickness side: the model has no surface of this name; it has \"top\", \"under\"\n"},
+      {{"run", "flat.feb", "--force", "femur=1,2,3"}, "dea: --force femur: the model has no rigid body of this name; it has \"base\", \"plate\", \"ground\"\n"},
+      {{"converge", "flat.feb", "--target", "2"}, "dea: --target 2: found \"2\", expected a number between 0 and 1\n"},
+      {{"converge", "flat.feb", "--max-springs", "many"}, "dea: --max-springs many: found \"many\", expected a whole number from 1 to 100000000\n"},
+  };
+  for (const auto& c : cases) {
+    const Finished f = dea(c.first);
+    EXPECT_EQ(f.code, 2) << c.second;
+    EXPECT_EQ(f.err, c.second);
+    EXPECT_EQ(f.out, "") << c.second;
+  }
+  for (const char* option : {"--rigid", "--source", "--free", "--load-at", "--attach", "--bone"}) {
+    const std::string name = option, value = name == "--rigid" || name == "--source" ? "nobody" : name == "--free" ? "nobody=x" : name == "--load-at" ? "nobody=1,2,3" : "nobody=plate";
+    const Finished f = dea({"run", "flat.feb", name, value});
+    EXPECT_EQ(f.code, 2) << f.err;
+    EXPECT_NE(f.err.find("nobody"), std::string::npos) << f.err;
+    EXPECT_EQ(std::count(f.err.begin(), f.err.end(), '\n'), 1) << f.err;
+  }
+  EXPECT_EQ(files(), Names{"flat.feb"});
+}
+
+TEST_F(Cli, InputRefusedIsOneLineAndCodeThree) {
+  const Finished missing = dea({"run", "no.feb"});
+  EXPECT_EQ(missing.code, 3);
+  EXPECT_EQ(missing.err.rfind("no.feb: ", 0), 0u) << missing.err;
+  EXPECT_EQ(std::count(missing.err.begin(), missing.err.end(), '\n'), 1);
+  write_model();
+  write("s.xml", "<febiodea_settings version=\"1\">\n<law>cubic</law>\n</febiodea_settings>\n");
+  const Finished settings = dea({"run", "flat.feb", "--settings", "s.xml"});
+  EXPECT_EQ(settings.code, 3);
+  EXPECT_EQ(settings.err, "s.xml:2: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean\n");
+  write("text.feb", "not a model\n");
+  EXPECT_EQ(dea({"run", "text.feb"}).code, 3);
+  EXPECT_EQ(dea({"info", "text.feb"}).code, 3);
+  EXPECT_EQ(dea({"converge", "text.feb"}).code, 3);
+  EXPECT_EQ(dea({"run", "."}).code, 3);
+  EXPECT_EQ(files(), (Names{"flat.feb", "s.xml", "text.feb"}));
+}
+
+TEST_F(Cli, UnwritableOutputIsCodeFourAndLeavesNothing) {
+  write_model();
+  fs::create_directory(folder / "folder");
+  const Finished no_folder = dea({"run", "flat.feb", "-o", "nowhere/r.xplt"});
+  EXPECT_EQ(no_folder.code, 4);
+  EXPECT_EQ(no_folder.err, "dea: cannot write nowhere/r.xplt: there is no folder nowhere\n");
+  EXPECT_EQ(dea({"run", "flat.feb", "--json", "folder"}).err, "dea: cannot write folder: is a folder\n");
+  const Finished full = dea({"run", "flat.feb", "-o", "/dev/full"});
+  EXPECT_EQ(full.code, 4);
+  EXPECT_EQ(full.err, "dea: cannot write /dev/full: No space left on device\n");
+  const Finished json = dea({"run", "flat.feb", "-o", "r.xplt", "--json", "/dev/full"});
+  EXPECT_EQ(json.code, 4);
+  EXPECT_EQ(json.err, "dea: cannot write /dev/full: No space left on device\n");
+  EXPECT_EQ(dea({"run", "flat.feb", "-o", "r.xplt", "--csv", "-"}, "/dev/full").code, 4);
+  EXPECT_EQ(dea({"info", "flat.feb"}, "/dev/full").code, 4);
+  EXPECT_EQ(files(), (Names{"flat.feb", "folder", "r.xplt"}));
+}
+
+TEST_F(Cli, OutputReplacesAnOlderOneAndMayBeADevice) {
+  write_model();
+  write("r.json", "older");
+  ASSERT_EQ(dea({"run", "flat.feb", "--json", "r.json", "-o", "/dev/null", "-q"}).code, 0);
+  EXPECT_EQ(Json::parse(file_text(folder / "r.json"))["schema"], "dea.run/1");
+  EXPECT_EQ(files(), (Names{"flat.feb", "r.json"}));
+}
+
+TEST_F(Cli, CompressedPlotHoldsTheSame) {
+  write_model();
+  ASSERT_EQ(dea({"run", "flat.feb", "-q"}).code, 0);
+  ASSERT_EQ(dea({"run", "flat.feb", "-q", "--compress", "-o", "z.xplt"}).code, 0);
+  XpltFile a = read_xplt((folder / "flat_dea.xplt").string()), b = read_xplt((folder / "z.xplt").string());
+  EXPECT_TRUE(b.compressed);
+  b.compressed = false;
+  EXPECT_TRUE(a == b);
+}
+
+TEST_F(Cli, NoSquashLeavesTheCartilageAsItIs) {
+  write_model();
+  ASSERT_EQ(dea({"run", "flat.feb", "-q", "--no-squash"}).code, 0);
+  const XpltFile plot = read_xplt((folder / "flat_dea.xplt").string());
+  EXPECT_EQ(plot.states.back().variables[0][0].values[3 * 31 + 2], 0.0f);
+}
+
+TEST_F(Cli, InfoSaysWhatIsRecognised) {
+  write_model();
+  const Finished f = dea({"info", "flat.feb", "-o", "check.xplt", "--json", "i.json"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  for (const char* text : {"units: the model's, mm-N-s", "plate: material \"plate\"; centre of mass (1.5, 1.5, 1) (given)", "\"touch\": type sliding-elastic, springs on base",
+                           "thickness: min 2, mean 2, max 2", "initial gap min 0.1", "z prescribed -0.3", "0 0.25 0.5 0.75 1"})
+    EXPECT_NE(f.out.find(text), std::string::npos) << text << "\n" << f.out;
+  const Json j = Json::parse(file_text(folder / "i.json"));
+  EXPECT_EQ(j["schema"], "dea.info/1");
+  EXPECT_EQ(keys(j).front(), "schema");
+  EXPECT_NEAR(j["contacts"][0]["gap_min"].get<double>(), 0.1, 1e-12);
+  EXPECT_NEAR(j["contacts"][0]["primary"]["confined_modulus"].get<double>(), kM, 1e-12);
+  EXPECT_EQ(j["steps"][0]["bodies"]["plate"]["dofs"]["z"], "prescribed");
+  const XpltFile check = read_xplt((folder / "check.xplt").string());
+  const XpltDomain& springs = check.meshes[0].domains.back();
+  EXPECT_EQ(springs.name, "springs touch");
+  EXPECT_EQ(springs.element_ids.size(), 18u);
+  const float* x = check.meshes[0].coordinates.data() + 3 * springs.nodes[0];
+  EXPECT_NEAR(x[2], -2.0, 1e-6);  // from bone
+  EXPECT_NEAR(x[5], 0.1, 1e-6);   // to the bare plate
+}
+
+TEST_F(Cli, InfoPrintsWhatItCanOfARefusedModel) {
+  write_model();
+  std::string text = file_text(folder / "flat.feb");
+  text.replace(text.find("type=\"sliding-elastic\""), 22, "type=\"tied-elastic\"");
+  write("tied.feb", text);
+  const Finished f = dea({"info", "tied.feb"});
+  EXPECT_EQ(f.code, 3);
+  EXPECT_NE(f.out.find("tied.feb: FEBio 4.0"), std::string::npos) << f.out;
+  EXPECT_EQ(f.err.rfind("tied.feb", 0), 0u) << f.err;
+  EXPECT_EQ(std::count(f.err.begin(), f.err.end(), '\n'), 1) << f.err;
+}
+
+TEST_F(Cli, ConvergeOnAPlaneLayerNeedsNoMoreSprings) {
+  write_model();
+  const Finished f = dea({"converge", "flat.feb", "--json", "-"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  const Json j = Json::parse(f.out);
+  expect_keys(j, {"schema", "model", "version", "settings", "target", "max_springs", "contacts"});
+  EXPECT_EQ(j["schema"], "dea.converge/1");
+  ASSERT_EQ(j["contacts"][0]["rows"].size(), 2u);
+  EXPECT_EQ(j["contacts"][0]["rows"][1]["springs"], 72);
+  EXPECT_EQ(j["contacts"][0]["springs_1_percent"], 18);
+  const Finished few = dea({"converge", "flat.feb", "--max-springs", "20"});
+  EXPECT_EQ(few.code, 1);  // one row says nothing about change
+  EXPECT_NE(few.out.find("changes below 1%: not reached"), std::string::npos) << few.out;
+}
+
+TEST_F(Cli, HelpAndVersion) {
+  for (const std::vector<std::string>& words : {Names{"--help"}, Names{"run", "--help"}, Names{"info", "-h"}, Names{"converge", "--help"}, Names{"--version"}}) {
+    const Finished f = dea(words);
+    EXPECT_EQ(f.code, 0);
+    EXPECT_EQ(f.err, "");
+    EXPECT_FALSE(f.out.empty());
+  }
+  const std::string help = dea({"run", "--help"}).out;
+  for (const char* option : {"--contact", "--source", "--springs-at", "--law", "--facets", "--refine", "--rigid", "--attach", "--bone", "--thickness", "--E", "--nu", "--free",
+                             "--force", "--load-at", "--settings", "--times-from", "--states", "--compress", "--no-squash", "--threads", "--json", "--csv", "-q", "-v"})
+    EXPECT_NE(help.find(option), std::string::npos) << option;
+  EXPECT_NE(dea({"--version"}).out.find("Eigen"), std::string::npos);
+}
+
+TEST_F(Cli, ResultsDoNotDependOnThreads) {
+  write_model("push.feb", -12.0);
+  ASSERT_EQ(dea({"run", "push.feb", "-q", "--refine", "20", "--threads", "1", "-o", "a.xplt"}).code, 0);
+  ASSERT_EQ(dea({"run", "push.feb", "-q", "--refine", "20", "--threads", "2", "-o", "b.xplt"}).code, 0);
+  EXPECT_EQ(file_text(folder / "a.xplt"), file_text(folder / "b.xplt"));
+}
+
+/// Beside FEBio's own result of a hip: the same mesh, names and order, and a result in its neighbourhood.
+TEST_F(Cli, ReferenceHipLiesBesideFebiosResult) {
+  const fs::path reference = fs::path(DEA_REFERENCE_DIR) / "hip_walking.feb", febio = fs::path(DEA_REFERENCE_DIR) / "hip_walking_febio_penalty20.xplt";
+  if (!fs::exists(reference) || !fs::exists(febio)) GTEST_SKIP() << "no reference models";
+  const Finished f = dea({"run", reference.string(), "-o", "hip.xplt", "--times-from", febio.string(), "--json", "-"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  const XpltFile ours = read_xplt((folder / "hip.xplt").string()), theirs = read_xplt(febio.string());
+  ASSERT_EQ(ours.states.size(), theirs.states.size());
+  EXPECT_EQ(ours.states[0].time, theirs.states[0].time);
+  const XpltMesh &a = ours.meshes[0], &b = theirs.meshes[0];
+  EXPECT_EQ(a.node_ids, b.node_ids);
+  EXPECT_EQ(a.coordinates, b.coordinates);
+  EXPECT_EQ(a.parts, b.parts);
+  EXPECT_EQ(a.element_sets, b.element_sets);
+  ASSERT_EQ(a.domains.size(), b.domains.size());
+  for (std::size_t d = 0; d < a.domains.size(); ++d) {
+    EXPECT_EQ(a.domains[d].element_type, b.domains[d].element_type);
+    EXPECT_EQ(a.domains[d].part, b.domains[d].part);
+    EXPECT_EQ(a.domains[d].element_ids, b.domains[d].element_ids);
+    EXPECT_EQ(a.domains[d].nodes, b.domains[d].nodes);
+  }
+  EXPECT_EQ(a.surfaces, b.surfaces);
+  EXPECT_EQ(a.facet_sets.size(), b.facet_sets.size());
+  EXPECT_EQ(a.objects, b.objects);
+  for (const char* name : {"rigid force", "rigid position"}) {
+    const auto& x = ours.states[0].variables[static_cast<std::size_t>(find_variable(ours, XpltGroup::Domain, name))];
+    const auto& y = theirs.states[0].variables[static_cast<std::size_t>(find_variable(theirs, XpltGroup::Domain, name))];
+    ASSERT_EQ(x.size(), y.size());
+    for (std::size_t r = 0; r < x.size(); ++r) {
+      EXPECT_EQ(x[r].region, y[r].region);
+      // the same load to FEBio's own tolerance; a position within 0.1 mm, the softness of its penalty
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(x[r].values[k], y[r].values[k], std::string(name) == "rigid force" ? 0.01 : 0.1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dea

@@ -1,0 +1,145 @@
+// Settings as text: every option, every refusal, and what lies over what.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <fstream>
+
+#include <unistd.h>
+
+#include "error.h"
+#include "settings_xml.h"
+
+namespace dea {
+namespace {
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+  return "nothing thrown";
+}
+
+SettingValue value(const char* option, const char* text) { return split_key(*find_setting_option(option), text); }
+
+Settings with(const std::vector<SettingValue>& values) {
+  Settings s;
+  lay_over(s, values);
+  return s;
+}
+
+struct SettingsFile {
+  std::string path = (std::filesystem::temp_directory_path() / ("dea_settings_" + std::to_string(::getpid()) + ".xml")).string();
+  explicit SettingsFile(const std::string& text) { std::ofstream(path) << text; }
+  ~SettingsFile() { std::filesystem::remove(path); }
+  std::string fault() const {
+    const std::string what = message_of([&] { read_settings(path); });
+    return what.rfind(path, 0) == 0 ? what.substr(path.size()) : what;
+  }
+};
+
+std::string fault(const std::string& elements) { return SettingsFile("<febiodea_settings version=\"1\">\n" + elements + "\n</febiodea_settings>\n").fault(); }
+
+TEST(Numbers, WholeTextFiniteDecimalPoint) {
+  EXPECT_EQ(parse_number("-1.5e-3"), -1.5e-3);
+  EXPECT_EQ(parse_number("+2"), 2.0);
+  EXPECT_EQ(parse_number(" 7 "), 7.0);
+  for (const char* text : {"", "nan", "inf", "-inf", "1e999", "1.5x", "1,5", "0x10", "+-1", "--1", "1 2"})
+    EXPECT_THROW(parse_number(text), BadValue) << text;
+  EXPECT_EQ(parse_numbers("-1, 2,3"), (std::vector<double>{-1, 2, 3}));
+  EXPECT_THROW(parse_numbers("1,,2"), BadValue);
+  EXPECT_EQ(parse_count("12", 1, 1000), 12);
+  for (const char* text : {"0", "1.5", "1001", "-3", "", "99999999999999"}) EXPECT_THROW(parse_count(text, 1, 1000), BadValue) << text;
+}
+
+TEST(SettingWords, EveryOption) {
+  const Settings s = with({value("contact", "hip contact"), value("source", "femur"), value("springs-at", "BONE"), value("law", "neo-hookean"),
+                           value("facets", "flat"), value("refine", "3"), value("rigid", "bone a"), value("rigid", "bone b"), value("attach", "s 1=ground"),
+                           value("bone", "s=t"), value("thickness", "2"), value("thickness", "a=b=1.5"), value("E", "s=10"), value("nu", "-0.2"),
+                           value("free", "femur=x,z,Rw"), value("free", "tibia=none"), value("force", "femur=-1,2,-3e2"),
+                           value("load-at", "femur=sphere-center"), value("load-at", "tibia=1,2,3"), value("squash", "false")});
+  EXPECT_EQ(s.contact, "hip contact");
+  EXPECT_EQ(s.source, "femur");
+  EXPECT_EQ(s.springs_at, SpringsAt::Bone);
+  EXPECT_EQ(s.law, Law::NeoHookean);
+  EXPECT_EQ(s.facets, Facets::Flat);
+  EXPECT_EQ(s.refine, 3);
+  EXPECT_EQ(s.rigid, (std::vector<std::string>{"bone a", "bone b"}));
+  EXPECT_EQ(s.attach.at("s 1"), "ground");
+  EXPECT_EQ(s.bone.at("s"), "t");
+  EXPECT_EQ(s.thickness.at(""), 2.0);
+  EXPECT_EQ(s.thickness.at("a=b"), 1.5);  // cut at the last '='
+  EXPECT_EQ(s.E.at("s"), 10.0);
+  EXPECT_EQ(s.nu.at(""), -0.2);
+  EXPECT_EQ(s.free.at("femur"), (std::array<bool, 6>{true, false, true, false, false, true}));
+  EXPECT_EQ(s.free.at("tibia"), (std::array<bool, 6>{}));
+  EXPECT_EQ(s.force.at("femur"), Eigen::Vector3d(-1, 2, -300));
+  EXPECT_TRUE(s.load_at.at("femur").sphere_center);
+  EXPECT_EQ(s.load_at.at("tibia").point, Eigen::Vector3d(1, 2, 3));
+  EXPECT_FALSE(s.squash);
+}
+
+TEST(SettingWords, RefusalsSayWhatWasFoundAndExpected) {
+  const auto refusal = [](const char* option, const char* text) { return message_of([&] { with({value(option, text)}); }); };
+  EXPECT_EQ(refusal("law", "quadratic"), "--law quadratic: found \"quadratic\", expected linear, logarithmic or neo-Hookean");
+  EXPECT_EQ(refusal("springs-at", "top"), "--springs-at top: found \"top\", expected articular or bone");
+  EXPECT_EQ(refusal("facets", "round"), "--facets round: found \"round\", expected curved or flat");
+  EXPECT_EQ(refusal("refine", "0"), "--refine 0: found \"0\", expected a whole number from 1 to 1000");
+  EXPECT_EQ(refusal("thickness", "S=nan"), "--thickness S=nan: found \"nan\", expected a number");
+  EXPECT_EQ(refusal("thickness", "-1"), "--thickness -1: found \"-1\", expected a number >= 0");
+  EXPECT_EQ(refusal("E", "0"), "--E 0: found \"0\", expected a number > 0");
+  EXPECT_EQ(refusal("nu", "0.5"), "--nu 0.5: found \"0.5\", expected a number with -1 < nu < 0.5");
+  EXPECT_EQ(refusal("force", "femur=1,2"), "--force femur=1,2: found \"1,2\", expected three numbers x,y,z");
+  EXPECT_EQ(refusal("force", "1,2,3"), "--force 1,2,3: found no '=', expected BODY=x,y,z");
+  EXPECT_EQ(refusal("attach", "S"), "--attach S: found no '=', expected SURFACE=BODY");
+  EXPECT_EQ(refusal("attach", "=B"), "--attach =B: found no name before '=', expected that of a surface");
+  EXPECT_EQ(refusal("free", "femur=x,Rx"), "--free femur=x,Rx: found \"x,Rx\", expected some of x,y,z,Ru,Rv,Rw, or none");
+  EXPECT_EQ(refusal("load-at", "femur=middle"), "--load-at femur=middle: found \"middle\", expected three numbers x,y,z, or sphere-center");
+  EXPECT_EQ(refusal("contact", " "), "--contact  : found nothing, expected NAME");
+  EXPECT_EQ(message_of([] { with({value("E", "S=1"), value("E", "S=2")}); }), "--E S=2: given twice for \"S\"");
+}
+
+TEST(SettingWords, StrongerValueForAllSilencesWeakerOnes) {
+  Settings s = with({value("E", "S=1"), value("nu", "S=0.1"), value("E", "9")});
+  lay_over(s, {value("E", "5"), value("E", "T=6"), value("nu", "T=0.2")});
+  EXPECT_EQ(s.E, (std::map<std::string, double>{{"", 5.0}, {"T", 6.0}}));
+  EXPECT_EQ(s.nu, (std::map<std::string, double>{{"S", 0.1}, {"T", 0.2}}));
+}
+
+TEST(SettingsXml, ReadsEveryKindOfElement) {
+  const SettingsFile file(
+      "<?xml version=\"1.0\"?>\n<febiodea_settings version=\"1\">\n <!-- a comment -->\n <law> logarithmic </law>\n"
+      " <thickness>2</thickness>\n <thickness surface=\"S &amp; T\">1.5</thickness>\n <rigid>a</rigid>\n <rigid>b</rigid>\n"
+      " <force body=\"femur\">1, -2,3</force>\n <load-at body=\"femur\">sphere-center</load-at>\n <squash>false</squash>\n</febiodea_settings>\n");
+  const Settings s = read_settings(file.path);
+  EXPECT_EQ(s.law, Law::Logarithmic);
+  EXPECT_EQ(s.thickness, (std::map<std::string, double>{{"", 2.0}, {"S & T", 1.5}}));
+  EXPECT_EQ(s.rigid, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(s.force.at("femur"), Eigen::Vector3d(1, -2, 3));
+  EXPECT_TRUE(s.load_at.at("femur").sphere_center);
+  EXPECT_FALSE(s.squash);
+}
+
+TEST(SettingsXml, RefusalsNameTheLine) {
+  EXPECT_EQ(fault("<law>cubic</law>"), ":2: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean");
+  EXPECT_EQ(fault("\n<Law>linear</Law>"),
+            ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <facets>, <refine>, <rigid>, <attach>, <bone>, <thickness>, "
+            "<E>, <nu>, <free>, <force>, <load-at>, <squash>");
+  EXPECT_EQ(fault("<force>1,2,3</force>"), ":2: <force>: found no attribute \"body\", expected body=\"NAME\"");
+  EXPECT_EQ(fault("<force surface=\"S\">1,2,3</force>"), ":2: <force>: found attribute \"surface\", expected \"body\"");
+  EXPECT_EQ(fault("<law a=\"b\">linear</law>"), ":2: <law>: found attribute \"a\", expected none");
+  EXPECT_EQ(fault("<law/>"), ":2: <law>: found nothing, expected linear|logarithmic|neo-Hookean");
+  EXPECT_EQ(fault("<law>\n<linear/></law>"), ":3: <law>: found <linear>, expected linear|logarithmic|neo-Hookean");
+  EXPECT_EQ(fault("<E>1</E>\n<E>2</E>"), ":3: <E>: found a second one, expected it once");
+  EXPECT_EQ(SettingsFile("<settings/>").fault(), ":1: found <settings>, expected <febiodea_settings version=\"1\">");
+  EXPECT_EQ(SettingsFile("<febiodea_settings version=\"2\"/>").fault(), ":1: found version \"2\", expected \"1\"");
+  EXPECT_EQ(SettingsFile("<febiodea_settings version=\"1\">\n<law>linear</E>\n").fault(), ":2: found no well-formed XML, expected <febiodea_settings version=\"1\">");
+  EXPECT_EQ(SettingsFile("").fault(), ": found no well-formed XML, expected <febiodea_settings version=\"1\">");
+  EXPECT_EQ(message_of([] { read_settings("/nonexistent/s.xml"); }), "/nonexistent/s.xml: found no readable file, expected a settings file");
+  EXPECT_NE(message_of([] { read_settings("/tmp"); }), "nothing thrown");
+}
+
+}  // namespace
+}  // namespace dea
