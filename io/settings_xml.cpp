@@ -78,7 +78,7 @@ std::map<std::string, double>* surface_numbers(Settings& s, const std::string& o
 }
 
 /// All places in a settings file where something is wrong look like this.
-InputError fault(const std::string& path, int line, const std::string& text) { return InputError(path, line, text); }
+InputError fault(const std::string& path, int line, const std::string& text) { return InputError(path, std::max(line, 1), text); }
 
 std::string names_of_options() {
   std::string names;

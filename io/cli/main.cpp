@@ -1,4 +1,5 @@
 // io/cli/main.cpp – the program `dea`: reads the command line, runs a command, turns faults into exit codes.
+#include <csignal>
 #include <exception>
 #include <sstream>
 
@@ -65,6 +66,7 @@ int parse_and_run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails the write, like a full disk, and is reported
   try {
     return parse_and_run(argc, argv);
   } catch (const UsageError& e) {

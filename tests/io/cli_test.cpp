@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -418,6 +419,21 @@ TEST_F(Cli, UnwritableOutputIsCodeFourAndLeavesNothing) {
   EXPECT_EQ(dea({"run", "flat.feb", "-o", "r.xplt", "--csv", "-"}, "/dev/full").code, 4);
   EXPECT_EQ(dea({"info", "flat.feb"}, "/dev/full").code, 4);
   EXPECT_EQ(files(), (Names{"flat.feb", "folder", "r.xplt"}));
+}
+
+TEST_F(Cli, FileSizeLimitLeavesTheOlderResultAndNoTemporaryFile) {
+  write_model();
+  write("r.xplt", "older");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{1024, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);  // inherited by the program
+  const Finished f = dea({"run", "flat.feb", "-o", "r.xplt", "-q"});
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_EQ(f.code, 4);
+  EXPECT_EQ(f.err, "dea: cannot write r.xplt: File too large\n");
+  EXPECT_EQ(files(), (Names{"flat.feb", "r.xplt"}));
+  EXPECT_EQ(file_text(folder / "r.xplt"), "older");
 }
 
 TEST_F(Cli, OutputReplacesAnOlderOneAndMayBeADevice) {
