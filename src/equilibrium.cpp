@@ -191,8 +191,8 @@ double surface_motion(const Problem& problem, const VectorXd& motion) {
 
 // ---- flat directions ---------------------------------------------------------------------------------------------
 
-/// What a direction of motion feels: stiffness and force of the contacts with facet normals, and how much of it is
-/// only the roughness of the facets (facet normals against normals averaged at the vertices).
+/// How much of the stiffness and of the force that a direction of motion feels is only the roughness of the facets: with
+/// the normals in use against normals averaged at the vertices (E6).
 struct FacetNoise {
   double stiffness = 0.0;
   double force = 0.0;
@@ -201,7 +201,7 @@ struct FacetNoise {
 FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
   VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
   for (std::size_t i = 0; i < problem.free.size(); ++i) all[problem.free[i]] = direction[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
-  double stiffness = 0.0, sum = 0.0, sum2 = 0.0;
+  double products = 0.0, crossed = 0.0, sum = 0.0, sum2 = 0.0;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
     const SpringBed& bed = problem.beds.beds[c];
@@ -223,15 +223,19 @@ FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const Vector
       n = source.rotation * n.normalized();
       m = target.rotation * m.normalized();
       const Vector3d relative = v_t + w_t.cross(s.foot[k] - target.center) - v_s - w_s.cross(s.foot[k] - source.center);
-      const double rough_force = (s.direction[k] - n).dot(relative);
-      const double rough_rate = (s.normal[k] - m).dot(relative);
-      stiffness += s.per_overlap[k] * s.area[k] * (std::abs(rough_force * rough_rate) + 0.5 * (rough_force * rough_force + rough_rate * rough_rate));
+      // the normal that the gap's derivative sees: of the facet, or of the smooth surface it stands for
+      const Vector3d seen = (s.normal[k] - target.rotation * bulge_gradient(mesh_t, s.triangle[k], s.end_weights[k])).normalized();
+      const double smooth_force = n.dot(relative), rough_force = s.direction[k].dot(relative) - smooth_force;
+      const double smooth_rate = m.dot(relative), rough_rate = seen.dot(relative) - smooth_rate;
+      const double stiffness = s.per_overlap[k] * s.area[k];
+      products += stiffness * std::abs(rough_force * rough_rate);
+      crossed += stiffness * (rough_force * smooth_rate + smooth_force * rough_rate);
       const double f = s.pressure[k] * s.area[k] * rough_force;
       sum += f;
       sum2 += f * f;
     }
   }
-  return {stiffness, std::abs(sum) + 3.0 * std::sqrt(sum2)};
+  return {products + std::abs(crossed), std::abs(sum) + 3.0 * std::sqrt(sum2)};
 }
 
 std::string direction_in_words(const Problem& problem, const VectorXd& direction) {
@@ -293,7 +297,7 @@ Directions take_apart(const Problem& problem, const Evaluation& e, const VectorX
     FacetNoise noise;
     if (sigma[k] < 0.1 * sigma[0] || flat) {
       noise = facet_noise(problem, e, v);
-      flat = flat || sigma[k] <= 4.0 * patience * noise.stiffness;
+      flat = flat || sigma[k] <= 2.0 * patience * noise.stiffness;
     }
     if (!flat) {
       append(stiff, v);
@@ -731,10 +735,12 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   result.history = s.history;
   result.least_stiffness = s.directions.least_stiffness;
   const bool loose = !touching(s.at);
+  const VectorXd r = scaled_residual(problem, s.at);
   for (const VectorXd& v : s.directions.held) {
     // a body that is neither loaded nor touched simply stays: said once by the caller
     if (loose && s.at.load == 0.0) continue;
-    result.held.push_back(direction_in_words(problem, v));
+    const double along = s.at.load > 0 ? std::abs(v.dot(r)) / s.at.load : 0.0;
+    result.held.push_back(direction_in_words(problem, v) + (along > 1e-6 ? fmt::format(" ({:.1e} of the load left along it: the facets' roughness)", along) : ""));
   }
   fill(result, problem, std::move(s.at));
   return result;

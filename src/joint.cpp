@@ -722,12 +722,12 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   for (const DiscreteSprings& set : model.discrete_springs) {
     for (const auto& pair : model.discrete_sets[at(set.set)].pairs) {
       Ligament l;
-      l.name = set.name;
+      l.name = set.name.empty() ? model.discrete_sets[at(set.set)].name : set.name;
       l.body_a = joint.node_body[at(pair[0])];
       l.body_b = joint.node_body[at(pair[1])];
       for (int k = 0; k < 2; ++k)
         if (joint.node_body[at(pair[at(k)])] < 0)
-          throw InputError(model, set.origin, fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body", set.name, model.node_ids[at(pair[at(k)])]));
+          throw InputError(model, set.origin, fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body", l.name, model.node_ids[at(pair[at(k)])]));
       l.point_a = model.nodes[at(pair[0])];
       l.point_b = model.nodes[at(pair[1])];
       l.stiffness = set.stiffness;

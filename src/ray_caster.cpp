@@ -291,6 +291,11 @@ std::vector<int> RayCaster::within(const Vector3d& x, double radius) const {
   return found;
 }
 
+std::string ray_library_version() {
+  const auto number = [](RTCDeviceProperty property) { return std::to_string(rtcGetDeviceProperty(device(), property)); };
+  return number(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_PATCH);
+}
+
 Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& p) {
   return p.weights[0] * mesh.corner(p.triangle, 0) + p.weights[1] * mesh.corner(p.triangle, 1) +
          p.weights[2] * mesh.corner(p.triangle, 2);

@@ -6,6 +6,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "surface_mesh.h"
@@ -53,6 +54,9 @@ class RayCaster {
   const SurfaceMesh* mesh_;
   std::unique_ptr<Scene> scene_;
 };
+
+/// Version of the ray library in use, "3.13.5".
+std::string ray_library_version();
 
 /// Position of a surface point.
 Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& point);

@@ -201,6 +201,16 @@ void finish(Reading& reading) {
   }
   resolve_controllers(model, model.rigid_prescribed);
   resolve_controllers(model, model.rigid_loads);
+  // A named Nodes section is a node set too; FEBio lists it before the others.
+  std::vector<NodeSet> named;
+  for (const NodeRange& range : reading.node_ranges) {
+    if (reading.node_set_index.count(range.name) > 0) continue;
+    NodeSet set;
+    set.name = range.name;
+    for (int node = range.begin; node < range.end; ++node) set.nodes.push_back(node);
+    named.push_back(std::move(set));
+  }
+  model.node_sets.insert(model.node_sets.begin(), named.begin(), named.end());
   model.node_ids = reading.nodes.take();
 }
 

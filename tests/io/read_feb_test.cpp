@@ -324,8 +324,9 @@ TEST_F(ReadFeb, SaysWhatTheFileSays) {
   ASSERT_EQ(m.domains.size(), 3u);
   EXPECT_EQ(m.domains[1].nodes, (std::vector<int>{8, 9, 10, 11, 12, 13, 14, 15}));
   EXPECT_EQ(m.domains[2].shell_thickness, (std::vector<double>{0.5, 0.5, 0.5, 0.5}));
-  EXPECT_EQ(m.node_sets[0].nodes, (std::vector<int>{15, 14, 12, 13}));  // in the order of the file
-  EXPECT_EQ(m.node_sets[1].nodes, (std::vector<int>{0, 4, 7}));
+  EXPECT_EQ(m.node_sets[0].nodes.size(), 16u);  // the named Nodes section is a set too, before the others
+  EXPECT_EQ(m.node_sets[1].nodes, (std::vector<int>{15, 14, 12, 13}));  // in the order of the file
+  EXPECT_EQ(m.node_sets[2].nodes, (std::vector<int>{0, 4, 7}));
   EXPECT_EQ(m.surfaces[1].begin, (std::vector<int>{0, 3, 6}));
   EXPECT_EQ(m.surfaces[1].nodes, (std::vector<int>{8, 10, 9, 8, 11, 10}));
   EXPECT_TRUE(m.materials[0].rigid);
