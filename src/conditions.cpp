@@ -109,8 +109,18 @@ std::vector<double> step_starts(const JointModel& model) {
 }
 
 std::vector<TimePoint> model_times(const JointModel& model) {
+  constexpr double kMostStates = 100000;  // far beyond any real model; each state costs a solution and memory
   std::vector<TimePoint> times = {{0.0, 0}};
   const std::vector<double> starts = step_starts(model);
+  double states = 0.0;
+  for (const Step& step : model.steps) {
+    states += step.step_size > 0 ? step.duration / step.step_size : 1.0;
+    if (!(states <= kMostStates)) throw InputError(model, step.origin, fmt::format("more than {:g} time steps; ask for fewer, larger ones", kMostStates));
+  }
+  if (!(starts.back() > 0)) {
+    throw InputError(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
+                     "the model ends at time 0, so there is nothing to solve: need time_steps > 0 and step_size > 0");
+  }
   for (int s = 0; s < static_cast<int>(model.steps.size()); ++s) {
     const Step& step = model.steps[at(s)];
     const double start = starts[at(s)], end = starts[at(s) + 1];
