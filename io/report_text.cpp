@@ -22,6 +22,14 @@ std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.4
 std::string residual_number(double x) { return std::isfinite(x) ? fmt::format("{:.1e}", x) : "-"; }
 std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:.2f}%", 100.0 * x) : "-"; }
 
+/// For people: what is nothing but rounding beside `scale` is 0.
+Vector3d without_rounding(const Vector3d& v, double scale) {
+  Vector3d shown = v;
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(shown[k]) < 1e-12 * scale) shown[k] = 0.0;
+  return shown;
+}
+
 void add_once(std::vector<std::string>& lines, const std::string& line) {
   if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
 }
@@ -95,12 +103,19 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
   Table bodies;
   bodies.headings = {"body", "translation", "rotation", "force", "moment"};
   bodies.left = "lllll";
+  double farthest = 0.0, strongest = 0.0, turning = 0.0;
+  for (int b : reported_bodies(joint)) {
+    farthest = std::max(farthest, (last.equilibrium.poses[at(b)].center - joint.bodies[at(b)].center_of_mass).norm());
+    strongest = std::max(strongest, last.equilibrium.reaction[at(b)].head<3>().norm());
+    turning = std::max(turning, last.equilibrium.reaction[at(b)].tail<3>().norm());
+  }
   for (int b : reported_bodies(joint)) {
     const Pose& pose = last.equilibrium.poses[at(b)];
     const Eigen::AngleAxisd turn(pose.rotation);
     const Vector6& reaction = last.equilibrium.reaction[at(b)];
-    bodies.rows.push_back({joint.bodies[at(b)].name, vector_text(pose.center - joint.bodies[at(b)].center_of_mass), vector_text(turn.angle() * turn.axis()),
-                           vector_text(reaction.head<3>()), vector_text(reaction.tail<3>())});
+    bodies.rows.push_back({joint.bodies[at(b)].name, vector_text(without_rounding(pose.center - joint.bodies[at(b)].center_of_mass, farthest)),
+                           vector_text(without_rounding(turn.angle() * turn.axis(), 1.0)), vector_text(without_rounding(reaction.head<3>(), strongest)),
+                           vector_text(without_rounding(reaction.tail<3>(), std::max(strongest, turning)))});
   }
   text += table_text(bodies);
   if (!joint.ligaments.empty()) {
@@ -109,7 +124,7 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
     ligaments.headings = {"spring between bodies", "tension"};
     ligaments.left = "lr";
     for (std::size_t l = 0; l < joint.ligaments.size() && l < last.equilibrium.ligament_force.size(); ++l)
-      ligaments.rows.push_back({joint.ligaments[l].name, number_text(last.equilibrium.ligament_force[l])});
+      ligaments.rows.push_back({joint.ligaments[l].name.empty() ? "(unnamed)" : joint.ligaments[l].name, number_text(last.equilibrium.ligament_force[l])});
     text += table_text(ligaments);
   }
   return text;
@@ -139,14 +154,25 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
 std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis) {
   const Joint& joint = analysis.joint;
   std::vector<std::string> lines;
+  int states_held = 0;  // the axes turn a little from state to state: those of the last one stand for all
+  const StateResult* last_held = nullptr;
   for (const StateResult& state : analysis.states) {
     const Equilibrium& e = state.equilibrium;
-    for (const std::string& held : e.held) add_once(lines, fmt::format("note: held, since nothing resists or loads it: {}", held));
+    if (!e.held.empty()) {
+      ++states_held;
+      last_held = &state;
+    }
     if (!solved(e.outcome)) add_once(lines, fmt::format("warning: time {}: {}: {}", number_text(state.when.time), name(e.outcome), e.message));
     if (solved(e.outcome) && e.least_stiffness < 0)
       add_once(lines, fmt::format("warning: time {}: the balance is unstable (least stiffness {:.3g})", number_text(state.when.time), e.least_stiffness));
   }
   if (analysis.states.empty()) return lines;
+  if (last_held) {
+    std::string directions;
+    for (const std::string& held : last_held->equilibrium.held) directions += (directions.empty() ? "" : ", ") + held;
+    add_once(lines, fmt::format("note: in {} of {} states motions were held that nothing resists or loads; at time {}: {}", states_held, analysis.states.size(),
+                                number_text(last_held->when.time), directions));
+  }
   // The last state stands for all: the factor changes slowly.
   const StateResult& last = analysis.states.back();
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
@@ -77,7 +78,7 @@ std::map<std::string, double>* surface_numbers(Settings& s, const std::string& o
 }
 
 /// All places in a settings file where something is wrong look like this.
-InputError fault(const std::string& path, int line, const std::string& text) { return InputError(path, line, text); }
+InputError fault(const std::string& path, int line, const std::string& text) { return InputError(path, std::max(line, 1), text); }
 
 std::string names_of_options() {
   std::string names;
@@ -267,8 +268,10 @@ void lay_over(Settings& settings, const std::vector<SettingValue>& values) {
 Settings read_settings(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream bytes;
-  if (in) bytes << in.rdbuf();
-  if (!in || bytes.fail()) throw InputError(fmt::format("{}: found no readable file, expected a settings file", path));
+  std::error_code error;
+  const bool readable = in && !std::filesystem::is_directory(path, error);
+  if (readable) bytes << in.rdbuf();  // fails on an empty file, which is no XML either
+  if (!readable || in.bad()) throw InputError(fmt::format("{}: found no readable file, expected a settings file", path));
   const std::string text = bytes.str();
 
   tinyxml2::XMLDocument document;

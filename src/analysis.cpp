@@ -15,6 +15,27 @@ namespace {
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 
+/// Cartilage of no thickness cannot be compressed: an error where surfaces meet, not a division.
+void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e) {
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    const ContactPair& pair = joint.contacts[c];
+    const double thin = 1e-6 * (pair.layers[0].mean_thickness() + pair.layers[1].mean_thickness());
+    const SpringStates& s = e.springs[c];
+    for (std::size_t i = 0; i < s.gap.size(); ++i) {
+      if (s.triangle[i] < 0 || s.gap[i] > 0 || s.t_source[i] + s.t_target[i] > thin) continue;
+      const Layer& source = pair.source_layer();
+      const SurfaceMesh& mesh = source.spring_surface();
+      const int vertex = mesh.triangles[static_cast<std::size_t>(beds.beds[c].springs.surface_triangle[i])][0];
+      const Surface& surface = model.surfaces[static_cast<std::size_t>(source.surface)];
+      throw InputError(model, surface.origin,
+                       fmt::format("contact \"{}\": there is no cartilage near node {} of surface \"{}\" where the bodies meet (thickness {:.2g}); mend the "
+                                   "mesh or give --thickness \"{}=VALUE\"",
+                                   pair.name, model.node_ids[static_cast<std::size_t>(mesh.model_nodes[static_cast<std::size_t>(vertex)])], surface.name,
+                                   s.t_source[i] + s.t_target[i], surface.name));
+    }
+  }
+}
+
 }  // namespace
 
 void refuse_unsupported(const JointModel& model) {
@@ -52,6 +73,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     state.equilibrium = reference ? state_at(joint, beds, conditions, poses)
                                   : solve_equilibrium(joint, beds, conditions, poses, step_start, options.equilibrium);
     poses = state.equilibrium.poses;
+    refuse_zero_thickness(model, joint, beds, state.equilibrium);
     const bool wanted = options.wanted.empty() || options.wanted[i];
     if (wanted) {
       state.fields = contact_fields(joint, beds, maps, state.equilibrium);

@@ -257,10 +257,12 @@ struct Directions {
   VectorXd drift;              // residual along the flat directions that are loaded
   VectorXd residual;           // residual without the flat directions that are held
   std::vector<VectorXd> held;  // flat, and their residual about zero
+  MatrixXd given_up;           // orthonormal: the components of the residual that are not asked to vanish, one per held direction
   double least_stiffness = kNaN;
 };
 
-Directions take_apart(const Problem& problem, const Evaluation& e, const VectorXd& r) {
+/// `patience` >= 1 widens what counts as facet noise, so that a direction at its edge does not change sides for ever.
+Directions take_apart(const Problem& problem, const Evaluation& e, const VectorXd& r, double patience) {
   const MatrixXd K = scaled_stiffness(problem, e);
   const Eigen::Index n = K.rows();
   Directions d;
@@ -280,29 +282,49 @@ Directions take_apart(const Problem& problem, const Evaluation& e, const VectorX
     U = svd.matrixU();
     V = svd.matrixV();
   }
-  MatrixXd stiff(n, 0);
+  MatrixXd stiff(n, 0), given_up(n, 0);
+  const auto append = [n](MatrixXd& columns, const VectorXd& column) {
+    columns.conservativeResize(n, columns.cols() + 1);
+    columns.col(columns.cols() - 1) = column;
+  };
   for (Eigen::Index k = 0; k < n; ++k) {
     const VectorXd u = U.col(k), v = V.col(k);
     bool flat = sigma[k] <= 1e-10 * sigma[0] || sigma[0] == 0.0;
     FacetNoise noise;
     if (sigma[k] < 0.1 * sigma[0] || flat) {
       noise = facet_noise(problem, e, v);
-      flat = flat || sigma[k] <= 4.0 * noise.stiffness;
+      flat = flat || sigma[k] <= 4.0 * patience * noise.stiffness;
     }
     if (!flat) {
-      d.newton += v * (u.dot(r) / sigma[k]);
-      stiff.conservativeResize(n, stiff.cols() + 1);
-      stiff.col(stiff.cols() - 1) = v;
+      append(stiff, v);
       continue;
     }
     const double along = v.dot(r);
-    if (std::abs(along) <= std::max(1e-7 * e.load, noise.force)) {
+    if (std::abs(along) <= std::max(1e-7 * e.load, patience * noise.force)) {
       d.held.push_back(v);
-      d.residual -= v * along;
+      // A rotation about a point off the centre of mass has a translation in it. Give up the moment alone, so that forces
+      // balance to the last digit.
+      VectorXd moment = u;
+      for (Eigen::Index i = 0; i < n; ++i)
+        if (problem.free[static_cast<std::size_t>(i)] % 6 < 3) moment[i] = 0.0;
+      append(given_up, moment.norm() > 0.3 ? VectorXd(moment.normalized()) : u);
     } else {
       d.drift += v * along;
+      append(given_up, u);
     }
   }
+  const Eigen::Index lost = given_up.cols();
+  MatrixXd test = MatrixXd::Identity(n, n);
+  if (lost > 0) {
+    const Eigen::HouseholderQR<MatrixXd> qr(given_up);
+    const MatrixXd q = qr.householderQ();
+    test = q.rightCols(n - lost);
+    d.given_up = q.leftCols(lost);
+    if (d.drift.squaredNorm() == 0.0) d.residual -= d.given_up * (d.given_up.transpose() * r);
+  } else {
+    d.given_up.resize(n, 0);
+  }
+  if (stiff.cols() > 0) d.newton = stiff * (test.transpose() * K * stiff).fullPivLu().solve(test.transpose() * r);
   if (stiff.cols() > 0) {
     const MatrixXd projected = stiff.transpose() * K * stiff;
     const MatrixXd symmetric = 0.5 * (projected + projected.transpose());
@@ -442,6 +464,16 @@ double largest_spring_force(const Evaluation& e) {
   return largest;
 }
 
+/// A residual that cannot fall below what one spring carries, because that spring jumps on and off a rim.
+bool to_one_spring(const Evaluation& e, double size, Solution& solution) {
+  const double one = largest_spring_force(e);
+  if (!(size <= one && size <= 0.01 * e.load)) return false;
+  solution.outcome = Outcome::BalancedToOneSpring;
+  solution.message = fmt::format("unbalanced force is {:.2e} of the load, less than one spring carries ({:.2e}); it cannot fall further on this mesh",
+                                 size / e.load, one / e.load);
+  return true;
+}
+
 Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& options) {
   Solution solution;
   const double cap = 0.5 * problem.beds.least_thickness;
@@ -454,7 +486,8 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
   };
   for (;;) {
     const VectorXd r = scaled_residual(problem, e);
-    Directions d = take_apart(problem, e, r);
+    const double patience = 1.0 + 0.1 * std::max(0, solution.iterations - 12);
+    Directions d = take_apart(problem, e, r, patience);
     const double size = d.residual.norm();
     solution.history.push_back(e.load > 0 ? size / e.load : 0.0);
     if (size <= options.tolerance * e.load) {
@@ -465,6 +498,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       return solution;
     }
     if (solution.iterations >= options.max_iterations) {
+      if (to_one_spring(e, size, solution)) break;
       solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations", size / e.load, solution.iterations);
       break;
     }
@@ -481,7 +515,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
         solution.message = fmt::format("the load moves the surfaces apart: no spring closes along it (moved {:.3g} so far)", travelled(e));
         break;
       }
-      if (++drifts > 40) {
+      if (++drifts > 45) {
         solution.outcome = Outcome::NoEquilibrium;
         solution.message = fmt::format("{:.3g} of the load acts along {}, which nothing resists (moved {:.3g} along it)", drift / e.load,
                                        direction_in_words(problem, d.drift / drift), travelled(e));
@@ -503,7 +537,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       for (int halving = 0; halving < 6; ++halving, step *= 0.5) {
         Evaluation trial = evaluate(problem, moved(problem, e.poses, step));
         VectorXd trial_r = scaled_residual(problem, trial);
-        for (const VectorXd& v : d.held) trial_r -= v * v.dot(trial_r);
+        if (!d.held.empty()) trial_r -= d.given_up * (d.given_up.transpose() * trial_r);
         if (trial_r.norm() + lost_force(e, trial) < size) {
           e = std::move(trial);
           return true;
@@ -521,16 +555,11 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       moved_on = try_step(regular.partialPivLu().solve(d.residual));
     }
     if (moved_on) continue;
-    const double one = largest_spring_force(e);
-    if (size <= one && size <= 0.05 * e.load) {
-      solution.outcome = Outcome::BalancedToOneSpring;
-      solution.message = fmt::format("unbalanced force is {:.2e} of the load, less than one spring at a rim carries ({:.2e}); it cannot fall further on this mesh", size / e.load, one / e.load);
-    } else {
+    if (!to_one_spring(e, size, solution))
       solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations and no step lowers it", size / e.load, solution.iterations);
-    }
     break;
   }
-  solution.directions = take_apart(problem, e, scaled_residual(problem, e));
+  solution.directions = take_apart(problem, e, scaled_residual(problem, e), 1.0 + 0.1 * std::max(0, solution.iterations - 12));
   solution.at = std::move(e);
   return solution;
 }

@@ -51,7 +51,7 @@ std::size_t insert_time(const JointModel& model, std::vector<TimePoint>& times, 
 /// States of an FEA result: its times, between them only the ends of steps (where motions relative to a step start).
 std::vector<TimePoint> fea_times(const JointModel& model, const std::string& path, std::vector<double>& fea) {
   const XpltFile file = read_xplt(path);
-  if (file.states.empty()) throw InputError(path, 0, "found no complete state, expected the times of at least one");
+  if (file.states.empty()) throw InputError(path + ": found no complete state, expected the times of at least one");
   const double end = step_starts(model).back();
   const std::vector<TimePoint> own = model_times(model);
   std::vector<TimePoint> times;

@@ -353,5 +353,54 @@ TEST(EquilibriumTest, LigamentAddsToTheLoad) {
   EXPECT_NEAR(state.equilibrium.reaction[1][2], -F, 1e-6) << "what holds the plate is the load alone";
 }
 
+// Three bodies on top of each other, two contacts: the lower layer carries both weights, the upper one the upper weight.
+// All translations and tilts of both upper bodies are free at once.
+TEST(EquilibriumTest, StackOfPlates) {
+  const double size = 10, h = 2, F = 80, G = 120;
+  JointModel model = test::flat_plates(6, size, h, 0.3);  // base with layer, "plate" 0.3 above it
+  const int cartilage = 0, plate = 2, top = test::add_material(model, "top", true);
+  const int a = test::add_layer(model, "upper layer", 6, 6, 1, [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0.3); },
+                                [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0.3 + h); }, cartilage, plate);
+  const int b = test::add_rigid_surface(model, "top", 6, 6, [=](double u, double v) { return Vector3d(size * (v - 0.5), size * (u - 0.5), 0.3 + h + 0.7); }, top);
+  test::add_contact(model, "upper", a, b);
+  test::fix(model, plate, {true, true, false, false, false, true});
+  test::fix(model, top, {true, true, false, false, false, true});
+  test::force(model, plate, {0, 0, -F});
+  test::force(model, top, {0, 0, -G});
+  const StateResult state = last_state(model);
+  ASSERT_EQ(state.equilibrium.outcome, Outcome::Balanced) << state.equilibrium.message;
+  const double K = confined_modulus(test::kE, test::kNu) * size * size / h;
+  const double lower = (F + G) / K, upper = G / K;
+  EXPECT_NEAR(state.equilibrium.poses[1].center.z(), -0.3 - lower, 1e-8);
+  EXPECT_NEAR(state.equilibrium.poses[2].center.z(), -0.3 - lower - 0.7 - upper, 1e-8);
+  EXPECT_NEAR(state.statistics[0].force.z(), F + G, 1e-6);
+  EXPECT_NEAR(state.statistics[1].force.z(), G, 1e-6);
+}
+
+// Nothing holds, loads or touches it: it stays where it is, and that is no failure.
+TEST(EquilibriumTest, ABodyNobodyTouchesStays) {
+  const JointModel model = test::flat_plates(4, 10, 2, 0.3);
+  const StateResult state = last_state(model);
+  EXPECT_EQ(state.equilibrium.outcome, Outcome::Balanced) << state.equilibrium.message;
+  EXPECT_EQ(state.equilibrium.poses[1].center, Vector3d(0, 0, 0));
+}
+
+// A layer that thins out to nothing is fine at its edge and an error where it carries.
+TEST(EquilibriumTest, NoThicknessInTheContactIsAnError) {
+  using namespace test;
+  JointModel model = empty_model();
+  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true), ball = add_material(model, "ball", true);
+  const auto flat = [](double u, double v, double z) { return Vector3d(10 * (u - 0.5), 10 * (v - 0.5), z); };
+  // the bone rises through the layer's middle half
+  const int a = add_layer(model, "layer", 8, 8, 1, [&](double u, double v) { return flat(u, v, std::abs(u - 0.5) < 0.3 ? -1e-12 : -2.0); },
+                          [&](double u, double v) { return flat(u, v, 0); }, cartilage, base);
+  const int b = add_rigid_surface(model, "ball", 8, 8, [&](double u, double v) { return flat(v, u, 0.0); }, ball);
+  add_contact(model, "press", a, b);
+  fix(model, base, {true, true, true, true, true, true});
+  fix(model, ball, {true, true, false, true, true, true});
+  prescribe(model, ball, 2, -0.1);
+  EXPECT_THROW(last_state(model), InputError);
+}
+
 }  // namespace
 }  // namespace dea
