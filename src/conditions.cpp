@@ -146,13 +146,14 @@ std::vector<double> step_starts(const JointModel& model) {
 }
 
 std::vector<TimePoint> model_times(const JointModel& model) {
-  constexpr double kMostStates = 100000;  // far beyond any real model; each state costs a solution and memory
+  constexpr double kMostStates = 10000;  // far beyond what anyone looks at; each costs a solution and room in the plot file
   std::vector<TimePoint> times = {{0.0, 0}};
   const std::vector<double> starts = step_starts(model);
   double states = 0.0;
   for (const Step& step : model.steps) {
     states += step.step_size > 0 ? step.duration / step.step_size : 1.0;
-    if (!(states <= kMostStates)) throw InputError(model, step.origin, fmt::format("more than {:g} time steps; ask for fewer, larger ones", kMostStates));
+    if (!(states <= kMostStates * (1 + 1e-9)))
+      throw InputError(model, step.origin, fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time needs no small steps before it)", states, kMostStates));
   }
   if (!(starts.back() > 0)) {
     throw InputError(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
