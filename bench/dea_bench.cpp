@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdio>
 #include <exception>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
@@ -80,12 +81,17 @@ int cast(const SpringBed& bed, const Rays& rays, std::vector<LineHit>& hits) {
 }
 
 /// Rigid ball in a socket with a 4 mm layer of cartilage, n x n facets: 2 n^2 springs, pressed with 2000 N.
-void spring_rung(int n, int threads) {
+void spring_rung(int n, int threads, bool turns) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  const JointModel model = test::concentric_spheres(n, 2000.0);
+  JointModel model = test::concentric_spheres(n, 2000.0);
+  if (turns) model.rigid_fixed.pop_back();  // the ball's
   const Settings settings;
-  const Joint joint = make_joint(model, settings);
-  const SpringBeds beds = make_spring_beds(joint, settings);
+  Joint joint;
+  SpringBeds beds;
+  const Time making = measure(1, [&] {
+    joint = make_joint(model, settings);
+    beds = make_spring_beds(joint, settings);
+  });
   const LoadCase conditions = make_load_case(model, joint, settings, 0, 1.0);
   const std::vector<Pose> start = reference_poses(joint);
   const SpringBed& bed = beds.beds.front();
@@ -101,7 +107,7 @@ void spring_rung(int n, int threads) {
   SpringStates states;
   const Time projecting = measure(repeats, [&] { states = project_springs(bed, source, target); });
 
-  fmt::print("{:8} {:3} {} {} {} {:6.1f} {:6.1f} {:5} {:5}  {:8.1e} {}\n", bed.springs.size(), threads, ms(casting), ms(projecting), ms(solving),
+  fmt::print("{:8} {:3} {:4} {:8.1f} {} {} {} {:6.1f} {:6.1f} {:5} {:5}  {:8.1e} {}\n", bed.springs.size(), threads, turns ? 6 : 3, 1e3 * making.least, ms(casting), ms(projecting), ms(solving),
              solving.least / casting.least, solving.middle / casting.middle, e.iterations, e.casts, e.load > 0 ? e.residual_force / e.load : 0.0,
              name(e.outcome));
   if (hit == 0 || !solved(e.outcome)) throw std::runtime_error("the ball in the socket found no balance");
@@ -109,13 +115,15 @@ void spring_rung(int n, int threads) {
 
 void springs(const std::vector<int>& sizes) {
   fmt::print("\nOne equilibrium of a ball in a socket, from the reference pose. Times in ms: least (median).\n");
-  fmt::print("{:>8} {:>3} {:>21} {:>21} {:>21} {:>13} {:>5} {:>5}  {:>8}\n", "springs", "thr", "rays", "project_springs", "equilibrium", "equil./rays", "iter.", "casts",
+  fmt::print("{:>8} {:>3} {:>4} {:>8} {:>21} {:>21} {:>21} {:>13} {:>5} {:>5}  {:>8}\n", "springs", "thr", "dofs", "joint", "rays", "project_springs", "equilibrium", "equil./rays", "iter.", "casts",
              "unbal./load");
   std::vector<int> threads = {1};
   const int all = static_cast<int>(std::thread::hardware_concurrency());
   if (all > 1) threads.push_back(all);
   for (int t : threads)
-    for (int n : sizes) spring_rung(n, t);
+    for (int n : sizes) spring_rung(n, t, false);
+  for (int n : sizes)
+    if (n <= 300) spring_rung(n, 1, true);
 }
 
 // ---- a whole analysis --------------------------------------------------------------------------------------------
@@ -244,8 +252,11 @@ struct TemporaryFolder {
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "all";
   const std::vector<std::string> known = {"all", "springs", "hip", "read", "smoke"};
-  if (argc > 2 || std::find(known.begin(), known.end(), what) == known.end()) {
-    fmt::print(stderr, "usage: dea_bench [all|springs|hip|read|smoke]\n");
+  std::vector<int> sizes;
+  for (int i = 2; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
+  const bool bad_size = std::any_of(sizes.begin(), sizes.end(), [](int n) { return n < 1; });
+  if (bad_size || (!sizes.empty() && what != "springs") || std::find(known.begin(), known.end(), what) == known.end()) {
+    fmt::print(stderr, "usage: dea_bench [all|hip|read|smoke|springs [N...]]    N x N facets: 2 N^2 springs\n");
     return 2;
   }
   try {
@@ -256,7 +267,8 @@ int main(int argc, char** argv) {
     if (smoke || what == "read" || what == "all") reading(smoke ? 9 : 99, folder.path);
     if (smoke || what == "hip" || what == "all") whole(hip, folder.path, smoke ? 1 : 9);
     if (smoke) springs({22});
-    if (what == "springs" || what == "all") springs({22, 32, 45, 71, 100, 158, 224, 354, 500, 707});  // 2 n^2 springs: 1k .. 1M
+    if (sizes.empty()) sizes = {22, 32, 45, 71, 100, 158, 224, 354, 500, 707};  // 1k .. 1M springs
+    if (what == "springs" || what == "all") springs(sizes);
   } catch (const std::exception& fault) {
     fmt::print(stderr, "dea_bench: {}\n", fault.what());
     return 1;
