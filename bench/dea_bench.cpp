@@ -35,16 +35,23 @@ struct Time {
   double least = 0.0, middle = 0.0;
 };
 
+Time summary(std::vector<double> seconds) {
+  std::sort(seconds.begin(), seconds.end());
+  return {seconds.front(), seconds[seconds.size() / 2]};
+}
+
+template <class Work>
+double seconds_of(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 template <class Work>
 Time measure(int repeats, const Work& work) {
   std::vector<double> seconds;
-  for (int i = 0; i < repeats; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::sort(seconds.begin(), seconds.end());
-  return {seconds.front(), seconds[seconds.size() / 2]};
+  for (int i = 0; i < repeats; ++i) seconds.push_back(seconds_of(work));
+  return summary(seconds);
 }
 
 std::string ms(const Time& t) { return fmt::format("{:9.2f} ({:9.2f})", 1e3 * t.least, 1e3 * t.middle); }
@@ -97,18 +104,23 @@ void spring_rung(int n, int threads, bool turns) {
   const SpringBed& bed = beds.beds.front();
   const int repeats = std::clamp(400000 / bed.springs.size(), 3, 25);
 
-  Equilibrium e;
-  const Time solving = measure(repeats, [&] { e = solve_equilibrium(joint, beds, conditions, start, start); });
-  const Pose &source = e.poses[static_cast<std::size_t>(bed.source_body)], &target = e.poses[static_cast<std::size_t>(bed.target_body)];
+  Equilibrium e = solve_equilibrium(joint, beds, conditions, start, start);
+  const Pose source = e.poses[static_cast<std::size_t>(bed.source_body)], target = e.poses[static_cast<std::size_t>(bed.target_body)];
   const Rays rays = rays_at(bed, source, target);
   std::vector<LineHit> hits;
   int hit = 0;
-  const Time casting = measure(repeats, [&] { hit = cast(bed, rays, hits); });
   SpringStates states;
-  const Time projecting = measure(repeats, [&] { states = project_springs(bed, source, target); });
+  std::vector<double> casts, projections, solutions, ratios;
+  for (int i = 0; i < repeats; ++i) {  // in turns: a busy moment of the machine then hits all three
+    casts.push_back(seconds_of([&] { hit = cast(bed, rays, hits); }));
+    projections.push_back(seconds_of([&] { states = project_springs(bed, source, target); }));
+    solutions.push_back(seconds_of([&] { e = solve_equilibrium(joint, beds, conditions, start, start); }));
+    ratios.push_back(solutions.back() / casts.back());
+  }
+  const Time casting = summary(casts), projecting = summary(projections), solving = summary(solutions);
 
   fmt::print("{:8} {:3} {:4} {:8.1f} {} {} {} {:6.1f} {:6.1f} {:5} {:5}  {:8.1e} {}\n", bed.springs.size(), threads, turns ? 6 : 3, 1e3 * making.least, ms(casting), ms(projecting), ms(solving),
-             solving.least / casting.least, solving.middle / casting.middle, e.iterations, e.casts, e.load > 0 ? e.residual_force / e.load : 0.0,
+             solving.least / casting.least, summary(ratios).middle, e.iterations, e.casts, e.load > 0 ? e.residual_force / e.load : 0.0,
              name(e.outcome));
   if (hit == 0 || !solved(e.outcome)) throw std::runtime_error("the ball in the socket found no balance");
 }
@@ -143,11 +155,7 @@ void whole(const std::string& feb, const std::filesystem::path& folder, int repe
     states = analysis.states.size();
   });
   const Time writing = measure(repeats, [&] { write_xplt(xplt, make_plot_file(model, analysis)); });
-  const auto time = [](std::vector<double>& t) {
-    std::sort(t.begin(), t.end());
-    return Time{t.front(), t[t.size() / 2]};
-  };
-  const Time j = time(joint), s = time(solve);
+  const Time j = summary(joint), s = summary(solve);
   total.least = reading.least + j.least + s.least + writing.least;
   total.middle = reading.middle + j.middle + s.middle + writing.middle;
   fmt::print("\n{}, all {} states. Times in ms: least (median).\n", std::filesystem::path(feb).filename().string(), states);
@@ -259,6 +267,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: dea_bench [all|hip|read|smoke|springs [N...]]    N x N facets: 2 N^2 springs\n");
     return 2;
   }
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured, in a file too
   try {
     const TemporaryFolder folder;
     const std::string hip = DEA_SAMPLES_DIR "/hip/hip_walking.feb";
