@@ -135,6 +135,25 @@ std::vector<double> triangles_to_vertices(const SurfaceMesh& mesh, const std::ve
   return sum;
 }
 
+double mean_facet_size(const SurfaceMesh& mesh) {
+  double area = 0.0;
+  for (double a : mesh.areas) area += a;
+  return std::sqrt(area / std::max(1, mesh.size()));
+}
+
+/// Barycentric weights of the centroids of the divide^2 equal parts of a triangle.
+std::vector<std::array<double, 3>> part_centroids(int divide) {
+  std::vector<std::array<double, 3>> parts;
+  const double third = 1.0 / 3;
+  for (int i = 0; i < divide; ++i) {
+    for (int j = 0; i + j < divide; ++j) {
+      parts.push_back({(divide - i - j - 2 * third) / divide, (i + third) / divide, (j + third) / divide});
+      if (i + j + 2 <= divide) parts.push_back({(divide - i - j - 4 * third) / divide, (i + 2 * third) / divide, (j + 2 * third) / divide});
+    }
+  }
+  return parts;
+}
+
 Vector3d map_resultant(const SurfaceMesh& mesh, const std::vector<double>& facet_pressure, const Eigen::Matrix3d& rotation) {
   Vector3d sum = Vector3d::Zero();
   for (int t = 0; t < mesh.size(); ++t) sum -= facet_pressure[at(mesh.facet[at(t)])] * mesh.areas[at(t)] * mesh.normals[at(t)];
@@ -231,24 +250,33 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       on_source.strain = facet_average(source.articular, map.layers[s], project(averages.strain));
     }
 
-    // Joint space: along the normals of each side's own facets to the other side; no hit: closest distance.
-    const auto space = [&](int from, int to, const Pose& from_pose, const Pose& to_pose, std::vector<SurfacePoint>* feet, std::vector<double>* along) {
+    // Joint space: along the normals of each side's own facets to the other side; no hit: closest distance. Each triangle is
+    // sampled at the centroids of `divide`^2 parts, so that facets much coarser than the other side's miss nothing.
+    const auto space = [&](int from, int to, const Pose& from_pose, const Pose& to_pose, int divide, std::vector<SurfacePoint>* feet, std::vector<double>* along) {
       const SurfaceMesh& mesh = pair.layers[from].articular;
       const Vector3d from_center = joint.bodies[at(pair.layers[from].body)].center_of_mass, to_center = joint.bodies[at(pair.layers[to].body)].center_of_mass;
       const Eigen::Matrix3d R = to_pose.rotation.transpose() * from_pose.rotation;
       const Vector3d shift = to_center + to_pose.rotation.transpose() * (from_pose.center - to_pose.center - from_pose.rotation * from_center);
       const double deep = pair.layers[0].max_thickness() + pair.layers[1].max_thickness();
-      feet->resize(mesh.triangles.size());
+      const std::vector<std::array<double, 3>> parts = part_centroids(divide);
+      feet->assign(mesh.triangles.size() * parts.size(), SurfacePoint{});
       along->resize(mesh.triangles.size());
       tbb::parallel_for(0, mesh.size(), [&](int i) {
-        const Vector3d x = R * mesh.centroid(i) + shift;
-        const LineHit hit = map.articular[to].nearest_facing(x, R * mesh.normals[at(i)], -4 * deep, -deep, kInfinity);
-        if (hit.point.triangle >= 0) {
-          (*feet)[at(i)] = hit.point;
-          constexpr std::array<double, 3> kMiddle = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-          (*along)[at(i)] = hit.distance - bulge_height(mesh, i, kMiddle) - bulge_height(pair.layers[to].articular, hit.point.triangle, hit.point.weights);
+        const Vector3d n = R * mesh.normals[at(i)];
+        double sum = 0.0;
+        int hits = 0;
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+          const Vector3d x = R * position(mesh, {i, parts[k]}) + shift;
+          const LineHit hit = map.articular[to].nearest_facing(x, n, -4 * deep, -deep, kInfinity);
+          if (hit.point.triangle < 0) continue;
+          (*feet)[at(i) * parts.size() + k] = hit.point;
+          sum += hit.distance - bulge_height(mesh, i, parts[k]) - bulge_height(pair.layers[to].articular, hit.point.triangle, hit.point.weights);
+          ++hits;
+        }
+        if (hits > 0) {
+          (*along)[at(i)] = sum / hits;
         } else {
-          (*feet)[at(i)] = SurfacePoint{};
+          const Vector3d x = R * mesh.centroid(i) + shift;
           (*along)[at(i)] = (position(pair.layers[to].articular, map.articular[to].closest(x)) - x).norm();
         }
       });
@@ -266,17 +294,19 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
         along[at(i)] = (position(target.articular, map.articular[t].closest(x)) - x).norm();
       });
     } else {
-      space(s, t, source_pose, target_pose, &feet, &along);
+      space(s, t, source_pose, target_pose, 1, &feet, &along);
     }
     on_source.joint_space = triangles_to_facets(source.articular, map.layers[s], along);
 
     // Target side: interpolated from the source's vertices where its own normals meet the source.
-    space(t, s, target_pose, source_pose, &feet, &along);
+    const int divide = std::clamp(static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
+    space(t, s, target_pose, source_pose, divide, &feet, &along);
     on_target.joint_space = triangles_to_facets(target.articular, map.layers[t], along);
     const auto from_source = [&](const std::vector<double>& source_vertex) {
       std::vector<double> out(at(target.articular.size()), 0.0);
-      for (std::size_t i = 0; i < out.size(); ++i)
-        if (feet[i].triangle >= 0) out[i] = interpolate(source.articular, source_vertex, feet[i]);
+      const std::size_t parts = feet.size() / out.size();
+      for (std::size_t i = 0; i < feet.size(); ++i)
+        if (feet[i].triangle >= 0) out[i / parts] += interpolate(source.articular, source_vertex, feet[i]) / static_cast<double>(parts);
       return out;
     };
     on_target.pressure = triangles_to_facets(target.articular, map.layers[t], from_source(v_pressure));

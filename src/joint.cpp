@@ -568,6 +568,10 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     layer.thickness_given = true;
   } else {
     measure_thickness(layer);
+    if (2 * layer.missed_count() > static_cast<int>(layer.missed.size()))
+      throw refuse(fmt::format("its normals meet no bone surface of body \"{}\" ({} of {} miss): this is no layer of cartilage on a bone, and closest points would "
+                               "give it a thickness that means nothing; name the bone surface with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
+                               r.bodies.bodies[at(layer.body)].name, layer.missed_count(), layer.missed.size(), s.name, s.name));
     const double mean = layer.mean_thickness();
     if (!(mean > 0)) throw refuse("its layer has no thickness: the articular and the bone surface are the same");
   }
