@@ -114,7 +114,7 @@ const std::string kModel = R"FEB(<?xml version="1.0" encoding="ISO-8859-1"?>
 </febio_spec>
 )FEB";
 
-constexpr double kLimit = 20;  // seconds; none of these needs one
+constexpr double kLimit = 20;  // seconds of processor time; nearly all need less than a tenth
 
 /// kModel with texts replaced, each the first time it occurs.
 std::string edited(const Edits& edits, std::string text = kModel) {
