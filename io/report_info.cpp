@@ -232,10 +232,12 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
 
 void check_joint(const JointModel& model, const Settings& settings, JointCheck& check) {
   try {
-    check.times = model_times(model);
     check.joint = make_joint(model, settings);
     check_contacts(model, settings, check);
     check.recognised = true;
+    check.times = model_times(model);
+    for (const LoadController& c : model.controllers)
+      if (!c.unsupported.empty()) refuse_unsupported(model);  // if it is used: the steps need its value
     check_steps(model, settings, check);
     refuse_unsupported(model);
   } catch (const InputError& e) {

@@ -43,7 +43,8 @@ void refuse_unsupported(const JointModel& model) {
   const Remark& first = model.unsupported.front();
   std::string more;
   if (model.unsupported.size() > 1) more = fmt::format(" (and {} more; `dea info` lists them)", model.unsupported.size() - 1);
-  throw InputError(model, first.origin, first.what + more);
+  throw InputError(model, first.origin,
+                   first.what + " is not supported and would change the result: take it out, or use what DEA supports (docs/formats.md)" + more);
 }
 
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "error.h"
@@ -22,6 +23,40 @@ int body_of(const Joint& joint, int material) {
     for (int m : joint.bodies[b].materials)
       if (m == material) return static_cast<int>(b);
   return -1;
+}
+
+/// Dofs of a bone taken as rigid by the user that its fixed nodes leave no freedom. With the constraints' rows
+/// (e_k, d x e_k / length), d the node's arm: every dof whose unit vector is in their span.
+void hold_by_fixed_nodes(const JointModel& model, const Joint& joint, int body, int step, BodyConditions& conditions) {
+  const Body& b = joint.bodies[at(body)];
+  const bool by_user = std::any_of(b.materials.begin(), b.materials.end(), [&](int m) { return !model.materials[at(m)].rigid; });
+  if (!by_user) return;  // FEBio ignores fixed nodes of its own rigid bodies
+  double length = 0.0;
+  const auto each_node = [&](const auto& use) {
+    for (const FixedNodes& f : model.fixed_nodes) {
+      if (f.step >= 0 && f.step != step) continue;
+      for (int node : f.nodes)
+        if (joint.node_body[at(node)] == body) use(f, Vector3d(model.nodes[at(node)] - b.center_of_mass));
+    }
+  };
+  each_node([&](const FixedNodes&, const Vector3d& arm) { length = std::max(length, arm.norm()); });
+  Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
+  each_node([&](const FixedNodes& f, const Vector3d& arm) {
+    for (int k = 0; k < 3; ++k) {
+      if (!f.xyz[at(k)]) continue;
+      Vector6 row;
+      row << Vector3d::Unit(k), arm.cross(Vector3d::Unit(k)) / (length > 0 ? length : 1.0);
+      gram += row * row.transpose();
+    }
+  });
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(gram);
+  const double least = 1e-8 * eigen.eigenvalues()[5];  // rounding is 1e-16, the smallest real lever squared far more
+  for (int dof = 0; dof < kDofs; ++dof) {
+    double free_part = 0.0;
+    for (int i = 0; i < 6; ++i)
+      if (eigen.eigenvalues()[i] <= least) free_part += std::pow(eigen.eigenvectors()(dof, i), 2);
+    if (free_part < 1e-6) conditions.dofs[at(dof)] = DofState::Held;
+  }
 }
 
 }  // namespace
@@ -59,6 +94,8 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
     for (std::size_t k = 0; k < kDofs; ++k)
       if (f.dofs[k]) c.bodies[at(b)].dofs[k] = DofState::Held;
   }
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    if (!joint.bodies[b].ground) hold_by_fixed_nodes(model, joint, static_cast<int>(b), step, c.bodies[b]);
   for (const auto& entry : settings.free) {
     const int b = joint.find_body(model, entry.first);
     for (std::size_t k = 0; k < kDofs; ++k) c.bodies[at(b)].dofs[k] = entry.second[k] ? DofState::Free : DofState::Held;
@@ -109,8 +146,19 @@ std::vector<double> step_starts(const JointModel& model) {
 }
 
 std::vector<TimePoint> model_times(const JointModel& model) {
+  constexpr double kMostStates = 10000;  // far beyond what anyone looks at; each costs a solution and room in the plot file
   std::vector<TimePoint> times = {{0.0, 0}};
   const std::vector<double> starts = step_starts(model);
+  double states = 0.0;
+  for (const Step& step : model.steps) {
+    states += step.step_size > 0 ? step.duration / step.step_size : 1.0;
+    if (!(states <= kMostStates * (1 + 1e-9)))
+      throw InputError(model, step.origin, fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time needs no small steps before it)", states, kMostStates));
+  }
+  if (!(starts.back() > 0)) {
+    throw InputError(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
+                     "the model ends at time 0, so there is nothing to solve: need time_steps > 0 and step_size > 0");
+  }
   for (int s = 0; s < static_cast<int>(model.steps.size()); ++s) {
     const Step& step = model.steps[at(s)];
     const double start = starts[at(s)], end = starts[at(s) + 1];

@@ -393,16 +393,16 @@ struct Search {
 /// Separated surfaces: along the load to first touch, and on until the contact carries most of it.
 Search advance(Problem& problem, Evaluation e, VectorXd direction) {
   const double unit = surface_motion(problem, direction);
-  if (unit <= 0) return {};
+  if (unit <= 0) return {false, std::move(e)};
   direction /= unit;
   const double cap = 0.5 * problem.beds.least_thickness;
   for (int i = 0; i < 20 && !touching(e); ++i) {
     const double gap = first_touch(problem, e, direction);
-    if (!std::isfinite(gap)) return {false, e};
+    if (!std::isfinite(gap)) return {false, std::move(e)};
     e = evaluate(problem, moved(problem, e.poses, (gap + 1e-3 * cap) * direction));
     if (too_deep_area(problem, e) > 0) break;
   }
-  if (!touching(e)) return {false, e};
+  if (!touching(e)) return {false, std::move(e)};
   // The contact's force grows about like the square of the depth: a few steps bring it near the load.
   const double driving = direction.dot(scaled_residual(problem, e)) + 0.0;
   double depth = 1e-3 * cap;
@@ -419,7 +419,7 @@ Search advance(Problem& problem, Evaluation e, VectorXd direction) {
     e = std::move(next);
     depth += step;
   }
-  return {true, e};
+  return {true, std::move(e)};
 }
 
 /// Surfaces passed through each other: back along the normals of the springs that are too deep.
@@ -447,7 +447,8 @@ Search back_out(Problem& problem, Evaluation e) {
     if (unit <= 0) break;
     e = evaluate(problem, moved(problem, e.poses, (0.5 * depth / unit) * direction));
   }
-  return {too_deep_area(problem, e) == 0, e};
+  const bool found = too_deep_area(problem, e) == 0;
+  return {found, std::move(e)};
 }
 
 // ---- Newton ------------------------------------------------------------------------------------------------------
@@ -512,7 +513,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     if (drift > options.tolerance * e.load && drift >= 0.5 * size) {
       // Nothing resists the load in some direction: without contact go to first touch, with contact follow it for a while.
       if (!touching(e)) {
-        Search s = advances++ < 3 ? advance(problem, e, d.drift) : Search{false, e};
+        Search s = advances++ < 3 ? advance(problem, std::move(e), d.drift) : Search{false, std::move(e)};
         e = std::move(s.at);
         if (s.found) continue;
         solution.outcome = Outcome::SurfacesApart;
@@ -575,11 +576,12 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
     Search out = back_out(problem, e);
     if (out.found) e = std::move(out.at);
   }
-  Solution direct = newton(problem, e, options);
+  const std::vector<Pose> poses = e.poses;
+  Solution direct = newton(problem, std::move(e), options);
   if (direct.outcome != Outcome::NotConverged) return direct;
   // Continuation: what is out of balance at the start is held back and released piece by piece.
-  const VectorXd all = e.residual();
-  Evaluation from = e;
+  Evaluation from = evaluate(problem, poses);  // a copy, kept for this rare case, would be as large as the springs' states
+  const VectorXd all = from.residual();
   double done = 0.0, piece = 0.25;
   int iterations = direct.iterations;
   while (done < 1.0 && piece > 1.0 / 128) {
@@ -588,13 +590,13 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
     Solution part = newton(problem, from, options);
     iterations += part.iterations;
     if (part.outcome == Outcome::Balanced || part.outcome == Outcome::BalancedToOneSpring) {
-      from = part.at;
       done = next;
       if (done >= 1.0) {
         problem.offset.setZero();
         part.iterations = iterations;
         return part;
       }
+      from = std::move(part.at);
       piece *= 1.5;
     } else {
       piece *= 0.5;

@@ -242,6 +242,12 @@ struct CarriedSurface {
   bool on_shells = false;
 };
 
+InputError no_volume(const JointModel& model, const Domain& d, int element, double volume) {
+  const std::string which = fmt::format("element {} of \"{}\"", d.element_ids[at(element)], d.name);
+  if (volume < 0) return InputError(model, d.origin, fmt::format("{} is inside out (volume {:g}); check the node order of its elements", which, volume));
+  return InputError(model, d.origin, fmt::format("{} has no volume; check its thickness and the positions of its nodes", which));
+}
+
 CarriedSurface carry(const Recognition& r, int surface) {
   const JointModel& model = r.model;
   const Surface& s = model.surfaces[at(surface)];
@@ -266,8 +272,7 @@ CarriedSurface carry(const Recognition& r, int surface) {
     } else {
       const ElementVolume v = element_volume(model, d, c->element);
       if (!(v.volume > 0))
-        throw InputError(model, d.origin, fmt::format("element {} of \"{}\" is inside out (volume {:g}); check the node order of its elements",
-                                     d.element_ids[at(c->element)], d.name, v.volume));
+        throw no_volume(model, d, c->element, v.volume);
       const auto& face = element_faces(d.shape)[at(c->face)];
       for (std::size_t k = 0; k < face.size(); ++k)
         face_nodes[k] = d.nodes[at(c->element * nodes_per_element(d.shape) + face[k])];
@@ -368,6 +373,25 @@ SurfaceMesh bone_surface(const Recognition& r, int root, int body, const Carried
   return make_surface_mesh(begin, list, model.nodes);
 }
 
+/// The material under most of the facets.
+int layer_material(const std::map<int, int>& facets_of_material) {
+  return std::max_element(facets_of_material.begin(), facets_of_material.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+}
+
+/// A layer nothing holds: usually its bone is deformable, of another material of the same part.
+std::string not_held(const Recognition& r, int root, int cartilage, const std::string& surface) {
+  const JointModel& model = r.model;
+  std::set<int> others;
+  for (const Domain& d : model.domains)
+    if (deformable(r, d) && d.material != cartilage && !d.nodes.empty() && r.region[at(d.nodes[0])] == root) others.insert(d.material);
+  std::string bones, bodies;
+  for (int m : others) bones += fmt::format("{}--rigid \"{}\"", bones.empty() ? "" : " or ", model.materials[at(m)].name);
+  for (std::size_t b = 0; b + 1 < r.bodies.bodies.size(); ++b) bodies += (b ? ", " : "") + fmt::format("\"{}\"", r.bodies.bodies[b].name);
+  const std::string found = "its layer is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in x, y and z); ";
+  const std::string attach = fmt::format("name the body with --attach \"{}=BODY\" (bodies: {})", surface, bodies.empty() ? "none" : bodies);
+  return found + (bones.empty() ? attach : fmt::format("take its bone as rigid with {}, or {}", bones, attach));
+}
+
 Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
   const JointModel& model = r.model;
   const Settings& settings = r.settings;
@@ -412,7 +436,11 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
   const std::string attach = surface_override(settings.attach, s.name);
   if (!attach.empty()) {
     layer.body = attach == "ground" ? r.bodies.ground() : body_by_name(model, r.bodies.bodies, attach);
-    if (layer.body < 0) throw UsageError(fmt::format("--attach {}={}: the model has no rigid body of this name", s.name, attach));
+    if (layer.body < 0) {
+      std::vector<std::string> names;
+      for (const Body& b : r.bodies.bodies) names.push_back(b.name);
+      throw UsageError(fmt::format("--attach {}={}: the model has no rigid body of this name; it has {}", s.name, attach, quoted_list(names)));
+    }
     layer.attached_by = "attached by the user";
   }
   const std::optional<double> given_thickness = surface_override(settings.thickness, s.name);
@@ -431,16 +459,7 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     const auto held = r.held.find(root);
     if (layer.body < 0) {
       if (held == r.held.end() || held->second.empty()) {
-        std::string others;
-        for (std::size_t b = 0; b + 1 < r.bodies.bodies.size(); ++b) others += (b ? ", " : "") + r.bodies.bodies[b].name;
-        throw refuse(fmt::format("its layer is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in x, y and z); "
-                                 "name the body with --attach \"{}=BODY\" (bodies: {}), or take its bone as rigid with --rigid MATERIAL "
-                                 "(deformable materials of this part: {})",
-                                 s.name, others.empty() ? "none" : others, [&] {
-                                   std::vector<std::string> names;
-                                   for (const auto& m : materials) names.push_back(model.materials[at(m.first)].name);
-                                   return quoted_list(names);
-                                 }()));
+        throw refuse(not_held(r, root, layer_material(materials), s.name));
       }
       if (held->second.size() > 1) {
         std::string list;
@@ -450,9 +469,7 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
       layer.body = held->second.begin()->first;
       layer.attached_by = held->second.begin()->second;
     }
-    layer.material = materials.begin()->first;
-    for (const auto& m : materials)
-      if (m.second > materials[layer.material]) layer.material = m.first;
+    layer.material = layer_material(materials);
 
     // Another, much stiffer material in the same deformable part is a deformable bone: the "layer" would be bone and all.
     std::set<int> region_materials;
@@ -467,8 +484,7 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
         if (!is_shell(d.shape)) {
           const ElementVolume v = element_volume(model, d, static_cast<int>(e));
           if (!(v.volume > 0))
-            throw InputError(model, d.origin, fmt::format("element {} of \"{}\" is inside out (volume {:g}); check the node order of its elements",
-                                         d.element_ids[e], d.name, v.volume));
+            throw no_volume(model, d, static_cast<int>(e), v.volume);
         }
       }
     }

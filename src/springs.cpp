@@ -321,6 +321,7 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
       const double distance = distance_beside(springs.surface_triangle[at(i)]);
       if (std::isfinite(distance)) at_rim.emplace_back(i, distance);
     } else {
+      if (bed.rim_distance[at(t)] >= 3.0 * bed.foot_radius) continue;  // most springs: no need to know the tilt
       // the foot triangle, seen along n on a target tilted by m.n, reaches this far from q
       const double tilt = -mesh.normals[at(t)].dot(relative.rotation * springs.direction[at(i)]);
       if (bed.rim_distance[at(t)] < 1.5 * bed.foot_radius / std::max(tilt, 0.5)) at_rim.emplace_back(i, s.gap[at(i)]);

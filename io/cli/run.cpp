@@ -76,6 +76,10 @@ Times choose_times(const JointModel& model, const std::string& states, const std
   Times times;
   std::vector<double> fea;
   times.points = times_from.empty() ? model_times(model) : fea_times(model, times_from, fea);
+  if (states == "all" && times_from.empty()) {
+    times.wanted.assign(times.points.size(), 1);
+    return times;
+  }
   std::vector<double> chosen;
   if (states == "all" || states == "last") {
     chosen = fea;

@@ -384,8 +384,9 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
     unsupported(reading, element, material.unsupported);
     return;
   }
+  const std::string name = name_of(element);
   reading.model.discrete_springs.push_back({set->second, material.stiffness, material.type != "linear spring",
-                                            reading.step, name_of(element), origin_of(reading, element)});
+                                            reading.step, name.empty() ? set_name : name, origin_of(reading, element)});
 }
 
 }  // namespace

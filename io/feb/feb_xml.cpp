@@ -69,8 +69,13 @@ std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string
   if (size == 0) throw InputError(name + ": the file is empty, expected a FEBio model: save it again");
   std::string start = read_start(path);
   if (start.empty()) throw InputError(name + ": cannot be read: check its permissions");
+  if (start.rfind("\xFF\xFE", 0) == 0 || start.rfind("\xFE\xFF", 0) == 0) {
+    throw InputError(name, 1, "this is text in UTF-16, expected UTF-8: save it with that encoding");
+  }
   if (start.rfind("\xEF\xBB\xBF", 0) == 0) start.erase(0, 3);  // byte order mark
   if (start.rfind("<?xml", 0) != 0) {
+    for (char& c : start)
+      if (static_cast<unsigned char>(c) > 126) c = '?';  // of a binary file: nothing to print
     throw InputError(name, 1,
                      fmt::format("the file starts with {}, expected \"<?xml\": this is no FEBio model (.feb)",
                                  quote(start.substr(0, 12))));

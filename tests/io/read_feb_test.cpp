@@ -792,7 +792,7 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
       {"<primary>bottom</primary>", "", "24: surface pair \"pair\" without <primary>"},
       {"<delem>1,18<", "<delem>1<", "25: spring 1 of discrete set \"ligament\" has 1 nodes, expected 2"},
       {"mat=\"lower\"", "mat=\"2\"", "26: <SolidDomain> with mat = \"2\", expected the name of a material"},
-      {"SolidDomain name=\"L\"", "SolidDomain name=\"X\"", "26: SolidDomain \"X\" names no Elements section"},
+      {"SolidDomain name=\"L\"", "SolidDomain name=\"X\"", "26: SolidDomain \"X\" names no Elements section: expected the name of one in Mesh"},
       {"type=\"zero displacement\" node_set=\"side\"", "type=\"zero displacement\" node_set=\"sode\"",
        "28: \"sode\" names no node set"},
       {"<x_dof>1<", "<x_dof>true<", "28: x_dof = \"true\", expected 0 or 1"},

@@ -1,0 +1,286 @@
+// dea_bench – time and memory of each stage, one line per size. What is printed and how to read it: README.md.
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include "analysis.h"
+#include "plot_file.h"
+#include "read_feb.h"
+#include "src/test_models.h"
+#include "xplt.h"
+
+namespace {
+
+using namespace dea;
+
+/// The least and the middle of several times of the same work [s]: the least is the program's, the rest the machine's.
+struct Time {
+  double least = 0.0, middle = 0.0;
+};
+
+Time summary(std::vector<double> seconds) {
+  std::sort(seconds.begin(), seconds.end());
+  return {seconds.front(), seconds[seconds.size() / 2]};
+}
+
+template <class Work>
+double seconds_of(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+template <class Work>
+Time measure(int repeats, const Work& work) {
+  std::vector<double> seconds;
+  for (int i = 0; i < repeats; ++i) seconds.push_back(seconds_of(work));
+  return summary(seconds);
+}
+
+std::string ms(const Time& t) { return fmt::format("{:9.2f} ({:9.2f})", 1e3 * t.least, 1e3 * t.middle); }
+
+// ---- the ladder of springs ---------------------------------------------------------------------------------------
+
+/// The rays project_springs casts first, in the target's frame at a pose of the two bodies.
+struct Rays {
+  std::vector<Vector3d> origin, direction;
+  std::vector<double> deep;  // thickness of both layers
+};
+
+Rays rays_at(const SpringBed& bed, const Pose& source, const Pose& target) {
+  Rays rays;
+  const Eigen::Matrix3d R = target.rotation.transpose() * source.rotation;
+  for (std::size_t i = 0; i < bed.springs.foot.size(); ++i) {
+    const Vector3d x = source.center + source.rotation * (bed.springs.foot[i] - bed.source_center);
+    rays.origin.push_back(bed.target_center + target.rotation.transpose() * (x - target.center));
+    rays.direction.push_back(R * bed.springs.direction[i]);
+    const auto& t = bed.springs.corner_thickness[i];
+    rays.deep.push_back((t[0] + t[1] + t[2]) / 3.0 + bed.max_target_thickness);
+  }
+  return rays;
+}
+
+/// All rays once, split among the threads as project_springs does; how many met the target.
+int cast(const SpringBed& bed, const Rays& rays, std::vector<LineHit>& hits) {
+  hits.resize(rays.origin.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hits.size(), 256), [&](const tbb::blocked_range<std::size_t>& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      hits[i] = bed.target.nearest_facing(rays.origin[i], rays.direction[i], -4.0 * rays.deep[i], -rays.deep[i], std::numeric_limits<double>::infinity());
+  });
+  return static_cast<int>(std::count_if(hits.begin(), hits.end(), [](const LineHit& h) { return h.point.triangle >= 0; }));
+}
+
+/// Rigid ball in a socket with a 4 mm layer of cartilage, n x n facets: 2 n^2 springs, pressed with 2000 N.
+void spring_rung(int n, int threads, bool turns) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  JointModel model = test::concentric_spheres(n, 2000.0);
+  if (turns) model.rigid_fixed.pop_back();  // the ball's
+  const Settings settings;
+  Joint joint;
+  SpringBeds beds;
+  const Time making = measure(1, [&] {
+    joint = make_joint(model, settings);
+    beds = make_spring_beds(joint, settings);
+  });
+  const LoadCase conditions = make_load_case(model, joint, settings, 0, 1.0);
+  const std::vector<Pose> start = reference_poses(joint);
+  const SpringBed& bed = beds.beds.front();
+  const int repeats = std::clamp(400000 / bed.springs.size(), 3, 25);
+
+  Equilibrium e = solve_equilibrium(joint, beds, conditions, start, start);
+  const Pose source = e.poses[static_cast<std::size_t>(bed.source_body)], target = e.poses[static_cast<std::size_t>(bed.target_body)];
+  const Rays rays = rays_at(bed, source, target);
+  std::vector<LineHit> hits;
+  int hit = 0;
+  SpringStates states;
+  std::vector<double> casts, projections, solutions, ratios;
+  for (int i = 0; i < repeats; ++i) {  // in turns: a busy moment of the machine then hits all three
+    casts.push_back(seconds_of([&] { hit = cast(bed, rays, hits); }));
+    projections.push_back(seconds_of([&] { states = project_springs(bed, source, target); }));
+    solutions.push_back(seconds_of([&] { e = solve_equilibrium(joint, beds, conditions, start, start); }));
+    ratios.push_back(solutions.back() / casts.back());
+  }
+  const Time casting = summary(casts), projecting = summary(projections), solving = summary(solutions);
+
+  fmt::print("{:8} {:3} {:4} {:8.1f} {} {} {} {:6.1f} {:6.1f} {:5} {:5}  {:8.1e} {}\n", bed.springs.size(), threads, turns ? 6 : 3, 1e3 * making.least, ms(casting), ms(projecting), ms(solving),
+             solving.least / casting.least, summary(ratios).middle, e.iterations, e.casts, e.load > 0 ? e.residual_force / e.load : 0.0,
+             name(e.outcome));
+  if (hit == 0 || !solved(e.outcome)) throw std::runtime_error("the ball in the socket found no balance");
+}
+
+void springs(const std::vector<int>& sizes) {
+  fmt::print("\nOne equilibrium of a ball in a socket, from the reference pose. Times in ms: least (median).\n");
+  fmt::print("{:>8} {:>3} {:>4} {:>8} {:>21} {:>21} {:>21} {:>13} {:>5} {:>5}  {:>8}\n", "springs", "thr", "dofs", "joint", "rays", "project_springs", "equilibrium", "equil./rays", "iter.", "casts",
+             "unbal./load");
+  std::vector<int> threads = {1};
+  const int all = static_cast<int>(std::thread::hardware_concurrency());
+  if (all > 1) threads.push_back(all);
+  for (int t : threads)
+    for (int n : sizes) spring_rung(n, t, false);
+  for (int n : sizes)
+    if (n <= 300) spring_rung(n, 1, true);
+}
+
+// ---- a whole analysis --------------------------------------------------------------------------------------------
+
+void whole(const std::string& feb, const std::filesystem::path& folder, int repeats) {
+  const std::string xplt = (folder / "bench.xplt").string();
+  std::vector<double> joint, solve;
+  std::size_t states = 0;
+  JointModel model;
+  Analysis analysis;
+  Time total;
+  const Time reading = measure(repeats, [&] { model = read_feb(feb); });
+  measure(repeats, [&] {
+    analysis = analyse(model, Settings{});
+    joint.push_back(analysis.seconds_joint);
+    solve.push_back(analysis.seconds_solve);
+    states = analysis.states.size();
+  });
+  const Time writing = measure(repeats, [&] { write_xplt(xplt, make_plot_file(model, analysis)); });
+  const Time j = summary(joint), s = summary(solve);
+  total.least = reading.least + j.least + s.least + writing.least;
+  total.middle = reading.middle + j.middle + s.middle + writing.middle;
+  fmt::print("\n{}, all {} states. Times in ms: least (median).\n", std::filesystem::path(feb).filename().string(), states);
+  fmt::print("{:>21} {:>21} {:>21} {:>21} {:>21}\n{} {} {} {} {}\n", "read", "joint", "solve", "write", "all", ms(reading), ms(j), ms(s), ms(writing), ms(total));
+}
+
+// ---- reading -----------------------------------------------------------------------------------------------------
+
+/// A block of n^3 hexahedra as a FEBio 4.0 file.
+void write_block(const std::string& path, int n) {
+  std::FILE* file = std::fopen(path.c_str(), "w");
+  if (!file) throw std::runtime_error("cannot write " + path);
+  const auto id = [n](int i, int j, int k) { return 1 + i + (n + 1) * (j + (n + 1) * k); };
+  fmt::print(file, R"(<?xml version="1.0" encoding="ISO-8859-1"?>
+<febio_spec version="4.0">
+	<Module type="solid"/>
+	<Material>
+		<material id="1" name="cartilage" type="neo-Hookean">
+			<density>1</density>
+			<E>11.85</E>
+			<v>0.45</v>
+		</material>
+	</Material>
+	<Mesh>
+		<Nodes name="all">
+)");
+  for (int k = 0; k <= n; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) fmt::print(file, "\t\t\t<node id=\"{}\">{:.9g},{:.9g},{:.9g}</node>\n", id(i, j, k), i / 7.0, j / 7.0, k / 7.0);
+  fmt::print(file, "\t\t</Nodes>\n\t\t<Elements type=\"hex8\" name=\"block\">\n");
+  int element = 0;
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        fmt::print(file, "\t\t\t<elem id=\"{}\">{},{},{},{},{},{},{},{}</elem>\n", ++element, id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k),
+                   id(i, j, k + 1), id(i + 1, j, k + 1), id(i + 1, j + 1, k + 1), id(i, j + 1, k + 1));
+  fmt::print(file, R"(		</Elements>
+	</Mesh>
+	<MeshDomains>
+		<SolidDomain name="block" mat="cartilage"/>
+	</MeshDomains>
+	<Step>
+		<step id="1" name="step">
+			<Control>
+				<analysis>STATIC</analysis>
+				<time_steps>1</time_steps>
+				<step_size>1</step_size>
+			</Control>
+		</step>
+	</Step>
+</febio_spec>
+)");
+  if (std::fclose(file) != 0) throw std::runtime_error("cannot write " + path);
+}
+
+/// Reads in a process of its own, whose peak memory then is that of reading alone.
+void reading(int n, const std::filesystem::path& folder) {
+  const std::string path = (folder / "block.feb").string();
+  write_block(path, n);
+  const double size = static_cast<double>(std::filesystem::file_size(path));
+  fmt::print("\nReading a block of {0} nodes and {1} hexahedra.\n{2:>8} {3:>21} {4:>8} {5:>8} {6:>10}\n", (n + 1) * (n + 1) * (n + 1), n * n * n, "MB", "ms", "MB/s",
+             "peak MB", "peak/file");
+  std::fflush(stdout);
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) {
+    int status = 1;
+    try {
+      const Time t = measure(3, [&] {
+        if (read_feb(path).nodes.empty()) throw std::runtime_error("no nodes read");
+      });
+      fmt::print("{:8.1f} {} {:8.1f}", 1e-6 * size, ms(t), 1e-6 * size / t.least);
+      status = 0;
+    } catch (const std::exception& fault) {
+      fmt::print(stderr, "{}\n", fault.what());
+    }
+    std::fflush(stdout);
+    _exit(status);
+  }
+  int status = 0;
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  if (status != 0) throw std::runtime_error("reading failed");
+  const double peak = 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux: kilobytes
+  fmt::print(" {:8.1f} {:10.2f}\n", 1e-6 * peak, peak / size);
+}
+
+/// A folder for the files of this run, removed at its end.
+struct TemporaryFolder {
+  std::filesystem::path path = std::filesystem::temp_directory_path() / fmt::format("dea_bench_{}", getpid());
+  TemporaryFolder() { std::filesystem::create_directories(path); }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "all";
+  const std::vector<std::string> known = {"all", "springs", "hip", "read", "smoke"};
+  std::vector<int> sizes;
+  for (int i = 2; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
+  const bool bad_size = std::any_of(sizes.begin(), sizes.end(), [](int n) { return n < 1; });
+  if (bad_size || (!sizes.empty() && what != "springs") || std::find(known.begin(), known.end(), what) == known.end()) {
+    fmt::print(stderr, "usage: dea_bench [all|hip|read|smoke|springs [N...]]    N x N facets: 2 N^2 springs\n");
+    return 2;
+  }
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured, in a file too
+  try {
+    const TemporaryFolder folder;
+    const std::string hip = DEA_SAMPLES_DIR "/hip/hip_walking.feb";
+    const bool smoke = what == "smoke";
+    // reading first: its process is a copy of this one, which is small yet and has one thread
+    if (smoke || what == "read" || what == "all") reading(smoke ? 9 : 99, folder.path);
+    if (smoke || what == "hip" || what == "all") whole(hip, folder.path, smoke ? 1 : 9);
+    if (smoke) springs({22});
+    if (sizes.empty()) sizes = {22, 32, 45, 71, 100, 158, 224, 354, 500, 707};  // 1k .. 1M springs
+    if (what == "springs" || what == "all") springs(sizes);
+  } catch (const std::exception& fault) {
+    fmt::print(stderr, "dea_bench: {}\n", fault.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,85 @@
+// tests/program.h – runs a program of ours as users do, in a folder of its own.
+#pragma once
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace dea::test {
+
+namespace fs = std::filesystem;
+
+inline std::string file_text(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// A folder that vanishes with its contents.
+struct TemporaryFolder {
+  fs::path path;
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "dea_test_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code error;
+    fs::remove_all(path, error);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+};
+
+struct Finished {
+  int code = -1;           ///< exit code; 128 + signal
+  bool timed_out = false;  ///< and was ended
+  double seconds = 0.0;
+  std::string out, err;
+};
+
+/// Runs `words` (the program first) in `folder`, for at most `limit` seconds.
+inline Finished run_program(const fs::path& folder, std::vector<std::string> words, double limit) {
+  const TemporaryFolder streams;
+  const std::string out = (streams.path / "out").string(), err = (streams.path / "err").string();
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const auto start = std::chrono::steady_clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int o = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600), e = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
+    if (o < 0 || e < 0 || ::chdir(folder.c_str()) != 0) ::_exit(99);
+    ::dup2(o, 1);
+    ::dup2(e, 2);
+    ::execv(argv[0], argv.data());
+    ::_exit(99);
+  }
+  Finished f;
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (!f.timed_out && elapsed() > limit) {
+      f.timed_out = true;
+      ::kill(child, SIGKILL);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  f.seconds = elapsed();
+  f.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  f.out = file_text(out);
+  f.err = file_text(err);
+  return f;
+}
+
+}  // namespace dea::test
