@@ -5,19 +5,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <sstream>
 
-#include <sys/wait.h>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "error.h"
+#include "program.h"
 
 namespace dea {
 namespace {
@@ -345,40 +344,24 @@ TEST(CompareFiles, ReferenceFilesHaveThePublishedNumbers) {
   EXPECT_NEAR(penalties.surfaces[0].regions[0].facet_correlation[0], 0.9955, 0.00005);
 }
 
-struct Finished {
-  int code = -1;
-  std::string out, err;
-};
-
 class CompareCommand : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "dea_compare_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder = name;
     write_xplt((folder / "a.xplt").string(), make_file(6, {0, 1}, [](double x, double y, double t) { return 1.1 * hill(x, y, t); }));
     write_xplt((folder / "b.xplt").string(), make_file(6, {0, 1}, hill));
   }
-  void TearDown() override { fs::remove_all(folder); }
 
-  static std::string text(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream s;
-    s << in.rdbuf();
-    return s.str();
+  /// `arguments` as typed into a shell.
+  test::Finished compare(const std::string& arguments) {
+    return test::run_program(folder, {"/bin/sh", "-c", fmt::format("exec '{}' compare {}", DEA_PROGRAM, arguments)}, 60);
   }
 
-  Finished compare(const std::string& arguments) {
-    const std::string command = fmt::format("cd '{}' && '{}' compare {} > out 2> err", folder.string(), DEA_PROGRAM, arguments);
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text(folder / "out"), text(folder / "err")};
-  }
-
-  fs::path folder;
+  test::TemporaryFolder own;
+  const fs::path& folder = own.path;
 };
 
 TEST_F(CompareCommand, PrintsATableAndNothingElse) {
-  const Finished f = compare("a.xplt b.xplt --label ours --label FEA");
+  const test::Finished f = compare("a.xplt b.xplt --label ours --label FEA");
   EXPECT_EQ(f.code, 0) << f.err;
   EXPECT_EQ(f.err, "");
   EXPECT_NE(f.out.find("FEA: b.xplt, time 1 (differences are relative to it)"), std::string::npos) << f.out;
@@ -389,7 +372,7 @@ TEST_F(CompareCommand, PrintsATableAndNothingElse) {
 }
 
 TEST_F(CompareCommand, AFileAgainstItselfHasNoDifference) {
-  const Finished f = compare("b.xplt b.xplt --json -");
+  const test::Finished f = compare("b.xplt b.xplt --json -");
   ASSERT_EQ(f.code, 0) << f.err;
   const Json j = Json::parse(f.out);
   EXPECT_EQ(j["schema"], "dea.compare/1");
@@ -409,7 +392,7 @@ TEST_F(CompareCommand, AFileAgainstItselfHasNoDifference) {
 }
 
 TEST_F(CompareCommand, CsvHasALinePerSurfaceRegionAndFile) {
-  const Finished f = compare("a.xplt b.xplt --regions 'left half' --threshold 0.3 --csv -");
+  const test::Finished f = compare("a.xplt b.xplt --regions 'left half' --threshold 0.3 --csv -");
   ASSERT_EQ(f.code, 0) << f.err;
   std::istringstream in(f.out);
   std::vector<std::string> lines;
@@ -422,7 +405,7 @@ TEST_F(CompareCommand, CsvHasALinePerSurfaceRegionAndFile) {
 }
 
 TEST_F(CompareCommand, WritesOneFileForTheViewer) {
-  const Finished f = compare("a.xplt b.xplt --label dea --label FEA -o both.xplt --compress -q");
+  const test::Finished f = compare("a.xplt b.xplt --label dea --label FEA -o both.xplt --compress -q");
   ASSERT_EQ(f.code, 0) << f.err;
   const XpltFile both = read_xplt((folder / "both.xplt").string());
   EXPECT_TRUE(both.compressed);
@@ -438,7 +421,7 @@ TEST_F(CompareCommand, WritesOneFileForTheViewer) {
 }
 
 TEST_F(CompareCommand, ThirdsInJson) {
-  const Finished f = compare("a.xplt b.xplt --regions anterior-superior-posterior --up 0,1,0 --anterior -1,0,0 --json -");
+  const test::Finished f = compare("a.xplt b.xplt --regions anterior-superior-posterior --up 0,1,0 --anterior -1,0,0 --json -");
   ASSERT_EQ(f.code, 0) << f.err;
   const Json regions = Json::parse(f.out)["surfaces"][0]["regions"];
   ASSERT_EQ(regions.size(), 4u);
@@ -451,7 +434,7 @@ TEST_F(CompareCommand, ThirdsInJson) {
 }
 
 TEST_F(CompareCommand, ProfileInJson) {
-  const Finished f = compare("a.xplt b.xplt --profile --axis 1,0,0 --center 0,0,0.1 --bin 30 --json -");
+  const test::Finished f = compare("a.xplt b.xplt --profile --axis 1,0,0 --center 0,0,0.1 --bin 30 --json -");
   ASSERT_EQ(f.code, 0) << f.err;
   const Json profile = Json::parse(f.out)["surfaces"][0]["profile"]["results"];
   ASSERT_EQ(profile[0]["bins"].size(), 3u);  // the square seen from its corner: 0 to 90 degrees
@@ -462,9 +445,9 @@ TEST_F(CompareCommand, ProfileInJson) {
 }
 
 TEST_F(CompareCommand, ACutOffFileIsReadUpToItsLastWholeState) {
-  const std::string bytes = text(folder / "b.xplt");
+  const std::string bytes = test::file_text(folder / "b.xplt");
   std::ofstream(folder / "cut.xplt", std::ios::binary) << bytes.substr(0, bytes.size() - 40);
-  const Finished f = compare("cut.xplt b.xplt --at 0 --surface top");
+  const test::Finished f = compare("cut.xplt b.xplt --at 0 --surface top");
   EXPECT_EQ(f.code, 0) << f.err;
   EXPECT_EQ(f.err, "warning: cut.xplt: the last state is cut off and left out; the one before is at time 0\n");
 }
@@ -500,7 +483,7 @@ TEST_F(CompareCommand, RefusesWithOneLineAndTheRightCode) {
       {"a.xplt b.xplt --json /dev/full", 4, "dea: cannot write /dev/full: "},
   };
   for (const auto& c : kCases) {
-    const Finished f = compare(c.arguments);
+    const test::Finished f = compare(c.arguments);
     EXPECT_EQ(f.code, c.code) << c.arguments;
     EXPECT_EQ(f.err.substr(0, std::string(c.says).size()), c.says) << c.arguments;
     EXPECT_EQ(std::count(f.err.begin(), f.err.end(), '\n'), 1) << c.arguments << "\n" << f.err;
@@ -509,7 +492,7 @@ TEST_F(CompareCommand, RefusesWithOneLineAndTheRightCode) {
 }
 
 TEST_F(CompareCommand, HelpHasExamples) {
-  const Finished f = compare("--help");
+  const test::Finished f = compare("--help");
   EXPECT_EQ(f.code, 0);
   EXPECT_NE(f.out.find("dea compare hip_dea.xplt hip.xplt"), std::string::npos);
 }
