@@ -136,7 +136,7 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   const auto once = [&](const char* name, std::string& value, const char* type, const char* group, const char* help) {
     c->add_option(name, value, help)->type_name(type)->group(group);
   };
-  c->add_option("FILES", a.files, "Plot files (.xplt), two or more; the last is the reference")->required()->expected(2, 20)->type_name("");
+  c->add_option("FILES", a.files, "Plot files (.xplt), two or more; the last is the reference")->required()->type_name("");
   repeated("--label", a.labels, "NAME", "Comparison", "Name of a file in tables and fields, once per file in their order [file names]");
   repeated("--surface", a.surfaces, "NAME|A=B", "Comparison",
            "Compare this surface only, A=B where its names differ; may be repeated [those in all files that have pressure in at least one]");
@@ -161,6 +161,7 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
 }
 
 int compare_command(const CompareArguments& a) {
+  if (a.files.size() < 2) throw UsageError(fmt::format("compare {}: found one file, expected two or more, the last to compare the others with", a.files.front()));
   const CompareOptions options = compare_options(a);
   const std::vector<std::string> labels = make_labels(a);
   std::vector<NamedPath> inputs, outputs;

@@ -459,7 +459,8 @@ TEST_F(CompareCommand, RefusesWithOneLineAndTheRightCode) {
     int code;
     const char* says;
   } kCases[] = {
-      {"a.xplt", 2, "dea compare: "},
+      {"", 2, "dea compare: FILES is required"},
+      {"a.xplt", 2, "dea: compare a.xplt: found one file, expected two or more"},
       {"a.xplt b.xplt --label x", 2, "dea: --label: found 1 labels, expected one per file (2)"},
       {"a.xplt b.xplt --label x --label x", 2, "dea: --label x: given twice"},
       {"a.xplt b.xplt --threshold 0", 2, "dea: --threshold 0: found \"0\", expected a pressure above 0"},
