@@ -176,6 +176,10 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   // The last state stands for all: the factor changes slowly.
   const StateResult& last = analysis.states.back();
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    const int active = last.statistics[c].springs_active;
+    if (active < 20 && last.fields[c].sides[1 - joint.contacts[c].source].contact_area > 0)
+      add_once(lines, fmt::format("warning: contact \"{}\": only {} springs carry at time {}, too few for a pressure map; divide them with --refine, or let the other "
+                                  "body's finer surface carry them with --source", joint.contacts[c].name, active, number_text(last.when.time)));
     for (const Layer& layer : joint.contacts[c].layers) {
       const double factor = last.fields[c].sides[&layer - joint.contacts[c].layers].resultant_factor;
       if (!(std::abs(factor - 1.0) > 0.02)) continue;

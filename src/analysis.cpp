@@ -59,7 +59,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
 
   clock = now();
   const std::vector<TimePoint> times = options.times.empty() ? model_times(model) : options.times;
-  std::vector<Pose> poses = reference_poses(joint), step_start = poses;
+  std::vector<Pose> poses = reference_poses(joint), step_start = poses;  // `poses`: of the last state that was solved
   int step = 0;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i].step != step) {
@@ -72,12 +72,14 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     const bool reference = i == 0 && times[i].time <= 0.0;
     state.equilibrium = reference ? state_at(joint, beds, conditions, poses)
                                   : solve_equilibrium(joint, beds, conditions, poses, step_start, options.equilibrium);
-    poses = state.equilibrium.poses;
+    // A load that cannot be carried may have moved a body far away: the next state starts from the last one that was solved.
+    const Outcome outcome = state.equilibrium.outcome;
+    if (solved(outcome) || outcome == Outcome::BeyondStrainLimit) poses = state.equilibrium.poses;
     refuse_zero_thickness(model, joint, beds, state.equilibrium);
     const bool wanted = options.wanted.empty() || options.wanted[i];
     if (wanted) {
       state.fields = contact_fields(joint, beds, maps, state.equilibrium);
-      state.statistics = contact_statistics(joint, beds, maps, state.equilibrium, state.fields);
+      state.statistics = contact_statistics(joint, beds, state.equilibrium, state.fields);
       state.displacements = node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);
     }
     if (options.progress) options.progress(state, i, times.size());

@@ -96,6 +96,15 @@ Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid) {
       }
     }
   }
+  // A bone that the user takes as rigid and whose nodes the model gives to a rigid body is part of that body.
+  for (const RigidNodes& set : model.rigid_nodes) {
+    for (int node : set.nodes) {
+      const int m = node_material[at(node)];
+      if (m < 0 || model.materials[at(m)].rigid) continue;
+      const int a = find_root(parent, m), b = find_root(parent, set.material);
+      parent[at(std::max(a, b))] = std::min(a, b);
+    }
+  }
   Bodies result;
   result.of_material.assign(at(n_materials), -1);
   for (int m = 0; m < n_materials; ++m) {

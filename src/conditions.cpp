@@ -25,6 +25,13 @@ int body_of(const Joint& joint, int material) {
   return -1;
 }
 
+double finite_value(const JointModel& model, const Scaled& scaled, double time, Origin origin) {
+  const double v = value(model, scaled, time);
+  if (std::isfinite(v)) return v;
+  throw InputError(model, origin, fmt::format("its value at time {:g} is no finite number (load curve {}): mend the curve's points", time,
+                               scaled.controller >= 0 ? model.controllers[at(scaled.controller)].id : 0));
+}
+
 /// Dofs of a bone taken as rigid by the user that its fixed nodes leave no freedom. With the constraints' rows
 /// (e_k, d x e_k / length), d the node's arm: every dof whose unit vector is in their span.
 void hold_by_fixed_nodes(const JointModel& model, const Joint& joint, int body, int step, BodyConditions& conditions) {
@@ -104,8 +111,9 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
     const int b = body_of(joint, p.material);
     if (!active(p.step) || b < 0) continue;
     c.bodies[at(b)].dofs[at(p.dof)] = DofState::Prescribed;
-    c.bodies[at(b)].value[p.dof] = value(model, p.value, time);
-    c.bodies[at(b)].relative[at(p.dof)] = p.relative;
+    c.bodies[at(b)].value[p.dof] = finite_value(model, p.value, time, p.origin);
+    // relative to the pose when it became active: outside steps that is the reference
+    c.bodies[at(b)].relative[at(p.dof)] = p.relative && p.step >= 0;
   }
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const auto& dofs = c.bodies[b].dofs;
@@ -121,7 +129,7 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
     if (!active(l.step) || b < 0) continue;
     if (l.dof < 3 && force_replaced[at(b)]) continue;
     Vector6& load = l.kind == RigidLoad::Kind::Follower ? c.bodies[at(b)].follower : c.bodies[at(b)].dead;
-    load[l.dof] += value(model, l.value, time);
+    load[l.dof] += finite_value(model, l.value, time, l.origin);
   }
   for (const auto& entry : settings.force) {
     const int b = joint.find_body(model, entry.first);

@@ -140,7 +140,9 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
     e.external.segment<3>(k + 3) = c.dead.tail<3>() + R * c.follower.tail<3>() + arm.cross(force);
     e.derivative.block<3, 3>(k, k + 3) -= skew(follower);
     e.derivative.block<3, 3>(k + 3, k + 3) += skew(force) * skew(arm) - skew(arm) * skew(follower) - skew(R * c.follower.tail<3>());
-    e.load = std::max({e.load, force.norm(), e.external.segment<3>(k + 3).norm() / problem.beds.length});
+    // what pulls at a held body is no measure of the balance of the others
+    if (std::count(c.dofs.begin(), c.dofs.end(), DofState::Free) > 0)
+      e.load = std::max({e.load, force.norm(), e.external.segment<3>(k + 3).norm() / problem.beds.length});
   }
   return e;
 }
@@ -404,7 +406,7 @@ Search advance(Problem& problem, Evaluation e, VectorXd direction) {
   }
   if (!touching(e)) return {false, std::move(e)};
   // The contact's force grows about like the square of the depth: a few steps bring it near the load.
-  const double driving = direction.dot(scaled_residual(problem, e)) + 0.0;
+  const double driving = direction.dot(scaled_residual(problem, e));
   double depth = 1e-3 * cap;
   for (int i = 0; i < 12; ++i) {
     VectorXd contact(problem.free.size());

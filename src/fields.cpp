@@ -53,7 +53,9 @@ FieldMaps::LayerMap make_layer_map(const JointModel& model, const Layer& layer, 
     map.node_to_articular[i] = articular.closest(x);
     const double to_articular = (position(mesh, map.node_to_articular[i]) - x).norm();
     const double to_bone = (position(layer.bone, bone.closest(x)) - x).norm();
-    map.node_depth[i] = to_bone + to_articular > 0 ? to_bone / (to_bone + to_articular) : 0.0;
+    // a node that lies far beside the articular surface (a contact surface on part of the layer) does not move with it
+    const double between = to_bone + to_articular, local = interpolate(mesh, map.vertex_thickness, map.node_to_articular[i]);
+    map.node_depth[i] = between > 0 && between < 1.5 * local ? to_bone / between : 0.0;
   });
   return map;
 }
@@ -106,9 +108,9 @@ SpringAverages average_springs(const SpringBed& bed, const SpringStates& s) {
     a.overlap[t] += share * s.overlap[k];
     a.strain[t] += share * s.strain_source[k];
     a.shortening[t] += share * s.strain_source[k] * s.t_source[k];
-    if (s.area[k] > 0) {
-      a.gap[t] += s.area[k] * s.gap[k];
-      hit[t] += s.area[k];
+    if (s.triangle[k] >= 0) {  // also where the target is passed too deep: that is no gap
+      a.gap[t] += bed.springs.area[k] * s.gap[k];
+      hit[t] += bed.springs.area[k];
     }
   }
   for (std::size_t t = 0; t < n; ++t) a.gap[t] = hit[t] > 0 ? a.gap[t] / hit[t] : kNaN;
@@ -133,6 +135,25 @@ std::vector<double> triangles_to_vertices(const SurfaceMesh& mesh, const std::ve
   }
   for (std::size_t v = 0; v < sum.size(); ++v) sum[v] = area[v] > 0 ? sum[v] / area[v] : 0.0;
   return sum;
+}
+
+double mean_facet_size(const SurfaceMesh& mesh) {
+  double area = 0.0;
+  for (double a : mesh.areas) area += a;
+  return std::sqrt(area / std::max(1, mesh.size()));
+}
+
+/// Barycentric weights of the centroids of the divide^2 equal parts of a triangle.
+std::vector<std::array<double, 3>> part_centroids(int divide) {
+  std::vector<std::array<double, 3>> parts;
+  const double third = 1.0 / 3;
+  for (int i = 0; i < divide; ++i) {
+    for (int j = 0; i + j < divide; ++j) {
+      parts.push_back({(divide - i - j - 2 * third) / divide, (i + third) / divide, (j + third) / divide});
+      if (i + j + 2 <= divide) parts.push_back({(divide - i - j - 4 * third) / divide, (i + 2 * third) / divide, (j + 2 * third) / divide});
+    }
+  }
+  return parts;
 }
 
 Vector3d map_resultant(const SurfaceMesh& mesh, const std::vector<double>& facet_pressure, const Eigen::Matrix3d& rotation) {
@@ -177,6 +198,7 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
     on_target.force = e.contact_on_target[c].head<3>();
     on_source.force = -on_target.force;
 
+    const bool contact_active = e.springs[c].size() > 0;
     SpringStates inactive;
     const SpringStates* states = &e.springs[c];
     if (states->size() == 0) {  // contact not active in this step: geometry only, no pressure
@@ -200,17 +222,13 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
 
     // Source side. Articular springs: facets carry their springs' force. Bone springs: closest-point projection with
     // linear interpolation [Abraham et al. 2013, 2.4].
-    std::vector<double> v_pressure, v_overlap, v_target_strain, v_target_shortening;  // per articular vertex of the source
+    std::vector<double> v_pressure, v_overlap, v_target_strain, v_target_shortening;  // bone springs: per articular vertex of the source
     if (source.springs_at == SpringsAt::Articular) {
       on_source.pressure = triangles_to_facets(source.articular, map.layers[s], averages.pressure);
       on_source.overlap = triangles_to_facets(source.articular, map.layers[s], averages.overlap);
       on_source.strain = triangles_to_facets(source.articular, map.layers[s], averages.strain);
       on_source.vertex_shortening = triangles_to_vertices(source.articular, averages.shortening);
       on_source.vertex_pressure = vertex_average(map.layers[s], on_source.pressure);
-      v_pressure = on_source.vertex_pressure;
-      v_overlap = triangles_to_vertices(source.articular, averages.overlap);
-      v_target_strain = triangles_to_vertices(source.articular, target_strain);
-      v_target_shortening = triangles_to_vertices(source.articular, target_shortening);
     } else {
       const SurfaceMesh& bone = source.spring_surface();
       const auto project = [&](const std::vector<double>& per_triangle) {
@@ -231,30 +249,42 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       on_source.strain = facet_average(source.articular, map.layers[s], project(averages.strain));
     }
 
-    // Joint space: along the normals of each side's own facets to the other side; no hit: closest distance.
-    const auto space = [&](int from, int to, const Pose& from_pose, const Pose& to_pose, std::vector<SurfacePoint>* feet, std::vector<double>* along) {
+    // Joint space: along the normals of each side's own facets to the other side; no hit: closest distance. Each triangle is
+    // sampled at the centroids of `divide`^2 parts, so that facets much coarser than the other side's miss nothing.
+    const auto space = [&](int from, int to, const Pose& from_pose, const Pose& to_pose, int divide, std::vector<SurfacePoint>* feet, std::vector<double>* gaps, std::vector<double>* along) {
       const SurfaceMesh& mesh = pair.layers[from].articular;
       const Vector3d from_center = joint.bodies[at(pair.layers[from].body)].center_of_mass, to_center = joint.bodies[at(pair.layers[to].body)].center_of_mass;
       const Eigen::Matrix3d R = to_pose.rotation.transpose() * from_pose.rotation;
       const Vector3d shift = to_center + to_pose.rotation.transpose() * (from_pose.center - to_pose.center - from_pose.rotation * from_center);
       const double deep = pair.layers[0].max_thickness() + pair.layers[1].max_thickness();
-      feet->resize(mesh.triangles.size());
+      const std::vector<std::array<double, 3>> parts = part_centroids(divide);
+      feet->assign(mesh.triangles.size() * parts.size(), SurfacePoint{});
+      gaps->assign(feet->size(), kInfinity);
       along->resize(mesh.triangles.size());
       tbb::parallel_for(0, mesh.size(), [&](int i) {
-        const Vector3d x = R * mesh.centroid(i) + shift;
-        const LineHit hit = map.articular[to].nearest_facing(x, R * mesh.normals[at(i)], -4 * deep, -deep, kInfinity);
-        if (hit.point.triangle >= 0) {
-          (*feet)[at(i)] = hit.point;
-          constexpr std::array<double, 3> kMiddle = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-          (*along)[at(i)] = hit.distance - bulge_height(mesh, i, kMiddle) - bulge_height(pair.layers[to].articular, hit.point.triangle, hit.point.weights);
+        const Vector3d n = R * mesh.normals[at(i)];
+        double sum = 0.0;
+        int hits = 0;
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+          const Vector3d x = R * position(mesh, {i, parts[k]}) + shift;
+          const LineHit hit = map.articular[to].nearest_facing(x, n, -4 * deep, -deep, kInfinity);
+          if (hit.point.triangle < 0) continue;
+          const double gap = hit.distance - bulge_height(mesh, i, parts[k]) - bulge_height(pair.layers[to].articular, hit.point.triangle, hit.point.weights);
+          (*feet)[at(i) * parts.size() + k] = hit.point;
+          (*gaps)[at(i) * parts.size() + k] = gap;
+          sum += gap;
+          ++hits;
+        }
+        if (hits > 0) {
+          (*along)[at(i)] = sum / hits;
         } else {
-          (*feet)[at(i)] = SurfacePoint{};
+          const Vector3d x = R * mesh.centroid(i) + shift;
           (*along)[at(i)] = (position(pair.layers[to].articular, map.articular[to].closest(x)) - x).norm();
         }
       });
     };
     std::vector<SurfacePoint> feet;
-    std::vector<double> along;
+    std::vector<double> gaps, along;
     if (source.springs_at == SpringsAt::Articular) {
       // the springs know it already; only where none hit is the closest point asked
       along = averages.gap;
@@ -266,23 +296,42 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
         along[at(i)] = (position(target.articular, map.articular[t].closest(x)) - x).norm();
       });
     } else {
-      space(s, t, source_pose, target_pose, &feet, &along);
+      space(s, t, source_pose, target_pose, 1, &feet, &gaps, &along);
     }
     on_source.joint_space = triangles_to_facets(source.articular, map.layers[s], along);
 
-    // Target side: interpolated from the source's vertices where its own normals meet the source.
-    space(t, s, target_pose, source_pose, &feet, &along);
+    // Target side, where its own normals meet the source.
+    const int divide = std::clamp(static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
+    space(t, s, target_pose, source_pose, divide, &feet, &gaps, &along);
     on_target.joint_space = triangles_to_facets(target.articular, map.layers[t], along);
-    const auto from_source = [&](const std::vector<double>& source_vertex) {
-      std::vector<double> out(at(target.articular.size()), 0.0);
-      for (std::size_t i = 0; i < out.size(); ++i)
-        if (feet[i].triangle >= 0) out[i] = interpolate(source.articular, source_vertex, feet[i]);
-      return out;
-    };
-    on_target.pressure = triangles_to_facets(target.articular, map.layers[t], from_source(v_pressure));
-    on_target.overlap = triangles_to_facets(target.articular, map.layers[t], from_source(v_overlap));
-    on_target.strain = triangles_to_facets(target.articular, map.layers[t], from_source(v_target_strain));
-    on_target.vertex_shortening = triangles_to_vertices(target.articular, from_source(v_target_shortening));
+    const std::size_t parts = feet.size() / std::max<std::size_t>(1, target.articular.triangles.size());
+    std::vector<double> pressure(target.articular.triangles.size(), 0.0), overlap = pressure, strain = pressure, shortening = pressure;
+    const std::vector<std::array<double, 3>> samples = part_centroids(divide);
+    for (std::size_t i = 0; i < feet.size(); ++i) {
+      if (feet[i].triangle < 0) continue;
+      const std::size_t triangle = i / parts;
+      const double share = 1.0 / static_cast<double>(parts);
+      if (source.springs_at == SpringsAt::Bone) {
+        pressure[triangle] += share * interpolate(source.articular, v_pressure, feet[i]);
+        overlap[triangle] += share * interpolate(source.articular, v_overlap, feet[i]);
+        strain[triangle] += share * interpolate(source.articular, v_target_strain, feet[i]);
+        shortening[triangle] += share * interpolate(source.articular, v_target_shortening, feet[i]);
+      } else if (contact_active && gaps[i] < 0) {
+        // the law at the target's own overlap: nothing of the source's facets is smeared over the target's
+        const double t_s = interpolate(source.articular, source.thickness, feet[i]);
+        const double t_t = interpolate(target.articular, target.thickness, {static_cast<int>(triangle), samples[i % parts]});
+        if (gaps[i] <= -(t_s + t_t)) continue;
+        const SpringResponse r = spring_response(bed.law, source.elasticity, target.elasticity, t_s, t_t, -gaps[i]);
+        pressure[triangle] += share * r.pressure;
+        overlap[triangle] -= share * gaps[i];
+        strain[triangle] += share * r.strain_target;
+        shortening[triangle] += share * r.strain_target * t_t;
+      }
+    }
+    on_target.pressure = triangles_to_facets(target.articular, map.layers[t], pressure);
+    on_target.overlap = triangles_to_facets(target.articular, map.layers[t], overlap);
+    on_target.strain = triangles_to_facets(target.articular, map.layers[t], strain);
+    on_target.vertex_shortening = triangles_to_vertices(target.articular, shortening);
     on_target.vertex_pressure = vertex_average(map.layers[t], on_target.pressure);
 
     finish_side(on_source, source.articular, map.layers[s], source_pose);
@@ -314,8 +363,7 @@ double weighted_percentile(const std::vector<double>& values, const std::vector<
   return values[order.back()];
 }
 
-std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps, const Equilibrium& e,
-                                                  const std::vector<ContactFields>& fields) {
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e, const std::vector<ContactFields>& fields) {
   std::vector<ContactStatistics> all;
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const ContactPair& pair = joint.contacts[c];
@@ -364,7 +412,6 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     stats.moment = e.contact_on_target[c].tail<3>();
     all.push_back(stats);
   }
-  (void)maps;
   return all;
 }
 

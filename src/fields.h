@@ -46,9 +46,8 @@ struct ContactStatistics {
   double largest_strain = 0.0;
 };
 
-/// Percentile of values weighted by `weights` (> 0): the smallest value v such that values <= v hold at least
-/// `fraction` of the weight, interpolated linearly between the midpoints of the values' shares of the weight.
-/// Equal weights: the usual median. NaN for no values.
+/// Percentile of values weighted by `weights` (> 0): each sorted value stands at the middle of its share of the weight, between them
+/// linear, beyond the first and last constant. Equal weights: the usual median. NaN for no values.
 double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction);
 
 /// What fields need of a joint again and again: closest points between surfaces, depth of cartilage nodes.
@@ -71,11 +70,11 @@ struct FieldMaps {
 FieldMaps make_field_maps(const JointModel& model, const Joint& joint);
 
 /// Fields of every contact at an equilibrium. The source's facets carry the springs' own force exactly (articular
-/// springs); every other surface gets values by interpolation, and `resultant_factor` says how well.
+/// springs); the target's facets get the law at their own overlap, and with
+/// springs at the bone every surface gets values by interpolation; `resultant_factor` says how well the force is kept.
 std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps, const Equilibrium& e);
 
-std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps, const Equilibrium& e,
-                                                  const std::vector<ContactFields>& fields);
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e, const std::vector<ContactFields>& fields);
 
 /// Displacement of every model node: rigid with its body; cartilage nodes moved towards their bone by the layer's
 /// shortening, linearly through the thickness (squash).

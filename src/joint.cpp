@@ -32,11 +32,15 @@ struct ElementFace {
   int domain, element, face;
 };
 
-using CornerKey = std::array<int, 4>;  // sorted corner nodes, -1 padded
+using CornerKey = std::array<int, 4>;  // sorted distinct corner nodes, -1 padded
 
 CornerKey corner_key(const int* nodes, int corners) {
   CornerKey key = {-1, -1, -1, -1};
   for (int k = 0; k < corners; ++k) key[at(k)] = nodes[k];
+  std::sort(key.begin(), key.end());
+  // a collapsed quad is the triangle of its distinct corners
+  for (std::size_t k = 1; k < 4; ++k)
+    if (key[k] == key[k - 1]) key[k - 1] = -1;
   std::sort(key.begin(), key.end());
   return key;
 }
@@ -60,7 +64,8 @@ struct Recognition {
   std::vector<int> region;     // per node: root node of its deformable region, -1: in no deformable solid element
   FaceMap faces;               // element faces all of whose corners are nodes of a contact surface
   std::map<int, std::map<int, std::string>> held;      // region root -> body -> how
-  std::vector<std::vector<std::pair<int, int>>> node_holders;  // per node: (body, 0) for all that hold it
+  std::vector<std::vector<int>> node_holders;          // per node: all bodies that hold it
+  std::vector<char> fixed;                             // per node: held by the ground in x, y and z
 };
 
 int surface_index(const JointModel& model, const std::string& name) {
@@ -141,7 +146,6 @@ void find_faces(Recognition& r) {
   }
 }
 
-/// A distinct corner list: degenerate quads (a repeated node) are looked up by their three corners too.
 const std::vector<ElementFace>* find_face(const Recognition& r, const int* nodes, int count) {
   const auto found = r.faces.find(corner_key(nodes, facet_corners(count)));
   return found == r.faces.end() ? nullptr : &found->second;
@@ -162,13 +166,22 @@ const ElementFace* carrier(const Recognition& r, const std::vector<ElementFace>&
   return best;
 }
 
+/// Notes that a body holds a node of a deformable region.
 void hold(Recognition& r, int node, int body, const std::string& how) {
   if (r.region[at(node)] < 0) return;
   r.held[r.region[at(node)]].try_emplace(body, how);
   auto& holders = r.node_holders[at(node)];
-  for (const auto& h : holders)
-    if (h.first == body) return;
-  holders.emplace_back(body, 0);
+  if (std::find(holders.begin(), holders.end(), body) == holders.end()) holders.push_back(body);
+}
+
+/// Does this body hold every deformable region the surface lies on (or has it none)?
+bool held_already(const Recognition& r, const Surface& s, int body) {
+  for (int node : s.nodes) {
+    if (r.region[at(node)] < 0) continue;
+    const auto found = r.held.find(r.region[at(node)]);
+    if (found == r.held.end() || found->second.count(body) == 0) return false;
+  }
+  return true;
 }
 
 /// The body of a surface as far as it is known: -1 not (yet).
@@ -205,32 +218,45 @@ void find_holders(Recognition& r) {
     for (int node : f.nodes)
       for (std::size_t k = 0; k < 3; ++k) fixed[at(node)][k] = fixed[at(node)][k] || f.xyz[k];
   }
-  for (std::size_t i = 0; i < fixed.size(); ++i)
-    if (fixed[i][0] && fixed[i][1] && fixed[i][2]) hold(r, static_cast<int>(i), r.bodies.ground(), "nodes fixed in x, y and z");
+  r.fixed.assign(model.nodes.size(), 0);
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (!(fixed[i][0] && fixed[i][1] && fixed[i][2])) continue;
+    r.fixed[i] = 1;
+    hold(r, static_cast<int>(i), r.bodies.ground(), "nodes fixed in x, y and z");
+  }
 
-  // Tied contacts: a surface takes the body of the one it is tied to. Repeat, for layers tied to layers.
-  for (bool changed = true; changed;) {
-    changed = false;
+  // Tied contacts: a surface takes the body of the one it is tied to. Passes, for layers tied to layers: each decides from what was
+  // known before it, so that a layer tied to two bodies is held by both, whatever the order. Every pass but the last adds a
+  // body to a region, so there is an end.
+  struct Tie {
+    const Contact* contact;
+    const Surface *surface, *to;
+    int body;
+  };
+  for (;;) {
+    std::vector<Tie> ties;
     for (const Contact& c : model.contacts) {
       if (c.kind != Contact::Kind::Tied || c.primary < 0 || c.secondary < 0) continue;
       const Surface *a = &model.surfaces[at(c.primary)], *b = &model.surfaces[at(c.secondary)];
       for (int side = 0; side < 2; ++side, std::swap(a, b)) {
         const int from = body_of_surface_nodes(r, *b);
-        if (from < 0 || body_of_surface_nodes(r, *a) >= 0) continue;
-        const SurfaceMesh mesh = make_surface_mesh(b->begin, b->nodes, model.nodes);
-        if (mesh.size() == 0) continue;
-        const RayCaster caster(mesh);
-        for (int node : a->nodes) {
-          if (r.region[at(node)] < 0) continue;
-          if (c.max_distance > 0) {
-            const Vector3d& x = model.nodes[at(node)];
-            if ((position(mesh, caster.closest(x)) - x).norm() > c.max_distance) continue;
-          }
-          hold(r, node, from, fmt::format("tied contact \"{}\" to body \"{}\"", c.name, r.bodies.bodies[at(from)].name));
-          changed = true;
-        }
+        if (from >= 0 && !held_already(r, *a, from)) ties.push_back({&c, a, b, from});
       }
     }
+    std::size_t held_before = 0, held_after = 0;
+    for (const auto& h : r.held) held_before += h.second.size();
+    for (const Tie& tie : ties) {
+      const SurfaceMesh mesh = make_surface_mesh(tie.to->begin, tie.to->nodes, model.nodes);
+      if (mesh.size() == 0) continue;
+      const RayCaster caster(mesh);
+      for (int node : tie.surface->nodes) {
+        const Vector3d& x = model.nodes[at(node)];
+        if (tie.contact->max_distance > 0 && (position(mesh, caster.closest(x)) - x).norm() > tie.contact->max_distance) continue;
+        hold(r, node, tie.body, fmt::format("tied contact \"{}\" to body \"{}\"", tie.contact->name, r.bodies.bodies[at(tie.body)].name));
+      }
+    }
+    for (const auto& h : r.held) held_after += h.second.size();
+    if (held_after == held_before) break;
   }
 }
 
@@ -276,12 +302,15 @@ CarriedSurface carry(const Recognition& r, int surface) {
       const auto& face = element_faces(d.shape)[at(c->face)];
       for (std::size_t k = 0; k < face.size(); ++k)
         face_nodes[k] = d.nodes[at(c->element * nodes_per_element(d.shape) + face[k])];
-      // same sense of rotation as the element's outward face?
+      // same sense of rotation as the element's outward face? Asked by area, for a collapsed face repeats a node
       const int corners = facet_corners(count);
-      int k0 = 0;
-      while (k0 < corners && face_nodes[k0] != facet[0]) ++k0;
-      const bool same = k0 < corners && face_nodes[(k0 + 1) % corners] == facet[1];
-      if (!same) {
+      const auto area_vector = [&](const int* n, int n_nodes) {
+        Vector3d sum = Vector3d::Zero();
+        for (const auto& t : split_facet(n, n_nodes, model.nodes))
+          sum += (model.nodes[at(t[1])] - model.nodes[at(t[0])]).cross(model.nodes[at(t[2])] - model.nodes[at(t[0])]);
+        return sum;
+      };
+      if (area_vector(facet.data(), count).dot(area_vector(face_nodes, static_cast<int>(face.size()))) < 0) {
         std::reverse(facet.begin() + 1, facet.begin() + corners);
         if (count >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
       }
@@ -319,8 +348,8 @@ SurfaceMesh bone_surface(const Recognition& r, int root, int body, const Carried
   std::vector<char> is_held(model.nodes.size(), 0);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     if (r.region[i] != root) continue;
-    for (const auto& h : r.node_holders[i])
-      if (h.first == body) is_held[i] = 1;
+    const auto& holders = r.node_holders[i];
+    is_held[i] = std::find(holders.begin(), holders.end(), body) != holders.end();
   }
   std::set<CornerKey> own;
   for (std::size_t f = 0; f + 1 < articular.begin.size(); ++f) {
@@ -400,6 +429,11 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     return InputError(model, s.origin, fmt::format("contact \"{}\", surface \"{}\": {}", contact.name, s.name, text));
   };
   const CarriedSurface carried = carry(r, surface);
+  std::map<CornerKey, int> facet_at;
+  for (int f = 0; f < s.size(); ++f) {
+    const auto first = facet_at.try_emplace(corner_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
+    if (!first.second) throw refuse(fmt::format("facets {} and {} are the same; its springs would count twice: list each facet once", first.first->second + 1, f + 1));
+  }
 
   Layer layer;
   layer.surface = surface;
@@ -453,6 +487,8 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
       layer.attached_by = "is a surface of the rigid body itself";
     }
     layer.rigid = !given_thickness || *given_thickness == 0.0;
+    if (!layer.rigid && layer.springs_at == SpringsAt::Bone)
+      throw refuse("a thickness given for a bare rigid surface lies under that surface, and the bone under it is not in the model: use --springs-at articular");
     layer.bone = layer.articular;
   } else {
     const int root = *roots.begin();
@@ -489,7 +525,15 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
       }
     }
     layer.region_nodes.assign(nodes.begin(), nodes.end());
-    const double E = model.materials[at(layer.material)].E;
+    const double E = given_E.value_or(model.materials[at(layer.material)].E);
+    for (const auto& m : materials) {
+      const Material &one = model.materials[at(m.first)], &main = model.materials[at(layer.material)];
+      if (m.first == layer.material || (one.E == main.E && one.nu == main.nu) || (given_E && given_nu)) continue;
+      const auto modulus = [](const Material& x) { return std::isnan(x.E) ? std::string("no modulus known") : fmt::format("E {:g}, nu {:g}", x.E, x.nu); };
+      throw refuse(fmt::format("its facets lie on several materials (\"{}\": {}; \"{}\": {}), but a layer has one modulus here; "
+                               "split the surface, or give the modulus with --E \"{}=VALUE\" --nu \"{}=VALUE\"",
+                               main.name, modulus(main), one.name, modulus(one), s.name, s.name));
+    }
     for (int m : region_materials) {
       const double other = model.materials[at(m)].E;
       if (m == layer.material || given_thickness) continue;
@@ -568,6 +612,10 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     layer.thickness_given = true;
   } else {
     measure_thickness(layer);
+    if (2 * layer.missed_count() > static_cast<int>(layer.missed.size()))
+      throw refuse(fmt::format("its normals meet no bone surface of body \"{}\" ({} of {} miss): this is no layer of cartilage on a bone, and closest points would "
+                               "give it a thickness that means nothing; name the bone surface with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
+                               r.bodies.bodies[at(layer.body)].name, layer.missed_count(), layer.missed.size(), s.name, s.name));
     const double mean = layer.mean_thickness();
     if (!(mean > 0)) throw refuse("its layer has no thickness: the articular and the bone surface are the same");
   }
@@ -613,7 +661,10 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
     for (const Body& b : joint.bodies) names.push_back(b.name);
     throw UsageError(fmt::format("--{} {}: the model has no rigid body of this name; it has {}", option, name, quoted_list(names)));
   };
-  for (const auto& e : settings.free) check_body("free", e.first);
+  for (const auto& e : settings.free) {
+    check_body("free", e.first);
+    if (joint.bodies[at(joint.find_body(model, e.first))].ground) throw UsageError(fmt::format("--free {}: the ground never moves", e.first));
+  }
   for (const auto& e : settings.force) check_body("force", e.first);
   for (const auto& e : settings.load_at) check_body("load-at", e.first);
   if (!settings.source.empty()) check_body("source", settings.source);
@@ -636,7 +687,7 @@ int Layer::missed_count() const { return static_cast<int>(std::count(missed.begi
 int Joint::find_body(const JointModel& model, const std::string& name) const { return body_by_name(model, bodies, name); }
 
 Joint make_joint(const JointModel& model, const Settings& settings) {
-  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}};
+  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}};
   r.bodies = find_bodies(model, r.rigid);
   find_regions(r);
   find_faces(r);
@@ -645,6 +696,9 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   Joint joint;
   joint.bodies = r.bodies.bodies;
   check_names(model, settings, joint);
+  for (const RigidNodes& set : model.rigid_nodes)
+    if (set.step >= 0)
+      joint.findings.push_back(fmt::format("rigid node set \"{}\" is given for step {} only; it is taken to hold its nodes in all steps", set.name, set.step + 1));
   for (const std::string& name : settings.rigid)
     joint.findings.push_back(fmt::format("material \"{}\" is taken as rigid (--rigid)", name));
 
@@ -666,6 +720,13 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     pair.step = c.step;
     pair.layers[0] = make_layer(r, c.primary, c);
     pair.layers[1] = make_layer(r, c.secondary, c);
+    for (const ContactPair& other : joint.contacts) {
+      const Contact& o = model.contacts[at(other.contact)];
+      const bool same = (o.primary == c.primary && o.secondary == c.secondary) || (o.primary == c.secondary && o.secondary == c.primary);
+      if (same && (o.step == c.step || o.step < 0 || c.step < 0))
+        throw InputError(model, c.origin, fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would share the load between them; "
+                                     "keep one: --contact \"{}\"", o.name, c.name, o.name));
+    }
     if (pair.layers[0].body == pair.layers[1].body) {
       joint.findings.push_back(fmt::format("contact \"{}\": both surfaces belong to body \"{}\": left out", c.name, joint.bodies[at(pair.layers[0].body)].name));
       continue;
@@ -710,7 +771,10 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       if (joint.node_body[at(node)] < 0) joint.node_body[at(node)] = r.bodies.of_material[at(set.material)];
   for (const ContactPair& pair : joint.contacts)
     for (const Layer& layer : pair.layers)
-      for (int node : layer.region_nodes) joint.node_body[at(node)] = layer.body;
+      for (int node : layer.region_nodes)
+        if (r.bodies.of_node[at(node)] < 0) joint.node_body[at(node)] = layer.body;
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (joint.node_body[i] < 0 && r.fixed[i]) joint.node_body[i] = r.bodies.ground();
 
   // Ligaments.
   const auto add_ligament = [&](Ligament l, Origin origin) {

@@ -40,7 +40,7 @@ void measure_thickness(Layer& layer) {
     // edge) has thickness 0 by its closest point.
     const LineHit hit = caster.nearest_facing(x, direction, 0.0, 0.0, std::numeric_limits<double>::infinity(), kCos60);
     if (hit.point.triangle >= 0 && hit.distance > 0.0 && caster.within(x, 0.5 * hit.distance).empty()) {
-      layer.thickness[v] = hit.distance - bulge_height(to, hit.point.triangle, hit.point.weights);
+      layer.thickness[v] = std::max(0.0, hit.distance - bulge_height(to, hit.point.triangle, hit.point.weights));
     } else {
       layer.thickness[v] = (position(to, caster.closest(x)) - x).norm();
       layer.missed[v] = layer.thickness[v] > 0.0;

@@ -2,6 +2,7 @@
 #pragma once
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -48,7 +49,8 @@ struct Finished {
   std::string out, err;
 };
 
-/// Runs `words` (the program first) in `folder`, for at most `limit` seconds.
+/// Runs `words` (the program first) in `folder`, for at most `limit` seconds of processor time: a busy machine does not
+/// make a program hang. One that waits for ever is ended after ten times as long.
 inline Finished run_program(const fs::path& folder, std::vector<std::string> words, double limit) {
   const TemporaryFolder streams;
   const std::string out = (streams.path / "out").string(), err = (streams.path / "err").string();
@@ -60,7 +62,8 @@ inline Finished run_program(const fs::path& folder, std::vector<std::string> wor
   const pid_t child = ::fork();
   if (child == 0) {
     const int o = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600), e = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
-    if (o < 0 || e < 0 || ::chdir(folder.c_str()) != 0) ::_exit(99);
+    const rlimit cpu = {static_cast<rlim_t>(limit), static_cast<rlim_t>(limit) + 1};
+    if (o < 0 || e < 0 || ::setrlimit(RLIMIT_CPU, &cpu) != 0 || ::chdir(folder.c_str()) != 0) ::_exit(99);
     ::dup2(o, 1);
     ::dup2(e, 2);
     ::execv(argv[0], argv.data());
@@ -69,13 +72,14 @@ inline Finished run_program(const fs::path& folder, std::vector<std::string> wor
   Finished f;
   int status = 0;
   while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (!f.timed_out && elapsed() > limit) {
+    if (!f.timed_out && elapsed() > 10 * limit) {
       f.timed_out = true;
       ::kill(child, SIGKILL);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   f.seconds = elapsed();
+  f.timed_out = f.timed_out || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU);
   f.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   f.out = file_text(out);
   f.err = file_text(err);

@@ -1,0 +1,242 @@
+#include "joint.h"
+
+#include <gtest/gtest.h>
+
+#include "analysis.h"
+#include "error.h"
+#include "test_models.h"
+
+namespace dea {
+namespace {
+
+using namespace test;
+
+/// A layer without bone of its own between z = 0 and z = h, its lower side a surface "base side", upper "layer"; and rigid
+/// plates "left" and "right" under its halves, plate "top" above.
+JointModel floating_layer(double h) {
+  JointModel model = empty_model();
+  const int cartilage = add_material(model, "cartilage", false), left = add_material(model, "left", true), right = add_material(model, "right", true),
+            top = add_material(model, "top", true);
+  const auto flat = [](double u, double v, double z) { return Vector3d(10 * (u - 0.5), 10 * (v - 0.5), z); };
+  const int n = 4;
+  const int layer = add_layer(model, "layer", n, n, 1, [&](double u, double v) { return flat(u, v, 0); }, [&](double u, double v) { return flat(u, v, h); }, cartilage, left);
+  model.domains.pop_back();  // no shells on its underside: it floats
+  add_surface(model, "base side", grid_quads(0, n, n, true));
+  add_rigid_surface(model, "left plate", n, n, [&](double u, double v) { return flat(0.5 * u, v, 0); }, left);
+  add_rigid_surface(model, "right plate", n, n, [&](double u, double v) { return flat(0.5 + 0.5 * u, v, 0); }, right);
+  const int plate = add_rigid_surface(model, "top", n, n, [&](double u, double v) { return flat(v, u, h); }, top);
+  add_contact(model, "press", layer, plate);
+  for (int m : {left, right, top}) fix(model, m, {true, true, true, true, true, true});
+  return model;
+}
+
+void tie(JointModel& model, int primary, int secondary) {
+  add_contact(model, "tie", primary, secondary);
+  model.contacts.back().kind = Contact::Kind::Tied;
+  model.contacts.back().type = "tied-elastic";
+}
+
+std::string refusal(const JointModel& model, const Settings& settings = {}) {
+  try {
+    make_joint(model, settings);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+TEST(Recognition, TiedLayerTakesTheBodyItIsTiedTo) {
+  JointModel model = floating_layer(2.0);
+  EXPECT_NE(refusal(model).find("held by no rigid body"), std::string::npos);
+  tie(model, 1, 2);
+  const Joint joint = make_joint(model, {});
+  EXPECT_EQ(joint.bodies[static_cast<std::size_t>(joint.contacts[0].layers[0].body)].name, "left");
+  EXPECT_NEAR(joint.contacts[0].layers[0].mean_thickness(), 2.0, 1e-12);
+}
+
+TEST(Recognition, ALayerTiedToTwoBodiesIsHeldByTwo) {
+  JointModel model = floating_layer(2.0);
+  tie(model, 1, 2);
+  tie(model, 1, 3);
+  EXPECT_NE(refusal(model).find("held by 2 bodies"), std::string::npos) << refusal(model);
+}
+
+TEST(Recognition, ALayerTiedToOneHeldByTwoComesToAnEnd) {
+  JointModel model = floating_layer(2.0);
+  RigidNodes a, b;
+  a.material = 1;
+  a.nodes = {0};
+  b.material = 2;
+  b.nodes = {4};
+  model.rigid_nodes = {a, b};
+  tie(model, 4, 1);  // the top plate's surface tied to a layer that two bodies hold
+  tie(model, 1, 4);
+  EXPECT_NE(refusal(model).find("held by"), std::string::npos) << refusal(model);
+}
+
+TEST(Recognition, NodesFixedInAllComponentsAreGroundAndInOneASymmetryPlane) {
+  JointModel model = floating_layer(2.0);
+  FixedNodes f;
+  for (int i = 0; i < 25; ++i) f.nodes.push_back(i);
+  f.xyz = {true, false, false};
+  model.fixed_nodes.push_back(f);
+  EXPECT_NE(refusal(model).find("held by no rigid body"), std::string::npos);
+  f.xyz = {false, true, true};  // two conditions together
+  model.fixed_nodes.push_back(f);
+  const Joint joint = make_joint(model, {});
+  EXPECT_TRUE(joint.bodies[static_cast<std::size_t>(joint.contacts[0].layers[0].body)].ground);
+}
+
+TEST(Recognition, SeveralModuliOnOneSurfaceAreRefusedUnlessOneIsGiven) {
+  JointModel model = flat_plates(4, 10, 2, 0.0);
+  const int other = add_material(model, "other", false, 3.0, 0.4);
+  Domain half = model.domains[0];
+  half.name = "other half";
+  half.material = other;
+  std::vector<int> first, second, first_ids, second_ids;
+  for (std::size_t e = 0; e < 32; ++e) {
+    auto& to = e % 16 < 8 ? first : second;
+    to.insert(to.end(), half.nodes.begin() + static_cast<std::ptrdiff_t>(8 * e), half.nodes.begin() + static_cast<std::ptrdiff_t>(8 * e) + 8);
+    (e % 16 < 8 ? first_ids : second_ids).push_back(static_cast<int>(e) + 1);
+  }
+  model.domains[0].nodes = first;
+  model.domains[0].element_ids = first_ids;
+  half.nodes = second;
+  half.element_ids = second_ids;
+  model.domains.push_back(half);
+  EXPECT_NE(refusal(model).find("several materials"), std::string::npos) << refusal(model);
+  Settings settings;
+  settings.E["layer"] = 10.0;
+  settings.nu["layer"] = 0.4;
+  EXPECT_EQ(refusal(model, settings), "");
+}
+
+// The face of a collapsed hex repeats a node; however the facet is written, it looks out of its element.
+TEST(Recognition, CollapsedFacetsKeepTheirSide) {
+  for (int rotation = 0; rotation < 4; ++rotation) {
+    JointModel model = flat_plates(1, 10, 2, 0.0);
+    const std::vector<int> top = model.surfaces[0].nodes;  // four nodes of the only facet
+    const int gone = top[3], kept = top[2];
+    for (Domain& d : model.domains)
+      if (d.shape == ElementShape::Hex8)
+        for (int& n : d.nodes)
+          if (n == gone) n = kept;
+    std::vector<int> facet = {top[0], top[1], kept, kept};
+    std::rotate(facet.begin(), facet.begin() + rotation, facet.end());
+    model.surfaces[0].nodes = facet;
+    const Joint joint = make_joint(model, {});
+    ASSERT_EQ(joint.contacts[0].layers[0].articular.size(), 1);
+    EXPECT_GT(joint.contacts[0].layers[0].articular.normals[0].z(), 0.99) << rotation;
+    EXPECT_TRUE(joint.findings.empty()) << joint.findings.front();
+  }
+}
+
+TEST(Recognition, TheSamePairTwiceIsRefused) {
+  JointModel model = flat_plates(4, 10, 2, 0.0);
+  add_contact(model, "again", 1, 0);
+  EXPECT_NE(refusal(model).find("join the same surfaces"), std::string::npos);
+  Settings settings;
+  settings.contact = "press";
+  EXPECT_EQ(refusal(model, settings), "");
+}
+
+TEST(Recognition, AFacetTwiceIsRefused) {
+  JointModel model = flat_plates(4, 10, 2, 0.0);
+  Surface& s = model.surfaces[0];
+  s.nodes.insert(s.nodes.end(), s.nodes.begin(), s.nodes.begin() + 4);
+  s.begin.push_back(static_cast<int>(s.nodes.size()));
+  EXPECT_NE(refusal(model).find("facets 1 and 17 are the same"), std::string::npos) << refusal(model);
+}
+
+// Relative to the pose when it became active: outside steps at the start, inside a step at the step's start.
+TEST(Conditions, RelativeMotion) {
+  for (bool in_step : {false, true}) {
+    JointModel model = flat_plates(4, 10, 2, 0.0);
+    model.steps.push_back(model.steps[0]);
+    fix(model, 2, {true, true, false, true, true, true});
+    for (int step = 0; step < (in_step ? 2 : 1); ++step) {
+      prescribe(model, 2, 2, -0.1);
+      model.rigid_prescribed.back().value = {-0.1, -1};
+      model.rigid_prescribed.back().relative = true;
+      model.rigid_prescribed.back().step = in_step ? step : -1;
+    }
+    const Analysis analysis = analyse(model, {});
+    EXPECT_NEAR(analysis.states.back().equilibrium.poses[1].center.z(), in_step ? -0.2 : -0.1, 1e-12);
+  }
+}
+
+// A load that slides the plate off, for one state only: the next starts from the last pose that was solved.
+TEST(Conditions, AnUnsolvedStateDoesNotSpoilTheNext) {
+  JointModel model = flat_plates(8, 20, 2, 0.05, 10);
+  model.steps[0].step_size = 0.25;
+  fix(model, 2, {false, true, false, true, true, true});
+  force(model, 2, {0, 0, -200});
+  LoadController spike;
+  spike.id = 2;
+  spike.points = {{0, 0}, {0.4, 0}, {0.5, 1}, {0.6, 0}, {1, 0}};
+  model.controllers.push_back(spike);
+  RigidLoad side;
+  side.material = 2;
+  side.dof = 0;
+  side.value = {100.0, 1};
+  model.rigid_loads.push_back(side);
+  const Analysis analysis = analyse(model, {});
+  ASSERT_EQ(analysis.states.size(), 5u);
+  EXPECT_FALSE(solved(analysis.states[2].equilibrium.outcome));
+  EXPECT_EQ(analysis.states[3].equilibrium.outcome, Outcome::Balanced);
+  EXPECT_EQ(analysis.states[4].equilibrium.outcome, Outcome::Balanced);
+}
+
+TEST(Conditions, AnInfiniteLoadIsRefused) {
+  JointModel model = flat_plates(4, 10, 2, 0.0);
+  fix(model, 2, {true, true, false, true, true, true});
+  force(model, 2, {0, 0, -1e300});
+  model.rigid_loads.back().value.factor = -1e300;
+  model.controllers[0].points = {{0, 0}, {1, 1e300}};
+  EXPECT_THROW(analyse(model, {}), InputError);
+}
+
+// Six of each: sphere on a flat layer, coarse and fine facets on either side; the target's map is the contact, not a smear.
+TEST(Fields, TargetMapKeepsTheContactArea) {
+  const double R = 25, h = 2, d = 0.3;
+  const int counts[][2] = {{40, 40}, {8, 60}};
+  for (const auto& n : counts) {
+    JointModel model = empty_model();
+    const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true), ball = add_material(model, "ball", true);
+    const int a = add_layer(model, "layer", n[0], n[0], 1, [=](double u, double v) { return Vector3d(12 * (u - 0.5), 12 * (v - 0.5), -h); },
+                            [=](double u, double v) { return Vector3d(12 * (u - 0.5), 12 * (v - 0.5), 0); }, cartilage, base);
+    const int b = add_rigid_surface(model, "ball", n[1], n[1], [=](double u, double v) {
+      const double x = 14 * (v - 0.5), y = 14 * (u - 0.5);
+      return Vector3d(x, y, R - std::sqrt(R * R - x * x - y * y));
+    }, ball);
+    add_contact(model, "press", a, b);
+    fix(model, base, {true, true, true, true, true, true});
+    fix(model, ball, {true, true, false, true, true, true});
+    prescribe(model, ball, 2, -d);
+    const StateResult s = analyse(model, {}).states.back();
+    const double exact = kPi * d * (2 * R - d);  // of the cap's circle: 46.8
+    const SideFields& target = s.fields[0].sides[1];
+    EXPECT_NEAR(target.contact_area / exact, 1.0, 0.15) << n[0] << " " << n[1];
+    EXPECT_NEAR(target.resultant_factor, 1.0, 0.1) << n[0] << " " << n[1];
+  }
+}
+
+TEST(Statistics, WeightedPercentile) {
+  EXPECT_EQ(weighted_percentile({3, 1, 2}, {1, 1, 1}, 0.5), 2.0);
+  EXPECT_EQ(weighted_percentile({4, 1, 3, 2}, {1, 1, 1, 1}, 0.5), 2.5);
+  EXPECT_EQ(weighted_percentile({1, 2}, {3, 1}, 0.375), 1.0);  // the middle of the first one's share
+  EXPECT_EQ(weighted_percentile({1, 2}, {3, 1}, 0.875), 2.0);
+  EXPECT_NEAR(weighted_percentile({1, 2}, {3, 1}, 0.625), 1.5, 1e-15);
+  EXPECT_TRUE(std::isnan(weighted_percentile({}, {}, 0.5)));
+}
+
+TEST(SurfaceMesh, SphereFit) {
+  const Joint joint = make_joint(concentric_spheres(12, 1.0), {});
+  const SphereFit fit = fit_sphere(joint.contacts[0].layers[1].articular);
+  EXPECT_LT(fit.center.norm(), 1e-9);
+  EXPECT_NEAR(fit.radius, 20.0, 1e-9);
+  EXPECT_LT(fit.rms, 1e-9);
+}
+
+}  // namespace
+}  // namespace dea
