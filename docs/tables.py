@@ -3,9 +3,8 @@
 
     docs/tables.py DEA [FOLDER_WITH_FEBIO_RESULTS]
 
-DEA: the built program, e.g. build/release/io/dea. With a folder that holds FEBio's plot files of the hip (see samples/hip)
-their rows are computed from those files, by the same definitions as dea's: largest facet value, largest nodal value (area-weighted
-average of the facets around a node), area of whole facets with pressure, reference configuration.
+DEA: the built program, e.g. build/release/io/dea. With a folder that holds FEBio's plot files of the hip (see samples/hip), dea's
+results are compared with them (dea compare --help has the definitions); models that lie there with FEBio's results are added.
 """
 import json
 import math
@@ -13,9 +12,6 @@ import os
 import subprocess
 import sys
 import tempfile
-
-sys.path.insert(0, os.path.dirname(__file__))
-from xplt_reader import PlotFile  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SAMPLES = os.path.join(HERE, "..", "samples")
@@ -55,32 +51,60 @@ def spheres(dea):
         print("| %s | %s |" % (title, " | ".join(cells)))
 
 
-ACTIVITIES = [("walking", "432,-262,1834", ["hip_walking_febio_penalty20", "hip_walking_febio_penalty50"]),
-              ("stairs up", "474,-485,1890", ["hip_stairs_up_febio_penalty20"]),
-              ("stairs down", "520,-120,1990", ["hip_stairs_down_febio_penalty20"])]
+VARIANTS = [("articular, curved facets", []), ("articular, flat facets", ["--facets", "flat"]),
+            ("bone, curved facets", ["--springs-at", "bone"]), ("bone, flat facets", ["--springs-at", "bone", "--facets", "flat"])]
 
 
-def hip(dea, folder):
-    print("\n| hip | | peak, facet | peak, node | mean over nodes, p > 0 | area of facets, p > 0 | position of the femur |")
-    print("|---|---|---|---|---|---|---|")
-    for title, force, results in ACTIVITIES:
-        for result in results:
-            path = os.path.join(folder, result + ".xplt") if folder else ""
-            if os.path.exists(path):
-                f = PlotFile(path)
-                facet, node, mean, area = f.pressure_statistics("acetabular_articulating")
-                x = f.domain_region("rigid position", 3)
-                print("| %s | FEBio, %s | %.2f | %.2f | %.2f | %.0f | %.3f, %.3f, %.3f |" % (title, result.split("_")[-1], facet, node, mean, area, *x))
-        for where in ("articular", "bone"):
-            for facets in ("curved", "flat"):
-                s = last_state(dea, "hip/hip_walking.feb", "--force", "femur=" + force, "--springs-at", where, "--facets", facets)["states"][-1]
-                c, b = s["contacts"][0], s["bodies"]["femur"]
-                print("| %s | dea, %s, %s facets | %.2f | %.2f | %.2f | %.0f | %.3f, %.3f, %.3f |"
-                      % (title, where, facets, c["facet_peak_pressure"], c["nodal_peak_pressure"], c["nodal_mean_pressure"], c["facet_contact_area"], *b["translation"]))
+def against_febio(dea, folder):
+    """Every dea variant beside FEBio's result of the same model, in the last state. The last file given is what the others are compared with."""
+    def febio(name): return os.path.join(folder, name + ".xplt") if folder else ""
+    hip = os.path.join(SAMPLES, "hip/hip_walking.feb")
+    models = [("walking", hip, ["--force", "femur=432,-262,1834"], "femur", "acetabular_articulating",
+               [("penalty 50", febio("hip_walking_febio_penalty50")), ("penalty 20", febio("hip_walking_febio_penalty20"))]),
+              ("stairs up", hip, ["--force", "femur=474,-485,1890"], "femur", "acetabular_articulating", [("penalty 20", febio("hip_stairs_up_febio_penalty20"))]),
+              ("stairs down", hip, ["--force", "femur=520,-120,1990"], "femur", "acetabular_articulating", [("penalty 20", febio("hip_stairs_down_febio_penalty20"))])]
+    for name in ("ball_tight", "ball_loose"):  # no samples: their models lie beside FEBio's results
+        model = os.path.join(folder, name + ".feb")
+        if folder and os.path.exists(model):
+            models.append((name.replace("_", ", "), model, [], "ball", "socket_articulating", [("penalty 30", febio(name + "_febio"))]))
+
+    print("\n| model | | peak | p99 | mean, p > 0.1 | area, p > 0.1 | area, p > 0.5 | r | rms | Dice | bone moved by |")
+    print("|---" * 11 + "|")
+    for title, model, options, body, surface, references in models:
+        with tempfile.TemporaryDirectory() as temporary:
+            labels, files = [], []
+            for name, choice in VARIANTS:
+                labels.append("dea, " + name)
+                files.append(os.path.join(temporary, "%d.xplt" % len(files)))
+                subprocess.run([dea, "run", model, "-o", files[-1], "--states", "last", "-q", *options, *choice], check=True)
+            references = [r for r in references if os.path.exists(r[1])]
+            for name, path in references:
+                labels.append("FEBio, " + name)
+                files.append(path)
+            words = [w for label in labels for w in ("--label", label)]
+            out = subprocess.run([dea, "compare", *files, *words, "--surface", surface, "--threshold", "0.1", "--threshold", "0.5", "-q", "--json", "-"],
+                                 check=True, capture_output=True, text=True).stdout
+        j = json.loads(out)
+        region = j["surfaces"][0]["regions"][0]
+        pose = next(b for b in j["bodies"] if b["name"] == body)
+        rows = list(range(len(labels)))
+        for i in rows[len(VARIANTS):][::-1] + rows[:len(VARIANTS)]:  # FEBio first
+            low, high = region["results"][i]["nodes"][1:3]
+            cells = ["%.2f" % low["peak"], "%.2f" % low["p99"], "%.2f" % low["mean"], "%.0f" % low["area"], "%.0f" % high["area"]]
+            if references and i + 1 < len(labels):
+                d = region["differences"][i]
+                for k, key in enumerate(("peak", "p99", "mean", "area")):
+                    cells[k] += " (%+.0f%%)" % d["percent"]["nodes"][1][key]
+                cells[4] += " (%+.0f%%)" % d["percent"]["nodes"][2]["area"]
+                cells += ["%.3f" % d["correlation"], "%.2f" % d["rms"], "%.3f" % d["dice"][1]["dice"],
+                          ", ".join("%.3f" % (x + 0.0) for x in pose["differences"][i]["translation"])]
+            else:
+                cells += [""] * 4
+            print("| %s | %s | %s |" % (title, labels[i], " | ".join(cells)))
 
 
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit(__doc__)
     spheres(sys.argv[1])
-    hip(sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else "")
+    against_febio(sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else "")

@@ -1,5 +1,4 @@
-"""A small reader of FEBio's plot files for the figures and tables of this folder: last state, uncompressed. Standard library only."""
-import math
+"""A small reader of FEBio's plot files for the figures of this folder: last state, uncompressed. Standard library only."""
 import struct
 
 
@@ -18,9 +17,9 @@ class PlotFile:
         top = list(self.chunks((4, len(self.data))))
         self.path, self.root, self.mesh, self.state = path, top[0][1], top[1][1], top[-1][1]
         b, e = self.child(self.mesh, 0x01041000, 0x01041200)
-        self.reference = [struct.unpack_from("<i3f", self.data, o)[1:] for o in range(b, e, 16)]
+        reference = [struct.unpack_from("<i3f", self.data, o)[1:] for o in range(b, e, 16)]
         u = self.values(0x01023000, 0x02020300, "displacement", 0)
-        self.nodes = [tuple(x + u[3 * i + k] for k, x in enumerate(p)) for i, p in enumerate(self.reference)]
+        self.nodes = [tuple(x + u[3 * i + k] for k, x in enumerate(p)) for i, p in enumerate(reference)]
 
     def chunks(self, span):
         at = span[0]
@@ -47,9 +46,6 @@ class PlotFile:
                         return struct.unpack_from("<%df" % ((e - b) // 4), self.data, b)
         raise SystemExit("%s: no %s in region %d" % (self.path, name, region))
 
-    def domain_region(self, name, domain):
-        return self.values(0x01024000, 0x02020400, name, domain)
-
     def surface(self, name):
         """Corner nodes of the facets and `contact pressure` per facet."""
         for region, (_, span) in enumerate(self.chunks(self.child(self.mesh, 0x01043000)), 1):
@@ -62,20 +58,3 @@ class PlotFile:
                 facets.append(ints[2:2 + CORNERS[ints[1]]])
             return facets, self.values(0x01025000, 0x02020500, "contact pressure", region)
         raise SystemExit("%s: no surface %s" % (self.path, name))
-
-    def facet_area(self, facet):
-        x = [self.reference[n] for n in facet]
-        return sum(0.5 * math.sqrt(dot(n, n)) for n in (cross(sub(x[i], x[0]), sub(x[i + 1], x[0])) for i in range(1, len(x) - 1)))
-
-    def pressure_statistics(self, name):
-        """Largest facet value, largest nodal value, mean of nodal values > 0, area of facets > 0."""
-        facets, pressure = self.surface(name)
-        total, area, contact = {}, {}, 0.0
-        for f, p in zip(facets, pressure):
-            a = self.facet_area(f)
-            contact += a if p > 0 else 0.0
-            for n in f:
-                total[n] = total.get(n, 0.0) + a * p
-                area[n] = area.get(n, 0.0) + a
-        nodal = [total[n] / area[n] for n in total if total[n] > 0]
-        return max(pressure), max(nodal), sum(nodal) / len(nodal), contact

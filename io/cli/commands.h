@@ -1,6 +1,7 @@
 // io/cli/commands.h – the commands of the program: how each is spelled, and what it does.
 #pragma once
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -39,6 +40,16 @@ struct ConvergeArguments {
 };
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& arguments);
 int converge_command(const ConvergeArguments& arguments);
+
+struct CompareArguments {
+  std::vector<std::string> files, labels, surfaces, thresholds, regions;
+  std::string at, dose_above, up, anterior, axis, center, bin;
+  bool profile = false;
+  std::string output, json, csv;
+  bool time_fields = false, compress = false, quiet = false;
+};
+CLI::App* add_compare(CLI::App& app, CompareArguments& arguments);
+int compare_command(const CompareArguments& arguments);
 
 /// Version, commit and libraries, a line each.
 std::string version_text();
