@@ -1,24 +1,23 @@
 // dea_bench – time and memory of each stage, one line per size. What is printed and how to read it: README.md.
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
-
-#include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 
 #include "analysis.h"
 #include "plot_file.h"
@@ -80,11 +79,14 @@ Rays rays_at(const SpringBed& bed, const Pose& source, const Pose& target) {
 /// All rays once, split among the threads as project_springs does; how many met the target.
 int cast(const SpringBed& bed, const Rays& rays, std::vector<LineHit>& hits) {
   hits.resize(rays.origin.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hits.size(), 256), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i)
-      hits[i] = bed.target.nearest_facing(rays.origin[i], rays.direction[i], -4.0 * rays.deep[i], -rays.deep[i], std::numeric_limits<double>::infinity());
-  });
-  return static_cast<int>(std::count_if(hits.begin(), hits.end(), [](const LineHit& h) { return h.point.triangle >= 0; }));
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hits.size(), 256),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i)
+                        hits[i] = bed.target.nearest_facing(rays.origin[i], rays.direction[i], -4.0 * rays.deep[i],
+                                                            -rays.deep[i], std::numeric_limits<double>::infinity());
+                    });
+  return static_cast<int>(
+      std::count_if(hits.begin(), hits.end(), [](const LineHit& h) { return h.point.triangle >= 0; }));
 }
 
 /// Rigid ball in a socket with a 4 mm layer of cartilage, n x n facets: 2 n^2 springs, pressed with 2000 N.
@@ -105,7 +107,8 @@ void spring_rung(int n, int threads, bool turns) {
   const int repeats = std::clamp(400000 / bed.springs.size(), 3, 25);
 
   Equilibrium e = solve_equilibrium(joint, beds, conditions, start, start);
-  const Pose source = e.poses[static_cast<std::size_t>(bed.source_body)], target = e.poses[static_cast<std::size_t>(bed.target_body)];
+  const Pose source = e.poses[static_cast<std::size_t>(bed.source_body)],
+             target = e.poses[static_cast<std::size_t>(bed.target_body)];
   const Rays rays = rays_at(bed, source, target);
   std::vector<LineHit> hits;
   int hit = 0;
@@ -119,16 +122,17 @@ void spring_rung(int n, int threads, bool turns) {
   }
   const Time casting = summary(casts), projecting = summary(projections), solving = summary(solutions);
 
-  fmt::print("{:8} {:3} {:4} {:8.1f} {} {} {} {:6.1f} {:6.1f} {:5} {:5}  {:8.1e} {}\n", bed.springs.size(), threads, turns ? 6 : 3, 1e3 * making.least, ms(casting), ms(projecting), ms(solving),
-             solving.least / casting.least, summary(ratios).middle, e.iterations, e.casts, e.load > 0 ? e.residual_force / e.load : 0.0,
+  fmt::print("{:8} {:3} {:4} {:8.1f} {} {} {} {:6.1f} {:6.1f} {:5} {:5}  {:8.1e} {}\n", bed.springs.size(), threads,
+             turns ? 6 : 3, 1e3 * making.least, ms(casting), ms(projecting), ms(solving), solving.least / casting.least,
+             summary(ratios).middle, e.iterations, e.casts, e.load > 0 ? e.residual_force / e.load : 0.0,
              name(e.outcome));
   if (hit == 0 || !solved(e.outcome)) throw std::runtime_error("the ball in the socket found no balance");
 }
 
 void springs(const std::vector<int>& sizes) {
   fmt::print("\nOne equilibrium of a ball in a socket, from the reference pose. Times in ms: least (median).\n");
-  fmt::print("{:>8} {:>3} {:>4} {:>8} {:>21} {:>21} {:>21} {:>13} {:>5} {:>5}  {:>8}\n", "springs", "thr", "dofs", "joint", "rays", "project_springs", "equilibrium", "equil./rays", "iter.", "casts",
-             "unbal./load");
+  fmt::print("{:>8} {:>3} {:>4} {:>8} {:>21} {:>21} {:>21} {:>13} {:>5} {:>5}  {:>8}\n", "springs", "thr", "dofs",
+             "joint", "rays", "project_springs", "equilibrium", "equil./rays", "iter.", "casts", "unbal./load");
   std::vector<int> threads = {1};
   const int all = static_cast<int>(std::thread::hardware_concurrency());
   if (all > 1) threads.push_back(all);
@@ -158,8 +162,10 @@ void whole(const std::string& feb, const std::filesystem::path& folder, int repe
   const Time j = summary(joint), s = summary(solve);
   total.least = reading.least + j.least + s.least + writing.least;
   total.middle = reading.middle + j.middle + s.middle + writing.middle;
-  fmt::print("\n{}, all {} states. Times in ms: least (median).\n", std::filesystem::path(feb).filename().string(), states);
-  fmt::print("{:>21} {:>21} {:>21} {:>21} {:>21}\n{} {} {} {} {}\n", "read", "joint", "solve", "write", "all", ms(reading), ms(j), ms(s), ms(writing), ms(total));
+  fmt::print("\n{}, all {} states. Times in ms: least (median).\n", std::filesystem::path(feb).filename().string(),
+             states);
+  fmt::print("{:>21} {:>21} {:>21} {:>21} {:>21}\n{} {} {} {} {}\n", "read", "joint", "solve", "write", "all",
+             ms(reading), ms(j), ms(s), ms(writing), ms(total));
 }
 
 // ---- reading -----------------------------------------------------------------------------------------------------
@@ -184,14 +190,16 @@ void write_block(const std::string& path, int n) {
 )");
   for (int k = 0; k <= n; ++k)
     for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i) fmt::print(file, "\t\t\t<node id=\"{}\">{:.9g},{:.9g},{:.9g}</node>\n", id(i, j, k), i / 7.0, j / 7.0, k / 7.0);
+      for (int i = 0; i <= n; ++i)
+        fmt::print(file, "\t\t\t<node id=\"{}\">{:.9g},{:.9g},{:.9g}</node>\n", id(i, j, k), i / 7.0, j / 7.0, k / 7.0);
   fmt::print(file, "\t\t</Nodes>\n\t\t<Elements type=\"hex8\" name=\"block\">\n");
   int element = 0;
   for (int k = 0; k < n; ++k)
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i)
-        fmt::print(file, "\t\t\t<elem id=\"{}\">{},{},{},{},{},{},{},{}</elem>\n", ++element, id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k),
-                   id(i, j, k + 1), id(i + 1, j, k + 1), id(i + 1, j + 1, k + 1), id(i, j + 1, k + 1));
+        fmt::print(file, "\t\t\t<elem id=\"{}\">{},{},{},{},{},{},{},{}</elem>\n", ++element, id(i, j, k),
+                   id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k), id(i, j, k + 1), id(i + 1, j, k + 1),
+                   id(i + 1, j + 1, k + 1), id(i, j + 1, k + 1));
   fmt::print(file, R"(		</Elements>
 	</Mesh>
 	<MeshDomains>
@@ -216,8 +224,8 @@ void reading(int n, const std::filesystem::path& folder) {
   const std::string path = (folder / "block.feb").string();
   write_block(path, n);
   const double size = static_cast<double>(std::filesystem::file_size(path));
-  fmt::print("\nReading a block of {0} nodes and {1} hexahedra.\n{2:>8} {3:>21} {4:>8} {5:>8} {6:>10}\n", (n + 1) * (n + 1) * (n + 1), n * n * n, "MB", "ms", "MB/s",
-             "peak MB", "peak/file");
+  fmt::print("\nReading a block of {0} nodes and {1} hexahedra.\n{2:>8} {3:>21} {4:>8} {5:>8} {6:>10}\n",
+             (n + 1) * (n + 1) * (n + 1), n * n * n, "MB", "ms", "MB/s", "peak MB", "peak/file");
   std::fflush(stdout);
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");

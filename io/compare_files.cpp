@@ -1,9 +1,9 @@
 #include "compare_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "error.h"
 #include "version.h"
@@ -46,38 +46,45 @@ double largest_pressure(const ResultFile& file, int state, const std::string& na
 }
 
 /// "A=B" is one name per file, unless a file has a surface of that name.
-std::vector<std::string> split_names(const std::string& text, const std::vector<ResultFile>& files, const std::vector<int>& states) {
+std::vector<std::string> split_names(const std::string& text, const std::vector<ResultFile>& files,
+                                     const std::vector<int>& states) {
   for (std::size_t i = 0; i < files.size(); ++i)
     if (find_surface(files[i], states[i], text) >= 0) return std::vector<std::string>(files.size(), text);
   std::vector<std::string> names(1);
   for (char c : text) {
-    if (c == '=') names.emplace_back();
-    else names.back() += c;
+    if (c == '=')
+      names.emplace_back();
+    else
+      names.back() += c;
   }
   if (names.size() == 1) names.assign(files.size(), text);
   if (names.size() != files.size())
-    throw UsageError(fmt::format("--surface {}: found {} names, expected one or one per file ({})", text, names.size(), files.size()));
+    throw UsageError(fmt::format("--surface {}: found {} names, expected one or one per file ({})", text, names.size(),
+                                 files.size()));
   return names;
 }
 
 /// Names of the surfaces to compare, one per file each.
-std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFile>& files, const std::vector<int>& states,
-                                                      const CompareOptions& options, std::vector<std::string>& warnings) {
+std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFile>& files,
+                                                      const std::vector<int>& states, const CompareOptions& options,
+                                                      std::vector<std::string>& warnings) {
   std::vector<std::vector<std::string>> with_pressure;
   for (std::size_t i = 0; i < files.size(); ++i) {
     with_pressure.push_back(surfaces_with_pressure(files[i], states[i]));
     if (with_pressure.back().empty())
-      throw InputError(fmt::format("{}: found no surface with \"{}\" at time {:g}, expected one", files[i].path, kPressure, files[i].plot.states[at(states[i])].time));
+      throw InputError(fmt::format("{}: found no surface with \"{}\" at time {:g}, expected one", files[i].path,
+                                   kPressure, files[i].plot.states[at(states[i])].time));
   }
   std::vector<std::vector<std::string>> chosen;
   for (const std::string& text : options.surfaces) {
     chosen.push_back(split_names(text, files, states));
     for (std::size_t i = 0; i < files.size(); ++i)
       if (std::find(with_pressure[i].begin(), with_pressure[i].end(), chosen.back()[i]) == with_pressure[i].end())
-        throw InputError(fmt::format("{}: found no surface \"{}\" with \"{}\", expected one of {}", files[i].path, chosen.back()[i], kPressure,
-                                     quoted(with_pressure[i])));
+        throw InputError(fmt::format("{}: found no surface \"{}\" with \"{}\", expected one of {}", files[i].path,
+                                     chosen.back()[i], kPressure, quoted(with_pressure[i])));
     for (std::size_t k = 0; k + 1 < chosen.size(); ++k)
-      if (chosen[k].front() == chosen.back().front()) throw UsageError(fmt::format("--surface {}: surface \"{}\" given twice", text, chosen[k].front()));
+      if (chosen[k].front() == chosen.back().front())
+        throw UsageError(fmt::format("--surface {}: surface \"{}\" given twice", text, chosen[k].front()));
   }
   if (!chosen.empty()) return chosen;
 
@@ -85,28 +92,38 @@ std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFi
   std::vector<std::vector<std::string>> one_sided;
   for (const std::string& name : with_pressure.front()) {
     bool everywhere = true;
-    for (const auto& names : with_pressure) everywhere = everywhere && std::find(names.begin(), names.end(), name) != names.end();
+    for (const auto& names : with_pressure)
+      everywhere = everywhere && std::find(names.begin(), names.end(), name) != names.end();
     if (!everywhere) continue;
     common = true;
     int pressed = 0;
     std::string unpressed;
     for (std::size_t i = 0; i < files.size(); ++i) {
-      if (largest_pressure(files[i], states[i], name) > 0) ++pressed;
-      else unpressed += fmt::format("{}{}", unpressed.empty() ? "" : ", ", files[i].label);
+      if (largest_pressure(files[i], states[i], name) > 0)
+        ++pressed;
+      else
+        unpressed += fmt::format("{}{}", unpressed.empty() ? "" : ", ", files[i].label);
     }
     if (pressed == 0) continue;
     (unpressed.empty() ? chosen : one_sided).push_back(std::vector<std::string>(files.size(), name));
     if (!unpressed.empty())
-      warnings.push_back(fmt::format("note: surface \"{}\" has no pressure anywhere in {}; FEBio computes a contact's pressure on its primary surface only, unless "
-                                     "told otherwise", name, unpressed));
+      warnings.push_back(
+          fmt::format("note: surface \"{}\" has no pressure anywhere in {}; FEBio computes a contact's pressure on its "
+                      "primary surface only, unless "
+                      "told otherwise",
+                      name, unpressed));
   }
   if (!common) {
     std::string have;
-    for (std::size_t i = 0; i < files.size(); ++i) have += fmt::format("{}{} has {}", i > 0 ? "; " : "", files[i].path, quoted(with_pressure[i]));
-    throw InputError(fmt::format("found no surface with \"{}\" that all files have, expected --surface A=B: {}", kPressure, have));
+    for (std::size_t i = 0; i < files.size(); ++i)
+      have += fmt::format("{}{} has {}", i > 0 ? "; " : "", files[i].path, quoted(with_pressure[i]));
+    throw InputError(
+        fmt::format("found no surface with \"{}\" that all files have, expected --surface A=B: {}", kPressure, have));
   }
   chosen.insert(chosen.end(), one_sided.begin(), one_sided.end());
-  if (chosen.empty()) throw InputError(fmt::format("{}: found no \"{}\" above 0 on any common surface in any file", files.front().path, kPressure));
+  if (chosen.empty())
+    throw InputError(
+        fmt::format("{}: found no \"{}\" above 0 on any common surface in any file", files.front().path, kPressure));
   return chosen;
 }
 
@@ -121,7 +138,8 @@ Side make_side(const ResultFile& file, int state, const std::string& name) {
   return side;
 }
 
-/// Values of a surface per facet in every state up to `last` that has the same facets; states without values count as 0.
+/// Values of a surface per facet in every state up to `last` that has the same facets; states without values count as
+/// 0.
 struct History {
   std::vector<double> times;
   std::vector<std::vector<double>> pressure;
@@ -180,12 +198,14 @@ struct Region {
   std::vector<FacetMask> masks;
 };
 
-std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std::vector<int>& states, const std::vector<Side>& sides,
-                                 const CompareOptions& options, const SurfaceFrame& frame) {
+std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std::vector<int>& states,
+                                 const std::vector<Side>& sides, const CompareOptions& options,
+                                 const SurfaceFrame& frame) {
   std::vector<Region> regions = {{"", std::vector<FacetMask>(files.size())}};
   for (const std::string& name : options.regions) {
     Region region{name, {}};
-    for (std::size_t i = 0; i < files.size(); ++i) region.masks.push_back(facets_in(files[i], states[i], sides[i].surface, name));
+    for (std::size_t i = 0; i < files.size(); ++i)
+      region.masks.push_back(facets_in(files[i], states[i], sides[i].surface, name));
     regions.push_back(std::move(region));
   }
   if (!options.thirds) return regions;
@@ -198,7 +218,8 @@ std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std
   return regions;
 }
 
-std::vector<double> facet_correlations(const std::vector<Side>& sides, const std::vector<NodeMatch>& matches, const FacetMask& mask) {
+std::vector<double> facet_correlations(const std::vector<Side>& sides, const std::vector<NodeMatch>& matches,
+                                       const FacetMask& mask) {
   std::vector<double> out;
   const Side& reference = sides.back();
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
@@ -213,8 +234,9 @@ std::vector<double> facet_correlations(const std::vector<Side>& sides, const std
   return out;
 }
 
-ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std::vector<int>& states, const std::vector<std::string>& names,
-                                const CompareOptions& options, const std::vector<double>& thresholds, std::vector<std::string>& warnings) {
+ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std::vector<int>& states,
+                                const std::vector<std::string>& names, const CompareOptions& options,
+                                const std::vector<double>& thresholds, std::vector<std::string>& warnings) {
   ComparedSurface compared;
   compared.names = names;
   std::vector<Side> sides;
@@ -225,7 +247,9 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
     compared.facets.push_back(sides.back().geometry.facets());
     const History h = history(files[i], states[i], names[i]);
     if (h.left_out > 0)
-      warnings.push_back(fmt::format("warning: {}: {} states with another mesh of \"{}\" are left out of sums over time", files[i].path, h.left_out, names[i]));
+      warnings.push_back(
+          fmt::format("warning: {}: {} states with another mesh of \"{}\" are left out of sums over time",
+                      files[i].path, h.left_out, names[i]));
     summed_states.push_back(h.times.size());
     sums.push_back(nodal_sums(h, sides.back().geometry, options.dose_above));
   }
@@ -238,10 +262,13 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
     compared.same_mesh.push_back(matches.back().same_mesh);
     compared.covered.push_back(matches.back().covered);
     if (!(matches.back().covered > 0))
-      throw InputError(fmt::format("{}: surface \"{}\" lies nowhere on \"{}\" of {}", files[i].path, names[i], names.back(), files.back().path));
+      throw InputError(fmt::format("{}: surface \"{}\" lies nowhere on \"{}\" of {}", files[i].path, names[i],
+                                   names.back(), files.back().path));
     if (matches.back().covered < 0.99)
-      warnings.push_back(fmt::format("warning: surface \"{}\" of {} covers only {:.1f}% of \"{}\" of {}; the rest is left out of correlation, rms and Dice", names[i],
-                                     files[i].label, 100 * matches.back().covered, names.back(), files.back().label));
+      warnings.push_back(
+          fmt::format("warning: surface \"{}\" of {} covers only {:.1f}% of \"{}\" of {}; the rest is left out of "
+                      "correlation, rms and Dice",
+                      names[i], files[i].label, 100 * matches.back().covered, names.back(), files.back().label));
   }
 
   SurfaceFrame frame = surface_frame(reference.geometry);
@@ -258,15 +285,19 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
       r.over_time.push_back(time_measures(sums[i], summed_states[i], nodal_areas(sides[i].geometry, region.masks[i])));
     }
     const std::vector<double> areas = nodal_areas(reference.geometry, region.masks.back());
-    for (std::size_t i = 0; i + 1 < files.size(); ++i) r.differences.push_back(pattern_difference(carried[i], reference.nodal, areas, thresholds));
+    for (std::size_t i = 0; i + 1 < files.size(); ++i)
+      r.differences.push_back(pattern_difference(carried[i], reference.nodal, areas, thresholds));
     r.facet_correlation = facet_correlations(sides, matches, region.masks.back());
     compared.regions.push_back(std::move(r));
   }
 
   if (options.profile) {
     // by itself the axis points at the surface, whichever side its normals are on
-    if (!options.axis && frame.axis.dot(surface_extent(reference.geometry.mesh).centroid - frame.center) < 0) frame.axis = -frame.axis;
-    for (const Side& side : sides) compared.profiles.push_back(pressure_profile(side.geometry, side.values.pressure, frame.axis, frame.center, options.bin));
+    if (!options.axis && frame.axis.dot(surface_extent(reference.geometry.mesh).centroid - frame.center) < 0)
+      frame.axis = -frame.axis;
+    for (const Side& side : sides)
+      compared.profiles.push_back(
+          pressure_profile(side.geometry, side.values.pressure, frame.axis, frame.center, options.bin));
   }
   compared.axis = frame.axis;
   compared.center = frame.center;
@@ -290,8 +321,10 @@ std::vector<ComparedBody> compare_bodies(const std::vector<ResultFile>& files, c
       }
       if (found < 2) continue;
       for (std::size_t i = 0; i + 1 < files.size(); ++i)
-        body.differences.push_back(body.results[i] && body.results.back() ? std::optional<PoseDifference>(pose_difference(*body.results[i], *body.results.back()))
-                                                                          : std::nullopt);
+        body.differences.push_back(
+            body.results[i] && body.results.back()
+                ? std::optional<PoseDifference>(pose_difference(*body.results[i], *body.results.back()))
+                : std::nullopt);
       bodies.push_back(std::move(body));
     }
   }
@@ -315,7 +348,8 @@ std::vector<float> floats(const std::vector<double>& values) {
 }
 
 /// A file's facet values on the facets of the first file's surface.
-std::vector<double> on_first(const NodeMatch& match, const ResultSurface& first, const ResultSurface& own, const std::vector<double>& facets) {
+std::vector<double> on_first(const NodeMatch& match, const ResultSurface& first, const ResultSurface& own,
+                             const std::vector<double>& facets) {
   if (match.same_mesh) return facets;
   std::vector<double> nodal = carry(match, own, nodal_average(own, facets));
   for (double& p : nodal)
@@ -324,7 +358,8 @@ std::vector<double> on_first(const NodeMatch& match, const ResultSurface& first,
 }
 
 /// Per written state the state of each file.
-std::vector<std::vector<int>> paired_states(const std::vector<ResultFile>& files, const CompareOptions& options, const Comparison& comparison) {
+std::vector<std::vector<int>> paired_states(const std::vector<ResultFile>& files, const CompareOptions& options,
+                                            const Comparison& comparison) {
   std::vector<std::vector<int>> pairs;
   if (!options.at) {
     for (std::size_t s = 0; s < files.front().plot.states.size(); ++s) {
@@ -360,22 +395,28 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
     c.times.push_back(file.plot.states[at(c.states.back())].time);
     if (c.units.empty()) c.units = file.plot.units;
     if (!file.plot.units.empty() && file.plot.units != c.units)
-      c.warnings.push_back(fmt::format("warning: {} is in {}, others are in {}: numbers are compared as they are", file.path, file.plot.units, c.units));
+      c.warnings.push_back(fmt::format("warning: {} is in {}, others are in {}: numbers are compared as they are",
+                                       file.path, file.plot.units, c.units));
     if (file.plot.truncated)
-      c.warnings.push_back(fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file.path, file.plot.states.back().time));
+      c.warnings.push_back(
+          fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file.path,
+                      file.plot.states.back().time));
     if (!same_time(c.times.back(), c.times.front()))
-      c.warnings.push_back(fmt::format("warning: the last state of {} is at time {:g}, that of {} at {:g}; --at T compares at one time", files.front().label,
-                                       c.times.front(), file.label, c.times.back()));
+      c.warnings.push_back(
+          fmt::format("warning: the last state of {} is at time {:g}, that of {} at {:g}; --at T compares at one time",
+                      files.front().label, c.times.front(), file.label, c.times.back()));
   }
   for (const std::vector<std::string>& names : choose_surfaces(files, c.states, options, c.warnings))
     c.surfaces.push_back(compare_surface(files, c.states, names, options, c.thresholds, c.warnings));
   for (ComparedSurface& surface : c.surfaces)
-    for (const SurfaceMeasures& m : surface.regions.front().results) surface.asked_for = surface.asked_for && (!options.surfaces.empty() || m.facets.front().area > 0);
+    for (const SurfaceMeasures& m : surface.regions.front().results)
+      surface.asked_for = surface.asked_for && (!options.surfaces.empty() || m.facets.front().area > 0);
   c.bodies = compare_bodies(files, c.states);
   return c;
 }
 
-XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOptions& options, const Comparison& comparison, bool time_fields, bool compressed) {
+XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOptions& options,
+                           const Comparison& comparison, bool time_fields, bool compressed) {
   const ResultFile& first = files.front();
   XpltFile out;
   out.compressed = compressed;
@@ -387,14 +428,17 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
   const int displacement = find_variable(first.plot, XpltGroup::Nodal, "displacement");
   if (displacement >= 0) out.variables.push_back(first.plot.variables[at(displacement)]);
   const std::size_t fields = out.variables.size();
-  for (const std::string& label : comparison.labels) out.variables.push_back(surface_variable(fmt::format("{} {}", kPressure, label), "P"));
+  for (const std::string& label : comparison.labels)
+    out.variables.push_back(surface_variable(fmt::format("{} {}", kPressure, label), "P"));
   for (std::size_t i = 0; i + 1 < files.size(); ++i)
-    out.variables.push_back(surface_variable(files.size() == 2 ? "pressure difference" : fmt::format("pressure difference {}", comparison.labels[i]), "P"));
+    out.variables.push_back(surface_variable(
+        files.size() == 2 ? "pressure difference" : fmt::format("pressure difference {}", comparison.labels[i]), "P"));
   if (time_fields) {
     for (const std::string& label : comparison.labels) {
       out.variables.push_back(surface_variable(fmt::format("peak pressure {}", label), "P"));
       out.variables.push_back(surface_variable(fmt::format("exposure {}", label), "P.t"));
-      if (options.dose_above) out.variables.push_back(surface_variable(fmt::format("overpressure dose {}", label), "P.t"));
+      if (options.dose_above)
+        out.variables.push_back(surface_variable(fmt::format("overpressure dose {}", label), "P.t"));
     }
   }
 
@@ -441,14 +485,16 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
         const TimeSums sums = over_time(h.times, h.pressure, options.dose_above);
         for (const std::vector<double>* values : {&sums.peak, &sums.exposure, &sums.dose}) {
           if (values->empty()) continue;
-          state.variables[v++].push_back({region, floats(on_first(matches[i], sides.front().geometry, sides[i].geometry, *values))});
+          state.variables[v++].push_back(
+              {region, floats(on_first(matches[i], sides.front().geometry, sides[i].geometry, *values))});
         }
       }
     }
   }
   for (XpltState& state : out.states)
     for (auto& regions : state.variables)
-      std::sort(regions.begin(), regions.end(), [](const XpltRegion& a, const XpltRegion& b) { return a.region < b.region; });
+      std::sort(regions.begin(), regions.end(),
+                [](const XpltRegion& a, const XpltRegion& b) { return a.region < b.region; });
   return out;
 }
 

@@ -11,11 +11,11 @@
 namespace dea {
 
 struct CompareOptions {
-  std::optional<double> at;              ///< time; none: the last state of each
-  std::vector<std::string> surfaces;     ///< "NAME" or one name per file, "A=B"; empty: those with pressure somewhere
+  std::optional<double> at;           ///< time; none: the last state of each
+  std::vector<std::string> surfaces;  ///< "NAME" or one name per file, "A=B"; empty: those with pressure somewhere
   std::vector<double> thresholds = {0.1, 0.5};  ///< pressures above 0
-  std::vector<std::string> regions;      ///< sets of the files
-  bool thirds = false;                   ///< regions anterior, superior, posterior; with up and anterior
+  std::vector<std::string> regions;             ///< sets of the files
+  bool thirds = false;                          ///< regions anterior, superior, posterior; with up and anterior
   Vector3d up = Vector3d::Zero(), anterior = Vector3d::Zero();
   std::optional<double> dose_above;
   bool profile = false;
@@ -25,25 +25,25 @@ struct CompareOptions {
 
 /// What the places of a region have borne up to the compared state, of nodal averages. Integrals of one state: NaN.
 struct TimeMeasures {
-  double max_peak = 0.0, mean_peak = 0.0;          ///< mean: area-weighted over nodes that ever had pressure
+  double max_peak = 0.0, mean_peak = 0.0;  ///< mean: area-weighted over nodes that ever had pressure
   double max_exposure = 0.0, mean_exposure = 0.0;
-  double max_dose = 0.0, mean_dose = 0.0;          ///< NaN without threshold
+  double max_dose = 0.0, mean_dose = 0.0;  ///< NaN without threshold
 };
 
 struct ComparedRegion {
-  std::string name;                             ///< empty: the whole surface
-  std::vector<SurfaceMeasures> results;         ///< one per file; thresholds: 0, then CompareOptions::thresholds
-  std::vector<TimeMeasures> over_time;          ///< one per file
-  std::vector<PatternDifference> differences;   ///< one per file but the last
-  std::vector<double> facet_correlation;        ///< the same: unweighted, of all facets; NaN where meshes differ
+  std::string name;                            ///< empty: the whole surface
+  std::vector<SurfaceMeasures> results;        ///< one per file; thresholds: 0, then CompareOptions::thresholds
+  std::vector<TimeMeasures> over_time;         ///< one per file
+  std::vector<PatternDifference> differences;  ///< one per file but the last
+  std::vector<double> facet_correlation;       ///< the same: unweighted, of all facets; NaN where meshes differ
 };
 
 struct ComparedSurface {
-  std::vector<std::string> names;   ///< one per file
-  std::vector<int> facets;          ///< one per file
-  bool asked_for = true;            ///< false: taken by itself though a file has no pressure on it
-  std::vector<char> same_mesh;      ///< one per file but the last
-  std::vector<double> covered;      ///< the same: share of the reference's area
+  std::vector<std::string> names;                 ///< one per file
+  std::vector<int> facets;                        ///< one per file
+  bool asked_for = true;                          ///< false: taken by itself though a file has no pressure on it
+  std::vector<char> same_mesh;                    ///< one per file but the last
+  std::vector<double> covered;                    ///< the same: share of the reference's area
   std::vector<ComparedRegion> regions;            ///< the whole surface first
   std::vector<std::vector<ProfileBin>> profiles;  ///< one per file; empty: not asked for
   Vector3d axis = Vector3d::Zero(), center = Vector3d::Zero();  ///< of the profiles
@@ -51,16 +51,16 @@ struct ComparedSurface {
 
 struct ComparedBody {
   std::string name;
-  std::vector<std::optional<BodyPose>> results;             ///< one per file
-  std::vector<std::optional<PoseDifference>> differences;   ///< one per file but the last
+  std::vector<std::optional<BodyPose>> results;            ///< one per file
+  std::vector<std::optional<PoseDifference>> differences;  ///< one per file but the last
 };
 
 struct Comparison {
   std::vector<std::string> labels, paths;
-  std::vector<int> states;           ///< the compared state of each file
-  std::vector<double> times;         ///< its time
-  std::string units;                 ///< of the first file that names them
-  std::vector<double> thresholds;    ///< 0 first
+  std::vector<int> states;         ///< the compared state of each file
+  std::vector<double> times;       ///< its time
+  std::string units;               ///< of the first file that names them
+  std::vector<double> thresholds;  ///< 0 first
   std::optional<double> dose_above;
   std::vector<ComparedSurface> surfaces;
   std::vector<ComparedBody> bodies;  ///< those that more than one file has
@@ -70,9 +70,9 @@ struct Comparison {
 /// Throws InputError: no such time or surface, nothing in common, no contact pressure.
 Comparison compare_files(const std::vector<ResultFile>& files, const CompareOptions& options);
 
-/// The results' pressures on the first file's mesh, with the differences; states where the times of all files pair, or only
-/// the compared one. `time_fields`: also peak, exposure and dose up to each state.
-XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOptions& options, const Comparison& comparison, bool time_fields,
-                           bool compressed);
+/// The results' pressures on the first file's mesh, with the differences; states where the times of all files pair, or
+/// only the compared one. `time_fields`: also peak, exposure and dose up to each state.
+XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOptions& options,
+                           const Comparison& comparison, bool time_fields, bool compressed);
 
 }  // namespace dea

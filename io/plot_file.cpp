@@ -1,11 +1,11 @@
 #include "plot_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 #include <unordered_set>
-
-#include <fmt/format.h>
 
 #include "version.h"
 
@@ -113,7 +113,8 @@ std::vector<float> per_slot(const Surface& s, const SurfaceMesh& mesh, const std
   for (int f = 0; f < s.size(); ++f) {
     for (int k = s.begin[at(f)]; k < s.begin[at(f) + 1]; ++k) {
       const auto found = vertex.find(s.nodes[at(k)]);
-      if (found != vertex.end()) values[at(f) * at(slots) + at(k - s.begin[at(f)])] = number(per_vertex[at(found->second)]);
+      if (found != vertex.end())
+        values[at(f) * at(slots) + at(k - s.begin[at(f)])] = number(per_vertex[at(found->second)]);
     }
   }
   return values;
@@ -131,19 +132,23 @@ struct Shown {
 };
 
 /// Per model surface that has a contact: the one whose force on it is largest.
-std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint, const std::vector<ContactFields>& fields) {
+std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint,
+                                  const std::vector<ContactFields>& fields) {
   std::vector<Shown> shown(model.surfaces.size());
   for (int c = 0; c < static_cast<int>(joint.contacts.size()); ++c) {
     for (int side = 0; side < 2; ++side) {
       Shown& s = shown[at(joint.contacts[at(c)].layers[side].surface)];
-      if (s.contact >= 0 && !(fields[at(c)].sides[side].force.norm() > fields[at(s.contact)].sides[s.side].force.norm())) continue;
+      if (s.contact >= 0 &&
+          !(fields[at(c)].sides[side].force.norm() > fields[at(s.contact)].sides[s.side].force.norm()))
+        continue;
       s = {c, side};
     }
   }
   return shown;
 }
 
-XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
+XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name,
+                      const std::string& units) {
   XpltVariable v;
   v.group = group;
   v.type = type;
@@ -167,14 +172,18 @@ std::vector<SurfaceField> surface_fields() {
     return variable(XpltGroup::Surface, type, format, name, units);
   };
   return {
-      {field(XpltType::Float, XpltFormat::Item, "contact pressure", "P"), [](S, L, F f) { return per_facet(f.pressure); }},
+      {field(XpltType::Float, XpltFormat::Item, "contact pressure", "P"),
+       [](S, L, F f) { return per_facet(f.pressure); }},
       // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
-      {field(XpltType::Float, XpltFormat::Item, "contact gap", "L"), [](S s, L, F) { return std::vector<float>(at(s.size()), 0.0f); }},
+      {field(XpltType::Float, XpltFormat::Item, "contact gap", "L"),
+       [](S s, L, F) { return std::vector<float>(at(s.size()), 0.0f); }},
       {field(XpltType::Vec3, XpltFormat::Region, "contact force", "F"), [](S, L, F f) { return numbers(f.force); }},
-      {field(XpltType::Float, XpltFormat::Region, "contact area", "L^2"), [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }},
+      {field(XpltType::Float, XpltFormat::Region, "contact area", "L^2"),
+       [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }},
       {field(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P"),
        [](S s, L l, F f) { return per_slot(s, l.articular, f.vertex_pressure); }},
-      {field(XpltType::Float, XpltFormat::Item, "joint space", "L"), [](S, L, F f) { return per_facet(f.joint_space); }},
+      {field(XpltType::Float, XpltFormat::Item, "joint space", "L"),
+       [](S, L, F f) { return per_facet(f.joint_space); }},
       {field(XpltType::Float, XpltFormat::Item, "overlap", "L"), [](S, L, F f) { return per_facet(f.overlap); }},
       {field(XpltType::Float, XpltFormat::Item, "spring strain", ""), [](S, L, F f) { return per_facet(f.strain); }},
       {field(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
@@ -185,7 +194,8 @@ std::vector<SurfaceField> surface_fields() {
 /// Rotations about z, y, x (applied in the order x, y, z), as FEBio's Euler angles, in degrees.
 Vector3d euler_degrees(const Eigen::Matrix3d& R) {
   constexpr double kDegrees = 57.29577951308232;
-  return kDegrees * Vector3d(std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)), std::atan2(R(1, 0), R(0, 0)));
+  return kDegrees * Vector3d(std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+                             std::atan2(R(1, 0), R(0, 0)));
 }
 
 XpltObject rigid_body_object(const Body& body) {
@@ -193,7 +203,8 @@ XpltObject rigid_body_object(const Body& body) {
   object.name = body.name;
   object.tag = 1;
   object.position = point(body.center_of_mass);
-  for (const char* item : {"Position", "Velocity", "Acceleration", "Euler angles (deg)", "Angular velocity", "Angular acceleration", "Force", "Moment"})
+  for (const char* item : {"Position", "Velocity", "Acceleration", "Euler angles (deg)", "Angular velocity",
+                           "Angular acceleration", "Force", "Moment"})
     object.data.push_back(variable(XpltGroup::Global, XpltType::Vec3, XpltFormat::Node, item, ""));
   return object;
 }
@@ -204,8 +215,14 @@ XpltObjectState rigid_body_state(const Pose& pose, const Vector6& reaction) {
   const Eigen::Quaterniond q(pose.rotation);
   s.rotation = {number(q.x()), number(q.y()), number(q.z()), number(q.w())};
   const std::vector<float> zero(3, 0.0f);  // a sequence of equilibria has no velocities
-  s.data = {numbers(pose.center), zero, zero, numbers(euler_degrees(pose.rotation)), zero, zero,
-            numbers(reaction.head<3>()), numbers(reaction.tail<3>())};
+  s.data = {numbers(pose.center),
+            zero,
+            zero,
+            numbers(euler_degrees(pose.rotation)),
+            zero,
+            zero,
+            numbers(reaction.head<3>()),
+            numbers(reaction.tail<3>())};
   return s;
 }
 
@@ -312,14 +329,16 @@ XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
             if (layer.missed[at(corner)]) missed[v] = 1.0;
         }
       }
-      state.variables[0].push_back({region, per_slot(s, layer.articular, check.fields[c].sides[side].vertex_thickness)});
+      state.variables[0].push_back(
+          {region, per_slot(s, layer.articular, check.fields[c].sides[side].vertex_thickness)});
       state.variables[1].push_back({region, per_facet(check.fields[c].sides[side].joint_space)});
       state.variables[2].push_back({region, per_slot(s, layer.articular, missed)});
     }
   }
 
   for (auto& regions : state.variables)
-    std::sort(regions.begin(), regions.end(), [](const XpltRegion& a, const XpltRegion& b) { return a.region < b.region; });
+    std::sort(regions.begin(), regions.end(),
+              [](const XpltRegion& a, const XpltRegion& b) { return a.region < b.region; });
 
   int next_node = 1, next_element = 1;
   for (int id : mesh.node_ids) next_node = std::max(next_node, id + 1);

@@ -1,9 +1,9 @@
 #include "report_compare.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "report_text.h"
 #include "version.h"
@@ -34,10 +34,12 @@ Quantity quantity(const std::string& name, const std::string& key, const Compare
 
 constexpr struct {
   const char* name;
-  double Distribution::* value;
-} kShares[] = {{"peak", &Distribution::peak}, {"p99", &Distribution::p99}, {"mean", &Distribution::mean}, {"p5", &Distribution::p5},
-               {"p25", &Distribution::p25}, {"median", &Distribution::median}, {"p75", &Distribution::p75}, {"p95", &Distribution::p95},
-               {"p99_unweighted", &Distribution::p99_unweighted}, {"area", &Distribution::area}};
+  double Distribution::*value;
+} kShares[] = {
+    {"peak", &Distribution::peak}, {"p99", &Distribution::p99}, {"mean", &Distribution::mean},
+    {"p5", &Distribution::p5},     {"p25", &Distribution::p25}, {"median", &Distribution::median},
+    {"p75", &Distribution::p75},   {"p95", &Distribution::p95}, {"p99_unweighted", &Distribution::p99_unweighted},
+    {"area", &Distribution::area}};
 
 /// The table's lines.
 std::vector<Quantity> table_quantities(const ComparedRegion& region, const std::vector<double>& thresholds) {
@@ -46,20 +48,27 @@ std::vector<Quantity> table_quantities(const ComparedRegion& region, const std::
     for (const auto& share : kShares) {
       if (std::string(share.name) != wanted) continue;
       const auto value = share.value;
-      out.push_back(quantity(fmt::format("{}, nodes", wanted), "", region, [value](const SurfaceMeasures& m) { return m.nodes[0].*value; }));
-      out.push_back(quantity(fmt::format("{}, facets", wanted), "", region, [value](const SurfaceMeasures& m) { return m.facets[0].*value; }));
+      out.push_back(quantity(fmt::format("{}, nodes", wanted), "", region,
+                             [value](const SurfaceMeasures& m) { return m.nodes[0].*value; }));
+      out.push_back(quantity(fmt::format("{}, facets", wanted), "", region,
+                             [value](const SurfaceMeasures& m) { return m.facets[0].*value; }));
     }
   }
   for (std::size_t t = 1; t < thresholds.size(); ++t)
-    out.push_back(quantity(fmt::format("mean, nodes > {:g}", thresholds[t]), "", region, [t](const SurfaceMeasures& m) { return m.nodes[t].mean; }));
+    out.push_back(quantity(fmt::format("mean, nodes > {:g}", thresholds[t]), "", region,
+                           [t](const SurfaceMeasures& m) { return m.nodes[t].mean; }));
   out.push_back(quantity("area, facets > 0", "", region, [](const SurfaceMeasures& m) { return m.facets[0].area; }));
   for (std::size_t t = 0; t < thresholds.size(); ++t)
-    out.push_back(quantity(fmt::format("area, nodes > {:g}", thresholds[t]), "", region, [t](const SurfaceMeasures& m) { return m.nodes[t].area; }));
+    out.push_back(quantity(fmt::format("area, nodes > {:g}", thresholds[t]), "", region,
+                           [t](const SurfaceMeasures& m) { return m.nodes[t].area; }));
   out.push_back(quantity("resultant", "", region, [](const SurfaceMeasures& m) { return m.resultant.norm(); }));
-  const auto penetration = quantity("penetration, mean", "", region, [](const SurfaceMeasures& m) { return m.mean_penetration; });
-  if (std::any_of(penetration.values.begin(), penetration.values.end(), [](double x) { return std::isfinite(x) && x != 0; })) {
+  const auto penetration =
+      quantity("penetration, mean", "", region, [](const SurfaceMeasures& m) { return m.mean_penetration; });
+  if (std::any_of(penetration.values.begin(), penetration.values.end(),
+                  [](double x) { return std::isfinite(x) && x != 0; })) {
     out.push_back(penetration);
-    out.push_back(quantity("penetration, largest", "", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
+    out.push_back(
+        quantity("penetration, largest", "", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
   }
   return out;
 }
@@ -84,12 +93,13 @@ std::string region_text(const Comparison& c, const ComparedRegion& region) {
     table.rows.push_back(std::move(row));
   };
   for (const Quantity& q : table_quantities(region, c.thresholds)) add(q);
-  const auto add_time = [&](const char* name, double TimeMeasures::* value) {
+  const auto add_time = [&](const char* name, double TimeMeasures::*value) {
     Quantity q{name, "", {}};
     for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*value);
     if (std::any_of(q.values.begin(), q.values.end(), [](double x) { return std::isfinite(x); })) add(q);
   };
-  if (std::any_of(region.over_time.begin(), region.over_time.end(), [](const TimeMeasures& m) { return std::isfinite(m.max_exposure); }))
+  if (std::any_of(region.over_time.begin(), region.over_time.end(),
+                  [](const TimeMeasures& m) { return std::isfinite(m.max_exposure); }))
     add_time("peak over time, mean", &TimeMeasures::mean_peak);
   add_time("exposure, largest", &TimeMeasures::max_exposure);
   add_time("exposure, mean", &TimeMeasures::mean_exposure);
@@ -109,10 +119,12 @@ std::string region_text(const Comparison& c, const ComparedRegion& region) {
   for (std::size_t i = 0; i + 1 < n; ++i) {
     const PatternDifference& d = region.differences[i];
     const Vector3d shift = region.results[i].center_of_pressure - region.results.back().center_of_pressure;
-    std::vector<std::string> row = {c.labels[i], std::isfinite(d.correlation) ? fmt::format("{:.4f}", d.correlation) : "-", short_number(d.rms),
-                                    short_number(d.mean), short_number(d.largest)};
+    std::vector<std::string> row = {c.labels[i],
+                                    std::isfinite(d.correlation) ? fmt::format("{:.4f}", d.correlation) : "-",
+                                    short_number(d.rms), short_number(d.mean), short_number(d.largest)};
     for (double dice : d.dice) row.push_back(std::isfinite(dice) ? fmt::format("{:.4f}", dice) : "-");
-    row.push_back(shift.allFinite() ? fmt::format("moved by {} {}", short_number(shift.norm()), vector_text(shift)) : "-");
+    row.push_back(shift.allFinite() ? fmt::format("moved by {} {}", short_number(shift.norm()), vector_text(shift))
+                                    : "-");
     patterns.rows.push_back(std::move(row));
   }
   return text + "\n" + table_text(patterns);
@@ -137,11 +149,14 @@ std::string profile_text(const Comparison& c, const ComparedSurface& surface) {
     }
     table.rows.push_back(std::move(row));
   }
-  return fmt::format("mean pressure against the angle from {} about {}\n", vector_text(surface.axis), vector_text(surface.center)) + table_text(table);
+  return fmt::format("mean pressure against the angle from {} about {}\n", vector_text(surface.axis),
+                     vector_text(surface.center)) +
+         table_text(table);
 }
 
 std::string surface_title(const ComparedSurface& s) {
-  const bool one = std::all_of(s.names.begin(), s.names.end(), [&](const std::string& n) { return n == s.names.front(); });
+  const bool one =
+      std::all_of(s.names.begin(), s.names.end(), [&](const std::string& n) { return n == s.names.front(); });
   if (one) return s.names.front();
   std::string text;
   for (const std::string& n : s.names) text += fmt::format("{}{}", text.empty() ? "" : " = ", n);
@@ -169,14 +184,16 @@ Json result_json(const Comparison& c, const ComparedRegion& region, std::size_t 
   j["label"] = c.labels[i];
   for (const bool nodes : {true, false}) {
     Json& list = j[nodes ? "nodes" : "facets"] = Json::array();
-    for (std::size_t k = 0; k < c.thresholds.size(); ++k) list.push_back(distribution_json(nodes ? m.nodes[k] : m.facets[k], c.thresholds[k]));
+    for (std::size_t k = 0; k < c.thresholds.size(); ++k)
+      list.push_back(distribution_json(nodes ? m.nodes[k] : m.facets[k], c.thresholds[k]));
   }
   j["resultant"] = json_vector(m.resultant);
   j["center_of_pressure"] = json_vector(m.center_of_pressure);
   j["mean_penetration"] = json_number(m.mean_penetration);
   j["max_penetration"] = json_number(m.max_penetration);
-  j["over_time"] = {{"max_peak", json_number(t.max_peak)}, {"mean_peak", json_number(t.mean_peak)}, {"max_exposure", json_number(t.max_exposure)},
-                    {"mean_exposure", json_number(t.mean_exposure)}, {"max_dose", json_number(t.max_dose)}, {"mean_dose", json_number(t.mean_dose)}};
+  j["over_time"] = {{"max_peak", json_number(t.max_peak)},         {"mean_peak", json_number(t.mean_peak)},
+                    {"max_exposure", json_number(t.max_exposure)}, {"mean_exposure", json_number(t.mean_exposure)},
+                    {"max_dose", json_number(t.max_dose)},         {"mean_dose", json_number(t.mean_dose)}};
   return j;
 }
 
@@ -194,7 +211,8 @@ Json difference_json(const Comparison& c, const ComparedSurface& surface, const 
   j["mean"] = json_number(d.mean);
   j["largest"] = json_number(d.largest);
   j["dice"] = Json::array();
-  for (std::size_t k = 0; k < d.dice.size(); ++k) j["dice"].push_back({{"above", c.thresholds[k]}, {"dice", json_number(d.dice[k])}});
+  for (std::size_t k = 0; k < d.dice.size(); ++k)
+    j["dice"].push_back({{"above", c.thresholds[k]}, {"dice", json_number(d.dice[k])}});
   const Vector3d shift = a.center_of_pressure - b.center_of_pressure;
   j["center_of_pressure"] = json_vector(shift);
   j["center_of_pressure_distance"] = json_number(shift.norm());
@@ -230,26 +248,32 @@ std::string csv_word(const std::string& text) {
 }
 
 /// Every number of a file about a region, with its column's name.
-std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region) {
+std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface& surface,
+                                     const ComparedRegion& region) {
   std::vector<Quantity> out;
   for (std::size_t k = 0; k < c.thresholds.size(); ++k) {
     for (const bool nodes : {true, false}) {
       for (const auto& share : kShares) {
         const auto value = share.value;
-        out.push_back(quantity("", fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]), region,
-                               [=](const SurfaceMeasures& m) { return (nodes ? m.nodes[k] : m.facets[k]).*value; }));
+        out.push_back(
+            quantity("", fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]),
+                     region, [=](const SurfaceMeasures& m) { return (nodes ? m.nodes[k] : m.facets[k]).*value; }));
       }
     }
   }
   const char* xyz[3] = {"x", "y", "z"};
-  for (int k = 0; k < 3; ++k) out.push_back(quantity("", fmt::format("resultant_{}", xyz[k]), region, [k](const SurfaceMeasures& m) { return m.resultant[k]; }));
   for (int k = 0; k < 3; ++k)
-    out.push_back(quantity("", fmt::format("center_of_pressure_{}", xyz[k]), region, [k](const SurfaceMeasures& m) { return m.center_of_pressure[k]; }));
+    out.push_back(quantity("", fmt::format("resultant_{}", xyz[k]), region,
+                           [k](const SurfaceMeasures& m) { return m.resultant[k]; }));
+  for (int k = 0; k < 3; ++k)
+    out.push_back(quantity("", fmt::format("center_of_pressure_{}", xyz[k]), region,
+                           [k](const SurfaceMeasures& m) { return m.center_of_pressure[k]; }));
   out.push_back(quantity("", "mean_penetration", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }));
   out.push_back(quantity("", "max_penetration", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
   const std::pair<const char*, double TimeMeasures::*> sums[] = {
-      {"max_peak_over_time", &TimeMeasures::max_peak}, {"mean_peak_over_time", &TimeMeasures::mean_peak}, {"max_exposure", &TimeMeasures::max_exposure},
-      {"mean_exposure", &TimeMeasures::mean_exposure}, {"max_dose", &TimeMeasures::max_dose}, {"mean_dose", &TimeMeasures::mean_dose}};
+      {"max_peak_over_time", &TimeMeasures::max_peak}, {"mean_peak_over_time", &TimeMeasures::mean_peak},
+      {"max_exposure", &TimeMeasures::max_exposure},   {"mean_exposure", &TimeMeasures::mean_exposure},
+      {"max_dose", &TimeMeasures::max_dose},           {"mean_dose", &TimeMeasures::mean_dose}};
   for (const auto& sum : sums) {
     Quantity q{"", sum.first, {}};
     for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*sum.second);
@@ -267,7 +291,8 @@ std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface&
   difference("mean_difference", [&](std::size_t i) { return region.differences[i].mean; });
   difference("largest_difference", [&](std::size_t i) { return region.differences[i].largest; });
   for (std::size_t k = 0; k < c.thresholds.size(); ++k)
-    difference(fmt::format("dice_above_{:g}", c.thresholds[k]), [&, k](std::size_t i) { return region.differences[i].dice[k]; });
+    difference(fmt::format("dice_above_{:g}", c.thresholds[k]),
+               [&, k](std::size_t i) { return region.differences[i].dice[k]; });
   difference("covered", [&](std::size_t i) { return surface.covered[i]; });
   return out;
 }
@@ -275,19 +300,26 @@ std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface&
 }  // namespace
 
 std::string compare_text(const Comparison& c) {
-  std::string text = c.units.empty() ? "units: the files' own (they name none)\n" : fmt::format("units: the files', {}\n", c.units);
+  std::string text =
+      c.units.empty() ? "units: the files' own (they name none)\n" : fmt::format("units: the files', {}\n", c.units);
   for (std::size_t i = 0; i < c.labels.size(); ++i)
-    text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], number_text(c.times[i]), i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
+    text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], number_text(c.times[i]),
+                        i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
   for (const ComparedSurface& surface : c.surfaces) {
     if (!surface.asked_for) {
-      text += fmt::format("\nsurface {}: not every file has pressure on it (--surface \"{}\" shows the numbers; JSON and CSV have them)\n", surface_title(surface), surface.names.front());
+      text += fmt::format(
+          "\nsurface {}: not every file has pressure on it (--surface \"{}\" shows the numbers; JSON and CSV have "
+          "them)\n",
+          surface_title(surface), surface.names.front());
       continue;
     }
     std::string how;
     for (std::size_t i = 0; i + 1 < c.labels.size(); ++i)
       if (!surface.same_mesh[i]) how += fmt::format("; {} projected onto the mesh of {}", c.labels[i], c.labels.back());
     for (const ComparedRegion& region : surface.regions) {
-      text += fmt::format("\nsurface {}{}{}\n", surface_title(surface), region.name.empty() ? std::string() : fmt::format(", region {}", region.name), region.name.empty() ? how : "");
+      text += fmt::format("\nsurface {}{}{}\n", surface_title(surface),
+                          region.name.empty() ? std::string() : fmt::format(", region {}", region.name),
+                          region.name.empty() ? how : "");
       text += region_text(c, region);
     }
     if (!surface.profiles.empty()) text += "\n" + profile_text(c, surface);
@@ -323,7 +355,8 @@ Json compare_json(const Comparison& c) {
   j["thresholds"] = c.thresholds;
   j["dose_above"] = c.dose_above ? Json(*c.dose_above) : Json(nullptr);
   j["results"] = Json::array();
-  for (std::size_t i = 0; i < c.labels.size(); ++i) j["results"].push_back({{"label", c.labels[i]}, {"file", c.paths[i]}, {"time", json_number(c.times[i])}});
+  for (std::size_t i = 0; i < c.labels.size(); ++i)
+    j["results"].push_back({{"label", c.labels[i]}, {"file", c.paths[i]}, {"time", json_number(c.times[i])}});
   j["surfaces"] = Json::array();
   for (const ComparedSurface& surface : c.surfaces) {
     Json s;
@@ -336,7 +369,8 @@ Json compare_json(const Comparison& c) {
       r["results"] = Json::array();
       for (std::size_t i = 0; i < c.labels.size(); ++i) r["results"].push_back(result_json(c, region, i));
       r["differences"] = Json::array();
-      for (std::size_t i = 0; i + 1 < c.labels.size(); ++i) r["differences"].push_back(difference_json(c, surface, region, i));
+      for (std::size_t i = 0; i + 1 < c.labels.size(); ++i)
+        r["differences"].push_back(difference_json(c, surface, region, i));
       s["regions"].push_back(std::move(r));
     }
     if (!surface.profiles.empty()) {
@@ -346,7 +380,9 @@ Json compare_json(const Comparison& c) {
       p["results"] = Json::array();
       for (std::size_t i = 0; i < c.labels.size(); ++i) {
         Json bins = Json::array();
-        for (const ProfileBin& b : surface.profiles[i]) bins.push_back({{"from", b.from}, {"to", b.to}, {"area", json_number(b.area)}, {"mean", json_number(b.mean)}});
+        for (const ProfileBin& b : surface.profiles[i])
+          bins.push_back(
+              {{"from", b.from}, {"to", b.to}, {"area", json_number(b.area)}, {"mean", json_number(b.mean)}});
         p["results"].push_back({{"label", c.labels[i]}, {"bins", std::move(bins)}});
       }
       s["profile"] = std::move(p);
@@ -385,7 +421,8 @@ std::string compare_csv(const Comparison& c) {
         text += "\n";
       }
       for (std::size_t i = 0; i < c.labels.size(); ++i) {
-        text += fmt::format("{},{},{},{},{}", csv_word(c.labels[i]), csv_word(c.paths[i]), csv_number(c.times[i]), csv_word(surface.names[i]), csv_word(region.name));
+        text += fmt::format("{},{},{},{},{}", csv_word(c.labels[i]), csv_word(c.paths[i]), csv_number(c.times[i]),
+                            csv_word(surface.names[i]), csv_word(region.name));
         for (const Quantity& q : quantities) text += fmt::format(",{}", csv_number(q.values[i]));
         text += "\n";
       }

@@ -1,10 +1,10 @@
 #include "report_info.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 
 #include "analysis.h"
 #include "error.h"
@@ -20,9 +20,12 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 const char* word(DofState s) {
   switch (s) {
-    case DofState::Free: return "free";
-    case DofState::Held: return "held";
-    case DofState::Prescribed: return "prescribed";
+    case DofState::Free:
+      return "free";
+    case DofState::Held:
+      return "held";
+    case DofState::Prescribed:
+      return "prescribed";
   }
   return "";
 }
@@ -53,7 +56,8 @@ void check_contacts(const JointModel& model, const Settings& settings, JointChec
     found.springs = springs.size();
     found.springs_hit = static_cast<int>(gaps.size());
     const auto quantile = [&](double q) {
-      return gaps.empty() ? std::numeric_limits<double>::quiet_NaN() : gaps[static_cast<std::size_t>(q * static_cast<double>(gaps.size() - 1))];
+      return gaps.empty() ? std::numeric_limits<double>::quiet_NaN()
+                          : gaps[static_cast<std::size_t>(q * static_cast<double>(gaps.size() - 1))];
     };
     found.gap_min = quantile(0.0);
     found.gap_p5 = quantile(0.05);
@@ -90,28 +94,41 @@ std::string bodies_text(const JointModel& model, const JointCheck& check) {
     }
     std::string materials;
     for (int m : body.materials) materials += (materials.empty() ? "" : ", ") + quoted(model.materials[at(m)].name);
-    text += fmt::format("  {}: material{} {}; centre of mass {} ({}); mass {}\n", body.name, body.materials.size() > 1 ? "s" : "", materials,
-                        vector_text(body.center_of_mass), body.center_given ? "given" : body.mass > 0 ? "integrated from its elements" : "no mass: the origin, as in FEBio",
+    text += fmt::format("  {}: material{} {}; centre of mass {} ({}); mass {}\n", body.name,
+                        body.materials.size() > 1 ? "s" : "", materials, vector_text(body.center_of_mass),
+                        body.center_given ? "given"
+                        : body.mass > 0   ? "integrated from its elements"
+                                          : "no mass: the origin, as in FEBio",
                         number_text(body.mass));
   }
   return text;
 }
 
-std::string layer_text(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side, const char* role) {
+std::string layer_text(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side,
+                       const char* role) {
   const Surface& surface = model.surfaces[at(layer.surface)];
-  std::string text = fmt::format("    {}: surface {}, {} facets, area {}\n", role, quoted(surface.name), surface.size(), number_text(side.area));
+  std::string text = fmt::format("    {}: surface {}, {} facets, area {}\n", role, quoted(surface.name), surface.size(),
+                                 number_text(side.area));
   text += fmt::format("      body {}: {}\n", check.joint.bodies[at(layer.body)].name, layer.attached_by);
   if (layer.rigid) {
     text += "      bare rigid surface, no cartilage\n";
   } else {
     const Elasticity& e = layer.elasticity;
-    const std::string material = layer.material < 0 ? std::string("given") : fmt::format("{} ({})", quoted(model.materials[at(layer.material)].name), model.materials[at(layer.material)].type);
-    text += fmt::format("      cartilage: material {}, E {}, nu {}, confined modulus {}\n", material, number_text(e.E), number_text(e.nu), number_text(confined_modulus(e.E, e.nu)));
-    text += fmt::format("      thickness{}: min {}, mean {}, max {}", layer.thickness_given ? " (given)" : "", number_text(layer.min_thickness()),
-                        number_text(layer.mean_thickness()), number_text(layer.max_thickness()));
-    text += layer.thickness_given ? "\n" : fmt::format("; normals that missed: {} of {}\n", layer.missed_count(), layer.missed.size());
+    const std::string material = layer.material < 0
+                                     ? std::string("given")
+                                     : fmt::format("{} ({})", quoted(model.materials[at(layer.material)].name),
+                                                   model.materials[at(layer.material)].type);
+    text += fmt::format("      cartilage: material {}, E {}, nu {}, confined modulus {}\n", material, number_text(e.E),
+                        number_text(e.nu), number_text(confined_modulus(e.E, e.nu)));
+    text += fmt::format("      thickness{}: min {}, mean {}, max {}", layer.thickness_given ? " (given)" : "",
+                        number_text(layer.min_thickness()), number_text(layer.mean_thickness()),
+                        number_text(layer.max_thickness()));
+    text += layer.thickness_given
+                ? "\n"
+                : fmt::format("; normals that missed: {} of {}\n", layer.missed_count(), layer.missed.size());
   }
-  text += fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}\n", vector_text(side.sphere.center), number_text(side.sphere.radius), number_text(side.sphere.rms));
+  text += fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}\n",
+                      vector_text(side.sphere.center), number_text(side.sphere.radius), number_text(side.sphere.rms));
   return text;
 }
 
@@ -120,12 +137,15 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     const ContactPair& pair = check.joint.contacts[c];
     const ContactCheck& found = check.contacts[c];
-    text += fmt::format("  {}: type {}, springs on {} ({}, {}){}\n", quoted(pair.name), model.contacts[at(pair.contact)].type,
-                        check.joint.bodies[at(pair.source_layer().body)].name, pair.source == 0 ? "primary" : "secondary", name(settings.springs_at),
+    text += fmt::format("  {}: type {}, springs on {} ({}, {}){}\n", quoted(pair.name),
+                        model.contacts[at(pair.contact)].type, check.joint.bodies[at(pair.source_layer().body)].name,
+                        pair.source == 0 ? "primary" : "secondary", name(settings.springs_at),
                         pair.step >= 0 ? fmt::format(", only in step {}", pair.step + 1) : "");
-    for (int side = 0; side < 2; ++side) text += layer_text(model, check, pair.layers[side], found.sides[side], side == 0 ? "primary" : "secondary");
-    text += fmt::format("    springs: {} cast, {} over the other side; initial gap min {}, 5% {}, median {}, max {}\n", found.springs, found.springs_hit,
-                        number_text(found.gap_min), number_text(found.gap_p5), number_text(found.gap_median), number_text(found.gap_max));
+    for (int side = 0; side < 2; ++side)
+      text += layer_text(model, check, pair.layers[side], found.sides[side], side == 0 ? "primary" : "secondary");
+    text += fmt::format("    springs: {} cast, {} over the other side; initial gap min {}, 5% {}, median {}, max {}\n",
+                        found.springs, found.springs_hit, number_text(found.gap_min), number_text(found.gap_p5),
+                        number_text(found.gap_median), number_text(found.gap_max));
   }
   return text;
 }
@@ -135,7 +155,8 @@ std::string conditions_text(const BodyConditions& c) {
   for (int k = 0; k < kDofs; ++k) {
     const DofState s = c.dofs[at(k)];
     text += fmt::format("{}{} {}", k ? ", " : "", kDofNames[k], word(s));
-    if (s == DofState::Prescribed) text += fmt::format(" {}{}", number_text(c.value[k]), c.relative[at(k)] ? " (relative)" : "");
+    if (s == DofState::Prescribed)
+      text += fmt::format(" {}{}", number_text(c.value[k]), c.relative[at(k)] ? " (relative)" : "");
   }
   const auto add = [&](const char* what, const Vector3d& v) {
     if (v.norm() > 0) text += fmt::format("; {} {}", what, vector_text(v));
@@ -152,11 +173,13 @@ std::string steps_text(const JointCheck& check) {
   std::string text;
   for (std::size_t s = 0; s < check.steps.size(); ++s) {
     const StepCheck& step = check.steps[s];
-    text += fmt::format("  step {}{}: time {} to {}, step size {}, {} states; at its end:\n", s + 1, step.name.empty() ? "" : " " + quoted(step.name), number_text(step.start),
+    text += fmt::format("  step {}{}: time {} to {}, step size {}, {} states; at its end:\n", s + 1,
+                        step.name.empty() ? "" : " " + quoted(step.name), number_text(step.start),
                         number_text(step.end), number_text(step.step_size), step.states);
     for (int b : reported_bodies(check.joint)) {
       if (check.joint.bodies[at(b)].ground) continue;
-      text += fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, conditions_text(step.conditions.bodies[at(b)]));
+      text +=
+          fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, conditions_text(step.conditions.bodies[at(b)]));
     }
   }
   return text;
@@ -168,7 +191,9 @@ Json remarks_json(const JointModel& model, const std::vector<Remark>& remarks) {
     Json j;
     j["what"] = r.what;
     j["count"] = r.count;
-    j["file"] = r.origin.file >= 0 && r.origin.file < static_cast<int>(model.files.size()) ? model.files[at(r.origin.file)] : "";
+    j["file"] = r.origin.file >= 0 && r.origin.file < static_cast<int>(model.files.size())
+                    ? model.files[at(r.origin.file)]
+                    : "";
     j["line"] = r.origin.line;
     list.push_back(j);
   }
@@ -187,7 +212,8 @@ Json layer_json(const JointModel& model, const JointCheck& check, const Layer& l
   const double undefined = std::numeric_limits<double>::quiet_NaN();
   j["E"] = json_number(layer.rigid ? undefined : layer.elasticity.E);
   j["nu"] = json_number(layer.rigid ? undefined : layer.elasticity.nu);
-  j["confined_modulus"] = json_number(layer.rigid ? undefined : confined_modulus(layer.elasticity.E, layer.elasticity.nu));
+  j["confined_modulus"] =
+      json_number(layer.rigid ? undefined : confined_modulus(layer.elasticity.E, layer.elasticity.nu));
   j["thickness_min"] = json_number(layer.min_thickness());
   j["thickness_mean"] = json_number(layer.mean_thickness());
   j["thickness_max"] = json_number(layer.max_thickness());
@@ -216,7 +242,8 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
     body["dofs"] = Json::object();
     for (int k = 0; k < kDofs; ++k) body["dofs"][kDofNames[k]] = word(c.dofs[at(k)]);
     Json value = Json::array();
-    for (int k = 0; k < kDofs; ++k) value.push_back(c.dofs[at(k)] == DofState::Prescribed ? json_number(c.value[k]) : Json(nullptr));
+    for (int k = 0; k < kDofs; ++k)
+      value.push_back(c.dofs[at(k)] == DofState::Prescribed ? json_number(c.value[k]) : Json(nullptr));
     body["prescribed"] = value;
     body["force"] = json_vector(c.dead.head<3>());
     body["moment"] = json_vector(c.dead.tail<3>());
@@ -248,36 +275,44 @@ void check_joint(const JointModel& model, const Settings& settings, JointCheck& 
 std::string info_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
   std::size_t elements = 0;
   for (const Domain& d : model.domains) elements += d.element_ids.size();
-  std::string text = fmt::format("{}: FEBio {}{}; {} nodes, {} elements\n{}\n", model.files.empty() ? "" : model.files.front(), model.version,
-                                 model.module.empty() ? "" : ", module " + model.module, model.nodes.size(), elements, units_text(model));
+  std::string text = fmt::format(
+      "{}: FEBio {}{}; {} nodes, {} elements\n{}\n", model.files.empty() ? "" : model.files.front(), model.version,
+      model.module.empty() ? "" : ", module " + model.module, model.nodes.size(), elements, units_text(model));
   if (check.recognised) {
     text += "\nbodies\n" + bodies_text(model, check);
     text += "\ncontacts\n" + contacts_text(model, settings, check);
     if (!check.joint.ligaments.empty()) text += "\nsprings between bodies\n";
     for (const Ligament& l : check.joint.ligaments)
-      text += fmt::format("  {}: {} {} to {} {}, stiffness {}, free length {} of {}{}\n", quoted(l.name), check.joint.bodies[at(l.body_a)].name, vector_text(l.point_a),
-                          check.joint.bodies[at(l.body_b)].name, vector_text(l.point_b), number_text(l.stiffness), number_text(l.free_length),
-                          number_text((l.point_b - l.point_a).norm()), l.tension_only ? ", tension only" : "");
+      text += fmt::format("  {}: {} {} to {} {}, stiffness {}, free length {} of {}{}\n", quoted(l.name),
+                          check.joint.bodies[at(l.body_a)].name, vector_text(l.point_a),
+                          check.joint.bodies[at(l.body_b)].name, vector_text(l.point_b), number_text(l.stiffness),
+                          number_text(l.free_length), number_text((l.point_b - l.point_a).norm()),
+                          l.tension_only ? ", tension only" : "");
   }
   if (!check.steps.empty()) {
     text += "\nsteps\n" + steps_text(check);
     for (const auto& entry : settings.load_at) {
       if (!entry.second.sphere_center) continue;
-      const LoadPointFound found = find_load_point(check.joint, check.joint.find_body(model, entry.first), entry.second);
-      text += fmt::format("  force on {} acts at the centre of its sphere {}, radius {}, rms distance {}\n", entry.first, vector_text(found.point), number_text(found.fit.radius), number_text(found.fit.rms));
+      const LoadPointFound found =
+          find_load_point(check.joint, check.joint.find_body(model, entry.first), entry.second);
+      text +=
+          fmt::format("  force on {} acts at the centre of its sphere {}, radius {}, rms distance {}\n", entry.first,
+                      vector_text(found.point), number_text(found.fit.radius), number_text(found.fit.rms));
     }
   }
   if (!check.times.empty()) {
     text += fmt::format("\ntimes of the {} states\n ", check.times.size());
     constexpr std::size_t kShown = 60;
-    for (std::size_t i = 0; i < std::min(check.times.size(), kShown); ++i) text += fmt::format(" {}", number_text(check.times[i].time));
+    for (std::size_t i = 0; i < std::min(check.times.size(), kShown); ++i)
+      text += fmt::format(" {}", number_text(check.times[i].time));
     text += check.times.size() > kShown ? fmt::format(" ... {}\n", number_text(check.times.back().time)) : "\n";
   }
   const std::vector<std::string> remarks = model_remarks(model, check.joint);
   if (!remarks.empty() || !model.unsupported.empty()) text += "\nremarks\n";
   for (const std::string& line : remarks) text += "  " + line + "\n";
   for (const Remark& r : model.unsupported)
-    text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), r.what, r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
+    text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), r.what,
+                        r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
   return text;
 }
 

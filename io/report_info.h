@@ -1,9 +1,8 @@
 // io/report_info.h – what was recognised in a model: everything `dea info` says, as values, text and JSON.
 #pragma once
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "conditions.h"
 #include "equilibrium.h"
@@ -13,14 +12,14 @@ namespace dea {
 
 /// One side of a contact as found.
 struct SideCheck {
-  SphereFit sphere;  ///< least-squares sphere of the articular surface
-  double area = 0.0; ///< of the articular surface, reference
+  SphereFit sphere;   ///< least-squares sphere of the articular surface
+  double area = 0.0;  ///< of the articular surface, reference
 };
 
 /// The springs of one contact at the reference poses.
 struct ContactCheck {
   SideCheck sides[2];
-  int springs = 0, springs_hit = 0;  ///< cast; of these, over the target
+  int springs = 0, springs_hit = 0;                       ///< cast; of these, over the target
   double gap_min = 0.0, gap_median = 0.0, gap_max = 0.0;  ///< of those that hit; NaN: none did
   double gap_p5 = 0.0;
 };
@@ -46,7 +45,7 @@ struct JointCheck {
   Equilibrium reference;              ///< all contacts at the reference poses
   std::vector<ContactFields> fields;  ///< at the reference poses
   std::vector<ContactCheck> contacts;
-  std::vector<StepCheck> steps;       ///< empty: conditions could not be made
+  std::vector<StepCheck> steps;  ///< empty: conditions could not be made
   std::vector<TimePoint> times;
   std::string error;  ///< why `dea run` would refuse this model, one line; empty: it would not
 };

@@ -1,8 +1,8 @@
 #include "report_json.h"
 
-#include <cmath>
-
 #include <fmt/format.h>
+
+#include <cmath>
 
 #include "report_text.h"
 #include "version.h"
@@ -32,7 +32,8 @@ Json body_json(const Body& body, const Pose& pose, const Vector6& reaction) {
   return j;
 }
 
-Json contact_json(const Joint& joint, const ContactPair& pair, const ContactStatistics& s, const ContactFields& fields) {
+Json contact_json(const Joint& joint, const ContactPair& pair, const ContactStatistics& s,
+                  const ContactFields& fields) {
   Json j;
   j["name"] = pair.name;
   j["source"] = joint.bodies[at(pair.source_layer().body)].name;
@@ -166,7 +167,8 @@ Json run_json(const JointModel& model, const Settings& settings, const Analysis&
   return j;
 }
 
-Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies, double target, int max_springs) {
+Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies,
+                   double target, int max_springs) {
   Json j;
   j["schema"] = "dea.converge/1";
   j["model"] = model.files.empty() ? "" : model.files.front();
@@ -208,24 +210,28 @@ std::string run_csv(const JointModel&, const Analysis& analysis) {
   const Joint& joint = analysis.joint;
   std::string text =
       "time,contact,outcome,iterations,residual_force,residual_moment,source,target,springs,springs_hit,springs_active,"
-      "peak_pressure,p99_pressure,mean_pressure,median_pressure,p5_pressure,p25_pressure,p75_pressure,p95_pressure,contact_area,"
+      "peak_pressure,p99_pressure,mean_pressure,median_pressure,p5_pressure,p25_pressure,p75_pressure,p95_pressure,"
+      "contact_area,"
       "facet_peak_pressure,nodal_peak_pressure,nodal_mean_pressure,nodal_median_pressure,facet_contact_area,"
-      "center_of_pressure_x,center_of_pressure_y,center_of_pressure_z,force_x,force_y,force_z,moment_x,moment_y,moment_z,"
+      "center_of_pressure_x,center_of_pressure_y,center_of_pressure_z,force_x,force_y,force_z,moment_x,moment_y,moment_"
+      "z,"
       "largest_strain,source_resultant_factor,target_resultant_factor\n";
   for (const StateResult& state : analysis.states) {
     for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
       const ContactPair& pair = joint.contacts[c];
       const ContactStatistics& s = state.statistics[c];
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}", csv_number(state.when.time), csv_word(pair.name), name(state.equilibrium.outcome),
-                          state.equilibrium.iterations, csv_number(state.equilibrium.residual_force), csv_number(state.equilibrium.residual_moment),
-                          csv_word(joint.bodies[at(pair.source_layer().body)].name), csv_word(joint.bodies[at(pair.target_layer().body)].name),
-                          s.springs, s.springs_hit, s.springs_active);
-      for (double x : {s.peak, s.p99, s.mean, s.median, s.p5, s.p25, s.p75, s.p95, s.contact_area, s.facet_peak, s.nodal_peak, s.nodal_mean,
-                       s.nodal_median, s.facet_contact_area})
+      text += fmt::format(
+          "{},{},{},{},{},{},{},{},{},{},{}", csv_number(state.when.time), csv_word(pair.name),
+          name(state.equilibrium.outcome), state.equilibrium.iterations, csv_number(state.equilibrium.residual_force),
+          csv_number(state.equilibrium.residual_moment), csv_word(joint.bodies[at(pair.source_layer().body)].name),
+          csv_word(joint.bodies[at(pair.target_layer().body)].name), s.springs, s.springs_hit, s.springs_active);
+      for (double x : {s.peak, s.p99, s.mean, s.median, s.p5, s.p25, s.p75, s.p95, s.contact_area, s.facet_peak,
+                       s.nodal_peak, s.nodal_mean, s.nodal_median, s.facet_contact_area})
         text += fmt::format(",{}", csv_number(x));
       for (const Vector3d& v : {s.center_of_pressure, s.force, s.moment})
         for (int k = 0; k < 3; ++k) text += fmt::format(",{}", csv_number(v[k]));
-      for (double x : {s.largest_strain, state.fields[c].sides[pair.source].resultant_factor, state.fields[c].sides[1 - pair.source].resultant_factor})
+      for (double x : {s.largest_strain, state.fields[c].sides[pair.source].resultant_factor,
+                       state.fields[c].sides[1 - pair.source].resultant_factor})
         text += fmt::format(",{}", csv_number(x));
       text += '\n';
     }

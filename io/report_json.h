@@ -1,8 +1,7 @@
 // io/report_json.h – results as JSON and CSV. Undefined numbers are null in JSON, empty in CSV.
 #pragma once
-#include <string>
-
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "analysis.h"
 
@@ -17,9 +16,11 @@ struct Timings {
 
 Json settings_json(const Settings& settings);
 Json run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings);
-Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies, double target, int max_springs);
+Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies,
+                   double target, int max_springs);
 
-/// The JSON text, numbers such that they read back the same, with a line feed at the end. Text that is not UTF-8 is mended.
+/// The JSON text, numbers such that they read back the same, with a line feed at the end. Text that is not UTF-8 is
+/// mended.
 std::string json_text(const Json& json);
 
 /// Parts that several reports share.

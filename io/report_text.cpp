@@ -1,9 +1,9 @@
 #include "report_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "error.h"
 
@@ -15,7 +15,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Characters on the screen: bytes that do not continue a UTF-8 character.
 std::size_t width(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "-"; }
@@ -83,23 +84,27 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
   const Joint& joint = analysis.joint;
   std::string text = units_text(model) + "\n\n";
   Table contacts;
-  contacts.headings = {"time", "contact", "outcome", "springs", "of", "peak", "p99", "mean", "median", "area", "force", "iterations", "residual"};
+  contacts.headings = {"time", "contact", "outcome", "springs", "of",         "peak",    "p99",
+                       "mean", "median",  "area",    "force",   "iterations", "residual"};
   contacts.left = "rllrrrrrrrrrr";
   for (const StateResult& state : analysis.states) {
     for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
       const ContactStatistics& s = state.statistics[c];
-      contacts.rows.push_back({number_text(state.when.time), joint.contacts[c].name, name(state.equilibrium.outcome), fmt::format("{}", s.springs_active),
-                               fmt::format("{}", s.springs), short_number(s.peak), short_number(s.p99), short_number(s.mean), short_number(s.median),
-                               short_number(s.contact_area), short_number(s.force.norm()), fmt::format("{}", state.equilibrium.iterations),
-                               residual_number(state.equilibrium.residual_force)});
+      contacts.rows.push_back(
+          {number_text(state.when.time), joint.contacts[c].name, name(state.equilibrium.outcome),
+           fmt::format("{}", s.springs_active), fmt::format("{}", s.springs), short_number(s.peak), short_number(s.p99),
+           short_number(s.mean), short_number(s.median), short_number(s.contact_area), short_number(s.force.norm()),
+           fmt::format("{}", state.equilibrium.iterations), residual_number(state.equilibrium.residual_force)});
     }
   }
   text += table_text(contacts);
   if (analysis.states.empty()) return text;
 
   const StateResult& last = analysis.states.back();
-  text += fmt::format("\nbodies at time {}: motion of the centre of mass, rotation vector, force and moment of the joint on whoever holds or loads the body\n",
-                      number_text(last.when.time));
+  text += fmt::format(
+      "\nbodies at time {}: motion of the centre of mass, rotation vector, force and moment of the joint on whoever "
+      "holds or loads the body\n",
+      number_text(last.when.time));
   Table bodies;
   bodies.headings = {"body", "translation", "rotation", "force", "moment"};
   bodies.left = "lllll";
@@ -113,8 +118,10 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
     const Pose& pose = last.equilibrium.poses[at(b)];
     const Eigen::AngleAxisd turn(pose.rotation);
     const Vector6& reaction = last.equilibrium.reaction[at(b)];
-    bodies.rows.push_back({joint.bodies[at(b)].name, vector_text(without_rounding(pose.center - joint.bodies[at(b)].center_of_mass, farthest)),
-                           vector_text(without_rounding(turn.angle() * turn.axis(), 1.0)), vector_text(without_rounding(reaction.head<3>(), strongest)),
+    bodies.rows.push_back({joint.bodies[at(b)].name,
+                           vector_text(without_rounding(pose.center - joint.bodies[at(b)].center_of_mass, farthest)),
+                           vector_text(without_rounding(turn.angle() * turn.axis(), 1.0)),
+                           vector_text(without_rounding(reaction.head<3>(), strongest)),
                            vector_text(without_rounding(reaction.tail<3>(), std::max(strongest, turning)))});
   }
   text += table_text(bodies);
@@ -124,7 +131,8 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
     ligaments.headings = {"spring between bodies", "tension"};
     ligaments.left = "lr";
     for (std::size_t l = 0; l < joint.ligaments.size() && l < last.equilibrium.ligament_force.size(); ++l)
-      ligaments.rows.push_back({joint.ligaments[l].name.empty() ? "(unnamed)" : joint.ligaments[l].name, number_text(last.equilibrium.ligament_force[l])});
+      ligaments.rows.push_back({joint.ligaments[l].name.empty() ? "(unnamed)" : joint.ligaments[l].name,
+                                number_text(last.equilibrium.ligament_force[l])});
     text += table_text(ligaments);
   }
   return text;
@@ -133,7 +141,8 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint) {
   std::vector<std::string> lines;
   for (const Remark& r : model.ignored)
-    add_once(lines, fmt::format("ignored: {}{}{}", where(model, r.origin), r.what, r.count > 1 ? fmt::format(" ({} times)", r.count) : ""));
+    add_once(lines, fmt::format("ignored: {}{}{}", where(model, r.origin), r.what,
+                                r.count > 1 ? fmt::format(" ({} times)", r.count) : ""));
   for (const ContactPair& pair : joint.contacts) {
     const Contact& contact = model.contacts[at(pair.contact)];
     for (const std::string& what : contact.ignored)
@@ -143,7 +152,8 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
   for (const ContactPair& pair : joint.contacts) {
     for (const Layer& layer : pair.layers) {
       if (layer.missed_count() == 0) continue;
-      add_once(lines, fmt::format("warning: surface \"{}\": from {} of {} vertices the normal meets no opposing face near enough; the closest point gives the "
+      add_once(lines, fmt::format("warning: surface \"{}\": from {} of {} vertices the normal meets no opposing face "
+                                  "near enough; the closest point gives the "
                                   "thickness there (`dea info -o` shows where)",
                                   model.surfaces[at(layer.surface)].name, layer.missed_count(), layer.missed.size()));
     }
@@ -162,28 +172,37 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
       ++states_held;
       last_held = &state;
     }
-    if (!solved(e.outcome)) add_once(lines, fmt::format("warning: time {}: {}: {}", number_text(state.when.time), name(e.outcome), e.message));
+    if (!solved(e.outcome))
+      add_once(lines,
+               fmt::format("warning: time {}: {}: {}", number_text(state.when.time), name(e.outcome), e.message));
     if (solved(e.outcome) && e.least_stiffness < 0)
-      add_once(lines, fmt::format("warning: time {}: the balance is unstable (least stiffness {:.3g})", number_text(state.when.time), e.least_stiffness));
+      add_once(lines, fmt::format("warning: time {}: the balance is unstable (least stiffness {:.3g})",
+                                  number_text(state.when.time), e.least_stiffness));
   }
   if (analysis.states.empty()) return lines;
   if (last_held) {
     std::string directions;
     for (const std::string& held : last_held->equilibrium.held) directions += (directions.empty() ? "" : ", ") + held;
-    add_once(lines, fmt::format("note: in {} of {} states motions were held that nothing resists or loads; at time {}: {}", states_held, analysis.states.size(),
-                                number_text(last_held->when.time), directions));
+    add_once(lines,
+             fmt::format("note: in {} of {} states motions were held that nothing resists or loads; at time {}: {}",
+                         states_held, analysis.states.size(), number_text(last_held->when.time), directions));
   }
   // The last state stands for all: the factor changes slowly.
   const StateResult& last = analysis.states.back();
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const int active = last.statistics[c].springs_active;
     if (active < 20 && last.fields[c].sides[1 - joint.contacts[c].source].contact_area > 0)
-      add_once(lines, fmt::format("warning: contact \"{}\": only {} springs carry at time {}, too few for a pressure map; divide them with --refine, or let the other "
-                                  "body's finer surface carry them with --source", joint.contacts[c].name, active, number_text(last.when.time)));
+      add_once(lines, fmt::format("warning: contact \"{}\": only {} springs carry at time {}, too few for a pressure "
+                                  "map; divide them with --refine, or let the other "
+                                  "body's finer surface carry them with --source",
+                                  joint.contacts[c].name, active, number_text(last.when.time)));
     for (const Layer& layer : joint.contacts[c].layers) {
       const double factor = last.fields[c].sides[&layer - joint.contacts[c].layers].resultant_factor;
       if (!(std::abs(factor - 1.0) > 0.02)) continue;
-      add_once(lines, fmt::format("note: surface \"{}\": its pressure map is interpolated and carries {:.1f}% of the contact force", model.surfaces[at(layer.surface)].name, 100.0 * factor));
+      add_once(
+          lines,
+          fmt::format("note: surface \"{}\": its pressure map is interpolated and carries {:.1f}% of the contact force",
+                      model.surfaces[at(layer.surface)].name, 100.0 * factor));
     }
   }
   return lines;
@@ -194,15 +213,19 @@ std::string converge_text(const JointModel& model, const std::vector<Convergence
   for (const Convergence& study : studies) {
     text += fmt::format("\ncontact \"{}\", last state; changes against the row above\n", study.contact);
     Table table;
-    table.headings = {"refine", "springs", "active", "peak", "mean", "area", "peak changes", "mean changes", "area changes", "outcome"};
+    table.headings = {"refine", "springs",      "active",       "peak",         "mean",
+                      "area",   "peak changes", "mean changes", "area changes", "outcome"};
     table.left = "rrrrrrrrrl";
     for (const ConvergenceRow& r : study.rows)
-      table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs), fmt::format("{}", r.springs_active), short_number(r.peak), short_number(r.mean),
-                            short_number(r.area), percent(r.change_peak), percent(r.change_mean), percent(r.change_area), name(r.outcome)});
+      table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs),
+                            fmt::format("{}", r.springs_active), short_number(r.peak), short_number(r.mean),
+                            short_number(r.area), percent(r.change_peak), percent(r.change_mean),
+                            percent(r.change_area), name(r.outcome)});
     text += table_text(table);
     const auto needed = [&](int springs, const char* limit) {
-      return springs < 0 ? fmt::format("changes below {}: not reached (at most {} springs allowed)\n", limit, max_springs)
-                         : fmt::format("changes below {}: from {} springs on\n", limit, springs);
+      return springs < 0
+                 ? fmt::format("changes below {}: not reached (at most {} springs allowed)\n", limit, max_springs)
+                 : fmt::format("changes below {}: from {} springs on\n", limit, springs);
     };
     text += needed(study.springs_5_percent, "5%");
     text += needed(study.springs_1_percent, "1%");

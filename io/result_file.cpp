@@ -1,12 +1,12 @@
 #include "result_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <unordered_map>
 #include <unordered_set>
-
-#include <fmt/format.h>
 
 #include "error.h"
 
@@ -55,7 +55,9 @@ ResultFile read_result(const std::string& path, const std::string& label) {
   return result;
 }
 
-const XpltMesh& mesh_of(const ResultFile& result, int state) { return result.plot.meshes[at(result.plot.states[at(state)].mesh)]; }
+const XpltMesh& mesh_of(const ResultFile& result, int state) {
+  return result.plot.meshes[at(result.plot.states[at(state)].mesh)];
+}
 
 bool same_time(double a, double b) { return std::abs(a - b) <= 1e-6 * std::max({std::abs(a), std::abs(b), 1e-30}); }
 
@@ -63,7 +65,8 @@ int find_state(const ResultFile& result, double time) {
   for (std::size_t s = 0; s < result.plot.states.size(); ++s)
     if (same_time(result.plot.states[s].time, time)) return static_cast<int>(s);
   std::string times;
-  for (const XpltState& state : result.plot.states) times += fmt::format("{}{:.6g}", times.empty() ? "" : ", ", state.time);
+  for (const XpltState& state : result.plot.states)
+    times += fmt::format("{}{:.6g}", times.empty() ? "" : ", ", state.time);
   throw InputError(fmt::format("{}: found no state at time {:g}, expected one of {}", result.path, time, times));
 }
 
@@ -83,11 +86,13 @@ ResultSurface result_surface(const ResultFile& result, int state, int surface) {
   for (int f = 0; f < facets.size(); ++f) {
     const int n = facets.begin[at(f) + 1] - facets.begin[at(f)];
     if (n != 3 && n != 4 && n != 6 && n != 7 && n != 8 && n != 9 && n != 10)
-      throw InputError(fmt::format("{}: surface \"{}\": found a facet of {} nodes, expected triangles and quads", result.path, facets.name, n));
+      throw InputError(fmt::format("{}: surface \"{}\": found a facet of {} nodes, expected triangles and quads",
+                                   result.path, facets.name, n));
   }
   for (int node : facets.nodes)
     if (!positions[at(node)].allFinite())
-      throw InputError(fmt::format("{}: surface \"{}\": found a node whose position is not a number", result.path, facets.name));
+      throw InputError(
+          fmt::format("{}: surface \"{}\": found a node whose position is not a number", result.path, facets.name));
   return make_result_surface(facets.name, facets.begin, facets.nodes, positions);
 }
 
@@ -102,8 +107,8 @@ std::vector<double> facet_values(const ResultFile& result, int state, int surfac
       throw InputError(fmt::format("{}: \"{}\" is not one number per facet or node", result.path, field));
     for (float x : region.values)
       if (!std::isfinite(x))
-        throw InputError(fmt::format("{}: surface \"{}\", time {:g}: \"{}\" is not a number somewhere", result.path, facets.name,
-                                     result.plot.states[at(state)].time, field));
+        throw InputError(fmt::format("{}: surface \"{}\", time {:g}: \"{}\" is not a number somewhere", result.path,
+                                     facets.name, result.plot.states[at(state)].time, field));
     std::vector<double> values;
     if (variable.format == XpltFormat::Item) {
       values.assign(region.values.begin(), region.values.end());
@@ -115,7 +120,8 @@ std::vector<double> facet_values(const ResultFile& result, int state, int surfac
       const int n = facets.begin[at(f) + 1] - facets.begin[at(f)];
       double sum = 0.0;
       for (int k = 0; k < n; ++k) {
-        const int slot = variable.format == XpltFormat::Mult ? f * facets.max_nodes + k : place[facets.nodes[at(facets.begin[at(f)] + k)]];
+        const int slot = variable.format == XpltFormat::Mult ? f * facets.max_nodes + k
+                                                             : place[facets.nodes[at(facets.begin[at(f)] + k)]];
         sum += region.values[at(slot)];
       }
       values.push_back(sum / n);
@@ -174,14 +180,16 @@ FacetMask facets_in(const ResultFile& result, int state, int surface, const std:
   if (members.empty()) {
     std::string known;
     for (const std::string& n : region_names(mesh)) known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", n);
-    throw InputError(fmt::format("{}: found no facet set, surface or element set \"{}\", expected one of {}", result.path, name, known));
+    throw InputError(fmt::format("{}: found no facet set, surface or element set \"{}\", expected one of {}",
+                                 result.path, name, known));
   }
   std::unordered_map<int, std::vector<int>> members_at;  // node -> members
   for (std::size_t m = 0; m < members.size(); ++m)
     for (int node : members[m]) members_at[node].push_back(static_cast<int>(m));
   FacetMask mask(at(facets.size()), 0);
   for (int f = 0; f < facets.size(); ++f) {
-    const std::vector<int> nodes = sorted({facets.nodes.begin() + facets.begin[at(f)], facets.nodes.begin() + facets.begin[at(f) + 1]});
+    const std::vector<int> nodes =
+        sorted({facets.nodes.begin() + facets.begin[at(f)], facets.nodes.begin() + facets.begin[at(f) + 1]});
     for (int m : members_at[nodes.front()])
       if (std::includes(members[at(m)].begin(), members[at(m)].end(), nodes.begin(), nodes.end())) mask[at(f)] = 1;
   }

@@ -29,15 +29,16 @@ int find_state(const ResultFile& result, double time);
 int find_surface(const ResultFile& result, int state, const std::string& name);
 ResultSurface result_surface(const ResultFile& result, int state, int surface);
 
-/// A scalar surface field as one value per facet (values per node or slot: their mean); empty: the surface has none in this
-/// state. Throws InputError for values that are not finite and for fields that are no scalars.
+/// A scalar surface field as one value per facet (values per node or slot: their mean); empty: the surface has none in
+/// this state. Throws InputError for values that are not finite and for fields that are no scalars.
 std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field);
 
-/// Rigid bodies by the names of their materials: position from `rigid position` or else the body's axes, rotation from the axes.
+/// Rigid bodies by the names of their materials: position from `rigid position` or else the body's axes, rotation from
+/// the axes.
 std::vector<BodyPose> body_poses(const ResultFile& result, int state);
 
-/// The facets of a surface that lie in the facet set, surface or element set `name`: with all their nodes in a facet or an
-/// element of it. Throws InputError: no such set, no facet in it.
+/// The facets of a surface that lie in the facet set, surface or element set `name`: with all their nodes in a facet or
+/// an element of it. Throws InputError: no such set, no facet in it.
 FacetMask facets_in(const ResultFile& result, int state, int surface, const std::string& name);
 
 /// Sets that facets_in takes.

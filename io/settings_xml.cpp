@@ -1,5 +1,8 @@
 #include "settings_xml.h"
 
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -9,9 +12,6 @@
 #include <map>
 #include <set>
 #include <sstream>
-
-#include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include "error.h"
 #include "joint_model.h"
@@ -78,7 +78,9 @@ std::map<std::string, double>* surface_numbers(Settings& s, const std::string& o
 }
 
 /// All places in a settings file where something is wrong look like this.
-InputError fault(const std::string& path, int line, const std::string& text) { return InputError(path, std::max(line, 1), text); }
+InputError fault(const std::string& path, int line, const std::string& text) {
+  return InputError(path, std::max(line, 1), text);
+}
 
 std::string names_of_options() {
   std::string names;
@@ -97,12 +99,15 @@ SettingValue read_element(const std::string& path, const tinyxml2::XMLElement& e
                 fmt::format("<{}>: found <{}>, expected {}", e.Name(), e.FirstChildElement()->Name(), v.option->value));
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     if (!v.option->key || std::string(a->Name()) != v.option->key)
-      throw fault(path, line, fmt::format("<{}>: found attribute \"{}\", expected {}", e.Name(), a->Name(),
-                                          v.option->key ? fmt::format("\"{}\"", v.option->key) : std::string("none")));
+      throw fault(path, line,
+                  fmt::format("<{}>: found attribute \"{}\", expected {}", e.Name(), a->Name(),
+                              v.option->key ? fmt::format("\"{}\"", v.option->key) : std::string("none")));
     v.key = a->Value();
   }
   if (v.option->key && v.key.empty() && !v.option->key_optional)
-    throw fault(path, line, fmt::format("<{}>: found no attribute \"{}\", expected {}=\"NAME\"", e.Name(), v.option->key, v.option->key));
+    throw fault(
+        path, line,
+        fmt::format("<{}>: found no attribute \"{}\", expected {}=\"NAME\"", e.Name(), v.option->key, v.option->key));
   v.value = trimmed(e.GetText() ? e.GetText() : "");
   return v;
 }
@@ -178,11 +183,13 @@ SettingValue split_key(const SettingOption& option, const std::string& text) {
   const std::size_t equals = text.rfind('=');
   if (equals == std::string::npos) {
     if (option.key_optional) return v;
-    throw BadValue(fmt::format("{}: found no '=', expected {}={}", v.where, lower(option.key) == "body" ? "BODY" : "SURFACE", option.value));
+    throw BadValue(fmt::format("{}: found no '=', expected {}={}", v.where,
+                               lower(option.key) == "body" ? "BODY" : "SURFACE", option.value));
   }
   v.key = text.substr(0, equals);
   v.value = text.substr(equals + 1);
-  if (v.key.empty()) throw BadValue(fmt::format("{}: found no name before '=', expected that of a {}", v.where, option.key));
+  if (v.key.empty())
+    throw BadValue(fmt::format("{}: found no name before '=', expected that of a {}", v.where, option.key));
   return v;
 }
 
@@ -195,18 +202,28 @@ void set_value(Settings& s, const SettingValue& v) {
   } else if (name == "source") {
     s.source = text;
   } else if (name == "springs-at") {
-    if (lower(text) == "articular") s.springs_at = SpringsAt::Articular;
-    else if (lower(text) == "bone") s.springs_at = SpringsAt::Bone;
-    else throw bad(text, "articular or bone");
+    if (lower(text) == "articular")
+      s.springs_at = SpringsAt::Articular;
+    else if (lower(text) == "bone")
+      s.springs_at = SpringsAt::Bone;
+    else
+      throw bad(text, "articular or bone");
   } else if (name == "law") {
-    if (lower(text) == "linear") s.law = Law::Linear;
-    else if (lower(text) == "logarithmic") s.law = Law::Logarithmic;
-    else if (lower(text) == "neo-hookean") s.law = Law::NeoHookean;
-    else throw bad(text, "linear, logarithmic or neo-Hookean");
+    if (lower(text) == "linear")
+      s.law = Law::Linear;
+    else if (lower(text) == "logarithmic")
+      s.law = Law::Logarithmic;
+    else if (lower(text) == "neo-hookean")
+      s.law = Law::NeoHookean;
+    else
+      throw bad(text, "linear, logarithmic or neo-Hookean");
   } else if (name == "facets") {
-    if (lower(text) == "curved") s.facets = Facets::Curved;
-    else if (lower(text) == "flat") s.facets = Facets::Flat;
-    else throw bad(text, "curved or flat");
+    if (lower(text) == "curved")
+      s.facets = Facets::Curved;
+    else if (lower(text) == "flat")
+      s.facets = Facets::Flat;
+    else
+      throw bad(text, "curved or flat");
   } else if (name == "refine") {
     s.refine = parse_count(text, 1, 1000);
   } else if (name == "rigid") {
@@ -271,7 +288,8 @@ Settings read_settings(const std::string& path) {
   std::error_code error;
   const bool readable = in && !std::filesystem::is_directory(path, error);
   if (readable) bytes << in.rdbuf();  // fails on an empty file, which is no XML either
-  if (!readable || in.bad()) throw InputError(fmt::format("{}: found no readable file, expected a settings file", path));
+  if (!readable || in.bad())
+    throw InputError(fmt::format("{}: found no readable file, expected a settings file", path));
   const std::string text = bytes.str();
 
   tinyxml2::XMLDocument document;
@@ -280,7 +298,8 @@ Settings read_settings(const std::string& path) {
   const tinyxml2::XMLElement* root = document.RootElement();
   if (!root || std::string(root->Name()) != "febiodea_settings")
     throw fault(path, root ? root->GetLineNum() : 1,
-                fmt::format("found {}, expected <febiodea_settings version=\"1\">", root ? fmt::format("<{}>", root->Name()) : std::string("nothing")));
+                fmt::format("found {}, expected <febiodea_settings version=\"1\">",
+                            root ? fmt::format("<{}>", root->Name()) : std::string("nothing")));
   const char* version = root->Attribute("version");
   if (!version || std::string(version) != "1")
     throw fault(path, root->GetLineNum(), fmt::format("found version \"{}\", expected \"1\"", version ? version : ""));
@@ -291,7 +310,9 @@ Settings read_settings(const std::string& path) {
   for (const tinyxml2::XMLElement* e = root->FirstChildElement(); e; e = e->NextSiblingElement()) {
     const SettingValue v = read_element(path, *e);
     if (!v.option->repeatable && !given.insert({v.option->name, v.key}).second)
-      throw fault(path, e->GetLineNum(), fmt::format("{}: found a second one, expected it once{}", v.where, v.key.empty() ? "" : fmt::format(" for \"{}\"", v.key)));
+      throw fault(path, e->GetLineNum(),
+                  fmt::format("{}: found a second one, expected it once{}", v.where,
+                              v.key.empty() ? "" : fmt::format(" for \"{}\"", v.key)));
     try {
       set_value(settings, v);
     } catch (const BadValue& bad_value) {

@@ -18,10 +18,10 @@ struct BadValue : std::runtime_error {
 /// settings file `<NAME>VALUE</NAME>` or `<NAME surface="KEY">VALUE</NAME>`.
 struct SettingOption {
   const char* name;
-  const char* key;          ///< "surface" or "body": what the value belongs to; nullptr: no key
-  bool key_optional;        ///< without a key it holds for all surfaces
-  bool repeatable;          ///< may be given again without a key
-  const char* value;        ///< the value as help writes it
+  const char* key;    ///< "surface" or "body": what the value belongs to; nullptr: no key
+  bool key_optional;  ///< without a key it holds for all surfaces
+  bool repeatable;    ///< may be given again without a key
+  const char* value;  ///< the value as help writes it
 };
 const std::vector<SettingOption>& setting_options();
 /// nullptr: there is none of this name.
@@ -30,7 +30,7 @@ const SettingOption* find_setting_option(const std::string& name);
 /// One value as the user wrote it.
 struct SettingValue {
   const SettingOption* option = nullptr;
-  std::string key;    ///< "" without
+  std::string key;  ///< "" without
   std::string value;
   std::string where;  ///< put before the fault: "--E S=x"
 };
@@ -43,7 +43,8 @@ SettingValue split_key(const SettingOption& option, const std::string& text);
 void set_value(Settings& settings, const SettingValue& value);
 
 /// Lays the values of one source over `settings` (those of weaker sources): they replace values with the same key; one
-/// for all surfaces also replaces weaker ones for single surfaces. Throws BadValue ("WHERE: fault"), also when the source contradicts itself.
+/// for all surfaces also replaces weaker ones for single surfaces. Throws BadValue ("WHERE: fault"), also when the
+/// source contradicts itself.
 void lay_over(Settings& settings, const std::vector<SettingValue>& values);
 
 /// Reads a settings file (docs/settings.md). Throws InputError ("file:line: found ..., expected ...").

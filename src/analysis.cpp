@@ -1,10 +1,10 @@
 #include "analysis.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 
 #include "error.h"
 
@@ -13,7 +13,6 @@ namespace dea {
 namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 
 /// Cartilage of no thickness cannot be compressed: an error where surfaces meet, not a division.
 void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e) {
@@ -27,11 +26,14 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
       const SurfaceMesh& mesh = source.spring_surface();
       const int vertex = mesh.triangles[static_cast<std::size_t>(beds.beds[c].springs.surface_triangle[i])][0];
       const Surface& surface = model.surfaces[static_cast<std::size_t>(source.surface)];
-      throw InputError(model, surface.origin,
-                       fmt::format("contact \"{}\": there is no cartilage near node {} of surface \"{}\" where the bodies meet (thickness {:.2g}); mend the "
-                                   "mesh or give --thickness \"{}=VALUE\"",
-                                   pair.name, model.node_ids[static_cast<std::size_t>(mesh.model_nodes[static_cast<std::size_t>(vertex)])], surface.name,
-                                   s.t_source[i] + s.t_target[i], surface.name));
+      throw InputError(
+          model, surface.origin,
+          fmt::format("contact \"{}\": there is no cartilage near node {} of surface \"{}\" where the bodies meet "
+                      "(thickness {:.2g}); mend the "
+                      "mesh or give --thickness \"{}=VALUE\"",
+                      pair.name,
+                      model.node_ids[static_cast<std::size_t>(mesh.model_nodes[static_cast<std::size_t>(vertex)])],
+                      surface.name, s.t_source[i] + s.t_target[i], surface.name));
     }
   }
 }
@@ -42,9 +44,13 @@ void refuse_unsupported(const JointModel& model) {
   if (model.unsupported.empty()) return;
   const Remark& first = model.unsupported.front();
   std::string more;
-  if (model.unsupported.size() > 1) more = fmt::format(" (and {} more; `dea info` lists them)", model.unsupported.size() - 1);
-  throw InputError(model, first.origin,
-                   first.what + " is not supported and would change the result: take it out, or use what DEA supports (docs/formats.md)" + more);
+  if (model.unsupported.size() > 1)
+    more = fmt::format(" (and {} more; `dea info` lists them)", model.unsupported.size() - 1);
+  throw InputError(
+      model, first.origin,
+      first.what +
+          " is not supported and would change the result: take it out, or use what DEA supports (docs/formats.md)" +
+          more);
 }
 
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options) {
@@ -72,7 +78,8 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     const bool reference = i == 0 && times[i].time <= 0.0;
     state.equilibrium = reference ? state_at(joint, beds, conditions, poses)
                                   : solve_equilibrium(joint, beds, conditions, poses, step_start, options.equilibrium);
-    // A load that cannot be carried may have moved a body far away: the next state starts from the last one that was solved.
+    // A load that cannot be carried may have moved a body far away: the next state starts from the last one that was
+    // solved.
     const Outcome outcome = state.equilibrium.outcome;
     if (solved(outcome) || outcome == Outcome::BeyondStrainLimit) poses = state.equilibrium.poses;
     refuse_zero_thickness(model, joint, beds, state.equilibrium);
@@ -120,7 +127,9 @@ std::vector<Convergence> converge(const JointModel& model, Settings settings, do
       row.mean = s.mean;
       row.area = s.contact_area;
       row.outcome = last.equilibrium.outcome;
-      const auto change = [&](double now_value, double before) { return before != 0 ? std::abs(now_value - before) / std::abs(before) : std::numeric_limits<double>::quiet_NaN(); };
+      const auto change = [&](double now_value, double before) {
+        return before != 0 ? std::abs(now_value - before) / std::abs(before) : std::numeric_limits<double>::quiet_NaN();
+      };
       if (result[c].rows.empty()) {
         row.change_peak = row.change_mean = row.change_area = std::numeric_limits<double>::quiet_NaN();
       } else {

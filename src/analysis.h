@@ -27,9 +27,10 @@ struct Analysis {
 };
 
 struct AnalysisOptions {
-  std::vector<TimePoint> times;            ///< states to solve in order; empty: model_times(model)
-  std::vector<char> wanted;                ///< per time: keep fields and result; empty: all
-  std::function<void(const StateResult&, std::size_t index, std::size_t count)> progress;  ///< after every state; may be empty
+  std::vector<TimePoint> times;  ///< states to solve in order; empty: model_times(model)
+  std::vector<char> wanted;      ///< per time: keep fields and result; empty: all
+  std::function<void(const StateResult&, std::size_t index, std::size_t count)>
+      progress;  ///< after every state; may be empty
   EquilibriumOptions equilibrium;
 };
 
@@ -40,7 +41,8 @@ void refuse_unsupported(const JointModel& model);
 /// The first state (time 0) is the reference configuration, not solved, as in FEBio's plot files.
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options = {});
 
-/// The seed's convergence study: the last state again with each spring triangle divided into refine^2, refine = 1, 2, 4, 8, ...: four times the springs each time
+/// The seed's convergence study: the last state again with each spring triangle divided into refine^2, refine = 1, 2,
+/// 4, 8, ...: four times the springs each time
 struct ConvergenceRow {
   int refine = 1;
   int springs = 0, springs_hit = 0, springs_active = 0;

@@ -1,9 +1,9 @@
 #include "bodies.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
-
-#include <fmt/format.h>
 
 #include "element_faces.h"
 #include "error.h"
@@ -23,7 +23,8 @@ int find_root(std::vector<int>& parent, int i) {
 }
 
 /// Area, centroid of a shell element's middle surface, and its mean thickness.
-void add_shell_mass(const JointModel& model, const Domain& domain, int element, double density, double* mass, Vector3d* moment) {
+void add_shell_mass(const JointModel& model, const Domain& domain, int element, double density, double* mass,
+                    Vector3d* moment) {
   const int n = nodes_per_element(domain.shape);
   const int* nodes = domain.nodes.data() + static_cast<std::ptrdiff_t>(element) * n;
   double thickness = 0.0;
@@ -50,7 +51,8 @@ ElementVolume element_volume(const JointModel& model, const Domain& domain, int 
   for (const auto& face : element_faces(domain.shape)) {
     for (std::size_t k = 0; k < face.size(); ++k) face_nodes[k] = nodes[face[k]];
     for (const auto& t : split_facet(face_nodes, static_cast<int>(face.size()), model.nodes)) {
-      const Vector3d a = model.nodes[at(t[0])] - origin, b = model.nodes[at(t[1])] - origin, c = model.nodes[at(t[2])] - origin;
+      const Vector3d a = model.nodes[at(t[0])] - origin, b = model.nodes[at(t[1])] - origin,
+                     c = model.nodes[at(t[2])] - origin;
       const double dv = a.dot(b.cross(c)) / 6.0;
       v.volume += dv;
       v.centroid += dv * (a + b + c) / 4.0;

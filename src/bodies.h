@@ -10,13 +10,13 @@ namespace dea {
 /// Throws UsageError when a name in settings.rigid is no material of the model.
 std::vector<char> rigid_materials(const JointModel& model, const Settings& settings);
 
-/// One body per set of rigid materials whose elements share nodes, in the order of their first material; then the ground.
-/// The centre of mass is the given one, or integrated from the elements (solids: volume, shells: area times
+/// One body per set of rigid materials whose elements share nodes, in the order of their first material; then the
+/// ground. The centre of mass is the given one, or integrated from the elements (solids: volume, shells: area times
 /// thickness; a body without any mass has it at the origin, as in FEBio).
 struct Bodies {
-  std::vector<Body> bodies;          ///< the last one is the ground
-  std::vector<int> of_material;      ///< per material: body, -1: not rigid
-  std::vector<int> of_node;          ///< per node: body whose rigid elements contain it, -1: none
+  std::vector<Body> bodies;      ///< the last one is the ground
+  std::vector<int> of_material;  ///< per material: body, -1: not rigid
+  std::vector<int> of_node;      ///< per node: body whose rigid elements contain it, -1: none
   int ground() const { return static_cast<int>(bodies.size()) - 1; }
 };
 Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid);

@@ -34,7 +34,9 @@ bool same_facets(const ResultSurface& a, const ResultSurface& b) {
   for (const Vector3d& x : a.slot_position) extent = std::max(extent, (x - a.slot_position.front()).norm());
   // plot files hold positions in single precision, and programs round a text's digits differently
   for (std::size_t i = 0; i < a.slot_position.size(); ++i)
-    if ((a.slot_position[i] - b.slot_position[i]).norm() > 1e-5 * extent || (a.slot_vertex[i] < 0) != (b.slot_vertex[i] < 0)) return false;
+    if ((a.slot_position[i] - b.slot_position[i]).norm() > 1e-5 * extent ||
+        (a.slot_vertex[i] < 0) != (b.slot_vertex[i] < 0))
+      return false;
   return true;
 }
 
@@ -152,9 +154,11 @@ Distribution distribution(const std::vector<double>& values, const std::vector<d
   return d;
 }
 
-SurfaceMeasures measure(const ResultSurface& s, const SurfaceValues& values, const std::vector<double>& thresholds, const FacetMask& mask) {
+SurfaceMeasures measure(const ResultSurface& s, const SurfaceValues& values, const std::vector<double>& thresholds,
+                        const FacetMask& mask) {
   SurfaceMeasures m;
-  const std::vector<double> nodal = nodal_average(s, values.pressure), on_nodes = nodal_areas(s, mask), on_facets = facet_areas(s, mask);
+  const std::vector<double> nodal = nodal_average(s, values.pressure), on_nodes = nodal_areas(s, mask),
+                            on_facets = facet_areas(s, mask);
   for (double threshold : thresholds) {
     m.facets.push_back(distribution(values.pressure, on_facets, threshold));
     m.nodes.push_back(distribution(nodal, on_nodes, threshold));
@@ -211,7 +215,8 @@ std::vector<double> carry(const NodeMatch& match, const ResultSurface& from, con
     for (int v : match.vertices) out.push_back(vertex_values[at(v)]);
     return out;
   }
-  for (const SurfacePoint& point : match.points) out.push_back(point.triangle < 0 ? kNaN : interpolate(from.mesh, vertex_values, point));
+  for (const SurfacePoint& point : match.points)
+    out.push_back(point.triangle < 0 ? kNaN : interpolate(from.mesh, vertex_values, point));
   return out;
 }
 
@@ -238,8 +243,8 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b, c
   return std::clamp(ab / std::sqrt(aa * bb), -1.0, 1.0);
 }
 
-PatternDifference pattern_difference(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& areas,
-                                     const std::vector<double>& thresholds) {
+PatternDifference pattern_difference(const std::vector<double>& a, const std::vector<double>& b,
+                                     const std::vector<double>& areas, const std::vector<double>& thresholds) {
   PatternDifference d;
   std::vector<double> pa, pb, w;
   double total = 0.0, sum = 0.0, squares = 0.0;
@@ -285,16 +290,20 @@ SurfaceFrame surface_frame(const ResultSurface& s) {
   return frame;
 }
 
-std::array<FacetMask, 3> thirds(const ResultSurface& s, const SurfaceFrame& frame, const Vector3d& up, const Vector3d& anterior) {
+std::array<FacetMask, 3> thirds(const ResultSurface& s, const SurfaceFrame& frame, const Vector3d& up,
+                                const Vector3d& anterior) {
   Vector3d top = up - up.dot(frame.axis) * frame.axis, front = anterior - anterior.dot(frame.axis) * frame.axis;
   const double top_length = top.norm();
-  if (!(top_length > 1e-6 * up.norm())) throw UsageError("up points along the surface's axis: it has no top, front or back");
+  if (!(top_length > 1e-6 * up.norm()))
+    throw UsageError("up points along the surface's axis: it has no top, front or back");
   top /= top_length;
   front -= front.dot(top) * top;
-  if (!(front.norm() > 1e-6 * anterior.norm())) throw UsageError("up and anterior span no plane across the surface's axis");
+  if (!(front.norm() > 1e-6 * anterior.norm()))
+    throw UsageError("up and anterior span no plane across the surface's axis");
   front.normalize();
   std::vector<double> angle;
-  for (const Vector3d& x : s.facet_centers) angle.push_back(std::atan2((x - frame.center).dot(front), (x - frame.center).dot(top)));
+  for (const Vector3d& x : s.facet_centers)
+    angle.push_back(std::atan2((x - frame.center).dot(front), (x - frame.center).dot(top)));
   std::vector<int> order(angle.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return angle[at(a)] > angle[at(b)]; });
@@ -304,8 +313,8 @@ std::array<FacetMask, 3> thirds(const ResultSurface& s, const SurfaceFrame& fram
   return masks;
 }
 
-std::vector<ProfileBin> pressure_profile(const ResultSurface& s, const std::vector<double>& facet_pressure, const Vector3d& axis,
-                                         const Vector3d& center, double bin_degrees) {
+std::vector<ProfileBin> pressure_profile(const ResultSurface& s, const std::vector<double>& facet_pressure,
+                                         const Vector3d& axis, const Vector3d& center, double bin_degrees) {
   std::vector<ProfileBin> bins;
   std::vector<double> force;
   for (std::size_t f = 0; f < s.facet_areas.size(); ++f) {
@@ -326,7 +335,8 @@ std::vector<ProfileBin> pressure_profile(const ResultSurface& s, const std::vect
   return bins;
 }
 
-TimeSums over_time(const std::vector<double>& times, const std::vector<std::vector<double>>& values, std::optional<double> dose_above) {
+TimeSums over_time(const std::vector<double>& times, const std::vector<std::vector<double>>& values,
+                   std::optional<double> dose_above) {
   TimeSums sums;
   if (values.empty()) return sums;
   sums.peak = values.front();

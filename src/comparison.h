@@ -1,7 +1,7 @@
 // src/comparison.h – two results of the same joint side by side: numbers that mean the same for both.
 //
-// Results are pressures per facet of a surface, whatever made them. FEA facet pressures are noisy (checkerboards), so every
-// measure also exists on nodal averages, and patterns are compared on those. Reference configuration throughout.
+// Results are pressures per facet of a surface, whatever made them. FEA facet pressures are noisy (checkerboards), so
+// every measure also exists on nodal averages, and patterns are compared on those. Reference configuration throughout.
 #pragma once
 #include <array>
 #include <limits>
@@ -35,15 +35,16 @@ using FacetMask = std::vector<char>;
 
 /// Per vertex the area-weighted average of the values of the facets around it.
 std::vector<double> nodal_average(const ResultSurface& surface, const std::vector<double>& facet_values);
-/// Per vertex its equal share of each facet around it (a quarter of a quad, a third of a triangle), of facets in `mask` only.
+/// Per vertex its equal share of each facet around it (a quarter of a quad, a third of a triangle), of facets in `mask`
+/// only.
 std::vector<double> nodal_areas(const ResultSurface& surface, const FacetMask& mask = {});
 /// Per facet its area, 0 outside `mask`.
 std::vector<double> facet_areas(const ResultSurface& surface, const FacetMask& mask = {});
 /// Per facet the mean of values given per vertex, interpolated linearly.
 std::vector<double> facet_average(const ResultSurface& surface, const std::vector<double>& vertex_values);
 
-/// How the values above a threshold are distributed; all but `area` NaN where there are none. Percentiles are area-weighted
-/// (weighted_percentile in fields.h).
+/// How the values above a threshold are distributed; all but `area` NaN where there are none. Percentiles are
+/// area-weighted (weighted_percentile in fields.h).
 struct Distribution {
   double area = 0.0;
   double peak = 0.0, p99 = 0.0, mean = 0.0;
@@ -58,13 +59,13 @@ struct SurfaceValues {
 };
 
 struct SurfaceMeasures {
-  std::vector<Distribution> facets, nodes;          ///< per threshold as given
-  Vector3d resultant = Vector3d::Zero();            ///< sum of p A n: what this side exerts on the other
-  Vector3d center_of_pressure = Vector3d::Zero();   ///< sum of p A x / sum of p A; NaN without pressure
+  std::vector<Distribution> facets, nodes;               ///< per threshold as given
+  Vector3d resultant = Vector3d::Zero();                 ///< sum of p A n: what this side exerts on the other
+  Vector3d center_of_pressure = Vector3d::Zero();        ///< sum of p A x / sum of p A; NaN without pressure
   double mean_penetration = 0.0, max_penetration = 0.0;  ///< of the gap where p > 0 (mean: area-weighted); NaN: none
 };
-SurfaceMeasures measure(const ResultSurface& surface, const SurfaceValues& values, const std::vector<double>& thresholds,
-                        const FacetMask& mask = {});
+SurfaceMeasures measure(const ResultSurface& surface, const SurfaceValues& values,
+                        const std::vector<double>& thresholds, const FacetMask& mask = {});
 
 /// Where the vertices of one surface are on another.
 struct NodeMatch {
@@ -73,7 +74,8 @@ struct NodeMatch {
   std::vector<SurfacePoint> points;  ///< otherwise: its closest point on `from`; triangle -1: not covered by it
   double covered = 1.0;              ///< share of the area of `onto` that `from` covers
 };
-/// Farther apart than the (larger) mean facet size counts as not covered: beyond that the closest point is one of the rim.
+/// Farther apart than the (larger) mean facet size counts as not covered: beyond that the closest point is one of the
+/// rim.
 NodeMatch match_nodes(const ResultSurface& onto, const ResultSurface& from);
 /// Vertex values of `from` at the vertices of `onto`, interpolated linearly; NaN where not covered.
 std::vector<double> carry(const NodeMatch& match, const ResultSurface& from, const std::vector<double>& vertex_values);
@@ -84,28 +86,29 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b, c
 /// How the pattern of a differs from that of b, over the nodes where either is above 0. NaN in `a`: left out.
 struct PatternDifference {
   double correlation = 0.0;
-  double rms = 0.0;           ///< area-weighted root mean square of a - b
-  double mean = 0.0;          ///< area-weighted mean of a - b
-  double largest = 0.0;       ///< a - b where |a - b| is largest
-  std::vector<double> dice;   ///< per threshold: 2 |A and B| / (|A| + |B|) of the areas above; NaN: both empty
+  double rms = 0.0;          ///< area-weighted root mean square of a - b
+  double mean = 0.0;         ///< area-weighted mean of a - b
+  double largest = 0.0;      ///< a - b where |a - b| is largest
+  std::vector<double> dice;  ///< per threshold: 2 |A and B| / (|A| + |B|) of the areas above; NaN: both empty
 };
-PatternDifference pattern_difference(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& areas,
-                                     const std::vector<double>& thresholds);
+PatternDifference pattern_difference(const std::vector<double>& a, const std::vector<double>& b,
+                                     const std::vector<double>& areas, const std::vector<double>& thresholds);
 
 /// (a - b) / b in percent; 0 when equal, NaN when b is 0 otherwise.
 double percent_difference(double a, double b);
 
-/// Axis and centre of a socket or head. Axis: the area-weighted mean normal. Centre: that of the least-squares sphere; of a
-/// surface too flat for one (radius over 10 radii of gyration) the centroid.
+/// Axis and centre of a socket or head. Axis: the area-weighted mean normal. Centre: that of the least-squares sphere;
+/// of a surface too flat for one (radius over 10 radii of gyration) the centroid.
 struct SurfaceFrame {
   Vector3d axis = Vector3d::Zero(), center = Vector3d::Zero();
 };
 SurfaceFrame surface_frame(const ResultSurface& surface);
 
-/// Anterior, superior and posterior third of a socket as in Abraham et al. (2013): facets sorted by their angle about the
-/// axis, from below by way of the front, the top and the back to below again, cut into three of equally many.
+/// Anterior, superior and posterior third of a socket as in Abraham et al. (2013): facets sorted by their angle about
+/// the axis, from below by way of the front, the top and the back to below again, cut into three of equally many.
 /// Throws UsageError when up and anterior span no plane across the axis.
-std::array<FacetMask, 3> thirds(const ResultSurface& surface, const SurfaceFrame& frame, const Vector3d& up, const Vector3d& anterior);
+std::array<FacetMask, 3> thirds(const ResultSurface& surface, const SurfaceFrame& frame, const Vector3d& up,
+                                const Vector3d& anterior);
 
 /// Mean pressure against the angle between `axis` and the direction from `center` (Abraham et al. 2013, Fig. 6).
 struct ProfileBin {
@@ -113,8 +116,8 @@ struct ProfileBin {
   double area = 0.0;            ///< of the facets whose centroid is in it
   double mean = 0.0;            ///< area-weighted, facets without pressure included; NaN: no facet
 };
-std::vector<ProfileBin> pressure_profile(const ResultSurface& surface, const std::vector<double>& facet_pressure, const Vector3d& axis,
-                                         const Vector3d& center, double bin_degrees);
+std::vector<ProfileBin> pressure_profile(const ResultSurface& surface, const std::vector<double>& facet_pressure,
+                                         const Vector3d& axis, const Vector3d& center, double bin_degrees);
 
 /// What a place has borne over time. Between states pressure is linear in time.
 struct TimeSums {
@@ -123,7 +126,8 @@ struct TimeSums {
   std::vector<double> dose;      ///< integral of max(0, p - threshold) dt; empty without threshold
 };
 /// `values`: per state one value per place.
-TimeSums over_time(const std::vector<double>& times, const std::vector<std::vector<double>>& values, std::optional<double> dose_above);
+TimeSums over_time(const std::vector<double>& times, const std::vector<std::vector<double>>& values,
+                   std::optional<double> dose_above);
 
 /// A rigid body's position and, where known, rotation from the reference configuration.
 struct BodyPose {

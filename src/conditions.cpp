@@ -1,10 +1,10 @@
 #include "conditions.h"
 
-#include <algorithm>
-#include <cmath>
+#include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
 
 #include "error.h"
 #include "load_curve.h"
@@ -28,15 +28,17 @@ int body_of(const Joint& joint, int material) {
 double finite_value(const JointModel& model, const Scaled& scaled, double time, Origin origin) {
   const double v = value(model, scaled, time);
   if (std::isfinite(v)) return v;
-  throw InputError(model, origin, fmt::format("its value at time {:g} is no finite number (load curve {}): mend the curve's points", time,
-                               scaled.controller >= 0 ? model.controllers[at(scaled.controller)].id : 0));
+  throw InputError(model, origin,
+                   fmt::format("its value at time {:g} is no finite number (load curve {}): mend the curve's points",
+                               time, scaled.controller >= 0 ? model.controllers[at(scaled.controller)].id : 0));
 }
 
 /// Dofs of a bone taken as rigid by the user that its fixed nodes leave no freedom. With the constraints' rows
 /// (e_k, d x e_k / length), d the node's arm: every dof whose unit vector is in their span.
 void hold_by_fixed_nodes(const JointModel& model, const Joint& joint, int body, int step, BodyConditions& conditions) {
   const Body& b = joint.bodies[at(body)];
-  const bool by_user = std::any_of(b.materials.begin(), b.materials.end(), [&](int m) { return !model.materials[at(m)].rigid; });
+  const bool by_user =
+      std::any_of(b.materials.begin(), b.materials.end(), [&](int m) { return !model.materials[at(m)].rigid; });
   if (!by_user) return;  // FEBio ignores fixed nodes of its own rigid bodies
   double length = 0.0;
   const auto each_node = [&](const auto& use) {
@@ -81,7 +83,8 @@ LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wa
       return found;
     }
   }
-  throw UsageError(fmt::format("--load-at {}=sphere-center: this body has no articular surface", joint.bodies[at(body)].name));
+  throw UsageError(
+      fmt::format("--load-at {}=sphere-center: this body has no articular surface", joint.bodies[at(body)].name));
 }
 
 LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time) {
@@ -119,8 +122,12 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
     const auto& dofs = c.bodies[b].dofs;
     const bool any = std::count(dofs.begin() + 3, dofs.end(), DofState::Prescribed) > 0;
     if (any && std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0)
-      throw InputError(where(model, {0, 0}) + fmt::format("body \"{}\": some rotations are prescribed and others free; FEBio and DEA need all three prescribed or "
-                                     "fixed (a fixed one counts as 0)", joint.bodies[b].name));
+      throw InputError(
+          where(model, {0, 0}) +
+          fmt::format(
+              "body \"{}\": some rotations are prescribed and others free; FEBio and DEA need all three prescribed or "
+              "fixed (a fixed one counts as 0)",
+              joint.bodies[b].name));
   }
   std::vector<char> force_replaced(joint.bodies.size(), 0);
   for (const auto& entry : settings.force) force_replaced[at(joint.find_body(model, entry.first))] = 1;
@@ -154,14 +161,18 @@ std::vector<double> step_starts(const JointModel& model) {
 }
 
 std::vector<TimePoint> model_times(const JointModel& model) {
-  constexpr double kMostStates = 10000;  // far beyond what anyone looks at; each costs a solution and room in the plot file
+  constexpr double kMostStates =
+      10000;  // far beyond what anyone looks at; each costs a solution and room in the plot file
   std::vector<TimePoint> times = {{0.0, 0}};
   const std::vector<double> starts = step_starts(model);
   double states = 0.0;
   for (const Step& step : model.steps) {
     states += step.step_size > 0 ? step.duration / step.step_size : 1.0;
     if (!(states <= kMostStates * (1 + 1e-9)))
-      throw InputError(model, step.origin, fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time needs no small steps before it)", states, kMostStates));
+      throw InputError(model, step.origin,
+                       fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
+                                   "needs no small steps before it)",
+                                   states, kMostStates));
   }
   if (!(starts.back() > 0)) {
     throw InputError(model, model.steps.empty() ? Origin{} : model.steps.back().origin,

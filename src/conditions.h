@@ -12,9 +12,9 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// What the model asks of one dof of a body (order of kDofs).
 enum class DofState {
-  Free,        ///< an unknown of the equilibrium
-  Held,        ///< stays where it is
-  Prescribed   ///< follows a given motion
+  Free,       ///< an unknown of the equilibrium
+  Held,       ///< stays where it is
+  Prescribed  ///< follows a given motion
 };
 
 struct BodyConditions {
@@ -29,14 +29,15 @@ struct BodyConditions {
 struct LoadCase {
   double time = 0.0;
   int step = 0;
-  std::vector<BodyConditions> bodies;   ///< one per body of the joint
-  std::vector<char> contact_active;     ///< one per contact
-  std::vector<char> ligament_active;    ///< one per ligament
+  std::vector<BodyConditions> bodies;  ///< one per body of the joint
+  std::vector<char> contact_active;    ///< one per contact
+  std::vector<char> ligament_active;   ///< one per ligament
 };
 
 /// Conditions at `time` in `step`, overrides of the settings included:
 ///   --free BODY=dofs: of the dofs that are not prescribed, these are free and the others held, in every step
-///   --force BODY=F: takes the place of all rigid forces (not moments) on the body, growing from 0 to F over the last step
+///   --force BODY=F: takes the place of all rigid forces (not moments) on the body, growing from 0 to F over the last
+///   step
 ///   --load-at BODY=point: where the force acts
 /// Throws InputError where rotations are prescribed in part.
 LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time);

@@ -22,7 +22,8 @@ const Faces kPenta15 = {{0, 1, 4, 3, 6, 13, 9, 12},
 const Faces kTet4 = {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}};
 const Faces kTet10 = {{0, 1, 3, 4, 8, 7}, {1, 2, 3, 5, 9, 8}, {2, 0, 3, 6, 7, 9}, {0, 2, 1, 6, 5, 4}};
 const Faces kPyra5 = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {0, 3, 2, 1}};
-const Faces kPyra13 = {{0, 1, 4, 5, 10, 9}, {1, 2, 4, 6, 11, 10}, {2, 3, 4, 7, 12, 11}, {3, 0, 4, 8, 9, 12}, {0, 3, 2, 1, 8, 7, 6, 5}};
+const Faces kPyra13 = {
+    {0, 1, 4, 5, 10, 9}, {1, 2, 4, 6, 11, 10}, {2, 3, 4, 7, 12, 11}, {3, 0, 4, 8, 9, 12}, {0, 3, 2, 1, 8, 7, 6, 5}};
 const Faces kTri3 = {{0, 1, 2}};
 const Faces kTri6 = {{0, 1, 2, 3, 4, 5}};
 const Faces kQuad4 = {{0, 1, 2, 3}};
@@ -34,25 +35,40 @@ const Faces kNone = {};
 
 const Faces& element_faces(ElementShape shape) {
   switch (shape) {
-    case ElementShape::Hex8: return kHex8;
+    case ElementShape::Hex8:
+      return kHex8;
     case ElementShape::Hex20:
-    case ElementShape::Hex27: return kHex20;  // the face-centre nodes of a hex27 are left out: they may be in any order
-    case ElementShape::Penta6: return kPenta6;
-    case ElementShape::Penta15: return kPenta15;
+    case ElementShape::Hex27:
+      return kHex20;  // the face-centre nodes of a hex27 are left out: they may be in any order
+    case ElementShape::Penta6:
+      return kPenta6;
+    case ElementShape::Penta15:
+      return kPenta15;
     case ElementShape::Tet4:
-    case ElementShape::Tet5: return kTet4;
+    case ElementShape::Tet5:
+      return kTet4;
     case ElementShape::Tet10:
-    case ElementShape::Tet15: return kTet10;
-    case ElementShape::Tet20: return kTet4;  // corners only: a cubic face is taken as its flat triangle
-    case ElementShape::Pyra5: return kPyra5;
-    case ElementShape::Pyra13: return kPyra13;
-    case ElementShape::Tri3: return kTri3;
-    case ElementShape::Tri6: return kTri6;
-    case ElementShape::Quad4: return kQuad4;
-    case ElementShape::Quad8: return kQuad8;
-    case ElementShape::Quad9: return kQuad9;
+    case ElementShape::Tet15:
+      return kTet10;
+    case ElementShape::Tet20:
+      return kTet4;  // corners only: a cubic face is taken as its flat triangle
+    case ElementShape::Pyra5:
+      return kPyra5;
+    case ElementShape::Pyra13:
+      return kPyra13;
+    case ElementShape::Tri3:
+      return kTri3;
+    case ElementShape::Tri6:
+      return kTri6;
+    case ElementShape::Quad4:
+      return kQuad4;
+    case ElementShape::Quad8:
+      return kQuad8;
+    case ElementShape::Quad9:
+      return kQuad9;
     case ElementShape::Line2:
-    case ElementShape::Line3: return kNone;
+    case ElementShape::Line3:
+      return kNone;
   }
   assert(false);
   return kNone;
@@ -63,11 +79,14 @@ int facet_corners(int facet_nodes) {
     case 3:
     case 6:
     case 7:
-    case 10: return 3;
+    case 10:
+      return 3;
     case 4:
     case 8:
-    case 9: return 4;
-    default: return 0;
+    case 9:
+      return 4;
+    default:
+      return 0;
   }
 }
 
@@ -100,7 +119,9 @@ std::vector<std::array<int, 3>> split_facet(const int* f, int facet_nodes, const
     case 10:  // cubic: flat through its corners
       out.push_back({f[0], f[1], f[2]});
       break;
-    case 4: split_quad({f[0], f[1], f[2], f[3]}, x, out); break;
+    case 4:
+      split_quad({f[0], f[1], f[2], f[3]}, x, out);
+      break;
     case 6:
       out = {{f[0], f[3], f[5]}, {f[3], f[1], f[4]}, {f[5], f[4], f[2]}, {f[3], f[4], f[5]}};
       break;
@@ -117,7 +138,8 @@ std::vector<std::array<int, 3>> split_facet(const int* f, int facet_nodes, const
     case 9:
       for (int k = 0; k < 4; ++k) split_quad({f[k], f[4 + k], f[8], f[4 + (k + 3) % 4]}, x, out);
       break;
-    default: assert(false);
+    default:
+      assert(false);
   }
   return out;
 }

@@ -1,12 +1,12 @@
 #include "equilibrium.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
-
-#include <Eigen/Dense>
-#include <fmt/format.h>
 
 namespace dea {
 
@@ -39,16 +39,17 @@ Matrix3d orthonormal(const Matrix3d& r) { return Eigen::Quaterniond(r).normalize
 
 // ---- forces at one set of poses ---------------------------------------------------------------------------------
 
-/// Everything known at one set of poses. Vectors over all dofs of all bodies, 6 per body; forces are those ON the bodies.
+/// Everything known at one set of poses. Vectors over all dofs of all bodies, 6 per body; forces are those ON the
+/// bodies.
 struct Evaluation {
   std::vector<Pose> poses;
   std::vector<SpringStates> springs;       // per contact
   std::vector<Vector6> contact_on_target;  // per contact
   std::vector<double> ligament_force;
-  VectorXd contact, ligaments, external;   // 6 per body
-  MatrixXd derivative;                     // of their sum
-  double normal_force = 0.0;               // sum of p A over all contacts
-  double load = 0.0;                       // scale of all forces: the largest of external, ligament, contact
+  VectorXd contact, ligaments, external;  // 6 per body
+  MatrixXd derivative;                    // of their sum
+  double normal_force = 0.0;              // sum of p A over all contacts
+  double load = 0.0;                      // scale of all forces: the largest of external, ligament, contact
   VectorXd residual() const { return contact + ligaments + external; }
 };
 
@@ -56,9 +57,9 @@ struct Problem {
   const Joint& joint;
   const SpringBeds& beds;
   const LoadCase& conditions;
-  std::vector<int> free;   // dof numbers 6 * body + k
-  VectorXd scale;          // per free dof: 1 for translations, length for rotations
-  VectorXd offset;         // per dof: part of the load held back (continuation)
+  std::vector<int> free;  // dof numbers 6 * body + k
+  VectorXd scale;         // per free dof: 1 for translations, length for rotations
+  VectorXd offset;        // per dof: part of the load held back (continuation)
   int casts = 0;
 };
 
@@ -78,7 +79,8 @@ void add_ligament(const Ligament& l, const Joint& joint, Evaluation& e, std::siz
   e.ligaments.segment<3>(a + 3) += arm_a.cross(f);
   e.ligaments.segment<3>(b) -= f;
   e.ligaments.segment<3>(b + 3) -= arm_b.cross(f);
-  const Matrix3d K = l.stiffness * ((1 - l.free_length / L) * Matrix3d::Identity() + l.free_length / (L * L * L) * c * c.transpose());
+  const Matrix3d K =
+      l.stiffness * ((1 - l.free_length / L) * Matrix3d::Identity() + l.free_length / (L * L * L) * c * c.transpose());
   // dc = dv_b - [arm_b]x w_b - dv_a + [arm_a]x w_a
   Eigen::Matrix<double, 3, 12> dc;
   dc << -Matrix3d::Identity(), skew(arm_a), Matrix3d::Identity(), -skew(arm_b);
@@ -139,7 +141,8 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
     e.external.segment<3>(k) = force;
     e.external.segment<3>(k + 3) = c.dead.tail<3>() + R * c.follower.tail<3>() + arm.cross(force);
     e.derivative.block<3, 3>(k, k + 3) -= skew(follower);
-    e.derivative.block<3, 3>(k + 3, k + 3) += skew(force) * skew(arm) - skew(arm) * skew(follower) - skew(R * c.follower.tail<3>());
+    e.derivative.block<3, 3>(k + 3, k + 3) +=
+        skew(force) * skew(arm) - skew(arm) * skew(follower) - skew(R * c.follower.tail<3>());
     // what pulls at a held body is no measure of the balance of the others
     if (std::count(c.dofs.begin(), c.dofs.end(), DofState::Free) > 0)
       e.load = std::max({e.load, force.norm(), e.external.segment<3>(k + 3).norm() / problem.beds.length});
@@ -151,7 +154,8 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
 VectorXd scaled_residual(const Problem& problem, const Evaluation& e) {
   const VectorXd all = e.residual() - problem.offset;
   VectorXd r(problem.free.size());
-  for (std::size_t i = 0; i < problem.free.size(); ++i) r[static_cast<Eigen::Index>(i)] = all[problem.free[i]] / problem.scale[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    r[static_cast<Eigen::Index>(i)] = all[problem.free[i]] / problem.scale[static_cast<Eigen::Index>(i)];
   return r;
 }
 
@@ -161,14 +165,16 @@ MatrixXd scaled_stiffness(const Problem& problem, const Evaluation& e) {
   MatrixXd K(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j)
-      K(i, j) = -e.derivative(problem.free[static_cast<std::size_t>(i)], problem.free[static_cast<std::size_t>(j)]) / (problem.scale[i] * problem.scale[j]);
+      K(i, j) = -e.derivative(problem.free[static_cast<std::size_t>(i)], problem.free[static_cast<std::size_t>(j)]) /
+                (problem.scale[i] * problem.scale[j]);
   return K;
 }
 
 /// Poses after a small motion of the free dofs (scaled).
 std::vector<Pose> moved(const Problem& problem, const std::vector<Pose>& poses, const VectorXd& motion) {
   VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(poses.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i) all[problem.free[i]] = motion[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    all[problem.free[i]] = motion[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
   std::vector<Pose> result = poses;
   for (std::size_t b = 0; b < poses.size(); ++b) {
     const auto k = 6 * static_cast<Eigen::Index>(b);
@@ -187,14 +193,15 @@ double surface_motion(const Problem& problem, const VectorXd& motion) {
     const double x = motion[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
     (problem.free[i] % 6 < 3 ? v2 : w2)[at(problem.free[i] / 6)] += x * x;
   }
-  for (std::size_t b = 0; b < v2.size(); ++b) largest = std::max(largest, std::sqrt(v2[b]) + std::sqrt(w2[b]) * problem.beds.reach);
+  for (std::size_t b = 0; b < v2.size(); ++b)
+    largest = std::max(largest, std::sqrt(v2[b]) + std::sqrt(w2[b]) * problem.beds.reach);
   return largest;
 }
 
 // ---- flat directions ---------------------------------------------------------------------------------------------
 
-/// How much of the stiffness and of the force that a direction of motion feels is only the roughness of the facets: with
-/// the normals in use against normals averaged at the vertices (E6).
+/// How much of the stiffness and of the force that a direction of motion feels is only the roughness of the facets:
+/// with the normals in use against normals averaged at the vertices (E6).
 struct FacetNoise {
   double stiffness = 0.0;
   double force = 0.0;
@@ -202,7 +209,8 @@ struct FacetNoise {
 
 FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
   VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i) all[problem.free[i]] = direction[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    all[problem.free[i]] = direction[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
   double products = 0.0, crossed = 0.0, sum = 0.0, sum2 = 0.0;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
@@ -219,14 +227,16 @@ FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const Vector
       const auto& tri_t = mesh_t.triangles[at(s.triangle[k])];
       Vector3d n = Vector3d::Zero(), m = Vector3d::Zero();
       for (std::size_t j = 0; j < 3; ++j) {
-        n += (bed.springs.weights[k][0][j] + bed.springs.weights[k][1][j] + bed.springs.weights[k][2][j]) / 3.0 * mesh_s.vertex_normals[at(tri_s[j])];
+        n += (bed.springs.weights[k][0][j] + bed.springs.weights[k][1][j] + bed.springs.weights[k][2][j]) / 3.0 *
+             mesh_s.vertex_normals[at(tri_s[j])];
         m += s.end_weights[k][j] * mesh_t.vertex_normals[at(tri_t[j])];
       }
       n = source.rotation * n.normalized();
       m = target.rotation * m.normalized();
       const Vector3d relative = v_t + w_t.cross(s.foot[k] - target.center) - v_s - w_s.cross(s.foot[k] - source.center);
       // the normal that the gap's derivative sees: of the facet, or of the smooth surface it stands for
-      const Vector3d seen = (s.normal[k] - target.rotation * bulge_gradient(mesh_t, s.triangle[k], s.end_weights[k])).normalized();
+      const Vector3d seen =
+          (s.normal[k] - target.rotation * bulge_gradient(mesh_t, s.triangle[k], s.end_weights[k])).normalized();
       const double smooth_force = n.dot(relative), rough_force = s.direction[k].dot(relative) - smooth_force;
       const double smooth_rate = m.dot(relative), rough_rate = seen.dot(relative) - smooth_rate;
       const double stiffness = s.per_overlap[k] * s.area[k];
@@ -249,9 +259,12 @@ std::string direction_in_words(const Problem& problem, const VectorXd& direction
     if (u.norm() < 0.3) continue;
     const Vector3d v = u.head<3>(), w = u.tail<3>();
     if (!text.empty()) text += " with ";
-    if (w.norm() > 0.3) text += fmt::format("rotation of \"{}\" about ({:.3f}, {:.3f}, {:.3f})", problem.joint.bodies[b].name, w.x() / w.norm(), w.y() / w.norm(), w.z() / w.norm());
+    if (w.norm() > 0.3)
+      text += fmt::format("rotation of \"{}\" about ({:.3f}, {:.3f}, {:.3f})", problem.joint.bodies[b].name,
+                          w.x() / w.norm(), w.y() / w.norm(), w.z() / w.norm());
     if (v.norm() > 0.3)
-      text += fmt::format("{} of \"{}\" along ({:.3f}, {:.3f}, {:.3f})", w.norm() > 0.3 ? " and translation" : "translation", problem.joint.bodies[b].name,
+      text += fmt::format("{} of \"{}\" along ({:.3f}, {:.3f}, {:.3f})",
+                          w.norm() > 0.3 ? " and translation" : "translation", problem.joint.bodies[b].name,
                           v.x() / v.norm(), v.y() / v.norm(), v.z() / v.norm());
   }
   return text.empty() ? "a combined motion" : text;
@@ -263,7 +276,8 @@ struct Directions {
   VectorXd drift;              // residual along the flat directions that are loaded
   VectorXd residual;           // residual without the flat directions that are held
   std::vector<VectorXd> held;  // flat, and their residual about zero
-  MatrixXd given_up;           // orthonormal: the components of the residual that are not asked to vanish, one per held direction
+  MatrixXd
+      given_up;  // orthonormal: the components of the residual that are not asked to vanish, one per held direction
   double least_stiffness = kNaN;
 };
 
@@ -308,8 +322,8 @@ Directions take_apart(const Problem& problem, const Evaluation& e, const VectorX
     const double along = v.dot(r);
     if (std::abs(along) <= std::max(1e-7 * e.load, patience * noise.force)) {
       d.held.push_back(v);
-      // A rotation about a point off the centre of mass has a translation in it. Give up the moment alone, so that forces
-      // balance to the last digit.
+      // A rotation about a point off the centre of mass has a translation in it. Give up the moment alone, so that
+      // forces balance to the last digit.
       VectorXd moment = u;
       for (Eigen::Index i = 0; i < n; ++i)
         if (problem.free[static_cast<std::size_t>(i)] % 6 < 3) moment[i] = 0.0;
@@ -364,10 +378,12 @@ double too_deep_area(const Problem& problem, const Evaluation& e) {
   return area;
 }
 
-/// How far along `direction` (scaled motion of the free dofs) the first spring closes, to first order: infinity if none does.
+/// How far along `direction` (scaled motion of the free dofs) the first spring closes, to first order: infinity if none
+/// does.
 double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
   VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i) all[problem.free[i]] = direction[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    all[problem.free[i]] = direction[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
   double first = kInfinity;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
@@ -410,7 +426,8 @@ Search advance(Problem& problem, Evaluation e, VectorXd direction) {
   double depth = 1e-3 * cap;
   for (int i = 0; i < 12; ++i) {
     VectorXd contact(problem.free.size());
-    for (std::size_t j = 0; j < problem.free.size(); ++j) contact[static_cast<Eigen::Index>(j)] = e.contact[problem.free[j]] / problem.scale[static_cast<Eigen::Index>(j)];
+    for (std::size_t j = 0; j < problem.free.size(); ++j)
+      contact[static_cast<Eigen::Index>(j)] = e.contact[problem.free[j]] / problem.scale[static_cast<Eigen::Index>(j)];
     const double resisting = -direction.dot(contact);
     const double left = direction.dot(scaled_residual(problem, e));
     if (left <= 0.3 * (left + resisting) || driving <= 0) break;
@@ -435,7 +452,8 @@ Search back_out(Problem& problem, Evaluation e) {
       for (int k = 0; k < s.size(); ++k) {
         if (!s.too_deep[at(k)]) continue;
         const Vector3d f = bed.springs.area[at(k)] * s.direction[at(k)];
-        const Vector3d arm_t = s.foot[at(k)] - e.poses[at(bed.target_body)].center, arm_s = s.foot[at(k)] - e.poses[at(bed.source_body)].center;
+        const Vector3d arm_t = s.foot[at(k)] - e.poses[at(bed.target_body)].center,
+                       arm_s = s.foot[at(k)] - e.poses[at(bed.source_body)].center;
         push.segment<3>(6 * bed.target_body) += f;
         push.segment<3>(6 * bed.target_body + 3) += arm_t.cross(f);
         push.segment<3>(6 * bed.source_body) -= f;
@@ -444,7 +462,8 @@ Search back_out(Problem& problem, Evaluation e) {
       }
     }
     VectorXd direction(problem.free.size());
-    for (std::size_t j = 0; j < problem.free.size(); ++j) direction[static_cast<Eigen::Index>(j)] = push[problem.free[j]] / problem.scale[static_cast<Eigen::Index>(j)];
+    for (std::size_t j = 0; j < problem.free.size(); ++j)
+      direction[static_cast<Eigen::Index>(j)] = push[problem.free[j]] / problem.scale[static_cast<Eigen::Index>(j)];
     const double unit = surface_motion(problem, direction);
     if (unit <= 0) break;
     e = evaluate(problem, moved(problem, e.poses, (0.5 * depth / unit) * direction));
@@ -476,8 +495,10 @@ bool to_one_spring(const Evaluation& e, double size, Solution& solution) {
   const double one = largest_spring_force(e);
   if (!(size <= one && size <= 0.01 * e.load)) return false;
   solution.outcome = Outcome::BalancedToOneSpring;
-  solution.message = fmt::format("unbalanced force is {:.2e} of the load, less than one spring carries ({:.2e}); it cannot fall further on this mesh",
-                                 size / e.load, one / e.load);
+  solution.message = fmt::format(
+      "unbalanced force is {:.2e} of the load, less than one spring carries ({:.2e}); it cannot fall further on this "
+      "mesh",
+      size / e.load, one / e.load);
   return true;
 }
 
@@ -488,7 +509,8 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
   int drifts = 0, advances = 0;
   const auto travelled = [&](const Evaluation& now) {
     double largest = 0.0;
-    for (std::size_t b = 0; b < started.size(); ++b) largest = std::max(largest, (now.poses[b].center - started[b].center).norm());
+    for (std::size_t b = 0; b < started.size(); ++b)
+      largest = std::max(largest, (now.poses[b].center - started[b].center).norm());
     return largest;
   };
   for (;;) {
@@ -499,33 +521,38 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     solution.history.push_back(e.load > 0 ? size / e.load : 0.0);
     if (size <= options.tolerance * e.load) {
       solution.outcome = Outcome::Balanced;
-      solution.message = fmt::format("balanced to {:.1e} of the load in {} iterations", e.load > 0 ? size / e.load : 0.0, solution.iterations);
+      solution.message = fmt::format("balanced to {:.1e} of the load in {} iterations",
+                                     e.load > 0 ? size / e.load : 0.0, solution.iterations);
       solution.at = std::move(e);
       solution.directions = std::move(d);
       return solution;
     }
     if (solution.iterations >= options.max_iterations) {
       if (to_one_spring(e, size, solution)) break;
-      solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations", size / e.load, solution.iterations);
+      solution.message =
+          fmt::format("unbalanced force is {:.2e} of the load after {} iterations", size / e.load, solution.iterations);
       break;
     }
     ++solution.iterations;
 
     const double drift = d.drift.norm();
     if (drift > options.tolerance * e.load && drift >= 0.5 * size) {
-      // Nothing resists the load in some direction: without contact go to first touch, with contact follow it for a while.
+      // Nothing resists the load in some direction: without contact go to first touch, with contact follow it for a
+      // while.
       if (!touching(e)) {
         Search s = advances++ < 3 ? advance(problem, std::move(e), d.drift) : Search{false, std::move(e)};
         e = std::move(s.at);
         if (s.found) continue;
         solution.outcome = Outcome::SurfacesApart;
-        solution.message = fmt::format("the load moves the surfaces apart: no spring closes along it (moved {:.3g} so far)", travelled(e));
+        solution.message = fmt::format(
+            "the load moves the surfaces apart: no spring closes along it (moved {:.3g} so far)", travelled(e));
         break;
       }
       if (++drifts > 45) {
         solution.outcome = Outcome::NoEquilibrium;
-        solution.message = fmt::format("{:.3g} of the load acts along {}, which nothing resists (moved {:.3g} along it)", drift / e.load,
-                                       direction_in_words(problem, d.drift / drift), travelled(e));
+        solution.message =
+            fmt::format("{:.3g} of the load acts along {}, which nothing resists (moved {:.3g} along it)",
+                        drift / e.load, direction_in_words(problem, d.drift / drift), travelled(e));
         break;
       }
       VectorXd step = d.newton;
@@ -563,10 +590,12 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     }
     if (moved_on) continue;
     if (!to_one_spring(e, size, solution))
-      solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations and no step lowers it", size / e.load, solution.iterations);
+      solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations and no step lowers it",
+                                     size / e.load, solution.iterations);
     break;
   }
-  solution.directions = take_apart(problem, e, scaled_residual(problem, e), 1.0 + 0.1 * std::max(0, solution.iterations - 12));
+  solution.directions =
+      take_apart(problem, e, scaled_residual(problem, e), 1.0 + 0.1 * std::max(0, solution.iterations - 12));
   solution.at = std::move(e);
   return solution;
 }
@@ -582,7 +611,8 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   Solution direct = newton(problem, std::move(e), options);
   if (direct.outcome != Outcome::NotConverged) return direct;
   // Continuation: what is out of balance at the start is held back and released piece by piece.
-  Evaluation from = evaluate(problem, poses);  // a copy, kept for this rare case, would be as large as the springs' states
+  Evaluation from =
+      evaluate(problem, poses);  // a copy, kept for this rare case, would be as large as the springs' states
   const VectorXd all = from.residual();
   double done = 0.0, piece = 0.25;
   int iterations = direct.iterations;
@@ -638,8 +668,9 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
   }
   if (beyond > 0 && solved(result.outcome)) {
     result.outcome = Outcome::BeyondStrainLimit;
-    result.message = fmt::format("{} springs are strained beyond {} (largest {}{:.3g}): the surfaces pass too far into each other", beyond, kStrainLimit,
-                                 largest >= 1 ? "at least " : "", largest);
+    result.message =
+        fmt::format("{} springs are strained beyond {} (largest {}{:.3g}): the surfaces pass too far into each other",
+                    beyond, kStrainLimit, largest >= 1 ? "at least " : "", largest);
   }
 }
 
@@ -653,13 +684,20 @@ Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase&
 
 const char* name(Outcome outcome) {
   switch (outcome) {
-    case Outcome::Prescribed: return "Prescribed";
-    case Outcome::Balanced: return "Balanced";
-    case Outcome::BalancedToOneSpring: return "BalancedToOneSpring";
-    case Outcome::SurfacesApart: return "SurfacesApart";
-    case Outcome::NoEquilibrium: return "NoEquilibrium";
-    case Outcome::NotConverged: return "NotConverged";
-    case Outcome::BeyondStrainLimit: return "BeyondStrainLimit";
+    case Outcome::Prescribed:
+      return "Prescribed";
+    case Outcome::Balanced:
+      return "Balanced";
+    case Outcome::BalancedToOneSpring:
+      return "BalancedToOneSpring";
+    case Outcome::SurfacesApart:
+      return "SurfacesApart";
+    case Outcome::NoEquilibrium:
+      return "NoEquilibrium";
+    case Outcome::NotConverged:
+      return "NotConverged";
+    case Outcome::BeyondStrainLimit:
+      return "BeyondStrainLimit";
   }
   assert(false);
   return "";
@@ -680,9 +718,12 @@ SpringBeds make_spring_beds(const Joint& joint, const Settings& settings) {
       const SurfaceExtent extent = surface_extent(layer.articular);
       area += extent.area;
       inertia += extent.area * extent.radius_of_gyration * extent.radius_of_gyration;
-      for (const Vector3d& x : layer.articular.vertices) beds.reach = std::max(beds.reach, (x - joint.bodies[at(layer.body)].center_of_mass).norm());
+      for (const Vector3d& x : layer.articular.vertices)
+        beds.reach = std::max(beds.reach, (x - joint.bodies[at(layer.body)].center_of_mass).norm());
       // a feather edge must not bring the steps to a halt
-      if (!layer.rigid) beds.least_thickness = std::min(beds.least_thickness, std::max(layer.min_thickness(), 0.1 * layer.mean_thickness()));
+      if (!layer.rigid)
+        beds.least_thickness =
+            std::min(beds.least_thickness, std::max(layer.min_thickness(), 0.1 * layer.mean_thickness()));
     }
   }
   beds.length = area > 0 ? std::sqrt(inertia / area) : 1.0;
@@ -695,7 +736,8 @@ std::vector<Pose> reference_poses(const Joint& joint) {
   return poses;
 }
 
-Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions, const std::vector<Pose>& poses) {
+Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
+                     const std::vector<Pose>& poses) {
   Problem problem = make_problem(joint, beds, conditions);
   Equilibrium result;
   result.outcome = Outcome::Prescribed;
@@ -705,8 +747,9 @@ Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
   return result;
 }
 
-Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions, const std::vector<Pose>& start,
-                              const std::vector<Pose>& step_start, const EquilibriumOptions& options) {
+Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
+                              const std::vector<Pose>& start, const std::vector<Pose>& step_start,
+                              const EquilibriumOptions& options) {
   std::vector<Pose> poses = start;
   Problem problem = make_problem(joint, beds, conditions);
   for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
@@ -714,18 +757,21 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
     Pose& pose = poses[at(b)];
     for (int k = 0; k < 3; ++k) {
       if (c.dofs[at(k)] != DofState::Prescribed) continue;
-      pose.center[k] = (c.relative[at(k)] ? step_start[at(b)].center[k] : joint.bodies[at(b)].center_of_mass[k]) + c.value[k];
+      pose.center[k] =
+          (c.relative[at(k)] ? step_start[at(b)].center[k] : joint.bodies[at(b)].center_of_mass[k]) + c.value[k];
     }
     const auto prescribed = std::find(c.dofs.begin() + 3, c.dofs.end(), DofState::Prescribed);
     if (prescribed != c.dofs.end()) {
       const bool relative = c.relative[static_cast<std::size_t>(prescribed - c.dofs.begin())];
-      pose.rotation = relative ? Matrix3d(rotation(c.value.tail<3>()) * step_start[at(b)].rotation) : rotation(c.value.tail<3>());
+      pose.rotation =
+          relative ? Matrix3d(rotation(c.value.tail<3>()) * step_start[at(b)].rotation) : rotation(c.value.tail<3>());
     }
     for (int k = 0; k < kDofs; ++k)
       if (c.dofs[at(k)] == DofState::Free) problem.free.push_back(6 * b + k);
   }
   problem.scale.resize(static_cast<Eigen::Index>(problem.free.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i) problem.scale[static_cast<Eigen::Index>(i)] = problem.free[i] % 6 < 3 ? 1.0 : beds.length;
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    problem.scale[static_cast<Eigen::Index>(i)] = problem.free[i] % 6 < 3 ? 1.0 : beds.length;
 
   Equilibrium result;
   if (problem.free.empty()) {
@@ -744,7 +790,9 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
     // a body that is neither loaded nor touched simply stays: said once by the caller
     if (loose && s.at.load == 0.0) continue;
     const double along = s.at.load > 0 ? std::abs(v.dot(r)) / s.at.load : 0.0;
-    result.held.push_back(direction_in_words(problem, v) + (along > 1e-6 ? fmt::format(" ({:.1e} of the load left along it: the facets' roughness)", along) : ""));
+    result.held.push_back(
+        direction_in_words(problem, v) +
+        (along > 1e-6 ? fmt::format(" ({:.1e} of the load left along it: the facets' roughness)", along) : ""));
   }
   fill(result, problem, std::move(s.at));
   return result;

@@ -38,12 +38,12 @@ SpringBeds make_spring_beds(const Joint& joint, const Settings& settings);
 
 struct Equilibrium {
   Outcome outcome = Outcome::NotConverged;
-  std::string message;                 ///< one sentence with the numbers behind the outcome
-  std::vector<Pose> poses;             ///< one per body
-  std::vector<SpringStates> springs;   ///< one per contact; empty states where the contact is not active
+  std::string message;                     ///< one sentence with the numbers behind the outcome
+  std::vector<Pose> poses;                 ///< one per body
+  std::vector<SpringStates> springs;       ///< one per contact; empty states where the contact is not active
   std::vector<Vector6> contact_on_target;  ///< per contact: force and moment about the target's current centre of mass
-  std::vector<Vector6> reaction;       ///< per body: force and moment of the joint upon whoever holds it, = minus (contact
-                                       ///  and ligament) force and moment: FEBio's `rigid force` and `rigid torque`
+  std::vector<Vector6> reaction;  ///< per body: force and moment of the joint upon whoever holds it, = minus (contact
+                                  ///  and ligament) force and moment: FEBio's `rigid force` and `rigid torque`
   std::vector<double> ligament_force;  ///< per ligament, tension > 0
   double residual_force = 0.0;         ///< over free dofs; NaN: no free translation
   double residual_moment = 0.0;        ///< over free dofs; NaN: no free rotation
@@ -52,8 +52,9 @@ struct Equilibrium {
   int casts = 0;                       ///< how often all rays were cast
   std::vector<double> history;         ///< scaled residual / load at each iterate
   std::vector<std::string> held;       ///< flat directions that were held, in words
-  double least_stiffness = 0.0;        ///< least eigenvalue of the symmetric part of the stiffness (translations and rotations
-                                       ///  times length), flat directions left out; < 0: unstable; NaN: nothing free
+  double least_stiffness =
+      0.0;  ///< least eigenvalue of the symmetric part of the stiffness (translations and rotations
+            ///  times length), flat directions left out; < 0: unstable; NaN: nothing free
 };
 
 /// Poses of all bodies at rest in their reference positions.
@@ -66,6 +67,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
                               const EquilibriumOptions& options = {});
 
 /// Everything at given poses, without solving: contact, ligaments, reactions. Outcome: Prescribed.
-Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case, const std::vector<Pose>& poses);
+Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
+                     const std::vector<Pose>& poses);
 
 }  // namespace dea

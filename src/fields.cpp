@@ -24,7 +24,8 @@ FieldMaps::LayerMap make_layer_map(const JointModel& model, const Layer& layer, 
     map.facet_area[at(mesh.facet[at(t)])] += mesh.areas[at(t)];
     for (int v : mesh.triangles[at(t)]) {
       auto& list = around[at(v)];
-      if (list.empty() || std::find(list.begin(), list.end(), mesh.facet[at(t)]) == list.end()) list.push_back(mesh.facet[at(t)]);
+      if (list.empty() || std::find(list.begin(), list.end(), mesh.facet[at(t)]) == list.end())
+        list.push_back(mesh.facet[at(t)]);
     }
   }
   map.articular_vertex_facet_begin.push_back(0);
@@ -54,7 +55,8 @@ FieldMaps::LayerMap make_layer_map(const JointModel& model, const Layer& layer, 
     const double to_articular = (position(mesh, map.node_to_articular[i]) - x).norm();
     const double to_bone = (position(layer.bone, bone.closest(x)) - x).norm();
     // a node that lies far beside the articular surface (a contact surface on part of the layer) does not move with it
-    const double between = to_bone + to_articular, local = interpolate(mesh, map.vertex_thickness, map.node_to_articular[i]);
+    const double between = to_bone + to_articular,
+                 local = interpolate(mesh, map.vertex_thickness, map.node_to_articular[i]);
     map.node_depth[i] = between > 0 && between < 1.5 * local ? to_bone / between : 0.0;
   });
   return map;
@@ -76,7 +78,8 @@ std::vector<double> vertex_average(const FieldMaps::LayerMap& map, const std::ve
 }
 
 /// Value per facet from values per vertex: mean over the facet of the linear interpolation.
-std::vector<double> facet_average(const SurfaceMesh& mesh, const FieldMaps::LayerMap& map, const std::vector<double>& vertex) {
+std::vector<double> facet_average(const SurfaceMesh& mesh, const FieldMaps::LayerMap& map,
+                                  const std::vector<double>& vertex) {
   std::vector<double> out(at(mesh.facets), 0.0);
   for (int t = 0; t < mesh.size(); ++t) {
     double mean = 0.0;
@@ -87,7 +90,8 @@ std::vector<double> facet_average(const SurfaceMesh& mesh, const FieldMaps::Laye
   return out;
 }
 
-/// Averages of spring values over the triangles of the surface they stand on, area-weighted (uncovered parts count as 0).
+/// Averages of spring values over the triangles of the surface they stand on, area-weighted (uncovered parts count as
+/// 0).
 struct SpringAverages {
   std::vector<double> pressure, overlap, strain, shortening;  // per triangle
   std::vector<double> gap;                                    // NaN where no spring of the triangle hit
@@ -117,7 +121,8 @@ SpringAverages average_springs(const SpringBed& bed, const SpringStates& s) {
   return a;
 }
 
-std::vector<double> triangles_to_facets(const SurfaceMesh& mesh, const FieldMaps::LayerMap& map, const std::vector<double>& triangle) {
+std::vector<double> triangles_to_facets(const SurfaceMesh& mesh, const FieldMaps::LayerMap& map,
+                                        const std::vector<double>& triangle) {
   std::vector<double> out(at(mesh.facets), 0.0);
   for (int t = 0; t < mesh.size(); ++t) out[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * triangle[at(t)];
   for (std::size_t f = 0; f < out.size(); ++f) out[f] = map.facet_area[f] > 0 ? out[f] / map.facet_area[f] : 0.0;
@@ -150,15 +155,18 @@ std::vector<std::array<double, 3>> part_centroids(int divide) {
   for (int i = 0; i < divide; ++i) {
     for (int j = 0; i + j < divide; ++j) {
       parts.push_back({(divide - i - j - 2 * third) / divide, (i + third) / divide, (j + third) / divide});
-      if (i + j + 2 <= divide) parts.push_back({(divide - i - j - 4 * third) / divide, (i + 2 * third) / divide, (j + 2 * third) / divide});
+      if (i + j + 2 <= divide)
+        parts.push_back({(divide - i - j - 4 * third) / divide, (i + 2 * third) / divide, (j + 2 * third) / divide});
     }
   }
   return parts;
 }
 
-Vector3d map_resultant(const SurfaceMesh& mesh, const std::vector<double>& facet_pressure, const Eigen::Matrix3d& rotation) {
+Vector3d map_resultant(const SurfaceMesh& mesh, const std::vector<double>& facet_pressure,
+                       const Eigen::Matrix3d& rotation) {
   Vector3d sum = Vector3d::Zero();
-  for (int t = 0; t < mesh.size(); ++t) sum -= facet_pressure[at(mesh.facet[at(t)])] * mesh.areas[at(t)] * mesh.normals[at(t)];
+  for (int t = 0; t < mesh.size(); ++t)
+    sum -= facet_pressure[at(mesh.facet[at(t)])] * mesh.areas[at(t)] * mesh.normals[at(t)];
   return rotation * sum;
 }
 
@@ -177,14 +185,16 @@ FieldMaps make_field_maps(const JointModel& model, const Joint& joint) {
   FieldMaps maps;
   for (const ContactPair& pair : joint.contacts) {
     RayCaster primary(pair.layers[0].articular), secondary(pair.layers[1].articular);
-    FieldMaps::ContactMap map{{make_layer_map(model, pair.layers[0], primary), make_layer_map(model, pair.layers[1], secondary)},
-                              {std::move(primary), std::move(secondary)}};
+    FieldMaps::ContactMap map{
+        {make_layer_map(model, pair.layers[0], primary), make_layer_map(model, pair.layers[1], secondary)},
+        {std::move(primary), std::move(secondary)}};
     maps.contacts.push_back(std::move(map));
   }
   return maps;
 }
 
-std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps, const Equilibrium& e) {
+std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
+                                          const Equilibrium& e) {
   std::vector<ContactFields> all;
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const ContactPair& pair = joint.contacts[c];
@@ -222,7 +232,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
 
     // Source side. Articular springs: facets carry their springs' force. Bone springs: closest-point projection with
     // linear interpolation [Abraham et al. 2013, 2.4].
-    std::vector<double> v_pressure, v_overlap, v_target_strain, v_target_shortening;  // bone springs: per articular vertex of the source
+    std::vector<double> v_pressure, v_overlap, v_target_strain,
+        v_target_shortening;  // bone springs: per articular vertex of the source
     if (source.springs_at == SpringsAt::Articular) {
       on_source.pressure = triangles_to_facets(source.articular, map.layers[s], averages.pressure);
       on_source.overlap = triangles_to_facets(source.articular, map.layers[s], averages.overlap);
@@ -235,7 +246,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
         const std::vector<double> bone_vertex = triangles_to_vertices(bone, per_triangle);
         if (source.rigid) return bone_vertex;  // the bone surface is the articular surface
         std::vector<double> out(source.articular.vertices.size());
-        for (std::size_t v = 0; v < out.size(); ++v) out[v] = interpolate(bone, bone_vertex, map.layers[s].articular_to_bone[v]);
+        for (std::size_t v = 0; v < out.size(); ++v)
+          out[v] = interpolate(bone, bone_vertex, map.layers[s].articular_to_bone[v]);
         return out;
       };
       v_pressure = project(averages.pressure);
@@ -249,13 +261,17 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       on_source.strain = facet_average(source.articular, map.layers[s], project(averages.strain));
     }
 
-    // Joint space: along the normals of each side's own facets to the other side; no hit: closest distance. Each triangle is
-    // sampled at the centroids of `divide`^2 parts, so that facets much coarser than the other side's miss nothing.
-    const auto space = [&](int from, int to, const Pose& from_pose, const Pose& to_pose, int divide, std::vector<SurfacePoint>* feet, std::vector<double>* gaps, std::vector<double>* along) {
+    // Joint space: along the normals of each side's own facets to the other side; no hit: closest distance. Each
+    // triangle is sampled at the centroids of `divide`^2 parts, so that facets much coarser than the other side's miss
+    // nothing.
+    const auto space = [&](int from, int to, const Pose& from_pose, const Pose& to_pose, int divide,
+                           std::vector<SurfacePoint>* feet, std::vector<double>* gaps, std::vector<double>* along) {
       const SurfaceMesh& mesh = pair.layers[from].articular;
-      const Vector3d from_center = joint.bodies[at(pair.layers[from].body)].center_of_mass, to_center = joint.bodies[at(pair.layers[to].body)].center_of_mass;
+      const Vector3d from_center = joint.bodies[at(pair.layers[from].body)].center_of_mass,
+                     to_center = joint.bodies[at(pair.layers[to].body)].center_of_mass;
       const Eigen::Matrix3d R = to_pose.rotation.transpose() * from_pose.rotation;
-      const Vector3d shift = to_center + to_pose.rotation.transpose() * (from_pose.center - to_pose.center - from_pose.rotation * from_center);
+      const Vector3d shift = to_center + to_pose.rotation.transpose() *
+                                             (from_pose.center - to_pose.center - from_pose.rotation * from_center);
       const double deep = pair.layers[0].max_thickness() + pair.layers[1].max_thickness();
       const std::vector<std::array<double, 3>> parts = part_centroids(divide);
       feet->assign(mesh.triangles.size() * parts.size(), SurfacePoint{});
@@ -269,7 +285,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
           const Vector3d x = R * position(mesh, {i, parts[k]}) + shift;
           const LineHit hit = map.articular[to].nearest_facing(x, n, -4 * deep, -deep, kInfinity);
           if (hit.point.triangle < 0) continue;
-          const double gap = hit.distance - bulge_height(mesh, i, parts[k]) - bulge_height(pair.layers[to].articular, hit.point.triangle, hit.point.weights);
+          const double gap = hit.distance - bulge_height(mesh, i, parts[k]) -
+                             bulge_height(pair.layers[to].articular, hit.point.triangle, hit.point.weights);
           (*feet)[at(i) * parts.size() + k] = hit.point;
           (*gaps)[at(i) * parts.size() + k] = gap;
           sum += gap;
@@ -289,7 +306,9 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       // the springs know it already; only where none hit is the closest point asked
       along = averages.gap;
       const Eigen::Matrix3d R = target_pose.rotation.transpose() * source_pose.rotation;
-      const Vector3d shift = bed.target_center + target_pose.rotation.transpose() * (source_pose.center - target_pose.center - source_pose.rotation * bed.source_center);
+      const Vector3d shift =
+          bed.target_center + target_pose.rotation.transpose() *
+                                  (source_pose.center - target_pose.center - source_pose.rotation * bed.source_center);
       tbb::parallel_for(0, source.articular.size(), [&](int i) {
         if (!std::isnan(along[at(i)])) return;
         const Vector3d x = R * source.articular.centroid(i) + shift;
@@ -301,11 +320,13 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
     on_source.joint_space = triangles_to_facets(source.articular, map.layers[s], along);
 
     // Target side, where its own normals meet the source.
-    const int divide = std::clamp(static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
+    const int divide = std::clamp(
+        static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
     space(t, s, target_pose, source_pose, divide, &feet, &gaps, &along);
     on_target.joint_space = triangles_to_facets(target.articular, map.layers[t], along);
     const std::size_t parts = feet.size() / std::max<std::size_t>(1, target.articular.triangles.size());
-    std::vector<double> pressure(target.articular.triangles.size(), 0.0), overlap = pressure, strain = pressure, shortening = pressure;
+    std::vector<double> pressure(target.articular.triangles.size(), 0.0), overlap = pressure, strain = pressure,
+                                                                          shortening = pressure;
     const std::vector<std::array<double, 3>> samples = part_centroids(divide);
     for (std::size_t i = 0; i < feet.size(); ++i) {
       if (feet[i].triangle < 0) continue;
@@ -319,7 +340,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       } else if (contact_active && gaps[i] < 0) {
         // the law at the target's own overlap: nothing of the source's facets is smeared over the target's
         const double t_s = interpolate(source.articular, source.thickness, feet[i]);
-        const double t_t = interpolate(target.articular, target.thickness, {static_cast<int>(triangle), samples[i % parts]});
+        const double t_t =
+            interpolate(target.articular, target.thickness, {static_cast<int>(triangle), samples[i % parts]});
         if (gaps[i] <= -(t_s + t_t)) continue;
         const SpringResponse r = spring_response(bed.law, source.elasticity, target.elasticity, t_s, t_t, -gaps[i]);
         pressure[triangle] += share * r.pressure;
@@ -344,7 +366,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
 double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b] || (values[a] == values[b] && a < b); });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return values[a] < values[b] || (values[a] == values[b] && a < b); });
   double total = 0.0;
   for (double w : weights) total += w;
   if (order.empty() || !(total > 0)) return kNaN;
@@ -354,7 +377,8 @@ double weighted_percentile(const std::vector<double>& values, const std::vector<
     const double middle = below + 0.5 * weights[order[i]];
     if (middle >= wanted) {
       if (i == 0 || middle <= previous_middle) return values[order[i]];
-      return previous_value + (values[order[i]] - previous_value) * (wanted - previous_middle) / (middle - previous_middle);
+      return previous_value +
+             (values[order[i]] - previous_value) * (wanted - previous_middle) / (middle - previous_middle);
     }
     below += weights[order[i]];
     previous_middle = middle;
@@ -363,7 +387,8 @@ double weighted_percentile(const std::vector<double>& values, const std::vector<
   return values[order.back()];
 }
 
-std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e, const std::vector<ContactFields>& fields) {
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
+                                                  const std::vector<ContactFields>& fields) {
   std::vector<ContactStatistics> all;
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const ContactPair& pair = joint.contacts[c];
@@ -402,7 +427,8 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     for (double p : source.vertex_pressure)
       if (p > 0) nodal.push_back(p);
     stats.nodal_peak = nodal.empty() ? kNaN : *std::max_element(nodal.begin(), nodal.end());
-    stats.nodal_mean = nodal.empty() ? kNaN : std::accumulate(nodal.begin(), nodal.end(), 0.0) / static_cast<double>(nodal.size());
+    stats.nodal_mean =
+        nodal.empty() ? kNaN : std::accumulate(nodal.begin(), nodal.end(), 0.0) / static_cast<double>(nodal.size());
     stats.nodal_median = weighted_percentile(nodal, std::vector<double>(nodal.size(), 1.0), 0.5);
     double facet_peak = 0.0;
     for (double p : source.pressure) facet_peak = std::max(facet_peak, p);
@@ -415,8 +441,8 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
   return all;
 }
 
-std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps, const Equilibrium& e,
-                                         const std::vector<ContactFields>& fields, bool squash) {
+std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps,
+                                         const Equilibrium& e, const std::vector<ContactFields>& fields, bool squash) {
   std::vector<Vector3d> u(model.nodes.size(), Vector3d::Zero());
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const int b = joint.node_body[i];
@@ -435,7 +461,8 @@ std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& j
         const double shortening = interpolate(layer.articular, fields[c].sides[side].vertex_shortening, p);
         if (shortening <= 0) continue;
         Vector3d normal = Vector3d::Zero();
-        for (std::size_t k = 0; k < 3; ++k) normal += p.weights[k] * layer.articular.vertex_normals[at(layer.articular.triangles[at(p.triangle)][k])];
+        for (std::size_t k = 0; k < 3; ++k)
+          normal += p.weights[k] * layer.articular.vertex_normals[at(layer.articular.triangles[at(p.triangle)][k])];
         u[at(layer.region_nodes[i])] -= map.node_depth[i] * shortening * (pose.rotation * normal.normalized());
       }
     }

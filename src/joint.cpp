@@ -1,13 +1,13 @@
 #include "joint.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
 #include <unordered_map>
-
-#include <fmt/format.h>
 
 #include "bodies.h"
 #include "element_faces.h"
@@ -59,13 +59,13 @@ using FaceMap = std::unordered_map<CornerKey, std::vector<ElementFace>, KeyHash>
 struct Recognition {
   const JointModel& model;
   const Settings& settings;
-  std::vector<char> rigid;     // per material
+  std::vector<char> rigid;  // per material
   Bodies bodies;
-  std::vector<int> region;     // per node: root node of its deformable region, -1: in no deformable solid element
-  FaceMap faces;               // element faces all of whose corners are nodes of a contact surface
-  std::map<int, std::map<int, std::string>> held;      // region root -> body -> how
-  std::vector<std::vector<int>> node_holders;          // per node: all bodies that hold it
-  std::vector<char> fixed;                             // per node: held by the ground in x, y and z
+  std::vector<int> region;  // per node: root node of its deformable region, -1: in no deformable solid element
+  FaceMap faces;            // element faces all of whose corners are nodes of a contact surface
+  std::map<int, std::map<int, std::string>> held;  // region root -> body -> how
+  std::vector<std::vector<int>> node_holders;      // per node: all bodies that hold it
+  std::vector<char> fixed;                         // per node: held by the ground in x, y and z
 };
 
 int surface_index(const JointModel& model, const std::string& name) {
@@ -204,7 +204,8 @@ void find_holders(Recognition& r) {
   r.node_holders.resize(model.nodes.size());
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const int b = r.bodies.of_node[i];
-    if (b >= 0) hold(r, static_cast<int>(i), b, fmt::format("shares nodes with rigid body \"{}\"", r.bodies.bodies[at(b)].name));
+    if (b >= 0)
+      hold(r, static_cast<int>(i), b, fmt::format("shares nodes with rigid body \"{}\"", r.bodies.bodies[at(b)].name));
   }
   for (const RigidNodes& set : model.rigid_nodes) {
     const int b = r.bodies.of_material[at(set.material)];
@@ -225,9 +226,9 @@ void find_holders(Recognition& r) {
     hold(r, static_cast<int>(i), r.bodies.ground(), "nodes fixed in x, y and z");
   }
 
-  // Tied contacts: a surface takes the body of the one it is tied to. Passes, for layers tied to layers: each decides from what was
-  // known before it, so that a layer tied to two bodies is held by both, whatever the order. Every pass but the last adds a
-  // body to a region, so there is an end.
+  // Tied contacts: a surface takes the body of the one it is tied to. Passes, for layers tied to layers: each decides
+  // from what was known before it, so that a layer tied to two bodies is held by both, whatever the order. Every pass
+  // but the last adds a body to a region, so there is an end.
   struct Tie {
     const Contact* contact;
     const Surface *surface, *to;
@@ -251,8 +252,10 @@ void find_holders(Recognition& r) {
       const RayCaster caster(mesh);
       for (int node : tie.surface->nodes) {
         const Vector3d& x = model.nodes[at(node)];
-        if (tie.contact->max_distance > 0 && (position(mesh, caster.closest(x)) - x).norm() > tie.contact->max_distance) continue;
-        hold(r, node, tie.body, fmt::format("tied contact \"{}\" to body \"{}\"", tie.contact->name, r.bodies.bodies[at(tie.body)].name));
+        if (tie.contact->max_distance > 0 && (position(mesh, caster.closest(x)) - x).norm() > tie.contact->max_distance)
+          continue;
+        hold(r, node, tie.body,
+             fmt::format("tied contact \"{}\" to body \"{}\"", tie.contact->name, r.bodies.bodies[at(tie.body)].name));
       }
     }
     for (const auto& h : r.held) held_after += h.second.size();
@@ -270,8 +273,12 @@ struct CarriedSurface {
 
 InputError no_volume(const JointModel& model, const Domain& d, int element, double volume) {
   const std::string which = fmt::format("element {} of \"{}\"", d.element_ids[at(element)], d.name);
-  if (volume < 0) return InputError(model, d.origin, fmt::format("{} is inside out (volume {:g}); check the node order of its elements", which, volume));
-  return InputError(model, d.origin, fmt::format("{} has no volume; check its thickness and the positions of its nodes", which));
+  if (volume < 0)
+    return InputError(
+        model, d.origin,
+        fmt::format("{} is inside out (volume {:g}); check the node order of its elements", which, volume));
+  return InputError(model, d.origin,
+                    fmt::format("{} has no volume; check its thickness and the positions of its nodes", which));
 }
 
 CarriedSurface carry(const Recognition& r, int surface) {
@@ -286,9 +293,12 @@ CarriedSurface carry(const Recognition& r, int surface) {
     const ElementFace* c = candidates ? carrier(r, *candidates) : nullptr;
     if (!c) {
       std::string ids;
-      for (int k = 0; k < count; ++k) ids += fmt::format("{}{}", k ? "," : "", model.node_ids[at(s.nodes[at(first + k)])]);
-      throw InputError(model, s.origin, fmt::format("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the "
-                                   "mesh do not fit together, define the surface again on this mesh", s.name, f + 1, ids));
+      for (int k = 0; k < count; ++k)
+        ids += fmt::format("{}{}", k ? "," : "", model.node_ids[at(s.nodes[at(first + k)])]);
+      throw InputError(model, s.origin,
+                       fmt::format("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the "
+                                   "mesh do not fit together, define the surface again on this mesh",
+                                   s.name, f + 1, ids));
     }
     const Domain& d = model.domains[at(c->domain)];
     out.carriers.push_back(*c);
@@ -297,8 +307,7 @@ CarriedSurface carry(const Recognition& r, int surface) {
       out.on_shells = true;  // a shell has two sides: the surface's own orientation tells which
     } else {
       const ElementVolume v = element_volume(model, d, c->element);
-      if (!(v.volume > 0))
-        throw no_volume(model, d, c->element, v.volume);
+      if (!(v.volume > 0)) throw no_volume(model, d, c->element, v.volume);
       const auto& face = element_faces(d.shape)[at(c->face)];
       for (std::size_t k = 0; k < face.size(); ++k)
         face_nodes[k] = d.nodes[at(c->element * nodes_per_element(d.shape) + face[k])];
@@ -385,7 +394,8 @@ SurfaceMesh bone_surface(const Recognition& r, int root, int body, const Carried
         if (found.count++ > 0) continue;
         found.order = order++;
         std::reverse(face_nodes.begin() + 1, face_nodes.begin() + corners);  // from out of the element to into it
-        if (static_cast<int>(face_nodes.size()) >= 2 * corners) std::reverse(face_nodes.begin() + corners, face_nodes.begin() + 2 * corners);
+        if (static_cast<int>(face_nodes.size()) >= 2 * corners)
+          std::reverse(face_nodes.begin() + corners, face_nodes.begin() + 2 * corners);
         found.nodes = face_nodes;
       }
     }
@@ -404,7 +414,9 @@ SurfaceMesh bone_surface(const Recognition& r, int root, int body, const Carried
 
 /// The material under most of the facets.
 int layer_material(const std::map<int, int>& facets_of_material) {
-  return std::max_element(facets_of_material.begin(), facets_of_material.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+  return std::max_element(facets_of_material.begin(), facets_of_material.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
 }
 
 /// A layer nothing holds: usually its bone is deformable, of another material of the same part.
@@ -412,12 +424,18 @@ std::string not_held(const Recognition& r, int root, int cartilage, const std::s
   const JointModel& model = r.model;
   std::set<int> others;
   for (const Domain& d : model.domains)
-    if (deformable(r, d) && d.material != cartilage && !d.nodes.empty() && r.region[at(d.nodes[0])] == root) others.insert(d.material);
+    if (deformable(r, d) && d.material != cartilage && !d.nodes.empty() && r.region[at(d.nodes[0])] == root)
+      others.insert(d.material);
   std::string bones, bodies;
-  for (int m : others) bones += fmt::format("{}--rigid \"{}\"", bones.empty() ? "" : " or ", model.materials[at(m)].name);
-  for (std::size_t b = 0; b + 1 < r.bodies.bodies.size(); ++b) bodies += (b ? ", " : "") + fmt::format("\"{}\"", r.bodies.bodies[b].name);
-  const std::string found = "its layer is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in x, y and z); ";
-  const std::string attach = fmt::format("name the body with --attach \"{}=BODY\" (bodies: {})", surface, bodies.empty() ? "none" : bodies);
+  for (int m : others)
+    bones += fmt::format("{}--rigid \"{}\"", bones.empty() ? "" : " or ", model.materials[at(m)].name);
+  for (std::size_t b = 0; b + 1 < r.bodies.bodies.size(); ++b)
+    bodies += (b ? ", " : "") + fmt::format("\"{}\"", r.bodies.bodies[b].name);
+  const std::string found =
+      "its layer is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in x, y and "
+      "z); ";
+  const std::string attach =
+      fmt::format("name the body with --attach \"{}=BODY\" (bodies: {})", surface, bodies.empty() ? "none" : bodies);
   return found + (bones.empty() ? attach : fmt::format("take its bone as rigid with {}, or {}", bones, attach));
 }
 
@@ -431,8 +449,11 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
   const CarriedSurface carried = carry(r, surface);
   std::map<CornerKey, int> facet_at;
   for (int f = 0; f < s.size(); ++f) {
-    const auto first = facet_at.try_emplace(corner_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
-    if (!first.second) throw refuse(fmt::format("facets {} and {} are the same; its springs would count twice: list each facet once", first.first->second + 1, f + 1));
+    const auto first = facet_at.try_emplace(
+        corner_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
+    if (!first.second)
+      throw refuse(fmt::format("facets {} and {} are the same; its springs would count twice: list each facet once",
+                               first.first->second + 1, f + 1));
   }
 
   Layer layer;
@@ -445,20 +466,24 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
   for (const ElementFace& c : carried.carriers) {
     const Domain& d = model.domains[at(c.domain)];
     if (d.material < 0)
-      throw refuse(fmt::format("its elements \"{}\" have no material (no domain in MeshDomains); give them one", d.name));
+      throw refuse(
+          fmt::format("its elements \"{}\" have no material (no domain in MeshDomains); give them one", d.name));
     if (r.rigid[at(d.material)]) {
       bodies.insert(r.bodies.of_material[at(d.material)]);
     } else if (is_shell(d.shape)) {
-      throw refuse(fmt::format("lies on deformable shells (\"{}\"); DEA needs a solid cartilage layer or a rigid surface: "
-                               "mesh the layer with solid elements, or take the shells as rigid with --rigid \"{}\"",
-                               d.name, model.materials[at(d.material)].name));
+      throw refuse(
+          fmt::format("lies on deformable shells (\"{}\"); DEA needs a solid cartilage layer or a rigid surface: "
+                      "mesh the layer with solid elements, or take the shells as rigid with --rigid \"{}\"",
+                      d.name, model.materials[at(d.material)].name));
     } else {
       roots.insert(r.region[at(d.nodes[at(c.element * nodes_per_element(d.shape))])]);
       ++materials[d.material];
     }
   }
-  if (!roots.empty() && !bodies.empty()) throw refuse("lies partly on rigid, partly on deformable elements; split it into two surfaces");
-  if (roots.size() > 1) throw refuse(fmt::format("lies on {} separate deformable parts; split it into one surface per part", roots.size()));
+  if (!roots.empty() && !bodies.empty())
+    throw refuse("lies partly on rigid, partly on deformable elements; split it into two surfaces");
+  if (roots.size() > 1)
+    throw refuse(fmt::format("lies on {} separate deformable parts; split it into one surface per part", roots.size()));
 
   std::vector<int> zero;
   layer.articular = make_surface_mesh(carried.begin, carried.nodes, model.nodes, &zero);
@@ -473,12 +498,14 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     if (layer.body < 0) {
       std::vector<std::string> names;
       for (const Body& b : r.bodies.bodies) names.push_back(b.name);
-      throw UsageError(fmt::format("--attach {}={}: the model has no rigid body of this name; it has {}", s.name, attach, quoted_list(names)));
+      throw UsageError(fmt::format("--attach {}={}: the model has no rigid body of this name; it has {}", s.name,
+                                   attach, quoted_list(names)));
     }
     layer.attached_by = "attached by the user";
   }
   const std::optional<double> given_thickness = surface_override(settings.thickness, s.name);
-  const std::optional<double> given_E = surface_override(settings.E, s.name), given_nu = surface_override(settings.nu, s.name);
+  const std::optional<double> given_E = surface_override(settings.E, s.name),
+                              given_nu = surface_override(settings.nu, s.name);
 
   if (roots.empty()) {  // a rigid surface
     if (bodies.size() > 1) throw refuse("lies on several rigid bodies; split it into one surface per body");
@@ -488,7 +515,9 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     }
     layer.rigid = !given_thickness || *given_thickness == 0.0;
     if (!layer.rigid && layer.springs_at == SpringsAt::Bone)
-      throw refuse("a thickness given for a bare rigid surface lies under that surface, and the bone under it is not in the model: use --springs-at articular");
+      throw refuse(
+          "a thickness given for a bare rigid surface lies under that surface, and the bone under it is not in the "
+          "model: use --springs-at articular");
     layer.bone = layer.articular;
   } else {
     const int root = *roots.begin();
@@ -500,14 +529,16 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
       if (held->second.size() > 1) {
         std::string list;
         for (const auto& h : held->second) list += (list.empty() ? "" : "; ") + h.second;
-        throw refuse(fmt::format("its layer is held by {} bodies ({}); choose with --attach \"{}=BODY\"", held->second.size(), list, s.name));
+        throw refuse(fmt::format("its layer is held by {} bodies ({}); choose with --attach \"{}=BODY\"",
+                                 held->second.size(), list, s.name));
       }
       layer.body = held->second.begin()->first;
       layer.attached_by = held->second.begin()->second;
     }
     layer.material = layer_material(materials);
 
-    // Another, much stiffer material in the same deformable part is a deformable bone: the "layer" would be bone and all.
+    // Another, much stiffer material in the same deformable part is a deformable bone: the "layer" would be bone and
+    // all.
     std::set<int> region_materials;
     std::set<int> nodes;
     for (const Domain& d : model.domains) {
@@ -519,8 +550,7 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
         for (int k = 0; k < n; ++k) nodes.insert(d.nodes[e * at(n) + at(k)]);
         if (!is_shell(d.shape)) {
           const ElementVolume v = element_volume(model, d, static_cast<int>(e));
-          if (!(v.volume > 0))
-            throw no_volume(model, d, static_cast<int>(e), v.volume);
+          if (!(v.volume > 0)) throw no_volume(model, d, static_cast<int>(e), v.volume);
         }
       }
     }
@@ -529,32 +559,42 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     for (const auto& m : materials) {
       const Material &one = model.materials[at(m.first)], &main = model.materials[at(layer.material)];
       if (m.first == layer.material || (one.E == main.E && one.nu == main.nu) || (given_E && given_nu)) continue;
-      const auto modulus = [](const Material& x) { return std::isnan(x.E) ? std::string("no modulus known") : fmt::format("E {:g}, nu {:g}", x.E, x.nu); };
-      throw refuse(fmt::format("its facets lie on several materials (\"{}\": {}; \"{}\": {}), but a layer has one modulus here; "
-                               "split the surface, or give the modulus with --E \"{}=VALUE\" --nu \"{}=VALUE\"",
-                               main.name, modulus(main), one.name, modulus(one), s.name, s.name));
+      const auto modulus = [](const Material& x) {
+        return std::isnan(x.E) ? std::string("no modulus known") : fmt::format("E {:g}, nu {:g}", x.E, x.nu);
+      };
+      throw refuse(
+          fmt::format("its facets lie on several materials (\"{}\": {}; \"{}\": {}), but a layer has one modulus here; "
+                      "split the surface, or give the modulus with --E \"{}=VALUE\" --nu \"{}=VALUE\"",
+                      main.name, modulus(main), one.name, modulus(one), s.name, s.name));
     }
     for (int m : region_materials) {
       const double other = model.materials[at(m)].E;
       if (m == layer.material || given_thickness) continue;
       if (!(other <= 5.0 * E))
-        throw refuse(fmt::format("its part also holds material \"{}\" ({}), a deformable bone? DEA keeps bones rigid: type --rigid \"{}\"",
-                                 model.materials[at(m)].name,
-                                 std::isnan(other) ? "no modulus known" : fmt::format("E = {:g} against {:g} of \"{}\"", other, E, model.materials[at(layer.material)].name),
-                                 model.materials[at(m)].name));
+        throw refuse(fmt::format(
+            "its part also holds material \"{}\" ({}), a deformable bone? DEA keeps bones rigid: type --rigid \"{}\"",
+            model.materials[at(m)].name,
+            std::isnan(other)
+                ? "no modulus known"
+                : fmt::format("E = {:g} against {:g} of \"{}\"", other, E, model.materials[at(layer.material)].name),
+            model.materials[at(m)].name));
     }
 
     const std::string bone = surface_override(settings.bone, s.name);
     if (!bone.empty()) {
       const int b = surface_index(model, bone);
-      if (b < 0) throw UsageError(fmt::format("--bone {}={}: the model has no surface \"{}\"; it has {}", s.name, bone, bone, quoted_list(surface_names(model))));
+      if (b < 0)
+        throw UsageError(fmt::format("--bone {}={}: the model has no surface \"{}\"; it has {}", s.name, bone, bone,
+                                     quoted_list(surface_names(model))));
       const CarriedSurface facets = carry(r, b);
       layer.bone = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
       // out of the bone means: towards the articular surface
       const RayCaster caster(layer.articular);
       double towards = 0.0;
       for (int t = 0; t < layer.bone.size(); ++t)
-        towards += layer.bone.areas[at(t)] * layer.bone.normals[at(t)].dot(position(layer.articular, caster.closest(layer.bone.centroid(t))) - layer.bone.centroid(t));
+        towards += layer.bone.areas[at(t)] *
+                   layer.bone.normals[at(t)].dot(position(layer.articular, caster.closest(layer.bone.centroid(t))) -
+                                                 layer.bone.centroid(t));
       if (towards < 0) {
         std::vector<int> begin = {0}, list;
         for (int t = 0; t < layer.bone.size(); ++t) {
@@ -569,9 +609,11 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     }
     if (layer.bone.size() == 0) {
       if (!given_thickness)
-        throw refuse(fmt::format("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone surface to measure the "
-                                 "thickness to; name it with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
-                                 r.bodies.bodies[at(layer.body)].name, s.name, s.name));
+        throw refuse(
+            fmt::format("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone surface "
+                        "to measure the "
+                        "thickness to; name it with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
+                        r.bodies.bodies[at(layer.body)].name, s.name, s.name));
       if (layer.springs_at == SpringsAt::Bone)
         throw refuse(fmt::format("--springs-at bone needs a bone surface; name it with --bone \"{}=SURFACE\"", s.name));
       layer.bone = layer.articular;
@@ -585,18 +627,25 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
 
   // Modulus.
   if (!layer.rigid) {
-    if (layer.material >= 0) layer.elasticity = {model.materials[at(layer.material)].E, model.materials[at(layer.material)].nu};
-    else layer.elasticity = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    if (layer.material >= 0)
+      layer.elasticity = {model.materials[at(layer.material)].E, model.materials[at(layer.material)].nu};
+    else
+      layer.elasticity = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     if (given_E) layer.elasticity.E = *given_E;
     if (given_nu) layer.elasticity.nu = *given_nu;
-    const std::string who = layer.material >= 0 ? fmt::format("material \"{}\" (type {})", model.materials[at(layer.material)].name, model.materials[at(layer.material)].type)
-                                                : std::string("the rigid surface");
+    const std::string who = layer.material >= 0
+                                ? fmt::format("material \"{}\" (type {})", model.materials[at(layer.material)].name,
+                                              model.materials[at(layer.material)].type)
+                                : std::string("the rigid surface");
     if (std::isnan(layer.elasticity.E) || std::isnan(layer.elasticity.nu)) {
       const std::string note = layer.material >= 0 ? model.materials[at(layer.material)].note : "no cartilage material";
-      throw refuse(fmt::format("{} gives no E and nu{}; give them with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who, note.empty() ? "" : " (" + note + ")", s.name, s.name));
+      throw refuse(fmt::format("{} gives no E and nu{}; give them with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who,
+                               note.empty() ? "" : " (" + note + ")", s.name, s.name));
     }
     if (!(layer.elasticity.E > 0) || !(layer.elasticity.nu > -1 && layer.elasticity.nu < 0.5))
-      throw refuse(fmt::format("E = {:g}, nu = {:g}; need E > 0 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed)", layer.elasticity.E, layer.elasticity.nu));
+      throw refuse(fmt::format(
+          "E = {:g}, nu = {:g}; need E > 0 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed)",
+          layer.elasticity.E, layer.elasticity.nu));
   }
 
   // Thickness.
@@ -606,16 +655,20 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     layer.missed.assign(n, 0);
   } else if (given_thickness) {
     if (!(*given_thickness > 0) || !std::isfinite(*given_thickness))
-      throw UsageError(fmt::format("--thickness {}: need a number > 0 (0 on a rigid surface), got {:g}", s.name, *given_thickness));
+      throw UsageError(
+          fmt::format("--thickness {}: need a number > 0 (0 on a rigid surface), got {:g}", s.name, *given_thickness));
     layer.thickness.assign(n, *given_thickness);
     layer.missed.assign(n, 0);
     layer.thickness_given = true;
   } else {
     measure_thickness(layer);
     if (2 * layer.missed_count() > static_cast<int>(layer.missed.size()))
-      throw refuse(fmt::format("its normals meet no bone surface of body \"{}\" ({} of {} miss): this is no layer of cartilage on a bone, and closest points would "
-                               "give it a thickness that means nothing; name the bone surface with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
-                               r.bodies.bodies[at(layer.body)].name, layer.missed_count(), layer.missed.size(), s.name, s.name));
+      throw refuse(
+          fmt::format("its normals meet no bone surface of body \"{}\" ({} of {} miss): this is no layer of cartilage "
+                      "on a bone, and closest points would "
+                      "give it a thickness that means nothing; name the bone surface with --bone \"{}=SURFACE\" or "
+                      "give --thickness \"{}=VALUE\"",
+                      r.bodies.bodies[at(layer.body)].name, layer.missed_count(), layer.missed.size(), s.name, s.name));
     const double mean = layer.mean_thickness();
     if (!(mean > 0)) throw refuse("its layer has no thickness: the articular and the bone surface are the same");
   }
@@ -648,7 +701,8 @@ void flip(SurfaceMesh& mesh, const JointModel& model) {
 void check_names(const JointModel& model, const Settings& settings, const Joint& joint) {
   const auto check_surface = [&](const std::string& option, const std::string& name) {
     if (!name.empty() && surface_index(model, name) < 0)
-      throw UsageError(fmt::format("--{} {}: the model has no surface of this name; it has {}", option, name, quoted_list(surface_names(model))));
+      throw UsageError(fmt::format("--{} {}: the model has no surface of this name; it has {}", option, name,
+                                   quoted_list(surface_names(model))));
   };
   for (const auto& e : settings.attach) check_surface("attach", e.first);
   for (const auto& e : settings.bone) check_surface("bone", e.first);
@@ -659,11 +713,13 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
     if (joint.find_body(model, name) >= 0) return;
     std::vector<std::string> names;
     for (const Body& b : joint.bodies) names.push_back(b.name);
-    throw UsageError(fmt::format("--{} {}: the model has no rigid body of this name; it has {}", option, name, quoted_list(names)));
+    throw UsageError(
+        fmt::format("--{} {}: the model has no rigid body of this name; it has {}", option, name, quoted_list(names)));
   };
   for (const auto& e : settings.free) {
     check_body("free", e.first);
-    if (joint.bodies[at(joint.find_body(model, e.first))].ground) throw UsageError(fmt::format("--free {}: the ground never moves", e.first));
+    if (joint.bodies[at(joint.find_body(model, e.first))].ground)
+      throw UsageError(fmt::format("--free {}: the ground never moves", e.first));
   }
   for (const auto& e : settings.force) check_body("force", e.first);
   for (const auto& e : settings.load_at) check_body("load-at", e.first);
@@ -672,8 +728,12 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
 
 }  // namespace
 
-double Layer::min_thickness() const { return thickness.empty() ? 0.0 : *std::min_element(thickness.begin(), thickness.end()); }
-double Layer::max_thickness() const { return thickness.empty() ? 0.0 : *std::max_element(thickness.begin(), thickness.end()); }
+double Layer::min_thickness() const {
+  return thickness.empty() ? 0.0 : *std::min_element(thickness.begin(), thickness.end());
+}
+double Layer::max_thickness() const {
+  return thickness.empty() ? 0.0 : *std::max_element(thickness.begin(), thickness.end());
+}
 double Layer::mean_thickness() const {
   double sum = 0.0, area = 0.0;
   for (std::size_t v = 0; v < thickness.size(); ++v) {
@@ -684,7 +744,9 @@ double Layer::mean_thickness() const {
 }
 int Layer::missed_count() const { return static_cast<int>(std::count(missed.begin(), missed.end(), 1)); }
 
-int Joint::find_body(const JointModel& model, const std::string& name) const { return body_by_name(model, bodies, name); }
+int Joint::find_body(const JointModel& model, const std::string& name) const {
+  return body_by_name(model, bodies, name);
+}
 
 Joint make_joint(const JointModel& model, const Settings& settings) {
   Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}};
@@ -698,7 +760,9 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   check_names(model, settings, joint);
   for (const RigidNodes& set : model.rigid_nodes)
     if (set.step >= 0)
-      joint.findings.push_back(fmt::format("rigid node set \"{}\" is given for step {} only; it is taken to hold its nodes in all steps", set.name, set.step + 1));
+      joint.findings.push_back(
+          fmt::format("rigid node set \"{}\" is given for step {} only; it is taken to hold its nodes in all steps",
+                      set.name, set.step + 1));
   for (const std::string& name : settings.rigid)
     joint.findings.push_back(fmt::format("material \"{}\" is taken as rigid (--rigid)", name));
 
@@ -713,7 +777,8 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     names.push_back(c.name);
     if (!settings.contact.empty() && c.name != settings.contact) continue;
     named = true;
-    if (c.primary < 0 || c.secondary < 0) throw InputError(model, c.origin, fmt::format("contact \"{}\" lacks a surface", c.name));
+    if (c.primary < 0 || c.secondary < 0)
+      throw InputError(model, c.origin, fmt::format("contact \"{}\" lacks a surface", c.name));
     ContactPair pair;
     pair.name = c.name;
     pair.contact = i;
@@ -722,26 +787,38 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     pair.layers[1] = make_layer(r, c.secondary, c);
     for (const ContactPair& other : joint.contacts) {
       const Contact& o = model.contacts[at(other.contact)];
-      const bool same = (o.primary == c.primary && o.secondary == c.secondary) || (o.primary == c.secondary && o.secondary == c.primary);
+      const bool same = (o.primary == c.primary && o.secondary == c.secondary) ||
+                        (o.primary == c.secondary && o.secondary == c.primary);
       if (same && (o.step == c.step || o.step < 0 || c.step < 0))
-        throw InputError(model, c.origin, fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would share the load between them; "
-                                     "keep one: --contact \"{}\"", o.name, c.name, o.name));
+        throw InputError(model, c.origin,
+                         fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would "
+                                     "share the load between them; "
+                                     "keep one: --contact \"{}\"",
+                                     o.name, c.name, o.name));
     }
     if (pair.layers[0].body == pair.layers[1].body) {
-      joint.findings.push_back(fmt::format("contact \"{}\": both surfaces belong to body \"{}\": left out", c.name, joint.bodies[at(pair.layers[0].body)].name));
+      joint.findings.push_back(fmt::format("contact \"{}\": both surfaces belong to body \"{}\": left out", c.name,
+                                           joint.bodies[at(pair.layers[0].body)].name));
       continue;
     }
     if (pair.layers[0].rigid && pair.layers[1].rigid)
-      throw InputError(model, c.origin, fmt::format("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to compress; give one a layer "
-                                   "with --thickness \"SURFACE=VALUE\" --E \"SURFACE=VALUE\" --nu \"SURFACE=VALUE\"", c.name));
+      throw InputError(model, c.origin,
+                       fmt::format("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to "
+                                   "compress; give one a layer "
+                                   "with --thickness \"SURFACE=VALUE\" --E \"SURFACE=VALUE\" --nu \"SURFACE=VALUE\"",
+                                   c.name));
     // A shell surface has two sides: turn it to its partner. Solids know their outside.
     for (int side = 0; side < 2; ++side) {
       Layer& layer = pair.layers[side];
-      if (layer.material >= 0 || !carry(r, layer.surface).on_shells || !looks_away(layer.articular, pair.layers[1 - side].articular)) continue;
+      if (layer.material >= 0 || !carry(r, layer.surface).on_shells ||
+          !looks_away(layer.articular, pair.layers[1 - side].articular))
+        continue;
       flip(layer.articular, model);
       if (settings.facets == Facets::Flat) layer.articular.bulge.assign(layer.articular.bulge.size(), {0, 0, 0});
       layer.bone = layer.articular;
-      joint.findings.push_back(fmt::format("surface \"{}\" lies on rigid shells and looked away from its partner: turned round", model.surfaces[at(layer.surface)].name));
+      joint.findings.push_back(
+          fmt::format("surface \"{}\" lies on rigid shells and looked away from its partner: turned round",
+                      model.surfaces[at(layer.surface)].name));
     }
     if (!settings.source.empty()) {
       const int body = joint.find_body(model, settings.source);
@@ -751,10 +828,13 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     joint.contacts.push_back(std::move(pair));
   }
   if (!named)
-    throw UsageError(fmt::format("--contact {}: the model has no sliding contact of this name; it has {}", settings.contact, quoted_list(names)));
+    throw UsageError(fmt::format("--contact {}: the model has no sliding contact of this name; it has {}",
+                                 settings.contact, quoted_list(names)));
   if (joint.contacts.empty()) {
     if (sliding == 0)
-      throw InputError(where(model, {0, 0}) + "no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type \"sliding-elastic\")");
+      throw InputError(where(model, {0, 0}) +
+                       "no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
+                       "\"sliding-elastic\")");
     throw InputError(where(model, {0, 0}) + "no sliding contact joins two different bodies: " + joint.findings.back());
   }
 
@@ -779,7 +859,8 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   // Ligaments.
   const auto add_ligament = [&](Ligament l, Origin origin) {
     if (l.body_a == l.body_b) {
-      joint.findings.push_back(fmt::format("spring \"{}\" joins two points of body \"{}\": left out", l.name, joint.bodies[at(l.body_a)].name));
+      joint.findings.push_back(fmt::format("spring \"{}\" joins two points of body \"{}\": left out", l.name,
+                                           joint.bodies[at(l.body_a)].name));
       return;
     }
     const double length = (l.point_b - l.point_a).norm();
@@ -807,7 +888,9 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       l.body_b = joint.node_body[at(pair[1])];
       for (int k = 0; k < 2; ++k)
         if (joint.node_body[at(pair[at(k)])] < 0)
-          throw InputError(model, set.origin, fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body", l.name, model.node_ids[at(pair[at(k)])]));
+          throw InputError(model, set.origin,
+                           fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body", l.name,
+                                       model.node_ids[at(pair[at(k)])]));
       l.point_a = model.nodes[at(pair[0])];
       l.point_b = model.nodes[at(pair[1])];
       l.stiffness = set.stiffness;

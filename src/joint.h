@@ -12,24 +12,24 @@ namespace dea {
 
 /// A rigid body: one or more rigid materials whose elements share nodes, or the ground.
 struct Body {
-  std::string name;                           ///< of the first of its materials; "ground"
-  std::vector<int> materials;                 ///< indices into JointModel::materials; empty: ground
-  Vector3d center_of_mass = Vector3d::Zero(); ///< reference position; given, or integrated from the elements
+  std::string name;                            ///< of the first of its materials; "ground"
+  std::vector<int> materials;                  ///< indices into JointModel::materials; empty: ground
+  Vector3d center_of_mass = Vector3d::Zero();  ///< reference position; given, or integrated from the elements
   bool center_given = false;
   double mass = 0.0;
-  bool ground = false;                        ///< never moves
+  bool ground = false;  ///< never moves
 };
 
 /// A layer of cartilage between an articular surface and its bone, or the bare surface of a rigid body.
 struct Layer {
-  int surface = -1;           ///< index into JointModel::surfaces: the articular surface
-  int body = -1;              ///< index into Joint::bodies
-  std::string attached_by;    ///< the rule that found the body, as a sentence
-  int material = -1;          ///< index into JointModel::materials; -1 for a bare rigid surface
-  Elasticity elasticity;      ///< of the cartilage
-  bool rigid = false;         ///< a bare rigid surface: thickness 0
-  SurfaceMesh articular;      ///< normals out of the layer, towards the other side
-  SurfaceMesh bone;           ///< normals out of the bone, into the layer; equals `articular` when rigid
+  int surface = -1;         ///< index into JointModel::surfaces: the articular surface
+  int body = -1;            ///< index into Joint::bodies
+  std::string attached_by;  ///< the rule that found the body, as a sentence
+  int material = -1;        ///< index into JointModel::materials; -1 for a bare rigid surface
+  Elasticity elasticity;    ///< of the cartilage
+  bool rigid = false;       ///< a bare rigid surface: thickness 0
+  SurfaceMesh articular;    ///< normals out of the layer, towards the other side
+  SurfaceMesh bone;         ///< normals out of the bone, into the layer; equals `articular` when rigid
   SpringsAt springs_at = SpringsAt::Articular;
   std::vector<double> thickness;  ///< per vertex of spring_surface(); 0 when rigid
   std::vector<char> missed;       ///< per vertex: its ray found no opposing face near enough; closest point used
@@ -50,7 +50,7 @@ struct ContactPair {
   int contact = -1;  ///< index into JointModel::contacts
   Layer layers[2];   ///< primary, secondary
   int source = 0;
-  int step = -1;     ///< active only in this step; -1: in all
+  int step = -1;  ///< active only in this step; -1: in all
   const Layer& source_layer() const { return layers[source]; }
   const Layer& target_layer() const { return layers[1 - source]; }
 };
@@ -60,8 +60,8 @@ struct Ligament {
   std::string name;
   int body_a = -1, body_b = -1;
   Vector3d point_a = Vector3d::Zero(), point_b = Vector3d::Zero();  ///< reference positions
-  double stiffness = 0.0;    ///< force per elongation
-  double free_length = 0.0;  ///< > 0
+  double stiffness = 0.0;                                           ///< force per elongation
+  double free_length = 0.0;                                         ///< > 0
   bool tension_only = false;
   int step = -1;
 };

@@ -1,8 +1,8 @@
 #include "joint_model.h"
 
-#include <cassert>
-
 #include <fmt/format.h>
+
+#include <cassert>
 
 namespace dea {
 
@@ -14,25 +14,44 @@ std::string where(const JointModel& model, Origin origin) {
 
 int nodes_per_element(ElementShape shape) {
   switch (shape) {
-    case ElementShape::Hex8: return 8;
-    case ElementShape::Hex20: return 20;
-    case ElementShape::Hex27: return 27;
-    case ElementShape::Penta6: return 6;
-    case ElementShape::Penta15: return 15;
-    case ElementShape::Tet4: return 4;
-    case ElementShape::Tet5: return 5;
-    case ElementShape::Tet10: return 10;
-    case ElementShape::Tet15: return 15;
-    case ElementShape::Tet20: return 20;
-    case ElementShape::Pyra5: return 5;
-    case ElementShape::Pyra13: return 13;
-    case ElementShape::Tri3: return 3;
-    case ElementShape::Tri6: return 6;
-    case ElementShape::Quad4: return 4;
-    case ElementShape::Quad8: return 8;
-    case ElementShape::Quad9: return 9;
-    case ElementShape::Line2: return 2;
-    case ElementShape::Line3: return 3;
+    case ElementShape::Hex8:
+      return 8;
+    case ElementShape::Hex20:
+      return 20;
+    case ElementShape::Hex27:
+      return 27;
+    case ElementShape::Penta6:
+      return 6;
+    case ElementShape::Penta15:
+      return 15;
+    case ElementShape::Tet4:
+      return 4;
+    case ElementShape::Tet5:
+      return 5;
+    case ElementShape::Tet10:
+      return 10;
+    case ElementShape::Tet15:
+      return 15;
+    case ElementShape::Tet20:
+      return 20;
+    case ElementShape::Pyra5:
+      return 5;
+    case ElementShape::Pyra13:
+      return 13;
+    case ElementShape::Tri3:
+      return 3;
+    case ElementShape::Tri6:
+      return 6;
+    case ElementShape::Quad4:
+      return 4;
+    case ElementShape::Quad8:
+      return 8;
+    case ElementShape::Quad9:
+      return 9;
+    case ElementShape::Line2:
+      return 2;
+    case ElementShape::Line3:
+      return 3;
   }
   assert(false);
   return 0;

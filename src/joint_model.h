@@ -5,14 +5,13 @@
 // it has, which contact is a joint, is found later by make_joint (src/joint.h).
 // Frame: global. Units: whatever the model uses; they pass through unchanged.
 #pragma once
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 
 namespace dea {
 
@@ -26,8 +25,25 @@ struct Origin {
 
 /// Element shapes, FEBio's node order (docs/formats.md).
 enum class ElementShape {
-  Hex8, Hex20, Hex27, Penta6, Penta15, Tet4, Tet5, Tet10, Tet15, Tet20, Pyra5, Pyra13,
-  Tri3, Tri6, Quad4, Quad8, Quad9, Line2, Line3
+  Hex8,
+  Hex20,
+  Hex27,
+  Penta6,
+  Penta15,
+  Tet4,
+  Tet5,
+  Tet10,
+  Tet15,
+  Tet20,
+  Pyra5,
+  Pyra13,
+  Tri3,
+  Tri6,
+  Quad4,
+  Quad8,
+  Quad9,
+  Line2,
+  Line3
 };
 
 /// One set of elements of one shape and one material (an `Elements` section).
@@ -187,7 +203,8 @@ struct Contact {
   Kind kind = Kind::Sliding;
   int primary = -1, secondary = -1;  ///< indices into JointModel::surfaces
   double max_distance = 0.0;         ///< tied: facets farther apart are not tied; 0: no limit
-  std::vector<std::string> ignored;  ///< parameters away from their defaults that DEA has no use for: "fric_coeff = 0.2"
+  std::vector<std::string>
+      ignored;  ///< parameters away from their defaults that DEA has no use for: "fric_coeff = 0.2"
   int step = -1;
   Origin origin;
 };

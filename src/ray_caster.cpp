@@ -87,9 +87,9 @@ RTCDevice device() {
 
 struct RayCaster::Scene {
   const SurfaceMesh* mesh;
-  Vector3d center;      // float coordinates are taken from here, to keep their digits
-  double padding;       // boxes and starting points are moved out by this much: single precision errors stay inside
-  double extent;        // no two points of the surface are farther apart than this
+  Vector3d center;  // float coordinates are taken from here, to keep their digits
+  double padding;   // boxes and starting points are moved out by this much: single precision errors stay inside
+  double extent;    // no two points of the surface are farther apart than this
   RTCScene scene = nullptr;
 
   ~Scene() {
@@ -277,7 +277,8 @@ void point_query(const RayCaster::Scene& scene, ClosestQuery& query, double radi
 }  // namespace
 
 SurfacePoint RayCaster::closest(const Vector3d& x) const {
-  ClosestQuery query{scene_.get(), x, nullptr, 0.0, std::numeric_limits<double>::infinity(), 1e-12 * scene_->extent, {}};
+  ClosestQuery query{scene_.get(),           x, nullptr, 0.0, std::numeric_limits<double>::infinity(),
+                     1e-12 * scene_->extent, {}};
   point_query(*scene_, query, std::numeric_limits<double>::infinity());
   return query.point;
 }
@@ -292,8 +293,11 @@ std::vector<int> RayCaster::within(const Vector3d& x, double radius) const {
 }
 
 std::string ray_library_version() {
-  const auto number = [](RTCDeviceProperty property) { return std::to_string(rtcGetDeviceProperty(device(), property)); };
-  return number(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_PATCH);
+  const auto number = [](RTCDeviceProperty property) {
+    return std::to_string(rtcGetDeviceProperty(device(), property));
+  };
+  return number(RTC_DEVICE_PROPERTY_VERSION_MAJOR) + "." + number(RTC_DEVICE_PROPERTY_VERSION_MINOR) + "." +
+         number(RTC_DEVICE_PROPERTY_VERSION_PATCH);
 }
 
 Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& p) {

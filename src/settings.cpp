@@ -8,9 +8,12 @@ const char* name(Facets facets) { return facets == Facets::Flat ? "flat" : "curv
 
 const char* name(Law law) {
   switch (law) {
-    case Law::Linear: return "linear";
-    case Law::Logarithmic: return "logarithmic";
-    case Law::NeoHookean: return "neo-Hookean";
+    case Law::Linear:
+      return "linear";
+    case Law::Logarithmic:
+      return "logarithmic";
+    case Law::NeoHookean:
+      return "neo-Hookean";
   }
   return "";
 }

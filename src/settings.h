@@ -2,13 +2,12 @@
 // Filled from the command line and from a settings file (command line first); everything left empty is
 // taken from the model. Names are the model's own: materials (bodies), surfaces, contacts.
 #pragma once
+#include <Eigen/Core>
 #include <array>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace dea {
 
@@ -20,7 +19,8 @@ enum class Law { Linear, Logarithmic, NeoHookean };
 
 /// How the facets of a surface are taken when gaps and thicknesses are measured.
 enum class Facets {
-  Curved,  ///< as the smooth surface they stand for: each facet bulges by the turning of its vertex normals (surface_mesh.h)
+  Curved,  ///< as the smooth surface they stand for: each facet bulges by the turning of its vertex normals
+           ///< (surface_mesh.h)
   Flat     ///< as they are
 };
 
@@ -31,22 +31,23 @@ struct LoadPoint {
 };
 
 struct Settings {
-  std::string contact;       ///< only this contact pair; empty: every one that joins two bodies
-  std::string source;        ///< body whose layer carries the springs; empty: the contact's primary side
+  std::string contact;  ///< only this contact pair; empty: every one that joins two bodies
+  std::string source;   ///< body whose layer carries the springs; empty: the contact's primary side
   SpringsAt springs_at = SpringsAt::Articular;
   Law law = Law::Linear;
   Facets facets = Facets::Curved;
-  int refine = 1;            ///< each spring triangle is divided into refine^2; >= 1
-  std::vector<std::string> rigid;              ///< deformable materials to take as rigid
-  std::map<std::string, std::string> attach;   ///< surface -> body it belongs to ("ground" for the ground)
-  std::map<std::string, std::string> bone;     ///< articular surface -> surface that is its bone surface
-  std::map<std::string, double> thickness;     ///< surface -> constant thickness; "" = all surfaces
-  std::map<std::string, double> E;             ///< surface -> Young's modulus; "" = all
-  std::map<std::string, double> nu;            ///< surface -> Poisson's ratio; "" = all
+  int refine = 1;                                   ///< each spring triangle is divided into refine^2; >= 1
+  std::vector<std::string> rigid;                   ///< deformable materials to take as rigid
+  std::map<std::string, std::string> attach;        ///< surface -> body it belongs to ("ground" for the ground)
+  std::map<std::string, std::string> bone;          ///< articular surface -> surface that is its bone surface
+  std::map<std::string, double> thickness;          ///< surface -> constant thickness; "" = all surfaces
+  std::map<std::string, double> E;                  ///< surface -> Young's modulus; "" = all
+  std::map<std::string, double> nu;                 ///< surface -> Poisson's ratio; "" = all
   std::map<std::string, std::array<bool, 6>> free;  ///< body -> dofs left free (all others held), in all steps
-  std::map<std::string, Eigen::Vector3d> force;     ///< body -> force replacing the model's rigid forces, scaled 0..1 over the last step
-  std::map<std::string, LoadPoint> load_at;    ///< body -> where its force acts
-  bool squash = true;        ///< show the cartilage compressed; false: rigid with its bone
+  std::map<std::string, Eigen::Vector3d>
+      force;  ///< body -> force replacing the model's rigid forces, scaled 0..1 over the last step
+  std::map<std::string, LoadPoint> load_at;  ///< body -> where its force acts
+  bool squash = true;                        ///< show the cartilage compressed; false: rigid with its bone
 };
 
 const char* name(SpringsAt springs_at);

@@ -14,15 +14,17 @@ namespace {
 LayerResponse law_response(Law law, const Elasticity& layer, double e) {
   const double M = confined_modulus(layer.E, layer.nu);
   switch (law) {
-    case Law::Linear: return {M * e, M};
-    case Law::Logarithmic: return {-M * std::log1p(-e), M / (1 - e)};
+    case Law::Linear:
+      return {M * e, M};
+    case Law::Logarithmic:
+      return {-M * std::log1p(-e), M / (1 - e)};
     case Law::NeoHookean: {
       const double mu = layer.E / (2 * (1 + layer.nu));
       const double lambda = M - 2 * mu;
       const double J = 1 - e, log_J = std::log1p(-e);
       // dp/de = -dp/dJ
       return {mu * e * (2 - e) / J - lambda * log_J / J,  // 1/J - J without cancellation
-               mu * (1 / (J * J) + 1) + lambda * (1 - log_J) / (J * J)};
+              mu * (1 / (J * J) + 1) + lambda * (1 - log_J) / (J * J)};
     }
   }
   assert(false);

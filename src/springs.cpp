@@ -42,7 +42,9 @@ Springs make_springs(const Layer& source, int refine) {
     s.area.push_back(mesh.areas[at(t)] * step * step);
     s.corner_thickness.push_back(thickness);
     s.surface_triangle.push_back(t);
-    s.bulge.push_back(bulge_height(mesh, t, {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3}));
+    s.bulge.push_back(bulge_height(
+        mesh, t,
+        {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3}));
     s.weights.push_back(w);
   };
   const auto corner = [&](int i, int j) -> std::array<double, 3> { return {1.0 - (i + j) * step, i * step, j * step}; };
@@ -63,9 +65,17 @@ Springs make_springs(const Layer& source, int refine) {
 
 SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair, const Settings& settings) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
-  SpringBed bed{&pair, source.body, target.body, joint.bodies[at(source.body)].center_of_mass,
-                joint.bodies[at(target.body)].center_of_mass, make_springs(source, settings.refine),
-                RayCaster(target.spring_surface()), {}, 0.0, target.max_thickness(), settings.law};
+  SpringBed bed{&pair,
+                source.body,
+                target.body,
+                joint.bodies[at(source.body)].center_of_mass,
+                joint.bodies[at(target.body)].center_of_mass,
+                make_springs(source, settings.refine),
+                RayCaster(target.spring_surface()),
+                {},
+                0.0,
+                target.max_thickness(),
+                settings.law};
   for (int i = 0; i < bed.springs.size(); ++i)
     for (const Vector3d& corner : bed.springs.triangle[at(i)])
       bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
@@ -95,7 +105,8 @@ void clip(std::vector<ClipPoint>& polygon, const Point2& a, const Point2& b, std
     const ClipPoint &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
     const double dp = cross2(edge, p.x - a), dq = cross2(edge, q.x - a);
     if (dp >= 0) scratch.push_back(p);
-    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) scratch.push_back({p.x + dp / (dp - dq) * (q.x - p.x), dp < 0 && p.rim});
+    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0))
+      scratch.push_back({p.x + dp / (dp - dq) * (q.x - p.x), dp < 0 && p.rim});
   }
   polygon.swap(scratch);
 }
@@ -108,21 +119,23 @@ struct Functional {
 };
 
 struct Coverage {
-  double fraction = 0.0;                 ///< of the foot triangle's area
+  double fraction = 0.0;  ///< of the foot triangle's area
   double area = 0.0;
-  Vector3d centroid = Vector3d::Zero();  ///< of the covered part, in the foot triangle's plane
+  Vector3d centroid = Vector3d::Zero();                   ///< of the covered part, in the foot triangle's plane
   Vector3d e1 = Vector3d::Zero(), e2 = Vector3d::Zero();  ///< axes of that plane
   Functional area_rate, centroid_rate[2];  ///< d(area), d(centroid) along e1, e2: the rim sweeps over the foot triangle
 };
 
 /// The part of the foot triangle onto which the target triangles `candidates` project along n: exact where the target
 /// does not fold over itself there. Frame: any; moments about `reference`.
-Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot, const Vector3d& n, const std::vector<int>& candidates,
-                  const Vector3d& reference) {
+Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot, const Vector3d& n,
+                  const std::vector<int>& candidates, const Vector3d& reference) {
   Coverage result;
   result.e1 = (foot[1] - foot[0]).normalized();
   result.e2 = n.cross(result.e1);
-  const auto project = [&](const Vector3d& x) { return Point2((x - foot[0]).dot(result.e1), (x - foot[0]).dot(result.e2)); };
+  const auto project = [&](const Vector3d& x) {
+    return Point2((x - foot[0]).dot(result.e1), (x - foot[0]).dot(result.e2));
+  };
   const Point2 corner[3] = {project(foot[0]), project(foot[1]), project(foot[2])};
   const double foot_area = 0.5 * cross2(corner[1] - corner[0], corner[2] - corner[0]);
   std::vector<ClipPoint> polygon, scratch;
@@ -132,7 +145,9 @@ Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot
     if (!(m.dot(n) < 0)) continue;
     // seen along n the target's triangles run clockwise: take them the other way round, edges (0,2), (2,1), (1,0)
     const auto& next = target.neighbours[at(t)];
-    polygon = {{project(target.corner(t, 0)), next[2] < 0}, {project(target.corner(t, 2)), next[1] < 0}, {project(target.corner(t, 1)), next[0] < 0}};
+    polygon = {{project(target.corner(t, 0)), next[2] < 0},
+               {project(target.corner(t, 2)), next[1] < 0},
+               {project(target.corner(t, 1)), next[0] < 0}};
     for (int k = 0; k < 3 && !polygon.empty(); ++k) clip(polygon, corner[k], corner[(k + 1) % 3], scratch);
     if (polygon.size() < 3) continue;
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
@@ -140,7 +155,8 @@ Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot
       result.area += a;
       moment += a * (polygon[0].x + polygon[i].x + polygon[i + 1].x) / 3.0;
     }
-    // The rim moves against the foot triangle: d(integral of f) = sum over rim pieces of f v_normal ds, two Gauss points each.
+    // The rim moves against the foot triangle: d(integral of f) = sum over rim pieces of f v_normal ds, two Gauss
+    // points each.
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       if (!polygon[i].rim) continue;
       const Point2 p = polygon[i].x, along = polygon[(i + 1) % polygon.size()].x - p;
@@ -165,7 +181,8 @@ Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot
   // d(centroid) = (d(area * centroid) - centroid d(area)) / area
   for (int k = 0; k < 2; ++k) {
     result.centroid_rate[k].force = (result.centroid_rate[k].force - moment[k] * result.area_rate.force) / result.area;
-    result.centroid_rate[k].moment = (result.centroid_rate[k].moment - moment[k] * result.area_rate.moment) / result.area;
+    result.centroid_rate[k].moment =
+        (result.centroid_rate[k].moment - moment[k] * result.area_rate.moment) / result.area;
   }
   result.fraction = std::min(1.0, result.area / foot_area);
   return result;
@@ -175,7 +192,8 @@ Coverage coverage(const SurfaceMesh& target, const std::array<Vector3d, 3>& foot
 std::array<double, 3> weights_in(const std::array<Vector3d, 3>& c, const Vector3d& x) {
   const Vector3d normal = (c[1] - c[0]).cross(c[2] - c[0]);
   const double twice2 = normal.squaredNorm();
-  const double w0 = (c[1] - x).cross(c[2] - x).dot(normal) / twice2, w1 = (c[2] - x).cross(c[0] - x).dot(normal) / twice2;
+  const double w0 = (c[1] - x).cross(c[2] - x).dot(normal) / twice2,
+               w1 = (c[2] - x).cross(c[0] - x).dot(normal) / twice2;
   return {w0, w1, 1 - w0 - w1};
 }
 
@@ -209,7 +227,8 @@ void set_hit(SpringStates& s, int i, const LineHit& hit) {
 
 /// A spring that may reach over the rim: how much of its foot triangle lies over the target, and the spring moved to
 /// the middle of that part. `distance`: along n to the target hereabouts.
-Coverage cover_spring(const SpringBed& bed, const RelativePose& relative, SpringStates& s, std::vector<double>& bulge, int i, double distance) {
+Coverage cover_spring(const SpringBed& bed, const RelativePose& relative, SpringStates& s, std::vector<double>& bulge,
+                      int i, double distance) {
   const auto k = at(i);
   const SurfaceMesh& target = bed.target.mesh();
   const Vector3d n = relative.rotation * bed.springs.direction[k];
@@ -356,7 +375,7 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     s.t_target[k] = interpolate(mesh, target_layer.thickness, {t, s.end_weights[k]});
     const double h = s.t_source[k] + s.t_target[k];
     const double length = distance - bulge[k] - bulge_height(mesh, t, s.end_weights[k]);  // between the smooth surfaces
-    s.gap[k] = at_bone ? length - h : length;  // (S2)
+    s.gap[k] = at_bone ? length - h : length;                                             // (S2)
     if (s.gap[k] <= -h) {
       s.too_deep[k] = 1;
       s.coverage[k] = 0.0;
@@ -377,7 +396,8 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     const double mn = m.dot(direction);
     const double per_t = r.per_t_target + (at_bone ? r.per_overlap : 0.0);
     Vector3d kappa = -r.per_overlap / mn * m;
-    Vector3d gradient = r.per_overlap * bulge_gradient(mesh, t, s.end_weights[k]);  // the bulge at q changes like the thickness there
+    Vector3d gradient =
+        r.per_overlap * bulge_gradient(mesh, t, s.end_weights[k]);  // the bulge at q changes like the thickness there
     if (!target_layer.rigid) gradient += per_t * thickness_gradient(mesh, target_layer.thickness, t);
     kappa -= gradient - m * (direction.dot(gradient) / mn);
     s.per_motion[k] = target.rotation * kappa;
@@ -403,7 +423,8 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     const int tri = springs.surface_triangle[k];
     const double per_t_source = (at_bone ? 1.0 - s.strain_source[k] : -s.strain_source[k]) * s.per_overlap[k];
     const Vector3d foot_reference = bed.source_center + source.rotation.transpose() * (s.foot[k] - source.center);
-    const std::array<double, 3> w = weights_in({source_mesh.corner(tri, 0), source_mesh.corner(tri, 1), source_mesh.corner(tri, 2)}, foot_reference);
+    const std::array<double, 3> w = weights_in(
+        {source_mesh.corner(tri, 0), source_mesh.corner(tri, 1), source_mesh.corner(tri, 2)}, foot_reference);
     Vector3d own = s.per_overlap[k] * bulge_gradient(source_mesh, tri, w);
     if (!source_layer.rigid) own += per_t_source * thickness_gradient(source_mesh, source_layer.thickness, tri);
     rim.pressure_gradient = -s.per_motion[k] + source.rotation * own;
@@ -444,7 +465,8 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
     const Vector3d force = s.pressure[k] * s.area[k] * n;
     Vector12 w;
     w << n, (s.foot[k] - target.center).cross(n), -n, -(s.foot[k] - source.center).cross(n);
-    total.derivative += w * (s.pressure[k] * rim.area_rate.transpose() + s.area[k] * rim.pressure_gradient.transpose() * rim.foot_rate);
+    total.derivative +=
+        w * (s.pressure[k] * rim.area_rate.transpose() + s.area[k] * rim.pressure_gradient.transpose() * rim.foot_rate);
     total.derivative.block<3, 12>(3, 0) -= skew(force) * rim.foot_rate;
     total.derivative.block<3, 12>(9, 0) += skew(force) * rim.foot_rate;
   }
@@ -454,7 +476,8 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
     total.normal_force += part.normal_force;
   }
   // The springs turn with the source: with F, M the force and moment on the target,
-  //   dF = w_s x F,   dM = (v_s - v_t) x F - w_s-terms that sum to  (-[M]x + [F]x [c_t - c_s]x) w_s,   dM_s = w_s x M_s.
+  //   dF = w_s x F,   dM = (v_s - v_t) x F - w_s-terms that sum to  (-[M]x + [F]x [c_t - c_s]x) w_s,   dM_s = w_s x
+  //   M_s.
   const Vector3d F = total.wrench.segment<3>(0), M = total.wrench.segment<3>(3), M_s = total.wrench.segment<3>(9);
   Matrix12& K = total.derivative;
   K.block<3, 3>(0, 9) -= skew(F);

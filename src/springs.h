@@ -1,9 +1,8 @@
 // src/springs.h – the bed of springs between two facing layers, and its state at a pose of the two bodies.
 #pragma once
+#include <Eigen/Geometry>
 #include <array>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "joint.h"
 #include "ray_caster.h"
@@ -12,19 +11,19 @@ namespace dea {
 
 /// Pose of a body: x = center + rotation * (X - center of mass in the reference).
 struct Pose {
-  Vector3d center = Vector3d::Zero();                    ///< current centre of mass
+  Vector3d center = Vector3d::Zero();  ///< current centre of mass
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
 };
 
 /// The springs of one contact. Frame: the source's reference configuration.
 struct Springs {
-  std::vector<std::array<Vector3d, 3>> triangle;     ///< foot triangle: its share of the source surface
-  std::vector<Vector3d> foot;                        ///< its centroid
-  std::vector<Vector3d> direction;                   ///< unit normal of the triangle, towards the target
-  std::vector<double> area;                          ///< of the triangle, > 0
+  std::vector<std::array<Vector3d, 3>> triangle;        ///< foot triangle: its share of the source surface
+  std::vector<Vector3d> foot;                           ///< its centroid
+  std::vector<Vector3d> direction;                      ///< unit normal of the triangle, towards the target
+  std::vector<double> area;                             ///< of the triangle, > 0
   std::vector<std::array<double, 3>> corner_thickness;  ///< t_s at the corners, >= 0
-  std::vector<double> bulge;                         ///< height of the smooth surface above the foot (surface_mesh.h)
-  std::vector<int> surface_triangle;                 ///< triangle of the source's spring surface it stands on
+  std::vector<double> bulge;          ///< height of the smooth surface above the foot (surface_mesh.h)
+  std::vector<int> surface_triangle;  ///< triangle of the source's spring surface it stands on
   std::vector<std::array<std::array<double, 3>, 3>> weights;  ///< of each corner in that triangle (barycentric)
   int size() const { return static_cast<int>(foot.size()); }
 };
@@ -38,9 +37,9 @@ struct SpringBed {
   int source_body = -1, target_body = -1;
   Vector3d source_center = Vector3d::Zero(), target_center = Vector3d::Zero();  ///< reference centres of mass
   Springs springs;
-  RayCaster target;                       ///< of the target's spring surface, reference frame
-  std::vector<double> rim_distance;       ///< of the target's triangles
-  double foot_radius = 0.0;               ///< largest distance of a foot triangle's corner from its centroid
+  RayCaster target;                  ///< of the target's spring surface, reference frame
+  std::vector<double> rim_distance;  ///< of the target's triangles
+  double foot_radius = 0.0;          ///< largest distance of a foot triangle's corner from its centroid
   double max_target_thickness = 0.0;
   Law law = Law::Linear;
 };
@@ -50,9 +49,10 @@ SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair, const Set
 /// 12 unknowns as in ContactWrench.
 struct RimSpring {
   int spring = -1;
-  Eigen::Matrix<double, 12, 1> area_rate = Eigen::Matrix<double, 12, 1>::Zero();       ///< d(area)
-  Eigen::Matrix<double, 3, 12> foot_rate = Eigen::Matrix<double, 3, 12>::Zero();       ///< d(foot) in the source's frame (its plane)
-  Vector3d pressure_gradient = Vector3d::Zero();                                       ///< of the pressure along the foot's plane
+  Eigen::Matrix<double, 12, 1> area_rate = Eigen::Matrix<double, 12, 1>::Zero();  ///< d(area)
+  Eigen::Matrix<double, 3, 12> foot_rate =
+      Eigen::Matrix<double, 3, 12>::Zero();       ///< d(foot) in the source's frame (its plane)
+  Vector3d pressure_gradient = Vector3d::Zero();  ///< of the pressure along the foot's plane
 };
 
 /// What the springs do at one pose. One entry per spring; global frame, current configuration.
@@ -64,17 +64,17 @@ struct SpringStates {
   std::vector<Vector3d> end;        ///< q: where the ray meets the target
   std::vector<Vector3d> normal;     ///< m: target's unit normal at q, against n
   std::vector<std::array<double, 3>> end_weights;  ///< barycentric weights of q in `triangle`
-  std::vector<double> gap;          ///< signed g of (S2), > 0 apart; infinity where the ray met nothing
+  std::vector<double> gap;                         ///< signed g of (S2), > 0 apart; infinity where the ray met nothing
   std::vector<double> t_source, t_target;
-  std::vector<double> overlap;      ///< Delta >= 0
-  std::vector<double> pressure;     ///< >= 0
-  std::vector<double> strain;       ///< the larger of the two layers' strains
+  std::vector<double> overlap;   ///< Delta >= 0
+  std::vector<double> pressure;  ///< >= 0
+  std::vector<double> strain;    ///< the larger of the two layers' strains
   std::vector<double> strain_source, strain_target;
-  std::vector<double> per_overlap;  ///< dp/dDelta
-  std::vector<Vector3d> per_motion; ///< kappa: dp = kappa . (delta_target - delta_source) at q  (E2-E4)
-  std::vector<double> area;         ///< coverage * area: what the pressure acts on
-  std::vector<char> too_deep;       ///< the target lies deeper under the foot than both layers are thick
-  std::vector<RimSpring> rim;       ///< the springs that are covered in part and loaded
+  std::vector<double> per_overlap;   ///< dp/dDelta
+  std::vector<Vector3d> per_motion;  ///< kappa: dp = kappa . (delta_target - delta_source) at q  (E2-E4)
+  std::vector<double> area;          ///< coverage * area: what the pressure acts on
+  std::vector<char> too_deep;        ///< the target lies deeper under the foot than both layers are thick
+  std::vector<RimSpring> rim;        ///< the springs that are covered in part and loaded
   int size() const { return static_cast<int>(gap.size()); }
 };
 

@@ -1,11 +1,10 @@
 #include "surface_mesh.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <unordered_map>
-
-#include <Eigen/Dense>
 
 #include "element_faces.h"
 
@@ -40,8 +39,10 @@ void find_neighbours(SurfaceMesh& mesh) {
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     // more than two triangles at an edge: the first two are neighbours, the others end there
     if (edges[i].low == edges[i + 1].low && edges[i].high == edges[i + 1].high) {
-      mesh.neighbours[static_cast<std::size_t>(edges[i].triangle)][static_cast<std::size_t>(edges[i].edge)] = edges[i + 1].triangle;
-      mesh.neighbours[static_cast<std::size_t>(edges[i + 1].triangle)][static_cast<std::size_t>(edges[i + 1].edge)] = edges[i].triangle;
+      mesh.neighbours[static_cast<std::size_t>(edges[i].triangle)][static_cast<std::size_t>(edges[i].edge)] =
+          edges[i + 1].triangle;
+      mesh.neighbours[static_cast<std::size_t>(edges[i + 1].triangle)][static_cast<std::size_t>(edges[i + 1].edge)] =
+          edges[i].triangle;
       ++i;
     }
   }
@@ -49,13 +50,15 @@ void find_neighbours(SurfaceMesh& mesh) {
 
 void find_bulges(SurfaceMesh& mesh) {
   // Vertex normals that are exact where the vertices lie on a sphere, however uneven the facets: each corner's cross
-  // product of edges over the squares of their lengths (N. Max, Weights for computing vertex normals from facet normals,
-  // J. Graphics Tools 4(2), 1999).
+  // product of edges over the squares of their lengths (N. Max, Weights for computing vertex normals from facet
+  // normals, J. Graphics Tools 4(2), 1999).
   std::vector<Vector3d> normals(mesh.vertices.size(), Vector3d::Zero());
   for (int t = 0; t < mesh.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      const Vector3d a = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k), b = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
-      normals[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] += a.cross(b) / (a.squaredNorm() * b.squaredNorm());
+      const Vector3d a = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k),
+                     b = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
+      normals[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] +=
+          a.cross(b) / (a.squaredNorm() * b.squaredNorm());
     }
   }
   for (Vector3d& n : normals) n.normalize();
@@ -85,8 +88,10 @@ void find_bulges(SurfaceMesh& mesh) {
       double& b = mesh.bulge[static_cast<std::size_t>(t)][k];
       // A rim vertex has facets on one side only and no normal of its own worth the name: the curvature at the inner
       // end serves for the whole edge (the normal mirrored in the edge's bisecting plane).
-      if (on_rim[i] == on_rim[j]) b = 0.5 * edge.dot(normals[i] - normals[j]);
-      else b = on_rim[j] ? edge.dot(normals[i]) : -edge.dot(normals[j]);
+      if (on_rim[i] == on_rim[j])
+        b = 0.5 * edge.dot(normals[i] - normals[j]);
+      else
+        b = on_rim[j] ? edge.dot(normals[i]) : -edge.dot(normals[j]);
     }
   }
 }
@@ -199,8 +204,9 @@ std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
           const auto found = grid.find({home[0] + dx, home[1] + dy, home[2] + dz});
           if (found == grid.end()) continue;
           for (int i : found->second) {
-            vertex_distance[v] = std::min(vertex_distance[v], distance_to_segment(mesh.vertices[v], rim[static_cast<std::size_t>(i)][0],
-                                                                                  rim[static_cast<std::size_t>(i)][1]));
+            vertex_distance[v] =
+                std::min(vertex_distance[v], distance_to_segment(mesh.vertices[v], rim[static_cast<std::size_t>(i)][0],
+                                                                 rim[static_cast<std::size_t>(i)][1]));
           }
         }
   }
@@ -208,8 +214,11 @@ std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
     // distance is 1-Lipschitz: any point of the triangle lies within `size` of the vertex where it is measured
     double bound = 0.0;
     for (int k = 0; k < 3; ++k) {
-      const double size = std::max((mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm(), (mesh.corner(t, k) - mesh.corner(t, (k + 2) % 3)).norm());
-      bound = std::max(bound, vertex_distance[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] - size);
+      const double size = std::max((mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm(),
+                                   (mesh.corner(t, k) - mesh.corner(t, (k + 2) % 3)).norm());
+      bound = std::max(bound, vertex_distance[static_cast<std::size_t>(
+                                  mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] -
+                                  size);
     }
     distance[static_cast<std::size_t>(t)] = bound;
   }

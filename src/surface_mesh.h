@@ -17,16 +17,17 @@ struct SurfaceMesh {
   int facets = 0;                             ///< number of facets
 
   // derived by finish_surface_mesh
-  std::vector<Vector3d> normals;                ///< per triangle, unit
-  std::vector<double> areas;                    ///< per triangle, > 0
-  std::vector<Vector3d> vertex_normals;         ///< per vertex: area-weighted average, unit
-  std::vector<double> vertex_areas;             ///< per vertex: a third of each triangle around it
-  std::vector<std::array<int, 3>> neighbours;   ///< per triangle: triangle across edge (k, k + 1); -1: rim
-  std::vector<std::array<double, 3>> bulge;     ///< per triangle and edge (k, k + 1): see bulge_height; 0 at sharp edges
+  std::vector<Vector3d> normals;               ///< per triangle, unit
+  std::vector<double> areas;                   ///< per triangle, > 0
+  std::vector<Vector3d> vertex_normals;        ///< per vertex: area-weighted average, unit
+  std::vector<double> vertex_areas;            ///< per vertex: a third of each triangle around it
+  std::vector<std::array<int, 3>> neighbours;  ///< per triangle: triangle across edge (k, k + 1); -1: rim
+  std::vector<std::array<double, 3>> bulge;    ///< per triangle and edge (k, k + 1): see bulge_height; 0 at sharp edges
 
   int size() const { return static_cast<int>(triangles.size()); }
   const Vector3d& corner(int triangle, int k) const {
-    return vertices[static_cast<std::size_t>(triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)])];
+    return vertices[static_cast<std::size_t>(
+        triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)])];
   }
   Vector3d centroid(int t) const { return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0; }
 };

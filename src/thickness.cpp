@@ -35,9 +35,9 @@ void measure_thickness(Layer& layer) {
   tbb::parallel_for(std::size_t{0}, from.vertices.size(), [&](std::size_t v) {
     const Vector3d& x = from.vertices[v];
     const Vector3d direction = from_bone ? from.vertex_normals[v] : Vector3d(-from.vertex_normals[v]);
-    // Where the ray meets a face, it counts if nothing lies nearer than half as far: quicker to ask than the closest point,
-    // for which a layer much thicker than its facets offers many candidates. A vertex both surfaces share (a feather
-    // edge) has thickness 0 by its closest point.
+    // Where the ray meets a face, it counts if nothing lies nearer than half as far: quicker to ask than the closest
+    // point, for which a layer much thicker than its facets offers many candidates. A vertex both surfaces share (a
+    // feather edge) has thickness 0 by its closest point.
     const LineHit hit = caster.nearest_facing(x, direction, 0.0, 0.0, std::numeric_limits<double>::infinity(), kCos60);
     if (hit.point.triangle >= 0 && hit.distance > 0.0 && caster.within(x, 0.5 * hit.distance).empty()) {
       layer.thickness[v] = std::max(0.0, hit.distance - bulge_height(to, hit.point.triangle, hit.point.weights));

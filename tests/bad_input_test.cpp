@@ -1,8 +1,9 @@
-// Everything a user may do wrong, through the program: one line on standard error that says where, what was found and what
-// to do; the right exit code; nothing left behind.
+// Everything a user may do wrong, through the program: one line on standard error that says where, what was found and
+// what to do; the right exit code; nothing left behind.
 //
-// Every case is one small model with a few edits: a cube of cartilage, 2 x 2 x 2, bonded to a rigid base, and a rigid plate
-// above it that is pushed down.
+// Every case is one small model with a few edits: a cube of cartilage, 2 x 2 x 2, bonded to a rigid base, and a rigid
+// plate above it that is pushed down.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,10 +11,8 @@
 #include <cctype>
 #include <map>
 #include <mutex>
-#include <thread>
-
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "program.h"
 
@@ -147,19 +146,20 @@ int line_of(const std::string& text, const std::string& what) {
 
 struct Case {
   std::string name;
-  std::string model;    ///< text of the model
+  std::string model;  ///< text of the model
   int code = 3;
-  std::string at;       ///< the message starts with "FILE:LINE: ", the line of this text; "": with what comes next
-  Words says;           ///< all in the message
+  std::string at;  ///< the message starts with "FILE:LINE: ", the line of this text; "": with what comes next
+  Words says;      ///< all in the message
   Words options = {};
   std::map<std::string, std::string> files = {};  ///< besides the model
   std::string model_name = "model.feb";
-  std::string at_file = {};                       ///< the message names this file of `files` instead
+  std::string at_file = {};  ///< the message names this file of `files` instead
 };
 
 std::map<std::string, std::string> contents(const fs::path& folder) {
   std::map<std::string, std::string> found;
-  for (const auto& entry : fs::directory_iterator(folder)) found[entry.path().filename().string()] = entry.is_regular_file() ? test::file_text(entry.path()) : "";
+  for (const auto& entry : fs::directory_iterator(folder))
+    found[entry.path().filename().string()] = entry.is_regular_file() ? test::file_text(entry.path()) : "";
   return found;
 }
 
@@ -183,7 +183,9 @@ std::string error_of(const test::Finished& f) {
 
 /// nan or inf as a word, not in quotes and not part of a longer one.
 bool has_nan(const std::string& text) {
-  const auto part_of_word = [&](std::size_t i) { return i < text.size() && (std::isalpha(static_cast<unsigned char>(text[i])) != 0 || text[i] == '"'); };
+  const auto part_of_word = [&](std::size_t i) {
+    return i < text.size() && (std::isalpha(static_cast<unsigned char>(text[i])) != 0 || text[i] == '"');
+  };
   for (const char* word : {"nan", "inf"})
     for (std::size_t i = text.find(word); i != std::string::npos; i = text.find(word, i + 1))
       if ((i == 0 || !part_of_word(i - 1)) && !part_of_word(i + 3)) return true;
@@ -193,7 +195,8 @@ bool has_nan(const std::string& text) {
 void check(const Case& c) {
   SCOPED_TRACE(c.name);
   const test::TemporaryFolder folder;
-  if (!c.model_name.empty() && c.model_name != ".") std::ofstream(folder.path / c.model_name, std::ios::binary) << c.model;
+  if (!c.model_name.empty() && c.model_name != ".")
+    std::ofstream(folder.path / c.model_name, std::ios::binary) << c.model;
   for (const auto& file : c.files) std::ofstream(folder.path / file.first, std::ios::binary) << file.second;
   const auto before = contents(folder.path);
   Words words = {DEA_PROGRAM, "run", c.model_name.empty() ? "model.feb" : c.model_name};
@@ -207,9 +210,12 @@ void check(const Case& c) {
   EXPECT_GT(error.size(), 20u);
   if (!c.at.empty()) {
     const std::string& file = c.at_file.empty() ? c.model : c.files.at(c.at_file);
-    EXPECT_TRUE(starts_with(error, fmt::format("{}:{}: ", c.at_file.empty() ? c.model_name : c.at_file, line_of(file, c.at)))) << error;
+    EXPECT_TRUE(
+        starts_with(error, fmt::format("{}:{}: ", c.at_file.empty() ? c.model_name : c.at_file, line_of(file, c.at))))
+        << error;
   }
-  for (const std::string& what : c.says) EXPECT_NE(error.find(what), std::string::npos) << error << "\n  lacks: " << what;
+  for (const std::string& what : c.says)
+    EXPECT_NE(error.find(what), std::string::npos) << error << "\n  lacks: " << what;
   EXPECT_TRUE(std::all_of(error.begin(), error.end(), [](unsigned char ch) { return ch >= 32 && ch < 127; })) << error;
   if (c.code == 3) {  // `dea info` prints what it can, and comes to the same end or finds nothing wrong
     words[1] = "info";
@@ -222,19 +228,24 @@ void check(const Case& c) {
 }
 
 const Edits kFarBase = {{"<elem id=\"2\">1,2,3,4</elem>", "<elem id=\"2\">13,14,15,16</elem>"},
-                        {"</Nodes>", "<node id=\"13\">-1,-1,-4</node>\n<node id=\"14\">1,-1,-4</node>\n<node id=\"15\">1,1,-4</node>\n<node id=\"16\">-1,1,-4</node>\n</Nodes>"}};
+                        {"</Nodes>",
+                         "<node id=\"13\">-1,-1,-4</node>\n<node id=\"14\">1,-1,-4</node>\n<node "
+                         "id=\"15\">1,1,-4</node>\n<node id=\"16\">-1,1,-4</node>\n</Nodes>"}};
 
 /// The base as solid elements of a deformable material. `fixed`: with its lowest nodes fixed.
 std::string deformable_bone(bool fixed) {
   std::string text = edited({{"<elem id=\"2\">1,2,3,4</elem>", "<elem id=\"2\">13,14,15,16,1,2,3,4</elem>"},
                              {"type=\"quad4\" name=\"base\"", "type=\"hex8\" name=\"base\""},
                              {"ShellDomain name=\"base\"", "SolidDomain name=\"base\""},
-                             {"type=\"rigid body\"><density>1</density><center_of_mass>0,0,-2</center_of_mass>", "type=\"neo-Hookean\"><density>1</density><E>17000</E><v>0.3</v>"},
+                             {"type=\"rigid body\"><density>1</density><center_of_mass>0,0,-2</center_of_mass>",
+                              "type=\"neo-Hookean\"><density>1</density><E>17000</E><v>0.3</v>"},
                              kFarBase[1]});
   text = without("<rigid_bc name=\"hold base\"", "</rigid_bc>\n", text);
   if (!fixed) return text;
   return edited({{"<Surface name=\"top\">", "<NodeSet name=\"low\">\n13,14,15,16\n</NodeSet>\n<Surface name=\"top\">"},
-                 {"<Rigid>", "<Boundary>\n<bc type=\"zero displacement\" node_set=\"low\">\n<x_dof>1</x_dof><y_dof>1</y_dof><z_dof>1</z_dof>\n</bc>\n</Boundary>\n<Rigid>"}},
+                 {"<Rigid>",
+                  "<Boundary>\n<bc type=\"zero displacement\" "
+                  "node_set=\"low\">\n<x_dof>1</x_dof><y_dof>1</y_dof><z_dof>1</z_dof>\n</bc>\n</Boundary>\n<Rigid>"}},
                 text);
 }
 
@@ -249,13 +260,39 @@ TEST(BadInput, FilesThatAreNoModel) {
            Case{"cut at an element", kModel.substr(0, kModel.find("<elem id")), 3, "", {"model.feb:", "cut off"}},
            Case{"tags that do not match", edited({{"</Nodes>", "</Nods>"}}), 3, "", {"model.feb:", "damaged", "XML"}},
            Case{"nothing but brackets", xml + std::string(15000, '<'), 3, "", {"model.feb:", "cut off"}},
-           Case{"old version", edited({{"version=\"4.0\"", "version=\"1.2\""}}), 3, "<febio_spec", {"\"1.2\"", "expected 2.5, 3.0 or 4.0", "save as 4.0"}},
-           Case{"future version", edited({{"version=\"4.0\"", "version=\"5.0\""}}), 3, "<febio_spec", {"\"5.0\"", "expected 2.5, 3.0 or 4.0"}},
+           Case{"old version",
+                edited({{"version=\"4.0\"", "version=\"1.2\""}}),
+                3,
+                "<febio_spec",
+                {"\"1.2\"", "expected 2.5, 3.0 or 4.0", "save as 4.0"}},
+           Case{"future version",
+                edited({{"version=\"4.0\"", "version=\"5.0\""}}),
+                3,
+                "<febio_spec",
+                {"\"5.0\"", "expected 2.5, 3.0 or 4.0"}},
            Case{"no version", edited({{" version=\"4.0\"", ""}}), 3, "<febio_spec", {"expected 2.5, 3.0 or 4.0"}},
-           Case{"wrong root", edited({{"<febio_spec", "<abaqus"}, {"</febio_spec", "</abaqus"}}), 3, "<abaqus", {"\"abaqus\"", "expected <febio_spec>"}},
+           Case{"wrong root",
+                edited({{"<febio_spec", "<abaqus"}, {"</febio_spec", "</abaqus"}}),
+                3,
+                "<abaqus",
+                {"\"abaqus\"", "expected <febio_spec>"}},
            Case{"no root", xml, 3, "", {"model.feb:1: ", "expected <febio_spec>"}},
-           Case{"project file", kModel, 3, "", {"model.fsm: ", "FEBio Studio project", "Export FE model"}, {}, {}, "model.fsm"},
-           Case{"old project file", kModel, 3, "", {"model.fs2: ", "FEBio Studio project", "Export FE model"}, {}, {}, "model.fs2"},
+           Case{"project file",
+                kModel,
+                3,
+                "",
+                {"model.fsm: ", "FEBio Studio project", "Export FE model"},
+                {},
+                {},
+                "model.fsm"},
+           Case{"old project file",
+                kModel,
+                3,
+                "",
+                {"model.fs2: ", "FEBio Studio project", "Export FE model"},
+                {},
+                {},
+                "model.fs2"},
            Case{"folder", "", 3, "", {".: ", "folder", "expected a .feb file"}, {}, {}, "."},
            Case{"missing", "", 3, "", {"model.feb: ", "no such file", "check the path"}, {}, {}, ""},
        })
@@ -265,10 +302,26 @@ TEST(BadInput, FilesThatAreNoModel) {
 TEST(BadInput, MissingSections) {
   for (const Case& c : {
            Case{"Mesh", without("<Mesh>", "</Mesh>"), 3, "<SolidDomain", {"names no Elements section"}},
-           Case{"Material", without("<Material>", "</Material>"), 3, "<SolidDomain", {"\"cartilage\"", "expected the name of a material"}},
-           Case{"Contact", without("<Contact>", "</Contact>"), 3, "", {"model.feb: ", "no sliding contact", "needs one between two bodies"}},
-           Case{"MeshDomains", without("<MeshDomains>", "</MeshDomains>"), 3, "<Surface name=\"top\"", {"\"layer\" have no material", "give them one"}},
-           Case{"all", "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n</febio_spec>\n", 3, "", {"model.feb: ", "no sliding contact"}},
+           Case{"Material",
+                without("<Material>", "</Material>"),
+                3,
+                "<SolidDomain",
+                {"\"cartilage\"", "expected the name of a material"}},
+           Case{"Contact",
+                without("<Contact>", "</Contact>"),
+                3,
+                "",
+                {"model.feb: ", "no sliding contact", "needs one between two bodies"}},
+           Case{"MeshDomains",
+                without("<MeshDomains>", "</MeshDomains>"),
+                3,
+                "<Surface name=\"top\"",
+                {"\"layer\" have no material", "give them one"}},
+           Case{"all",
+                "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n</febio_spec>\n",
+                3,
+                "",
+                {"model.feb: ", "no sliding contact"}},
        })
     check(c);
   // A model without Step has one step with FEBio's own defaults, and is solved (FEBio would do so, too).
@@ -279,62 +332,198 @@ TEST(BadInput, MissingSections) {
 
 TEST(BadInput, DanglingNames) {
   for (const Case& c : {
-           Case{"node of an element", edited({{"5,6,7,8</elem>", "5,6,7,99</elem>"}}), 3, "<elem id=\"1\">", {"element 1", "node 99", "does not exist"}},
-           Case{"too few nodes", edited({{"5,6,7,8</elem>", "5,6,7</elem>"}}), 3, "<elem id=\"1\">", {"has 7 nodes", "expected 8"}},
-           Case{"node of a facet", edited({{">5,6,7,8</q", ">5,6,7,88</q"}}), 3, "5,6,7,88", {"facet 1 of surface \"top\"", "node 88"}},
+           Case{"node of an element",
+                edited({{"5,6,7,8</elem>", "5,6,7,99</elem>"}}),
+                3,
+                "<elem id=\"1\">",
+                {"element 1", "node 99", "does not exist"}},
+           Case{"too few nodes",
+                edited({{"5,6,7,8</elem>", "5,6,7</elem>"}}),
+                3,
+                "<elem id=\"1\">",
+                {"has 7 nodes", "expected 8"}},
+           Case{"node of a facet",
+                edited({{">5,6,7,8</q", ">5,6,7,88</q"}}),
+                3,
+                "5,6,7,88",
+                {"facet 1 of surface \"top\"", "node 88"}},
            Case{"node of a set", edited({{"5,6\n", "5,66\n"}}), 3, "<NodeSet", {"node 66", "does not exist"}},
-           Case{"node twice", edited({{"<node id=\"2\">", "<node id=\"1\">"}}), 3, "<node id=\"1\">1", {"node 1 exists twice", "renumber"}},
-           Case{"negative id", edited({{"<node id=\"2\">", "<node id=\"-2\">"}}), 3, "id=\"-2\"", {"expected a positive whole number"}},
-           Case{"id beyond integers", edited({{"<node id=\"2\">", "<node id=\"99999999999\">"}}), 3, "99999999999", {"expected a positive whole number"}},
-           Case{"two coordinates", edited({{">1,-1,-2<", ">1,-1<"}}), 3, ">1,-1<", {"node 2", "expected three numbers"}},
+           Case{"node twice",
+                edited({{"<node id=\"2\">", "<node id=\"1\">"}}),
+                3,
+                "<node id=\"1\">1",
+                {"node 1 exists twice", "renumber"}},
+           Case{"negative id",
+                edited({{"<node id=\"2\">", "<node id=\"-2\">"}}),
+                3,
+                "id=\"-2\"",
+                {"expected a positive whole number"}},
+           Case{"id beyond integers",
+                edited({{"<node id=\"2\">", "<node id=\"99999999999\">"}}),
+                3,
+                "99999999999",
+                {"expected a positive whole number"}},
+           Case{
+               "two coordinates", edited({{">1,-1,-2<", ">1,-1<"}}), 3, ">1,-1<", {"node 2", "expected three numbers"}},
            Case{"element type", edited({{"\"hex8\"", "\"hex9\""}}), 3, "hex9", {"\"hex9\" is unknown", "hex8"}},
-           Case{"surface of a pair", edited({{"<primary>top", "<primary>tip"}}), 3, "<primary>tip", {"\"tip\"", "expected the name of a Surface"}},
-           Case{"surface pair", edited({{"surface_pair=\"pair\"", "surface_pair=\"pear\""}}), 3, "\"pear\"", {"\"pear\"", "expected the name of a SurfacePair"}},
-           Case{"material of a domain", edited({{"mat=\"cartilage\"", "mat=\"cartilag\""}}), 3, "\"cartilag\"", {"expected the name of a material"}},
-           Case{"domain", edited({{"SolidDomain name=\"layer\"", "SolidDomain name=\"lager\""}}), 3, "\"lager\"", {"names no Elements section", "expected the name of one in Mesh"}},
-           Case{"rigid body", edited({{"<rb>plate</rb>", "<rb>plata</rb>"}}), 3, "<rb>plata</rb>", {"\"plata\"", "expected the id or name of a rigid body"}},
-           Case{"load controller", edited({{"lc=\"1\"", "lc=\"7\""}}), 3, "", {"model.feb:", "lc = 7", "no load controller 7"}},
-           Case{"dof", edited({{"<dof>Rz</dof>", "<dof>z</dof>"}}), 3, "<rigid_load", {"\"z\"", "expected one of Rx, Ry, Rz"}},
-           Case{"empty surface", edited({{"<quad4 id=\"1\">5,6,7,8</quad4>\n", ""}}), 3, "<contact ", {"\"top\"", "no facets"}},
-           Case{"file included", edited({{"<Contact>", "<Include from=\"a.feb\"/>\n<Contact>"}}), 3, "<Include", {"\"a.feb\"", "no such file"}},
-           Case{"circle of includes", edited({{"<Contact>", "<Include from=\"a.feb\"/>\n<Contact>"}}), 3, "<Include", {"includes itself", "remove one include"}, {},
-                {{"a.feb", "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n<Include from=\"model.feb\"/>\n</febio_spec>\n"}}, "model.feb", "a.feb"},
-           Case{"section from its own file", edited({{"<Contact>\n", "<Contact from=\"model.feb\">\n"}}), 3, "<Contact from", {"includes itself"}},
+           Case{"surface of a pair",
+                edited({{"<primary>top", "<primary>tip"}}),
+                3,
+                "<primary>tip",
+                {"\"tip\"", "expected the name of a Surface"}},
+           Case{"surface pair",
+                edited({{"surface_pair=\"pair\"", "surface_pair=\"pear\""}}),
+                3,
+                "\"pear\"",
+                {"\"pear\"", "expected the name of a SurfacePair"}},
+           Case{"material of a domain",
+                edited({{"mat=\"cartilage\"", "mat=\"cartilag\""}}),
+                3,
+                "\"cartilag\"",
+                {"expected the name of a material"}},
+           Case{"domain",
+                edited({{"SolidDomain name=\"layer\"", "SolidDomain name=\"lager\""}}),
+                3,
+                "\"lager\"",
+                {"names no Elements section", "expected the name of one in Mesh"}},
+           Case{"rigid body",
+                edited({{"<rb>plate</rb>", "<rb>plata</rb>"}}),
+                3,
+                "<rb>plata</rb>",
+                {"\"plata\"", "expected the id or name of a rigid body"}},
+           Case{"load controller",
+                edited({{"lc=\"1\"", "lc=\"7\""}}),
+                3,
+                "",
+                {"model.feb:", "lc = 7", "no load controller 7"}},
+           Case{"dof",
+                edited({{"<dof>Rz</dof>", "<dof>z</dof>"}}),
+                3,
+                "<rigid_load",
+                {"\"z\"", "expected one of Rx, Ry, Rz"}},
+           Case{"empty surface",
+                edited({{"<quad4 id=\"1\">5,6,7,8</quad4>\n", ""}}),
+                3,
+                "<contact ",
+                {"\"top\"", "no facets"}},
+           Case{"file included",
+                edited({{"<Contact>", "<Include from=\"a.feb\"/>\n<Contact>"}}),
+                3,
+                "<Include",
+                {"\"a.feb\"", "no such file"}},
+           Case{"circle of includes",
+                edited({{"<Contact>", "<Include from=\"a.feb\"/>\n<Contact>"}}),
+                3,
+                "<Include",
+                {"includes itself", "remove one include"},
+                {},
+                {{"a.feb",
+                  "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n<Include "
+                  "from=\"model.feb\"/>\n</febio_spec>\n"}},
+                "model.feb",
+                "a.feb"},
+           Case{"section from its own file",
+                edited({{"<Contact>\n", "<Contact from=\"model.feb\">\n"}}),
+                3,
+                "<Contact from",
+                {"includes itself"}},
        })
     check(c);
 }
 
 TEST(BadInput, Numbers) {
   for (const Case& c : {
-           Case{"coordinate nan", edited({{"1,1,0</node>", "1,nan,0</node>"}}), 3, "1,nan,0", {"node 7", "at most 1e30"}},
-           Case{"coordinate inf", edited({{"1,1,0</node>", "1,inf,0</node>"}}), 3, "1,inf,0", {"node 7", "at most 1e30"}},
-           Case{"coordinate 1e300", edited({{"1,1,0</node>", "1,1e300,0</node>"}}), 3, "1e300", {"node 7", "at most 1e30"}},
+           Case{"coordinate nan",
+                edited({{"1,1,0</node>", "1,nan,0</node>"}}),
+                3,
+                "1,nan,0",
+                {"node 7", "at most 1e30"}},
+           Case{"coordinate inf",
+                edited({{"1,1,0</node>", "1,inf,0</node>"}}),
+                3,
+                "1,inf,0",
+                {"node 7", "at most 1e30"}},
+           Case{"coordinate 1e300",
+                edited({{"1,1,0</node>", "1,1e300,0</node>"}}),
+                3,
+                "1e300",
+                {"node 7", "at most 1e30"}},
            Case{"load nan", edited({{">-5<", ">nan<"}}), 3, ">nan<", {"value = \"nan\"", "expected a number"}},
-           Case{"E nan", edited({{"<E>10", "<E>nan"}}), 3, "<Surface name=\"top\"", {"\"cartilage\"", "E = \"nan\" is not one number", "--E \"top=VALUE\""}},
+           Case{"E nan",
+                edited({{"<E>10", "<E>nan"}}),
+                3,
+                "<Surface name=\"top\"",
+                {"\"cartilage\"", "E = \"nan\" is not one number", "--E \"top=VALUE\""}},
            Case{"E negative", edited({{"<E>10", "<E>-10"}}), 3, "<E>-10", {"E = -10", "need E > 0"}},
            Case{"E zero", edited({{"<E>10", "<E>0"}}), 3, "<E>0", {"E = 0", "need E > 0"}},
            Case{"E missing", edited({{"<E>10</E>", ""}}), 3, "<material id=\"1\"", {"E is missing", "need E > 0"}},
            Case{"incompressible", edited({{"<v>0.3", "<v>0.5"}}), 3, "<v>0.5", {"v = 0.5", "need -1 < v < 0.5"}},
-           Case{"no time steps", edited({{"<time_steps>2", "<time_steps>0"}}), 3, "<Control>", {"ends at time 0", "need time_steps > 0"}},
-           Case{"time steps without end", edited({{"<time_steps>2", "<time_steps>2000000000"}}), 3, "<Control>", {"2000000000 time steps, need at most 10000", "raise step_size"}},
-           Case{"step size negative", edited({{"<step_size>0.5", "<step_size>-0.5"}}), 3, "<step_size>", {"step_size = -0.5", "need step_size > 0"}},
-           Case{"step size nan", edited({{"<step_size>0.5", "<step_size>nan"}}), 3, "<step_size>", {"\"nan\"", "expected a number"}},
-           Case{"curve backwards", edited({{"<pt>0,0</pt>", "<pt>2,0</pt>"}}), 3, "<value lc", {"times that go back", "not supported"}},
+           Case{"no time steps",
+                edited({{"<time_steps>2", "<time_steps>0"}}),
+                3,
+                "<Control>",
+                {"ends at time 0", "need time_steps > 0"}},
+           Case{"time steps without end",
+                edited({{"<time_steps>2", "<time_steps>2000000000"}}),
+                3,
+                "<Control>",
+                {"2000000000 time steps, need at most 10000", "raise step_size"}},
+           Case{"step size negative",
+                edited({{"<step_size>0.5", "<step_size>-0.5"}}),
+                3,
+                "<step_size>",
+                {"step_size = -0.5", "need step_size > 0"}},
+           Case{"step size nan",
+                edited({{"<step_size>0.5", "<step_size>nan"}}),
+                3,
+                "<step_size>",
+                {"\"nan\"", "expected a number"}},
+           Case{"curve backwards",
+                edited({{"<pt>0,0</pt>", "<pt>2,0</pt>"}}),
+                3,
+                "<value lc",
+                {"times that go back", "not supported"}},
        })
     check(c);
 }
 
 TEST(BadInput, Meshes) {
   std::string flat = kModel;
-  for (const char* top : {">-1,-1,", ">1,-1,", ">1,1,", ">-1,1,"}) flat = edited({{fmt::format("{}0<", top), fmt::format("{}-2<", top)}}, flat);
+  for (const char* top : {">-1,-1,", ">1,-1,", ">1,1,", ">-1,1,"})
+    flat = edited({{fmt::format("{}0<", top), fmt::format("{}-2<", top)}}, flat);
   for (const Case& c : {
-           Case{"layer without thickness", flat, 3, "<Elements type=\"hex8\"", {"element 1", "no volume", "check its thickness"}},
-           Case{"inside out", edited({{"1,2,3,4,5,6,7,8", "5,6,7,8,1,2,3,4"}}), 3, "<Elements type=\"hex8\"", {"element 1", "inside out", "node order"}},
-           Case{"facet without area", edited({{">2,-2,0.1", ">-2,-2,0.1"}, {">2,2,0.1", ">-2,-2,0.1"}, {">-2,2,0.1", ">-2,-2,0.1"}}), 3, "<Surface name=\"under\"", {"facet 1 has no area", "repair the mesh"}},
-           Case{"facet with a node twice", edited({{">9,12,11,10</q", ">9,9,9,9</q"}}), 3, "9,9,9,9", {"node twice", "repair the mesh"}},
-           Case{"surface off the mesh", edited({{">5,6,7,8</q", ">5,6,10,9</q"}}), 3, "<Surface name=\"top\"", {"nodes 5,6,10,9", "no face of any element", "define the surface again"}},
-           Case{"shell layer", edited({{"type=\"hex8\" name=\"layer\"", "type=\"quad4\" name=\"layer\""}, {"1,2,3,4,5,6,7,8", "5,6,7,8"}, {"SolidDomain name=\"layer\"", "ShellDomain name=\"layer\""}}), 3,
-                "<Surface name=\"top\"", {"deformable shells", "solid elements", "--rigid \"cartilage\""}},
+           Case{"layer without thickness",
+                flat,
+                3,
+                "<Elements type=\"hex8\"",
+                {"element 1", "no volume", "check its thickness"}},
+           Case{"inside out",
+                edited({{"1,2,3,4,5,6,7,8", "5,6,7,8,1,2,3,4"}}),
+                3,
+                "<Elements type=\"hex8\"",
+                {"element 1", "inside out", "node order"}},
+           Case{"facet without area",
+                edited({{">2,-2,0.1", ">-2,-2,0.1"}, {">2,2,0.1", ">-2,-2,0.1"}, {">-2,2,0.1", ">-2,-2,0.1"}}),
+                3,
+                "<Surface name=\"under\"",
+                {"facet 1 has no area", "repair the mesh"}},
+           Case{"facet with a node twice",
+                edited({{">9,12,11,10</q", ">9,9,9,9</q"}}),
+                3,
+                "9,9,9,9",
+                {"node twice", "repair the mesh"}},
+           Case{"surface off the mesh",
+                edited({{">5,6,7,8</q", ">5,6,10,9</q"}}),
+                3,
+                "<Surface name=\"top\"",
+                {"nodes 5,6,10,9", "no face of any element", "define the surface again"}},
+           Case{"shell layer",
+                edited({{"type=\"hex8\" name=\"layer\"", "type=\"quad4\" name=\"layer\""},
+                        {"1,2,3,4,5,6,7,8", "5,6,7,8"},
+                        {"SolidDomain name=\"layer\"", "ShellDomain name=\"layer\""}}),
+                3,
+                "<Surface name=\"top\"",
+                {"deformable shells", "solid elements", "--rigid \"cartilage\""}},
        })
     check(c);
 }
@@ -342,12 +531,37 @@ TEST(BadInput, Meshes) {
 TEST(BadInput, Joints) {
   const std::string two = edited({{"9,10,11,12</elem>", "9,10,11,12</elem>\n<elem id=\"4\">5,6,10,9</elem>"}});
   for (const Case& c : {
-           Case{"one surface twice", edited({{"<secondary>under", "<secondary>top"}}), 3, "", {"model.feb: ", "joins two different bodies", "both surfaces belong to body \"base\""}},
-           Case{"unattached", edited(kFarBase), 3, "<Surface name=\"top\"", {"held by no rigid body", "--attach \"top=BODY\"", "\"base\", \"plate\""}},
-           Case{"attached to what does not touch it", edited(kFarBase), 3, "<Surface name=\"top\"", {"no bone surface", "--bone \"top=SURFACE\"", "--thickness \"top=VALUE\""}, {"--attach", "top=base"}},
-           Case{"held by two bodies", two, 3, "<Surface name=\"top\"", {"held by 2 bodies", "\"base\"", "\"plate\"", "--attach \"top=BODY\""}},
-           Case{"deformable bone", deformable_bone(false), 3, "<Surface name=\"top\"", {"held by no rigid body", "--rigid \"base\""}},
-           Case{"deformable bone, fixed", deformable_bone(true), 3, "<Surface name=\"top\"", {"E = 17000 against 10", "deformable bone", "--rigid \"base\""}},
+           Case{"one surface twice",
+                edited({{"<secondary>under", "<secondary>top"}}),
+                3,
+                "",
+                {"model.feb: ", "joins two different bodies", "both surfaces belong to body \"base\""}},
+           Case{"unattached",
+                edited(kFarBase),
+                3,
+                "<Surface name=\"top\"",
+                {"held by no rigid body", "--attach \"top=BODY\"", "\"base\", \"plate\""}},
+           Case{"attached to what does not touch it",
+                edited(kFarBase),
+                3,
+                "<Surface name=\"top\"",
+                {"no bone surface", "--bone \"top=SURFACE\"", "--thickness \"top=VALUE\""},
+                {"--attach", "top=base"}},
+           Case{"held by two bodies",
+                two,
+                3,
+                "<Surface name=\"top\"",
+                {"held by 2 bodies", "\"base\"", "\"plate\"", "--attach \"top=BODY\""}},
+           Case{"deformable bone",
+                deformable_bone(false),
+                3,
+                "<Surface name=\"top\"",
+                {"held by no rigid body", "--rigid \"base\""}},
+           Case{"deformable bone, fixed",
+                deformable_bone(true),
+                3,
+                "<Surface name=\"top\"",
+                {"E = 17000 against 10", "deformable bone", "--rigid \"base\""}},
        })
     check(c);
 }
@@ -356,45 +570,118 @@ TEST(BadInput, Joints) {
 TEST(BadInput, DeformableBoneRunsWhenTakenAsRigid) {
   const test::TemporaryFolder folder;
   std::ofstream(folder.path / "model.feb") << deformable_bone(true);
-  const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--rigid", "base", "--json", "r.json"}, kLimit);
+  const test::Finished f =
+      test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--rigid", "base", "--json", "r.json"}, kLimit);
   ASSERT_EQ(f.code, 0) << f.err;
   const auto last = nlohmann::json::parse(test::file_text(folder.path / "r.json"))["states"].back();
   EXPECT_EQ(last["outcome"], "Balanced");
-  EXPECT_NEAR(last["contacts"][0]["peak_pressure"].get<double>(), 1.25, 1e-9);  // plane surfaces: exact but for the solver's 1e-9
+  EXPECT_NEAR(last["contacts"][0]["peak_pressure"].get<double>(), 1.25,
+              1e-9);  // plane surfaces: exact but for the solver's 1e-9
 }
 
 TEST(BadInput, Unsupported) {
-  const auto with = [](const std::string& before, const std::string& added) { return edited({{before, added + "\n" + before}}); };
+  const auto with = [](const std::string& before, const std::string& added) {
+    return edited({{before, added + "\n" + before}});
+  };
   for (const Case& c : {
-           Case{"moved nodes", with("<Rigid>", "<Boundary>\n<bc type=\"prescribed displacement\" node_set=\"corner\">\n<dof>z</dof>\n<value lc=\"1\">0.1</value>\n</bc>\n</Boundary>"), 3,
-                "<bc type", {"prescribed displacement of nodes", "not supported", "take it out"}},
-           Case{"rigid cable", with("</Rigid>", "<rigid_load name=\"cable\" type=\"rigid_cable\">\n<force>1</force>\n</rigid_load>"), 3, "\"rigid_cable\"", {"rigid_cable", "not supported"}},
-           Case{"rigid lock", with("</Rigid>", "<rigid_connector name=\"lock\" type=\"rigid lock\">\n<body_a>base</body_a>\n<body_b>plate</body_b>\n</rigid_connector>"), 3, "\"rigid lock\"",
+           Case{"moved nodes",
+                with("<Rigid>",
+                     "<Boundary>\n<bc type=\"prescribed displacement\" node_set=\"corner\">\n<dof>z</dof>\n<value "
+                     "lc=\"1\">0.1</value>\n</bc>\n</Boundary>"),
+                3,
+                "<bc type",
+                {"prescribed displacement of nodes", "not supported", "take it out"}},
+           Case{"rigid cable",
+                with("</Rigid>", "<rigid_load name=\"cable\" type=\"rigid_cable\">\n<force>1</force>\n</rigid_load>"),
+                3,
+                "\"rigid_cable\"",
+                {"rigid_cable", "not supported"}},
+           Case{"rigid lock",
+                with("</Rigid>",
+                     "<rigid_connector name=\"lock\" type=\"rigid "
+                     "lock\">\n<body_a>base</body_a>\n<body_b>plate</body_b>\n</rigid_connector>"),
+                3,
+                "\"rigid lock\"",
                 {"rigid lock", "not supported"}},
-           Case{"pressure load", with("<Contact>", "<Loads>\n<surface_load type=\"pressure\" surface=\"top\">\n<pressure lc=\"1\">1</pressure>\n</surface_load>\n</Loads>"), 3, "<surface_load",
+           Case{"pressure load",
+                with("<Contact>",
+                     "<Loads>\n<surface_load type=\"pressure\" surface=\"top\">\n<pressure "
+                     "lc=\"1\">1</pressure>\n</surface_load>\n</Loads>"),
+                3,
+                "<surface_load",
                 {"pressure", "not supported"}},
        })
     check(c);
 }
 
 TEST(BadInput, OptionsAndSettings) {
-  const auto settings = [](const std::string& body) { return std::map<std::string, std::string>{{"s.xml", "<?xml version=\"1.0\"?>\n<febiodea_settings version=\"1\">\n" + body + "\n</febiodea_settings>\n"}}; };
+  const auto settings = [](const std::string& body) {
+    return std::map<std::string, std::string>{
+        {"s.xml", "<?xml version=\"1.0\"?>\n<febiodea_settings version=\"1\">\n" + body + "\n</febiodea_settings>\n"}};
+  };
   for (const Case& c : {
            Case{"thickness zero", kModel, 2, "", {"--thickness", "need a number > 0", "got 0"}, {"--thickness", "0"}},
-           Case{"thickness negative", kModel, 2, "", {"--thickness -1", "expected a number >= 0"}, {"--thickness", "-1"}},
+           Case{"thickness negative",
+                kModel,
+                2,
+                "",
+                {"--thickness -1", "expected a number >= 0"},
+                {"--thickness", "-1"}},
            Case{"thickness nan", kModel, 2, "", {"--thickness nan", "expected a number"}, {"--thickness", "nan"}},
-           Case{"thickness of no surface", kModel, 2, "", {"--thickness tip", "it has \"top\", \"under\""}, {"--thickness", "tip=2"}},
+           Case{"thickness of no surface",
+                kModel,
+                2,
+                "",
+                {"--thickness tip", "it has \"top\", \"under\""},
+                {"--thickness", "tip=2"}},
            Case{"rigid unknown", kModel, 2, "", {"--rigid bone", "cartilage, base, plate"}, {"--rigid", "bone"}},
-           Case{"attach unknown", kModel, 2, "", {"--attach top=bass", "it has \"base\", \"plate\""}, {"--attach", "top=bass"}},
+           Case{"attach unknown",
+                kModel,
+                2,
+                "",
+                {"--attach top=bass", "it has \"base\", \"plate\""},
+                {"--attach", "top=bass"}},
            Case{"contact unknown", kModel, 2, "", {"--contact tooch", "it has \"touch\""}, {"--contact", "tooch"}},
            Case{"source unknown", kModel, 2, "", {"--source bass", "it has \"base\""}, {"--source", "bass"}},
            Case{"option unknown", kModel, 2, "", {"--foo", "--help"}, {"--foo"}},
            Case{"time beyond the end", kModel, 2, "", {"--states 5", "from 0 to 1"}, {"--states", "5"}},
            Case{"settings missing", kModel, 3, "", {"s.xml: ", "expected a settings file"}, {"--settings", "s.xml"}},
-           Case{"settings no XML", kModel, 3, "law", {"expected <febiodea_settings"}, {"--settings", "s.xml"}, {{"s.xml", "law=linear\n"}}, "model.feb", "s.xml"},
-           Case{"settings another root", kModel, 3, "<foo>", {"found <foo>", "expected <febiodea_settings"}, {"--settings", "s.xml"}, {{"s.xml", "<?xml version=\"1.0\"?>\n<foo>\n</foo>\n"}}, "model.feb", "s.xml"},
-           Case{"settings unknown word", kModel, 3, "<lawn>", {"lawn"}, {"--settings", "s.xml"}, settings("<lawn>linear</lawn>"), "model.feb", "s.xml"},
-           Case{"settings unknown value", kModel, 3, "<law>", {"linar", "expected"}, {"--settings", "s.xml"}, settings("<law>linar</law>"), "model.feb", "s.xml"},
+           Case{"settings no XML",
+                kModel,
+                3,
+                "law",
+                {"expected <febiodea_settings"},
+                {"--settings", "s.xml"},
+                {{"s.xml", "law=linear\n"}},
+                "model.feb",
+                "s.xml"},
+           Case{"settings another root",
+                kModel,
+                3,
+                "<foo>",
+                {"found <foo>", "expected <febiodea_settings"},
+                {"--settings", "s.xml"},
+                {{"s.xml", "<?xml version=\"1.0\"?>\n<foo>\n</foo>\n"}},
+                "model.feb",
+                "s.xml"},
+           Case{"settings unknown word",
+                kModel,
+                3,
+                "<lawn>",
+                {"lawn"},
+                {"--settings", "s.xml"},
+                settings("<lawn>linear</lawn>"),
+                "model.feb",
+                "s.xml"},
+           Case{"settings unknown value",
+                kModel,
+                3,
+                "<law>",
+                {"linar", "expected"},
+                {"--settings", "s.xml"},
+                settings("<law>linar</law>"),
+                "model.feb",
+                "s.xml"},
        })
     check(c);
 }
@@ -404,11 +691,31 @@ TEST(BadInput, OutputsThatCannotBeWritten) {
            Case{"no such folder", kModel, 4, "", {"no/where.xplt", "there is no folder no"}, {"-o", "no/where.xplt"}},
            Case{"full device", kModel, 4, "", {"/dev/full", "No space left"}, {"-o", "/dev/full"}},
            Case{"folder", kModel, 4, "", {"is a folder"}, {"-o", "."}},
-           Case{"no such folder for JSON", kModel, 4, "", {"no/where.json", "there is no folder no"}, {"--json", "no/where.json"}},
+           Case{"no such folder for JSON",
+                kModel,
+                4,
+                "",
+                {"no/where.json", "there is no folder no"},
+                {"--json", "no/where.json"}},
            Case{"over the model", kModel, 2, "", {"-o model.feb", "would overwrite the model"}, {"-o", "model.feb"}},
-           Case{"over the model, another spelling", kModel, 2, "", {"would overwrite the model"}, {"-o", "././model.feb"}},
-           Case{"JSON over the model", kModel, 2, "", {"--json model.feb", "would overwrite the model"}, {"--json", "model.feb"}},
-           Case{"CSV over the settings", kModel, 2, "", {"--csv s.xml", "would overwrite the settings file"}, {"--csv", "s.xml", "--settings", "s.xml"},
+           Case{"over the model, another spelling",
+                kModel,
+                2,
+                "",
+                {"would overwrite the model"},
+                {"-o", "././model.feb"}},
+           Case{"JSON over the model",
+                kModel,
+                2,
+                "",
+                {"--json model.feb", "would overwrite the model"},
+                {"--json", "model.feb"}},
+           Case{"CSV over the settings",
+                kModel,
+                2,
+                "",
+                {"--csv s.xml", "would overwrite the settings file"},
+                {"--csv", "s.xml", "--settings", "s.xml"},
                 {{"s.xml", "<?xml version=\"1.0\"?>\n<febiodea_settings version=\"1\">\n</febiodea_settings>\n"}}},
        })
     check(c);
@@ -436,7 +743,9 @@ TEST(NoSolution, IsWrittenAndMarked) {
   };
   const NoSolution cases[] = {
       {"pulled apart", {{">-5<", ">5<"}}, "SurfacesApart"},
-      {"pushed aside", {{"<rb>plate</rb>\n<Rx_dof>1", "<rb>plate</rb>\n<Rx_dof>0"}, {"<dof>Rz</dof>", "<dof>Rx</dof>"}}, "SurfacesApart"},
+      {"pushed aside",
+       {{"<rb>plate</rb>\n<Rx_dof>1", "<rb>plate</rb>\n<Rx_dof>0"}, {"<dof>Rz</dof>", "<dof>Rx</dof>"}},
+       "SurfacesApart"},
       {"more than cartilage can carry", {{">-5<", ">-5000<"}}, "NotConverged"},
       {"a load out of this world", {{">-5<", ">-1e29<"}}, "NotConverged"},
   };
@@ -444,7 +753,8 @@ TEST(NoSolution, IsWrittenAndMarked) {
     SCOPED_TRACE(c.name);
     const test::TemporaryFolder folder;
     std::ofstream(folder.path / "model.feb") << edited(c.edits);
-    const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--json", "r.json"}, kLimit);
+    const test::Finished f =
+        test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--json", "r.json"}, kLimit);
     EXPECT_EQ(f.code, 1) << f.err;
     EXPECT_FALSE(f.timed_out);
     EXPECT_NE(f.out.find(c.outcome), std::string::npos) << f.out;
@@ -487,7 +797,8 @@ TEST(Corpus, EveryModelIsSolvedOrRefused) {
         }
         EXPECT_FALSE(has_nan(f.out + f.err)) << f.out << f.err;
         EXPECT_EQ(contents(folder.path).size(), words[1] == "run" && f.code != 3 ? 1u : 0u);
-        ++outcomes[fmt::format("dea {:4} {} exit {}", command, models[i].parent_path().filename().string(), f.timed_out ? -1 : f.code)];
+        ++outcomes[fmt::format("dea {:4} {} exit {}", command, models[i].parent_path().filename().string(),
+                               f.timed_out ? -1 : f.code)];
         if (words[1] == "run" && f.code != 3) fmt::print("{} exit {}\n", models[i].string(), f.code);
       }
     }

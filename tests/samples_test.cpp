@@ -1,11 +1,10 @@
 // Every folder of samples/ against the answer its README gives. Tolerances say where they come from.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 #include <memory>
-
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "analysis.h"
@@ -65,7 +64,8 @@ void expect_same(const Json& state, const StateResult& expected) {
   EXPECT_EQ(contact["springs"].get<int>(), s.springs);
 }
 
-// ---- spheres ----------------------------------------------------------------------------------------------------------
+// ---- spheres
+// ----------------------------------------------------------------------------------------------------------
 
 struct Spheres {
   const char* file;
@@ -99,10 +99,13 @@ StateResult solve(const JointModel& model, const Spheres& c, double force, Facet
   return state;
 }
 
-std::string label(const Spheres& c, double force) { return fmt::format("{}, source {}, springs at {}, {} N", c.file, c.source, name(c.springs_at), force); }
+std::string label(const Spheres& c, double force) {
+  return fmt::format("{}, source {}, springs at {}, {} N", c.file, c.source, name(c.springs_at), force);
+}
 
 double motion(const StateResult& state, const JointModel& model) {
-  const auto ball = std::find_if(model.materials.begin(), model.materials.end(), [](const Material& m) { return m.name == "ball"; });
+  const auto ball =
+      std::find_if(model.materials.begin(), model.materials.end(), [](const Material& m) { return m.name == "ball"; });
   double z = 0;  // bodies are in the order of their materials; the socket is held
   for (const Pose& pose : state.equilibrium.poses)
     if ((pose.center - *ball->center_of_mass).norm() > std::abs(z)) z = pose.center.z() - ball->center_of_mass->z();
@@ -117,8 +120,8 @@ TEST(SamplesSpheres, PeakOfArticularSprings) {
       const StateResult state = solve(sample(c.file), c, force);
       EXPECT_NEAR(state.statistics[0].springs, 5000, 1100);
       EXPECT_NEAR(state.statistics[0].peak / c.exact.peak_pressure(force), 1, 1e-3) << label(c, force);
-      fmt::print("{}: exact {:.6g}, dea {:.6g} MPa ({:+.3f} %)\n", label(c, force), c.exact.peak_pressure(force), state.statistics[0].peak,
-                 100 * (state.statistics[0].peak / c.exact.peak_pressure(force) - 1));
+      fmt::print("{}: exact {:.6g}, dea {:.6g} MPa ({:+.3f} %)\n", label(c, force), c.exact.peak_pressure(force),
+                 state.statistics[0].peak, 100 * (state.statistics[0].peak / c.exact.peak_pressure(force) - 1));
     }
   }
 }
@@ -135,9 +138,11 @@ TEST(SamplesSpheres, PeakOfBoneSprings) {
       const double alpha = kPi / (2 * 28) * std::sqrt(2.0) / 6;
       const double delta = c.exact.rest_length * c.exact.foot_radius / c.exact.end_radius * alpha * alpha / 2;
       const double opened = c.exact.modulus * delta / (2 * c.exact.rest_length);
-      EXPECT_NEAR(state.statistics[0].peak, c.exact.peak_pressure(force), 1e-3 * c.exact.peak_pressure(force) + (force < 2000 ? opened : 0)) << label(c, force);
-      fmt::print("{}: exact {:.6g}, dea {:.6g} MPa ({:+.3f} %)\n", label(c, force), c.exact.peak_pressure(force), state.statistics[0].peak,
-                 100 * (state.statistics[0].peak / c.exact.peak_pressure(force) - 1));
+      EXPECT_NEAR(state.statistics[0].peak, c.exact.peak_pressure(force),
+                  1e-3 * c.exact.peak_pressure(force) + (force < 2000 ? opened : 0))
+          << label(c, force);
+      fmt::print("{}: exact {:.6g}, dea {:.6g} MPa ({:+.3f} %)\n", label(c, force), c.exact.peak_pressure(force),
+                 state.statistics[0].peak, 100 * (state.statistics[0].peak / c.exact.peak_pressure(force) - 1));
     }
   }
 }
@@ -154,7 +159,8 @@ TEST(SamplesSpheres, PeakForSmallLoads) {
     // Lagrange's weights at 0 for the places 1, 2, 4
     const double limit = (8 * per_force[0] - 6 * per_force[1] + per_force[2]) / 3;
     EXPECT_NEAR(limit / c.exact.small_load_peak_pressure(1), 1, 1e-3) << c.file << " " << c.source;
-    fmt::print("{}, source {}: F -> 0: exact {:.6g}, dea {:.6g} MPa per 2000 N\n", c.file, c.source, c.exact.small_load_peak_pressure(2000), 2000 * limit);
+    fmt::print("{}, source {}: F -> 0: exact {:.6g}, dea {:.6g} MPa per 2000 N\n", c.file, c.source,
+               c.exact.small_load_peak_pressure(2000), 2000 * limit);
   }
 }
 
@@ -173,7 +179,8 @@ TEST(SamplesSpheres, PressureOverTheAngle) {
     int compared = 0;
     for (int f = 0; f < surface.size(); ++f) {
       Vector3d center = Vector3d::Zero();
-      for (int k = 0; k < 4; ++k) center += model.nodes[static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(4 * f + k)])] / 4;
+      for (int k = 0; k < 4; ++k)
+        center += model.nodes[static_cast<std::size_t>(surface.nodes[static_cast<std::size_t>(4 * f + k)])] / 4;
       const double theta = std::atan2(std::hypot(center.x(), center.y()), center.z());
       if (theta > 85 * kPi / 180) {
         if (theta > 95 * kPi / 180) {
@@ -182,7 +189,8 @@ TEST(SamplesSpheres, PressureOverTheAngle) {
         continue;
       }
       ++compared;
-      EXPECT_NEAR(pressure[static_cast<std::size_t>(f)], c.exact.pressure(theta, u), 1e-3 * peak) << c.file << " " << c.source << " at " << theta;
+      EXPECT_NEAR(pressure[static_cast<std::size_t>(f)], c.exact.pressure(theta, u), 1e-3 * peak)
+          << c.file << " " << c.source << " at " << theta;
     }
     EXPECT_GT(compared, 2000);
   }
@@ -211,17 +219,22 @@ TEST(SamplesSpheres, SecondOrderOverFourMeshes) {
     Spheres spheres;
   };
   const Family families[] = {
-      {"--spheres", Facets::Curved, kArticular[0]},        {"--spheres", Facets::Curved, kArticular[1]},
-      {"--two-layer-spheres", Facets::Curved, kArticular[2]}, {"--two-layer-spheres", Facets::Curved, kArticular[3]},
-      {"--spheres", Facets::Curved, kBone[0]},             {"--spheres", Facets::Curved, kBone[1]},
-      {"--twisted-spheres", Facets::Flat, kArticular[0]},  {"--twisted-spheres", Facets::Flat, kArticular[1]},
+      {"--spheres", Facets::Curved, kArticular[0]},
+      {"--spheres", Facets::Curved, kArticular[1]},
+      {"--two-layer-spheres", Facets::Curved, kArticular[2]},
+      {"--two-layer-spheres", Facets::Curved, kArticular[3]},
+      {"--spheres", Facets::Curved, kBone[0]},
+      {"--spheres", Facets::Curved, kBone[1]},
+      {"--twisted-spheres", Facets::Flat, kArticular[0]},
+      {"--twisted-spheres", Facets::Flat, kArticular[1]},
   };
   for (const Family& family : families) {
     std::vector<double> errors;
     for (const int n : {8, 16, 32, 64}) {
       const std::string path = (folder.path / fmt::format("{}{}.feb", family.option, n)).string();
       if (!fs::exists(path)) {
-        const test::Finished made = test::run_program(folder.path, {DEA_MAKE_SAMPLES, family.option, std::to_string(n), path}, 60);
+        const test::Finished made =
+            test::run_program(folder.path, {DEA_MAKE_SAMPLES, family.option, std::to_string(n), path}, 60);
         ASSERT_EQ(made.code, 0) << made.err;
       }
       const StateResult state = solve(model_of(path), family.spheres, 2000, family.facets);
@@ -230,8 +243,9 @@ TEST(SamplesSpheres, SecondOrderOverFourMeshes) {
     EXPECT_GE(observed_order(errors), 1.8) << family.option << " " << label(family.spheres, 2000);
     // 0.3 % is the second order's share of a finest mesh of flat facets (sagitta / motion); curved ones do better
     EXPECT_LT(errors.back(), family.facets == Facets::Curved ? 1e-3 : 4e-3);
-    fmt::print("{} {}, source {}, springs at {}: errors of the motion {:.2e} {:.2e} {:.2e} {:.2e}, order {:.2f}\n", family.option, name(family.facets),
-               family.spheres.source, name(family.spheres.springs_at), errors[0], errors[1], errors[2], errors[3], observed_order(errors));
+    fmt::print("{} {}, source {}, springs at {}: errors of the motion {:.2e} {:.2e} {:.2e} {:.2e}, order {:.2f}\n",
+               family.option, name(family.facets), family.spheres.source, name(family.spheres.springs_at), errors[0],
+               errors[1], errors[2], errors[3], observed_order(errors));
   }
 }
 
@@ -243,11 +257,12 @@ TEST(SamplesSpheres, Program) {
   }
 }
 
-// ---- sphere on flat ---------------------------------------------------------------------------------------------------
+// ---- sphere on flat
+// ---------------------------------------------------------------------------------------------------
 
-// Force at a given depth, depth at a given force. Curved facets stand for the sphere to O(size^4 / R^3), so what is left
-// is the sum over facets of 0.2 mm, second order in 0.2 mm / 4.5 mm (contact radius): 0.2 %. The highest pressure is that
-// of the spring next to the lowest point: at most a facet's diagonal x 2/3 away, r^2 / (2 R) less overlap.
+// Force at a given depth, depth at a given force. Curved facets stand for the sphere to O(size^4 / R^3), so what is
+// left is the sum over facets of 0.2 mm, second order in 0.2 mm / 4.5 mm (contact radius): 0.2 %. The highest pressure
+// is that of the spring next to the lowest point: at most a facet's diagonal x 2/3 away, r^2 / (2 R) less overlap.
 TEST(SamplesSphereOnFlat, ClosedForm) {
   const analytic::SphereOnFlat exact;
   const JointModel& model = sample("sphere_on_flat/sphere_on_flat.feb");
@@ -263,7 +278,8 @@ TEST(SamplesSphereOnFlat, ClosedForm) {
     const double loads[] = {0, 0, 0, 340, 400};
     for (std::size_t i = 1; i < 5; ++i) {
       const StateResult& state = analysis.states[i];
-      const double moved = analysis.joint.bodies[static_cast<std::size_t>(sphere)].center_of_mass.z() - state.equilibrium.poses[static_cast<std::size_t>(sphere)].center.z();
+      const double moved = analysis.joint.bodies[static_cast<std::size_t>(sphere)].center_of_mass.z() -
+                           state.equilibrium.poses[static_cast<std::size_t>(sphere)].center.z();
       const double depth = i < 3 ? 0.2 * static_cast<double>(i) : analytic::bisect(force_at, loads[i], 0, 1);
       const double force = std::abs(state.statistics[0].force.z());
       EXPECT_EQ(state.equilibrium.outcome, i < 3 ? Outcome::Prescribed : Outcome::Balanced);
@@ -274,8 +290,11 @@ TEST(SamplesSphereOnFlat, ClosedForm) {
       // half of the springs around the circumference, whose width is a facet's, are a matter of chance: 0.2 / 4.5 / 2
       const double area = on_layer ? exact.area_on_layer(depth) : exact.area_on_sphere(depth);
       EXPECT_NEAR(state.statistics[0].contact_area / area, 1, 0.02);
-      fmt::print("sphere on flat, springs on the {}, t = {}: depth {:.6f} (exact {:.6f}), force {:.6g} ({:.6g}), peak {:.6g} ({:.6g}), area {:.5g} ({:.5g})\n", source,
-                 state.when.time, moved, depth, force, force_at(depth), state.statistics[0].peak, exact.peak_pressure(depth), state.statistics[0].contact_area, area);
+      fmt::print(
+          "sphere on flat, springs on the {}, t = {}: depth {:.6f} (exact {:.6f}), force {:.6g} ({:.6g}), peak {:.6g} "
+          "({:.6g}), area {:.5g} ({:.5g})\n",
+          source, state.when.time, moved, depth, force, force_at(depth), state.statistics[0].peak,
+          exact.peak_pressure(depth), state.statistics[0].contact_area, area);
     }
   }
 }
@@ -285,10 +304,12 @@ TEST(SamplesSphereOnFlat, Program) {
   expect_same(j["states"].back(), last_state(sample("sphere_on_flat/sphere_on_flat.feb"), {}));
 }
 
-// ---- ligament ---------------------------------------------------------------------------------------------------------
+// ---- ligament
+// ---------------------------------------------------------------------------------------------------------
 
-// The force of the contact is off by what the facets make of the sphere (0.05 %, see above), and everything else follows
-// from the one equation in d: dF/dd is 1500 N/mm, so 0.05 % of 375 N moves d by 1e-4 mm and a ligament by 0.005 N.
+// The force of the contact is off by what the facets make of the sphere (0.05 %, see above), and everything else
+// follows from the one equation in d: dF/dd is 1500 N/mm, so 0.05 % of 375 N moves d by 1e-4 mm and a ligament by 0.005
+// N.
 TEST(SamplesLigament, DepthAndForces) {
   const analytic::CondyleWithLigaments exact;
   const JointModel& model = sample("ligament/ligament.feb");
@@ -303,11 +324,13 @@ TEST(SamplesLigament, DepthAndForces) {
     // time 0 is the reference, not solved: the ligaments are stretched by 45.398 - 44 mm, the tethers are just straight
     const Equilibrium& start = analysis.states[0].equilibrium;
     EXPECT_EQ(start.outcome, Outcome::Prescribed);
-    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(start.ligament_force[i], i < 2 ? exact.ligament_tension(0) : 0, 1e-9);
+    for (std::size_t i = 0; i < 4; ++i)
+      EXPECT_NEAR(start.ligament_force[i], i < 2 ? exact.ligament_tension(0) : 0, 1e-9);
     for (std::size_t i = 1; i < 3; ++i) {
       const StateResult& state = analysis.states[i];
       const Equilibrium& e = state.equilibrium;
-      const double load = 150.0 * static_cast<double>(i), d = on_layer ? exact.depth_from_layer(load) : exact.depth_from_sphere(load);
+      const double load = 150.0 * static_cast<double>(i),
+                   d = on_layer ? exact.depth_from_layer(load) : exact.depth_from_sphere(load);
       ASSERT_EQ(e.outcome, Outcome::Balanced);
       const Vector3d moved = e.poses[femur].center - analysis.joint.bodies[femur].center_of_mass;
       EXPECT_NEAR(moved.z(), -d, 1e-4);
@@ -320,9 +343,12 @@ TEST(SamplesLigament, DepthAndForces) {
       EXPECT_NEAR(e.ligament_force[2], exact.tether * d, 0.01);
       EXPECT_EQ(e.ligament_force[3], 0);  // slack: it never pushes
       EXPECT_NEAR(state.statistics[0].peak / exact.contact.peak_pressure(d), 1, 1e-3);
-      fmt::print("ligament, springs on the {}, {} N: depth {:.6f} (exact {:.6f}), contact {:.6g} ({:.6g}), ligament {:.6g} ({:.6g}), tether {:.6g} ({:.6g}), peak {:.6g} ({:.6g})\n",
-                 source, load, -moved.z(), d, std::abs(state.statistics[0].force.z()), exact.demand(load, d), e.ligament_force[0], exact.ligament_tension(d),
-                 e.ligament_force[2], exact.tether * d, state.statistics[0].peak, exact.contact.peak_pressure(d));
+      fmt::print(
+          "ligament, springs on the {}, {} N: depth {:.6f} (exact {:.6f}), contact {:.6g} ({:.6g}), ligament {:.6g} "
+          "({:.6g}), tether {:.6g} ({:.6g}), peak {:.6g} ({:.6g})\n",
+          source, load, -moved.z(), d, std::abs(state.statistics[0].force.z()), exact.demand(load, d),
+          e.ligament_force[0], exact.ligament_tension(d), e.ligament_force[2], exact.tether * d,
+          state.statistics[0].peak, exact.contact.peak_pressure(d));
     }
   }
 }
@@ -334,7 +360,8 @@ TEST(SamplesLigament, Program) {
   EXPECT_EQ(j["states"].back()["ligaments"][2]["name"], "tethers");
 }
 
-// ---- hip --------------------------------------------------------------------------------------------------------------
+// ---- hip
+// --------------------------------------------------------------------------------------------------------------
 
 /// FEBio's figures (reference README, penalty 20): facets' area with p > 0, nodal mean, nodal 99th percentile.
 struct HipFigures {
@@ -361,27 +388,31 @@ void check_hip(const JointModel& model, const HipFigures& hip) {
     ASSERT_EQ(state.equilibrium.outcome, Outcome::Balanced) << state.equilibrium.message;
     const std::size_t femur = static_cast<std::size_t>(analysis.joint.find_body(model, "femur"));
     // what the contact gives back to the femur is the load; all of it comes from the contact
-    const Vector3d on_femur = analysis.joint.contacts[0].target_layer().body == static_cast<int>(femur) ? s.force : Vector3d(-s.force);
+    const Vector3d on_femur =
+        analysis.joint.contacts[0].target_layer().body == static_cast<int>(femur) ? s.force : Vector3d(-s.force);
     EXPECT_LT((on_femur + hip.load).norm(), 1e-6 * hip.load.norm());
 
-    // The contact has no friction and the head is nearly a sphere: the resultant's line passes its centre by no more than
-    // the joint's roughness (rms of the fit, some 0.1 mm) and the layers' uneven thickness let it: 1 mm of 24.
+    // The contact has no friction and the head is nearly a sphere: the resultant's line passes its centre by no more
+    // than the joint's roughness (rms of the fit, some 0.1 mm) and the layers' uneven thickness let it: 1 mm of 24.
     const Layer* head = nullptr;
     for (const Layer& layer : analysis.joint.contacts[0].layers)
       if (layer.body == static_cast<int>(femur)) head = &layer;
     ASSERT_NE(head, nullptr);
-    const Vector3d center = fit_sphere(head->articular).center + state.equilibrium.poses[femur].center - analysis.joint.bodies[femur].center_of_mass;
+    const Vector3d center = fit_sphere(head->articular).center + state.equilibrium.poses[femur].center -
+                            analysis.joint.bodies[femur].center_of_mass;
     const double distance = (s.center_of_pressure - center).cross(s.force.normalized()).norm();
     EXPECT_LT(distance, 1.0);
 
     const bool articular = springs_at == SpringsAt::Articular;
     const Vector3d moved = state.equilibrium.poses[femur].center - analysis.joint.bodies[femur].center_of_mass;
-    fmt::print("{}, springs at {}: peak {:.5g}, p99 {:.5g} (FEBio nodes {}), mean {:.5g} ({}), median {:.5g}, area {:.5g} ({}), nodal peak {:.5g}, facet peak {:.5g}, facet area {:.5g}, "
-               "motion ({:.4f}, {:.4f}, {:.4f}), line of force {:.3f} mm from the head's centre\n",
-               hip.file, name(springs_at), s.peak, s.p99, hip.febio_p99, s.mean, hip.febio_mean, s.median, s.contact_area, hip.febio_area, s.nodal_peak, s.facet_peak, s.facet_contact_area,
-               moved.x(), moved.y(), moved.z(), distance);
-    // Another model than FEBio's (docs/theory.md, section 8): published DEA lies within 10 % of the area, up to 45 % above
-    // the mean and 60 % above the peak.
+    fmt::print(
+        "{}, springs at {}: peak {:.5g}, p99 {:.5g} (FEBio nodes {}), mean {:.5g} ({}), median {:.5g}, area {:.5g} "
+        "({}), nodal peak {:.5g}, facet peak {:.5g}, facet area {:.5g}, "
+        "motion ({:.4f}, {:.4f}, {:.4f}), line of force {:.3f} mm from the head's centre\n",
+        hip.file, name(springs_at), s.peak, s.p99, hip.febio_p99, s.mean, hip.febio_mean, s.median, s.contact_area,
+        hip.febio_area, s.nodal_peak, s.facet_peak, s.facet_contact_area, moved.x(), moved.y(), moved.z(), distance);
+    // Another model than FEBio's (docs/theory.md, section 8): published DEA lies within 10 % of the area, up to 45 %
+    // above the mean and 60 % above the peak.
     EXPECT_NEAR(s.contact_area / hip.febio_area, 1, 0.10);
     EXPECT_GT(s.mean / hip.febio_mean, 0.9);
     EXPECT_LT(s.mean / hip.febio_mean, 1.45);

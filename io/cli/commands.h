@@ -1,9 +1,8 @@
 // io/cli/commands.h – the commands of the program: how each is spelled, and what it does.
 #pragma once
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
-
-#include <CLI/CLI.hpp>
 
 #include "options.h"
 

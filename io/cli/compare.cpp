@@ -1,8 +1,8 @@
 // `dea compare`: results of the same joint side by side.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
-
-#include <fmt/format.h>
 
 #include "commands.h"
 #include "compare_files.h"
@@ -47,21 +47,25 @@ Vector3d vector_argument(const char* option, const std::string& text) {
     x = parse_numbers(text);
   } catch (const BadValue&) {
   }
-  if (x.size() != 3) throw UsageError(fmt::format("--{} {}: found \"{}\", expected three numbers x,y,z", option, text, text));
+  if (x.size() != 3)
+    throw UsageError(fmt::format("--{} {}: found \"{}\", expected three numbers x,y,z", option, text, text));
   return {x[0], x[1], x[2]};
 }
 
 Vector3d direction_argument(const char* option, const std::string& text) {
   const Vector3d v = vector_argument(option, text);
-  if (!(v.norm() > 0)) throw UsageError(fmt::format("--{} {}: found \"{}\", expected a direction that is not 0", option, text, text));
+  if (!(v.norm() > 0))
+    throw UsageError(fmt::format("--{} {}: found \"{}\", expected a direction that is not 0", option, text, text));
   return v;
 }
 
 std::vector<std::string> words(const std::string& text) {
   std::vector<std::string> out(1);
   for (char c : text) {
-    if (c == ',') out.emplace_back();
-    else out.back() += c;
+    if (c == ',')
+      out.emplace_back();
+    else
+      out.back() += c;
   }
   return out;
 }
@@ -73,15 +77,19 @@ CompareOptions compare_options(const CompareArguments& a) {
   if (!a.thresholds.empty()) o.thresholds.clear();
   for (const std::string& text : a.thresholds) {
     const double t = number_argument("threshold", text);
-    if (!(t > 0)) throw UsageError(fmt::format("--threshold {}: found \"{}\", expected a pressure above 0 (0 is always there)", text, text));
+    if (!(t > 0))
+      throw UsageError(
+          fmt::format("--threshold {}: found \"{}\", expected a pressure above 0 (0 is always there)", text, text));
     if (std::find(o.thresholds.begin(), o.thresholds.end(), t) == o.thresholds.end()) o.thresholds.push_back(t);
   }
   std::sort(o.thresholds.begin(), o.thresholds.end());
   for (const std::string& list : a.regions) {
     for (const std::string& name : words(list)) {
       if (name.empty()) throw UsageError(fmt::format("--regions {}: found an empty name", list));
-      if (name == kThirds) o.thirds = true;
-      else o.regions.push_back(name);
+      if (name == kThirds)
+        o.thirds = true;
+      else
+        o.regions.push_back(name);
     }
   }
   if (o.thirds != !a.up.empty() || o.thirds != !a.anterior.empty())
@@ -94,11 +102,13 @@ CompareOptions compare_options(const CompareArguments& a) {
   o.profile = a.profile;
   if (!a.axis.empty()) o.axis = direction_argument("axis", a.axis);
   if (!a.center.empty()) o.center = vector_argument("center", a.center);
-  if (!o.profile && !o.thirds && (o.axis || o.center)) throw UsageError(fmt::format("--axis and --center belong to --profile or --regions {}", kThirds));
+  if (!o.profile && !o.thirds && (o.axis || o.center))
+    throw UsageError(fmt::format("--axis and --center belong to --profile or --regions {}", kThirds));
   if (!a.bin.empty()) {
     if (!o.profile) throw UsageError("--bin belongs to --profile");
     o.bin = number_argument("bin", a.bin);
-    if (!(o.bin >= 0.1 && o.bin <= 180)) throw UsageError(fmt::format("--bin {}: found \"{}\", expected degrees from 0.1 to 180", a.bin, a.bin));
+    if (!(o.bin >= 0.1 && o.bin <= 180))
+      throw UsageError(fmt::format("--bin {}: found \"{}\", expected degrees from 0.1 to 180", a.bin, a.bin));
   }
   return o;
 }
@@ -107,7 +117,8 @@ CompareOptions compare_options(const CompareArguments& a) {
 std::vector<std::string> make_labels(const CompareArguments& a) {
   constexpr std::size_t kLongest = 40;
   if (!a.labels.empty() && a.labels.size() != a.files.size())
-    throw UsageError(fmt::format("--label: found {} labels, expected one per file ({})", a.labels.size(), a.files.size()));
+    throw UsageError(
+        fmt::format("--label: found {} labels, expected one per file ({})", a.labels.size(), a.files.size()));
   std::vector<std::string> labels;
   for (std::size_t i = 0; i < a.files.size(); ++i) {
     std::string label = a.labels.empty() ? std::filesystem::path(a.files[i]).stem().string() : a.labels[i];
@@ -130,44 +141,63 @@ std::vector<std::string> make_labels(const CompareArguments& a) {
 CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   CLI::App* c = app.add_subcommand("compare", "Compare plot files: dea with FEBio, one setting with another");
   c->footer(kFooter);
-  const auto repeated = [&](const char* name, std::vector<std::string>& values, const char* type, const char* group, const char* help) {
-    c->add_option(name, values, help)->type_name(type)->group(group)->allow_extra_args(false)->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  const auto repeated = [&](const char* name, std::vector<std::string>& values, const char* type, const char* group,
+                            const char* help) {
+    c->add_option(name, values, help)
+        ->type_name(type)
+        ->group(group)
+        ->allow_extra_args(false)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
   const auto once = [&](const char* name, std::string& value, const char* type, const char* group, const char* help) {
     c->add_option(name, value, help)->type_name(type)->group(group);
   };
-  c->add_option("FILES", a.files, "Plot files (.xplt), two or more; the last is the reference")->required()->type_name("");
-  repeated("--label", a.labels, "NAME", "Comparison", "Name of a file in tables and fields, once per file in their order [file names]");
+  c->add_option("FILES", a.files, "Plot files (.xplt), two or more; the last is the reference")
+      ->required()
+      ->type_name("");
+  repeated("--label", a.labels, "NAME", "Comparison",
+           "Name of a file in tables and fields, once per file in their order [file names]");
   repeated("--surface", a.surfaces, "NAME|A=B", "Comparison",
-           "Compare this surface only, A=B where its names differ; may be repeated [those in all files that have pressure in at least one]");
+           "Compare this surface only, A=B where its names differ; may be repeated [those in all files that have "
+           "pressure in at least one]");
   once("--at", a.at, "TIME", "Comparison", "Compare the states at this time [the last state of each file]");
-  repeated("--threshold", a.thresholds, "PRESSURE", "Comparison", "Also areas, means and Dice above this pressure; may be repeated [0.1 and 0.5]");
+  repeated("--threshold", a.thresholds, "PRESSURE", "Comparison",
+           "Also areas, means and Dice above this pressure; may be repeated [0.1 and 0.5]");
   once("--dose-above", a.dose_above, "PRESSURE", "Comparison", "Integrate over time what exceeds this pressure");
   repeated("--regions", a.regions, "NAME,NAME", "Regions and profiles",
-           "The same for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: a socket's thirds (Abraham et al. 2013), with --up and --anterior; may be repeated");
+           "The same for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: a "
+           "socket's thirds (Abraham et al. 2013), with --up and --anterior; may be repeated");
   once("--up", a.up, "x,y,z", "Regions and profiles", "Direction to the top");
   once("--anterior", a.anterior, "x,y,z", "Regions and profiles", "Direction to the front");
   c->add_flag("--profile", a.profile, "Mean pressure against the angle from an axis")->group("Regions and profiles");
-  once("--axis", a.axis, "x,y,z", "Regions and profiles", "Axis of thirds and profile [mean normal of the reference's surface]");
-  once("--center", a.center, "x,y,z", "Regions and profiles", "Centre of thirds and profile [that of the reference surface's sphere]");
+  once("--axis", a.axis, "x,y,z", "Regions and profiles",
+       "Axis of thirds and profile [mean normal of the reference's surface]");
+  once("--center", a.center, "x,y,z", "Regions and profiles",
+       "Centre of thirds and profile [that of the reference surface's sphere]");
   once("--bin", a.bin, "DEGREES", "Regions and profiles", "Width of the profile's bins [5]");
-  once("-o", a.output, "both.xplt", "Output", "Plot file with all pressures and their differences on the first file's mesh, at the times all files have");
+  once("-o", a.output, "both.xplt", "Output",
+       "Plot file with all pressures and their differences on the first file's mesh, at the times all files have");
   c->add_flag("--time-fields", a.time_fields, "In -o also peak, exposure and dose up to each state")->group("Output");
   c->add_flag("--compress", a.compress, "Compress the plot file (zlib)")->group("Output");
   once("--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
-  once("--csv", a.csv, "FILE|-", "Output", "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
+  once("--csv", a.csv, "FILE|-", "Output",
+       "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
   c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
   return c;
 }
 
 int compare_command(const CompareArguments& a) {
-  if (a.files.size() < 2) throw UsageError(fmt::format("compare {}: found one file, expected two or more, the last to compare the others with", a.files.front()));
+  if (a.files.size() < 2)
+    throw UsageError(fmt::format(
+        "compare {}: found one file, expected two or more, the last to compare the others with", a.files.front()));
   const CompareOptions options = compare_options(a);
   const std::vector<std::string> labels = make_labels(a);
   std::vector<NamedPath> inputs, outputs;
   for (const std::string& file : a.files) inputs.push_back({file, file});
   if (a.output == "-") throw UsageError("-o -: the plot file cannot go to standard output, give it a name");
-  if (a.output.empty() && (a.time_fields || a.compress)) throw UsageError(fmt::format("--{} belongs to -o", a.time_fields ? "time-fields" : "compress"));
+  if (a.output.empty() && (a.time_fields || a.compress))
+    throw UsageError(fmt::format("--{} belongs to -o", a.time_fields ? "time-fields" : "compress"));
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});

@@ -1,8 +1,8 @@
 // `dea converge`: how many springs the result needs.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
-
-#include <fmt/format.h>
 
 #include "analysis.h"
 #include "commands.h"
@@ -32,11 +32,19 @@ CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   CLI::App* c = app.add_subcommand("converge", "Find how many springs the result needs");
   c->footer(kFooter);
   c->add_option("MODEL", a.model, "FEBio model (.feb, versions 2.5, 3.0, 4.0)")->required()->type_name("");
-  c->add_option("--target", a.target, "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]")->type_name("CHANGE")->group("Study");
-  c->add_option("--max-springs", a.max_springs, "Most springs of a contact to try [400000]")->type_name("N")->group("Study");
-  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the table")->type_name("FILE|-")->group("Output");
+  c->add_option("--target", a.target, "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]")
+      ->type_name("CHANGE")
+      ->group("Study");
+  c->add_option("--max-springs", a.max_springs, "Most springs of a contact to try [400000]")
+      ->type_name("N")
+      ->group("Study");
+  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the table")
+      ->type_name("FILE|-")
+      ->group("Output");
   CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
-  c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")->excludes(q)->group("Output");
+  c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")
+      ->excludes(q)
+      ->group("Output");
   add_settings_options(*c, a.settings, false, false);
   add_threads_option(*c, a.threads);
   return c;
@@ -44,7 +52,8 @@ CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
 
 int converge_command(const ConvergeArguments& a) {
   const double target = number_argument("target", a.target);
-  if (!(target > 0 && target < 1)) throw UsageError(fmt::format("--target {}: found \"{}\", expected a number between 0 and 1", a.target, a.target));
+  if (!(target > 0 && target < 1))
+    throw UsageError(fmt::format("--target {}: found \"{}\", expected a number between 0 and 1", a.target, a.target));
   const int max_springs = count_argument("max-springs", a.max_springs, 1, 100000000);
   std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
   if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
@@ -56,7 +65,10 @@ int converge_command(const ConvergeArguments& a) {
 
   std::function<void(const ConvergenceRow&)> progress;
   if (!a.quiet && (a.verbose || stderr_is_terminal())) {
-    progress = [](const ConvergenceRow& r) { log(fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}", r.springs, r.peak, r.mean, r.area, name(r.outcome))); };
+    progress = [](const ConvergenceRow& r) {
+      log(fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}", r.springs, r.peak, r.mean, r.area,
+                      name(r.outcome)));
+    };
   }
   const std::vector<Convergence> studies = converge(model, settings, target, max_springs, progress);
   if (!a.json.empty()) write_text(a.json, json_text(converge_json(model, settings, studies, target, max_springs)));

@@ -31,8 +31,12 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
   CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
   c->footer(kFooter);
   c->add_option("MODEL", a.model, "FEBio model (.feb, versions 2.5, 3.0, 4.0)")->required()->type_name("");
-  c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals and springs")->type_name("check.xplt")->group("Output");
-  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the text")->type_name("FILE|-")->group("Output");
+  c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals and springs")
+      ->type_name("check.xplt")
+      ->group("Output");
+  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the text")
+      ->type_name("FILE|-")
+      ->group("Output");
   add_settings_options(*c, a.settings, true, false);
   add_threads_option(*c, a.threads);
   return c;

@@ -1,9 +1,9 @@
 // io/cli/main.cpp – the program `dea`: reads the command line, runs a command, turns faults into exit codes.
+#include <fmt/format.h>
+
 #include <csignal>
 #include <exception>
 #include <sstream>
-
-#include <fmt/format.h>
 
 #include "commands.h"
 #include "error.h"

@@ -24,18 +24,27 @@ constexpr OptionHelp kOptions[] = {
     {"contact", "NAME", kJoint, "Analyse this contact only [all that join two bodies]"},
     {"source", "BODY", kJoint, "Body whose layer carries the springs [each contact's primary side]"},
     {"rigid", "MATERIAL", kJoint, "Take a deformable material as rigid bone; may be repeated"},
-    {"attach", "SURFACE=BODY", kJoint, "Body a contact surface belongs to (\"ground\" for none that moves); may be repeated [found from the mesh]"},
-    {"bone", "SURFACE=SURFACE", kJoint, "Bone surface under a contact surface; may be repeated [faces held by the body]"},
-    {"springs-at", "articular|bone", kCartilage, "Surface of the source's layer on which the springs stand [articular]"},
+    {"attach", "SURFACE=BODY", kJoint,
+     "Body a contact surface belongs to (\"ground\" for none that moves); may be repeated [found from the mesh]"},
+    {"bone", "SURFACE=SURFACE", kJoint,
+     "Bone surface under a contact surface; may be repeated [faces held by the body]"},
+    {"springs-at", "articular|bone", kCartilage,
+     "Surface of the source's layer on which the springs stand [articular]"},
     {"law", "linear|logarithmic|neo-Hookean", kCartilage, "Pressure as a function of strain [linear]"},
     {"facets", "curved|flat", kCartilage, "Take facets as the smooth surface they stand for, or as they are [curved]"},
     {"refine", "N", kCartilage, "Divide every spring's triangle into N*N [1]"},
-    {"thickness", "[SURFACE=]LENGTH", kCartilage, "Constant cartilage thickness, in the model's length (mm); may be repeated [measured]"},
-    {"E", "[SURFACE=]MODULUS", kCartilage, "Young's modulus, in the model's pressure (MPa); may be repeated [the material's]"},
+    {"thickness", "[SURFACE=]LENGTH", kCartilage,
+     "Constant cartilage thickness, in the model's length (mm); may be repeated [measured]"},
+    {"E", "[SURFACE=]MODULUS", kCartilage,
+     "Young's modulus, in the model's pressure (MPa); may be repeated [the material's]"},
     {"nu", "[SURFACE=]RATIO", kCartilage, "Poisson's ratio, -1 < nu < 0.5; may be repeated [the material's]"},
-    {"free", "BODY=x,y,z,Ru,Rv,Rw", kLoads, "Dofs left free, all others that are not prescribed are held (\"none\": all held); may be repeated [the model's]"},
-    {"force", "BODY=x,y,z", kLoads, "Force in place of the model's, growing from 0 over the last step, in the model's force (N); may be repeated"},
-    {"load-at", "BODY=x,y,z|sphere-center", kLoads, "Where the force acts: a point of the reference configuration, or the centre of the articular surface's sphere; may be repeated [centre of mass]"},
+    {"free", "BODY=x,y,z,Ru,Rv,Rw", kLoads,
+     "Dofs left free, all others that are not prescribed are held (\"none\": all held); may be repeated [the model's]"},
+    {"force", "BODY=x,y,z", kLoads,
+     "Force in place of the model's, growing from 0 over the last step, in the model's force (N); may be repeated"},
+    {"load-at", "BODY=x,y,z|sphere-center", kLoads,
+     "Where the force acts: a point of the reference configuration, or the centre of the articular surface's sphere; "
+     "may be repeated [centre of mass]"},
 };
 
 }  // namespace
@@ -47,18 +56,32 @@ void add_settings_options(CLI::App& command, SettingsArguments& arguments, bool 
     std::vector<std::string>& values = arguments.values[name];
     const SettingOption& option = *find_setting_option(name);
     // One word per use, also when it begins with '-' or '[': the rest of the line is not ours to swallow.
-    CLI::Option* added = command.add_option("--" + name, values, help.text)->type_name(help.type)->allow_extra_args(false)->group(help.group);
-    if (option.key || option.repeatable) added->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    else added->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+    CLI::Option* added = command.add_option("--" + name, values, help.text)
+                             ->type_name(help.type)
+                             ->allow_extra_args(false)
+                             ->group(help.group);
+    if (option.key || option.repeatable)
+      added->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    else
+      added->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
   }
   if (squash) {
-    command.add_flag_callback("--no-squash", [&arguments] { arguments.values["squash"] = {"false"}; },
-                              "Show cartilage rigid with its bone, not compressed")->group("Output");
-    command.add_flag_callback("--squash", [&arguments] { arguments.values["squash"] = {"true"}; },
-                              "Show cartilage compressed [default]")->group("Output");
+    command
+        .add_flag_callback(
+            "--no-squash", [&arguments] { arguments.values["squash"] = {"false"}; },
+            "Show cartilage rigid with its bone, not compressed")
+        ->group("Output");
+    command
+        .add_flag_callback(
+            "--squash", [&arguments] { arguments.values["squash"] = {"true"}; }, "Show cartilage compressed [default]")
+        ->group("Output");
   }
-  command.add_option("--settings", arguments.file, "XML file with any of the options above (docs/settings.md); the command line comes first, then the file, then the model")
-      ->type_name("FILE")->group("Settings file");
+  command
+      .add_option("--settings", arguments.file,
+                  "XML file with any of the options above (docs/settings.md); the command line comes first, then the "
+                  "file, then the model")
+      ->type_name("FILE")
+      ->group("Settings file");
 }
 
 Settings effective_settings(const SettingsArguments& arguments) {
@@ -67,7 +90,8 @@ Settings effective_settings(const SettingsArguments& arguments) {
   try {
     std::vector<SettingValue> values;
     for (const auto& option : arguments.values)
-      for (const std::string& text : option.second) values.push_back(split_key(*find_setting_option(option.first), text));
+      for (const std::string& text : option.second)
+        values.push_back(split_key(*find_setting_option(option.first), text));
     lay_over(settings, values);
   } catch (const BadValue& e) {
     throw UsageError(e.what());
@@ -76,13 +100,16 @@ Settings effective_settings(const SettingsArguments& arguments) {
 }
 
 void add_threads_option(CLI::App& command, std::string& threads) {
-  command.add_option("--threads", threads, "Threads to use; results do not depend on it [all cores]")->type_name("N")->group("Computer");
+  command.add_option("--threads", threads, "Threads to use; results do not depend on it [all cores]")
+      ->type_name("N")
+      ->group("Computer");
 }
 
 std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads) {
   if (threads.empty()) return nullptr;
   const int n = count_argument("threads", threads, 1, 1024);
-  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n));
+  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                               static_cast<std::size_t>(n));
 }
 
 int count_argument(const char* option, const std::string& text, int least, int most) {

@@ -1,12 +1,12 @@
 // io/cli/options.h – options that commands share: what takes the place of the model's own statements.
 #pragma once
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <CLI/CLI.hpp>
-#include <tbb/global_control.h>
 
 #include "settings.h"
 

@@ -1,16 +1,15 @@
 #include "output.h"
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
-
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <fmt/format.h>
 
 #include "error.h"
 
@@ -27,8 +26,10 @@ int write_and_close(int file, const std::string& text) {
   int error = 0;
   for (std::size_t done = 0; done < text.size() && error == 0;) {
     const ssize_t n = ::write(file, text.data() + done, text.size() - done);
-    if (n > 0) done += static_cast<std::size_t>(n);
-    else if (n < 0 && errno != EINTR) error = errno;
+    if (n > 0)
+      done += static_cast<std::size_t>(n);
+    else if (n < 0 && errno != EINTR)
+      error = errno;
   }
   if (::close(file) != 0 && error == 0) error = errno;
   return error;
@@ -37,7 +38,8 @@ int write_and_close(int file, const std::string& text) {
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error) && !error) return fs::is_regular_file(a, error);  // a device may take several
-  return fs::absolute(a, error).lexically_normal() == fs::absolute(b, error).lexically_normal() && !fs::is_character_file(a, error);
+  return fs::absolute(a, error).lexically_normal() == fs::absolute(b, error).lexically_normal() &&
+         !fs::is_character_file(a, error);
 }
 
 }  // namespace
@@ -51,16 +53,19 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
       continue;
     }
     for (const NamedPath& input : inputs)
-      if (same_file(outputs[i].path, input.path)) throw UsageError(fmt::format("{} {}: would overwrite {}", outputs[i].option, outputs[i].path, input.option));
+      if (same_file(outputs[i].path, input.path))
+        throw UsageError(fmt::format("{} {}: would overwrite {}", outputs[i].option, outputs[i].path, input.option));
     for (std::size_t k = 0; k < i; ++k)
       if (outputs[k].path != "-" && same_file(outputs[i].path, outputs[k].path))
-        throw UsageError(fmt::format("{} {}: is the file of {} too", outputs[i].option, outputs[i].path, outputs[k].option));
+        throw UsageError(
+            fmt::format("{} {}: is the file of {} too", outputs[i].option, outputs[i].path, outputs[k].option));
   }
   for (const NamedPath& output : outputs) {
     if (output.path == "-") continue;
     std::error_code error;
     const fs::path folder = fs::path(output.path).parent_path();
-    if (!folder.empty() && !fs::is_directory(folder, error)) throw WriteError(fmt::format("{}: there is no folder {}", output.path, folder.string()));
+    if (!folder.empty() && !fs::is_directory(folder, error))
+      throw WriteError(fmt::format("{}: there is no folder {}", output.path, folder.string()));
     if (fs::is_directory(output.path, error)) throw WriteError(fmt::format("{}: is a folder", output.path));
   }
 }
@@ -100,9 +105,7 @@ void print(const std::string& text) {
     throw WriteError(fmt::format("standard output: {}", reason(errno)));
 }
 
-void log(const std::string& line) {
-  std::fputs((line + "\n").c_str(), stderr);
-}
+void log(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
 
 std::string default_output(const std::string& model) {
   const fs::path path = model;

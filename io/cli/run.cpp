@@ -1,8 +1,8 @@
 // `dea run`: every wanted state solved and written.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "analysis.h"
 #include "commands.h"
@@ -62,7 +62,8 @@ std::vector<TimePoint> fea_times(const JointModel& model, const std::string& pat
   for (const XpltState& state : file.states) {
     double t = state.time;
     if (!(t >= -1e-6 * end && t <= end * (1 + 1e-6)))
-      throw InputError(fmt::format("{}: found a state at time {:g}, expected times from 0 to {:g}, those of the model", path, t, end));
+      throw InputError(fmt::format("{}: found a state at time {:g}, expected times from 0 to {:g}, those of the model",
+                                   path, t, end));
     for (const TimePoint& p : own)
       if (same_time(p.time, t, end)) t = p.time;  // 0.05, not the single-precision 0.0500000007
     insert_time(model, times, t, end);
@@ -95,11 +96,13 @@ Times choose_times(const JointModel& model, const std::string& states, const std
   }
   for (double t : chosen) {
     if (!(t >= 0 && t <= end * (1 + 1e-6)))
-      throw UsageError(fmt::format("--states {}: found time {:g}, expected times from 0 to {:g}, those of the model", states, t, end));
+      throw UsageError(fmt::format("--states {}: found time {:g}, expected times from 0 to {:g}, those of the model",
+                                   states, t, end));
     insert_time(model, times.points, std::min(t, end), end);
   }
   for (const TimePoint& p : times.points)
-    times.wanted.push_back(std::any_of(chosen.begin(), chosen.end(), [&](double t) { return same_time(t, p.time, end); }));
+    times.wanted.push_back(
+        std::any_of(chosen.begin(), chosen.end(), [&](double t) { return same_time(t, p.time, end); }));
   while (!times.wanted.empty() && !times.wanted.back()) {  // nothing follows from what comes after
     times.wanted.pop_back();
     times.points.pop_back();
@@ -113,13 +116,21 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   CLI::App* c = app.add_subcommand("run", "Solve the contact of a model and write a plot file, a table, JSON or CSV");
   c->footer(kFooter);
   c->add_option("MODEL", a.model, "FEBio model (.feb, versions 2.5, 3.0, 4.0)")->required()->type_name("");
-  c->add_option("-o", a.output, "Plot file [MODEL without .feb + _dea.xplt, beside the model]")->type_name("FILE.xplt")->group("Output");
+  c->add_option("-o", a.output, "Plot file [MODEL without .feb + _dea.xplt, beside the model]")
+      ->type_name("FILE.xplt")
+      ->group("Output");
   c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output")->type_name("FILE|-")->group("Output");
-  c->add_option("--csv", a.csv, "Also write CSV, a line per state and contact, \"-\" to standard output")->type_name("FILE|-")->group("Output");
+  c->add_option("--csv", a.csv, "Also write CSV, a line per state and contact, \"-\" to standard output")
+      ->type_name("FILE|-")
+      ->group("Output");
   CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
   c->add_flag("-v,--verbose", a.verbose, "Print a line per state as it is solved")->excludes(q)->group("Output");
-  c->add_option("--states", a.states, "States to write: all, last, or times t1,t2,... [all]")->type_name("all|last|t1,t2,...")->group("Output");
-  c->add_option("--times-from", a.times_from, "Take the times of this FEA result instead of the model's")->type_name("FEA.xplt")->group("Output");
+  c->add_option("--states", a.states, "States to write: all, last, or times t1,t2,... [all]")
+      ->type_name("all|last|t1,t2,...")
+      ->group("Output");
+  c->add_option("--times-from", a.times_from, "Take the times of this FEA result instead of the model's")
+      ->type_name("FEA.xplt")
+      ->group("Output");
   c->add_flag("--compress", a.compress, "Compress the plot file (zlib)")->group("Output");
   add_settings_options(*c, a.settings, true, true);
   add_threads_option(*c, a.threads);
@@ -149,7 +160,8 @@ int run(const RunArguments& a) {
   options.wanted = times.wanted;
   if (!a.quiet && (a.verbose || stderr_is_terminal())) {
     options.progress = [](const StateResult& s, std::size_t index, std::size_t count) {
-      log(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count, number_text(s.when.time), name(s.equilibrium.outcome), s.equilibrium.iterations));
+      log(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count, number_text(s.when.time),
+                      name(s.equilibrium.outcome), s.equilibrium.iterations));
     };
   }
   const Analysis analysis = analyse(model, settings, options);
@@ -167,10 +179,11 @@ int run(const RunArguments& a) {
     for (const std::string& line : model_remarks(model, analysis.joint)) log(line);
     for (const std::string& line : result_remarks(model, analysis)) log(line);
     if (a.json != "-" && a.csv != "-") print(run_text(model, analysis));
-    log(fmt::format("{}: {} states in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})", output, analysis.states.size(), timings.total,
-                    timings.read, timings.joint, timings.solve, timings.write));
+    log(fmt::format("{}: {} states in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})", output,
+                    analysis.states.size(), timings.total, timings.read, timings.joint, timings.solve, timings.write));
   }
-  const bool all_solved = std::all_of(analysis.states.begin(), analysis.states.end(), [](const StateResult& s) { return solved(s.equilibrium.outcome); });
+  const bool all_solved = std::all_of(analysis.states.begin(), analysis.states.end(),
+                                      [](const StateResult& s) { return solved(s.equilibrium.outcome); });
   return all_solved ? kSolved : kNoSolution;
 }
 

@@ -574,7 +574,8 @@ void read_mesh_domains(Reading& reading, const XMLElement& section) {
     const std::string name = need_attribute(reading, *child, "name");
     const auto domains = reading.domain_index.find(name);
     if (domains == reading.domain_index.end()) {
-      fail(reading, *child, fmt::format("{} {} names no Elements section: expected the name of one in Mesh", tag, quote(name)));
+      fail(reading, *child,
+           fmt::format("{} {} names no Elements section: expected the name of one in Mesh", tag, quote(name)));
     }
     const std::string mat = need_attribute(reading, *child, "mat");
     const XMLElement* thickness = child->FirstChildElement("shell_thickness");

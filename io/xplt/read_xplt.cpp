@@ -2,6 +2,9 @@
 //
 // Files come from programs that were killed, disks that were full and copies that broke off, so no length
 // and no index is believed before it is checked, and nothing is allocated that the file does not fill.
+#include <fmt/format.h>
+#include <zlib.h>
+
 #include <algorithm>
 #include <bit>
 #include <cerrno>
@@ -11,9 +14,6 @@
 #include <optional>
 #include <set>
 #include <system_error>
-
-#include <fmt/format.h>
-#include <zlib.h>
 
 #include "error.h"
 #include "xplt.h"
@@ -31,7 +31,7 @@ namespace {
 struct Source {
   const std::string* name = nullptr;
   const std::string* bytes = nullptr;
-  bool swapped = false;            // written on a big-endian machine
+  bool swapped = false;                      // written on a big-endian machine
   std::optional<std::size_t> unpacked_from;  // the bytes were compressed; offset of their zlib stream
 };
 
@@ -166,20 +166,28 @@ void read_header(const Chunk& header, XpltFile& file) {
         file.version = read_u32(child);
         has_version = true;
         if (file.version < 0x30) {
-          fail(child, fmt::format("plot file version {:#x}, need 0x30 to 0x35 (written by FEBio 1 or 2?)",
-                                  file.version));
+          fail(child,
+               fmt::format("plot file version {:#x}, need 0x30 to 0x35 (written by FEBio 1 or 2?)", file.version));
         }
         if (file.version > 0x35) {
           fail(child, fmt::format("plot file version {:#x}, need 0x30 to 0x35", file.version));
         }
         break;
-      case kCompression: file.compressed = read_int(child) != 0; break;
-      case kSoftware: file.software = read_prefixed_name(child); break;
-      case kUnits: file.units = read_prefixed_name(child); break;
+      case kCompression:
+        file.compressed = read_int(child) != 0;
+        break;
+      case kSoftware:
+        file.software = read_prefixed_name(child);
+        break;
+      case kUnits:
+        file.units = read_prefixed_name(child);
+        break;
       case kAuthor:
       case kNodeCountV1:
-      case kMaxFacetV1: break;
-      default: fail_unknown(child, "the header");
+      case kMaxFacetV1:
+        break;
+      default:
+        fail_unknown(child, "the header");
     }
   });
   if (!has_version) fail(header, "no version");
@@ -209,13 +217,18 @@ XpltVariable read_item(const Chunk& item) {
           fail(child, fmt::format("array of {} values", variable.array_size));
         }
         break;
-      case kItemArrayName: variable.array_names.push_back(read_fixed_name(child)); break;
+      case kItemArrayName:
+        variable.array_names.push_back(read_fixed_name(child));
+        break;
       case kItemName:
         variable.name = read_fixed_name(child);
         has_name = true;
         break;
-      case kItemUnits: variable.units = read_fixed_name(child); break;
-      default: fail_unknown(child, "a variable's description");
+      case kItemUnits:
+        variable.units = read_fixed_name(child);
+        break;
+      default:
+        fail_unknown(child, "a variable's description");
     }
   });
   if (!has_type || !has_name) fail(item, "variable without type or name");
@@ -295,10 +308,17 @@ XpltDomain read_domain(const Chunk& chunk) {
             n = static_cast<std::size_t>(xplt_nodes_per_element(domain.element_type));
             if (n == 0) fail(entry, fmt::format("unknown element type {}", domain.element_type));
             break;
-          case kDomainPart: domain.part = read_int(entry); break;
-          case kDomainElements: count = read_count(entry); break;
-          case kDomainName: domain.name = read_prefixed_name(entry); break;
-          default: fail_unknown(entry, "a domain");
+          case kDomainPart:
+            domain.part = read_int(entry);
+            break;
+          case kDomainElements:
+            count = read_count(entry);
+            break;
+          case kDomainName:
+            domain.name = read_prefixed_name(entry);
+            break;
+          default:
+            fail_unknown(entry, "a domain");
         }
       });
     } else if (child.id == kElementList) {
@@ -401,11 +421,21 @@ XpltObject read_object(const Chunk& chunk) {
   object.line = chunk.id == kLineObject;
   for_each_child(chunk, [&](const Chunk& child) {
     switch (child.id) {
-      case kObjectName: object.name = read_prefixed_name(child); break;
-      case kObjectTag: object.tag = read_int(child); break;
-      case kObjectPosition: read_floats(child, object.position); break;
-      case kObjectRotation: read_floats(child, object.rotation); break;
-      case kLineEnds: read_floats(child, object.line_ends); break;
+      case kObjectName:
+        object.name = read_prefixed_name(child);
+        break;
+      case kObjectTag:
+        object.tag = read_int(child);
+        break;
+      case kObjectPosition:
+        read_floats(child, object.position);
+        break;
+      case kObjectRotation:
+        read_floats(child, object.rotation);
+        break;
+      case kLineEnds:
+        read_floats(child, object.line_ends);
+        break;
       case kObjectData: {
         const XpltVariable item = read_item(child);
         XpltVariable plain;
@@ -414,7 +444,8 @@ XpltObject read_object(const Chunk& chunk) {
         object.data.push_back(plain);
         break;
       }
-      default: break;  // the id: objects are numbered in the order of the file
+      default:
+        break;  // the id: objects are numbered in the order of the file
     }
   });
   return object;
@@ -459,15 +490,27 @@ XpltMesh read_mesh(const Chunk& chunk, std::uint32_t version) {
   };
   for_each_child(chunk, [&](const Chunk& section) {
     switch (section.id) {
-      case kNodes: read_nodes(section, version, mesh); break;
+      case kNodes:
+        read_nodes(section, version, mesh);
+        break;
       case kDomains:
         read_all(section, kDomain, [&](const Chunk& child) { mesh.domains.push_back(read_domain(child)); });
         break;
-      case kSurfaceIds.section: facets_into(mesh.surfaces, section, kSurfaceIds); break;
-      case kEdgeIds.section: facets_into(mesh.edges, section, kEdgeIds); break;
-      case kFacetSetIds.section: facets_into(mesh.facet_sets, section, kFacetSetIds); break;
-      case kNodeSetIds.section: sets_into(mesh.node_sets, section, kNodeSetIds); break;
-      case kElementSetIds.section: sets_into(mesh.element_sets, section, kElementSetIds); break;
+      case kSurfaceIds.section:
+        facets_into(mesh.surfaces, section, kSurfaceIds);
+        break;
+      case kEdgeIds.section:
+        facets_into(mesh.edges, section, kEdgeIds);
+        break;
+      case kFacetSetIds.section:
+        facets_into(mesh.facet_sets, section, kFacetSetIds);
+        break;
+      case kNodeSetIds.section:
+        sets_into(mesh.node_sets, section, kNodeSetIds);
+        break;
+      case kElementSetIds.section:
+        sets_into(mesh.element_sets, section, kElementSetIds);
+        break;
       case kParts:
         read_all(section, kPart, [&](const Chunk& child) { mesh.parts.push_back(read_part(child)); });
         break;
@@ -476,7 +519,8 @@ XpltMesh read_mesh(const Chunk& chunk, std::uint32_t version) {
           if (child.id == kPointObject || child.id == kLineObject) mesh.objects.push_back(read_object(child));
         });
         break;
-      default: break;  // a section that came later than this reader
+      default:
+        break;  // a section that came later than this reader
     }
   });
   check_mesh(chunk, mesh);
@@ -515,7 +559,7 @@ void read_data(const Chunk& section, const XpltFile& file, XpltGroup group, Xplt
           }
           if (data.size() != 4 * static_cast<std::size_t>(floats)) {
             fail_header(data, fmt::format("\"{}\", region {}: {} bytes, expected {}", printable(variable.name), region,
-                                   data.size(), 4 * floats));
+                                          data.size(), 4 * floats));
           }
           for (const XpltRegion& other : regions) {
             if (other.region == region) {
@@ -554,10 +598,18 @@ void read_object_states(const Chunk& section, const std::vector<XpltObject>& obj
       if (!index) fail(entry, "state of an object before its number");
       XpltObjectState& object = state.objects[*index];
       switch (entry.id) {
-        case kObjectPosition: read_floats(entry, object.position); break;
-        case kObjectRotation: read_floats(entry, object.rotation); break;
-        case kPointCoordinate: read_floats(entry, object.point); break;
-        case kLineEnds: read_floats(entry, object.line_ends); break;
+        case kObjectPosition:
+          read_floats(entry, object.position);
+          break;
+        case kObjectRotation:
+          read_floats(entry, object.rotation);
+          break;
+        case kPointCoordinate:
+          read_floats(entry, object.point);
+          break;
+        case kLineEnds:
+          read_floats(entry, object.line_ends);
+          break;
         case kObjectData:
           for_each_child(entry, [&](const Chunk& item) {
             if (item.id >= object.data.size()) {
@@ -568,7 +620,8 @@ void read_object_states(const Chunk& section, const std::vector<XpltObject>& obj
             object.data[item.id] = read_floats(item);
           });
           break;
-        default: break;
+        default:
+          break;
       }
     });
     if (!index) fail(child, "state of an object without its number");
@@ -615,8 +668,11 @@ XpltState read_state(const Chunk& chunk, const XpltFile& file) {
         });
         break;
       }
-      case kObjectStates: read_object_states(child, file.meshes.front().objects, state); break;
-      default: fail_unknown(child, "a state");
+      case kObjectStates:
+        read_object_states(child, file.meshes.front().objects, state);
+        break;
+      default:
+        fail_unknown(child, "a state");
     }
   });
   if (!has_time) fail(chunk, "state without a time");

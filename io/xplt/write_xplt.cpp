@@ -2,6 +2,9 @@
 //
 // The viewers' reader copies by sizes it computes itself and indexes without looking: one wrong length and it
 // crashes or shows noise. So everything it relies on is checked here before the first byte is written.
+#include <fmt/format.h>
+#include <zlib.h>
+
 #include <atomic>
 #include <bit>
 #include <cerrno>
@@ -13,9 +16,6 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
-
-#include <fmt/format.h>
-#include <zlib.h>
 
 #include "error.h"
 #include "xplt.h"
@@ -65,8 +65,10 @@ void require_finite(const Numbers& numbers, const char* what) {
 bool viewers_can_read(const XpltVariable& v) {
   const bool array = v.type == XpltType::Array || v.type == XpltType::ArrayVec3;
   switch (v.group) {
-    case XpltGroup::Global: return v.type != XpltType::ArrayVec3;
-    case XpltGroup::Nodal: return v.type != XpltType::Mat3d && v.type != XpltType::ArrayVec3;
+    case XpltGroup::Global:
+      return v.type != XpltType::ArrayVec3;
+    case XpltGroup::Nodal:
+      return v.type != XpltType::Mat3d && v.type != XpltType::ArrayVec3;
     case XpltGroup::Domain:
       if (v.name == "shell thickness") return v.type == XpltType::Float && v.format == XpltFormat::Mult;
       if (v.type == XpltType::ArrayVec3) return v.format == XpltFormat::Item;
@@ -75,7 +77,8 @@ bool viewers_can_read(const XpltVariable& v) {
       if (v.format == XpltFormat::Node) return false;
       if (v.format == XpltFormat::Mult) return v.type == XpltType::Float || v.type == XpltType::Vec3;
       return !array || (v.type == XpltType::Array && v.format == XpltFormat::Item);
-    case XpltGroup::Edge: return !array;
+    case XpltGroup::Edge:
+      return !array;
   }
   return false;
 }
@@ -93,9 +96,9 @@ void check_dictionary(const std::vector<XpltVariable>& variables) {
       require(variable.array_size >= 1 && variable.array_size <= std::numeric_limits<int>::max() / 3,
               "array size of a variable");
     }
-    require(variable.array_names.empty() ||
-                variable.array_names.size() == static_cast<std::size_t>(variable.array_size),
-            "names of an array's components");
+    require(
+        variable.array_names.empty() || variable.array_names.size() == static_cast<std::size_t>(variable.array_size),
+        "names of an array's components");
   }
 }
 
@@ -164,8 +167,8 @@ void check_state(const XpltFile& file, const XpltState& state) {
     for (const XpltRegion& region : state.variables[i]) {
       const std::int64_t floats = floats_in_region(mesh, variable, region.region);
       if (floats < 0 || static_cast<std::size_t>(floats) != region.values.size()) {
-        throw std::logic_error(fmt::format("plot file: {}, region {}: {} values, need {}", variable.name,
-                                           region.region, region.values.size(), floats));
+        throw std::logic_error(fmt::format("plot file: {}, region {}: {} values, need {}", variable.name, region.region,
+                                           region.values.size(), floats));
       }
       require(regions.insert(region.region).second, "two sets of values for one region");
       require_finite(region.values, variable.name.c_str());
@@ -526,9 +529,9 @@ void put_state(Chunks& out, const XpltFile& file, const XpltState& state) {
 std::string packed(const std::string& bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string result(size, '\0');
-  const int code = compress2(reinterpret_cast<Bytef*>(result.data()), &size,
-                             reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
-                             Z_DEFAULT_COMPRESSION);
+  const int code =
+      compress2(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION);
   if (code != Z_OK) throw WriteError("not enough memory to compress the plot file");
   result.resize(size);
   return result;
@@ -555,8 +558,8 @@ int write_and_close(std::FILE* stream, const std::string& bytes) {
 std::FILE* create_temporary(const std::filesystem::path& directory, std::filesystem::path& temporary) {
   static std::atomic<unsigned> counter{0};
   for (int attempt = 0; attempt < 100; ++attempt) {
-    const auto stamp = static_cast<unsigned long long>(
-        std::filesystem::file_time_type::clock::now().time_since_epoch().count());
+    const auto stamp =
+        static_cast<unsigned long long>(std::filesystem::file_time_type::clock::now().time_since_epoch().count());
     temporary = directory / fmt::format(".dea-{:x}-{}.tmp", stamp, counter++);
     errno = 0;
     if (std::FILE* stream = std::fopen(temporary.string().c_str(), "wbx")) return stream;

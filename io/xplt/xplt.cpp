@@ -6,14 +6,22 @@ namespace dea {
 
 int floats_per_value(const XpltVariable& variable) {
   switch (variable.type) {
-    case XpltType::Float: return 1;
-    case XpltType::Vec3: return 3;
-    case XpltType::Mat3s: return 6;
-    case XpltType::Mat3d: return 3;
-    case XpltType::Tens4s: return 21;
-    case XpltType::Mat3: return 9;
-    case XpltType::Array: return variable.array_size;
-    case XpltType::ArrayVec3: return 3 * variable.array_size;
+    case XpltType::Float:
+      return 1;
+    case XpltType::Vec3:
+      return 3;
+    case XpltType::Mat3s:
+      return 6;
+    case XpltType::Mat3d:
+      return 3;
+    case XpltType::Tens4s:
+      return 21;
+    case XpltType::Mat3:
+      return 9;
+    case XpltType::Array:
+      return variable.array_size;
+    case XpltType::ArrayVec3:
+      return 3 * variable.array_size;
   }
   assert(false);
   return 0;
@@ -27,25 +35,44 @@ int xplt_nodes_per_element(int element_type) {
 
 int xplt_element_type(ElementShape shape) {
   switch (shape) {
-    case ElementShape::Hex8: return 0;
-    case ElementShape::Penta6: return 1;
-    case ElementShape::Tet4: return 2;
-    case ElementShape::Quad4: return 3;
-    case ElementShape::Tri3: return 4;
-    case ElementShape::Line2: return 5;
-    case ElementShape::Hex20: return 6;
-    case ElementShape::Tet10: return 7;
-    case ElementShape::Tet15: return 8;
-    case ElementShape::Hex27: return 9;
-    case ElementShape::Tri6: return 10;
-    case ElementShape::Quad8: return 11;
-    case ElementShape::Quad9: return 12;
-    case ElementShape::Penta15: return 13;
-    case ElementShape::Tet20: return 14;
-    case ElementShape::Pyra5: return 16;
-    case ElementShape::Tet5: return 17;
-    case ElementShape::Pyra13: return 18;
-    case ElementShape::Line3: return 19;
+    case ElementShape::Hex8:
+      return 0;
+    case ElementShape::Penta6:
+      return 1;
+    case ElementShape::Tet4:
+      return 2;
+    case ElementShape::Quad4:
+      return 3;
+    case ElementShape::Tri3:
+      return 4;
+    case ElementShape::Line2:
+      return 5;
+    case ElementShape::Hex20:
+      return 6;
+    case ElementShape::Tet10:
+      return 7;
+    case ElementShape::Tet15:
+      return 8;
+    case ElementShape::Hex27:
+      return 9;
+    case ElementShape::Tri6:
+      return 10;
+    case ElementShape::Quad8:
+      return 11;
+    case ElementShape::Quad9:
+      return 12;
+    case ElementShape::Penta15:
+      return 13;
+    case ElementShape::Tet20:
+      return 14;
+    case ElementShape::Pyra5:
+      return 16;
+    case ElementShape::Tet5:
+      return 17;
+    case ElementShape::Pyra13:
+      return 18;
+    case ElementShape::Line3:
+      return 19;
   }
   assert(false);
   return -1;
@@ -77,17 +104,20 @@ std::int64_t distinct_nodes(const XpltMesh& mesh, const std::vector<int>& nodes)
 std::int64_t values_in_region(const XpltMesh& mesh, XpltFormat format, const std::vector<int>& nodes,
                               std::int64_t items, std::int64_t slots) {
   switch (format) {
-    case XpltFormat::Node: return distinct_nodes(mesh, nodes);
-    case XpltFormat::Item: return items;
-    case XpltFormat::Mult: return items * slots;
-    case XpltFormat::Region: return 1;
+    case XpltFormat::Node:
+      return distinct_nodes(mesh, nodes);
+    case XpltFormat::Item:
+      return items;
+    case XpltFormat::Mult:
+      return items * slots;
+    case XpltFormat::Region:
+      return 1;
   }
   assert(false);
   return 0;
 }
 
-std::int64_t values_on_facets(const XpltMesh& mesh, XpltFormat format, const std::vector<XpltFacets>& all,
-                              int region) {
+std::int64_t values_on_facets(const XpltMesh& mesh, XpltFormat format, const std::vector<XpltFacets>& all, int region) {
   if (region < 1 || static_cast<std::size_t>(region) > all.size()) return -1;
   const XpltFacets& facets = all[static_cast<std::size_t>(region) - 1];
   return values_in_region(mesh, format, facets.nodes, facets.size(), facets.max_nodes);
@@ -111,8 +141,12 @@ std::int64_t floats_in_region(const XpltMesh& mesh, const XpltVariable& variable
                                   xplt_nodes_per_element(domain.element_type));
       }
       break;
-    case XpltGroup::Surface: values = values_on_facets(mesh, variable.format, mesh.surfaces, region); break;
-    case XpltGroup::Edge: values = values_on_facets(mesh, variable.format, mesh.edges, region); break;
+    case XpltGroup::Surface:
+      values = values_on_facets(mesh, variable.format, mesh.surfaces, region);
+      break;
+    case XpltGroup::Edge:
+      values = values_on_facets(mesh, variable.format, mesh.edges, region);
+      break;
   }
   return values < 0 ? -1 : values * floats_per_value(variable);
 }

@@ -57,9 +57,9 @@ struct XpltObject {
   bool line = false;
   int tag = 1;  ///< point: 1 rigid body, 2 joint, ...; line: 1 spring, ...
   std::array<float, 3> position = {0, 0, 0};
-  std::array<float, 4> rotation = {0, 0, 0, 1};          ///< quaternion x y z w
+  std::array<float, 4> rotation = {0, 0, 0, 1};         ///< quaternion x y z w
   std::array<float, 6> line_ends = {0, 0, 0, 0, 0, 0};  ///< line objects only
-  std::vector<XpltVariable> data;                        ///< type and name only
+  std::vector<XpltVariable> data;                       ///< type and name only
   bool operator==(const XpltObject&) const = default;
 };
 
@@ -68,7 +68,7 @@ struct XpltObjectState {
   std::array<float, 4> rotation = {0, 0, 0, 1};
   std::array<float, 3> point = {0, 0, 0};               ///< point objects only
   std::array<float, 6> line_ends = {0, 0, 0, 0, 0, 0};  ///< line objects only
-  std::vector<std::vector<float>> data;  ///< one per item of XpltObject::data; an empty one is left out
+  std::vector<std::vector<float>> data;                 ///< one per item of XpltObject::data; an empty one is left out
   bool operator==(const XpltObjectState&) const = default;
 };
 

@@ -6,7 +6,7 @@
 namespace dea::xplt {
 
 inline constexpr std::uint32_t kMagic = 0x00464542;
-inline constexpr int kFixedName = 64;   // bytes of a fixed-length name, at least one of them zero
+inline constexpr int kFixedName = 64;  // bytes of a fixed-length name, at least one of them zero
 inline constexpr int kLongestName = 63;
 inline constexpr int kLargestFacet = 10;  // slots of a face record that FEBio's viewer has room for
 
@@ -110,7 +110,6 @@ inline constexpr SetIds kElementSetIds = {0x01046000, 0x01046100, 0x01046101, 0x
 inline constexpr int kGroups = 5;
 inline constexpr std::uint32_t kGroupItems[kGroups] = {kGlobalItems, kNodalItems, kDomainItems, kSurfaceItems,
                                                        kEdgeItems};
-inline constexpr std::uint32_t kGroupData[kGroups] = {kGlobalData, kNodalData, kDomainData, kSurfaceData,
-                                                      kEdgeData};
+inline constexpr std::uint32_t kGroupData[kGroups] = {kGlobalData, kNodalData, kDomainData, kSurfaceData, kEdgeData};
 
 }  // namespace dea::xplt

@@ -3,21 +3,19 @@
 // Model of most tests, with its answer on paper: a square layer of cartilage, 3 x 3, thickness h = 2, bonded to a rigid
 // base, and a rigid plate that covers it, 0.1 above. Moved down by 0.3 the plate overlaps the layer by d = 0.2
 // everywhere, so that p = M d / h with the confined modulus M, on the area 9.
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
-
-#include <fcntl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "xplt.h"
 
@@ -62,7 +60,8 @@ class Cli : public ::testing::Test {
       argv.push_back(program.data());
       for (std::string& w : words) argv.push_back(w.data());
       argv.push_back(nullptr);
-      const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600),
+                e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       if (::chdir(folder.c_str()) != 0 || o < 0 || e < 0) ::_exit(99);
       ::dup2(o, 1);
       ::dup2(e, 2);
@@ -82,7 +81,9 @@ class Cli : public ::testing::Test {
     return f;
   }
 
-  void write(const std::string& name, const std::string& text) { std::ofstream(folder / name, std::ios::binary) << text; }
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(folder / name, std::ios::binary) << text;
+  }
 
   /// `push`: force on the plate that is free along z; NaN: its displacement is prescribed instead.
   void write_model(const std::string& name = "flat.feb", double push = std::nan("")) {
@@ -90,12 +91,16 @@ class Cli : public ::testing::Test {
     const auto id = [](int i, int j, int k) { return 1 + i + 4 * j + 16 * k; };
     for (int k = 0; k < 2; ++k)
       for (int j = 0; j < 4; ++j)
-        for (int i = 0; i < 4; ++i) nodes += fmt::format("<node id=\"{}\">{},{},{}</node>\n", id(i, j, k), i, j, 2 * k - 2);
-    for (int c = 0; c < 4; ++c) nodes += fmt::format("<node id=\"{}\">{},{},0.1</node>\n", 33 + c, c == 1 || c == 2 ? 4 : -1, c >= 2 ? 4 : -1);
+        for (int i = 0; i < 4; ++i)
+          nodes += fmt::format("<node id=\"{}\">{},{},{}</node>\n", id(i, j, k), i, j, 2 * k - 2);
+    for (int c = 0; c < 4; ++c)
+      nodes += fmt::format("<node id=\"{}\">{},{},0.1</node>\n", 33 + c, c == 1 || c == 2 ? 4 : -1, c >= 2 ? 4 : -1);
     int element = 0;
     for (int j = 0; j < 3; ++j) {
       for (int i = 0; i < 3; ++i) {
-        const auto quad = [&](int k) { return fmt::format("{},{},{},{}", id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)); };
+        const auto quad = [&](int k) {
+          return fmt::format("{},{},{},{}", id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k));
+        };
         ++element;
         layer += fmt::format("<elem id=\"{}\">{},{}</elem>\n", element, quad(0), quad(1));
         base += fmt::format("<elem id=\"{}\">{}</elem>\n", element + 9, quad(0));
@@ -103,8 +108,16 @@ class Cli : public ::testing::Test {
       }
     }
     const bool prescribed = std::isnan(push);
-    const std::string motion = prescribed ? "<rigid_bc name=\"down\" type=\"rigid_displacement\"><rb>plate</rb><dof>z</dof><value lc=\"1\">-0.3</value><relative>0</relative></rigid_bc>" : "";
-    const std::string load = prescribed ? "" : fmt::format("<rigid_load name=\"push\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value lc=\"1\">{}</value><load_type>LOAD</load_type></rigid_load>", push);
+    const std::string motion =
+        prescribed ? "<rigid_bc name=\"down\" type=\"rigid_displacement\"><rb>plate</rb><dof>z</dof><value "
+                     "lc=\"1\">-0.3</value><relative>0</relative></rigid_bc>"
+                   : "";
+    const std::string load =
+        prescribed ? ""
+                   : fmt::format(
+                         "<rigid_load name=\"push\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value "
+                         "lc=\"1\">{}</value><load_type>LOAD</load_type></rigid_load>",
+                         push);
     write(name, fmt::format(R"(<?xml version="1.0" encoding="ISO-8859-1"?>
 <febio_spec version="4.0">
 <Module type="solid"><units>mm-N-s</units></Module>
@@ -145,7 +158,8 @@ class Cli : public ::testing::Test {
 <Step><step id="1" name="press"><Control><analysis>STATIC</analysis><time_steps>4</time_steps><step_size>0.25</step_size></Control></step></Step>
 <LoadData><load_controller id="1" type="loadcurve"><interpolate>LINEAR</interpolate><points><pt>0,0</pt><pt>1,1</pt></points></load_controller></LoadData>
 </febio_spec>
-)", kE, kNu, nodes, layer, base, primary, motion, load));
+)",
+                            kE, kNu, nodes, layer, base, primary, motion, load));
   }
 
   std::vector<std::string> files() const {
@@ -204,7 +218,9 @@ TEST_F(Cli, PlatePressedOnALayerGivesTheAnswerOnPaper) {
   EXPECT_EQ(plot.meshes[0].objects[1].name, "plate");
   const XpltState& state = plot.states.back();
   EXPECT_EQ(state.element_flags, std::vector<std::uint32_t>(19, 1));
-  const auto values = [&](XpltGroup group, const char* name) { return state.variables[static_cast<std::size_t>(find_variable(plot, group, name))]; };
+  const auto values = [&](XpltGroup group, const char* name) {
+    return state.variables[static_cast<std::size_t>(find_variable(plot, group, name))];
+  };
   const auto displacement = values(XpltGroup::Nodal, "displacement")[0].values;
   EXPECT_NEAR(displacement[3 * 35 + 2], -0.3, 1e-6);  // the plate
   EXPECT_NEAR(displacement[3 * 31 + 2], -0.2, 1e-6);  // the layer's top, compressed
@@ -254,9 +270,11 @@ TEST_F(Cli, JsonHasTheAgreedKeysInTheAgreedOrder) {
   EXPECT_TRUE(s["residual_force"].is_null());  // nothing is free
   EXPECT_EQ(keys(s["bodies"]), (Names{"base", "plate"}));
   expect_keys(s["bodies"]["plate"], {"translation", "rotation", "force", "moment"});
-  expect_keys(s["contacts"][0],
-              {"name", "source", "target", "springs", "springs_active", "peak_pressure", "p99_pressure", "mean_pressure", "median_pressure", "contact_area",
-               "facet_peak_pressure", "nodal_peak_pressure", "nodal_mean_pressure", "nodal_median_pressure", "facet_contact_area", "center_of_pressure", "force", "moment"});
+  expect_keys(
+      s["contacts"][0],
+      {"name", "source", "target", "springs", "springs_active", "peak_pressure", "p99_pressure", "mean_pressure",
+       "median_pressure", "contact_area", "facet_peak_pressure", "nodal_peak_pressure", "nodal_mean_pressure",
+       "nodal_median_pressure", "facet_contact_area", "center_of_pressure", "force", "moment"});
   EXPECT_EQ(s["contacts"][0]["source"], "base");
   EXPECT_EQ(s["contacts"][0]["target"], "plate");
   EXPECT_EQ(j["settings"]["law"], "linear");
@@ -310,13 +328,15 @@ TEST_F(Cli, CommandLineBeforeSettingsFileBeforeModel) {
 
 TEST_F(Cli, VectorsMayBeginWithAMinus) {
   write_model("push.feb", -12.0);
-  const Finished f = dea({"run", "push.feb", "--force", "plate=-1,2,-3", "--states", "last", "--nu", "-0.1", "--json", "-"});
+  const Finished f =
+      dea({"run", "push.feb", "--force", "plate=-1,2,-3", "--states", "last", "--nu", "-0.1", "--json", "-"});
   ASSERT_EQ(f.code, 0) << f.err;
   const Json j = Json::parse(f.out);
   EXPECT_EQ(j["settings"]["force"]["plate"], Json::array({-1.0, 2.0, -3.0}));
   EXPECT_EQ(j["settings"]["nu"][""], -0.1);
   EXPECT_NEAR(j["states"][0]["contacts"][0]["force"][2].get<double>(), 3.0, 1e-8);
-  EXPECT_EQ(dea({"run", "push.feb", "--force", "-1,2,3"}).err, "dea: --force -1,2,3: found no '=', expected BODY=x,y,z\n");
+  EXPECT_EQ(dea({"run", "push.feb", "--force", "-1,2,3"}).err,
+            "dea: --force -1,2,3: found no '=', expected BODY=x,y,z\n");
 }
 
 TEST_F(Cli, StatesAndTimesFrom) {
@@ -341,8 +361,10 @@ TEST_F(Cli, StatesAndTimesFrom) {
   EXPECT_NEAR(from[0], 0.1, 1e-8);  // single precision in the file
   EXPECT_EQ(from[1], 0.75);         // a time of the model: exactly
   EXPECT_EQ(times({"--times-from", "fea.xplt", "--states", "last"}), (Times{0.75}));
-  EXPECT_EQ(dea({"run", "flat.feb", "--states", "2"}).err, "dea: --states 2: found time 2, expected times from 0 to 1, those of the model\n");
-  EXPECT_EQ(dea({"run", "flat.feb", "--states", "some"}).err, "dea: --states some: found \"some\", expected all, last or times t1,t2,...\n");
+  EXPECT_EQ(dea({"run", "flat.feb", "--states", "2"}).err,
+            "dea: --states 2: found time 2, expected times from 0 to 1, those of the model\n");
+  EXPECT_EQ(dea({"run", "flat.feb", "--states", "some"}).err,
+            "dea: --states some: found \"some\", expected all, last or times t1,t2,...\n");
   EXPECT_EQ(dea({"run", "flat.feb", "--states", "-1"}).code, 2);
   const Finished no_fea = dea({"run", "flat.feb", "--times-from", "flat.feb"});
   EXPECT_EQ(no_fea.code, 3);
@@ -354,20 +376,28 @@ TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{}, "dea: A subcommand is required (dea --help lists the options)\n"},
       {{"run"}, "dea run: MODEL is required (dea run --help lists the options)\n"},
-      {{"run", "flat.feb", "--speed"}, "dea run: The following argument was not expected: --speed (dea run --help lists the options)\n"},
-      {{"run", "flat.feb", "--law", "cubic"}, "dea: --law cubic: found \"cubic\", expected linear, logarithmic or neo-Hookean\n"},
+      {{"run", "flat.feb", "--speed"},
+       "dea run: The following argument was not expected: --speed (dea run --help lists the options)\n"},
+      {{"run", "flat.feb", "--law", "cubic"},
+       "dea: --law cubic: found \"cubic\", expected linear, logarithmic or neo-Hookean\n"},
       {{"run", "flat.feb", "--E", "top=1x"}, "dea: --E top=1x: found \"1x\", expected a number\n"},
       {{"run", "flat.feb", "--E", "inf"}, "dea: --E inf: found \"inf\", expected a number\n"},
-      {{"run", "flat.feb", "--threads", "0"}, "dea: --threads 0: found \"0\", expected a whole number from 1 to 1024\n"},
+      {{"run", "flat.feb", "--threads", "0"},
+       "dea: --threads 0: found \"0\", expected a whole number from 1 to 1024\n"},
       {{"run", "flat.feb", "-o", "-"}, "dea: -o -: the plot file cannot go to standard output, give it a name\n"},
       {{"run", "flat.feb", "-o", "./flat.feb"}, "dea: -o ./flat.feb: would overwrite the model\n"},
-      {{"run", "flat.feb", "--json", "-", "--csv", "-"}, "dea: only one of --json and --csv can go to standard output\n"},
+      {{"run", "flat.feb", "--json", "-", "--csv", "-"},
+       "dea: only one of --json and --csv can go to standard output\n"},
       {{"run", "flat.feb", "--json", "a", "--csv", "./a"}, "dea: --csv ./a: is the file of --json too\n"},
-      {{"run", "flat.feb", "--contact", "hip"}, "dea: --contact hip: the model has no sliding contact of this name; it has \"touch\"\n"},
-      {{"run", "flat.feb", "--thickness", "side=1"}, "dea: --thickness side: the model has no surface of this name; it has \"top\", \"under\"\n"},
-      {{"run", "flat.feb", "--force", "femur=1,2,3"}, "dea: --force femur: the model has no rigid body of this name; it has \"base\", \"plate\", \"ground\"\n"},
+      {{"run", "flat.feb", "--contact", "hip"},
+       "dea: --contact hip: the model has no sliding contact of this name; it has \"touch\"\n"},
+      {{"run", "flat.feb", "--thickness", "side=1"},
+       "dea: --thickness side: the model has no surface of this name; it has \"top\", \"under\"\n"},
+      {{"run", "flat.feb", "--force", "femur=1,2,3"},
+       "dea: --force femur: the model has no rigid body of this name; it has \"base\", \"plate\", \"ground\"\n"},
       {{"converge", "flat.feb", "--target", "2"}, "dea: --target 2: found \"2\", expected a number between 0 and 1\n"},
-      {{"converge", "flat.feb", "--max-springs", "many"}, "dea: --max-springs many: found \"many\", expected a whole number from 1 to 100000000\n"},
+      {{"converge", "flat.feb", "--max-springs", "many"},
+       "dea: --max-springs many: found \"many\", expected a whole number from 1 to 100000000\n"},
   };
   for (const auto& c : cases) {
     const Finished f = dea(c.first);
@@ -376,7 +406,10 @@ TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
     EXPECT_EQ(f.out, "") << c.second;
   }
   for (const char* option : {"--rigid", "--source", "--free", "--load-at", "--attach", "--bone"}) {
-    const std::string name = option, value = name == "--rigid" || name == "--source" ? "nobody" : name == "--free" ? "nobody=x" : name == "--load-at" ? "nobody=1,2,3" : "nobody=plate";
+    const std::string name = option, value = name == "--rigid" || name == "--source" ? "nobody"
+                                             : name == "--free"                      ? "nobody=x"
+                                             : name == "--load-at"                   ? "nobody=1,2,3"
+                                                                                     : "nobody=plate";
     const Finished f = dea({"run", "flat.feb", name, value});
     EXPECT_EQ(f.code, 2) << f.err;
     EXPECT_NE(f.err.find("nobody"), std::string::npos) << f.err;
@@ -465,8 +498,10 @@ TEST_F(Cli, InfoSaysWhatIsRecognised) {
   write_model();
   const Finished f = dea({"info", "flat.feb", "-o", "check.xplt", "--json", "i.json"});
   ASSERT_EQ(f.code, 0) << f.err;
-  for (const char* text : {"units: the model's, mm-N-s", "plate: material \"plate\"; centre of mass (1.5, 1.5, 1) (given)", "\"touch\": type sliding-elastic, springs on base",
-                           "thickness: min 2, mean 2, max 2", "initial gap min 0.1", "z prescribed -0.3", "0 0.25 0.5 0.75 1"})
+  for (const char* text :
+       {"units: the model's, mm-N-s", "plate: material \"plate\"; centre of mass (1.5, 1.5, 1) (given)",
+        "\"touch\": type sliding-elastic, springs on base", "thickness: min 2, mean 2, max 2", "initial gap min 0.1",
+        "z prescribed -0.3", "0 0.25 0.5 0.75 1"})
     EXPECT_NE(f.out.find(text), std::string::npos) << text << "\n" << f.out;
   const Json j = Json::parse(file_text(folder / "i.json"));
   EXPECT_EQ(j["schema"], "dea.info/1");
@@ -511,15 +546,19 @@ TEST_F(Cli, ConvergeOnAPlaneLayerNeedsNoMoreSprings) {
 }
 
 TEST_F(Cli, HelpAndVersion) {
-  for (const std::vector<std::string>& words : {Names{"--help"}, Names{"run", "--help"}, Names{"info", "-h"}, Names{"converge", "--help"}, Names{"--version"}}) {
+  for (const std::vector<std::string>& words : {Names{"--help"}, Names{"run", "--help"}, Names{"info", "-h"},
+                                                Names{"converge", "--help"}, Names{"--version"}}) {
     const Finished f = dea(words);
     EXPECT_EQ(f.code, 0);
     EXPECT_EQ(f.err, "");
     EXPECT_FALSE(f.out.empty());
   }
   const std::string help = dea({"run", "--help"}).out;
-  for (const char* option : {"--contact", "--source", "--springs-at", "--law", "--facets", "--refine", "--rigid", "--attach", "--bone", "--thickness", "--E", "--nu", "--free",
-                             "--force", "--load-at", "--settings", "--times-from", "--states", "--compress", "--no-squash", "--threads", "--json", "--csv", "-q", "-v"})
+  for (const char* option :
+       {"--contact", "--source",   "--springs-at", "--law",    "--facets",   "--refine",    "--rigid",
+        "--attach",  "--bone",     "--thickness",  "--E",      "--nu",       "--free",      "--force",
+        "--load-at", "--settings", "--times-from", "--states", "--compress", "--no-squash", "--threads",
+        "--json",    "--csv",      "-q",           "-v"})
     EXPECT_NE(help.find(option), std::string::npos) << option;
   EXPECT_NE(dea({"--version"}).out.find("Eigen"), std::string::npos);
 }
@@ -533,7 +572,8 @@ TEST_F(Cli, ResultsDoNotDependOnThreads) {
 
 /// Beside FEBio's own result of a hip: the same mesh, names and order, and a result in its neighbourhood.
 TEST_F(Cli, ReferenceHipLiesBesideFebiosResult) {
-  const fs::path reference = fs::path(DEA_REFERENCE_DIR) / "hip_walking.feb", febio = fs::path(DEA_REFERENCE_DIR) / "hip_walking_febio_penalty20.xplt";
+  const fs::path reference = fs::path(DEA_REFERENCE_DIR) / "hip_walking.feb",
+                 febio = fs::path(DEA_REFERENCE_DIR) / "hip_walking_febio_penalty20.xplt";
   if (!fs::exists(reference) || !fs::exists(febio)) GTEST_SKIP() << "no reference models";
   const Finished f = dea({"run", reference.string(), "-o", "hip.xplt", "--times-from", febio.string(), "--json", "-"});
   ASSERT_EQ(f.code, 0) << f.err;
@@ -557,12 +597,14 @@ TEST_F(Cli, ReferenceHipLiesBesideFebiosResult) {
   EXPECT_EQ(a.objects, b.objects);
   for (const char* name : {"rigid force", "rigid position"}) {
     const auto& x = ours.states[0].variables[static_cast<std::size_t>(find_variable(ours, XpltGroup::Domain, name))];
-    const auto& y = theirs.states[0].variables[static_cast<std::size_t>(find_variable(theirs, XpltGroup::Domain, name))];
+    const auto& y =
+        theirs.states[0].variables[static_cast<std::size_t>(find_variable(theirs, XpltGroup::Domain, name))];
     ASSERT_EQ(x.size(), y.size());
     for (std::size_t r = 0; r < x.size(); ++r) {
       EXPECT_EQ(x[r].region, y[r].region);
       // the same load to FEBio's own tolerance; a position within 0.1 mm, the softness of its penalty
-      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(x[r].values[k], y[r].values[k], std::string(name) == "rigid force" ? 0.01 : 0.1);
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_NEAR(x[r].values[k], y[r].values[k], std::string(name) == "rigid force" ? 0.01 : 0.1);
     }
   }
 }

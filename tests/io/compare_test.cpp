@@ -1,8 +1,7 @@
 // Plot files side by side: files made here with known pressures, and the program `dea compare` from outside.
 //
 // The mesh of most tests: n x n hexahedra of the unit square, 0.1 thick; surface "top" is z = 0.1, "bottom" z = 0.
-#include "compare_files.h"
-
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,11 +9,10 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
+#include "compare_files.h"
 #include "error.h"
 #include "program.h"
 
@@ -41,7 +39,8 @@ XpltMesh make_mesh(int n) {
     for (int j = 0; j <= n; ++j)
       for (int i = 0; i <= n; ++i) {
         mesh.node_ids.push_back(static_cast<int>(mesh.node_ids.size()) + 1);
-        for (double x : {static_cast<double>(i) / n, static_cast<double>(j) / n, 0.1 * k}) mesh.coordinates.push_back(static_cast<float>(x));
+        for (double x : {static_cast<double>(i) / n, static_cast<double>(j) / n, 0.1 * k})
+          mesh.coordinates.push_back(static_cast<float>(x));
       }
   mesh.parts = {"layer", "plate"};
   XpltDomain domain;
@@ -62,7 +61,8 @@ XpltMesh make_mesh(int n) {
       domain.element_ids.push_back(static_cast<int>(domain.element_ids.size()) + 1);
       if (2 * j < n) low.items.push_back(domain.element_ids.back());
       for (int k = 0; k < 2; ++k)
-        for (int node : {id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)}) domain.nodes.push_back(node);
+        for (int node : {id(i, j, k), id(i + 1, j, k), id(i + 1, j + 1, k), id(i, j + 1, k)})
+          domain.nodes.push_back(node);
       const std::vector<int> up = {id(i, j, 1), id(i + 1, j, 1), id(i + 1, j + 1, 1), id(i, j + 1, 1)};
       const std::vector<int> down = {id(i, j, 0), id(i, j + 1, 0), id(i + 1, j + 1, 0), id(i + 1, j, 0)};
       const auto add = [](XpltFacets& facets, const std::vector<int>& nodes) {
@@ -100,7 +100,9 @@ XpltFile make_file(int n, const std::vector<double>& times, const Field& pressur
     std::vector<float> values;
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) values.push_back(static_cast<float>(pressure((i + 0.5) / n, (j + 0.5) / n, t)));
-    state.variables = {{{0, std::vector<float>(file.meshes[0].coordinates.size(), z)}}, {{2, {1, 2, z}}}, {{2, values}},
+    state.variables = {{{0, std::vector<float>(file.meshes[0].coordinates.size(), z)}},
+                       {{2, {1, 2, z}}},
+                       {{2, values}},
                        {{2, std::vector<float>(values.size(), static_cast<float>(gap))}}};
     XpltObjectState object;
     object.rotation = {0, 0, static_cast<float>(std::sin(0.05 * t)), static_cast<float>(std::cos(0.05 * t))};
@@ -110,19 +112,23 @@ XpltFile make_file(int n, const std::vector<double>& times, const Field& pressur
   return file;
 }
 
-double hill(double x, double y, double t) { return t * std::max(0.0, 4 * std::cos(2 * (x - 0.5)) * std::cos(2 * (y - 0.4)) - 2.5); }
+double hill(double x, double y, double t) {
+  return t * std::max(0.0, 4 * std::cos(2 * (x - 0.5)) * std::cos(2 * (y - 0.4)) - 2.5);
+}
 
 ResultFile named(const std::string& label, XpltFile file) { return {label + ".xplt", label, std::move(file)}; }
 
 TEST(CompareFiles, ScaledPressureIsRecoveredInEveryNumber) {
-  const std::vector<ResultFile> files = {named("a", make_file(12, {0, 1}, [](double x, double y, double t) { return 1.25 * hill(x, y, t); })),
-                                         named("b", make_file(12, {0, 0.5, 1}, hill, 0.02))};
+  const std::vector<ResultFile> files = {
+      named("a", make_file(12, {0, 1}, [](double x, double y, double t) { return 1.25 * hill(x, y, t); })),
+      named("b", make_file(12, {0, 0.5, 1}, hill, 0.02))};
   const Comparison c = compare_files(files, {});
   ASSERT_EQ(c.surfaces.size(), 1u);  // "bottom" has no data
   EXPECT_EQ(c.thresholds, (std::vector<double>{0, 0.1, 0.5}));
   const ComparedRegion& r = c.surfaces[0].regions[0];
   EXPECT_TRUE(c.surfaces[0].same_mesh[0]);
-  EXPECT_NEAR(percent_difference(r.results[0].nodes[0].mean, r.results[1].nodes[0].mean), 25, 1e-4);  // single precision
+  EXPECT_NEAR(percent_difference(r.results[0].nodes[0].mean, r.results[1].nodes[0].mean), 25,
+              1e-4);  // single precision
   EXPECT_NEAR(percent_difference(r.results[0].facets[0].peak, r.results[1].facets[0].peak), 25, 1e-4);
   EXPECT_NEAR(r.differences[0].correlation, 1, 1e-12);
   EXPECT_NEAR(r.facet_correlation[0], 1, 1e-12);
@@ -138,14 +144,16 @@ TEST(CompareFiles, ScaledPressureIsRecoveredInEveryNumber) {
 }
 
 TEST(CompareFiles, StatesPairByTimeAndPosesFollow) {
-  const std::vector<ResultFile> files = {named("a", make_file(4, {0, 1, 2}, hill)), named("b", make_file(4, {0, 1}, hill))};
+  const std::vector<ResultFile> files = {named("a", make_file(4, {0, 1, 2}, hill)),
+                                         named("b", make_file(4, {0, 1}, hill))};
   const Comparison last = compare_files(files, {});
   EXPECT_EQ(last.times, (std::vector<double>{2, 1}));
   ASSERT_EQ(last.warnings.size(), 1u);
   EXPECT_NE(last.warnings[0].find("the last state of a is at time 2, that of b at 1"), std::string::npos);
   const PoseDifference& d = *last.bodies[0].differences[0];
   EXPECT_EQ(d.translation, Vector3d(0, 0, -0.25));
-  EXPECT_NEAR((*d.rotation - Vector3d(0, 0, 0.1)).norm(), 0, 1e-7);  // half the angle in the quaternion, single precision
+  EXPECT_NEAR((*d.rotation - Vector3d(0, 0, 0.1)).norm(), 0,
+              1e-7);  // half the angle in the quaternion, single precision
 
   CompareOptions options;
   options.at = 1.0;
@@ -181,7 +189,9 @@ TEST(CompareFiles, RegionsAreFacetSetsAndElementSets) {
     compare_files(files, options);
     FAIL();
   } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(), "a.xplt: found no facet set, surface or element set \"rim\", expected one of \"left half\", \"bottom\", \"top\", \"low elements\"");
+    EXPECT_STREQ(e.what(),
+                 "a.xplt: found no facet set, surface or element set \"rim\", expected one of \"left half\", "
+                 "\"bottom\", \"top\", \"low elements\"");
   }
   options.regions = {"bottom"};
   EXPECT_THROW(compare_files(files, options), InputError);  // exists, but holds none of top's facets
@@ -206,24 +216,29 @@ TEST(CompareFiles, DifferentMeshesAndNamesAreProjected) {
   const XpltFile both = make_compare_file(files, options, c, false, false);
   ASSERT_EQ(both.meshes[0].surfaces[1].size(), 400);
   const ResultFile read = named("both", both);
-  const std::vector<double> a = facet_values(read, 0, 1, "contact pressure a"), b = facet_values(read, 0, 1, "contact pressure b");
+  const std::vector<double> a = facet_values(read, 0, 1, "contact pressure a"),
+                            b = facet_values(read, 0, 1, "contact pressure b");
   for (std::size_t f = 0; f < a.size(); ++f) EXPECT_NEAR(a[f], b[f], 0.15);  // rims of the contact are one facet wide
 }
 
 TEST(CompareFiles, OneFileWithBothPressuresTheirDifferenceAndItsResultants) {
-  const std::vector<ResultFile> files = {named("a", make_file(9, {0, 1, 2}, [](double x, double y, double t) { return hill(x, y, t) + 0.5 * t * x; })),
-                                         named("b", make_file(9, {0, 2}, hill))};
+  const std::vector<ResultFile> files = {
+      named("a", make_file(9, {0, 1, 2}, [](double x, double y, double t) { return hill(x, y, t) + 0.5 * t * x; })),
+      named("b", make_file(9, {0, 2}, hill))};
   CompareOptions options;
   options.dose_above = 1.0;
   const Comparison c = compare_files(files, options);
-  const ResultFile both = named("both", xplt_from_bytes(xplt_bytes(make_compare_file(files, options, c, true, true)), "both.xplt"));
+  const ResultFile both =
+      named("both", xplt_from_bytes(xplt_bytes(make_compare_file(files, options, c, true, true)), "both.xplt"));
   ASSERT_EQ(both.plot.states.size(), 2u);  // b has nothing at 1
   EXPECT_EQ(both.plot.states[1].time, 2.0f);
   EXPECT_EQ(both.plot.states[1].variables[0], files[0].plot.states[2].variables[0]);  // displacement
   EXPECT_EQ(both.plot.states[1].objects, files[0].plot.states[2].objects);
   const ResultSurface top = result_surface(both, 1, 1);
-  const std::vector<double> a = facet_values(both, 1, 1, "contact pressure a"), b = facet_values(both, 1, 1, "contact pressure b"),
-                            d = facet_values(both, 1, 1, "pressure difference"), exposure = facet_values(both, 1, 1, "exposure b");
+  const std::vector<double> a = facet_values(both, 1, 1, "contact pressure a"),
+                            b = facet_values(both, 1, 1, "contact pressure b"),
+                            d = facet_values(both, 1, 1, "pressure difference"),
+                            exposure = facet_values(both, 1, 1, "exposure b");
   EXPECT_EQ(a, facet_values(files[0], 2, 1, "contact pressure"));
   EXPECT_EQ(b, facet_values(files[1], 1, 1, "contact pressure"));
   for (std::size_t f = 0; f < a.size(); ++f) EXPECT_NEAR(d[f], a[f] - b[f], 1e-6);
@@ -240,7 +255,8 @@ TEST(CompareFiles, PressureMayBeGivenPerSlotOrPerNode) {
   slots.variables[2].format = XpltFormat::Mult;
   nodes.variables[2].format = XpltFormat::Node;
   slots.states[0].variables[2][0].values = {1, 2, 3, 6, 0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 4};
-  nodes.states[0].variables[2][0].values = {1, 2, 5, 4, 8, 8, 0, 0, 0};  // order of first appearance: facet 0, then the new ones
+  nodes.states[0].variables[2][0].values = {1, 2, 5, 4, 8,
+                                            8, 0, 0, 0};  // order of first appearance: facet 0, then the new ones
   EXPECT_EQ(facet_values(named("s", slots), 0, 1, "contact pressure"), (std::vector<double>{3, 0, 1, 1}));
   EXPECT_EQ(facet_values(named("n", nodes), 0, 1, "contact pressure"), (std::vector<double>{3, 5.75, 2.25, 3.25}));
 }
@@ -252,7 +268,8 @@ TEST(CompareFiles, AStateIsReadOnItsOwnMesh) {
   file.meshes.push_back(remeshed.meshes[0]);
   file.states.push_back(remeshed.states[0]);
   file.states[1].mesh = 1;
-  const std::vector<ResultFile> files = {named("a", xplt_from_bytes(xplt_bytes(file), "a.xplt")), named("b", make_file(6, {2}, hill))};
+  const std::vector<ResultFile> files = {named("a", xplt_from_bytes(xplt_bytes(file), "a.xplt")),
+                                         named("b", make_file(6, {2}, hill))};
   const Comparison c = compare_files(files, {});
   EXPECT_EQ(c.surfaces[0].facets, (std::vector<int>{36, 36}));
   EXPECT_EQ(c.surfaces[0].regions[0].differences[0].correlation, 1.0);
@@ -270,24 +287,29 @@ TEST(CompareFiles, WithoutPressureThereIsNothingToCompare) {
     return std::string("none");
   };
   const ResultFile good = named("good", make_file(4, {1}, hill));
-  EXPECT_EQ(fault({named("flat", make_file(4, {1}, [](double, double, double) { return 0.0; })), named("flat too", make_file(4, {1}, [](double, double, double) { return 0.0; }))}),
+  EXPECT_EQ(fault({named("flat", make_file(4, {1}, [](double, double, double) { return 0.0; })),
+                   named("flat too", make_file(4, {1}, [](double, double, double) { return 0.0; }))}),
             "flat.xplt: found no \"contact pressure\" above 0 on any common surface in any file");
   XpltFile other = good.plot;
   other.variables[2].name = "contact traction";
-  EXPECT_EQ(fault({good, named("other", other)}), "other.xplt: found no surface with \"contact pressure\" at time 1, expected one");
+  EXPECT_EQ(fault({good, named("other", other)}),
+            "other.xplt: found no surface with \"contact pressure\" at time 1, expected one");
   other = good.plot;
   other.meshes[0].surfaces[1].name = "lid";
   EXPECT_EQ(fault({good, named("other", other)}),
-            "found no surface with \"contact pressure\" that all files have, expected --surface A=B: good.xplt has \"top\"; other.xplt has \"lid\"");
+            "found no surface with \"contact pressure\" that all files have, expected --surface A=B: good.xplt has "
+            "\"top\"; other.xplt has \"lid\"");
   CompareOptions options;
   options.surfaces = {"bottom"};
-  EXPECT_EQ(fault({good, good}, options), "good.xplt: found no surface \"bottom\" with \"contact pressure\", expected one of \"top\"");
+  EXPECT_EQ(fault({good, good}, options),
+            "good.xplt: found no surface \"bottom\" with \"contact pressure\", expected one of \"top\"");
   other = good.plot;
   for (float& x : other.meshes[0].coordinates) x += 50.0f;
   EXPECT_EQ(fault({good, named("far", other)}), "good.xplt: surface \"top\" lies nowhere on \"top\" of far.xplt");
   other = good.plot;
   other.states[0].variables[2][0].values[3] = std::nanf("");
-  EXPECT_EQ(fault({good, named("other", other)}), "other.xplt: surface \"top\", time 1: \"contact pressure\" is not a number somewhere");
+  EXPECT_EQ(fault({good, named("other", other)}),
+            "other.xplt: surface \"top\", time 1: \"contact pressure\" is not a number somewhere");
   options.surfaces = {"top", "top=top"};
   EXPECT_THROW(compare_files({good, good}, options), UsageError);
   options.surfaces = {"a=b=c"};
@@ -315,10 +337,14 @@ TEST(CompareFiles, ReferenceFilesHaveThePublishedNumbers) {
   const struct {
     const char *file, *surface;
     double facet_peak, facet_p99, peak, p99, mean, facet_area, area_01, area_05, penetration;
-  } kRows[] = {{"hip_walking_febio_penalty20", "acetabular_articulating", 6.47, 5.66, 6.05, 5.50, 2.100, 1208, 1263, 1170, 0.0237},
-               {"hip_walking_febio_penalty50", "acetabular_articulating", 6.96, 5.88, 6.39, 5.69, 2.149, 1169, 1238, 1160, 0.0100},
-               {"hip_stairs_up_febio_penalty20", "acetabular_articulating", 6.46, 5.66, 6.13, 5.66, 2.191, 1189, 1235, 1144, 0.0246},
-               {"hip_stairs_down_febio_penalty20", "acetabular_articulating", 7.22, 6.26, 6.71, 6.01, 2.237, 1263, 1310, 1201, 0.0250},
+  } kRows[] = {{"hip_walking_febio_penalty20", "acetabular_articulating", 6.47, 5.66, 6.05, 5.50, 2.100, 1208, 1263,
+                1170, 0.0237},
+               {"hip_walking_febio_penalty50", "acetabular_articulating", 6.96, 5.88, 6.39, 5.69, 2.149, 1169, 1238,
+                1160, 0.0100},
+               {"hip_stairs_up_febio_penalty20", "acetabular_articulating", 6.46, 5.66, 6.13, 5.66, 2.191, 1189, 1235,
+                1144, 0.0246},
+               {"hip_stairs_down_febio_penalty20", "acetabular_articulating", 7.22, 6.26, 6.71, 6.01, 2.237, 1263, 1310,
+                1201, 0.0250},
                {"ball_loose_febio", "socket_articulating", 2.55, 2.42, 2.45, 2.39, 1.196, 84, 83, 68, 0.0034},
                {"ball_tight_febio", "socket_articulating", 4.49, 4.43, 4.49, 4.45, 2.016, 270, 268, 238, 0.0060}};
   for (const auto& row : kRows) {
@@ -339,21 +365,25 @@ TEST(CompareFiles, ReferenceFilesHaveThePublishedNumbers) {
     EXPECT_NEAR(m.mean_penetration, row.penetration, 0.00016) << row.file;
     EXPECT_EQ(c.surfaces[0].regions[0].differences[0].correlation, 1.0);
   }
-  const Comparison penalties = compare_files({read_result((folder / "hip_walking_febio_penalty20.xplt").string(), "20"),
-                                              read_result((folder / "hip_walking_febio_penalty50.xplt").string(), "50")}, {});
+  const Comparison penalties =
+      compare_files({read_result((folder / "hip_walking_febio_penalty20.xplt").string(), "20"),
+                     read_result((folder / "hip_walking_febio_penalty50.xplt").string(), "50")},
+                    {});
   EXPECT_NEAR(penalties.surfaces[0].regions[0].facet_correlation[0], 0.9955, 0.00005);
 }
 
 class CompareCommand : public ::testing::Test {
  protected:
   void SetUp() override {
-    write_xplt((folder / "a.xplt").string(), make_file(6, {0, 1}, [](double x, double y, double t) { return 1.1 * hill(x, y, t); }));
+    write_xplt((folder / "a.xplt").string(),
+               make_file(6, {0, 1}, [](double x, double y, double t) { return 1.1 * hill(x, y, t); }));
     write_xplt((folder / "b.xplt").string(), make_file(6, {0, 1}, hill));
   }
 
   /// `arguments` as typed into a shell.
   test::Finished compare(const std::string& arguments) {
-    return test::run_program(folder, {"/bin/sh", "-c", fmt::format("exec '{}' compare {}", DEA_PROGRAM, arguments)}, 60);
+    return test::run_program(folder, {"/bin/sh", "-c", fmt::format("exec '{}' compare {}", DEA_PROGRAM, arguments)},
+                             60);
   }
 
   test::TemporaryFolder own;
@@ -386,8 +416,7 @@ TEST_F(CompareCommand, AFileAgainstItselfHasNoDifference) {
   for (const Json& dice : d["dice"]) EXPECT_EQ(dice["dice"], 1.0);
   for (const char* places : {"nodes", "facets"})
     for (const Json& percent : d["percent"][places])
-      for (const auto& item : percent.items())
-        EXPECT_TRUE(item.key() == "above" || item.value() == 0.0) << item.key();
+      for (const auto& item : percent.items()) EXPECT_TRUE(item.key() == "above" || item.value() == 0.0) << item.key();
   EXPECT_EQ(j["bodies"][0]["differences"][0]["rotation"], Json::array({0.0, 0.0, 0.0}));
 }
 
@@ -401,7 +430,8 @@ TEST_F(CompareCommand, CsvHasALinePerSurfaceRegionAndFile) {
   EXPECT_EQ(lines[0].substr(0, 52), "label,file,time,surface,region,nodal_peak_above_0,no");
   EXPECT_NE(lines[0].find(",facet_area_above_0.3,"), std::string::npos);
   EXPECT_EQ(lines[3].substr(0, 27), "a,a.xplt,1,top,left half,1.");
-  for (const std::string& line : lines) EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(lines[0].begin(), lines[0].end(), ','));
+  for (const std::string& line : lines)
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(lines[0].begin(), lines[0].end(), ','));
 }
 
 TEST_F(CompareCommand, WritesOneFileForTheViewer) {
@@ -421,7 +451,8 @@ TEST_F(CompareCommand, WritesOneFileForTheViewer) {
 }
 
 TEST_F(CompareCommand, ThirdsInJson) {
-  const test::Finished f = compare("a.xplt b.xplt --regions anterior-superior-posterior --up 0,1,0 --anterior -1,0,0 --json -");
+  const test::Finished f =
+      compare("a.xplt b.xplt --regions anterior-superior-posterior --up 0,1,0 --anterior -1,0,0 --json -");
   ASSERT_EQ(f.code, 0) << f.err;
   const Json regions = Json::parse(f.out)["surfaces"][0]["regions"];
   ASSERT_EQ(regions.size(), 4u);
@@ -465,10 +496,13 @@ TEST_F(CompareCommand, RefusesWithOneLineAndTheRightCode) {
       {"a.xplt b.xplt --label x --label x", 2, "dea: --label x: given twice"},
       {"a.xplt b.xplt --threshold 0", 2, "dea: --threshold 0: found \"0\", expected a pressure above 0"},
       {"a.xplt b.xplt --at soon", 2, "dea: --at soon: found \"soon\""},
-      {"a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1", 2, "dea: --regions anterior-superior-posterior, --up x,y,z and --anterior x,y,z go together"},
-      {"a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 1,0,0", 2, "dea: up points along the surface's axis"},
+      {"a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1", 2,
+       "dea: --regions anterior-superior-posterior, --up x,y,z and --anterior x,y,z go together"},
+      {"a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 1,0,0", 2,
+       "dea: up points along the surface's axis"},
       {"a.xplt b.xplt --profile --axis 1,2", 2, "dea: --axis 1,2: found \"1,2\", expected three numbers x,y,z"},
-      {"a.xplt b.xplt --profile --axis 0,0,0", 2, "dea: --axis 0,0,0: found \"0,0,0\", expected a direction that is not 0"},
+      {"a.xplt b.xplt --profile --axis 0,0,0", 2,
+       "dea: --axis 0,0,0: found \"0,0,0\", expected a direction that is not 0"},
       {"a.xplt b.xplt --bin 3", 2, "dea: --bin belongs to --profile"},
       {"a.xplt b.xplt --profile --bin 0", 2, "dea: --bin 0: found \"0\", expected degrees from 0.1 to 180"},
       {"a.xplt b.xplt --compress", 2, "dea: --compress belongs to -o"},
@@ -478,7 +512,8 @@ TEST_F(CompareCommand, RefusesWithOneLineAndTheRightCode) {
       {"a.xplt none.xplt", 3, "none.xplt: "},
       {"a.xplt text.xplt", 3, "text.xplt: "},
       {"a.xplt b.xplt --at 0.5", 3, "a.xplt: found no state at time 0.5, expected one of 0, 1"},
-      {"a.xplt b.xplt --surface lid", 3, "a.xplt: found no surface \"lid\" with \"contact pressure\", expected one of \"top\""},
+      {"a.xplt b.xplt --surface lid", 3,
+       "a.xplt: found no surface \"lid\" with \"contact pressure\", expected one of \"top\""},
       {"a.xplt b.xplt --at 0", 3, "a.xplt: found no \"contact pressure\" above 0 on any common surface in any file"},
       {"a.xplt b.xplt -o nowhere/both.xplt", 4, "dea: cannot write nowhere/both.xplt: there is no folder nowhere"},
       {"a.xplt b.xplt --json /dev/full", 4, "dea: cannot write /dev/full: "},

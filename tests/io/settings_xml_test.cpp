@@ -1,14 +1,14 @@
 // Settings as text: every option, every refusal, and what lies over what.
+#include "settings_xml.h"
+
 #include <gtest/gtest.h>
-
-#include <filesystem>
-#include <functional>
-#include <fstream>
-
 #include <unistd.h>
 
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
 #include "error.h"
-#include "settings_xml.h"
 
 namespace dea {
 namespace {
@@ -31,7 +31,8 @@ Settings with(const std::vector<SettingValue>& values) {
 }
 
 struct SettingsFile {
-  std::string path = (std::filesystem::temp_directory_path() / ("dea_settings_" + std::to_string(::getpid()) + ".xml")).string();
+  std::string path =
+      (std::filesystem::temp_directory_path() / ("dea_settings_" + std::to_string(::getpid()) + ".xml")).string();
   explicit SettingsFile(const std::string& text) { std::ofstream(path) << text; }
   ~SettingsFile() { std::filesystem::remove(path); }
   std::string fault() const {
@@ -40,7 +41,9 @@ struct SettingsFile {
   }
 };
 
-std::string fault(const std::string& elements) { return SettingsFile("<febiodea_settings version=\"1\">\n" + elements + "\n</febiodea_settings>\n").fault(); }
+std::string fault(const std::string& elements) {
+  return SettingsFile("<febiodea_settings version=\"1\">\n" + elements + "\n</febiodea_settings>\n").fault();
+}
 
 TEST(Numbers, WholeTextFiniteDecimalPoint) {
   EXPECT_EQ(parse_number("-1.5e-3"), -1.5e-3);
@@ -51,15 +54,31 @@ TEST(Numbers, WholeTextFiniteDecimalPoint) {
   EXPECT_EQ(parse_numbers("-1, 2,3"), (std::vector<double>{-1, 2, 3}));
   EXPECT_THROW(parse_numbers("1,,2"), BadValue);
   EXPECT_EQ(parse_count("12", 1, 1000), 12);
-  for (const char* text : {"0", "1.5", "1001", "-3", "", "99999999999999"}) EXPECT_THROW(parse_count(text, 1, 1000), BadValue) << text;
+  for (const char* text : {"0", "1.5", "1001", "-3", "", "99999999999999"})
+    EXPECT_THROW(parse_count(text, 1, 1000), BadValue) << text;
 }
 
 TEST(SettingWords, EveryOption) {
-  const Settings s = with({value("contact", "hip contact"), value("source", "femur"), value("springs-at", "BONE"), value("law", "neo-hookean"),
-                           value("facets", "flat"), value("refine", "3"), value("rigid", "bone a"), value("rigid", "bone b"), value("attach", "s 1=ground"),
-                           value("bone", "s=t"), value("thickness", "2"), value("thickness", "a=b=1.5"), value("E", "s=10"), value("nu", "-0.2"),
-                           value("free", "femur=x,z,Rw"), value("free", "tibia=none"), value("force", "femur=-1,2,-3e2"),
-                           value("load-at", "femur=sphere-center"), value("load-at", "tibia=1,2,3"), value("squash", "false")});
+  const Settings s = with({value("contact", "hip contact"),
+                           value("source", "femur"),
+                           value("springs-at", "BONE"),
+                           value("law", "neo-hookean"),
+                           value("facets", "flat"),
+                           value("refine", "3"),
+                           value("rigid", "bone a"),
+                           value("rigid", "bone b"),
+                           value("attach", "s 1=ground"),
+                           value("bone", "s=t"),
+                           value("thickness", "2"),
+                           value("thickness", "a=b=1.5"),
+                           value("E", "s=10"),
+                           value("nu", "-0.2"),
+                           value("free", "femur=x,z,Rw"),
+                           value("free", "tibia=none"),
+                           value("force", "femur=-1,2,-3e2"),
+                           value("load-at", "femur=sphere-center"),
+                           value("load-at", "tibia=1,2,3"),
+                           value("squash", "false")});
   EXPECT_EQ(s.contact, "hip contact");
   EXPECT_EQ(s.source, "femur");
   EXPECT_EQ(s.springs_at, SpringsAt::Bone);
@@ -82,8 +101,11 @@ TEST(SettingWords, EveryOption) {
 }
 
 TEST(SettingWords, RefusalsSayWhatWasFoundAndExpected) {
-  const auto refusal = [](const char* option, const char* text) { return message_of([&] { with({value(option, text)}); }); };
-  EXPECT_EQ(refusal("law", "quadratic"), "--law quadratic: found \"quadratic\", expected linear, logarithmic or neo-Hookean");
+  const auto refusal = [](const char* option, const char* text) {
+    return message_of([&] { with({value(option, text)}); });
+  };
+  EXPECT_EQ(refusal("law", "quadratic"),
+            "--law quadratic: found \"quadratic\", expected linear, logarithmic or neo-Hookean");
   EXPECT_EQ(refusal("springs-at", "top"), "--springs-at top: found \"top\", expected articular or bone");
   EXPECT_EQ(refusal("facets", "round"), "--facets round: found \"round\", expected curved or flat");
   EXPECT_EQ(refusal("refine", "0"), "--refine 0: found \"0\", expected a whole number from 1 to 1000");
@@ -95,8 +117,10 @@ TEST(SettingWords, RefusalsSayWhatWasFoundAndExpected) {
   EXPECT_EQ(refusal("force", "1,2,3"), "--force 1,2,3: found no '=', expected BODY=x,y,z");
   EXPECT_EQ(refusal("attach", "S"), "--attach S: found no '=', expected SURFACE=BODY");
   EXPECT_EQ(refusal("attach", "=B"), "--attach =B: found no name before '=', expected that of a surface");
-  EXPECT_EQ(refusal("free", "femur=x,Rx"), "--free femur=x,Rx: found \"x,Rx\", expected some of x,y,z,Ru,Rv,Rw, or none");
-  EXPECT_EQ(refusal("load-at", "femur=middle"), "--load-at femur=middle: found \"middle\", expected three numbers x,y,z, or sphere-center");
+  EXPECT_EQ(refusal("free", "femur=x,Rx"),
+            "--free femur=x,Rx: found \"x,Rx\", expected some of x,y,z,Ru,Rv,Rw, or none");
+  EXPECT_EQ(refusal("load-at", "femur=middle"),
+            "--load-at femur=middle: found \"middle\", expected three numbers x,y,z, or sphere-center");
   EXPECT_EQ(refusal("contact", " "), "--contact  : found nothing, expected NAME");
   EXPECT_EQ(message_of([] { with({value("E", "S=1"), value("E", "S=2")}); }), "--E S=2: given twice for \"S\"");
 }
@@ -111,8 +135,10 @@ TEST(SettingWords, StrongerValueForAllSilencesWeakerOnes) {
 TEST(SettingsXml, ReadsEveryKindOfElement) {
   const SettingsFile file(
       "<?xml version=\"1.0\"?>\n<febiodea_settings version=\"1\">\n <!-- a comment -->\n <law> logarithmic </law>\n"
-      " <thickness>2</thickness>\n <thickness surface=\"S &amp; T\">1.5</thickness>\n <rigid>a</rigid>\n <rigid>b</rigid>\n"
-      " <force body=\"femur\">1, -2,3</force>\n <load-at body=\"femur\">sphere-center</load-at>\n <squash>false</squash>\n</febiodea_settings>\n");
+      " <thickness>2</thickness>\n <thickness surface=\"S &amp; T\">1.5</thickness>\n <rigid>a</rigid>\n "
+      "<rigid>b</rigid>\n"
+      " <force body=\"femur\">1, -2,3</force>\n <load-at body=\"femur\">sphere-center</load-at>\n "
+      "<squash>false</squash>\n</febiodea_settings>\n");
   const Settings s = read_settings(file.path);
   EXPECT_EQ(s.law, Law::Logarithmic);
   EXPECT_EQ(s.thickness, (std::map<std::string, double>{{"", 2.0}, {"S & T", 1.5}}));
@@ -125,7 +151,8 @@ TEST(SettingsXml, ReadsEveryKindOfElement) {
 TEST(SettingsXml, RefusalsNameTheLine) {
   EXPECT_EQ(fault("<law>cubic</law>"), ":2: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean");
   EXPECT_EQ(fault("\n<Law>linear</Law>"),
-            ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <facets>, <refine>, <rigid>, <attach>, <bone>, <thickness>, "
+            ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <facets>, <refine>, <rigid>, "
+            "<attach>, <bone>, <thickness>, "
             "<E>, <nu>, <free>, <force>, <load-at>, <squash>");
   EXPECT_EQ(fault("<force>1,2,3</force>"), ":2: <force>: found no attribute \"body\", expected body=\"NAME\"");
   EXPECT_EQ(fault("<force surface=\"S\">1,2,3</force>"), ":2: <force>: found attribute \"surface\", expected \"body\"");
@@ -135,9 +162,11 @@ TEST(SettingsXml, RefusalsNameTheLine) {
   EXPECT_EQ(fault("<E>1</E>\n<E>2</E>"), ":3: <E>: found a second one, expected it once");
   EXPECT_EQ(SettingsFile("<settings/>").fault(), ":1: found <settings>, expected <febiodea_settings version=\"1\">");
   EXPECT_EQ(SettingsFile("<febiodea_settings version=\"2\"/>").fault(), ":1: found version \"2\", expected \"1\"");
-  EXPECT_EQ(SettingsFile("<febiodea_settings version=\"1\">\n<law>linear</E>\n").fault(), ":2: found no well-formed XML, expected <febiodea_settings version=\"1\">");
+  EXPECT_EQ(SettingsFile("<febiodea_settings version=\"1\">\n<law>linear</E>\n").fault(),
+            ":2: found no well-formed XML, expected <febiodea_settings version=\"1\">");
   EXPECT_EQ(SettingsFile("").fault(), ":1: found no well-formed XML, expected <febiodea_settings version=\"1\">");
-  EXPECT_EQ(message_of([] { read_settings("/nonexistent/s.xml"); }), "/nonexistent/s.xml: found no readable file, expected a settings file");
+  EXPECT_EQ(message_of([] { read_settings("/nonexistent/s.xml"); }),
+            "/nonexistent/s.xml: found no readable file, expected a settings file");
   EXPECT_NE(message_of([] { read_settings("/tmp"); }), "nothing thrown");
 }
 

@@ -1,5 +1,10 @@
 #include "xplt.h"
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <zlib.h>
+
 #include <algorithm>
 #include <bit>
 #include <filesystem>
@@ -8,15 +13,11 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
-
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-#include <rapidcheck.h>
-#include <zlib.h>
 #if defined(__unix__) || defined(__APPLE__)
-#include <csignal>
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include <csignal>
 #endif
 
 #include "error.h"
@@ -302,7 +303,8 @@ struct Folder {
   fs::path path;
   Folder() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path = fs::path(testing::TempDir()) / (std::string("dea_xplt_") + test->name() + std::to_string(std::random_device{}()));
+    path = fs::path(testing::TempDir()) /
+           (std::string("dea_xplt_") + test->name() + std::to_string(std::random_device{}()));
     fs::create_directories(path);
   }
   ~Folder() {
@@ -361,7 +363,7 @@ TEST(XpltBytes, NamesAreCutToWhatTheFormatHolds) {
   file.meshes[0].surfaces[0].name = a62 + "\xc3\xa4";           // a two-byte character across the end
   file.meshes[0].parts[0] = std::string(61, 'a') + "\xc3\xa4";  // 63 bytes: just fits
   file.meshes[0].domains[0].name = std::string(200, 'd');
-  file.software = std::string(61, 's') + "\xf0\x9f\xa6\xb4";    // four bytes
+  file.software = std::string(61, 's') + "\xf0\x9f\xa6\xb4";  // four bytes
   const XpltFile read = again(file);
   EXPECT_EQ(read.variables[1].name, a62 + "b");
   EXPECT_EQ(read.meshes[0].surfaces[0].name, a62);
@@ -391,13 +393,21 @@ TEST(XpltBytes, SizesThatDoNotFitAreOurFault) {
       [](XpltFile& f) { f.meshes[0].domains[0].part = 0; },
       [](XpltFile& f) { f.meshes[0].domains[0].nodes[3] = 8; },
       [](XpltFile& f) { f.meshes[0].surfaces[0].nodes[3] = -1; },
-      [](XpltFile& f) { f.meshes[0].surfaces[0].begin = {0, 3}; },
-      [](XpltFile& f) { f.meshes[0].surfaces[0].begin = {0, 5, 4}; },
+      [](XpltFile& f) {
+        f.meshes[0].surfaces[0].begin = {0, 3};
+      },
+      [](XpltFile& f) {
+        f.meshes[0].surfaces[0].begin = {0, 5, 4};
+      },
       [](XpltFile& f) { f.meshes[0].surfaces[0].begin.clear(); },
       [](XpltFile& f) { f.meshes[0].surfaces[0].max_nodes = 3; },
       [](XpltFile& f) { f.meshes[0].surfaces[0].max_nodes = 11; },
-      [](XpltFile& f) { f.meshes[0].node_sets = {{"set", {8}}}; },
-      [](XpltFile& f) { f.meshes[0].element_sets = {{"set", {2}}}; },  // no such element
+      [](XpltFile& f) {
+        f.meshes[0].node_sets = {{"set", {8}}};
+      },
+      [](XpltFile& f) {
+        f.meshes[0].element_sets = {{"set", {2}}};
+      },  // no such element
       [](XpltFile& f) { f.states[0].mesh = 1; },
       [](XpltFile& f) { f.states[0].mesh = -1; },
       [](XpltFile& f) { f.states[0].element_flags.push_back(1); },
@@ -406,7 +416,9 @@ TEST(XpltBytes, SizesThatDoNotFitAreOurFault) {
       [](XpltFile& f) { f.states[0].variables[0][0].region = 1; },
       [](XpltFile& f) { f.states[0].variables[1][0].values.push_back(0); },
       [](XpltFile& f) { f.states[0].variables[1][0].region = 2; },
-      [](XpltFile& f) { f.states[0].variables[1].push_back({1, {0.5f}}); },  // twice
+      [](XpltFile& f) {
+        f.states[0].variables[1].push_back({1, {0.5f}});
+      },  // twice
       [](XpltFile& f) { f.states[0].objects.resize(1); },
   };
   EXPECT_NO_THROW(xplt_bytes(cube()));
@@ -502,8 +514,9 @@ TEST(XpltRead, FaultsNamePlaceAndReason) {
   wrong.variables[1].type = XpltType::Vec3;
   wrong.states[0].variables[1][0].values.resize(3);
   bytes.replace(842, std::string::npos, xplt_bytes(compressed(wrong)).substr(842));
-  EXPECT_EQ(fault(bytes), "hip.xplt: byte 244 of the data compressed at byte 842: "
-                          "\"contact pressure\", region 1: 12 bytes, expected 4");
+  EXPECT_EQ(fault(bytes),
+            "hip.xplt: byte 244 of the data compressed at byte 842: "
+            "\"contact pressure\", region 1: 12 bytes, expected 4");
 
   Folder folder;
   const auto file_fault = [](const std::string& path) {
@@ -584,9 +597,15 @@ TEST(XpltRead, RandomDamage) {
     for (int i = 0; i < changes; ++i) {
       const auto at = *rc::gen::inRange<std::size_t>(0, bytes.size());
       switch (*rc::gen::inRange(0, 3)) {
-        case 0: bytes[at] = *rc::gen::arbitrary<char>(); break;
-        case 1: bytes.erase(at, *rc::gen::inRange<std::size_t>(1, 40)); break;
-        default: bytes.insert(at, bytes.substr(*rc::gen::inRange<std::size_t>(0, bytes.size()), 12)); break;
+        case 0:
+          bytes[at] = *rc::gen::arbitrary<char>();
+          break;
+        case 1:
+          bytes.erase(at, *rc::gen::inRange<std::size_t>(1, 40));
+          break;
+        default:
+          bytes.insert(at, bytes.substr(*rc::gen::inRange<std::size_t>(0, bytes.size()), 12));
+          break;
       }
       if (bytes.empty()) break;
     }
@@ -621,10 +640,9 @@ std::string random_name() {
 }
 
 std::vector<float> random_floats(std::int64_t size) {
-  return *rc::gen::container<std::vector<float>>(static_cast<std::size_t>(size),
-                                                 rc::gen::map(rc::gen::inRange(-1000, 1000), [](int i) {
-                                                   return static_cast<float>(i) / 8;
-                                                 }));
+  return *rc::gen::container<std::vector<float>>(
+      static_cast<std::size_t>(size),
+      rc::gen::map(rc::gen::inRange(-1000, 1000), [](int i) { return static_cast<float>(i) / 8; }));
 }
 
 XpltFacets random_facets(int nodes) {

@@ -45,8 +45,10 @@ ResultSurface cap(int n, double radius, double opening) {
   const auto id = [&](int i, int k) { return i == 0 ? 0 : 1 + (i - 1) * around + k % around; };
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < around; ++k) {
-      if (i == 0) nodes.insert(nodes.end(), {0, id(1, k), id(1, k + 1)});
-      else nodes.insert(nodes.end(), {id(i, k), id(i + 1, k), id(i + 1, k + 1), id(i, k + 1)});
+      if (i == 0)
+        nodes.insert(nodes.end(), {0, id(1, k), id(1, k + 1)});
+      else
+        nodes.insert(nodes.end(), {id(i, k), id(i + 1, k), id(i + 1, k + 1), id(i, k + 1)});
       begin.push_back(static_cast<int>(nodes.size()));
     }
   }
@@ -159,8 +161,9 @@ TEST(Comparison, ATenthMoreIsTenPercentMoreInEveryMeasure) {
   const SurfaceMeasures ma = measure(s, {a, {}}, {0.0}), mb = measure(s, {b, {}}, {0.0});
   for (const bool nodes : {true, false}) {
     const Distribution &da = nodes ? ma.nodes[0] : ma.facets[0], &db = nodes ? mb.nodes[0] : mb.facets[0];
-    for (const auto value : {&Distribution::peak, &Distribution::p99, &Distribution::mean, &Distribution::p5, &Distribution::p25, &Distribution::median,
-                             &Distribution::p75, &Distribution::p95, &Distribution::p99_unweighted})
+    for (const auto value :
+         {&Distribution::peak, &Distribution::p99, &Distribution::mean, &Distribution::p5, &Distribution::p25,
+          &Distribution::median, &Distribution::p75, &Distribution::p95, &Distribution::p99_unweighted})
       EXPECT_NEAR(percent_difference(da.*value, db.*value), 10, 1e-10);
     EXPECT_EQ(da.area, db.area);
   }
@@ -192,8 +195,9 @@ TEST(Comparison, DiceAndCorrelationOnPaper) {
   EXPECT_DOUBLE_EQ(pattern_difference({nan, 2}, {5, 1}, {1, 1}, {0.0}).rms, 1.0);
 }
 
-// Carried between meshes of size h, a smooth pressure must be met with an error that falls with h^2: averages around nodes
-// of even grids and linear interpolation both are of second order. The pressure vanishes with its slope before the rim, where averages are one-sided.
+// Carried between meshes of size h, a smooth pressure must be met with an error that falls with h^2: averages around
+// nodes of even grids and linear interpolation both are of second order. The pressure vanishes with its slope before
+// the rim, where averages are one-sided.
 TEST(Comparison, ProjectionBetweenMeshesIsOfSecondOrder) {
   const Field bump = [](const Vector3d& x) {
     const double r2 = (x.x() - 0.5) * (x.x() - 0.5) + (x.y() - 0.5) * (x.y() - 0.5);
@@ -238,7 +242,8 @@ TEST(Comparison, RenumberedFacetsAreMatchedByPosition) {
 
 TEST(Comparison, WhatLiesBesideASurfaceIsNotCovered) {
   const ResultSurface a = grid(10, 10), b = grid(20, 20, 0.52);
-  // a ends at 1 and counts up to one facet (0.1) farther: the nodes of b at 0.52, 0.57, ..., 1.07, with their shares up to 1.095
+  // a ends at 1 and counts up to one facet (0.1) farther: the nodes of b at 0.52, 0.57, ..., 1.07, with their shares up
+  // to 1.095
   const NodeMatch match = match_nodes(b, a);
   EXPECT_NEAR(match.covered, 1.095 - 0.52, 1e-9);
   const std::vector<double> carried = carry(match, a, std::vector<double>(a.mesh.vertices.size(), 2.0));
@@ -252,7 +257,8 @@ TEST(Comparison, ThirdsOfASocketFollowUpAndAnterior) {
   EXPECT_NEAR((frame.axis - Vector3d::UnitZ()).norm(), 0, 1e-12);
   EXPECT_NEAR(frame.center.norm(), 0, 1e-9);
   const auto masks = thirds(s, frame, {1, 0, 3}, {0, 2, 1});  // only what lies across the axis counts: up x, anterior y
-  const Vector3d middle[3] = {{-0.5, std::sqrt(0.75), 0}, {1, 0, 0}, {-0.5, -std::sqrt(0.75), 0}};  // 120 degrees each, cut below
+  const Vector3d middle[3] = {
+      {-0.5, std::sqrt(0.75), 0}, {1, 0, 0}, {-0.5, -std::sqrt(0.75), 0}};  // 120 degrees each, cut below
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_EQ(std::accumulate(masks[k].begin(), masks[k].end(), 0), s.facets() / 3);
     for (int f = 0; f < s.facets(); ++f) {
@@ -275,11 +281,13 @@ TEST(Comparison, FrameOfAFlatSurfaceIsItsCentroid) {
 TEST(Comparison, ProfileOfACosineIsItsMeanOverEachZone) {
   const auto error = [](int n) {
     const ResultSurface s = cap(n, 24, kPi / 3);
-    const auto bins = pressure_profile(s, at_centers(s, [](const Vector3d& x) { return x.normalized().z(); }), Vector3d(0, 0, 2), Vector3d::Zero(), 10);
+    const auto bins = pressure_profile(s, at_centers(s, [](const Vector3d& x) { return x.normalized().z(); }),
+                                       Vector3d(0, 0, 2), Vector3d::Zero(), 10);
     EXPECT_EQ(bins.size(), 6u);
     double worst = 0.0;
     for (const ProfileBin& bin : bins)
-      worst = std::max(worst, std::abs(bin.mean - 0.5 * (std::cos(bin.from * kPi / 180) + std::cos(bin.to * kPi / 180))));
+      worst =
+          std::max(worst, std::abs(bin.mean - 0.5 * (std::cos(bin.from * kPi / 180) + std::cos(bin.to * kPi / 180))));
     return worst;
   };
   EXPECT_NEAR(std::log2(error(12) / error(24)), 2, 0.1);  // one value per facet: midpoint rule

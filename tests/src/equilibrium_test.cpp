@@ -16,7 +16,9 @@ namespace {
 
 using analytic::ConcentricSpheres;
 
-StateResult last_state(const JointModel& model, const Settings& settings = {}) { return analyse(model, settings).states.back(); }
+StateResult last_state(const JointModel& model, const Settings& settings = {}) {
+  return analyse(model, settings).states.back();
+}
 
 /// Makes all six dofs of a body free.
 void release(JointModel& model, int material) {
@@ -50,7 +52,8 @@ TEST(ConcentricSpheresTest, PeakOfEveryVariantAndSource) {
       const StateResult state = last_state(test::concentric_spheres(50, load, c.two_layers), settings);
       ASSERT_EQ(state.equilibrium.outcome, Outcome::Balanced);
       // 0.25%, and what 0.3 micrometres of gap make: the facets' own roughness at the smallest load
-      EXPECT_NEAR(state.statistics[0].peak, c.exact.peak_pressure(load), 2.5e-3 * c.exact.peak_pressure(load) + 3e-4 * c.exact.modulus / 4)
+      EXPECT_NEAR(state.statistics[0].peak, c.exact.peak_pressure(load),
+                  2.5e-3 * c.exact.peak_pressure(load) + 3e-4 * c.exact.modulus / 4)
           << c.source << " " << name(c.springs_at) << (c.two_layers ? " two layers " : " one layer ") << load;
       EXPECT_LT(state.equilibrium.residual_force, 1e-6 * load);
     }
@@ -173,7 +176,8 @@ TEST(EquilibriumTest, EccentricLoadTiltsThePlate) {
   EXPECT_NEAR(turn.angle() * turn.axis().y(), slope, 0.01 * slope);
 }
 
-// Residuals at the end of Newton: each at least ten times smaller than the square root of convergence needs, i.e. superlinear.
+// Residuals at the end of Newton: each at least ten times smaller than the square root of convergence needs, i.e.
+// superlinear.
 TEST(EquilibriumTest, NewtonIsSuperlinear) {
   const StateResult state = last_state(test::concentric_spheres(40, 2000.0));
   const std::vector<double>& r = state.equilibrium.history;
@@ -215,7 +219,8 @@ Numbers numbers(const JointModel& model, const Settings& settings = {}) {
   const StateResult s = last_state(model, settings);
   EXPECT_EQ(s.equilibrium.outcome, Outcome::Balanced) << s.equilibrium.message;
   const ContactStatistics& c = s.statistics[0];
-  return {c.peak, c.mean, c.contact_area, c.force.norm(), s.equilibrium.poses[1].center - *model.materials[2].center_of_mass};
+  return {c.peak, c.mean, c.contact_area, c.force.norm(),
+          s.equilibrium.poses[1].center - *model.materials[2].center_of_mass};
 }
 
 /// Ball in socket with a slanted load: no symmetry left. Materials: 0 cartilage, 1 socket, 2 ball.
@@ -311,7 +316,8 @@ TEST(Invariance, ExchangeOfSurfacesAgreesToFirstOrderInDepth) {
     const double load = i == 0 ? 2000.0 : 1000.0;
     Settings ball;
     ball.source = "ball";
-    const Numbers a = numbers(test::concentric_spheres(50, load, true)), b = numbers(test::concentric_spheres(50, load, true), ball);
+    const Numbers a = numbers(test::concentric_spheres(50, load, true)),
+                  b = numbers(test::concentric_spheres(50, load, true), ball);
     difference[i] = std::abs(a.motion.z() / b.motion.z() - 1);
   }
   EXPECT_NEAR(difference[0] / difference[1], 2.0, 0.15) << "half the depth, half the difference";
@@ -353,15 +359,19 @@ TEST(EquilibriumTest, LigamentAddsToTheLoad) {
   EXPECT_NEAR(state.equilibrium.reaction[1][2], -F, 1e-6) << "what holds the plate is the load alone";
 }
 
-// Three bodies on top of each other, two contacts: the lower layer carries both weights, the upper one the upper weight.
-// All translations and tilts of both upper bodies are free at once.
+// Three bodies on top of each other, two contacts: the lower layer carries both weights, the upper one the upper
+// weight. All translations and tilts of both upper bodies are free at once.
 TEST(EquilibriumTest, StackOfPlates) {
   const double size = 10, h = 2, F = 80, G = 120;
   JointModel model = test::flat_plates(6, size, h, 0.3);  // base with layer, "plate" 0.3 above it
   const int cartilage = 0, plate = 2, top = test::add_material(model, "top", true);
-  const int a = test::add_layer(model, "upper layer", 6, 6, 1, [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0.3); },
-                                [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0.3 + h); }, cartilage, plate);
-  const int b = test::add_rigid_surface(model, "top", 6, 6, [=](double u, double v) { return Vector3d(size * (v - 0.5), size * (u - 0.5), 0.3 + h + 0.7); }, top);
+  const int a = test::add_layer(
+      model, "upper layer", 6, 6, 1,
+      [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0.3); },
+      [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0.3 + h); }, cartilage, plate);
+  const int b = test::add_rigid_surface(
+      model, "top", 6, 6,
+      [=](double u, double v) { return Vector3d(size * (v - 0.5), size * (u - 0.5), 0.3 + h + 0.7); }, top);
   test::add_contact(model, "upper", a, b);
   test::fix(model, plate, {true, true, false, false, false, true});
   test::fix(model, top, {true, true, false, false, false, true});
@@ -389,12 +399,15 @@ TEST(EquilibriumTest, ABodyNobodyTouchesStays) {
 TEST(EquilibriumTest, NoThicknessInTheContactIsAnError) {
   using namespace test;
   JointModel model = empty_model();
-  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true), ball = add_material(model, "ball", true);
+  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true),
+            ball = add_material(model, "ball", true);
   const auto flat = [](double u, double v, double z) { return Vector3d(10 * (u - 0.5), 10 * (v - 0.5), z); };
   // the bone rises through the layer's middle half
-  const int a = add_layer(model, "layer", 8, 8, 1, [&](double u, double v) { return flat(u, v, std::abs(u - 0.5) < 0.3 ? -1e-12 : -2.0); },
-                          [&](double u, double v) { return flat(u, v, 0); }, cartilage, base);
-  const int b = add_rigid_surface(model, "ball", 8, 8, [&](double u, double v) { return flat(v, u, 0.0); }, ball);
+  const int a = add_layer(
+      model, "layer", 8, 8, 1, [&](double u, double v) { return flat(u, v, std::abs(u - 0.5) < 0.3 ? -1e-12 : -2.0); },
+      [&](double u, double v) { return flat(u, v, 0); }, cartilage, base);
+  const int b = add_rigid_surface(
+      model, "ball", 8, 8, [&](double u, double v) { return flat(v, u, 0.0); }, ball);
   add_contact(model, "press", a, b);
   fix(model, base, {true, true, true, true, true, true});
   fix(model, ball, {true, true, false, true, true, true});

@@ -11,20 +11,25 @@ namespace {
 
 using namespace test;
 
-/// A layer without bone of its own between z = 0 and z = h, its lower side a surface "base side", upper "layer"; and rigid
-/// plates "left" and "right" under its halves, plate "top" above.
+/// A layer without bone of its own between z = 0 and z = h, its lower side a surface "base side", upper "layer"; and
+/// rigid plates "left" and "right" under its halves, plate "top" above.
 JointModel floating_layer(double h) {
   JointModel model = empty_model();
-  const int cartilage = add_material(model, "cartilage", false), left = add_material(model, "left", true), right = add_material(model, "right", true),
-            top = add_material(model, "top", true);
+  const int cartilage = add_material(model, "cartilage", false), left = add_material(model, "left", true),
+            right = add_material(model, "right", true), top = add_material(model, "top", true);
   const auto flat = [](double u, double v, double z) { return Vector3d(10 * (u - 0.5), 10 * (v - 0.5), z); };
   const int n = 4;
-  const int layer = add_layer(model, "layer", n, n, 1, [&](double u, double v) { return flat(u, v, 0); }, [&](double u, double v) { return flat(u, v, h); }, cartilage, left);
+  const int layer = add_layer(
+      model, "layer", n, n, 1, [&](double u, double v) { return flat(u, v, 0); },
+      [&](double u, double v) { return flat(u, v, h); }, cartilage, left);
   model.domains.pop_back();  // no shells on its underside: it floats
   add_surface(model, "base side", grid_quads(0, n, n, true));
-  add_rigid_surface(model, "left plate", n, n, [&](double u, double v) { return flat(0.5 * u, v, 0); }, left);
-  add_rigid_surface(model, "right plate", n, n, [&](double u, double v) { return flat(0.5 + 0.5 * u, v, 0); }, right);
-  const int plate = add_rigid_surface(model, "top", n, n, [&](double u, double v) { return flat(v, u, h); }, top);
+  add_rigid_surface(
+      model, "left plate", n, n, [&](double u, double v) { return flat(0.5 * u, v, 0); }, left);
+  add_rigid_surface(
+      model, "right plate", n, n, [&](double u, double v) { return flat(0.5 + 0.5 * u, v, 0); }, right);
+  const int plate = add_rigid_surface(
+      model, "top", n, n, [&](double u, double v) { return flat(v, u, h); }, top);
   add_contact(model, "press", layer, plate);
   for (int m : {left, right, top}) fix(model, m, {true, true, true, true, true, true});
   return model;
@@ -96,7 +101,8 @@ TEST(Recognition, SeveralModuliOnOneSurfaceAreRefusedUnlessOneIsGiven) {
   std::vector<int> first, second, first_ids, second_ids;
   for (std::size_t e = 0; e < 32; ++e) {
     auto& to = e % 16 < 8 ? first : second;
-    to.insert(to.end(), half.nodes.begin() + static_cast<std::ptrdiff_t>(8 * e), half.nodes.begin() + static_cast<std::ptrdiff_t>(8 * e) + 8);
+    to.insert(to.end(), half.nodes.begin() + static_cast<std::ptrdiff_t>(8 * e),
+              half.nodes.begin() + static_cast<std::ptrdiff_t>(8 * e) + 8);
     (e % 16 < 8 ? first_ids : second_ids).push_back(static_cast<int>(e) + 1);
   }
   model.domains[0].nodes = first;
@@ -196,19 +202,25 @@ TEST(Conditions, AnInfiniteLoadIsRefused) {
   EXPECT_THROW(analyse(model, {}), InputError);
 }
 
-// Six of each: sphere on a flat layer, coarse and fine facets on either side; the target's map is the contact, not a smear.
+// Six of each: sphere on a flat layer, coarse and fine facets on either side; the target's map is the contact, not a
+// smear.
 TEST(Fields, TargetMapKeepsTheContactArea) {
   const double R = 25, h = 2, d = 0.3;
   const int counts[][2] = {{40, 40}, {8, 60}};
   for (const auto& n : counts) {
     JointModel model = empty_model();
-    const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true), ball = add_material(model, "ball", true);
-    const int a = add_layer(model, "layer", n[0], n[0], 1, [=](double u, double v) { return Vector3d(12 * (u - 0.5), 12 * (v - 0.5), -h); },
-                            [=](double u, double v) { return Vector3d(12 * (u - 0.5), 12 * (v - 0.5), 0); }, cartilage, base);
-    const int b = add_rigid_surface(model, "ball", n[1], n[1], [=](double u, double v) {
-      const double x = 14 * (v - 0.5), y = 14 * (u - 0.5);
-      return Vector3d(x, y, R - std::sqrt(R * R - x * x - y * y));
-    }, ball);
+    const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true),
+              ball = add_material(model, "ball", true);
+    const int a = add_layer(
+        model, "layer", n[0], n[0], 1, [=](double u, double v) { return Vector3d(12 * (u - 0.5), 12 * (v - 0.5), -h); },
+        [=](double u, double v) { return Vector3d(12 * (u - 0.5), 12 * (v - 0.5), 0); }, cartilage, base);
+    const int b = add_rigid_surface(
+        model, "ball", n[1], n[1],
+        [=](double u, double v) {
+          const double x = 14 * (v - 0.5), y = 14 * (u - 0.5);
+          return Vector3d(x, y, R - std::sqrt(R * R - x * x - y * y));
+        },
+        ball);
     add_contact(model, "press", a, b);
     fix(model, base, {true, true, true, true, true, true});
     fix(model, ball, {true, true, false, true, true, true});

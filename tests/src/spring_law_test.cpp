@@ -35,17 +35,21 @@ TEST(SpringLaw, SlopeIsTheDerivativeAndLawsAreContinuousAtTheLimit) {
   for (Law law : kLaws) {
     for (double e : {0.01, 0.3, 0.89, 0.95, 1.5}) {
       const double d = 1e-6;
-      const double numeric = (layer_response(law, kSoft, e + d).pressure - layer_response(law, kSoft, e - d).pressure) / (2 * d);
+      const double numeric =
+          (layer_response(law, kSoft, e + d).pressure - layer_response(law, kSoft, e - d).pressure) / (2 * d);
       EXPECT_NEAR(layer_response(law, kSoft, e).slope / numeric, 1.0, 1e-7) << name(law) << " at " << e;
     }
-    const double below = layer_response(law, kSoft, kStrainLimit - 1e-12).pressure, above = layer_response(law, kSoft, kStrainLimit + 1e-12).pressure;
+    const double below = layer_response(law, kSoft, kStrainLimit - 1e-12).pressure,
+                 above = layer_response(law, kSoft, kStrainLimit + 1e-12).pressure;
     EXPECT_NEAR(above / below, 1.0, 1e-9) << name(law);
   }
 }
 
 TEST(SpringLaw, StrainAtPressureInverts) {
   for (Law law : kLaws)
-    for (double e : {1e-9, 0.1, 0.5, 0.9, 1.3}) EXPECT_NEAR(strain_at_pressure(law, kSoft, layer_response(law, kSoft, e).pressure) / e, 1.0, 1e-12) << name(law) << " at " << e;
+    for (double e : {1e-9, 0.1, 0.5, 0.9, 1.3})
+      EXPECT_NEAR(strain_at_pressure(law, kSoft, layer_response(law, kSoft, e).pressure) / e, 1.0, 1e-12)
+          << name(law) << " at " << e;
 }
 
 TEST(SpringLaw, TwoLayersShareThePressureAndTheOverlap) {
@@ -56,8 +60,12 @@ TEST(SpringLaw, TwoLayersShareThePressureAndTheOverlap) {
     EXPECT_NEAR(layer_response(law, kStiff, r.strain_target).pressure / r.pressure, 1.0, 1e-11) << name(law);
     EXPECT_NEAR(r.strain_source * t_s + r.strain_target * t_t, overlap, 1e-12) << name(law);
     const double d = 1e-6;
-    const double per_overlap = (spring_response(law, kSoft, kStiff, t_s, t_t, overlap + d).pressure - spring_response(law, kSoft, kStiff, t_s, t_t, overlap - d).pressure) / (2 * d);
-    const double per_t = (spring_response(law, kSoft, kStiff, t_s, t_t + d, overlap).pressure - spring_response(law, kSoft, kStiff, t_s, t_t - d, overlap).pressure) / (2 * d);
+    const double per_overlap = (spring_response(law, kSoft, kStiff, t_s, t_t, overlap + d).pressure -
+                                spring_response(law, kSoft, kStiff, t_s, t_t, overlap - d).pressure) /
+                               (2 * d);
+    const double per_t = (spring_response(law, kSoft, kStiff, t_s, t_t + d, overlap).pressure -
+                          spring_response(law, kSoft, kStiff, t_s, t_t - d, overlap).pressure) /
+                         (2 * d);
     EXPECT_NEAR(r.per_overlap / per_overlap, 1.0, 1e-7) << name(law);
     EXPECT_NEAR(r.per_t_target / per_t, 1.0, 1e-7) << name(law);
   }
@@ -66,13 +74,15 @@ TEST(SpringLaw, TwoLayersShareThePressureAndTheOverlap) {
 // k = A / (t_s/M_s + t_t/M_t): springs in series (S5).
 TEST(SpringLaw, LinearLayersInSeries) {
   const double M_s = confined_modulus(kSoft.E, kSoft.nu), M_t = confined_modulus(kStiff.E, kStiff.nu);
-  EXPECT_NEAR(spring_response(Law::Linear, kSoft, kStiff, 1.0, 3.0, 0.2).pressure, 0.2 / (1.0 / M_s + 3.0 / M_t), 1e-12);
+  EXPECT_NEAR(spring_response(Law::Linear, kSoft, kStiff, 1.0, 3.0, 0.2).pressure, 0.2 / (1.0 / M_s + 3.0 / M_t),
+              1e-12);
 }
 
 TEST(SpringLaw, EqualLayersAreOneLayer) {
   for (Law law : kLaws) {
     const Elasticity almost{kSoft.E * (1 + 1e-10), kSoft.nu};  // through the branch for unequal layers
-    const SpringResponse one = spring_response(law, kSoft, kSoft, 1.0, 2.0, 0.6), two = spring_response(law, kSoft, almost, 1.0, 2.0, 0.6);
+    const SpringResponse one = spring_response(law, kSoft, kSoft, 1.0, 2.0, 0.6),
+                         two = spring_response(law, kSoft, almost, 1.0, 2.0, 0.6);
     EXPECT_NEAR(two.pressure / one.pressure, 1.0, 1e-9) << name(law);
     EXPECT_NEAR(two.per_t_target / one.per_t_target, 1.0, 1e-8) << name(law);
   }
@@ -80,7 +90,9 @@ TEST(SpringLaw, EqualLayersAreOneLayer) {
 
 TEST(SpringLaw, AZeroLayerDropsOut) {
   for (Law law : kLaws)
-    EXPECT_EQ(spring_response(law, kSoft, Elasticity{}, 2.0, 0.0, 0.5).pressure, layer_response(law, kSoft, 0.25).pressure) << name(law);
+    EXPECT_EQ(spring_response(law, kSoft, Elasticity{}, 2.0, 0.0, 0.5).pressure,
+              layer_response(law, kSoft, 0.25).pressure)
+        << name(law);
 }
 
 TEST(SpringLaw, OnlyCompressionCarries) {

@@ -24,7 +24,8 @@ Pose small_pose(const Body& body, const Vector3d& shift, const Vector3d& turn) {
 JointModel saddles() {
   using namespace test;
   JointModel model = empty_model();
-  const int soft = add_material(model, "soft", false, 11.85, 0.45), stiff = add_material(model, "stiff", false, 20.0, 0.3);
+  const int soft = add_material(model, "soft", false, 11.85, 0.45),
+            stiff = add_material(model, "stiff", false, 20.0, 0.3);
   const int low = add_material(model, "low", true), high = add_material(model, "high", true);
   model.materials[static_cast<std::size_t>(high)].center_of_mass = Vector3d(3, -2, 25);
   const auto z = [](double x, double y) { return 0.02 * x * x - 0.015 * y * y; };
@@ -32,17 +33,20 @@ JointModel saddles() {
     const double x = size * (u - 0.5), y = size * (v - 0.5);
     return Vector3d(x, y, z(x, y) + up);
   };
-  const int a = add_layer(model, "lower", 14, 14, 2, [&](double u, double v) { return at(u, v, -2 - 0.3 * std::sin(3 * u), 20); },
-                          [&](double u, double v) { return at(u, v, 0, 20); }, soft, low);
-  const int b = add_layer(model, "upper", 11, 11, 2, [&](double u, double v) { return at(v, u, 2.2 + 0.4 * std::cos(2 * v), 26); },
-                          [&](double u, double v) { return at(v, u, 0.01 * std::sin(5 * u), 26); }, stiff, high);
+  const int a = add_layer(
+      model, "lower", 14, 14, 2, [&](double u, double v) { return at(u, v, -2 - 0.3 * std::sin(3 * u), 20); },
+      [&](double u, double v) { return at(u, v, 0, 20); }, soft, low);
+  const int b = add_layer(
+      model, "upper", 11, 11, 2, [&](double u, double v) { return at(v, u, 2.2 + 0.4 * std::cos(2 * v), 26); },
+      [&](double u, double v) { return at(v, u, 0.01 * std::sin(5 * u), 26); }, stiff, high);
   add_contact(model, "saddles", a, b);
   fix(model, low, {true, true, true, true, true, true});
   return model;
 }
 
-// Forces and moments on both bodies against central differences (E2-E4 and the turning of n): the error of the difference
-// is of second order, and springs that change facet in between add jumps of the derivative, hence the step and tolerance.
+// Forces and moments on both bodies against central differences (E2-E4 and the turning of n): the error of the
+// difference is of second order, and springs that change facet in between add jumps of the derivative, hence the step
+// and tolerance.
 TEST(Springs, DerivativeMeetsFiniteDifferences) {
   const JointModel model = saddles();
   for (SpringsAt where : {SpringsAt::Articular, SpringsAt::Bone}) {
@@ -55,8 +59,10 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
         const Joint joint = make_joint(model, settings);
         const SpringBeds beds = make_spring_beds(joint, settings);
         const SpringBed& bed = beds.beds[0];
-        Pose s = small_pose(joint.bodies[static_cast<std::size_t>(bed.source_body)], {0.05, -0.02, bed.source_body == 0 ? 0.3 : -0.3}, {0.01, -0.02, 0.015});
-        Pose t = small_pose(joint.bodies[static_cast<std::size_t>(bed.target_body)], {-0.03, 0.04, 0.0}, {-0.005, 0.01, 0.02});
+        Pose s = small_pose(joint.bodies[static_cast<std::size_t>(bed.source_body)],
+                            {0.05, -0.02, bed.source_body == 0 ? 0.3 : -0.3}, {0.01, -0.02, 0.015});
+        Pose t = small_pose(joint.bodies[static_cast<std::size_t>(bed.target_body)], {-0.03, 0.04, 0.0},
+                            {-0.005, 0.01, 0.02});
         const ContactWrench w = contact_wrench(project_springs(bed, s, t), s, t);
         ASSERT_GT(w.normal_force, 100.0);
         const double d = 1e-7;
@@ -67,8 +73,10 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
             const double x = sign == 0 ? d : -d;
             Pose moved[2] = {t, s};
             Pose& p = moved[k / 6];
-            if (k % 6 < 3) p.center[k % 6] += x;
-            else p.rotation = Eigen::AngleAxisd(x, Vector3d::Unit(k % 6 - 3)).toRotationMatrix() * p.rotation;
+            if (k % 6 < 3)
+              p.center[k % 6] += x;
+            else
+              p.rotation = Eigen::AngleAxisd(x, Vector3d::Unit(k % 6 - 3)).toRotationMatrix() * p.rotation;
             side[sign] = contact_wrench(project_springs(bed, moved[1], moved[0]), moved[1], moved[0]).wrench;
           }
           numeric.col(k) = (side[0] - side[1]) / (2 * d);
@@ -85,7 +93,8 @@ TEST(Springs, ContactForcesAreOppositeAndActAlongTheSameLines) {
   const JointModel model = saddles();
   const Joint joint = make_joint(model, {});
   const SpringBeds beds = make_spring_beds(joint, {});
-  const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}), t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
+  const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
+             t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
   const ContactWrench w = contact_wrench(project_springs(beds.beds[0], s, t), s, t);
   const Vector3d F = w.wrench.segment<3>(0), M = w.wrench.segment<3>(3);
   EXPECT_LT((F + w.wrench.segment<3>(6)).norm(), 1e-12 * F.norm());
@@ -149,14 +158,19 @@ TEST(Springs, CoverageIsTheOverlappingArea) {
 JointModel sphere_on_flat(int n, double R, double h, double size) {
   using namespace test;
   JointModel model = empty_model();
-  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true), ball = add_material(model, "ball", true);
-  const int a = add_layer(model, "layer", n, n, 1, [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), -h); },
-                          [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0); }, cartilage, base);
+  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true),
+            ball = add_material(model, "ball", true);
+  const int a = add_layer(
+      model, "layer", n, n, 1, [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), -h); },
+      [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0); }, cartilage, base);
   const double wide = 1.2 * size;
-  const int b = add_rigid_surface(model, "ball", 2 * n, 2 * n, [=](double u, double v) {
-    const double x = wide * (v - 0.5), y = wide * (u - 0.5);
-    return Vector3d(x, y, R - std::sqrt(R * R - x * x - y * y));
-  }, ball);
+  const int b = add_rigid_surface(
+      model, "ball", 2 * n, 2 * n,
+      [=](double u, double v) {
+        const double x = wide * (v - 0.5), y = wide * (u - 0.5);
+        return Vector3d(x, y, R - std::sqrt(R * R - x * x - y * y));
+      },
+      ball);
   add_contact(model, "press", a, b);
   fix(model, base, {true, true, true, true, true, true});
   return model;
@@ -176,7 +190,8 @@ TEST(Springs, SphereOnFlatLayerCarriesTheCapVolume) {
       const SpringBeds beds = make_spring_beds(joint, settings);
       std::vector<Pose> poses = reference_poses(joint);
       poses[1].center.z() -= d;
-      error[level] = contact_wrench(project_springs(beds.beds[0], poses[0], poses[1]), poses[0], poses[1]).wrench[2] / exact - 1;
+      error[level] =
+          contact_wrench(project_springs(beds.beds[0], poses[0], poses[1]), poses[0], poses[1]).wrench[2] / exact - 1;
     }
     EXPECT_LT(std::abs(error[1]), facets == Facets::Flat ? 6e-3 : 3e-4) << name(facets);
     if (facets == Facets::Flat) {
@@ -186,8 +201,8 @@ TEST(Springs, SphereOnFlatLayerCarriesTheCapVolume) {
 }
 
 // From the sphere along its radii the overlap is R - (R - d)/cos(theta): F = (M/h) * integral of it over the sphere's
-// area times cos(theta), theta up to cos(theta_0) = 1 - d/R: pi R^2 (M/h) [R (1 - c^2) - 2 (R - d)(1 - c)], c = 1 - d/R,
-// = M pi R d^2 / h. No refinement brings it to the cap volume: the ratio is 3R / (3R - d).
+// area times cos(theta), theta up to cos(theta_0) = 1 - d/R: pi R^2 (M/h) [R (1 - c^2) - 2 (R - d)(1 - c)], c = 1 -
+// d/R, = M pi R d^2 / h. No refinement brings it to the cap volume: the ratio is 3R / (3R - d).
 TEST(Springs, SphereAsSourceCarriesPiRdSquared) {
   const double R = 25, h = 2, M = confined_modulus(test::kE, test::kNu);
   for (double d : {0.4, 0.2}) {
@@ -212,7 +227,8 @@ TEST(SurfaceMesh, BulgeLiftsFacetsOntoTheirSphere) {
   for (int t = 0; t < ball.size(); ++t) {
     if (ball.centroid(t).z() < -4) continue;  // rim facets: tested by the whole-joint answers
     const std::array<double, 3> middle = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    const Vector3d lifted = ball.centroid(t) + bulge_height(ball, t, middle) * ball.normals[static_cast<std::size_t>(t)];
+    const Vector3d lifted =
+        ball.centroid(t) + bulge_height(ball, t, middle) * ball.normals[static_cast<std::size_t>(t)];
     worst_flat = std::max(worst_flat, std::abs(ball.centroid(t).norm() - 20));
     worst = std::max(worst, std::abs(lifted.norm() - 20));
   }
@@ -244,7 +260,8 @@ TEST(Springs, SameBitsForAnyNumberOfThreads) {
   settings.refine = 6;
   const Joint joint = make_joint(model, settings);
   const SpringBeds beds = make_spring_beds(joint, settings);
-  const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}), t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
+  const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
+             t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
   std::vector<ContactWrench, Eigen::aligned_allocator<ContactWrench>> w;
   for (std::size_t threads : {1u, 2u, 4u}) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);

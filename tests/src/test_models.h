@@ -48,8 +48,10 @@ inline std::vector<int> grid_quads(int first, int nu, int nv, bool flip) {
   for (int j = 0; j < nv; ++j) {
     for (int i = 0; i < nu; ++i) {
       const int a = first + j * (nu + 1) + i, b = a + 1, c = b + nu + 1, d = a + nu + 1;
-      if (flip) q.insert(q.end(), {a, d, c, b});
-      else q.insert(q.end(), {a, b, c, d});
+      if (flip)
+        q.insert(q.end(), {a, d, c, b});
+      else
+        q.insert(q.end(), {a, b, c, d});
     }
   }
   return q;
@@ -82,7 +84,9 @@ inline int add_layer(JointModel& model, const std::string& name, int nu, int nv,
   std::vector<int> first;
   for (int k = 0; k <= elements; ++k) {
     const double z = static_cast<double>(k) / elements;
-    first.push_back(add_nodes(model, nu, nv, [&](double u, double v) -> Vector3d { return (1 - z) * bone_patch(u, v) + z * articular_patch(u, v); }));
+    first.push_back(add_nodes(model, nu, nv, [&](double u, double v) -> Vector3d {
+      return (1 - z) * bone_patch(u, v) + z * articular_patch(u, v);
+    }));
   }
   Domain d;
   d.name = name;
@@ -92,8 +96,10 @@ inline int add_layer(JointModel& model, const std::string& name, int nu, int nv,
     const std::vector<int> low = grid_quads(first[static_cast<std::size_t>(k)], nu, nv, false);
     const std::vector<int> high = grid_quads(first[static_cast<std::size_t>(k) + 1], nu, nv, false);
     for (std::size_t q = 0; q < low.size(); q += 4) {
-      d.nodes.insert(d.nodes.end(), low.begin() + static_cast<std::ptrdiff_t>(q), low.begin() + static_cast<std::ptrdiff_t>(q) + 4);
-      d.nodes.insert(d.nodes.end(), high.begin() + static_cast<std::ptrdiff_t>(q), high.begin() + static_cast<std::ptrdiff_t>(q) + 4);
+      d.nodes.insert(d.nodes.end(), low.begin() + static_cast<std::ptrdiff_t>(q),
+                     low.begin() + static_cast<std::ptrdiff_t>(q) + 4);
+      d.nodes.insert(d.nodes.end(), high.begin() + static_cast<std::ptrdiff_t>(q),
+                     high.begin() + static_cast<std::ptrdiff_t>(q) + 4);
       d.element_ids.push_back(static_cast<int>(d.element_ids.size()) + 1);
     }
   }
@@ -103,7 +109,8 @@ inline int add_layer(JointModel& model, const std::string& name, int nu, int nv,
 }
 
 /// A bare rigid surface; du x dv points to its partner.
-inline int add_rigid_surface(JointModel& model, const std::string& name, int nu, int nv, const Patch& patch, int material) {
+inline int add_rigid_surface(JointModel& model, const std::string& name, int nu, int nv, const Patch& patch,
+                             int material) {
   const std::vector<int> quads = grid_quads(add_nodes(model, nu, nv, patch), nu, nv, false);
   model.domains.push_back(quad_domain(name, material, quads));
   return add_surface(model, name, quads);
@@ -184,24 +191,30 @@ inline Vector3d hemisphere(double R, double u, double v) {
 /// on the socket (n x n facets); the ball reaches beyond the equator. Materials: 0 cartilage, 1 socket, 2 ball.
 inline JointModel concentric_spheres(int n, double load, bool two_layers = false, int states = 1) {
   JointModel model = empty_model(states);
-  const int cartilage = add_material(model, "cartilage", false), socket = add_material(model, "socket", true), ball = add_material(model, "ball", true);
+  const int cartilage = add_material(model, "cartilage", false), socket = add_material(model, "socket", true),
+            ball = add_material(model, "ball", true);
   const double R = two_layers ? 22.0 : 20.0;
   // the socket's layer faces inwards: u and v exchanged turn the normal
-  const int s = add_layer(model, "socket articular", n, n, 1, [](double u, double v) { return hemisphere(24, v, u); },
-                          [&](double u, double v) { return hemisphere(R, v, u); }, cartilage, socket);
+  const int s = add_layer(
+      model, "socket articular", n, n, 1, [](double u, double v) { return hemisphere(24, v, u); },
+      [&](double u, double v) { return hemisphere(R, v, u); }, cartilage, socket);
   int b;
   if (two_layers) {
-    b = add_layer(model, "ball articular", n, n, 1, [](double u, double v) { return hemisphere(20, u, v); }, [](double u, double v) { return hemisphere(22, u, v); },
-                  cartilage, ball);
+    b = add_layer(
+        model, "ball articular", n, n, 1, [](double u, double v) { return hemisphere(20, u, v); },
+        [](double u, double v) { return hemisphere(22, u, v); }, cartilage, ball);
   } else {
     // a longitude-latitude cap would have a singular pole: six-sided cube sphere, lower sides too
-    b = add_rigid_surface(model, "ball articular", n, n, [](double u, double v) -> Vector3d {
-      // polar angle up to 110 degrees
-      const Vector3d x = hemisphere(1.0, u, v);
-      const double theta = std::acos(std::min(1.0, x.z())) * 110.0 / 90.0, rho = std::hypot(x.x(), x.y());
-      if (rho == 0) return {0, 0, 20};
-      return 20.0 * Vector3d(std::sin(theta) * x.x() / rho, std::sin(theta) * x.y() / rho, std::cos(theta));
-    }, ball);
+    b = add_rigid_surface(
+        model, "ball articular", n, n,
+        [](double u, double v) -> Vector3d {
+          // polar angle up to 110 degrees
+          const Vector3d x = hemisphere(1.0, u, v);
+          const double theta = std::acos(std::min(1.0, x.z())) * 110.0 / 90.0, rho = std::hypot(x.x(), x.y());
+          if (rho == 0) return {0, 0, 20};
+          return 20.0 * Vector3d(std::sin(theta) * x.x() / rho, std::sin(theta) * x.y() / rho, std::cos(theta));
+        },
+        ball);
   }
   add_contact(model, "joint", s, b);
   fix(model, socket, {true, true, true, true, true, true});
@@ -214,11 +227,14 @@ inline JointModel concentric_spheres(int n, double load, bool two_layers = false
 /// rigid plate of the same size at z = gap of material "plate". Materials: 0 cartilage, 1 base, 2 plate.
 inline JointModel flat_plates(int n, double size, double h, double gap, double plate_size = 0.0) {
   JointModel model = empty_model();
-  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true), plate = add_material(model, "plate", true);
+  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true),
+            plate = add_material(model, "plate", true);
   const double top = plate_size > 0 ? plate_size : size;
-  const int a = add_layer(model, "layer", n, n, 2, [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), -h); },
-                          [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0); }, cartilage, base);
-  const int b = add_rigid_surface(model, "plate", n, n, [=](double u, double v) { return Vector3d(top * (v - 0.5), top * (u - 0.5), gap); }, plate);
+  const int a = add_layer(
+      model, "layer", n, n, 2, [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), -h); },
+      [=](double u, double v) { return Vector3d(size * (u - 0.5), size * (v - 0.5), 0); }, cartilage, base);
+  const int b = add_rigid_surface(
+      model, "plate", n, n, [=](double u, double v) { return Vector3d(top * (v - 0.5), top * (u - 0.5), gap); }, plate);
   add_contact(model, "press", a, b);
   fix(model, base, {true, true, true, true, true, true});
   return model;
