@@ -163,7 +163,9 @@ Json run_json(const JointModel& model, const Settings& settings, const Analysis&
   j["states"] = Json::array();
   for (const StateResult& state : analysis.states) j["states"].push_back(state_json(joint, state));
   j["units"] = model.units.empty() ? Json(nullptr) : Json(model.units);
-  j["findings"] = joint.findings;
+  std::vector<std::string> findings = model_remarks(model, joint);
+  for (const std::string& line : result_remarks(model, analysis)) findings.push_back(line);
+  j["findings"] = findings;
   return j;
 }
 

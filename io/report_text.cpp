@@ -152,9 +152,9 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
   for (const ContactPair& pair : joint.contacts) {
     for (const Layer& layer : pair.layers) {
       if (layer.missed_count() == 0) continue;
-      add_once(lines, fmt::format("warning: surface \"{}\": from {} of {} vertices the normal meets no opposing face "
-                                  "near enough; the closest point gives the "
-                                  "thickness there (`dea info -o` shows where)",
+      add_once(lines, fmt::format("warning: surface \"{}\": at {} of {} vertices the thickness is the distance to the "
+                                  "nearest point of the bone, "
+                                  "for their normals meet no bone (usual at rims; `dea info -o` shows where)",
                                   model.surfaces[at(layer.surface)].name, layer.missed_count(), layer.missed.size()));
     }
   }
@@ -189,6 +189,25 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   }
   // The last state stands for all: the factor changes slowly.
   const StateResult& last = analysis.states.back();
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    const Eigen::AngleAxisd turn(last.equilibrium.poses[b].rotation);
+    const double degrees = turn.angle() * 57.295779513082323;
+    if (solved(last.equilibrium.outcome) && last.equilibrium.outcome != Outcome::Prescribed && degrees > 20.0)
+      add_once(
+          lines,
+          fmt::format(
+              "warning: \"{}\" has turned by {:.0f} degrees about ({:.2f}, {:.2f}, {:.2f}): its rotations are hardly "
+              "resisted; to hold them type --free \"{}=x,y,z\"",
+              joint.bodies[b].name, degrees, turn.axis().x(), turn.axis().y(), turn.axis().z(), joint.bodies[b].name));
+  }
+  int touching = 0;
+  for (const ContactStatistics& s : last.statistics) touching += s.springs_active;
+  if (touching == 0 && last.equilibrium.outcome == Outcome::Balanced && last.equilibrium.load == 0.0)
+    add_once(lines,
+             fmt::format(
+                 "warning: at time {} nothing loads a free body and nothing touches: there is no contact to look at; "
+                 "give a load with --force BODY=x,y,z",
+                 number_text(last.when.time)));
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const int active = last.statistics[c].springs_active;
     if (active < 20 && last.fields[c].sides[1 - joint.contacts[c].source].contact_area > 0)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -92,6 +93,13 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     if (options.progress) options.progress(state, i, times.size());
     state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported
     if (wanted) analysis.states.push_back(std::move(state));
+  }
+  for (const auto& entry : settings.force) {
+    const LoadCase last = make_load_case(model, joint, settings, times.back().step, times.back().time);
+    const auto& dofs = last.bodies[static_cast<std::size_t>(joint.find_body(model, entry.first))].dofs;
+    if (std::count(dofs.begin(), dofs.begin() + 3, DofState::Free) == 0)
+      analysis.joint.findings.push_back(fmt::format(
+          "--force {}: the body is not free to move in the last step; the force has no effect", entry.first));
   }
   analysis.seconds_solve = now() - clock;
   return analysis;
