@@ -21,12 +21,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-Matrix3d skew(const Vector3d& a) {
-  Matrix3d m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
 /// Rotation by the vector w (angle times axis).
 Matrix3d rotation(const Vector3d& w) {
   const double angle = w.norm();
@@ -150,13 +144,25 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
   return e;
 }
 
-/// Residual over the free dofs, moments divided by the length: all in units of force.
-VectorXd scaled_residual(const Problem& problem, const Evaluation& e) {
-  const VectorXd all = e.residual() - problem.offset;
+/// A scaled motion of the free dofs as a motion of all dofs, 6 per body, unscaled.
+VectorXd on_all_dofs(const Problem& problem, const VectorXd& motion) {
+  VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(problem.joint.bodies.size()));
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    all[problem.free[i]] = motion[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+  return all;
+}
+
+/// Forces and moments on all dofs as those on the free dofs, moments divided by the length.
+VectorXd on_free_dofs(const Problem& problem, const VectorXd& all) {
   VectorXd r(problem.free.size());
   for (std::size_t i = 0; i < problem.free.size(); ++i)
     r[static_cast<Eigen::Index>(i)] = all[problem.free[i]] / problem.scale[static_cast<Eigen::Index>(i)];
   return r;
+}
+
+/// Residual over the free dofs, moments divided by the length: all in units of force.
+VectorXd scaled_residual(const Problem& problem, const Evaluation& e) {
+  return on_free_dofs(problem, e.residual() - problem.offset);
 }
 
 /// Stiffness K = -dr/du over the free dofs; rotations times length.
@@ -172,9 +178,7 @@ MatrixXd scaled_stiffness(const Problem& problem, const Evaluation& e) {
 
 /// Poses after a small motion of the free dofs (scaled).
 std::vector<Pose> moved(const Problem& problem, const std::vector<Pose>& poses, const VectorXd& motion) {
-  VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(poses.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i)
-    all[problem.free[i]] = motion[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+  const VectorXd all = on_all_dofs(problem, motion);
   std::vector<Pose> result = poses;
   for (std::size_t b = 0; b < poses.size(); ++b) {
     const auto k = 6 * static_cast<Eigen::Index>(b);
@@ -208,9 +212,7 @@ struct FacetNoise {
 };
 
 FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
-  VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i)
-    all[problem.free[i]] = direction[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+  const VectorXd all = on_all_dofs(problem, direction);
   double products = 0.0, crossed = 0.0, sum = 0.0, sum2 = 0.0;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
@@ -381,9 +383,7 @@ double too_deep_area(const Problem& problem, const Evaluation& e) {
 /// How far along `direction` (scaled motion of the free dofs) the first spring closes, to first order: infinity if none
 /// does.
 double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
-  VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
-  for (std::size_t i = 0; i < problem.free.size(); ++i)
-    all[problem.free[i]] = direction[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+  const VectorXd all = on_all_dofs(problem, direction);
   double first = kInfinity;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
@@ -425,9 +425,7 @@ Search advance(Problem& problem, Evaluation e, VectorXd direction) {
   const double driving = direction.dot(scaled_residual(problem, e));
   double depth = 1e-3 * cap;
   for (int i = 0; i < 12; ++i) {
-    VectorXd contact(problem.free.size());
-    for (std::size_t j = 0; j < problem.free.size(); ++j)
-      contact[static_cast<Eigen::Index>(j)] = e.contact[problem.free[j]] / problem.scale[static_cast<Eigen::Index>(j)];
+    const VectorXd contact = on_free_dofs(problem, e.contact);
     const double resisting = -direction.dot(contact);
     const double left = direction.dot(scaled_residual(problem, e));
     if (left <= 0.3 * (left + resisting) || driving <= 0) break;
@@ -461,9 +459,7 @@ Search back_out(Problem& problem, Evaluation e) {
         depth = std::max(depth, -s.gap[at(k)]);
       }
     }
-    VectorXd direction(problem.free.size());
-    for (std::size_t j = 0; j < problem.free.size(); ++j)
-      direction[static_cast<Eigen::Index>(j)] = push[problem.free[j]] / problem.scale[static_cast<Eigen::Index>(j)];
+    const VectorXd direction = on_free_dofs(problem, push);
     const double unit = surface_motion(problem, direction);
     if (unit <= 0) break;
     e = evaluate(problem, moved(problem, e.poses, (0.5 * depth / unit) * direction));

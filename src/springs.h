@@ -9,6 +9,9 @@
 
 namespace dea {
 
+/// The matrix of the cross product: skew(a) b = a x b.
+Eigen::Matrix3d skew(const Vector3d& a);
+
 /// Pose of a body: x = center + rotation * (X - center of mass in the reference).
 struct Pose {
   Vector3d center = Vector3d::Zero();  ///< current centre of mass
