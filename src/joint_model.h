@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "settings.h"
+
 namespace dea {
 
 using Eigen::Vector3d;
@@ -196,6 +198,24 @@ struct RigidNodes {
   Origin origin;
 };
 
+/// What a contact of type "dea" says of the layer under one of its surfaces. The cartilage's elements are rigid there,
+/// of their bone's own material, so modulus and thickness are the contact's.
+struct DeaLayer {
+  std::optional<double> E, nu;        ///< of the cartilage
+  std::optional<double> thickness;    ///< constant; 0: a bare rigid surface
+  std::vector<double> thickness_map;  ///< one per entry of Surface::nodes; empty: none
+                                      ///  neither constant nor map: measured through the elements under the surface
+};
+
+/// A contact of type "dea": the spring bed, stated in the model. Empty: as the settings or their defaults have it.
+struct DeaContact {
+  std::optional<Law> law;
+  std::optional<Facets> facets;
+  std::optional<int> refine;
+  int source = 0;      ///< the side that carries the springs: 0 primary, 1 secondary
+  DeaLayer layers[2];  ///< primary, secondary
+};
+
 struct Contact {
   enum class Kind { Sliding, Tied };
   std::string name;
@@ -204,7 +224,8 @@ struct Contact {
   int primary = -1, secondary = -1;  ///< indices into JointModel::surfaces
   double max_distance = 0.0;         ///< tied: facets farther apart are not tied; 0: no limit
   std::vector<std::string>
-      ignored;  ///< parameters away from their defaults that DEA has no use for: "fric_coeff = 0.2"
+      ignored;                    ///< parameters away from their defaults that DEA has no use for: "fric_coeff = 0.2"
+  std::optional<DeaContact> dea;  ///< of a contact of type "dea" (kind Sliding)
   int step = -1;
   Origin origin;
 };
