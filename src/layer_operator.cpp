@@ -1,0 +1,290 @@
+#include "layer_operator.h"
+
+#include <cholmod.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// local pairs of vertices, in the order of LayerMesh::slopes
+constexpr std::size_t kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
+
+}  // namespace
+
+LayerMesh make_layer_mesh(const SurfaceMesh& surface) {
+  std::vector<int> triangle(at(surface.size()));
+  for (int t = 0; t < surface.size(); ++t) triangle[at(t)] = t;
+  return make_layer_mesh(surface, triangle,
+                         std::vector<std::array<std::array<double, 3>, 3>>(
+                             triangle.size(), {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}}));
+}
+
+LayerMesh make_layer_mesh(const SurfaceMesh& surface, const std::vector<int>& foot_triangle,
+                          const std::vector<std::array<std::array<double, 3>, 3>>& corners) {
+  assert(foot_triangle.size() == corners.size());
+  LayerMesh mesh;
+  mesh.nodes = static_cast<int>(surface.vertices.size());
+  mesh.triangles = surface.triangles;
+  for (int t = 0; t < surface.size(); ++t) {
+    Vector3d gradient[3];  // of N_k: the opposite edge turned inwards, over twice the area
+    for (int k = 0; k < 3; ++k)
+      gradient[k] = surface.normals[at(t)].cross(surface.corner(t, (k + 2) % 3) - surface.corner(t, (k + 1) % 3)) /
+                    (2 * surface.areas[at(t)]);
+    std::array<double, 6> slopes;
+    for (std::size_t e = 0; e < 6; ++e) slopes[e] = gradient[kFirst[e]].dot(gradient[kSecond[e]]);
+    mesh.slopes.push_back(slopes);
+    for (int k = 0; k < 3; ++k) {
+      if (surface.neighbours[at(t)][at(k)] >= 0) continue;
+      const int next = (k + 1) % 3;
+      mesh.rim.push_back({surface.triangles[at(t)][at(k)], surface.triangles[at(t)][at(next)], t,
+                          (surface.corner(t, next) - surface.corner(t, k)).norm()});
+    }
+  }
+  mesh.foot_triangle = foot_triangle;
+  mesh.corners = corners;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto& w = corners[i];
+    mesh.centroid.push_back(
+        {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3});
+    const double share = w[0][0] * (w[1][1] * w[2][2] - w[1][2] * w[2][1]) -
+                         w[0][1] * (w[1][0] * w[2][2] - w[1][2] * w[2][0]) +
+                         w[0][2] * (w[1][0] * w[2][1] - w[1][1] * w[2][0]);
+    mesh.area.push_back(surface.areas[at(foot_triangle[i])] * std::abs(share));
+  }
+  return mesh;
+}
+
+struct LayerOperator::State {
+  std::shared_ptr<const LayerMesh> mesh;
+  LayerLaw law;
+  std::vector<Rim> rim;
+  std::vector<double> thickness;
+
+  cholmod_common common;
+  cholmod_sparse* matrix = nullptr;                            // lower triangle
+  std::array<cholmod_factor*, 2> factor = {nullptr, nullptr};  // per term
+  std::vector<std::array<int, 6>> slot;                        // per triangle: where its entries are in the matrix
+  std::vector<int> diagonal;                                   // per node
+  std::vector<int> rim_slot;                                   // per rim edge: its off-diagonal entry
+  std::array<std::vector<char>, 2> held;                       // per term and node: q = 0
+  cholmod_dense* solution = nullptr;                           // work space of cholmod_solve2
+  cholmod_dense* work_y = nullptr;
+  cholmod_dense* work_e = nullptr;
+
+  State() { cholmod_start(&common); }
+  ~State() {
+    for (cholmod_factor*& f : factor) cholmod_free_factor(&f, &common);
+    cholmod_free_sparse(&matrix, &common);
+    cholmod_free_dense(&solution, &common);
+    cholmod_free_dense(&work_y, &common);
+    cholmod_free_dense(&work_e, &common);
+    cholmod_finish(&common);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  void check() const {
+    if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+    if (common.status < CHOLMOD_OK) throw std::runtime_error("sparse factorisation failed");
+  }
+
+  int find(int i, int j) const {  // entry of nodes i, j in the lower triangle
+    const int column = std::min(i, j), row = std::max(i, j);
+    const int *begin = static_cast<const int*>(matrix->i) + static_cast<const int*>(matrix->p)[column],
+              *end = static_cast<const int*>(matrix->i) + static_cast<const int*>(matrix->p)[column + 1];
+    return static_cast<int>(std::lower_bound(begin, end, row) - static_cast<const int*>(matrix->i));
+  }
+
+  void make_pattern() {
+    std::vector<std::pair<int, int>> entries;  // column, row
+    entries.reserve(at(mesh->nodes) + 3 * mesh->triangles.size());
+    for (int i = 0; i < mesh->nodes; ++i) entries.emplace_back(i, i);
+    for (const auto& t : mesh->triangles)
+      for (std::size_t e = 3; e < 6; ++e)
+        entries.emplace_back(std::min(t[kFirst[e]], t[kSecond[e]]), std::max(t[kFirst[e]], t[kSecond[e]]));
+    std::sort(entries.begin(), entries.end());
+    entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
+    matrix = cholmod_allocate_sparse(at(mesh->nodes), at(mesh->nodes), entries.size(), 1, 1, -1, CHOLMOD_REAL, &common);
+    check();
+    int *p = static_cast<int*>(matrix->p), *rows = static_cast<int*>(matrix->i);
+    std::fill(p, p + mesh->nodes + 1, 0);
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      ++p[entries[k].first + 1];
+      rows[k] = entries[k].second;
+    }
+    for (int i = 0; i < mesh->nodes; ++i) p[i + 1] += p[i];
+    std::fill_n(static_cast<double*>(matrix->x), entries.size(), 0.0);
+    for (const auto& t : mesh->triangles) {
+      std::array<int, 6> s;
+      for (std::size_t e = 0; e < 6; ++e) s[e] = find(t[kFirst[e]], t[kSecond[e]]);
+      slot.push_back(s);
+    }
+    for (int i = 0; i < mesh->nodes; ++i) diagonal.push_back(p[i]);
+    for (const RimEdge& edge : mesh->rim) rim_slot.push_back(find(edge.a, edge.b));
+  }
+
+  /// M_t, K_t3 and the rim's term over sqrt(beta), all with the pattern of the matrix.
+  void assemble(std::vector<double>& mass, std::vector<double>& stiffness, std::vector<double>& beyond) const {
+    const std::size_t entries = at(static_cast<const int*>(matrix->p)[mesh->nodes]);
+    mass.assign(entries, 0.0);
+    stiffness.assign(entries, 0.0);
+    beyond.assign(entries, 0.0);
+    std::vector<double> volume(mesh->triangles.size(), 0.0), area(mesh->triangles.size(), 0.0);
+    for (std::size_t f = 0; f < mesh->area.size(); ++f) {
+      const std::size_t t = at(mesh->foot_triangle[f]);
+      const double A = mesh->area[f], h = thickness[f];
+      volume[t] += A * h;
+      area[t] += A;
+      // integral over the foot of N_i N_j: its corners' values c, (sum c_i c_j + sum c_i sum c_j)/12
+      const auto& c = mesh->corners[f];
+      const auto& g = mesh->centroid[f];
+      for (std::size_t e = 0; e < 6; ++e) {
+        const std::size_t i = kFirst[e], j = kSecond[e], s = at(slot[t][e]);
+        mass[s] += A * h / 12 * (c[0][i] * c[0][j] + c[1][i] * c[1][j] + c[2][i] * c[2][j] + 9 * g[i] * g[j]);
+        stiffness[s] += A * h * h * h * mesh->slopes[t][e];
+      }
+    }
+    for (std::size_t k = 0; k < rim.size(); ++k) {
+      if (rim[k] != Rim::Continues) continue;
+      const RimEdge& edge = mesh->rim[k];
+      const double h = volume[at(edge.triangle)] / area[at(edge.triangle)];
+      const double share = h * h * edge.length / 6;
+      beyond[at(diagonal[at(edge.a)])] += 2 * share;
+      beyond[at(diagonal[at(edge.b)])] += 2 * share;
+      beyond[at(rim_slot[k])] += share;
+    }
+  }
+
+  /// Where nothing is beyond, what bulges escapes: q = 0. A term of positive weight does not say what bulges but how
+  /// locally the layer gives way; held, it would make the rim stiff, so it keeps its natural condition. (The operator
+  /// stays positive: releasing a term of positive weight only adds to it.)
+  void find_held() {
+    std::vector<char> carries(at(mesh->nodes), 0), edge(at(mesh->nodes), 0);
+    for (std::size_t k = 0; k < rim.size(); ++k)
+      if (rim[k] == Rim::Free) edge[at(mesh->rim[k].a)] = edge[at(mesh->rim[k].b)] = 1;
+    for (std::size_t f = 0; f < thickness.size(); ++f)
+      for (const int v : mesh->triangles[at(mesh->foot_triangle[f])]) (thickness[f] > 0 ? carries : edge)[at(v)] = 1;
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      held[k].assign(at(mesh->nodes), 0);
+      for (std::size_t v = 0; v < carries.size(); ++v) held[k][v] = !carries[v] || (edge[v] && law.weight[k] < 0);
+    }
+  }
+
+  void factorise() {
+    find_held();
+    std::vector<double> mass, stiffness, beyond;
+    assemble(mass, stiffness, beyond);
+    const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
+    double* x = static_cast<double*>(matrix->x);
+    for (std::size_t k = 0; k < at(law.terms); ++k) {
+      const double beta = law.beta[k], root = std::sqrt(beta);
+      for (int column = 0; column < mesh->nodes; ++column)
+        for (int s = p[column]; s < p[column + 1]; ++s) {
+          const bool fixed = held[k][at(column)] || held[k][at(rows[s])];  // the row says q = 0; the pattern stays
+          x[s] = fixed ? (rows[s] == column ? 1.0 : 0.0) : mass[at(s)] + beta * stiffness[at(s)] + root * beyond[at(s)];
+        }
+      cholmod_factorize(matrix, factor[k], &common);
+      check();
+      if (common.status != CHOLMOD_OK) throw std::runtime_error("sparse factorisation: not positive definite");
+    }
+  }
+};
+
+LayerOperator::LayerOperator(std::shared_ptr<const LayerMesh> mesh, const LayerLaw& law, std::vector<Rim> rim)
+    : state_(new State) {
+  State& s = *state_;
+  assert(rim.size() == mesh->rim.size());
+  s.mesh = std::move(mesh);
+  s.law = law;
+  s.rim = std::move(rim);
+  s.common.print = 0;
+  s.make_pattern();
+  // Simplicial, so no BLAS and no threads: on surfaces, up to 200,000 feet, it is faster than supernodal anyway. AMD:
+  // a better ordering takes longer to find than it saves.
+  s.common.supernodal = CHOLMOD_SIMPLICIAL;
+  s.common.final_ll = 1;
+  s.common.nmethods = 1;
+  s.common.method[0].ordering = CHOLMOD_AMD;
+  s.common.postorder = 1;
+  s.factor[0] = cholmod_analyze(s.matrix, &s.common);
+  s.check();
+  if (law.terms == 2) s.factor[1] = cholmod_copy_factor(s.factor[0], &s.common);
+  s.check();
+}
+LayerOperator::~LayerOperator() = default;
+LayerOperator::LayerOperator(LayerOperator&&) noexcept = default;
+LayerOperator& LayerOperator::operator=(LayerOperator&&) noexcept = default;
+
+void LayerOperator::set_thickness(const std::vector<double>& thickness) {
+  assert(thickness.size() == state_->mesh->area.size());
+  state_->thickness = thickness;
+  state_->factorise();
+}
+
+const LayerMesh& LayerOperator::mesh() const { return *state_->mesh; }
+const LayerLaw& LayerOperator::law() const { return state_->law; }
+const std::vector<double>& LayerOperator::thickness() const { return state_->thickness; }
+double LayerOperator::factor_entries() const { return state_->common.lnz; }
+
+void LayerOperator::add_sinking(const Eigen::MatrixXd& pressure, const Eigen::VectorXd& area,
+                                Eigen::MatrixXd& sinking) {
+  State& s = *state_;
+  const LayerMesh& mesh = *s.mesh;
+  const Eigen::Index feet = mesh.feet(), columns = pressure.cols();
+  assert(pressure.rows() == feet && area.size() == feet && sinking.rows() == feet && sinking.cols() == columns);
+  Eigen::MatrixXd load = Eigen::MatrixXd::Zero(mesh.nodes, columns);
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    for (Eigen::Index f = 0; f < feet; ++f) {
+      const std::size_t i = static_cast<std::size_t>(f);
+      const double force = area[f] * s.thickness[i] * pressure(f, c);
+      if (force == 0) continue;
+      const auto& t = mesh.triangles[at(mesh.foot_triangle[i])];
+      for (std::size_t k = 0; k < 3; ++k) load(t[k], c) += mesh.centroid[i][k] * force;
+    }
+  }
+  Eigen::MatrixXd right_side;
+  Eigen::MatrixXd q = Eigen::MatrixXd::Zero(mesh.nodes, columns);  // sum of weight_k q_k
+  right_side.resizeLike(load);
+  cholmod_dense right{};
+  right.nrow = at(mesh.nodes);
+  right.ncol = static_cast<std::size_t>(columns);
+  right.nzmax = right.nrow * right.ncol;
+  right.d = right.nrow;
+  right.x = right_side.data();
+  right.xtype = CHOLMOD_REAL;
+  right.dtype = CHOLMOD_DOUBLE;
+  for (std::size_t k = 0; k < at(s.law.terms); ++k) {
+    for (Eigen::Index c = 0; c < columns; ++c)
+      for (int v = 0; v < mesh.nodes; ++v) right_side(v, c) = s.held[k][at(v)] ? 0.0 : load(v, c);
+    cholmod_solve2(CHOLMOD_A, s.factor[k], &right, nullptr, &s.solution, nullptr, &s.work_y, &s.work_e, &s.common);
+    s.check();
+    q += s.law.weight[k] *
+         Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(s.solution->x), mesh.nodes, columns);
+  }
+  for (Eigen::Index c = 0; c < columns; ++c)
+    for (Eigen::Index f = 0; f < feet; ++f) {
+      const std::size_t i = static_cast<std::size_t>(f);
+      const auto& t = mesh.triangles[at(mesh.foot_triangle[i])];
+      const auto& g = mesh.centroid[i];
+      sinking(f, c) +=
+          s.thickness[i] * (s.law.local * pressure(f, c) + g[0] * q(t[0], c) + g[1] * q(t[1], c) + g[2] * q(t[2], c));
+    }
+}
+
+Eigen::VectorXd LayerOperator::sinking(const Eigen::VectorXd& pressure) {
+  const LayerMesh& mesh = *state_->mesh;
+  Eigen::MatrixXd w = Eigen::MatrixXd::Zero(mesh.feet(), 1);
+  add_sinking(pressure, Eigen::Map<const Eigen::VectorXd>(mesh.area.data(), mesh.feet()), w);
+  return w.col(0);
+}
+
+}  // namespace dea
