@@ -63,7 +63,7 @@ LayerLaw two_terms(double nu) {
   }
   // (1/M + a1 s^2 + local b2 s^4) = f (1 + b1 s^2 + b2 s^4) with a1 = first + b1/M, at two s: linear in b1, b2
   const double first = nu * (4 * nu - 1) * (1 + nu) / (3 * (1 - nu) * (1 - nu));
-  const double s2[2] = {1.5 * 1.5, 3.5 * 3.5};
+  const double s2[2] = {1.1 * 1.1, 3.0 * 3.0};
   double m[2][2], r[2];
   for (int i = 0; i < 2; ++i) {
     const double f = compliance(nu, std::sqrt(s2[i]));

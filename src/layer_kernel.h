@@ -27,8 +27,8 @@ const char* name(LayerFit fit);
 ///     alpha - beta = nu (4nu-1) / (3 (1-nu)(1-2nu))                                         the first term of (L1)
 ///     nu >= 0.3:  beta = [1 - (3-4nu)(4nu^2+2nu-1)/(20 nu (4nu-1))] / (1-nu)                the second (Pade)
 ///     nu <  0.3:  beta = 1/(1-nu),  hence alpha = (3-4nu)/(3(1-2nu))                        (truncation)
-/// TwoTerms (L2b): (1 + a1 s^2 + a2 s^4)/(M (1 + b1 s^2 + b2 s^4)) with the first term of (L1), its values at s = 1.5
-/// and 3.5, and half its value at s = 12 for s -> infinity. Below nu = 0.3 its poles need not be real; there the law is
+/// TwoTerms (L2b): (1 + a1 s^2 + a2 s^4)/(M (1 + b1 s^2 + b2 s^4)) with the first term of (L1), its values at s = 1.1
+/// and 3, and half its value at s = 12 for s -> infinity. Below nu = 0.3 its poles need not be real; there the law is
 /// one fraction with the same limits at s = 0 and infinity and the value of (L1) at s = 2.
 /// Nothing here grows without bound as nu -> 0.5. Positive for all s, which makes the operator positive definite.
 struct LayerLaw {
