@@ -208,8 +208,8 @@ LayerOperator::LayerOperator(std::shared_ptr<const LayerMesh> mesh, const LayerL
   s.rim = std::move(rim);
   s.common.print = 0;
   s.make_pattern();
-  // Simplicial, so no BLAS and no threads: on surfaces, up to 200,000 feet, it is faster than supernodal anyway. AMD:
-  // a better ordering takes longer to find than it saves.
+  // Simplicial, so no BLAS and no threads: up to 200,000 feet it was no slower than supernodal with the reference BLAS.
+  // AMD: nested dissection took longer to find than it saved.
   s.common.supernodal = CHOLMOD_SIMPLICIAL;
   s.common.final_ll = 1;
   s.common.nmethods = 1;
