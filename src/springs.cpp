@@ -63,19 +63,19 @@ Springs make_springs(const Layer& source, int refine) {
   return s;
 }
 
-SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair, const Settings& settings) {
+SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
   SpringBed bed{&pair,
                 source.body,
                 target.body,
                 joint.bodies[at(source.body)].center_of_mass,
                 joint.bodies[at(target.body)].center_of_mass,
-                make_springs(source, settings.refine),
+                make_springs(source, pair.refine),
                 RayCaster(target.spring_surface()),
                 {},
                 0.0,
                 target.max_thickness(),
-                settings.law};
+                pair.law};
   for (int i = 0; i < bed.springs.size(); ++i)
     for (const Vector3d& corner : bed.springs.triangle[at(i)])
       bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());

@@ -46,7 +46,7 @@ struct SpringBed {
   double max_target_thickness = 0.0;
   Law law = Law::Linear;
 };
-SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair, const Settings& settings);
+SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair);
 
 /// A spring over the target's rim: how the covered part of its foot triangle changes with small motions. Order of the
 /// 12 unknowns as in ContactWrench.

@@ -57,7 +57,7 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
         settings.law = law;
         settings.source = source;
         const Joint joint = make_joint(model, settings);
-        const SpringBeds beds = make_spring_beds(joint, settings);
+        const SpringBeds beds = make_spring_beds(joint);
         const SpringBed& bed = beds.beds[0];
         Pose s = small_pose(joint.bodies[static_cast<std::size_t>(bed.source_body)],
                             {0.05, -0.02, bed.source_body == 0 ? 0.3 : -0.3}, {0.01, -0.02, 0.015});
@@ -92,7 +92,7 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
 TEST(Springs, ContactForcesAreOppositeAndActAlongTheSameLines) {
   const JointModel model = saddles();
   const Joint joint = make_joint(model, {});
-  const SpringBeds beds = make_spring_beds(joint, {});
+  const SpringBeds beds = make_spring_beds(joint);
   const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
              t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
   const ContactWrench w = contact_wrench(project_springs(beds.beds[0], s, t), s, t);
@@ -113,7 +113,7 @@ TEST(Springs, FlatPlates) {
       settings.springs_at = where;
       settings.refine = refine;
       const Joint joint = make_joint(model, settings);
-      const SpringBeds beds = make_spring_beds(joint, settings);
+      const SpringBeds beds = make_spring_beds(joint);
       std::vector<Pose> poses = reference_poses(joint);
       poses[1].center.z() -= d;
       const SpringStates s = project_springs(beds.beds[0], poses[0], poses[1]);
@@ -135,7 +135,7 @@ TEST(Springs, CoverageIsTheOverlappingArea) {
   const double size = 10, plate = 6.3, h = 2, d = 0.1;
   const JointModel model = test::flat_plates(9, size, h, 0.0, plate);
   const Joint joint = make_joint(model, {});
-  const SpringBeds beds = make_spring_beds(joint, {});
+  const SpringBeds beds = make_spring_beds(joint);
   const double p = confined_modulus(test::kE, test::kNu) * d / h;
   for (double shift : {0.0, 0.1, 0.37, 1.0, 1.4, 2.0, 4.0}) {
     for (double turn : {0.0, 0.2}) {
@@ -187,7 +187,7 @@ TEST(Springs, SphereOnFlatLayerCarriesTheCapVolume) {
       Settings settings;
       settings.facets = facets;
       const Joint joint = make_joint(model, settings);
-      const SpringBeds beds = make_spring_beds(joint, settings);
+      const SpringBeds beds = make_spring_beds(joint);
       std::vector<Pose> poses = reference_poses(joint);
       poses[1].center.z() -= d;
       error[level] =
@@ -210,7 +210,7 @@ TEST(Springs, SphereAsSourceCarriesPiRdSquared) {
     Settings settings;
     settings.source = "ball";
     const Joint joint = make_joint(model, settings);
-    const SpringBeds beds = make_spring_beds(joint, settings);
+    const SpringBeds beds = make_spring_beds(joint);
     std::vector<Pose> poses = reference_poses(joint);
     poses[1].center.z() -= d;
     const double F = -contact_wrench(project_springs(beds.beds[0], poses[1], poses[0]), poses[1], poses[0]).wrench[2];
@@ -259,7 +259,7 @@ TEST(Springs, SameBitsForAnyNumberOfThreads) {
   Settings settings;
   settings.refine = 6;
   const Joint joint = make_joint(model, settings);
-  const SpringBeds beds = make_spring_beds(joint, settings);
+  const SpringBeds beds = make_spring_beds(joint);
   const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
              t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
   std::vector<ContactWrench, Eigen::aligned_allocator<ContactWrench>> w;
