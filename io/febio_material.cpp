@@ -195,7 +195,7 @@ Stiffness wrapped(const Reading& reading, const MaterialTree& m) {
   Stiffness s = parts.front();
   s.type = fmt::format("{}/{}", type, s.type);
   if (type.find("viscoelastic") == type.npos) {
-    if (type.rfind("prestrain", 0) != 0) add_note(s.note, "drained solid");
+    if (type.find("prestrain") == type.npos) add_note(s.note, "drained solid");
     if (type.find("prestrain") != type.npos) add_note(s.note, "prestrain left out");
     if (type.rfind("uncoupled", 0) == 0) {  // only the nested shear counts
       const double k = constant_of(m, "k", 0.0, s.note);
