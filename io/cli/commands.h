@@ -15,7 +15,7 @@ struct RunArguments {
   std::string model, output, json, csv;
   bool quiet = false, verbose = false;
   SettingsArguments settings;
-  std::string times_from, states = "all";
+  std::string times_from, states;  ///< states: empty: all
   bool compress = false;
   std::string threads;
 };

@@ -223,7 +223,7 @@ bool rigid_condition(Reading& reading, const XMLElement& element, const std::str
 
 bool rigid_connector(Reading& reading, const XMLElement& element, const std::string& type) {
   if (type.rfind("rigid ", 0) != 0 && type != "generic rigid joint") return false;
-  if (one_of(type, {"rigid damper", "rigid angular damper"})) {
+  if (febio::is_damper(type)) {
     ignore(reading, element, fmt::format("{}: statics has no velocity", type));
     return true;
   }
@@ -257,45 +257,16 @@ bool rigid_connector(Reading& reading, const XMLElement& element, const std::str
 
 namespace {
 
-std::optional<Contact::Kind> contact_kind(const std::string& type) {
-  if (one_of(type,
-             {"sliding-elastic", "sliding-tension-compression", "sliding-facet-on-facet", "facet-to-facet sliding",
-              "sliding-node-on-facet", "sliding_with_gaps", "sliding", "sliding2", "sliding3", "sliding-biphasic",
-              "sliding-biphasic-mixed", "sliding-biphasic-solute", "sliding-multiphasic", "mortar-sliding"})) {
-    return Contact::Kind::Sliding;
-  }
-  if (one_of(type, {"tied-node-on-facet", "tied-facet-on-facet", "tied-elastic", "sticky", "tied-biphasic",
-                    "tied-multiphasic", "tied", "facet-to-facet tied", "mortar-tied"})) {
-    return Contact::Kind::Tied;
-  }
-  return std::nullopt;
-}
-
 /// Parameters that could change the result and that DEA does not use, where they are away from their defaults.
 std::vector<std::string> ignored_parameters(const XMLElement& element, const std::string& type) {
-  const bool unlimited = one_of(type, {"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
-                                       "sliding_with_gaps", "sliding"});
-  const std::pair<const char*, double> defaults[] = {{"fric_coeff", 0},
-                                                     {"mu", 0},
-                                                     {"tension", 0},
-                                                     {"offset", 0},
-                                                     {"search_radius", unlimited ? 0 : 1},
-                                                     {"node_reloc", 0},
-                                                     {"flip_primary", 0},
-                                                     {"flip_secondary", 0},
-                                                     {"shell_bottom_primary", 0},
-                                                     {"shell_bottom_secondary", 0},
-                                                     {"offset_shells", 0},
-                                                     {"contact_frac", 0},
-                                                     {"max_traction", 0}};
   std::vector<std::string> ignored;
-  for (const auto& parameter : defaults) {
-    const XMLElement* child = element.FirstChildElement(parameter.first);
+  for (const febio::ContactParameter& parameter : febio::unused_contact_parameters(type)) {
+    const XMLElement* child = element.FirstChildElement(parameter.name);
     if (child == nullptr) continue;
     const std::string text(trim(text_of(*child)));
     const auto value = whole_double(text);
-    if (value && *value == parameter.second && child->Attribute("lc") == nullptr) continue;
-    ignored.push_back(fmt::format("{} = {}", parameter.first, value ? fmt::format("{:g}", *value) : quote(text)));
+    if (value && *value == parameter.usual && child->Attribute("lc") == nullptr) continue;
+    ignored.push_back(fmt::format("{} = {}", parameter.name, value ? fmt::format("{:g}", *value) : quote(text)));
   }
   return ignored;
 }
@@ -310,7 +281,7 @@ void read_contact(Reading& reading, const XMLElement& section) {
     }
     Contact contact;
     contact.type = need_attribute(reading, *child, "type");
-    const auto kind = contact_kind(contact.type);
+    const auto kind = febio::contact_kind(contact.type);
     if (!kind) {
       unsupported(reading, *child, fmt::format("contact {}", quote(contact.type)));
       continue;

@@ -99,7 +99,7 @@ struct Reading {
   int step = -1;                  ///< the step a section belongs to
   Control& control() { return step < 0 ? top_control : controls[static_cast<std::size_t>(step)]; }
 
-  std::unordered_map<std::string, std::size_t> ignored_index, unsupported_index;
+  febio::RemarkIndex ignored_index, unsupported_index;
 };
 
 // -- places and faults -----------------------------------------------------------------------------

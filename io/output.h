@@ -1,4 +1,4 @@
-// io/cli/output.h – where results go: files that are complete or not there, standard output that is checked.
+// io/output.h – where results go: files that are complete or not there, standard output that is checked.
 #pragma once
 #include <string>
 #include <vector>
