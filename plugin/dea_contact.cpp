@@ -195,7 +195,7 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
 bool FEDeaContact::build() {
   auto bed = std::make_unique<Bed>();
   FEMechModel& fem = dynamic_cast<FEMechModel&>(*GetFEModel());
-  dea::JointModel model = read_fe_model(fem);
+  dea::JointModel model = dea::read_fe_model(fem);
   model.contacts = {statement(model)};  // the others have nothing to do with this one
   const dea::Settings settings;
   bed->joint = dea::make_joint(model, settings);

@@ -80,5 +80,5 @@ class FEDeaContact : public FEContactInterface {
   std::unique_ptr<Bed> bed_;
   bool failed_ = false, listening_ = false;
 
-  DECLARE_FECORE_CLASS();
+  DECLARE_FECORE_CLASS()
 };

@@ -5,7 +5,9 @@
 
 #include <cstdio>
 
+#include "dea_contact.h"
 #include "dea_task.h"
+#include "plot_variables.h"
 #include "version.h"
 
 FECORE_PLUGIN unsigned int GetSDKVersion() { return FE_SDK_VERSION; }
@@ -19,8 +21,13 @@ FECORE_PLUGIN void GetPluginVersion(int& major, int& minor, int& patch) {
 FECORE_PLUGIN void PluginInitialize(FECoreKernel& kernel) {
   FECoreKernel::SetInstance(&kernel);
   REGISTER_FECORE_CLASS(DeaTask, "dea");
-  // Classes of the module solid (contact, plot variables) go here, between SetActiveModule("solid") and
-  // SetActiveModule(0).
+  kernel.SetActiveModule("solid");  // and the modules that rest on it
+  REGISTER_FECORE_CLASS(FEDeaContact, "dea");
+  REGISTER_FECORE_CLASS(FEPlotCartilageThickness, "cartilage thickness");
+  REGISTER_FECORE_CLASS(FEPlotJointSpace, "joint space");
+  REGISTER_FECORE_CLASS(FEPlotOverlap, "overlap");
+  REGISTER_FECORE_CLASS(FEPlotSpringStrain, "spring strain");
+  kernel.SetActiveModule(0);
 }
 
 FECORE_PLUGIN void PluginCleanup() {}
