@@ -199,6 +199,7 @@ void finish(Reading& reading) {
     begin += step.duration;
     model.steps.push_back(std::move(step));
   }
+  resolve_surface_maps(reading);
   resolve_controllers(model, model.rigid_prescribed);
   resolve_controllers(model, model.rigid_loads);
   // A named Nodes section is a node set too; FEBio lists it before the others.
