@@ -60,7 +60,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
   double clock = now();
   analysis.joint = make_joint(model, settings);
   const Joint& joint = analysis.joint;
-  const SpringBeds beds = make_spring_beds(joint, settings);
+  const SpringBeds beds = make_spring_beds(joint);
   const FieldMaps maps = make_field_maps(model, joint);
   analysis.seconds_joint = now() - clock;
 
