@@ -58,7 +58,7 @@ std::optional<Contact::Kind> contact_kind(const std::string& type) {
   if (one_of(type,
              {"sliding-elastic", "sliding-tension-compression", "sliding-facet-on-facet", "facet-to-facet sliding",
               "sliding-node-on-facet", "sliding_with_gaps", "sliding", "sliding2", "sliding3", "sliding-biphasic",
-              "sliding-biphasic-mixed", "sliding-biphasic-solute", "sliding-multiphasic", "mortar-sliding"})) {
+              "sliding-biphasic-mixed", "sliding-biphasic-solute", "sliding-multiphasic", "mortar-sliding", "dea"})) {
     return Contact::Kind::Sliding;
   }
   if (one_of(type, {"tied-node-on-facet", "tied-facet-on-facet", "tied-elastic", "sticky", "tied-biphasic",

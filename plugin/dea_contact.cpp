@@ -151,7 +151,7 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   dea.source = source_;
   for (int side = 0; side < 2; ++side) {
     FEDeaSurface& surface = side == 0 ? self.primary_ : self.secondary_;
-    const std::string name = surface.GetName();
+    const std::string name = surface.GetFacetSet() != nullptr ? surface.GetFacetSet()->GetName() : surface.GetName();
     int& index = side == 0 ? contact.primary : contact.secondary;
     for (std::size_t i = 0; i < model.surfaces.size(); ++i)
       if (model.surfaces[i].name == name) index = static_cast<int>(i);

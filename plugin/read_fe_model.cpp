@@ -33,6 +33,7 @@
 #include <map>
 #include <set>
 
+#include "dea_contact.h"
 #include "error.h"
 #include "febio_material.h"
 #include "febio_rules.h"
@@ -704,7 +705,7 @@ void read_contacts(Reading& reading) {
     contact.kind = *kind;
     if (FEParam* distance = fe.GetParameter("max_distance")) contact.max_distance = number_of(*distance).value_or(0.0);
     contact.ignored = ignored_parameters(reading, fe, contact.type);
-    // A contact of type "dea": its own parameters into contact.dea go here.
+    if (auto* own = dynamic_cast<FEDeaContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
     contact.step = step_of(reading, fe);
     reading.model.contacts.push_back(std::move(contact));
   }

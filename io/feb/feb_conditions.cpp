@@ -271,6 +271,76 @@ std::vector<std::string> ignored_parameters(const XMLElement& element, const std
   return ignored;
 }
 
+/// Position of the element's word, or a fault that lists them.
+int need_word(const Reading& reading, const XMLElement& element, std::initializer_list<const char*> words) {
+  const int position = read_word(element, words);
+  if (position >= 0) return position;
+  std::string expected;
+  for (const char* word : words) expected += fmt::format("{}{}", expected.empty() ? "" : ", ", word);
+  fail(reading, element,
+       fmt::format("{} = {}, expected one of {}", element.Name(), quote(trim(text_of(element))), expected));
+}
+
+/// primary_E, secondary_thickness and so on; false: the element is none of these.
+bool read_dea_layer(Reading& reading, const XMLElement& element, DeaContact& dea) {
+  const std::string tag = element.Name();
+  const int side = tag.rfind("primary_", 0) == 0 ? 0 : tag.rfind("secondary_", 0) == 0 ? 1 : -1;
+  if (side < 0) return false;
+  DeaLayer& layer = dea.layers[side];
+  const std::string what = tag.substr(tag.find('_') + 1);
+  const std::string type = attribute(element, "type");
+  const auto need = [&](bool good, double value, const char* needed) {
+    if (!good) fail(reading, element, fmt::format("{} = {:g}, need {}", tag, value, needed));
+    return value;
+  };
+  if (what == "E" || what == "nu" || what == "thickness") {
+    if (what == "thickness" && type == "map") {
+      reading.map_uses.push_back({static_cast<int>(reading.model.contacts.size()), side,
+                                  std::string(trim(text_of(element))), origin_of(reading, element)});
+      return true;
+    }
+    if ((!type.empty() && type != "const") || read_lc(reading, element) != 0) {
+      fail(reading, element,
+           fmt::format("{} is given as type {} or follows a load controller, expected a number{}", tag, quote(type),
+                       what == "thickness" ? " or type \"map\"" : ""));
+    }
+    const double value = read_double(reading, element);
+    if (what == "E")
+      layer.E = need(value > 0, value, "E > 0");
+    else if (what == "nu")
+      layer.nu = need(value > -1 && value < 0.5, value, "-1 < nu < 0.5");
+    else
+      layer.thickness = need(value >= 0, value, "thickness >= 0");
+    return true;
+  }
+  return false;
+}
+
+/// A contact of type dea: the spring bed, stated in the model.
+DeaContact read_dea(Reading& reading, const XMLElement& element) {
+  DeaContact dea;
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "law") {
+      dea.law = static_cast<Law>(need_word(reading, *child, {"linear", "logarithmic", "neo-Hookean"}));
+    } else if (tag == "facets") {
+      dea.facets = static_cast<Facets>(need_word(reading, *child, {"curved", "flat"}));
+    } else if (tag == "source") {
+      dea.source = need_word(reading, *child, {"primary", "secondary"});
+    } else if (tag == "refine") {
+      const int refine = read_int(reading, *child);
+      if (refine < 1 || refine > 1000) fail(reading, *child, fmt::format("refine = {}, need 1 to 1000", refine));
+      dea.refine = refine;
+    } else if (!read_dea_layer(reading, *child, dea)) {
+      fail(reading, *child,
+           fmt::format("<{}> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness with "
+                       "primary_ or secondary_ before",
+                       tag));
+    }
+  }
+  return dea;
+}
+
 }  // namespace
 
 void read_contact(Reading& reading, const XMLElement& section) {
@@ -310,6 +380,7 @@ void read_contact(Reading& reading, const XMLElement& section) {
     contact.secondary = pair.secondary;
     contact.max_distance = child_double(reading, *child, "max_distance", 0.0);
     contact.ignored = ignored_parameters(*child, contact.type);
+    if (contact.type == "dea") contact.dea = read_dea(reading, *child);
     contact.step = reading.step;
     contact.origin = origin_of(reading, *child);
     reading.model.contacts.push_back(std::move(contact));

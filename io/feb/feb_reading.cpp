@@ -39,7 +39,11 @@ void fail(const Reading& reading, const XMLElement& element, const std::string& 
 }
 
 void ignore(Reading& reading, const XMLElement& element, const std::string& what) {
-  febio::list_once(reading.model.ignored, reading.ignored_index, what, origin_of(reading, element));
+  ignore(reading, origin_of(reading, element), what);
+}
+
+void ignore(Reading& reading, Origin origin, const std::string& what) {
+  febio::list_once(reading.model.ignored, reading.ignored_index, what, origin);
 }
 
 void unsupported(Reading& reading, const XMLElement& element, const std::string& what) {

@@ -176,6 +176,7 @@ void finish(Reading& reading) {
     begin += step.duration;
     model.steps.push_back(std::move(step));
   }
+  resolve_surface_maps(reading);
   resolve_controllers(model, model.rigid_prescribed);
   resolve_controllers(model, model.rigid_loads);
   febio::refuse_unusable_controllers(model);
