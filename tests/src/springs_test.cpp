@@ -272,5 +272,47 @@ TEST(Springs, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(w[0].wrench, w[2].wrench);
 }
 
+/// Surfaces apart have no stiffness of their own: the closing one takes a force to just beyond first touch.
+TEST(ClosingStiffness, TakesAForceToFirstTouch) {
+  // flat plates 0.3 apart: the motion along z is the gap and a hundredth of the layer's 2 mm
+  const Joint flat = make_joint(test::flat_plates(4, 10, 2, 0.3), {});
+  const SpringBeds plates = make_spring_beds(flat);
+  const SpringBed& bed = plates.beds[0];
+  std::vector<Pose> poses = reference_poses(flat);
+  const auto source = static_cast<std::size_t>(bed.source_body), target = static_cast<std::size_t>(bed.target_body);
+  SpringStates s = project_springs(bed, poses[source], poses[target]);
+  Eigen::Matrix<double, 12, 1> force = Eigen::Matrix<double, 12, 1>::Zero();
+  force[2] = -5;  // on the target, the plate above
+  std::array<bool, 12> free = {};
+  free[2] = true;
+  const Eigen::Matrix<double, 12, 12> K = closing_stiffness(bed, s, poses[source], poses[target], force, free);
+  EXPECT_NEAR(force[2] / K(2, 2), -(0.3 + 0.02), 1e-12);
+  EXPECT_NEAR(K.norm(), K(2, 2), 1e-12 * K(2, 2));  // held dofs: nothing
+
+  // a ball in a socket, pushed sideways after it was drawn back: it lands on the springs, none deeper than 2% of 4 mm
+  const Joint spheres = make_joint(test::concentric_spheres(10, 2000), {});
+  const SpringBeds beds = make_spring_beds(spheres);
+  poses = reference_poses(spheres);
+  const SpringBed& ball = beds.beds[0];
+  Pose& moving = poses[static_cast<std::size_t>(ball.target_body)];
+  moving.center.z() -= 1.0;
+  s = project_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
+  ASSERT_EQ(contact_wrench(s, poses[static_cast<std::size_t>(ball.source_body)], moving).normal_force, 0.0);
+  force << 30, -20, 100, 0, 0, 0, 0, 0, 0, 0, 0, 0;
+  free = {true, true, true};
+  const Eigen::Matrix<double, 12, 12> stiffness =
+      closing_stiffness(ball, s, poses[static_cast<std::size_t>(ball.source_body)], moving, force, free);
+  moving.center += stiffness.block<3, 3>(0, 0).ldlt().solve(Vector3d(force.segment<3>(0)));
+  s = project_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
+  const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
+  EXPECT_GT(deepest, 0.0);
+  EXPECT_LT(deepest, 0.08);
+
+  // a force that opens the joint closes nothing: a stiffness all the same, so that a solver can go on
+  const Eigen::Matrix<double, 12, 12> away =
+      closing_stiffness(ball, s, poses[static_cast<std::size_t>(ball.source_body)], moving, -force, free);
+  EXPECT_TRUE(away.allFinite());
+}
+
 }  // namespace
 }  // namespace dea
