@@ -23,13 +23,19 @@ inline std::string vector_dump(const Vector3d& v) { return fmt::format("({},{},{
 
 inline std::string scaled(const Scaled& s) { return fmt::format("{}*f{}", s.factor, s.controller); }
 
+/// Nothing for shells without thickness, given as 0 or not at all.
+inline std::string thickness(const Domain& d) {
+  const auto& t = d.shell_thickness;
+  return std::all_of(t.begin(), t.end(), [](double h) { return h == 0.0; }) ? "" : list(t);
+}
+
 inline std::string dump(const JointModel& m) {
   std::string t = fmt::format("module {} units {}\n", m.module, m.units);
   for (std::size_t i = 0; i < m.nodes.size(); ++i)
     t += fmt::format("node {} {}\n", m.node_ids[i], vector_dump(m.nodes[i]));
   for (const Domain& d : m.domains)
     t += fmt::format("domain {} {} {} elements{} nodes{} thick{}\n", d.name, static_cast<int>(d.shape), d.material,
-                     list(d.element_ids), list(d.nodes), list(d.shell_thickness));
+                     list(d.element_ids), list(d.nodes), thickness(d));
   for (const Surface& s : m.surfaces)
     t += fmt::format("surface {} begin{} nodes{}\n", s.name, list(s.begin), list(s.nodes));
   for (const NodeSet& s : m.node_sets) t += fmt::format("node_set {}{}\n", s.name, list(s.nodes));

@@ -313,14 +313,125 @@ TEST(Plugin, SettingsHoldForTheTask) {
     expect_the_same(folder.path, "m.feb", settings);
 }
 
-// -- the model ---------------------------------------------------------------------------------------
-
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
 }
+
+/// What febio4 prints in boxes of errors, as one line each; words that are longer than a box is wide are in pieces.
+std::vector<std::string> errors_of(const std::string& out) {
+  std::vector<std::string> errors;
+  bool in_error = false;
+  for (const std::string& line : lines_of(out)) {
+    if (line.rfind(" ***", 0) == 0) {
+      in_error = false;
+    } else if (line.rfind(" *", 0) == 0) {
+      std::string text = line.substr(2, line.rfind('*') - 2);
+      text.erase(text.find_last_not_of(' ') + 1);
+      text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
+      if (text == "ERROR") {
+        in_error = true;
+        errors.emplace_back();
+      } else if (in_error) {
+        errors.back() += (errors.back().empty() ? "" : " ") + text;
+      }
+    }
+  }
+  return errors;
+}
+
+TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  std::string text = model_40(false);
+  const std::string contact =
+      text.substr(text.find("<Contact>"), text.find("</Contact>") + 10 - text.find("<Contact>"));
+  text.replace(text.find(contact), contact.size(), "");
+  write(folder.path / "none.feb", text);
+  Parts loose;
+  loose.bottom = "";
+  write(folder.path / "loose.feb", model_40(false, loose));
+  Parts pressed;
+  pressed.more =
+      "<Loads><surface_load name=\"l\" type=\"pressure\" surface=\"under\"><pressure lc=\"1\">1</pressure>"
+      "</surface_load></Loads>";
+  write(folder.path / "pressed.feb", model_40(false, pressed));
+  const auto settings = [&](const std::string& elements) {
+    write(folder.path / "s.xml", "<febiodea_settings version=\"1\">" + elements + "</febiodea_settings>");
+    return "s.xml";
+  };
+  const auto expect = [&](const std::string& model, const std::string& control, const std::string& fault) {
+    const Finished f = febio(folder.path, model, "dea", control);
+    EXPECT_EQ(f.code, 1) << fault;
+    EXPECT_EQ(errors_of(f.out), std::vector<std::string>{fault});
+    EXPECT_EQ(lines_of(f.err).size(), 1u) << f.err;  // FEBio's, that the plugin is there
+    const fs::path log = fs::path(control.empty() ? model : control).replace_extension(".log");
+    EXPECT_EQ(errors_of(file_text(folder.path / log)), std::vector<std::string>{fault});
+  };
+  expect("m.feb", "missing.xml", "missing.xml: found no readable file, expected a settings file");
+  expect("m.feb", settings("<law>cubic</law>"),
+         "s.xml:1: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean");
+  expect("m.feb", settings("<source>100% femur</source>"),
+         "dea: --source 100% femur: the model has no rigid body of this name; it has \"base\", \"plate\", \"ground\"");
+  expect("m.feb", settings("<output>no/such/folder.xplt</output>"),
+         "dea: cannot write no/such/folder.xplt: there is no folder no/such");
+  expect("m.feb", settings("<output>m.feb</output>"), "dea: <output> m.feb: would overwrite the model");
+  expect("m.feb", settings("<json>s.xml</json>"), "dea: <json> s.xml: would overwrite the settings file");
+  expect("m.feb", settings("<csv>s.log</csv>"), "dea: <csv> s.log: would overwrite FEBio's log file");
+  expect("m.feb", settings("<json>-</json>"), "dea: <json> -: standard output is FEBio's, give it a file name");
+  expect("m.feb", settings("<states>7</states>"),
+         "dea: s.xml: <states>: found time 7, expected times from 0 to 1, those of the model");
+  expect("none.feb", "",
+         "none.feb: no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
+         "\"sliding-elastic\")");
+  expect("loose.feb", "",
+         "loose.feb: contact \"touch\", surface \"top\": its layer is held by no rigid body (no shared nodes, rigid "
+         "node set, "
+         "tied contact or nodes fixed in x, y and z); name the body with --attach \"top=BODY\" (bodies: \"base\", "
+         "\"plate\")");
+  expect("pressed.feb", "",
+         "pressed.feb: surface_load \"pressure\" is not supported and would change the result: take it out, or use "
+         "what DEA "
+         "supports (docs/formats.md)");
+}
+
+TEST(Plugin, NoSolutionIsWrittenAndSaid) {
+  const TemporaryFolder folder;
+  Parts pulled;
+  pulled.motion =
+      "<rigid_load name=\"pull\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value "
+      "lc=\"1\">5</value></rigid_load>";
+  write(folder.path / "m.feb", model_40(false, pulled));
+  const Finished f = febio(folder.path, "m.feb", "dea");
+  EXPECT_EQ(f.code, 1);
+  EXPECT_EQ(errors_of(f.out), std::vector<std::string>{"dea: no solution in 4 of 5 states, first at time 0.25 "
+                                                       "(SurfacesApart); results are in m_dea.xplt"});
+  EXPECT_TRUE(fs::exists(folder.path / "m_dea.xplt"));
+  EXPECT_FALSE(fs::exists(folder.path / "m.xplt"));
+}
+
+TEST(Plugin, PlotFileLogAndTable) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  const Finished f = febio(folder.path, "m.feb", "dea", "", {"-p", "given.xplt", "-o", "given.log"});
+  EXPECT_EQ(f.code, 0) << f.out;
+  EXPECT_TRUE(fs::exists(folder.path / "given.xplt"));
+  const std::string log = file_text(folder.path / "given.log");
+  for (const char* text : {"state 5 of 5, time 1: Prescribed, 0 iterations\n", "given.xplt: 5 states in ", "123.5%",
+                           "touch    Prescribed"}) {
+    EXPECT_NE(log.find(text), log.npos) << text << log;
+    EXPECT_NE(f.out.find(text), f.out.npos) << text;
+  }
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path)) names.insert(entry.path().filename().string());
+  EXPECT_EQ(names, (std::set<std::string>{"m.feb", "given.xplt", "given.log"}));
+  EXPECT_EQ(febio(folder.path, "m.feb", "dea", "", {"-no_log"}).code, 0);
+  EXPECT_FALSE(fs::exists(folder.path / "m.log"));
+}
+
+// -- the model ---------------------------------------------------------------------------------------
 
 /// Lines that only one of the two has; sets that FEBio makes for itself are of no interest.
 std::string difference_of(const std::string& from_file, const std::string& from_model) {
@@ -364,6 +475,29 @@ TEST(ReadFeModel, TheSameAsTheFileBeforeAndInInit) {
       EXPECT_EQ(difference_of(dump(read_feb(model.string())), from_model), "") << model.filename() << " " << task;
     }
   }
+}
+
+TEST(ReadFeModel, CorpusTheSameAsTheFiles) {
+  const TemporaryFolder folder;
+  int compared = 0, refused = 0;
+  for (const fs::path& model : models_in(DEA_CORPUS_DIR)) {
+    std::string from_file;
+    try {
+      from_file = dump(read_feb(model.string()));
+    } catch (const InputError&) {
+      ++refused;
+      continue;
+    }
+    const std::string from_model = febio_dump(folder.path, model.string(), "dea_dump");
+    if (from_model.rfind("cannot read", 0) == 0) {
+      ++refused;
+      continue;
+    }
+    ++compared;
+    EXPECT_EQ(difference_of(from_file, from_model), "") << model;
+  }
+  if (compared == 0) GTEST_SKIP() << "no models in " << DEA_CORPUS_DIR;
+  std::cout << compared << " models compared, " << refused << " refused by one reader\n";
 }
 
 }  // namespace
