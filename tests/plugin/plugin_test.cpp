@@ -397,6 +397,48 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
          "supports (docs/formats.md)");
 }
 
+/// Records of valgrind, leaks or accesses, that go through our library or what it loads. FEBio never deletes a task.
+std::vector<std::string> memory_faults(const std::string& valgrind_log) {
+  std::vector<std::string> faults;
+  std::string record;
+  for (const std::string& line : lines_of(valgrind_log)) {
+    const std::size_t text = line.find("== ");
+    if (text != line.npos && line.size() > text + 3) {
+      record += line.substr(text + 3) + "\n";
+      continue;
+    }
+    const auto through = [&](const char* what) { return record.find(what) != record.npos; };
+    const bool stack = through("   at ") && (through("libfebio_dea") || through("libembree") || through("libtbb"));
+    if (stack && !through("FERegisterClass_T<DeaTask>::Create")) faults.push_back(record);
+    record.clear();
+  }
+  return faults;
+}
+
+TEST(Plugin, NoMemoryFaults) {
+  const std::string valgrind = DEA_VALGRIND;
+  if (valgrind.find("NOTFOUND") != valgrind.npos) GTEST_SKIP() << "no valgrind";
+  const TemporaryFolder folder;
+  write(folder.path / "linear.feb", model_40(false));
+  write(folder.path / "quadratic.feb", model_30(true));
+  write(folder.path / "rich.feb", rich_model());
+  write(folder.path / "good.xml",
+        "<febiodea_settings version=\"1\"><json>j.json</json><csv>c.csv</csv></febiodea_settings>");
+  write(folder.path / "bad.xml", "<febiodea_settings version=\"1\"><law>cubic</law></febiodea_settings>");
+  const std::pair<const char*, const char*> runs[] = {
+      {"linear.feb", "good.xml"}, {"quadratic.feb", "good.xml"}, {"rich.feb", "good.xml"}, {"linear.feb", "bad.xml"}};
+  for (const auto& r : runs) {
+    run_program(
+        folder.path,
+        {valgrind, "--leak-check=full", "--show-leak-kinds=definite", "--num-callers=40", "--log-file=memory.log",
+         DEA_FEBIO4, "-nosplash", "-i", r.first, "-import", DEA_PLUGIN, "-task=dea", r.second},
+        300);
+    const std::string log = file_text(folder.path / "memory.log");
+    EXPECT_NE(log.find("ERROR SUMMARY"), log.npos) << log;
+    EXPECT_EQ(memory_faults(log), std::vector<std::string>{}) << r.first << " " << r.second;
+  }
+}
+
 TEST(Plugin, NoSolutionIsWrittenAndSaid) {
   const TemporaryFolder folder;
   Parts pulled;
