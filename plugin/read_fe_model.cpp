@@ -412,7 +412,7 @@ void read_steps(Reading& reading) {
     model.steps.push_back(std::move(step));
     for (int k = 0; k < fe.StepComponents(); ++k) {
       const FEStepComponent* component = fe.GetStepComponent(k);
-      if (!reading.step_of.emplace(component, i).second) reading.several_steps.insert(component);
+      if (reading.step_of.emplace(component, i).first->second != i) reading.several_steps.insert(component);
     }
   }
   if (model.steps.empty()) model.steps.push_back({"", 1.0, 0.1, {}, kNowhere});  // FEBio's defaults

@@ -1,0 +1,79 @@
+// A plugin for tests: writes FEBio's model, as read_fe_model sees it, to the task's control file. Task dea_dump reads
+// it before FEModel::Init, dea_dump_in_init from the Init of the model's last component.
+#include <FECore/FECoreKernel.h>
+#include <FECore/FECoreTask.h>
+#include <FECore/FEModel.h>
+#include <FECore/FENLConstraint.h>
+#include <FECore/sdk.h>
+#include <FECore/version.h>
+
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+#include "model_dump.h"
+#include "read_fe_model.h"
+
+namespace {
+
+bool write_dump(FEModel& fem, const std::string& path) {
+  std::string text;
+  try {
+    text = dea::test::dump(dea::read_fe_model(fem));
+  } catch (const std::exception& e) {
+    text = std::string("fault ") + e.what() + "\n";
+  }
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  return file.good();
+}
+
+class DumpTask : public FECoreTask {
+ public:
+  explicit DumpTask(FEModel* fem) : FECoreTask(fem) {}
+  bool Init(const char* file) override {
+    path_ = file;
+    return true;
+  }
+  bool Run() override { return write_dump(*GetFEModel(), path_); }
+
+ protected:
+  std::string path_;
+};
+
+class Dumper : public FENLConstraint {
+ public:
+  Dumper(FEModel* fem, const std::string& path) : FENLConstraint(fem), path_(path) {}
+  bool Init() override {
+    done = write_dump(*GetFEModel(), path_);
+    return false;  // no more of it
+  }
+  void LoadVector(FEGlobalVector&, const FETimeInfo&) override {}
+  void StiffnessMatrix(FELinearSystem&, const FETimeInfo&) override {}
+  void BuildMatrixProfile(FEGlobalMatrix&) override {}
+  bool done = false;
+
+ private:
+  std::string path_;
+};
+
+class DumpInInitTask : public DumpTask {
+ public:
+  explicit DumpInInitTask(FEModel* fem) : DumpTask(fem) {}
+  bool Run() override {
+    auto* dumper = new Dumper(GetFEModel(), path_);
+    GetFEModel()->AddNonlinearConstraint(dumper);
+    GetFEModel()->Init();
+    return dumper->done;
+  }
+};
+
+}  // namespace
+
+FECORE_PLUGIN unsigned int GetSDKVersion() { return FE_SDK_VERSION; }
+
+FECORE_PLUGIN void PluginInitialize(FECoreKernel& kernel) {
+  FECoreKernel::SetInstance(&kernel);
+  REGISTER_FECORE_CLASS(DumpTask, "dea_dump");
+  REGISTER_FECORE_CLASS(DumpInInitTask, "dea_dump_in_init");
+}
