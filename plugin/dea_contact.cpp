@@ -8,7 +8,7 @@
 #include <FECore/FELinearSystem.h>
 #include <FECore/FEMesh.h>
 #include <FECore/FESurfaceMap.h>
-#include <FECore/log.h>
+#include <FECore/version.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -17,7 +17,9 @@
 
 #include "analysis.h"
 #include "error.h"
+#include "febio_log.h"
 #include "read_fe_model.h"
+#include "version.h"
 
 namespace {
 
@@ -26,6 +28,10 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 vec3d to_fe(const dea::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 dea::Vector3d from_fe(const vec3d& v) { return {v.x, v.y, v.z}; }
 Eigen::Quaterniond from_fe(const quatd& q) { return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized(); }
+
+std::string sdk_version() {
+  return fmt::format("{}.{}.{}", FE_SDK_MAJOR_VERSION, FE_SDK_SUB_VERSION, FE_SDK_SUBSUB_VERSION);
+}
 
 constexpr const char* kSides[2] = {"primary", "secondary"};
 
@@ -108,7 +114,8 @@ END_FECORE_CLASS();
 
 /// Everything that follows from the reference configuration, and the springs at the last poses.
 struct FEDeaContact::Bed {
-  dea::Joint joint;  // this contact alone
+  dea::JointModel model;  // names and surfaces only, for messages
+  dea::Joint joint;       // this contact alone
   dea::SpringBeds beds;
   dea::FieldMaps maps;
   FERigidBody* bodies[2] = {nullptr, nullptr};  // target, source
@@ -222,17 +229,29 @@ bool FEDeaContact::build() {
   }
   bed->beds = dea::make_spring_beds(bed->joint);
   bed->maps = dea::make_field_maps(model, bed->joint);
-  for (const std::string& finding : bed->joint.findings) feLog("dea: %s\n", finding.c_str());
+  std::string text = fmt::format("dea {}, SDK {}: contact \"{}\"\n", dea::kVersion, sdk_version(), GetName());
+  for (const std::string& finding : bed->joint.findings) text += fmt::format("  {}\n", finding);
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
+    text += fmt::format("  {} surface \"{}\" on body \"{}\": ", kSides[side], model.surfaces[at(layer.surface)].name,
+                        bed->joint.bodies[at(layer.body)].name);
     if (layer.rigid)
-      feLog("dea: contact \"%s\", %s surface: bare rigid surface\n", GetName().c_str(), kSides[side]);
+      text += "bare rigid surface";
     else
-      feLog("dea: contact \"%s\", %s surface: E %g, nu %g, thickness %g to %g, mean %g (%s)%s\n", GetName().c_str(),
-            kSides[side], layer.elasticity.E, layer.elasticity.nu, layer.min_thickness(), layer.max_thickness(),
-            layer.mean_thickness(), layer.thickness_given ? "given" : "measured",
-            side == pair.source ? ", carries the springs" : "");
+      text += fmt::format("E {:g}, nu {:g}, thickness {:g} to {:g}, mean {:g}, {}", layer.elasticity.E,
+                          layer.elasticity.nu, layer.min_thickness(), layer.max_thickness(), layer.mean_thickness(),
+                          layer.thickness_given ? "given" : "measured");
+    if (layer.missed_count() > 0)
+      text +=
+          fmt::format("; {} of {} normals met no bone, closest points used", layer.missed_count(), layer.missed.size());
+    if (side == pair.source)
+      text += fmt::format("; carries {} springs, law {}", bed->beds.beds.front().springs.size(), dea::name(pair.law));
+    text += "\n";
   }
+  dea::log_text(fem, text);
+  bed->model.files = std::move(model.files);
+  bed->model.node_ids = std::move(model.node_ids);
+  bed->model.surfaces = std::move(model.surfaces);
   bed_ = std::move(bed);
   return true;
 }
@@ -245,8 +264,8 @@ bool FEDeaContact::Init() {
     GetFEModel()->AddCallback(
         [](FEModel* fem, unsigned int when, void* contact) {
           const bool every_iteration = fem->GetCurrentStep()->GetPlotLevel() == FE_PLOT_MINOR_ITRS;
-          if (when != CB_MINOR_ITERS || every_iteration) static_cast<FEDeaContact*>(contact)->update_fields();
-          return true;
+          auto* self = static_cast<FEDeaContact*>(contact);
+          return when == CB_MINOR_ITERS && !every_iteration ? true : self->update_fields();
         },
         CB_INIT | CB_STEP_ACTIVE | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED | CB_STEP_SOLVED |
             CB_SOLVED,
@@ -280,7 +299,7 @@ void FEDeaContact::Serialize(DumpStream& archive) {
 }
 
 void FEDeaContact::fault(const char* what) {
-  if (!failed_) feLogError("dea: %s", what);
+  if (!failed_) dea::log_error(*GetFEModel(), what);
   failed_ = true;
 }
 
@@ -383,12 +402,13 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
   system.Assemble(ke);
 }
 
-void FEDeaContact::update_fields() {
-  if (!bed_ || failed_) return;
+bool FEDeaContact::update_fields() {
+  if (!bed_ || failed_) return !failed_;
+  if (!IsActive()) return true;
   Bed& b = *bed_;
   try {
     const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
-    if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return;
+    if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return true;
     evaluate(1.0);
     const dea::ContactPair& pair = b.joint.contacts.front();
     dea::Equilibrium e;
@@ -397,6 +417,7 @@ void FEDeaContact::update_fields() {
     e.poses[at(b.bed().source_body)] = source;
     e.springs = {b.springs};
     e.contact_on_target = {b.wrench.wrench.segment<6>(0)};
+    dea::refuse_zero_thickness(b.model, b.joint, b.beds, e);
     std::vector<dea::ContactFields> fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
     for (int side = 0; side < 2; ++side) {
       const dea::Layer& layer = pair.layers[side];
@@ -412,9 +433,31 @@ void FEDeaContact::update_fields() {
     b.output_poses[0] = target;
     b.output_poses[1] = source;
     b.output = true;
+    warn_of_depth();
   } catch (const std::exception& e) {
     fault(e.what());
   } catch (...) {
     fault("a fault of the plugin, please report");
   }
+  return !failed_;
+}
+
+void FEDeaContact::warn_of_depth() {
+  const dea::SpringStates& s = bed_->springs;
+  int strained = 0, through = 0;
+  double largest = 0.0;
+  for (int i = 0; i < s.size(); ++i) {
+    through += s.too_deep[at(i)];
+    strained += s.strain[at(i)] > dea::kStrainLimit;
+    largest = std::max(largest, s.strain[at(i)]);
+  }
+  if (through > 0)
+    dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": under {} of {} springs the bodies overlap deeper "
+                                                "than the cartilage is thick; these carry nothing and the pressures "
+                                                "mean nothing",
+                                                GetName(), through, s.size()));
+  if (strained > 0)
+    dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": {} springs are strained beyond {:g} (up to "
+                                                "{:.3g}); their pressures mean nothing",
+                                                GetName(), strained, dea::kStrainLimit, largest));
 }

@@ -64,13 +64,15 @@ class FEDeaContact : public FEContactInterface {
   /// Throws dea::InputError naming the contact and the parameter.
   dea::Contact statement(const dea::JointModel& model) const;
 
-  /// Fields at the current poses into the surfaces, for output. Cheap when nothing has moved since.
-  void update_fields();
+  /// Fields at the current poses into the surfaces, for output, with warnings of what they cannot mean. Cheap when
+  /// nothing has moved since. False: a fault, the run is to end.
+  bool update_fields();
 
  private:
   struct Bed;
   bool build();
   void evaluate(double alpha);
+  void warn_of_depth();
   void fault(const char* what);
 
   FEDeaSurface primary_, secondary_;

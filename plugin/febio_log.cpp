@@ -67,10 +67,18 @@ void log_text(FEModel& fem, const std::string& text) {
   }
 }
 
-void log_error(FEModel& fem, const std::string& text) {
-  std::string box;
-  for (const std::string& line : box_lines(text)) box += (box.empty() ? "" : "\n") + line;
-  feLogErrorEx(&fem, "%s", escaped(box, 2).c_str());
+namespace {
+
+std::string box(const std::string& text) {
+  std::string joined;
+  for (const std::string& line : box_lines(text)) joined += (joined.empty() ? "" : "\n") + line;
+  return escaped(joined, 2);
 }
+
+}  // namespace
+
+void log_warning(FEModel& fem, const std::string& text) { feLogWarningEx((&fem), "%s", box(text).c_str()); }
+
+void log_error(FEModel& fem, const std::string& text) { feLogErrorEx((&fem), "%s", box(text).c_str()); }
 
 }  // namespace dea

@@ -13,7 +13,8 @@ void open_log_file(FEModel& fem);
 /// Prints every line of `text`.
 void log_text(FEModel& fem, const std::string& text);
 
-/// One error in FEBio's box.
+/// One warning, one error in FEBio's box.
+void log_warning(FEModel& fem, const std::string& text);
 void log_error(FEModel& fem, const std::string& text);
 
 }  // namespace dea
