@@ -40,6 +40,15 @@ struct ConvergeArguments {
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& arguments);
 int converge_command(const ConvergeArguments& arguments);
 
+struct ConvertArguments {
+  std::string model, output;
+  bool quiet = false;
+  SettingsArguments settings;
+  std::string threads;
+};
+CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
+int convert(const ConvertArguments& arguments);
+
 struct CompareArguments {
   std::vector<std::string> files, labels, surfaces, thresholds, regions;
   std::string at, dose_above, up, anterior, axis, center, bin;
