@@ -103,12 +103,12 @@ BEGIN_FECORE_CLASS(FEDeaContact, FEContactInterface)
 ADD_PARAMETER(law_, "law")->setEnums("linear\0logarithmic\0neo-Hookean\0");
 ADD_PARAMETER(facets_, "facets")->setEnums("curved\0flat\0");
 ADD_PARAMETER(source_, "source")->setEnums("primary\0secondary\0");
-ADD_PARAMETER(refine_, FE_RANGE_CLOSED(1, 1000), "refine");
-ADD_PARAMETER(E_[0], FE_RANGE_GREATER_OR_EQUAL(0.0), "primary_E")->setUnits(UNIT_PRESSURE);
-ADD_PARAMETER(nu_[0], FE_RANGE_RIGHT_OPEN(-1.0, 0.5), "primary_nu");
+ADD_PARAMETER(refine_, "refine");
+ADD_PARAMETER(E_[0], "primary_E")->setUnits(UNIT_PRESSURE);
+ADD_PARAMETER(nu_[0], "primary_nu");
 ADD_PARAMETER(thickness_[0], "primary_thickness")->setUnits(UNIT_LENGTH);
-ADD_PARAMETER(E_[1], FE_RANGE_GREATER_OR_EQUAL(0.0), "secondary_E")->setUnits(UNIT_PRESSURE);
-ADD_PARAMETER(nu_[1], FE_RANGE_RIGHT_OPEN(-1.0, 0.5), "secondary_nu");
+ADD_PARAMETER(E_[1], "secondary_E")->setUnits(UNIT_PRESSURE);
+ADD_PARAMETER(nu_[1], "secondary_nu");
 ADD_PARAMETER(thickness_[1], "secondary_thickness")->setUnits(UNIT_LENGTH);
 END_FECORE_CLASS();
 
@@ -151,6 +151,8 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   dea::Contact contact;
   contact.name = self.GetName();
   contact.type = "dea";
+  if (refine_ < 1 || refine_ > 1000)
+    throw refuse(fmt::format("<refine>: found {}, expected a whole number from 1 to 1000", refine_));
   dea::DeaContact dea;
   dea.law = static_cast<dea::Law>(law_);
   dea.facets = static_cast<dea::Facets>(facets_);
@@ -164,6 +166,10 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
       if (model.surfaces[i].name == name) index = static_cast<int>(i);
     if (index < 0) throw refuse(fmt::format("its {} surface \"{}\" is none of the model's", kSides[side], name));
     dea::DeaLayer& layer = dea.layers[side];
+    if (!(E_[side] >= 0) || std::isinf(E_[side]))
+      throw refuse(fmt::format("<{}_E>: found {:g}, need E > 0", kSides[side], E_[side]));
+    if (!(nu_[side] > -1 && nu_[side] < 0.5))
+      throw refuse(fmt::format("<{}_nu>: found {:g}, need -1 < nu < 0.5", kSides[side], nu_[side]));
     if (E_[side] > 0) {
       layer.E = E_[side];
       layer.nu = nu_[side];
@@ -204,12 +210,9 @@ bool FEDeaContact::build() {
   FEMechModel& fem = dynamic_cast<FEMechModel&>(*GetFEModel());
   dea::JointModel model = dea::read_fe_model(fem);
   model.contacts = {statement(model)};  // the others have nothing to do with this one
-  const dea::Settings settings;
-  bed->joint = dea::make_joint(model, settings);
-  dea::ContactPair& pair = bed->joint.contacts.front();
+  int rigid_bodies[2];
   for (int side = 0; side < 2; ++side) {
     FEDeaSurface& surface = side == 0 ? primary_ : secondary_;
-    surface.set_layer(pair.layers[side]);
     int body = -1;
     for (int k = 0; k < surface.Nodes(); ++k) {
       const int b = surface.Node(k).m_rid;
@@ -222,7 +225,15 @@ bool FEDeaContact::build() {
                         b < 0 ? "no rigid body" : "another rigid body than the nodes before it"));
       body = b;
     }
-    FERigidBody* rigid = fem.GetRigidBody(body);
+    rigid_bodies[side] = body;
+  }
+  const dea::Settings settings;
+  bed->joint = dea::make_joint(model, settings);
+  dea::ContactPair& pair = bed->joint.contacts.front();
+  for (int side = 0; side < 2; ++side) {
+    FEDeaSurface& surface = side == 0 ? primary_ : secondary_;
+    surface.set_layer(pair.layers[side]);
+    FERigidBody* rigid = fem.GetRigidBody(rigid_bodies[side]);
     bed->bodies[side == pair.source ? 1 : 0] = rigid;
     // FEBio's own centre of mass, about which its equations are written
     bed->joint.bodies[at(pair.layers[side].body)].center_of_mass = from_fe(rigid->m_r0);
