@@ -99,7 +99,7 @@ void spring_rung(int n, int threads, bool turns) {
   SpringBeds beds;
   const Time making = measure(1, [&] {
     joint = make_joint(model, settings);
-    beds = make_spring_beds(joint, settings);
+    beds = make_spring_beds(joint);
   });
   const LoadCase conditions = make_load_case(model, joint, settings, 0, 1.0);
   const std::vector<Pose> start = reference_poses(joint);

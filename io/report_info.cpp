@@ -31,9 +31,9 @@ const char* word(DofState s) {
 }
 
 /// Springs of every contact at the reference poses, also of those that a step switches on later.
-void check_contacts(const JointModel& model, const Settings& settings, JointCheck& check) {
+void check_contacts(const JointModel& model, JointCheck& check) {
   const Joint& joint = check.joint;
-  check.beds = make_spring_beds(joint, settings);
+  check.beds = make_spring_beds(joint);
   check.maps = make_field_maps(model, joint);
   LoadCase at_rest;
   at_rest.bodies.resize(joint.bodies.size());
@@ -260,7 +260,7 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
 void check_joint(const JointModel& model, const Settings& settings, JointCheck& check) {
   try {
     check.joint = make_joint(model, settings);
-    check_contacts(model, settings, check);
+    check_contacts(model, check);
     check.recognised = true;
     check.times = model_times(model);
     for (const LoadController& c : model.controllers)

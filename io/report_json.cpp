@@ -61,6 +61,9 @@ Json contact_json(const Joint& joint, const ContactPair& pair, const ContactStat
   j["largest_strain"] = json_number(s.largest_strain);
   j["source_resultant_factor"] = json_number(fields.sides[pair.source].resultant_factor);
   j["target_resultant_factor"] = json_number(fields.sides[1 - pair.source].resultant_factor);
+  j["law"] = name(pair.law);
+  j["facets"] = name(pair.facets);
+  j["refine"] = pair.refine;
   return j;
 }
 
@@ -117,8 +120,8 @@ Json settings_json(const Settings& s) {
   j["contact"] = s.contact.empty() ? Json(nullptr) : Json(s.contact);
   j["source"] = s.source.empty() ? Json(nullptr) : Json(s.source);
   j["springs_at"] = name(s.springs_at);
-  j["law"] = name(s.law);
-  j["refine"] = s.refine;
+  j["law"] = s.law ? Json(name(*s.law)) : Json(nullptr);
+  j["refine"] = s.refine ? Json(*s.refine) : Json(nullptr);
   j["rigid"] = s.rigid;
   j["attach"] = Json::object();
   for (const auto& entry : s.attach) j["attach"][entry.first] = entry.second;
@@ -140,7 +143,7 @@ Json settings_json(const Settings& s) {
   for (const auto& entry : s.load_at)
     j["load_at"][entry.first] = entry.second.sphere_center ? Json("sphere-center") : json_vector(entry.second.point);
   j["squash"] = s.squash;
-  j["facets"] = name(s.facets);
+  j["facets"] = s.facets ? Json(name(*s.facets)) : Json(nullptr);
   return j;
 }
 

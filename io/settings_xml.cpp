@@ -82,10 +82,42 @@ InputError fault(const std::string& path, int line, const std::string& text) {
   return InputError(path, std::max(line, 1), text);
 }
 
+/// Elements of a settings file that are no Settings.
+std::string* output_setting(OutputSettings& outputs, const std::string& name) {
+  if (name == "output") return &outputs.output;
+  if (name == "json") return &outputs.json;
+  if (name == "csv") return &outputs.csv;
+  if (name == "states") return &outputs.states;
+  return nullptr;
+}
+
 std::string names_of_options() {
   std::string names;
-  for (const SettingOption& o : setting_options()) names += fmt::format("{}<{}>", names.empty() ? "" : ", ", o.name);
-  return names;
+  for (const SettingOption& o : setting_options()) names += fmt::format("<{}>, ", o.name);
+  return names + "<output>, <json>, <csv>, <states>";
+}
+
+/// An element that is one text: no children, no attributes.
+std::string read_text_element(const std::string& path, const tinyxml2::XMLElement& e, const char* expected) {
+  if (e.FirstAttribute())
+    throw fault(path, e.GetLineNum(),
+                fmt::format("<{}>: found attribute \"{}\", expected none", e.Name(), e.FirstAttribute()->Name()));
+  if (e.FirstChildElement())
+    throw fault(path, e.FirstChildElement()->GetLineNum(),
+                fmt::format("<{}>: found <{}>, expected {}", e.Name(), e.FirstChildElement()->Name(), expected));
+  const std::string text = trimmed(e.GetText() ? e.GetText() : "");
+  if (text.empty())
+    throw fault(path, e.GetLineNum(), fmt::format("<{}>: found nothing, expected {}", e.Name(), expected));
+  return text;
+}
+
+void check_states(const std::string& path, int line, const std::string& states) {
+  if (states == "all" || states == "last") return;
+  try {
+    parse_numbers(states);
+  } catch (const BadValue&) {
+    throw fault(path, line, fmt::format("<states>: found \"{}\", expected all, last or times t1,t2,...", states));
+  }
 }
 
 SettingValue read_element(const std::string& path, const tinyxml2::XMLElement& e) {
@@ -282,7 +314,7 @@ void lay_over(Settings& settings, const std::vector<SettingValue>& values) {
   }
 }
 
-Settings read_settings(const std::string& path) {
+SettingsFile read_settings_file(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::ostringstream bytes;
   std::error_code error;
@@ -305,21 +337,31 @@ Settings read_settings(const std::string& path) {
     throw fault(path, root->GetLineNum(), fmt::format("found version \"{}\", expected \"1\"", version ? version : ""));
 
   // One element after the other, so that a fault is reported with its own line.
-  Settings settings;
+  SettingsFile file;
   std::set<std::pair<std::string, std::string>> given;
   for (const tinyxml2::XMLElement* e = root->FirstChildElement(); e; e = e->NextSiblingElement()) {
+    if (std::string* output = output_setting(file.outputs, e->Name())) {
+      if (!output->empty())
+        throw fault(path, e->GetLineNum(), fmt::format("<{}>: found a second one, expected it once", e->Name()));
+      const bool states = output == &file.outputs.states;
+      *output = read_text_element(path, *e, states ? "all, last or times t1,t2,..." : "a file name");
+      if (states) check_states(path, e->GetLineNum(), *output);
+      continue;
+    }
     const SettingValue v = read_element(path, *e);
     if (!v.option->repeatable && !given.insert({v.option->name, v.key}).second)
       throw fault(path, e->GetLineNum(),
                   fmt::format("{}: found a second one, expected it once{}", v.where,
                               v.key.empty() ? "" : fmt::format(" for \"{}\"", v.key)));
     try {
-      set_value(settings, v);
+      set_value(file.settings, v);
     } catch (const BadValue& bad_value) {
       throw fault(path, e->GetLineNum(), fmt::format("{}: {}", v.where, bad_value.what()));
     }
   }
-  return settings;
+  return file;
 }
+
+Settings read_settings(const std::string& path) { return read_settings_file(path).settings; }
 
 }  // namespace dea

@@ -47,7 +47,19 @@ void set_value(Settings& settings, const SettingValue& value);
 /// source contradicts itself.
 void lay_over(Settings& settings, const std::vector<SettingValue>& values);
 
+/// What a settings file says of the files to write and the states in them; empty: nothing.
+struct OutputSettings {
+  std::string output, json, csv;
+  std::string states;  ///< all, last or times t1,t2,...
+};
+
+struct SettingsFile {
+  Settings settings;
+  OutputSettings outputs;
+};
+
 /// Reads a settings file (docs/settings.md). Throws InputError ("file:line: found ..., expected ...").
+SettingsFile read_settings_file(const std::string& path);
 Settings read_settings(const std::string& path);
 
 /// Numbers as every option wants them: the whole text, finite, with a decimal point in any locale.

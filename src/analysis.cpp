@@ -15,7 +15,8 @@ namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// Cartilage of no thickness cannot be compressed: an error where surfaces meet, not a division.
+}  // namespace
+
 void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e) {
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const ContactPair& pair = joint.contacts[c];
@@ -39,8 +40,6 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
   }
 }
 
-}  // namespace
-
 void refuse_unsupported(const JointModel& model) {
   if (model.unsupported.empty()) return;
   const Remark& first = model.unsupported.front();
@@ -60,7 +59,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
   double clock = now();
   analysis.joint = make_joint(model, settings);
   const Joint& joint = analysis.joint;
-  const SpringBeds beds = make_spring_beds(joint, settings);
+  const SpringBeds beds = make_spring_beds(joint);
   const FieldMaps maps = make_field_maps(model, joint);
   analysis.seconds_joint = now() - clock;
 

@@ -37,6 +37,9 @@ struct AnalysisOptions {
 /// Refuses a model that holds something which changes the mechanics and is not supported (InputError at its place).
 void refuse_unsupported(const JointModel& model);
 
+/// Cartilage of no thickness cannot be compressed: InputError where such surfaces meet in this state, not a division.
+void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e);
+
 /// Joint, springs, equilibrium of every load case in order of time (each started from the one before), fields.
 /// The first state (time 0) is the reference configuration, not solved, as in FEBio's plot files.
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options = {});

@@ -81,7 +81,7 @@ std::vector<char> rigid_materials(const JointModel& model, const Settings& setti
   return rigid;
 }
 
-Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid) {
+Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid, const std::vector<char>& layer_domains) {
   const int n_materials = static_cast<int>(model.materials.size());
   std::vector<int> parent(at(n_materials));
   std::iota(parent.begin(), parent.end(), 0);
@@ -151,9 +151,13 @@ Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid) {
   ground.name = "ground";
   ground.ground = true;
   result.bodies.push_back(ground);
-  result.of_node.resize(model.nodes.size());
-  for (std::size_t i = 0; i < model.nodes.size(); ++i)
-    result.of_node[i] = node_material[i] < 0 ? -1 : result.of_material[at(node_material[i])];
+  result.of_node.assign(model.nodes.size(), -1);
+  for (std::size_t d = 0; d < model.domains.size(); ++d) {
+    const Domain& domain = model.domains[d];
+    if (domain.material < 0 || !rigid[at(domain.material)] || is_line(domain.shape)) continue;
+    if (!layer_domains.empty() && layer_domains[d]) continue;
+    for (int node : domain.nodes) result.of_node[at(node)] = result.of_material[at(domain.material)];
+  }
   return result;
 }
 

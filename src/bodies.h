@@ -19,7 +19,10 @@ struct Bodies {
   std::vector<int> of_node;      ///< per node: body whose rigid elements contain it, -1: none
   int ground() const { return static_cast<int>(bodies.size()) - 1; }
 };
-Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid);
+/// `layer_domains`: per domain, elements of a rigid material that are cartilage all the same (of a contact of type
+/// "dea"): part of the body, but their nodes are not the bone's. Empty: none.
+Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid,
+                   const std::vector<char>& layer_domains = {});
 
 /// Signed volume of a solid element (> 0 when its nodes are in FEBio's order) and its centroid.
 struct ElementVolume {

@@ -703,13 +703,13 @@ bool solved(Outcome outcome) {
   return outcome == Outcome::Prescribed || outcome == Outcome::Balanced || outcome == Outcome::BalancedToOneSpring;
 }
 
-SpringBeds make_spring_beds(const Joint& joint, const Settings& settings) {
+SpringBeds make_spring_beds(const Joint& joint) {
   SpringBeds beds;
   beds.least_thickness = kInfinity;
   double area = 0.0, inertia = 0.0;
   beds.reach = 0.0;
   for (const ContactPair& pair : joint.contacts) {
-    beds.beds.push_back(make_spring_bed(joint, pair, settings));
+    beds.beds.push_back(make_spring_bed(joint, pair));
     for (const Layer& layer : pair.layers) {
       const SurfaceExtent extent = surface_extent(layer.articular);
       area += extent.area;

@@ -34,7 +34,7 @@ struct SpringBeds {
   double reach = 1.0;            ///< largest distance of an articular vertex from its body's centre of mass
   double least_thickness = 1.0;  ///< of the layers: a pose step moves no surface by more than half of it
 };
-SpringBeds make_spring_beds(const Joint& joint, const Settings& settings);
+SpringBeds make_spring_beds(const Joint& joint);
 
 struct Equilibrium {
   Outcome outcome = Outcome::NotConverged;

@@ -59,7 +59,8 @@ using FaceMap = std::unordered_map<CornerKey, std::vector<ElementFace>, KeyHash>
 struct Recognition {
   const JointModel& model;
   const Settings& settings;
-  std::vector<char> rigid;  // per material
+  std::vector<char> rigid;          // per material
+  std::vector<char> layer_domains;  // per domain: cartilage of a rigid material (contacts of type "dea")
   Bodies bodies;
   std::vector<int> region;  // per node: root node of its deformable region, -1: in no deformable solid element
   FaceMap faces;            // element faces all of whose corners are nodes of a contact surface
@@ -80,8 +81,11 @@ std::vector<std::string> surface_names(const JointModel& model) {
   return names;
 }
 
+/// Cartilage: of a deformable material, or rigid with its bone under a contact that knows its modulus.
 bool deformable(const Recognition& r, const Domain& d) {
-  return d.material >= 0 && !r.rigid[at(d.material)] && !is_line(d.shape) && !is_shell(d.shape);
+  if (d.material < 0 || is_line(d.shape) || is_shell(d.shape)) return false;
+  const auto index = static_cast<std::size_t>(&d - r.model.domains.data());
+  return !r.rigid[at(d.material)] || r.layer_domains[index];
 }
 
 void find_regions(Recognition& r) {
@@ -439,7 +443,64 @@ std::string not_held(const Recognition& r, int root, int cartilage, const std::s
   return found + (bones.empty() ? attach : fmt::format("take its bone as rigid with {}, or {}", bones, attach));
 }
 
-Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
+Facets facets_of(const Recognition& r, const Contact& contact) {
+  return r.settings.facets.value_or(contact.dea ? contact.dea->facets.value_or(Facets::Curved) : Facets::Curved);
+}
+
+/// What is said of a layer, the user before the contact.
+struct GivenLayer {
+  std::optional<double> E, nu, thickness;
+  bool map = false;  ///< thickness by the contact's map
+};
+
+GivenLayer given_layer(const Recognition& r, const Contact& contact, int side) {
+  const std::string& name = r.model.surfaces[at(side == 0 ? contact.primary : contact.secondary)].name;
+  GivenLayer given = {surface_override(r.settings.E, name), surface_override(r.settings.nu, name),
+                      surface_override(r.settings.thickness, name), false};
+  if (!contact.dea) return given;
+  const DeaLayer& stated = contact.dea->layers[side];
+  if (!given.E) given.E = stated.E;
+  if (!given.nu) given.nu = stated.nu;
+  given.map = !given.thickness && !stated.thickness_map.empty();
+  if (!given.thickness) given.thickness = stated.thickness;
+  return given;
+}
+
+/// Contacts of type "dea" whose layer is to be measured: the elements under the surface are the cartilage, though
+/// rigid.
+void find_layer_domains(Recognition& r) {
+  r.layer_domains.assign(r.model.domains.size(), 0);
+  for (const Contact& c : r.model.contacts) {
+    if (!c.dea || c.primary < 0 || c.secondary < 0) continue;
+    for (int side = 0; side < 2; ++side) {
+      const GivenLayer given = given_layer(r, c, side);
+      if (given.thickness || given.map || (!given.E && !given.nu)) continue;
+      const Surface& s = r.model.surfaces[at(side == 0 ? c.primary : c.secondary)];
+      for (int f = 0; f < s.size(); ++f) {
+        const auto* found = find_face(r, s.nodes.data() + s.begin[at(f)], s.begin[at(f) + 1] - s.begin[at(f)]);
+        if (found == nullptr) continue;
+        for (const ElementFace& face : *found)
+          if (!is_shell(r.model.domains[at(face.domain)].shape)) r.layer_domains[at(face.domain)] = 1;
+      }
+    }
+  }
+}
+
+/// Thickness at the vertices of the articular surface: the mean of what the map says of a node in the facets around it.
+std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>& map, const SurfaceMesh& mesh) {
+  std::unordered_map<int, std::array<double, 2>> sums;  // node -> sum, count
+  for (std::size_t k = 0; k < s.nodes.size(); ++k) {
+    auto& sum = sums[s.nodes[k]];
+    sum[0] += map[k];
+    sum[1] += 1;
+  }
+  std::vector<double> thickness;
+  for (int node : mesh.model_nodes) thickness.push_back(sums.at(node)[0] / sums.at(node)[1]);
+  return thickness;
+}
+
+Layer make_layer(const Recognition& r, const Contact& contact, int side) {
+  const int surface = side == 0 ? contact.primary : contact.secondary;
   const JointModel& model = r.model;
   const Settings& settings = r.settings;
   const Surface& s = model.surfaces[at(surface)];
@@ -468,7 +529,7 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     if (d.material < 0)
       throw refuse(
           fmt::format("its elements \"{}\" have no material (no domain in MeshDomains); give them one", d.name));
-    if (r.rigid[at(d.material)]) {
+    if (r.rigid[at(d.material)] && !deformable(r, d)) {
       bodies.insert(r.bodies.of_material[at(d.material)]);
     } else if (is_shell(d.shape)) {
       throw refuse(
@@ -503,9 +564,8 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     }
     layer.attached_by = "attached by the user";
   }
-  const std::optional<double> given_thickness = surface_override(settings.thickness, s.name);
-  const std::optional<double> given_E = surface_override(settings.E, s.name),
-                              given_nu = surface_override(settings.nu, s.name);
+  const GivenLayer given = given_layer(r, contact, side);
+  const std::optional<double>&given_thickness = given.thickness, &given_E = given.E, &given_nu = given.nu;
 
   if (roots.empty()) {  // a rigid surface
     if (bodies.size() > 1) throw refuse("lies on several rigid bodies; split it into one surface per body");
@@ -513,7 +573,12 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
       layer.body = *bodies.begin();
       layer.attached_by = "is a surface of the rigid body itself";
     }
-    layer.rigid = !given_thickness || *given_thickness == 0.0;
+    if (contact.dea && !given_thickness && !given.map && (given_E || given_nu))
+      throw refuse(
+          fmt::format("the thickness of its layer cannot be measured, for it does not lie on solid elements; give it "
+                      "in the contact as <{}_thickness>, or with --thickness \"{}=VALUE\"",
+                      side == 0 ? "primary" : "secondary", s.name));
+    layer.rigid = !given.map && (!given_thickness || *given_thickness == 0.0);
     if (!layer.rigid && layer.springs_at == SpringsAt::Bone)
       throw refuse(
           "a thickness given for a bare rigid surface lies under that surface, and the bone under it is not in the "
@@ -523,6 +588,11 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     const int root = *roots.begin();
     const auto held = r.held.find(root);
     if (layer.body < 0) {
+      if ((held == r.held.end() || held->second.empty()) && contact.dea && r.rigid[at(layer_material(materials))])
+        throw refuse(
+            fmt::format("the thickness of its layer cannot be measured, for its elements share no nodes with the bone "
+                        "under them; give it in the contact as <{}_thickness>, or with --thickness \"{}=VALUE\"",
+                        side == 0 ? "primary" : "secondary", s.name));
       if (held == r.held.end() || held->second.empty()) {
         throw refuse(not_held(r, root, layer_material(materials), s.name));
       }
@@ -569,7 +639,7 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     }
     for (int m : region_materials) {
       const double other = model.materials[at(m)].E;
-      if (m == layer.material || given_thickness) continue;
+      if (m == layer.material || given_thickness || given.map) continue;
       if (!(other <= 5.0 * E))
         throw refuse(fmt::format(
             "its part also holds material \"{}\" ({}), a deformable bone? DEA keeps bones rigid: type --rigid \"{}\"",
@@ -608,7 +678,7 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
       layer.bone = bone_surface(r, root, layer.body, carried);
     }
     if (layer.bone.size() == 0) {
-      if (!given_thickness)
+      if (!given_thickness && !given.map)
         throw refuse(
             fmt::format("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone surface "
                         "to measure the "
@@ -620,7 +690,7 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
     }
   }
 
-  if (settings.facets == Facets::Flat) {
+  if (facets_of(r, contact) == Facets::Flat) {
     layer.articular.bulge.assign(layer.articular.bulge.size(), {0, 0, 0});
     layer.bone.bulge.assign(layer.bone.bulge.size(), {0, 0, 0});
   }
@@ -653,6 +723,13 @@ Layer make_layer(const Recognition& r, int surface, const Contact& contact) {
   if (layer.rigid) {
     layer.thickness.assign(n, 0.0);
     layer.missed.assign(n, 0);
+  } else if (given.map) {
+    if (layer.springs_at == SpringsAt::Bone)
+      throw refuse("its thickness is a map on the articular surface: use --springs-at articular");
+    layer.thickness = mapped_thickness(s, contact.dea->layers[side].thickness_map, layer.articular);
+    layer.missed.assign(n, 0);
+    layer.thickness_given = true;
+    if (!(layer.mean_thickness() > 0)) throw refuse("its thickness map is zero everywhere");
   } else if (given_thickness) {
     if (!(*given_thickness > 0) || !std::isfinite(*given_thickness))
       throw UsageError(
@@ -749,10 +826,11 @@ int Joint::find_body(const JointModel& model, const std::string& name) const {
 }
 
 Joint make_joint(const JointModel& model, const Settings& settings) {
-  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}};
-  r.bodies = find_bodies(model, r.rigid);
-  find_regions(r);
+  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}};
   find_faces(r);
+  find_layer_domains(r);
+  r.bodies = find_bodies(model, r.rigid, r.layer_domains);
+  find_regions(r);
   find_holders(r);
 
   Joint joint;
@@ -783,8 +861,11 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     pair.name = c.name;
     pair.contact = i;
     pair.step = c.step;
-    pair.layers[0] = make_layer(r, c.primary, c);
-    pair.layers[1] = make_layer(r, c.secondary, c);
+    pair.source = c.dea ? c.dea->source : 0;
+    pair.law = settings.law.value_or(c.dea ? c.dea->law.value_or(Law::Linear) : Law::Linear);
+    pair.facets = facets_of(r, c);
+    pair.refine = settings.refine.value_or(c.dea ? c.dea->refine.value_or(1) : 1);
+    for (int side = 0; side < 2; ++side) pair.layers[side] = make_layer(r, c, side);
     for (const ContactPair& other : joint.contacts) {
       const Contact& o = model.contacts[at(other.contact)];
       const bool same = (o.primary == c.primary && o.secondary == c.secondary) ||
@@ -814,7 +895,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
           !looks_away(layer.articular, pair.layers[1 - side].articular))
         continue;
       flip(layer.articular, model);
-      if (settings.facets == Facets::Flat) layer.articular.bulge.assign(layer.articular.bulge.size(), {0, 0, 0});
+      if (facets_of(r, c) == Facets::Flat) layer.articular.bulge.assign(layer.articular.bulge.size(), {0, 0, 0});
       layer.bone = layer.articular;
       joint.findings.push_back(
           fmt::format("surface \"{}\" lies on rigid shells and looked away from its partner: turned round",

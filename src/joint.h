@@ -50,7 +50,10 @@ struct ContactPair {
   int contact = -1;  ///< index into JointModel::contacts
   Layer layers[2];   ///< primary, secondary
   int source = 0;
-  int step = -1;  ///< active only in this step; -1: in all
+  Law law = Law::Linear;
+  Facets facets = Facets::Curved;
+  int refine = 1;  ///< each spring triangle is divided into refine^2
+  int step = -1;   ///< active only in this step; -1: in all
   const Layer& source_layer() const { return layers[source]; }
   const Layer& target_layer() const { return layers[1 - source]; }
 };

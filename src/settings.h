@@ -34,10 +34,10 @@ struct Settings {
   std::string contact;  ///< only this contact pair; empty: every one that joins two bodies
   std::string source;   ///< body whose layer carries the springs; empty: the contact's primary side
   SpringsAt springs_at = SpringsAt::Articular;
-  Law law = Law::Linear;
-  Facets facets = Facets::Curved;
-  int refine = 1;                                   ///< each spring triangle is divided into refine^2; >= 1
-  std::vector<std::string> rigid;                   ///< deformable materials to take as rigid
+  std::optional<Law> law;          ///< empty: what the contact says, or linear
+  std::optional<Facets> facets;    ///< empty: what the contact says, or curved
+  std::optional<int> refine;       ///< each spring triangle is divided into refine^2, >= 1; empty: the contact's, or 1
+  std::vector<std::string> rigid;  ///< deformable materials to take as rigid
   std::map<std::string, std::string> attach;        ///< surface -> body it belongs to ("ground" for the ground)
   std::map<std::string, std::string> bone;          ///< articular surface -> surface that is its bone surface
   std::map<std::string, double> thickness;          ///< surface -> constant thickness; "" = all surfaces

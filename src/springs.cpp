@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -63,19 +64,19 @@ Springs make_springs(const Layer& source, int refine) {
   return s;
 }
 
-SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair, const Settings& settings) {
+SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
   SpringBed bed{&pair,
                 source.body,
                 target.body,
                 joint.bodies[at(source.body)].center_of_mass,
                 joint.bodies[at(target.body)].center_of_mass,
-                make_springs(source, settings.refine),
+                make_springs(source, pair.refine),
                 RayCaster(target.spring_surface()),
                 {},
                 0.0,
                 target.max_thickness(),
-                settings.law};
+                pair.law};
   for (int i = 0; i < bed.springs.size(); ++i)
     for (const Vector3d& corner : bed.springs.triangle[at(i)])
       bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
@@ -487,6 +488,53 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
   K.block<3, 3>(3, 9) += -skew(M) + skew(F) * skew(Vector3d(target.center - source.center));
   K.block<3, 3>(9, 9) -= skew(M_s);
   return total;
+}
+
+Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const SpringStates& s, const Pose& source,
+                                                const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
+                                                const std::array<bool, 12>& free) {
+  using Vector12 = Eigen::Matrix<double, 12, 1>;
+  const ContactPair& pair = *bed.pair;
+  Eigen::Matrix<double, 12, 12> K = Eigen::Matrix<double, 12, 12>::Zero();
+  std::vector<Vector12> opening(at(s.size()), Vector12::Zero());  // d(gap) of small motions
+  double least_thickness = kInfinity;
+  for (int i = 0; i < s.size(); ++i) {
+    const auto k = at(i);
+    if (s.triangle[k] < 0 || s.area[k] <= 0) continue;
+    const SpringResponse r = spring_response(bed.law, pair.source_layer().elasticity, pair.target_layer().elasticity,
+                                             s.t_source[k], s.t_target[k], 0.0);
+    const Vector3d& n = s.direction[k];
+    const Vector3d m = s.normal[k] / s.normal[k].dot(n);  // (E2)
+    const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;
+    opening[k] << m, end_t.cross(m), -m, -end_s.cross(m);
+    for (std::size_t d = 0; d < 12; ++d)
+      if (!free[d]) opening[k][static_cast<Eigen::Index>(d)] = 0.0;
+    K += r.per_overlap * s.area[k] * opening[k] * opening[k].transpose();
+    least_thickness = std::min(least_thickness, s.t_source[k] + s.t_target[k]);
+  }
+  // The motion under the force; rotations in units of a length, so that singular values can be told apart.
+  const double length =
+      std::max(1e-300, std::sqrt(K.diagonal().segment<3>(3).sum() + K.diagonal().segment<3>(9).sum()) /
+                           std::sqrt(std::max(1e-300, K.trace())));
+  Vector12 scale = Vector12::Ones();
+  scale.segment<3>(3).setConstant(1 / std::max(length, 1e-12));
+  scale.segment<3>(9) = scale.segment<3>(3);
+  Vector12 f = force;
+  for (std::size_t d = 0; d < 12; ++d)
+    if (!free[d]) f[static_cast<Eigen::Index>(d)] = 0.0;
+  Eigen::JacobiSVD<Eigen::Matrix<double, 12, 12>> svd(scale.asDiagonal() * K * scale.asDiagonal(),
+                                                      Eigen::ComputeFullU | Eigen::ComputeFullV);
+  svd.setThreshold(1e-6);
+  const Vector12 motion = scale.asDiagonal() * svd.solve(Vector12(scale.asDiagonal() * f));
+  double way = kInfinity, fastest = 0.0;
+  for (int i = 0; i < s.size(); ++i) {
+    const double closing = -opening[at(i)].dot(motion);
+    if (closing > 0) way = std::min(way, std::max(0.0, s.gap[at(i)]) / closing);
+    fastest = std::max(fastest, closing);
+  }
+  if (!std::isfinite(way) || fastest <= 0) return K;
+  way += 0.01 * least_thickness / fastest;
+  return K / way;
 }
 
 }  // namespace dea

@@ -46,7 +46,7 @@ struct SpringBed {
   double max_target_thickness = 0.0;
   Law law = Law::Linear;
 };
-SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair, const Settings& settings);
+SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair);
 
 /// A spring over the target's rim: how the covered part of its foot triangle changes with small motions. Order of the
 /// 12 unknowns as in ContactWrench.
@@ -94,5 +94,13 @@ struct ContactWrench {
   double normal_force = 0.0;  ///< sum of p A: the scale of the contact's forces
 };
 ContactWrench contact_wrench(const SpringStates& states, const Pose& source, const Pose& target);
+
+/// For surfaces apart, whose springs give Newton's method nothing to go by: a stiffness K (12x12, positive
+/// semidefinite, order of ContactWrench) under which `force` closes the gap in one step, K u = force with u the motion
+/// to just beyond first touch. It is that of all springs facing the target, taken as touching, divided by the way
+/// there; `force`: on target and source; `free`: of the 12 dofs, those that can move. Zero if no spring faces anything.
+Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const SpringStates& states, const Pose& source,
+                                                const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
+                                                const std::array<bool, 12>& free);
 
 }  // namespace dea

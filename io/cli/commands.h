@@ -15,7 +15,7 @@ struct RunArguments {
   std::string model, output, json, csv;
   bool quiet = false, verbose = false;
   SettingsArguments settings;
-  std::string times_from, states = "all";
+  std::string times_from, states;  ///< states: empty: all
   bool compress = false;
   std::string threads;
 };
@@ -39,6 +39,15 @@ struct ConvergeArguments {
 };
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& arguments);
 int converge_command(const ConvergeArguments& arguments);
+
+struct ConvertArguments {
+  std::string model, output;
+  bool quiet = false;
+  SettingsArguments settings;
+  std::string threads;
+};
+CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
+int convert(const ConvertArguments& arguments);
 
 struct CompareArguments {
   std::vector<std::string> files, labels, surfaces, thresholds, regions;

@@ -21,6 +21,7 @@ Examples:
   dea run hip.feb                    pressure in every state, written beside the model as hip_dea.xplt
   dea info hip.feb                   what is recognised in the model, without solving
   dea converge hip.feb               how many springs the result needs
+  dea convert hip.feb                the same joint for FEBio with the plugin, as hip_dea.feb
   dea compare hip_dea.xplt hip.xplt  how far that is from FEBio's result
   dea run --help                     all options of a command)";
 
@@ -40,10 +41,12 @@ int parse_and_run(int argc, char** argv) {
   RunArguments run_arguments;
   InfoArguments info_arguments;
   ConvergeArguments converge_arguments;
+  ConvertArguments convert_arguments;
   CompareArguments compare_arguments;
   const CLI::App* run_command = add_run(app, run_arguments);
   const CLI::App* info_command = add_info(app, info_arguments);
   const CLI::App* converge_app = add_converge(app, converge_arguments);
+  const CLI::App* convert_app = add_convert(app, convert_arguments);
   const CLI::App* compare_app = add_compare(app, compare_arguments);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->get_formatter()->column_width(38);
 
@@ -63,6 +66,7 @@ int parse_and_run(int argc, char** argv) {
   if (run_command->parsed()) return run(run_arguments);
   if (info_command->parsed()) return info(info_arguments);
   if (converge_app->parsed()) return converge_command(converge_arguments);
+  if (convert_app->parsed()) return convert(convert_arguments);
   if (compare_app->parsed()) return compare_command(compare_arguments);
   return kWrongUse;
 }

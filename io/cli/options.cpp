@@ -84,9 +84,13 @@ void add_settings_options(CLI::App& command, SettingsArguments& arguments, bool 
       ->group("Settings file");
 }
 
-Settings effective_settings(const SettingsArguments& arguments) {
+Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs) {
   Settings settings;
-  if (!arguments.file.empty()) settings = read_settings(arguments.file);
+  if (!arguments.file.empty()) {
+    const SettingsFile file = read_settings_file(arguments.file);
+    settings = file.settings;
+    if (outputs != nullptr) *outputs = file.outputs;
+  }
   try {
     std::vector<SettingValue> values;
     for (const auto& option : arguments.values)

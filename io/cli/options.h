@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "settings.h"
+#include "settings_xml.h"
 
 namespace dea {
 
@@ -21,8 +21,9 @@ struct SettingsArguments {
 /// `refine`, `squash`: whether this command has these options.
 void add_settings_options(CLI::App& command, SettingsArguments& arguments, bool refine, bool squash);
 
-/// Command line over settings file over the model's own. Throws UsageError, InputError (settings file).
-Settings effective_settings(const SettingsArguments& arguments);
+/// Command line over settings file over the model's own. Throws UsageError, InputError (settings file). `outputs`: what
+/// the file says of output files and states; nullptr: of no interest.
+Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs = nullptr);
 
 void add_threads_option(CLI::App& command, std::string& threads);
 /// Holds for as long as the result lives; empty `threads`: all cores.

@@ -223,7 +223,7 @@ bool rigid_condition(Reading& reading, const XMLElement& element, const std::str
 
 bool rigid_connector(Reading& reading, const XMLElement& element, const std::string& type) {
   if (type.rfind("rigid ", 0) != 0 && type != "generic rigid joint") return false;
-  if (one_of(type, {"rigid damper", "rigid angular damper"})) {
+  if (febio::is_damper(type)) {
     ignore(reading, element, fmt::format("{}: statics has no velocity", type));
     return true;
   }
@@ -257,47 +257,88 @@ bool rigid_connector(Reading& reading, const XMLElement& element, const std::str
 
 namespace {
 
-std::optional<Contact::Kind> contact_kind(const std::string& type) {
-  if (one_of(type,
-             {"sliding-elastic", "sliding-tension-compression", "sliding-facet-on-facet", "facet-to-facet sliding",
-              "sliding-node-on-facet", "sliding_with_gaps", "sliding", "sliding2", "sliding3", "sliding-biphasic",
-              "sliding-biphasic-mixed", "sliding-biphasic-solute", "sliding-multiphasic", "mortar-sliding"})) {
-    return Contact::Kind::Sliding;
-  }
-  if (one_of(type, {"tied-node-on-facet", "tied-facet-on-facet", "tied-elastic", "sticky", "tied-biphasic",
-                    "tied-multiphasic", "tied", "facet-to-facet tied", "mortar-tied"})) {
-    return Contact::Kind::Tied;
-  }
-  return std::nullopt;
-}
-
 /// Parameters that could change the result and that DEA does not use, where they are away from their defaults.
 std::vector<std::string> ignored_parameters(const XMLElement& element, const std::string& type) {
-  const bool unlimited = one_of(type, {"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
-                                       "sliding_with_gaps", "sliding"});
-  const std::pair<const char*, double> defaults[] = {{"fric_coeff", 0},
-                                                     {"mu", 0},
-                                                     {"tension", 0},
-                                                     {"offset", 0},
-                                                     {"search_radius", unlimited ? 0 : 1},
-                                                     {"node_reloc", 0},
-                                                     {"flip_primary", 0},
-                                                     {"flip_secondary", 0},
-                                                     {"shell_bottom_primary", 0},
-                                                     {"shell_bottom_secondary", 0},
-                                                     {"offset_shells", 0},
-                                                     {"contact_frac", 0},
-                                                     {"max_traction", 0}};
   std::vector<std::string> ignored;
-  for (const auto& parameter : defaults) {
-    const XMLElement* child = element.FirstChildElement(parameter.first);
+  for (const febio::ContactParameter& parameter : febio::unused_contact_parameters(type)) {
+    const XMLElement* child = element.FirstChildElement(parameter.name);
     if (child == nullptr) continue;
     const std::string text(trim(text_of(*child)));
     const auto value = whole_double(text);
-    if (value && *value == parameter.second && child->Attribute("lc") == nullptr) continue;
-    ignored.push_back(fmt::format("{} = {}", parameter.first, value ? fmt::format("{:g}", *value) : quote(text)));
+    if (value && *value == parameter.usual && child->Attribute("lc") == nullptr) continue;
+    ignored.push_back(fmt::format("{} = {}", parameter.name, value ? fmt::format("{:g}", *value) : quote(text)));
   }
   return ignored;
+}
+
+/// Position of the element's word, or a fault that lists them.
+int need_word(const Reading& reading, const XMLElement& element, std::initializer_list<const char*> words) {
+  const int position = read_word(element, words);
+  if (position >= 0) return position;
+  std::string expected;
+  for (const char* word : words) expected += fmt::format("{}{}", expected.empty() ? "" : ", ", word);
+  fail(reading, element,
+       fmt::format("{} = {}, expected one of {}", element.Name(), quote(trim(text_of(element))), expected));
+}
+
+/// primary_E, secondary_thickness and so on; false: the element is none of these.
+bool read_dea_layer(Reading& reading, const XMLElement& element, DeaContact& dea) {
+  const std::string tag = element.Name();
+  const int side = tag.rfind("primary_", 0) == 0 ? 0 : tag.rfind("secondary_", 0) == 0 ? 1 : -1;
+  if (side < 0) return false;
+  DeaLayer& layer = dea.layers[side];
+  const std::string what = tag.substr(tag.find('_') + 1);
+  const std::string type = attribute(element, "type");
+  const auto need = [&](bool good, double value, const char* needed) {
+    if (!good) fail(reading, element, fmt::format("{} = {:g}, need {}", tag, value, needed));
+    return value;
+  };
+  if (what == "E" || what == "nu" || what == "thickness") {
+    if (what == "thickness" && type == "map") {
+      reading.map_uses.push_back({static_cast<int>(reading.model.contacts.size()), side,
+                                  std::string(trim(text_of(element))), origin_of(reading, element)});
+      return true;
+    }
+    if ((!type.empty() && type != "const") || read_lc(reading, element) != 0) {
+      fail(reading, element,
+           fmt::format("{} is given as type {} or follows a load controller, expected a number{}", tag, quote(type),
+                       what == "thickness" ? " or type \"map\"" : ""));
+    }
+    const double value = read_double(reading, element);
+    if (what == "E")
+      layer.E = need(value > 0, value, "E > 0");
+    else if (what == "nu")
+      layer.nu = need(value > -1 && value < 0.5, value, "-1 < nu < 0.5");
+    else
+      layer.thickness = need(value >= 0, value, "thickness >= 0");
+    return true;
+  }
+  return false;
+}
+
+/// A contact of type dea: the spring bed, stated in the model.
+DeaContact read_dea(Reading& reading, const XMLElement& element) {
+  DeaContact dea;
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "law") {
+      dea.law = static_cast<Law>(need_word(reading, *child, {"linear", "logarithmic", "neo-Hookean"}));
+    } else if (tag == "facets") {
+      dea.facets = static_cast<Facets>(need_word(reading, *child, {"curved", "flat"}));
+    } else if (tag == "source") {
+      dea.source = need_word(reading, *child, {"primary", "secondary"});
+    } else if (tag == "refine") {
+      const int refine = read_int(reading, *child);
+      if (refine < 1 || refine > 1000) fail(reading, *child, fmt::format("refine = {}, need 1 to 1000", refine));
+      dea.refine = refine;
+    } else if (!read_dea_layer(reading, *child, dea)) {
+      fail(reading, *child,
+           fmt::format("<{}> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness with "
+                       "primary_ or secondary_ before",
+                       tag));
+    }
+  }
+  return dea;
 }
 
 }  // namespace
@@ -310,7 +351,7 @@ void read_contact(Reading& reading, const XMLElement& section) {
     }
     Contact contact;
     contact.type = need_attribute(reading, *child, "type");
-    const auto kind = contact_kind(contact.type);
+    const auto kind = febio::contact_kind(contact.type);
     if (!kind) {
       unsupported(reading, *child, fmt::format("contact {}", quote(contact.type)));
       continue;
@@ -339,6 +380,7 @@ void read_contact(Reading& reading, const XMLElement& section) {
     contact.secondary = pair.secondary;
     contact.max_distance = child_double(reading, *child, "max_distance", 0.0);
     contact.ignored = ignored_parameters(*child, contact.type);
+    if (contact.type == "dea") contact.dea = read_dea(reading, *child);
     contact.step = reading.step;
     contact.origin = origin_of(reading, *child);
     reading.model.contacts.push_back(std::move(contact));

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "error.h"
 #include "feb_reading.h"
 
 namespace dea::feb {
@@ -465,7 +466,118 @@ void read_thickness(Reading& reading, const XMLElement& section) {
   }
 }
 
+// -- maps on surfaces --------------------------------------------------------------------------------
+
+/// Reads one <face lid="k">: a value for all nodes of the facet, or one per node of the surface's largest facet (those
+/// beyond the facet's own are padding), as FEBio does. The fault, if any.
+std::string read_face(const XMLElement& element, const Surface& surface, int largest, std::vector<char>& seen,
+                      std::vector<double>& values) {
+  const auto lid = whole_int(attribute(element, "lid"));
+  if (!lid || *lid < 1 || *lid > surface.size()) {
+    return fmt::format("<{}> with lid = {}, expected the number of one of the {} facets of surface {}", element.Name(),
+                       quote(attribute(element, "lid")), surface.size(), quote(surface.name));
+  }
+  const std::size_t facet = static_cast<std::size_t>(*lid) - 1;
+  if (seen[facet]) return fmt::format("facet {} is given twice", *lid);
+  seen[facet] = 1;
+  const std::string text = text_of(element);
+  std::string_view rest = text;
+  std::vector<double> numbers;
+  do {
+    double value = 0.0;
+    const Number found = take_double(rest, value);
+    if (found == Number::NotFinite) {
+      return fmt::format("facet {} has {}, expected numbers of at most 1e30", *lid, quote(trim(text)));
+    }
+    if (found == Number::None) break;
+    numbers.push_back(value);
+  } while (take_comma(rest));
+  const int count = static_cast<int>(numbers.size());
+  if (!trim(rest).empty() || (count != 1 && count != largest)) {
+    return fmt::format("facet {} has {}, expected one number, or {}: as many as the surface's largest facet has nodes",
+                       *lid, quote(trim(text)), largest);
+  }
+  const int first = surface.begin[facet], nodes = surface.begin[facet + 1] - first;
+  for (int k = 0; k < nodes; ++k) {
+    values[static_cast<std::size_t>(first + k)] = numbers[count == 1 ? 0 : static_cast<std::size_t>(k)];
+  }
+  return "";
+}
+
+void read_surface_map(Reading& reading, const XMLElement& section, const std::string& what) {
+  SurfaceMap map;
+  map.name = attribute(section, "name");
+  map.what = what;
+  map.origin = map.fault_origin = origin_of(reading, section);
+  map.surface = find_name(reading.surface_index, attribute(section, "surface"));
+  const std::string data_type = attribute(section, section.Attribute("datatype") != nullptr ? "datatype" : "data_type");
+  if (map.surface < 0) {
+    map.fault = fmt::format("surface = {}, expected the name of a Surface", quote(attribute(section, "surface")));
+  } else if (section.Attribute("type") != nullptr || section.Attribute("generator") != nullptr) {
+    map.fault = "its values are made by a generator, expected <face lid=\"1\"> with numbers for every facet";
+  } else if (!data_type.empty() && data_type != "scalar") {
+    map.fault = fmt::format("data_type = {}, expected scalar", quote(data_type));
+  }
+  if (map.fault.empty()) {
+    const Surface& surface = reading.model.surfaces[static_cast<std::size_t>(map.surface)];
+    int largest = 0;
+    for (int f = 0; f < surface.size(); ++f) {
+      const std::size_t i = static_cast<std::size_t>(f);
+      largest = std::max(largest, surface.begin[i + 1] - surface.begin[i]);
+    }
+    map.values.assign(surface.nodes.size(), 0.0);
+    std::vector<char> seen(static_cast<std::size_t>(surface.size()), 0);
+    for (const XMLElement* child = section.FirstChildElement(); child != nullptr && map.fault.empty();
+         child = child->NextSiblingElement()) {
+      map.fault = read_face(*child, surface, largest, seen, map.values);
+      if (!map.fault.empty()) map.fault_origin = origin_of(reading, *child);
+    }
+    const auto missing = std::find(seen.begin(), seen.end(), 0);
+    if (map.fault.empty() && missing != seen.end()) {
+      map.fault = fmt::format("facet {} of surface {} has no value ({} such facets)", missing - seen.begin() + 1,
+                              quote(surface.name), std::count(seen.begin(), seen.end(), 0));
+    }
+  }
+  reading.surface_maps.push_back(std::move(map));
+}
+
 }  // namespace
+
+void resolve_surface_maps(Reading& reading) {
+  JointModel& model = reading.model;
+  for (const MapUse& use : reading.map_uses) {
+    Contact& contact = model.contacts[static_cast<std::size_t>(use.contact)];
+    const int index = use.side == 0 ? contact.primary : contact.secondary;
+    const Surface& surface = model.surfaces[static_cast<std::size_t>(index)];
+    const auto map = std::find_if(reading.surface_maps.begin(), reading.surface_maps.end(),
+                                  [&](const SurfaceMap& candidate) { return candidate.name == use.name; });
+    if (map == reading.surface_maps.end()) {
+      throw InputError(model, use.origin,
+                       fmt::format("{} names no map, expected the name of a SurfaceData in MeshData", quote(use.name)));
+    }
+    map->used = true;
+    if (!map->fault.empty()) {
+      throw InputError(model, map->fault_origin, fmt::format("SurfaceData {}: {}", quote(map->name), map->fault));
+    }
+    if (map->surface != index) {
+      throw InputError(
+          model, use.origin,
+          fmt::format("map {} is of surface {}, expected one of surface {}", quote(use.name),
+                      quote(model.surfaces[static_cast<std::size_t>(map->surface)].name), quote(surface.name)));
+    }
+    for (const double value : map->values) {
+      if (value < 0) {
+        throw InputError(
+            model, map->origin,
+            fmt::format("SurfaceData {} has a thickness of {:g}, need thickness >= 0", quote(map->name), value));
+      }
+    }
+    contact.dea->layers[use.side].thickness_map = map->values;
+  }
+  for (const SurfaceMap& map : reading.surface_maps) {
+    if (!map.used) ignore(reading, map.origin, map.what);
+  }
+}
 
 int need_node(const Reading& reading, const XMLElement& element, int id) {
   const int node = reading.nodes.find(id);
@@ -594,6 +706,8 @@ void read_mesh_data(Reading& reading, const XMLElement& section) {
     const std::string variable = attribute(*child, child->Attribute("var") != nullptr ? "var" : "type");
     if (std::strcmp(child->Name(), "ElementData") == 0 && variable == "shell thickness") {
       read_thickness(reading, *child);
+    } else if (std::strcmp(child->Name(), "SurfaceData") == 0 && child->Attribute("name") != nullptr) {
+      read_surface_map(reading, *child, fmt::format("{} {}", child->Name(), quote(variable)));
     } else {
       ignore(reading, *child, fmt::format("{} {}", child->Name(), quote(variable)));
     }

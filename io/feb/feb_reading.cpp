@@ -7,20 +7,6 @@
 #include "error.h"
 
 namespace dea::feb {
-namespace {
-
-void list_once(std::vector<Remark>& remarks, std::unordered_map<std::string, std::size_t>& index,
-               const std::string& what, Origin origin) {
-  const auto [place, is_new] = index.try_emplace(what, remarks.size());
-  if (is_new) {
-    remarks.push_back({what, 1, origin});
-  } else {
-    ++remarks[place->second].count;
-  }
-}
-
-}  // namespace
-
 bool IdTable::add(int id) {
   if (index_.empty() && (ids_.empty() || id > ids_.back())) {
     ids_.push_back(id);
@@ -53,11 +39,15 @@ void fail(const Reading& reading, const XMLElement& element, const std::string& 
 }
 
 void ignore(Reading& reading, const XMLElement& element, const std::string& what) {
-  list_once(reading.model.ignored, reading.ignored_index, what, origin_of(reading, element));
+  ignore(reading, origin_of(reading, element), what);
+}
+
+void ignore(Reading& reading, Origin origin, const std::string& what) {
+  febio::list_once(reading.model.ignored, reading.ignored_index, what, origin);
 }
 
 void unsupported(Reading& reading, const XMLElement& element, const std::string& what) {
-  list_once(reading.model.unsupported, reading.unsupported_index, what, origin_of(reading, element));
+  febio::list_once(reading.model.unsupported, reading.unsupported_index, what, origin_of(reading, element));
 }
 
 std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name) {

@@ -72,6 +72,24 @@ struct DiscreteMaterial {
   std::string unsupported;
 };
 
+/// Values on a surface, a `SurfaceData`: used if a contact of type dea names it, and only then its faults matter.
+struct SurfaceMap {
+  std::string name;
+  int surface = -1;            ///< index of a surface; -1: see `fault`
+  std::vector<double> values;  ///< one per entry of Surface::nodes
+  std::string what;            ///< how `ignored` calls it
+  std::string fault;           ///< not empty: why it cannot be used
+  Origin origin, fault_origin;
+  bool used = false;
+};
+
+/// A layer of a contact of type dea whose thickness is a map, resolved when all is read.
+struct MapUse {
+  int contact = -1, side = 0;
+  std::string name;
+  Origin origin;
+};
+
 struct Reading {
   JointModel model;
   const Rules* rules = nullptr;  ///< of the file being read
@@ -93,13 +111,15 @@ struct Reading {
   std::size_t set_entries = 0;                                 ///< nodes and elements listed by sets so far
   std::map<std::string, SurfacePair, std::less<>> surface_pairs;
   std::vector<DiscreteMaterial> discrete_materials;
+  std::vector<SurfaceMap> surface_maps;
+  std::vector<MapUse> map_uses;
 
   Control top_control;            ///< of the model; the first step starts from it
   std::vector<Control> controls;  ///< one per step
   int step = -1;                  ///< the step a section belongs to
   Control& control() { return step < 0 ? top_control : controls[static_cast<std::size_t>(step)]; }
 
-  std::unordered_map<std::string, std::size_t> ignored_index, unsupported_index;
+  febio::RemarkIndex ignored_index, unsupported_index;
 };
 
 // -- places and faults -----------------------------------------------------------------------------
@@ -108,6 +128,7 @@ Origin origin_of(const Reading& reading, const XMLElement& element);
 [[noreturn]] void fail(const Reading& reading, const XMLElement& element, const std::string& fault);
 /// Harmless: listed once with a count.
 void ignore(Reading& reading, const XMLElement& element, const std::string& what);
+void ignore(Reading& reading, Origin origin, const std::string& what);
 /// Changes the mechanics and cannot be taken into account: listed once with a count.
 void unsupported(Reading& reading, const XMLElement& element, const std::string& what);
 
@@ -144,6 +165,8 @@ int need_rigid(const Reading& reading, const XMLElement& element, const std::str
 void read_mesh(Reading& reading, const XMLElement& section);  // Geometry or Mesh
 void read_mesh_domains(Reading& reading, const XMLElement& section);
 void read_mesh_data(Reading& reading, const XMLElement& section);
+/// Thickness maps of contacts of type dea; the other maps are ignored. When every section has been read.
+void resolve_surface_maps(Reading& reading);
 void read_materials(Reading& reading, const XMLElement& section);
 void read_contact(Reading& reading, const XMLElement& section);
 void read_discrete(Reading& reading, const XMLElement& section);

@@ -10,15 +10,13 @@
 namespace dea::feb {
 namespace {
 
-using Interpolate = LoadController::Interpolate;
-
 void read_analysis(Reading& reading, const XMLElement& element) {
   const std::string word = element.Attribute("type") != nullptr ? attribute(element, "type") : text_of(element);
   const bool solid = reading.model.module.empty() || reading.model.module.find("solid") != std::string::npos;
   if (same_word(trim(word), "DYNAMIC") || (solid && trim(word) == "1")) {
-    ignore(reading, element, "analysis DYNAMIC: DEA is quasi-static, inertia is left out");
+    ignore(reading, element, febio::analysis_remark("solid", true));
   } else if (same_word(trim(word), "TRANSIENT")) {
-    ignore(reading, element, "analysis TRANSIENT: DEA uses the drained solid, fluid flow is left out");
+    ignore(reading, element, febio::analysis_remark("biphasic", true));
   }
 }
 
@@ -38,39 +36,30 @@ void read_points(const Reading& reading, const XMLElement& element, LoadControll
   }
 }
 
-void set_interpolate(LoadController& curve, std::string_view word) {
-  constexpr const char* kWords[] = {"linear",         "step",          "smooth",      "cubic spline",
-                                    "control points", "approximation", "smooth step", "C2-smooth"};
+/// Place of a word, or the place itself as a number; -1: neither.
+template <class Words>
+int place_of(const Words& words, std::string_view word) {
   const auto position = whole_int(word);
-  for (int i = 0; i < 8; ++i) {
-    if (!same_word(trim(word), kWords[i]) && position != i) continue;
-    curve.interpolate = static_cast<Interpolate>(i);
-    const bool known = i < 3 || curve.interpolate == Interpolate::SmoothStep;
-    if (!known) curve.unsupported = fmt::format("interpolation {}", quote(kWords[i]));
-    return;
+  for (int i = 0; i < static_cast<int>(words.size()); ++i) {
+    if (same_word(trim(word), words[static_cast<std::size_t>(i)]) || position == i) return i;
   }
-  curve.unsupported = fmt::format("interpolation {}", quote(trim(word)));
+  return -1;
+}
+
+void set_interpolate(LoadController& curve, std::string_view word) {
+  const int place = place_of(febio::kInterpolateWords, word);
+  if (place >= 0)
+    febio::set_interpolate(curve, place);
+  else
+    curve.unsupported = fmt::format("interpolation {}", quote(trim(word)));
 }
 
 void set_extend(LoadController& curve, std::string_view word) {
-  constexpr const char* kWords[] = {"constant", "extrapolate", "repeat", "repeat offset"};
-  const auto position = whole_int(word);
-  for (int i = 0; i < 4; ++i) {
-    if (!same_word(trim(word), kWords[i]) && position != i) continue;
-    curve.extend = static_cast<LoadController::Extend>(i);
-    return;
-  }
-  curve.unsupported = fmt::format("extend {}", quote(trim(word)));
-}
-
-/// Times a curve cannot be evaluated with; refused only where the curve is used.
-void check_times(LoadController& curve) {
-  for (std::size_t i = 1; i < curve.points.size() && curve.unsupported.empty(); ++i) {
-    const double before = curve.points[i - 1][0], t = curve.points[i][0];
-    if (t < before) curve.unsupported = fmt::format("times that go back from {:g} to {:g}", before, t);
-    if (t == before && curve.interpolate == Interpolate::Smooth)
-      curve.unsupported = fmt::format("a smooth curve with time {:g} twice", t);
-  }
+  const int place = place_of(febio::kExtendWords, word);
+  if (place >= 0)
+    curve.extend = static_cast<LoadController::Extend>(place);
+  else
+    curve.unsupported = fmt::format("extend {}", quote(trim(word)));
 }
 
 /// Index of the controller with this id; a fault at `origin` if there is none.
@@ -86,31 +75,19 @@ template <class Condition>
 void resolve_controllers(JointModel& model, std::vector<Condition>& conditions) {
   for (Condition& condition : conditions) {
     condition.value.controller = need_controller(model, condition.value.controller, condition.origin);
-    if (condition.value.controller < 0) continue;
-    const LoadController& curve = model.controllers[static_cast<std::size_t>(condition.value.controller)];
-    if (curve.unsupported.empty()) continue;
-    model.unsupported.push_back(
-        {fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, condition.origin});
   }
 }
 
 std::vector<double> must_points(JointModel& model, const Control& control, double begin, double end) {
-  std::vector<double> times;
   const int index = need_controller(model, control.dtmax_controller, control.dtmax_origin);
-  if (index < 0) return times;
+  if (index < 0) return {};
   const LoadController& curve = model.controllers[static_cast<std::size_t>(index)];
-  const double close = 1e-9 * (end - begin);
-  for (const auto& point : curve.points) {
-    if (point[0] > begin + close && point[0] < end + close) times.push_back(std::min(point[0], end));
-  }
-  std::sort(times.begin(), times.end());
-  times.erase(std::unique(times.begin(), times.end()), times.end());
   if (curve.points.empty() && !curve.unsupported.empty()) {
     model.ignored.push_back(
         {fmt::format("dtmax: load controller {} with {} gives no must points", curve.id, curve.unsupported), 1,
          control.dtmax_origin});
   }
-  return times;
+  return febio::must_points(curve, begin, end);
 }
 
 }  // namespace
@@ -174,7 +151,7 @@ void read_load_data(Reading& reading, const XMLElement& section) {
       if (other.id == curve.id)
         fail(reading, *child, fmt::format("load controller {} exists twice: renumber one", curve.id));
     }
-    check_times(curve);
+    febio::check_times(curve);
     reading.model.controllers.push_back(std::move(curve));
   }
 }
@@ -199,8 +176,10 @@ void finish(Reading& reading) {
     begin += step.duration;
     model.steps.push_back(std::move(step));
   }
+  resolve_surface_maps(reading);
   resolve_controllers(model, model.rigid_prescribed);
   resolve_controllers(model, model.rigid_loads);
+  febio::refuse_unusable_controllers(model);
   // A named Nodes section is a node set too; FEBio lists it before the others.
   std::vector<NodeSet> named;
   for (const NodeRange& range : reading.node_ranges) {

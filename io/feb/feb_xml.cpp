@@ -100,14 +100,6 @@ std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string
                                XMLDocument::ErrorIDToName(outcome)));
 }
 
-std::string quote(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::string result = "\"";
-  for (const char c : text.substr(0, kLongest)) result += (static_cast<unsigned char>(c) < 32 || c == 127) ? ' ' : c;
-  if (text.size() > kLongest) result += "...";
-  return result + "\"";
-}
-
 std::string_view text_of(const XMLElement& element, std::string& store) {
   std::string_view only;
   int pieces = 0;

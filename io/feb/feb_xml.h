@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "febio_rules.h"
 #include "joint_model.h"
 
 namespace dea::feb {
@@ -19,8 +20,7 @@ using tinyxml2::XMLElement;
 /// how messages call it.
 std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string& name);
 
-/// Shortened to one printable line and put in quotes, for messages.
-std::string quote(std::string_view text);
+using febio::quote;
 
 /// The element's text without its children; comments skipped. `store` is used when it is in pieces.
 std::string_view text_of(const XMLElement& element, std::string& store);

@@ -114,9 +114,7 @@ void read_module(Reading& reading, const XMLElement& section) {
   model.module = attribute(section, "type");
   const std::string units = child_text(section, "units");
   if (!units.empty()) model.units = trim(units);
-  const std::string& m = model.module;
-  const bool known = m.empty() || m.find("solid") != m.npos || m == "biphasic" || m == "solute" || m == "multiphasic";
-  if (!known) unsupported(reading, section, fmt::format("module {}", quote(m)));
+  if (!febio::known_module(model.module)) unsupported(reading, section, fmt::format("module {}", quote(model.module)));
 }
 
 /// One step: sections read from now on belong to it, even those after its end tag, as in FEBio.

@@ -240,6 +240,25 @@ TEST_F(Cli, PlatePressedOnALayerGivesTheAnswerOnPaper) {
   EXPECT_NEAR(state.objects[1].data[6][2], -9.0 * p, 1e-5);
 }
 
+TEST_F(Cli, SettingsFileNamesOutputsAndTheCommandLineComesFirst) {
+  write_model();
+  write("s.xml",
+        "<febiodea_settings version=\"1\"><output>o.xplt</output><json>o.json</json><csv>o.csv</csv>"
+        "<states>last</states></febiodea_settings>");
+  ASSERT_EQ(dea({"run", "flat.feb", "-q", "--settings", "s.xml", "--csv", "typed.csv"}).code, 0);
+  EXPECT_EQ(Json::parse(file_text(folder / "o.json"))["states"].size(), 1u);
+  for (const char* name : {"o.xplt", "typed.csv"}) EXPECT_TRUE(fs::exists(folder / name)) << name;
+  for (const char* name : {"flat_dea.xplt", "o.csv"}) EXPECT_FALSE(fs::exists(folder / name)) << name;
+  ASSERT_EQ(dea({"run", "flat.feb", "-q", "--settings", "s.xml", "--states", "all"}).code, 0);
+  EXPECT_EQ(Json::parse(file_text(folder / "o.json"))["states"].size(), 5u);
+  write("t.xml", "<febiodea_settings version=\"1\"><states>9</states></febiodea_settings>");
+  EXPECT_EQ(dea({"run", "flat.feb", "--settings", "t.xml"}).err,
+            "dea: t.xml: <states>: found time 9, expected times from 0 to 1, those of the model\n");
+  write("u.xml", "<febiodea_settings version=\"1\"><json>flat.feb</json></febiodea_settings>");
+  EXPECT_EQ(dea({"run", "flat.feb", "--settings", "u.xml"}).err, "dea: <json> flat.feb: would overwrite the model\n");
+  EXPECT_EQ(dea({"info", "flat.feb", "--settings", "s.xml"}).code, 0);
+}
+
 TEST_F(Cli, ForceControlBalancesAndApartIsAnAnswer) {
   write_model("push.feb", -12.0);
   const Finished f = dea({"run", "push.feb", "--states", "last", "--json", "-"});
@@ -277,7 +296,8 @@ TEST_F(Cli, JsonHasTheAgreedKeysInTheAgreedOrder) {
        "nodal_median_pressure", "facet_contact_area", "center_of_pressure", "force", "moment"});
   EXPECT_EQ(s["contacts"][0]["source"], "base");
   EXPECT_EQ(s["contacts"][0]["target"], "plate");
-  EXPECT_EQ(j["settings"]["law"], "linear");
+  EXPECT_TRUE(j["settings"]["law"].is_null());  // nothing was said; what holds is the contact's
+  EXPECT_EQ(s["contacts"][0]["law"], "linear");
 }
 
 TEST_F(Cli, CsvHasALinePerStateAndContact) {

@@ -527,6 +527,11 @@ TEST_F(ReadFeb, SmallStrainConstantsOfTheMaterials) {
        4, 20.0 / 3, "ground matrix, fibres left out"},
       {"2.5", R"(type="uncoupled solid mixture"><k>10</k><solid type="Yeoh"><c1>2</c1><k>30</k></solid>)", 4, 40, ""},
       {"4.0", R"(type="uncoupled solid mixture"><k>10</k><solid type="Yeoh"><c1>2</c1><k>30</k></solid>)", 4, 10, ""},
+      {"2.5",
+       R"(type="biphasic"><solid type="uncoupled solid mixture"><k>10</k><solid type="Yeoh"><c1>2</c1><k>30</k></solid></solid>)",
+       4, 10, "drained solid"},
+      {"4.0", R"(type="uncoupled prestrain elastic"><k>10</k><elastic type="Yeoh"><c1>2</c1><k>30</k></elastic>)", 4,
+       10, "prestrain left out"},
       {"4.0", R"(type="viscoelastic"><g0>0.5</g0><g1>2</g1><elastic type="neo-Hookean"><E>10</E><v>0.25</v></elastic>)",
        2, 10.0 / 3, "long-term (g0 = 0.5)"},
       {"4.0", R"(type="uncoupled viscoelastic"><g0>0.5</g0><k>30</k><elastic type="Yeoh"><c1>2</c1></elastic>)", 2, 30,
@@ -895,6 +900,121 @@ TEST_F(ReadFeb, DamagedFilesAreReadOrRefusedInOneLine) {
   }
   EXPECT_GT(tried, 4000);
   EXPECT_GT(refused, tried / 3);
+}
+
+// -- a contact of type dea ----------------------------------------------------------------------------
+
+const std::string kDeaContact = R"(<Contact><contact name="joint" type="dea" surface_pair="pair">
+<law>NEO-hookean</law><facets>flat</facets><source>secondary</source><refine>2</refine>
+<primary_E>11.85</primary_E><primary_nu>0.45</primary_nu><primary_thickness type="map">bottom h</primary_thickness>
+<secondary_thickness>0</secondary_thickness></contact></Contact>
+)";
+const std::string kDeaMaps = R"(<MeshData><SurfaceData name="bottom h" surface="bottom" data_type="scalar">
+<face lid="1">1,2,3,4.5</face></SurfaceData>
+<SurfaceData name="other" surface="top" data_type="vec3"><face lid="1">x</face></SurfaceData></MeshData>
+)";
+const std::string kDeaMesh40 = kMaterials + kMesh30 + kPair30 + kDomains;
+
+std::string dea_model(const std::string& maps = kDeaMaps, const std::string& contact = kDeaContact) {
+  return feb("4.0", kDeaMesh40 + maps + contact);
+}
+
+TEST_F(ReadFeb, ContactOfTypeDea) {
+  for (const std::string version : {"4.0", "3.0"}) {
+    std::string text = feb(version, kDeaMesh40 + kDeaMaps + kDeaContact);
+    if (version == "3.0") text = replaced(text, "data_type=\"scalar\"", "datatype=\"scalar\"");
+    const JointModel m = read(text);
+    ASSERT_EQ(m.contacts.size(), 1u);
+    const Contact& c = m.contacts[0];
+    EXPECT_EQ(c.kind, Contact::Kind::Sliding);
+    EXPECT_EQ(c.type, "dea");
+    ASSERT_TRUE(c.dea);
+    EXPECT_EQ(c.dea->law, Law::NeoHookean);
+    EXPECT_EQ(c.dea->facets, Facets::Flat);
+    EXPECT_EQ(c.dea->source, 1);
+    EXPECT_EQ(c.dea->refine, 2);
+    EXPECT_EQ(c.dea->layers[0].E, 11.85);
+    EXPECT_EQ(c.dea->layers[0].nu, 0.45);
+    EXPECT_FALSE(c.dea->layers[0].thickness);
+    EXPECT_EQ(c.dea->layers[0].thickness_map, (std::vector<double>{1, 2, 3, 4.5}));
+    EXPECT_EQ(c.dea->layers[1].thickness, 0.0);
+    EXPECT_TRUE(c.dea->layers[1].thickness_map.empty());
+    EXPECT_FALSE(c.dea->layers[1].E);
+    // The other map is nobody's: ignored, whatever it holds.
+    EXPECT_EQ(std::count_if(m.ignored.begin(), m.ignored.end(),
+                            [](const Remark& r) { return r.what.rfind("SurfaceData", 0) == 0 && r.count == 1; }),
+              1);
+  }
+  const JointModel bare =
+      read(dea_model("", "<Contact><contact name=\"j\" type=\"dea\" surface_pair=\"pair\"/></Contact>"));
+  ASSERT_TRUE(bare.contacts[0].dea);
+  EXPECT_FALSE(bare.contacts[0].dea->law || bare.contacts[0].dea->facets || bare.contacts[0].dea->refine);
+}
+
+// Facets of a surface may differ; FEBio stores as many values for each as the largest has nodes.
+TEST_F(ReadFeb, MapOnTrianglesAndQuads) {
+  const std::string mixed = replaced(dea_model(), "<quad4 id=\"1\">5,6,7,8</quad4>",
+                                     "<quad4 id=\"1\">5,6,7,8</quad4><tri3 id=\"2\">11,12,13</tri3><tri3 "
+                                     "id=\"3\">11,13,14</tri3>");
+  const std::string face = "<face lid=\"1\">1,2,3,4.5</face>";
+  const JointModel m =
+      read(replaced(mixed, face, "<face lid=\"3\">7</face>" + face + "<face lid=\"2\">4, 5 ,6,\n6</face>"));
+  EXPECT_EQ(m.contacts[0].dea->layers[0].thickness_map, (std::vector<double>{1, 2, 3, 4.5, 4, 5, 6, 7, 7, 7}));
+  EXPECT_NE(fault_of(replaced(mixed, face, face + "<face lid=\"2\">4,5,6</face>")).find("expected one number, or 4"),
+            std::string::npos);
+}
+
+TEST_F(ReadFeb, FaultsOfAContactOfTypeDea) {
+  const auto contact = [&](const std::string& from, const std::string& to) {
+    return fault_of(dea_model(kDeaMaps, replaced(kDeaContact, from, to)));
+  };
+  EXPECT_EQ(contact("NEO-hookean", "Ogden"),
+            "model.feb:28: law = \"Ogden\", expected one of linear, logarithmic, neo-Hookean");
+  EXPECT_EQ(contact("flat", "round"), "model.feb:28: facets = \"round\", expected one of curved, flat");
+  EXPECT_EQ(contact(">secondary<", ">both<"), "model.feb:28: source = \"both\", expected one of primary, secondary");
+  EXPECT_EQ(contact("<refine>2", "<refine>0"), "model.feb:28: refine = 0, need 1 to 1000");
+  EXPECT_EQ(
+      contact("<law>NEO-hookean</law>", "<penalty>1</penalty>"),
+      "model.feb:28: <penalty> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness "
+      "with primary_ or secondary_ before");
+  EXPECT_EQ(contact("11.85", "0"), "model.feb:29: primary_E = 0, need E > 0");
+  EXPECT_EQ(contact("0.45", "0.5"), "model.feb:29: primary_nu = 0.5, need -1 < nu < 0.5");
+  EXPECT_EQ(contact("0.45", "-1"), "model.feb:29: primary_nu = -1, need -1 < nu < 0.5");
+  EXPECT_EQ(contact(">0<", ">-1<"), "model.feb:30: secondary_thickness = -1, need thickness >= 0");
+  EXPECT_EQ(contact(">0<", ">X+1<"), "model.feb:30: secondary_thickness = \"X+1\", expected a number of at most 1e30");
+  EXPECT_EQ(contact(" type=\"map\">bottom h", " type=\"math\">X"),
+            "model.feb:29: primary_thickness is given as type \"math\" or follows a load controller, expected a number "
+            "or type \"map\"");
+  EXPECT_EQ(contact("bottom h", "none"),
+            "model.feb:29: \"none\" names no map, expected the name of a SurfaceData in MeshData");
+  EXPECT_EQ(contact("bottom h", "other"), "model.feb:26: SurfaceData \"other\": data_type = \"vec3\", expected scalar");
+  EXPECT_EQ(contact("<secondary_thickness>0", "<secondary_thickness type=\"map\">bottom h"),
+            "model.feb:30: map \"bottom h\" is of surface \"bottom\", expected one of surface \"top\"");
+
+  const auto map = [&](const std::string& from, const std::string& to) {
+    return fault_of(dea_model(replaced(kDeaMaps, from, to)));
+  };
+  EXPECT_EQ(map("surface=\"bottom\"", "surface=\"under\""),
+            "model.feb:24: SurfaceData \"bottom h\": surface = \"under\", expected the name of a Surface");
+  EXPECT_EQ(
+      map("data_type=\"scalar\"", "type=\"const\""),
+      "model.feb:24: SurfaceData \"bottom h\": its values are made by a generator, expected <face lid=\"1\"> with "
+      "numbers for every facet");
+  EXPECT_EQ(map("1,2,3,4.5", "1,2,3"),
+            "model.feb:25: SurfaceData \"bottom h\": facet 1 has \"1,2,3\", expected one number, or 4: as many as the "
+            "surface's largest facet has nodes");
+  EXPECT_EQ(map("1,2,3,4.5", "1,2,3,nan"),
+            "model.feb:25: SurfaceData \"bottom h\": facet 1 has \"1,2,3,nan\", expected numbers of at most 1e30");
+  EXPECT_EQ(
+      map("lid=\"1\">1,2", "lid=\"2\">1,2"),
+      "model.feb:25: SurfaceData \"bottom h\": <face> with lid = \"2\", expected the number of one of the 1 facets "
+      "of surface \"bottom\"");
+  EXPECT_EQ(map("<face lid=\"1\">1,2,3,4.5</face>", ""),
+            "model.feb:24: SurfaceData \"bottom h\": facet 1 of surface \"bottom\" has no value (1 such facets)");
+  EXPECT_EQ(map("</face></SurfaceData>", "</face><face lid=\"1\">1</face></SurfaceData>"),
+            "model.feb:25: SurfaceData \"bottom h\": facet 1 is given twice");
+  EXPECT_EQ(map("1,2,3,4.5", "1,2,-3,4.5"),
+            "model.feb:24: SurfaceData \"bottom h\" has a thickness of -3, need thickness >= 0");
 }
 
 // -- models of others --------------------------------------------------------------------------------

@@ -148,12 +148,29 @@ TEST(SettingsXml, ReadsEveryKindOfElement) {
   EXPECT_FALSE(s.squash);
 }
 
+TEST(SettingsXml, OutputFilesAndStates) {
+  const SettingsFile file(
+      "<febiodea_settings version=\"1\"><output> a b.xplt </output><json>a.json</json><csv>a.csv</csv>"
+      "<states>0.5, 1</states><law>logarithmic</law></febiodea_settings>");
+  const dea::SettingsFile read = read_settings_file(file.path);
+  EXPECT_EQ(read.outputs.output, "a b.xplt");
+  EXPECT_EQ(read.outputs.json, "a.json");
+  EXPECT_EQ(read.outputs.csv, "a.csv");
+  EXPECT_EQ(read.outputs.states, "0.5, 1");
+  EXPECT_EQ(read.settings.law, Law::Logarithmic);
+  EXPECT_EQ(fault("<states>some</states>"), ":2: <states>: found \"some\", expected all, last or times t1,t2,...");
+  EXPECT_EQ(fault("<json/>"), ":2: <json>: found nothing, expected a file name");
+  EXPECT_EQ(fault("<csv a=\"1\">x</csv>"), ":2: <csv>: found attribute \"a\", expected none");
+  EXPECT_EQ(fault("<output>a<b/></output>"), ":2: <output>: found <b>, expected a file name");
+  EXPECT_EQ(fault("<json>a</json>\n<json>b</json>"), ":3: <json>: found a second one, expected it once");
+}
+
 TEST(SettingsXml, RefusalsNameTheLine) {
   EXPECT_EQ(fault("<law>cubic</law>"), ":2: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean");
   EXPECT_EQ(fault("\n<Law>linear</Law>"),
             ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <facets>, <refine>, <rigid>, "
             "<attach>, <bone>, <thickness>, "
-            "<E>, <nu>, <free>, <force>, <load-at>, <squash>");
+            "<E>, <nu>, <free>, <force>, <load-at>, <squash>, <output>, <json>, <csv>, <states>");
   EXPECT_EQ(fault("<force>1,2,3</force>"), ":2: <force>: found no attribute \"body\", expected body=\"NAME\"");
   EXPECT_EQ(fault("<force surface=\"S\">1,2,3</force>"), ":2: <force>: found attribute \"surface\", expected \"body\"");
   EXPECT_EQ(fault("<law a=\"b\">linear</law>"), ":2: <law>: found attribute \"a\", expected none");

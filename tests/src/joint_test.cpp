@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "analysis.h"
 #include "error.h"
 #include "test_models.h"
@@ -248,6 +250,148 @@ TEST(SurfaceMesh, SphereFit) {
   EXPECT_LT(fit.center.norm(), 1e-9);
   EXPECT_NEAR(fit.radius, 20.0, 1e-9);
   EXPECT_LT(fit.rms, 1e-9);
+}
+
+// -- contacts of type "dea": the cartilage is rigid with its bone, its modulus and thickness are the contact's
+// ----------
+
+/// Two-layered spheres whose cartilage is of the bones' own materials.
+JointModel spheres_of_bone() {
+  JointModel model = concentric_spheres(8, 2000, true);
+  for (Domain& d : model.domains) {
+    if (d.name == "socket articular") d.material = 1;
+    if (d.name == "ball articular") d.material = 2;
+  }
+  DeaContact dea;
+  for (DeaLayer& layer : dea.layers) {
+    layer.E = kE;
+    layer.nu = kNu;
+  }
+  model.contacts[0].dea = dea;
+  model.contacts[0].type = "dea";
+  return model;
+}
+
+/// A map that says of every facet node what was measured at its vertex.
+std::vector<double> map_of(const JointModel& model, const Layer& layer) {
+  std::map<int, double> at_node;
+  for (std::size_t v = 0; v < layer.thickness.size(); ++v) at_node[layer.articular.model_nodes[v]] = layer.thickness[v];
+  std::vector<double> map;
+  for (int node : model.surfaces[static_cast<std::size_t>(layer.surface)].nodes) map.push_back(at_node.at(node));
+  return map;
+}
+
+void expect_same_layers(const ContactPair& a, const ContactPair& b) {
+  for (int side = 0; side < 2; ++side) {
+    EXPECT_EQ(a.layers[side].body, b.layers[side].body);
+    EXPECT_EQ(a.layers[side].elasticity.E, b.layers[side].elasticity.E);
+    EXPECT_EQ(a.layers[side].elasticity.nu, b.layers[side].elasticity.nu);
+    EXPECT_EQ(a.layers[side].rigid, b.layers[side].rigid);
+    EXPECT_EQ(a.layers[side].articular.triangles, b.layers[side].articular.triangles);
+    ASSERT_EQ(a.layers[side].thickness.size(), b.layers[side].thickness.size());
+    for (std::size_t v = 0; v < a.layers[side].thickness.size(); ++v)
+      EXPECT_NEAR(a.layers[side].thickness[v], b.layers[side].thickness[v], 1e-14 * a.layers[side].thickness[v]);
+  }
+}
+
+TEST(DeaContact, MeasuresTheLayerUnderItsSurfaceThoughItIsRigid) {
+  const Joint original = make_joint(concentric_spheres(8, 2000, true), {});
+  const Joint joint = make_joint(spheres_of_bone(), {});
+  expect_same_layers(original.contacts[0], joint.contacts[0]);
+  EXPECT_EQ(original.node_body, joint.node_body);
+}
+
+TEST(DeaContact, TakesThicknessFromItsMap) {
+  const JointModel deformable = concentric_spheres(8, 2000, true);
+  const Joint original = make_joint(deformable, {});
+  JointModel model = spheres_of_bone();
+  for (int side = 0; side < 2; ++side)
+    model.contacts[0].dea->layers[side].thickness_map = map_of(deformable, original.contacts[0].layers[side]);
+  const Joint joint = make_joint(model, {});
+  expect_same_layers(original.contacts[0], joint.contacts[0]);
+  // and the whole analysis is the same
+  const Analysis a = analyse(deformable, {}), b = analyse(model, {});
+  const ContactStatistics &x = a.states.back().statistics[0], &y = b.states.back().statistics[0];
+  EXPECT_NEAR(x.peak, y.peak, 1e-12 * x.peak);
+  EXPECT_NEAR(x.mean, y.mean, 1e-12 * x.mean);
+  EXPECT_NEAR((x.force - y.force).norm(), 0, 1e-9 * x.force.norm());
+}
+
+TEST(DeaContact, MapOfDifferentValuesAtOneNodeCountsTheirMean) {
+  JointModel model = spheres_of_bone();
+  const Surface& s = model.surfaces[static_cast<std::size_t>(model.contacts[0].primary)];
+  std::vector<double> map(s.nodes.size(), 2.0);
+  const int node = s.nodes[0];
+  int facets = 0;
+  for (int other : s.nodes) facets += other == node;
+  map[0] = 2.0 + facets;  // one of the facets around the node
+  model.contacts[0].dea->layers[0].thickness_map = map;
+  const Layer layer = make_joint(model, {}).contacts[0].layers[0];
+  for (std::size_t v = 0; v < layer.thickness.size(); ++v)
+    EXPECT_NEAR(layer.thickness[v], layer.articular.model_nodes[v] == node ? 3.0 : 2.0, 1e-12);
+}
+
+TEST(DeaContact, SettingsComeBeforeTheContactAndTheContactBeforeDefaults) {
+  JointModel model = spheres_of_bone();
+  DeaContact& dea = *model.contacts[0].dea;
+  dea.law = Law::NeoHookean;
+  dea.facets = Facets::Flat;
+  dea.refine = 2;
+  dea.source = 1;
+  dea.layers[0].thickness = 3.0;
+  dea.layers[1].thickness = 0.0;  // a bare rigid surface
+  ContactPair pair = make_joint(model, {}).contacts[0];
+  EXPECT_EQ(pair.law, Law::NeoHookean);
+  EXPECT_EQ(pair.facets, Facets::Flat);
+  EXPECT_EQ(pair.refine, 2);
+  EXPECT_EQ(pair.source, 1);
+  EXPECT_EQ(pair.layers[0].thickness.front(), 3.0);
+  EXPECT_TRUE(pair.layers[1].rigid);
+  EXPECT_EQ(pair.layers[0].articular.bulge.front(), (std::array<double, 3>{0, 0, 0}));
+
+  Settings settings;
+  settings.law = Law::Logarithmic;
+  settings.facets = Facets::Curved;
+  settings.refine = 1;
+  settings.source = "socket";
+  settings.thickness["socket articular"] = 1.5;
+  settings.E[""] = 7.0;
+  pair = make_joint(model, settings).contacts[0];
+  EXPECT_EQ(pair.law, Law::Logarithmic);
+  EXPECT_EQ(pair.facets, Facets::Curved);
+  EXPECT_EQ(pair.refine, 1);
+  EXPECT_EQ(pair.source, 0);
+  EXPECT_EQ(pair.layers[0].thickness.front(), 1.5);
+  EXPECT_EQ(pair.layers[0].elasticity.E, 7.0);
+  EXPECT_EQ(pair.layers[0].elasticity.nu, kNu);
+}
+
+TEST(DeaContact, ASideOfWhichNothingIsSaidIsBare) {
+  JointModel model = spheres_of_bone();
+  model.contacts[0].dea->layers[1] = {};
+  const ContactPair pair = make_joint(model, {}).contacts[0];
+  EXPECT_FALSE(pair.layers[0].rigid);
+  EXPECT_TRUE(pair.layers[1].rigid);
+}
+
+TEST(DeaContact, RefusesALayerItCannotMeasure) {
+  JointModel on_shells = flat_plates(4, 10, 2, 0.1);
+  on_shells.domains[0].material = 1;
+  on_shells.contacts[0].dea = DeaContact{};
+  on_shells.contacts[0].dea->layers[1].E = kE;
+  on_shells.contacts[0].dea->layers[1].nu = kNu;
+  EXPECT_NE(refusal(on_shells).find("<secondary_thickness>"), std::string::npos) << refusal(on_shells);
+
+  JointModel floating = floating_layer(2.0);
+  floating.domains[0].material = 1;
+  floating.contacts[0].dea = DeaContact{};
+  floating.contacts[0].dea->layers[0].E = kE;
+  floating.contacts[0].dea->layers[0].nu = kNu;
+  EXPECT_NE(refusal(floating).find("<primary_thickness>"), std::string::npos) << refusal(floating);
+
+  JointModel no_modulus = spheres_of_bone();
+  no_modulus.contacts[0].dea->layers[0].E.reset();
+  EXPECT_NE(refusal(no_modulus).find("gives no E and nu"), std::string::npos) << refusal(no_modulus);
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
         settings.law = law;
         settings.source = source;
         const Joint joint = make_joint(model, settings);
-        const SpringBeds beds = make_spring_beds(joint, settings);
+        const SpringBeds beds = make_spring_beds(joint);
         const SpringBed& bed = beds.beds[0];
         Pose s = small_pose(joint.bodies[static_cast<std::size_t>(bed.source_body)],
                             {0.05, -0.02, bed.source_body == 0 ? 0.3 : -0.3}, {0.01, -0.02, 0.015});
@@ -92,7 +92,7 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
 TEST(Springs, ContactForcesAreOppositeAndActAlongTheSameLines) {
   const JointModel model = saddles();
   const Joint joint = make_joint(model, {});
-  const SpringBeds beds = make_spring_beds(joint, {});
+  const SpringBeds beds = make_spring_beds(joint);
   const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
              t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
   const ContactWrench w = contact_wrench(project_springs(beds.beds[0], s, t), s, t);
@@ -113,7 +113,7 @@ TEST(Springs, FlatPlates) {
       settings.springs_at = where;
       settings.refine = refine;
       const Joint joint = make_joint(model, settings);
-      const SpringBeds beds = make_spring_beds(joint, settings);
+      const SpringBeds beds = make_spring_beds(joint);
       std::vector<Pose> poses = reference_poses(joint);
       poses[1].center.z() -= d;
       const SpringStates s = project_springs(beds.beds[0], poses[0], poses[1]);
@@ -135,7 +135,7 @@ TEST(Springs, CoverageIsTheOverlappingArea) {
   const double size = 10, plate = 6.3, h = 2, d = 0.1;
   const JointModel model = test::flat_plates(9, size, h, 0.0, plate);
   const Joint joint = make_joint(model, {});
-  const SpringBeds beds = make_spring_beds(joint, {});
+  const SpringBeds beds = make_spring_beds(joint);
   const double p = confined_modulus(test::kE, test::kNu) * d / h;
   for (double shift : {0.0, 0.1, 0.37, 1.0, 1.4, 2.0, 4.0}) {
     for (double turn : {0.0, 0.2}) {
@@ -187,7 +187,7 @@ TEST(Springs, SphereOnFlatLayerCarriesTheCapVolume) {
       Settings settings;
       settings.facets = facets;
       const Joint joint = make_joint(model, settings);
-      const SpringBeds beds = make_spring_beds(joint, settings);
+      const SpringBeds beds = make_spring_beds(joint);
       std::vector<Pose> poses = reference_poses(joint);
       poses[1].center.z() -= d;
       error[level] =
@@ -210,7 +210,7 @@ TEST(Springs, SphereAsSourceCarriesPiRdSquared) {
     Settings settings;
     settings.source = "ball";
     const Joint joint = make_joint(model, settings);
-    const SpringBeds beds = make_spring_beds(joint, settings);
+    const SpringBeds beds = make_spring_beds(joint);
     std::vector<Pose> poses = reference_poses(joint);
     poses[1].center.z() -= d;
     const double F = -contact_wrench(project_springs(beds.beds[0], poses[1], poses[0]), poses[1], poses[0]).wrench[2];
@@ -259,7 +259,7 @@ TEST(Springs, SameBitsForAnyNumberOfThreads) {
   Settings settings;
   settings.refine = 6;
   const Joint joint = make_joint(model, settings);
-  const SpringBeds beds = make_spring_beds(joint, settings);
+  const SpringBeds beds = make_spring_beds(joint);
   const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
              t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
   std::vector<ContactWrench, Eigen::aligned_allocator<ContactWrench>> w;
@@ -270,6 +270,48 @@ TEST(Springs, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(w[0].wrench, w[1].wrench);
   EXPECT_EQ(w[0].derivative, w[1].derivative);
   EXPECT_EQ(w[0].wrench, w[2].wrench);
+}
+
+/// Surfaces apart have no stiffness of their own: the closing one takes a force to just beyond first touch.
+TEST(ClosingStiffness, TakesAForceToFirstTouch) {
+  // flat plates 0.3 apart: the motion along z is the gap and a hundredth of the layer's 2 mm
+  const Joint flat = make_joint(test::flat_plates(4, 10, 2, 0.3), {});
+  const SpringBeds plates = make_spring_beds(flat);
+  const SpringBed& bed = plates.beds[0];
+  std::vector<Pose> poses = reference_poses(flat);
+  const auto source = static_cast<std::size_t>(bed.source_body), target = static_cast<std::size_t>(bed.target_body);
+  SpringStates s = project_springs(bed, poses[source], poses[target]);
+  Eigen::Matrix<double, 12, 1> force = Eigen::Matrix<double, 12, 1>::Zero();
+  force[2] = -5;  // on the target, the plate above
+  std::array<bool, 12> free = {};
+  free[2] = true;
+  const Eigen::Matrix<double, 12, 12> K = closing_stiffness(bed, s, poses[source], poses[target], force, free);
+  EXPECT_NEAR(force[2] / K(2, 2), -(0.3 + 0.02), 1e-12);
+  EXPECT_NEAR(K.norm(), K(2, 2), 1e-12 * K(2, 2));  // held dofs: nothing
+
+  // a ball in a socket, pushed sideways after it was drawn back: it lands on the springs, none deeper than 2% of 4 mm
+  const Joint spheres = make_joint(test::concentric_spheres(10, 2000), {});
+  const SpringBeds beds = make_spring_beds(spheres);
+  poses = reference_poses(spheres);
+  const SpringBed& ball = beds.beds[0];
+  Pose& moving = poses[static_cast<std::size_t>(ball.target_body)];
+  moving.center.z() -= 1.0;
+  s = project_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
+  ASSERT_EQ(contact_wrench(s, poses[static_cast<std::size_t>(ball.source_body)], moving).normal_force, 0.0);
+  force << 30, -20, 100, 0, 0, 0, 0, 0, 0, 0, 0, 0;
+  free = {true, true, true};
+  const Eigen::Matrix<double, 12, 12> stiffness =
+      closing_stiffness(ball, s, poses[static_cast<std::size_t>(ball.source_body)], moving, force, free);
+  moving.center += stiffness.block<3, 3>(0, 0).ldlt().solve(Vector3d(force.segment<3>(0)));
+  s = project_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
+  const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
+  EXPECT_GT(deepest, 0.0);
+  EXPECT_LT(deepest, 0.08);
+
+  // a force that opens the joint closes nothing: a stiffness all the same, so that a solver can go on
+  const Eigen::Matrix<double, 12, 12> away =
+      closing_stiffness(ball, s, poses[static_cast<std::size_t>(ball.source_body)], moving, -force, free);
+  EXPECT_TRUE(away.allFinite());
 }
 
 }  // namespace

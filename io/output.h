@@ -1,4 +1,4 @@
-// io/cli/output.h – where results go: files that are complete or not there, standard output that is checked.
+// io/output.h – where results go: files that are complete or not there, standard output that is checked.
 #pragma once
 #include <string>
 #include <vector>
@@ -23,7 +23,7 @@ void print(const std::string& text);
 void log(const std::string& line);
 
 /// "hip.feb" -> "hip_dea.xplt", in the same folder, as FEBio does.
-std::string default_output(const std::string& model);
+std::string default_output(const std::string& model, const std::string& extension = ".xplt");
 
 /// Is somebody watching standard error?
 bool stderr_is_terminal();

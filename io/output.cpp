@@ -107,9 +107,9 @@ void print(const std::string& text) {
 
 void log(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
 
-std::string default_output(const std::string& model) {
+std::string default_output(const std::string& model, const std::string& extension) {
   const fs::path path = model;
-  return (path.parent_path() / (path.stem().string() + "_dea.xplt")).string();
+  return (path.parent_path() / (path.stem().string() + "_dea" + extension)).string();
 }
 
 bool stderr_is_terminal() { return ::isatty(STDERR_FILENO) != 0; }

@@ -1,0 +1,401 @@
+#include "conversion_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "analysis.h"
+#include "bodies.h"
+#include "error.h"
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+void refuse_settings(const Settings& s) {
+  if (s.springs_at == SpringsAt::Bone)
+    throw UsageError("--springs-at bone: a contact of type dea has its springs on the articular surface; leave it out");
+  constexpr const char* kOwn = "a converted file keeps the model's own motion and loads; change them in the model";
+  if (!s.force.empty()) throw UsageError(fmt::format("--force {}: {}", s.force.begin()->first, kOwn));
+  if (!s.load_at.empty()) throw UsageError(fmt::format("--load-at {}: {}", s.load_at.begin()->first, kOwn));
+  if (!s.free.empty()) throw UsageError(fmt::format("--free {}: {}", s.free.begin()->first, kOwn));
+}
+
+/// A name none of `names` has: `wanted`, or with a number.
+std::string free_name(const std::string& wanted, const std::set<std::string>& names) {
+  std::string name = wanted;
+  for (int i = 2; names.count(name) > 0; ++i) name = fmt::format("{}_{}", wanted, i);
+  return name;
+}
+
+/// Contacts of the joint that become contacts of type dea.
+void choose_contacts(const JointModel& model, const Settings& settings, ConversionPlan& plan) {
+  plan.converted.assign(model.contacts.size(), 0);
+  plan.contact_gone.assign(model.contacts.size(), 0);
+  bool any = false;
+  for (const ContactPair& pair : plan.joint.contacts) {
+    const Contact& c = model.contacts[at(pair.contact)];
+    if (c.dea) continue;
+    plan.converted[at(pair.contact)] = 1;
+    any = true;
+  }
+  if (!any) {
+    const Contact& first = model.contacts[at(plan.joint.contacts.front().contact)];
+    throw InputError(model, first.origin,
+                     fmt::format("contact \"{}\" is of type dea already: nothing to convert", first.name));
+  }
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    const Contact& c = model.contacts[i];
+    if (plan.converted[i] || c.kind != Contact::Kind::Sliding || c.dea) continue;
+    const bool other = !settings.contact.empty() && c.name != settings.contact;
+    plan.notes.push_back(fmt::format("contact \"{}\" ({}) stays as it is: {}", c.name, c.type,
+                                     other ? "left out by --contact" : "both its surfaces belong to one body"));
+  }
+}
+
+/// Per body the rigid material its cartilage takes: the first the model has, else the first taken as rigid (--rigid).
+/// The ground gets a new one when it carries cartilage.
+std::vector<int> home_materials(const JointModel& model, const ConversionPlan& plan) {
+  std::vector<int> home;
+  for (const Body& body : plan.joint.bodies) {
+    int material = -1;
+    for (int m : body.materials)
+      if (material < 0 && model.materials[at(m)].rigid) material = m;
+    if (material < 0 && !body.materials.empty()) material = body.materials.front();
+    home.push_back(material);
+  }
+  return home;
+}
+
+/// Per node the body whose converted cartilage it belongs to, -1: none.
+std::vector<int> cartilage_nodes(const JointModel& model, const ConversionPlan& plan) {
+  std::vector<int> body(model.nodes.size(), -1);
+  const auto& bodies = plan.joint.bodies;
+  for (const ContactPair& pair : plan.joint.contacts) {
+    if (!plan.converted[at(pair.contact)]) continue;
+    for (const Layer& layer : pair.layers) {
+      for (int node : layer.region_nodes) {
+        int& known = body[at(node)];
+        if (known >= 0 && known != layer.body)
+          throw InputError(
+              model, model.surfaces[at(layer.surface)].origin,
+              fmt::format("the cartilage under surface \"{}\" belongs to body \"{}\" for one contact and "
+                          "to \"{}\" for another; it can be rigid with one of them only",
+                          model.surfaces[at(layer.surface)].name, bodies[at(known)].name, bodies[at(layer.body)].name));
+        known = layer.body;
+      }
+    }
+  }
+  return body;
+}
+
+void add_ground(const JointModel& model, ConversionPlan& plan, std::vector<int>& home,
+                const std::vector<int>& cartilage) {
+  const int ground = static_cast<int>(plan.joint.bodies.size()) - 1;
+  if (std::find(cartilage.begin(), cartilage.end(), ground) == cartilage.end()) return;
+  std::set<std::string> names;
+  Material material;
+  for (const Material& m : model.materials) {
+    names.insert(m.name);
+    material.id = std::max(material.id, m.id);
+  }
+  ++material.id;
+  material.name = free_name("ground", names);
+  material.type = "rigid body";
+  material.rigid = true;
+  material.center_of_mass = Vector3d::Zero();
+  plan.ground = static_cast<int>(plan.target.materials.size());
+  home[at(ground)] = plan.ground;
+  plan.target.materials.push_back(material);
+  RigidFixed fixed;
+  fixed.material = plan.ground;
+  fixed.dofs.fill(true);
+  fixed.name = material.name + " held";
+  plan.target.rigid_fixed.push_back(fixed);
+  plan.changes.push_back(
+      fmt::format("material \"{}\": new, rigid, for cartilage on the ground; held in all six dofs", material.name));
+}
+
+bool is_layer_shape(const Domain& d) { return !is_line(d.shape) && !is_shell(d.shape); }
+
+/// The elements of a domain that go to each body (-1: stay), in parts of their own where they are several.
+void convert_domain(const JointModel& model, int index, const std::vector<int>& body_of_element,
+                    const std::vector<int>& home, ConversionPlan& plan, std::set<std::string>& names) {
+  const Domain& d = model.domains[at(index)];
+  const std::string old = model.materials[at(d.material)].name;
+  std::vector<int> bodies = body_of_element;
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  Domain& first = plan.target.domains[at(index)];
+  const std::size_t n = at(nodes_per_element(d.shape));
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Domain part = d;
+    part.element_ids.clear();
+    part.nodes.clear();
+    for (std::size_t e = 0; e < body_of_element.size(); ++e) {
+      if (body_of_element[e] != bodies[b]) continue;
+      part.element_ids.push_back(d.element_ids[e]);
+      const auto begin = d.nodes.begin() + static_cast<std::ptrdiff_t>(e * n);
+      part.nodes.insert(part.nodes.end(), begin, begin + static_cast<std::ptrdiff_t>(n));
+    }
+    if (bodies[b] >= 0) part.material = home[at(bodies[b])];
+    if (b > 0) {
+      part.name = free_name(d.name, names);
+      names.insert(part.name);
+      plan.split = true;
+    }
+    if (bodies[b] >= 0)
+      plan.changes.push_back(fmt::format("domain \"{}\": material \"{}\" becomes \"{}\", rigid", part.name, old,
+                                         plan.target.materials[at(part.material)].name));
+    if (b == 0)
+      first = std::move(part);
+    else
+      plan.target.domains.push_back(std::move(part));
+  }
+}
+
+void convert_domains(const JointModel& model, const std::vector<char>& rigid, const std::vector<int>& home,
+                     const std::vector<int>& cartilage, const std::vector<int>& body_of_material,
+                     ConversionPlan& plan) {
+  std::set<std::string> names;
+  for (const Domain& d : model.domains) names.insert(d.name);
+  for (int i = 0; i < static_cast<int>(model.domains.size()); ++i) {
+    const Domain& d = model.domains[at(i)];
+    if (d.material < 0 || d.element_ids.empty() || model.materials[at(d.material)].rigid) continue;
+    const std::size_t n = at(nodes_per_element(d.shape));
+    std::vector<int> bodies(d.element_ids.size(), -1);
+    if (rigid[at(d.material)]) {
+      if (is_line(d.shape)) continue;
+      bodies.assign(bodies.size(), body_of_material[at(d.material)]);
+      const int to = home[at(bodies.front())];
+      if (to == d.material) continue;  // that material itself becomes rigid
+    } else if (is_layer_shape(d)) {
+      for (std::size_t e = 0; e < bodies.size(); ++e) bodies[e] = cartilage[at(d.nodes[e * n])];
+      if (std::all_of(bodies.begin(), bodies.end(), [](int b) { return b < 0; })) continue;
+    } else {
+      continue;
+    }
+    convert_domain(model, i, bodies, home, plan, names);
+  }
+}
+
+void convert_materials(const std::vector<int>& home, ConversionPlan& plan) {
+  for (std::size_t b = 0; b < plan.joint.bodies.size(); ++b) {
+    const Body& body = plan.joint.bodies[b];
+    if (body.ground || home[b] < 0) continue;
+    Material& material = plan.target.materials[at(home[b])];
+    if (!material.rigid) {
+      plan.changes.push_back(
+          fmt::format("material \"{}\": type {} becomes rigid body (--rigid)", material.name, material.type));
+      material.rigid = true;
+      material.type = "rigid body";
+      material.E = material.nu = std::nan("");
+    }
+    const Vector3d& c = body.center_of_mass;
+    if (material.center_of_mass && *material.center_of_mass == c) continue;
+    material.center_of_mass = c;
+    plan.changes.push_back(fmt::format("material \"{}\": center_of_mass {:.6g},{:.6g},{:.6g} written out",
+                                       material.name, c.x(), c.y(), c.z()));
+  }
+}
+
+/// FEBio makes one body of rigid materials whose elements share nodes: after the conversion these must be the bodies
+/// there were.
+void check_bodies(const JointModel& model, const ConversionPlan& plan, const std::vector<int>& home) {
+  std::vector<char> rigid;
+  for (const Material& m : plan.target.materials) rigid.push_back(m.rigid);
+  const Bodies after = find_bodies(plan.target, rigid);
+  const auto& bodies = plan.joint.bodies;
+  for (std::size_t a = 0; a < bodies.size(); ++a) {
+    for (int m : bodies[a].materials) {
+      if (!rigid[at(m)] || home[a] < 0 || after.of_material[at(m)] == after.of_material[at(home[a])]) continue;
+      throw InputError(model, model.materials[at(m)].origin,
+                       fmt::format("materials \"{}\" and \"{}\" are one body through rigid node sets; as rigid "
+                                   "materials they would be two: give their elements one material",
+                                   model.materials[at(home[a])].name, model.materials[at(m)].name));
+    }
+    for (std::size_t b = a + 1; b < bodies.size(); ++b) {
+      if (home[a] < 0 || home[b] < 0 || after.of_material[at(home[a])] != after.of_material[at(home[b])]) continue;
+      throw InputError(where(model, {0, 0}) +
+                       fmt::format("the cartilage shares nodes with bodies \"{}\" and \"{}\", which would become one "
+                                   "rigid body; give each its own nodes",
+                                   bodies[a].name, bodies[b].name));
+    }
+  }
+}
+
+void mark_rigid_nodes(ConversionPlan& plan) {
+  plan.node_rigid.assign(plan.target.nodes.size(), 0);
+  for (const Domain& d : plan.target.domains)
+    if (d.material >= 0 && plan.target.materials[at(d.material)].rigid && !is_line(d.shape))
+      for (int node : d.nodes) plan.node_rigid[at(node)] = 1;
+}
+
+/// Takes the nodes that became rigid out of a condition. True: none is left.
+template <class Condition>
+bool strip(const std::vector<char>& was_rigid, const std::vector<char>& is_rigid, Condition& condition) {
+  const auto became = [&](int node) { return is_rigid[at(node)] && !was_rigid[at(node)]; };
+  if (std::none_of(condition.nodes.begin(), condition.nodes.end(), became)) return false;
+  auto& nodes = condition.nodes;
+  nodes.erase(std::remove_if(nodes.begin(), nodes.end(), [&](int node) { return is_rigid[at(node)] != 0; }),
+              nodes.end());
+  return nodes.empty();
+}
+
+void convert_conditions(const JointModel& model, ConversionPlan& plan) {
+  std::vector<char> was_rigid(model.nodes.size(), 0);
+  for (const Domain& d : model.domains)
+    if (d.material >= 0 && model.materials[at(d.material)].rigid && !is_line(d.shape))
+      for (int node : d.nodes) was_rigid[at(node)] = 1;
+  const auto one = [&](auto& condition, std::size_t before, const std::string& what, std::vector<char>& gone) {
+    gone.push_back(strip(was_rigid, plan.node_rigid, condition));
+    if (gone.back())
+      plan.changes.push_back(fmt::format("{} \"{}\": taken out, its nodes are rigid now", what, condition.name));
+    else if (condition.nodes.size() < before)
+      plan.changes.push_back(fmt::format("{} \"{}\": {} of its {} nodes are rigid now and taken out", what,
+                                         condition.name, before - condition.nodes.size(), before));
+  };
+  for (std::size_t i = 0; i < model.rigid_nodes.size(); ++i)
+    one(plan.target.rigid_nodes[i], model.rigid_nodes[i].nodes.size(), "rigid node set", plan.rigid_nodes_gone);
+  for (std::size_t i = 0; i < model.fixed_nodes.size(); ++i)
+    one(plan.target.fixed_nodes[i], model.fixed_nodes[i].nodes.size(), "fixed nodes", plan.fixed_nodes_gone);
+
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    const Contact& c = model.contacts[i];
+    if (c.kind != Contact::Kind::Tied) continue;
+    bool all = true;
+    for (int s : {c.primary, c.secondary})
+      for (int node : model.surfaces[at(s)].nodes) all = all && plan.node_rigid[at(node)];
+    if (!all) continue;
+    plan.contact_gone[i] = 1;
+    plan.changes.push_back(
+        fmt::format("tied contact \"{}\" ({}): taken out, both its surfaces are rigid now", c.name, c.type));
+  }
+}
+
+/// Thickness per node of the surface, from the vertices of the articular surface. A node in the middle of a facet,
+/// which is no vertex, gets the mean of the others.
+std::vector<double> thickness_map(const Surface& surface, const Layer& layer) {
+  std::map<int, double> of_node;
+  for (std::size_t v = 0; v < layer.articular.model_nodes.size(); ++v)
+    of_node[layer.articular.model_nodes[v]] = layer.thickness[v];
+  std::vector<double> map;
+  for (std::size_t f = 0; f + 1 < surface.begin.size(); ++f) {
+    double sum = 0.0;
+    int count = 0;
+    for (int k = surface.begin[f]; k < surface.begin[f + 1]; ++k) {
+      const auto found = of_node.find(surface.nodes[at(k)]);
+      if (found == of_node.end()) continue;
+      sum += found->second;
+      ++count;
+    }
+    for (int k = surface.begin[f]; k < surface.begin[f + 1]; ++k) {
+      const auto found = of_node.find(surface.nodes[at(k)]);
+      map.push_back(found != of_node.end() ? found->second : count > 0 ? sum / count : 0.0);
+    }
+  }
+  return map;
+}
+
+DeaLayer dea_layer(const JointModel& model, const Layer& layer) {
+  DeaLayer out;
+  if (layer.rigid) {
+    out.thickness = 0.0;
+    return out;
+  }
+  out.E = layer.elasticity.E;
+  out.nu = layer.elasticity.nu;
+  if (layer.thickness_given)
+    out.thickness = layer.thickness.empty() ? 0.0 : layer.thickness.front();
+  else
+    out.thickness_map = thickness_map(model.surfaces[at(layer.surface)], layer);
+  return out;
+}
+
+void convert_contacts(const JointModel& model, ConversionPlan& plan) {
+  plan.map_of_surface.assign(model.surfaces.size(), "");
+  std::set<std::string> names;  // of maps of this conversion
+  for (const ContactPair& pair : plan.joint.contacts) {
+    if (!plan.converted[at(pair.contact)]) continue;
+    Contact& c = plan.target.contacts[at(pair.contact)];
+    plan.changes.push_back(fmt::format("contact \"{}\": type {} becomes dea, law {}, facets {}, source {}, refine {}",
+                                       c.name, c.type, name(pair.law), name(pair.facets),
+                                       pair.source == 0 ? "primary" : "secondary", pair.refine));
+    c.type = "dea";
+    c.ignored.clear();
+    DeaContact dea;
+    dea.law = pair.law;
+    dea.facets = pair.facets;
+    dea.refine = pair.refine;
+    dea.source = pair.source;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Layer& layer = pair.layers[side];
+      const char* which = side == 0 ? "primary" : "secondary";
+      dea.layers[side] = dea_layer(model, layer);
+      const std::string& surface = model.surfaces[at(layer.surface)].name;
+      if (layer.rigid) {
+        plan.changes.push_back(fmt::format("  {} \"{}\": bare rigid surface, thickness 0", which, surface));
+        continue;
+      }
+      std::string thickness;
+      if (dea.layers[side].thickness_map.empty()) {
+        thickness = fmt::format("thickness {:g}", *dea.layers[side].thickness);
+      } else {
+        std::string& map = plan.map_of_surface[at(layer.surface)];
+        if (map.empty()) {
+          map = free_name(surface + "_thickness", names);
+          names.insert(map);
+        }
+        thickness = fmt::format("thickness {:.4g} to {:.4g} (mean {:.4g}) as map \"{}\"", layer.min_thickness(),
+                                layer.max_thickness(), layer.mean_thickness(), map);
+        if (layer.missed_count() > 0)
+          plan.notes.push_back(
+              fmt::format("surface \"{}\": the normals of {} of {} vertices met no bone; the distance "
+                          "of the closest point is their thickness",
+                          surface, layer.missed_count(), layer.missed.size()));
+      }
+      plan.changes.push_back(fmt::format("  {} \"{}\" on body \"{}\": E {:g}, nu {:g}, {}", which, surface,
+                                         plan.joint.bodies[at(layer.body)].name, *dea.layers[side].E,
+                                         *dea.layers[side].nu, thickness));
+    }
+    c.dea = dea;
+  }
+}
+
+}  // namespace
+
+ConversionPlan plan_conversion(const JointModel& model, const Settings& settings) {
+  refuse_settings(settings);
+  refuse_unsupported(model);
+  ConversionPlan plan;
+  // A model of which nothing is left to convert need not be recognised to say so.
+  const bool all_dea = std::all_of(model.contacts.begin(), model.contacts.end(),
+                                   [](const Contact& c) { return c.kind != Contact::Kind::Sliding || c.dea; });
+  for (const Contact& c : model.contacts)
+    if (all_dea && c.dea)
+      throw InputError(model, c.origin,
+                       fmt::format("contact \"{}\" is of type dea already: nothing to convert", c.name));
+  plan.joint = make_joint(model, settings);
+  plan.target = model;
+  choose_contacts(model, settings, plan);
+
+  const std::vector<char> rigid = rigid_materials(model, settings);
+  const Bodies bodies = find_bodies(model, rigid);
+  const std::vector<int> cartilage = cartilage_nodes(model, plan);
+  std::vector<int> home = home_materials(model, plan);
+  convert_contacts(model, plan);
+  add_ground(model, plan, home, cartilage);
+  convert_materials(home, plan);
+  convert_domains(model, rigid, home, cartilage, bodies.of_material, plan);
+  check_bodies(model, plan, home);
+  mark_rigid_nodes(plan);
+  convert_conditions(model, plan);
+  return plan;
+}
+
+}  // namespace dea

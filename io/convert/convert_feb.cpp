@@ -1,0 +1,78 @@
+#include "convert_feb.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "conversion_plan.h"
+#include "edit_feb.h"
+#include "error.h"
+#include "write_feb.h"
+
+namespace dea {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string file_text(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path + ": cannot be read: check its permissions");
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// The encoding its first line names.
+std::string encoding_of(const std::string& text) {
+  const std::size_t end = text.find("?>"), begin = text.find("encoding=");
+  if (begin == text.npos || begin > end || begin + 10 >= end) return "ISO-8859-1";
+  const std::size_t close = text.find(text[begin + 9], begin + 10);
+  return close < end ? text.substr(begin + 10, close - begin - 10) : "ISO-8859-1";
+}
+
+bool same_folder(const std::string& a, const std::string& b) {
+  const auto folder = [](const std::string& path) {
+    std::error_code error;
+    return fs::weakly_canonical(fs::absolute(path, error).parent_path(), error);
+  };
+  return folder(a) == folder(b);
+}
+
+}  // namespace
+
+Conversion convert_feb(const JointModel& model, const Settings& settings, const std::string& output) {
+  ConversionPlan plan = plan_conversion(model, settings);
+  const std::string text = file_text(model.files.front());
+  Conversion result;
+  std::string why;
+  std::optional<std::string> edited;
+  if (model.version != "4.0")
+    why = fmt::format("it is of version {}", model.version);
+  else if (plan.split)
+    why = "an Elements section holds cartilage of several bodies, or other parts too, and is divided";
+  else if (model.files.size() > 1 && !same_folder(model.files.front(), output))
+    why = "it includes files from its own folder, and the output is for another";
+  else
+    edited = edit_feb(model, plan, text, why);
+
+  result.edited = edited.has_value();
+  result.notes = plan.notes;
+  if (edited) {
+    result.text = std::move(*edited);
+    result.changes.push_back("the model's own text, with these changes:");
+    result.changes.insert(result.changes.end(), plan.changes.begin(), plan.changes.end());
+    if (model.files.size() > 1) result.notes.push_back("the new file includes the same files as the model");
+  } else {
+    std::vector<std::string> dropped;
+    result.text = write_feb(model, plan, encoding_of(text), dropped);
+    result.changes.push_back(fmt::format("written anew as version 4.0, for {}; with these changes:", why));
+    result.changes.insert(result.changes.end(), plan.changes.begin(), plan.changes.end());
+    result.changes.push_back("solver and plot file: new");
+    for (const std::string& what : dropped) result.changes.push_back("left out, no part of the joint: " + what);
+  }
+  return result;
+}
+
+}  // namespace dea

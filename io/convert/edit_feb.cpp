@@ -1,0 +1,347 @@
+#include "edit_feb.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "feb_xml.h"
+#include "write_feb.h"
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// An element to be changed is not in the model's own file.
+struct NotHere {
+  std::string what;
+};
+
+struct Editing {
+  const JointModel& model;
+  ConversionPlan& plan;
+  const XmlPlaces& places;
+  XmlEdits& edits;
+  std::set<int> used;  ///< elements found for something
+};
+
+/// The element the reader met at this place: the first of its name on the line that was not found before.
+int need_element(Editing& e, Origin origin, const std::string& name, const std::string& what) {
+  if (origin.file == 0) {
+    for (std::size_t i = 0; i < e.places.elements.size(); ++i) {
+      const int element = static_cast<int>(i);
+      if (e.places.elements[i].line != origin.line || e.places.elements[i].name != name) continue;
+      if (e.used.insert(element).second) return element;
+    }
+  }
+  throw NotHere{what};
+}
+
+int need_section(const Editing& e, const char* name) {
+  const int section = e.places.child(0, name);
+  if (section < 0 || e.places.at(section).attribute("from") != nullptr) throw NotHere{fmt::format("<{}>", name)};
+  return section;
+}
+
+void edit_materials(Editing& e) {
+  for (std::size_t i = 0; i < e.model.materials.size(); ++i) {
+    const Material &before = e.model.materials[i], &after = e.plan.target.materials[i];
+    if (before.rigid == after.rigid && before.center_of_mass == after.center_of_mass) continue;
+    const int element = need_element(e, before.origin, "material", fmt::format("material \"{}\"", before.name));
+    if (!before.rigid) {
+      e.edits.set_attribute(element, "type", "rigid body");
+      e.edits.set_content(element, rigid_material_lines(after));
+      continue;
+    }
+    const std::string center = exact(*after.center_of_mass);
+    const int child = e.places.child(element, "center_of_mass");
+    if (child >= 0)
+      e.edits.set_content(child, center);
+    else
+      e.edits.append_child(element, {{0, "<center_of_mass>" + center + "</center_of_mass>"}});
+  }
+  if (e.plan.ground < 0) return;
+  const Material& ground = e.plan.target.materials[at(e.plan.ground)];
+  XmlLines lines = {
+      {0, fmt::format("<material id=\"{}\" name=\"{}\" type=\"rigid body\">", ground.id, escape_xml(ground.name))}};
+  for (const XmlLine& line : rigid_material_lines(ground)) lines.push_back({1, line.text});
+  lines.push_back({0, "</material>"});
+  e.edits.append_child(need_section(e, "Material"), lines);
+}
+
+void edit_domains(Editing& e) {
+  std::set<std::string> rigid_now;
+  const int section = need_section(e, "MeshDomains");
+  for (std::size_t i = 0; i < e.model.domains.size(); ++i) {
+    const Domain &before = e.model.domains[i], &after = e.plan.target.domains[i];
+    const bool became = !e.model.materials[at(before.material < 0 ? 0 : before.material)].rigid &&
+                        after.material >= 0 && e.plan.target.materials[at(after.material)].rigid;
+    if (before.material < 0 || (before.material == after.material && !became)) continue;
+    rigid_now.insert(before.name);
+    int element = -1;
+    for (int child : e.places.at(section).children)
+      if (e.places.at(child).value("name") == before.name) element = child;
+    if (element < 0) throw NotHere{fmt::format("domain \"{}\" in <MeshDomains>", before.name)};
+    if (before.material != after.material)
+      e.edits.set_attribute(element, "mat", e.plan.target.materials[at(after.material)].name);
+    // a class of deformable elements ("three-field-solid") and its parameters
+    if (!is_shell(before.shape) && e.places.at(element).attribute("type") != nullptr) {
+      e.edits.remove_attribute(element, "type");
+      e.plan.changes.push_back(fmt::format("domain \"{}\": type \"{}\" taken out, it is one of deformable elements",
+                                           before.name, e.places.at(element).value("type")));
+    }
+    if (!is_shell(before.shape) && !e.places.at(element).children.empty()) {
+      e.edits.set_content(element, std::string());
+      e.plan.changes.push_back(
+          fmt::format("domain \"{}\": its parameters taken out, they are of deformable elements", before.name));
+    }
+  }
+  // Directions of fibres and axes of a deformable material: the rigid one has none to give them to.
+  for (int data : e.places.children(0, "MeshData")) {
+    for (int child : e.places.children(data, "ElementData")) {
+      const XmlPlace& place = e.places.at(child);
+      const std::string type = place.value("type");
+      const bool direction = type == "mat_axis" || type == "fiber" || type.find(".fiber") != type.npos;
+      if (!direction || rigid_now.count(place.value("elem_set")) == 0) continue;
+      e.edits.remove(child);
+      e.plan.changes.push_back(fmt::format("ElementData \"{}\" of \"{}\": taken out, its elements are rigid now", type,
+                                           place.value("elem_set")));
+    }
+  }
+}
+
+/// A free name for the rest of a node set.
+std::string free_set_name(const Editing& e, const std::string& wanted, std::set<std::string>& taken) {
+  for (const NodeSet& s : e.model.node_sets) taken.insert(s.name);
+  std::string name = wanted;
+  for (int i = 2; taken.count(name) > 0; ++i) name = fmt::format("{}_{}", wanted, i);
+  taken.insert(name);
+  return name;
+}
+
+template <class Condition>
+void edit_node_conditions(Editing& e, const std::vector<Condition>& before, const std::vector<Condition>& after,
+                          const std::vector<char>& gone, std::set<std::string>& taken) {
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (!gone[i] && before[i].nodes.size() == after[i].nodes.size()) continue;
+    const int element = need_element(e, before[i].origin, "bc", fmt::format("condition \"{}\"", before[i].name));
+    if (gone[i]) {
+      e.edits.remove(element);
+      continue;
+    }
+    const std::string name = free_set_name(e, e.places.at(element).value("node_set") + "_not_rigid", taken);
+    std::string list;
+    for (int node : after[i].nodes) list += fmt::format("{}{}", list.empty() ? "" : ",", e.model.node_ids[at(node)]);
+    e.edits.append_child(need_section(e, "Mesh"),
+                         {{0, fmt::format("<NodeSet name=\"{}\">{}</NodeSet>", escape_xml(name), list)}});
+    e.edits.set_attribute(element, "node_set", name);
+    e.plan.changes.push_back(fmt::format("node set \"{}\": new, what is left for \"{}\"", name, before[i].name));
+  }
+}
+
+void edit_conditions(Editing& e) {
+  std::set<std::string> taken;
+  edit_node_conditions(e, e.model.rigid_nodes, e.plan.target.rigid_nodes, e.plan.rigid_nodes_gone, taken);
+  edit_node_conditions(e, e.model.fixed_nodes, e.plan.target.fixed_nodes, e.plan.fixed_nodes_gone, taken);
+  for (std::size_t i = 0; i < e.model.contacts.size(); ++i) {
+    const Contact& c = e.model.contacts[i];
+    if (!e.plan.contact_gone[i] && !e.plan.converted[i]) continue;
+    const int element = need_element(e, c.origin, "contact", fmt::format("contact \"{}\"", c.name));
+    if (e.plan.contact_gone[i]) {
+      e.edits.remove(element);
+      continue;
+    }
+    e.edits.set_attribute(element, "type", "dea");
+    e.edits.set_content(element, dea_contact_lines(e.plan, e.plan.target.contacts[i]));
+  }
+  // A plane of symmetry on nodes that are rigid now.
+  for (std::size_t i = 0; i < e.places.elements.size(); ++i) {
+    const XmlPlace& place = e.places.elements[i];
+    if (place.name != "constraint" || place.value("type") != "symmetry plane") continue;
+    const auto surface = std::find_if(e.model.surfaces.begin(), e.model.surfaces.end(),
+                                      [&](const Surface& s) { return s.name == place.value("surface"); });
+    if (surface == e.model.surfaces.end() || !std::all_of(surface->nodes.begin(), surface->nodes.end(),
+                                                          [&](int n) { return e.plan.node_rigid[at(n)] != 0; }))
+      continue;
+    e.edits.remove(static_cast<int>(i));
+    e.plan.changes.push_back(
+        fmt::format("constraint \"{}\" (symmetry plane): taken out, its surface is rigid now", place.value("name")));
+  }
+}
+
+/// Thickness maps, and the condition that holds the ground's cartilage.
+void add_sections(Editing& e) {
+  XmlLines maps;
+  for (std::size_t s = 0; s < e.plan.map_of_surface.size(); ++s) {
+    if (e.plan.map_of_surface[s].empty()) continue;
+    for (const XmlLine& line :
+         thickness_map_lines(e.model.surfaces[s], map_values(e.plan, static_cast<int>(s)), e.plan.map_of_surface[s]))
+      maps.push_back(line);
+  }
+  const int domains = need_section(e, "MeshDomains");
+  XmlLines sections;  // new ones, behind MeshDomains
+  const auto as_section = [&](const char* name, const XmlLines& lines) {
+    sections.push_back({0, fmt::format("<{}>", name)});
+    for (const XmlLine& line : lines) sections.push_back({line.depth + 1, line.text});
+    sections.push_back({0, fmt::format("</{}>", name)});
+  };
+  if (!maps.empty()) {
+    const int data = e.places.child(0, "MeshData");
+    if (data > domains && e.places.at(data).attribute("from") == nullptr)
+      e.edits.append_child(data, maps);
+    else
+      as_section("MeshData", maps);
+  }
+  if (e.plan.ground >= 0) {
+    const XmlLines held = rigid_fixed_lines(e.plan.target, e.plan.target.rigid_fixed.back());
+    const int rigid = e.places.child(0, "Rigid"), step = e.places.child(0, "Step");
+    if (rigid >= 0 && (step < 0 || rigid < step) && e.places.at(rigid).attribute("from") == nullptr)
+      e.edits.append_child(rigid, held);
+    else
+      as_section("Rigid", held);
+  }
+  if (!sections.empty()) e.edits.insert_after(domains, sections);
+}
+
+/// One <solver>. Returns what was changed, "" if nothing.
+std::string edit_solver(Editing& e, int solver) {
+  std::string changed;
+  const auto note = [&](const std::string& what) { changed += (changed.empty() ? "" : ", ") + what; };
+  for (const SolverParameter& p : solver_parameters()) {
+    const int child = e.places.child(solver, p.name);
+    const std::string line = fmt::format("<{0}>{1}</{0}>", p.name, p.value);
+    if (child < 0) {
+      e.edits.append_child(solver, {{0, line}});
+    } else {
+      const std::string text(feb::trim(e.places.content(child)));
+      const auto now = feb::whole_double(text), wanted = feb::whole_double(p.value);
+      const bool as_good = feb::same_word(text, p.value) || (!wanted && text == "0") ||
+                           (now && wanted && p.largest && *now > 0 && *now <= *wanted) ||
+                           (now && wanted && p.smallest && *now >= *wanted);
+      if (as_good) continue;
+      e.edits.set_content(child, p.value);
+    }
+    note(fmt::format("{} {}", p.name, p.value));
+  }
+  const int method = e.places.child(solver, "qn_method");
+  if (method < 0) {
+    e.edits.append_child(solver, {{0, "<qn_method type=\"BFGS\">"}, {1, "<max_ups>0</max_ups>"}, {0, "</qn_method>"}});
+    note("qn_method BFGS, max_ups 0");
+  } else {
+    const std::string type = e.places.at(method).value("type");
+    const int ups = e.places.child(method, "max_ups");
+    if (type.empty() || type == "BFGS") {
+      if (ups >= 0 && feb::trim(e.places.content(ups)) == "0") return changed;
+      if (ups >= 0)
+        e.edits.set_content(ups, std::string("0"));
+      else
+        e.edits.append_child(method, {{0, "<max_ups>0</max_ups>"}});
+    } else {
+      e.edits.set_attribute(method, "type", "BFGS");
+      e.edits.set_content(method, XmlLines{{0, "<max_ups>0</max_ups>"}});
+    }
+    note("qn_method BFGS, max_ups 0");
+  }
+  return changed;
+}
+
+std::string edit_control(Editing& e, int control) {
+  if (e.places.at(control).attribute("from") != nullptr) throw NotHere{"<Control>"};
+  const int solver = e.places.child(control, "solver");
+  if (solver >= 0) return edit_solver(e, solver);
+  e.edits.append_child(control, solver_lines(e.model.module));
+  return "new <solver>, full Newton, not symmetric, tight tolerances";
+}
+
+/// The Control blocks: of the model, which the first step starts from, and of each step.
+void edit_controls(Editing& e) {
+  const auto said = [&](const std::string& which, const std::string& changed) {
+    if (!changed.empty()) e.plan.changes.push_back(fmt::format("solver {}: {}", which, changed));
+  };
+  const int top = e.places.child(0, "Control");
+  if (top >= 0) said("of the model", edit_control(e, top));
+  std::vector<int> steps;
+  for (int section : e.places.children(0, "Step")) {
+    if (e.places.at(section).attribute("from") != nullptr) throw NotHere{"<Step>"};
+    const std::vector<int> inside = e.places.children(section, "step");
+    steps.insert(steps.end(), inside.begin(), inside.end());
+    if (inside.empty() && !e.places.at(section).children.empty()) steps.push_back(section);
+  }
+  if (!steps.empty() && steps.size() != e.model.steps.size()) throw NotHere{"a step"};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (e.places.at(steps[i]).attribute("from") != nullptr) throw NotHere{"a step"};
+    const std::string which = fmt::format("of step {}", i + 1);
+    const int control = e.places.child(steps[i], "Control");
+    if (control >= 0) {
+      said(which, edit_control(e, control));
+    } else if (i > 0 || top < 0) {
+      XmlLines lines = {{0, "<Control>"}};
+      for (const XmlLine& line : solver_lines(e.model.module)) lines.push_back({line.depth + 1, line.text});
+      lines.push_back({0, "</Control>"});
+      e.edits.append_child(steps[i], lines);
+      said(which, "new <Control>, full Newton, not symmetric, tight tolerances");
+    }
+  }
+  if (steps.empty() && top < 0) throw NotHere{"<Control>"};
+}
+
+void edit_output(Editing& e) {
+  const int output = e.places.child(0, "Output");
+  const int plotfile = output < 0 ? -1 : e.places.child(output, "plotfile");
+  if (plotfile < 0) {
+    XmlLines lines = plotfile_lines();
+    if (output < 0) {
+      for (XmlLine& line : lines) ++line.depth;
+      lines.insert(lines.begin(), {0, "<Output>"});
+      lines.push_back({0, "</Output>"});
+    }
+    e.edits.append_child(output < 0 ? 0 : output, lines);
+    e.plan.changes.push_back("plot file: new, with the variables of contact");
+    return;
+  }
+  std::string added;
+  for (const char* variable : plot_variables()) {
+    bool there = false;
+    for (int var : e.places.children(plotfile, "var")) {
+      const XmlPlace& place = e.places.at(var);
+      const std::string type = place.value("type");
+      const bool everywhere = place.attribute("surface") == nullptr && place.attribute("elem_set") == nullptr;
+      there = there || (everywhere && type.substr(0, type.find('=')) == variable);
+    }
+    if (there) continue;
+    e.edits.append_child(plotfile, {{0, fmt::format("<var type=\"{}\"/>", variable)}});
+    added += (added.empty() ? "" : ", ") + std::string(variable);
+  }
+  if (!added.empty()) e.plan.changes.push_back(fmt::format("plot file: {} added", added));
+}
+
+}  // namespace
+
+std::optional<std::string> edit_feb(const JointModel& model, ConversionPlan& plan, const std::string& text,
+                                    std::string& why) {
+  const std::optional<XmlPlaces> places = find_places(text);
+  if (!places) {
+    why = "its XML holds what this program does not edit";
+    return std::nullopt;
+  }
+  const std::vector<std::string> changes = plan.changes;
+  XmlEdits edits(*places);
+  Editing e{model, plan, *places, edits, {}};
+  try {
+    edit_materials(e);
+    edit_domains(e);
+    edit_conditions(e);
+    add_sections(e);
+    edit_controls(e);
+    edit_output(e);
+  } catch (const NotHere& missing) {
+    why = fmt::format("{} is not in this file itself", missing.what);
+    plan.changes = changes;
+    return std::nullopt;
+  }
+  return edits.apply();
+}
+
+}  // namespace dea

@@ -1,0 +1,46 @@
+// io/convert/write_feb.h – a converted joint as FEBio XML, version 4.0: a whole file, or the pieces that an edit puts
+// in.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "conversion_plan.h"
+#include "xml_places.h"
+
+namespace dea {
+
+/// All digits, as short as they can be.
+std::string exact(double value);
+std::string exact(const Vector3d& v);  ///< "x,y,z"
+
+/// What is inside `<contact type="dea">`.
+XmlLines dea_contact_lines(const ConversionPlan& plan, const Contact& contact);
+/// The SurfaceData with the thickness of a surface. Every facet has as many values as the largest one has nodes, as
+/// FEBio wants it; those beyond its own nodes repeat its last.
+XmlLines thickness_map_lines(const Surface& surface, const std::vector<double>& values, const std::string& name);
+/// The thickness map of a surface in any of the converted contacts.
+const std::vector<double>& map_values(const ConversionPlan& plan, int surface);
+/// What is inside a rigid `<material>`.
+XmlLines rigid_material_lines(const Material& material);
+XmlLines rigid_fixed_lines(const JointModel& model, const RigidFixed& fixed);
+
+/// Full Newton with a matrix that is not symmetric (the spring bed's is not, where the bodies turn), to tolerances that
+/// give the pose of `dea run` to 1e-5 mm.
+struct SolverParameter {
+  const char* name;
+  const char* value;
+  bool largest;   ///< the value is a bound: a smaller one that is not 0 stays
+  bool smallest;  ///< likewise: a larger one stays
+};
+const std::vector<SolverParameter>& solver_parameters();
+XmlLines solver_lines(const std::string& module);
+
+/// Variables the plot file must have; FEBio's own, then the plugin's.
+const std::vector<const char*>& plot_variables();
+XmlLines plotfile_lines();
+
+/// A whole file. `dropped`: what is not part of the joint and not in it, a line each.
+std::string write_feb(const JointModel& model, const ConversionPlan& plan, const std::string& encoding,
+                      std::vector<std::string>& dropped);
+
+}  // namespace dea

@@ -1,0 +1,58 @@
+// io/febio_rules.h – what FEBio's words mean for DEA, whoever brings them: a .feb file (io/feb) or FEBio's own model
+// (plugin).
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "joint_model.h"
+
+namespace dea::febio {
+
+/// Shortened to one printable line and put in quotes, for messages.
+std::string quote(std::string_view text);
+
+/// Remarks listed once each, with how often they occur.
+struct RemarkIndex {
+  std::unordered_map<std::string, std::size_t> places;
+};
+void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin);
+
+/// Modules whose mechanics are those of a solid (drained); "" is FEBio's default, solid.
+bool known_module(const std::string& module);
+
+/// What is left out of an analysis that is not static: a remark, "" for a static one.
+/// `dynamic`: the analysis is the second of its module's kinds (DYNAMIC of a solid, TRANSIENT of the others).
+std::string analysis_remark(const std::string& module, bool dynamic);
+
+/// Nothing: a contact we know nothing about.
+std::optional<Contact::Kind> contact_kind(const std::string& type);
+
+/// Contact parameters that could change the result and that DEA does not use, with FEBio's defaults.
+struct ContactParameter {
+  const char* name;
+  double usual;
+};
+std::vector<ContactParameter> unused_contact_parameters(const std::string& type);
+
+/// True for rigid conditions, loads and connectors that statics of rigid bodies has no use for.
+bool is_damper(const std::string& connector_type);
+
+/// FEBio's words, in the order of LoadController::Interpolate and Extend; FEBio also takes the place in this order.
+inline constexpr std::array<const char*, 8> kInterpolateWords = {
+    "linear", "step", "smooth", "cubic spline", "control points", "approximation", "smooth step", "C2-smooth"};
+inline constexpr std::array<const char*, 4> kExtendWords = {"constant", "extrapolate", "repeat", "repeat offset"};
+
+/// `place` in kInterpolateWords; one that cannot be evaluated makes the curve unsupported.
+void set_interpolate(LoadController& curve, int place);
+/// Times a curve cannot be evaluated with; refused only where the curve is used.
+void check_times(LoadController& curve);
+/// Times of `curve` inside a step from `begin` to `end` that a result must have.
+std::vector<double> must_points(const LoadController& curve, double begin, double end);
+/// Lists as unsupported every use of a controller that cannot be evaluated.
+void refuse_unusable_controllers(JointModel& model);
+
+}  // namespace dea::febio

@@ -1,0 +1,36 @@
+// io/run_model.h – a model that has been read, to results in files: what `dea run` and FEBio's task share.
+#pragma once
+#include <functional>
+#include <string>
+
+#include "analysis.h"
+#include "report_json.h"
+
+namespace dea {
+
+struct RunOptions {
+  std::string output;                                     ///< plot file
+  std::string json, csv;                                  ///< "" none, "-" standard output
+  std::string states = "all";                             ///< all, last, or times t1,t2,...
+  std::string states_option;                              ///< how the user calls it, for messages: "--states last"
+  std::string times_from;                                 ///< FEA result whose times to take; "" the model's
+  bool compress = false;                                  ///< the plot file
+  double seconds_reading = 0.0;                           ///< spent on the model before
+  std::function<void(const std::string& line)> progress;  ///< a line per state; may be empty
+};
+
+struct RunResult {
+  Analysis analysis;
+  Timings timings;
+};
+
+/// Solves every wanted state and writes plot file, JSON and CSV. Throws UsageError, InputError, WriteError.
+RunResult run_model(const JointModel& model, const Settings& settings, const RunOptions& options);
+
+/// True if every state that was asked for is a solution.
+bool all_solved(const Analysis& analysis);
+
+/// "hip_dea.xplt: 3 states in 0.20 s (read 0.05, ...)"
+std::string run_summary(const RunOptions& options, const RunResult& result);
+
+}  // namespace dea

@@ -1,0 +1,474 @@
+#include "dea_contact.h"
+
+#include <FEBioMech/FEMechModel.h>
+#include <FEBioMech/FERigidBody.h>
+#include <FECore/FEAnalysis.h>
+#include <FECore/FEGlobalMatrix.h>
+#include <FECore/FEGlobalVector.h>
+#include <FECore/FELinearSystem.h>
+#include <FECore/FEMesh.h>
+#include <FECore/FESurfaceMap.h>
+#include <FECore/version.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "analysis.h"
+#include "error.h"
+#include "febio_log.h"
+#include "read_fe_model.h"
+#include "version.h"
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+vec3d to_fe(const dea::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+dea::Vector3d from_fe(const vec3d& v) { return {v.x, v.y, v.z}; }
+Eigen::Quaterniond from_fe(const quatd& q) { return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized(); }
+
+std::string sdk_version() {
+  return fmt::format("{}.{}.{}", FE_SDK_MAJOR_VERSION, FE_SDK_SUB_VERSION, FE_SDK_SUBSUB_VERSION);
+}
+
+constexpr const char* kSides[2] = {"primary", "secondary"};
+
+}  // namespace
+
+// -- the surfaces --------------------------------------------------------------------------------------------------
+
+FEDeaSurface::FEDeaSurface(FEModel* fem) : FEContactSurface(fem) {}
+
+FEMaterialPoint* FEDeaSurface::CreateMaterialPoint() { return new FEContactMaterialPoint; }
+
+void FEDeaSurface::set_layer(const dea::Layer& layer) {
+  std::unordered_map<int, int> vertex_of_node;
+  for (std::size_t v = 0; v < layer.articular.model_nodes.size(); ++v)
+    vertex_of_node[layer.articular.model_nodes[v]] = static_cast<int>(v);
+  facet_vertices_.assign(at(Elements()), {});
+  for (int f = 0; f < Elements(); ++f) {
+    const FESurfaceElement& facet = Element(f);
+    for (int k = 0; k < facet.Nodes(); ++k) {
+      // the middle node of a facet of nine may be no vertex of the triangles it is cut into
+      const auto found = vertex_of_node.find(facet.m_node[at(k)]);
+      facet_vertices_[at(f)].push_back(found == vertex_of_node.end() ? -1 : found->second);
+    }
+  }
+}
+
+void FEDeaSurface::set_fields(dea::SideFields fields, std::vector<vec3d> tractions) {
+  fields_ = std::make_unique<dea::SideFields>(std::move(fields));
+  tractions_ = std::move(tractions);
+  for (int f = 0; f < Elements(); ++f) {
+    FESurfaceElement& facet = Element(f);
+    for (int k = 0; k < facet.GaussPoints(); ++k) {
+      auto* point = dynamic_cast<FEContactMaterialPoint*>(facet.GetMaterialPoint(k));
+      if (point == nullptr) continue;
+      point->m_Ln = fields_->pressure[at(f)];
+      point->m_gap = 0.0;
+    }
+  }
+}
+
+vec3d FEDeaSurface::GetContactForce() { return fields_ ? to_fe(fields_->force) : vec3d(0, 0, 0); }
+
+double FEDeaSurface::GetContactArea() { return fields_ ? fields_->contact_area : 0.0; }
+
+void FEDeaSurface::GetContactTraction(int facet, vec3d& traction) {
+  traction = fields_ ? tractions_[at(facet)] : vec3d(0, 0, 0);
+}
+
+void FEDeaSurface::GetNodalContactPressure(int facet, double* pressure) {
+  for (std::size_t k = 0; k < facet_vertices_[at(facet)].size(); ++k) {
+    const int v = facet_vertices_[at(facet)][k];
+    pressure[k] = !fields_ ? 0.0 : v >= 0 ? fields_->vertex_pressure[at(v)] : fields_->pressure[at(facet)];
+  }
+}
+
+void FEDeaSurface::GetNodalContactTraction(int facet, vec3d* traction) {
+  for (int k = 0; k < Element(facet).Nodes(); ++k) GetContactTraction(facet, traction[k]);
+}
+
+void FEDeaSurface::GetVectorGap(int, vec3d& gap) { gap = vec3d(0, 0, 0); }
+
+void FEDeaSurface::GetNodalVectorGap(int facet, vec3d* gap) {
+  for (int k = 0; k < Element(facet).Nodes(); ++k) gap[k] = vec3d(0, 0, 0);
+}
+
+// -- the contact ---------------------------------------------------------------------------------------------------
+
+BEGIN_FECORE_CLASS(FEDeaContact, FEContactInterface)
+ADD_PARAMETER(law_, "law")->setEnums("linear\0logarithmic\0neo-Hookean\0");
+ADD_PARAMETER(facets_, "facets")->setEnums("curved\0flat\0");
+ADD_PARAMETER(source_, "source")->setEnums("primary\0secondary\0");
+ADD_PARAMETER(refine_, "refine");
+ADD_PARAMETER(E_[0], "primary_E")->setUnits(UNIT_PRESSURE);
+ADD_PARAMETER(nu_[0], "primary_nu");
+ADD_PARAMETER(thickness_[0], "primary_thickness")->setUnits(UNIT_LENGTH);
+ADD_PARAMETER(E_[1], "secondary_E")->setUnits(UNIT_PRESSURE);
+ADD_PARAMETER(nu_[1], "secondary_nu");
+ADD_PARAMETER(thickness_[1], "secondary_thickness")->setUnits(UNIT_LENGTH);
+END_FECORE_CLASS();
+
+/// Everything that follows from the reference configuration, and the springs at the last poses.
+struct FEDeaContact::Bed {
+  dea::JointModel model;  // names and surfaces only, for messages
+  dea::Joint joint;       // this contact alone
+  dea::SpringBeds beds;
+  dea::FieldMaps maps;
+  FERigidBody* bodies[2] = {nullptr, nullptr};  // target, source
+  dea::Pose poses[2];                           // of the evaluation below: target, source
+  bool evaluated = false;
+  dea::SpringStates springs;
+  dea::ContactWrench wrench;
+  Eigen::Matrix<double, 12, 1> load = Eigen::Matrix<double, 12, 1>::Zero();  // other forces on the bodies' free dofs
+  dea::Pose output_poses[2];                                                 // of the fields in the surfaces
+  bool output = false;
+
+  const dea::SpringBed& bed() const { return beds.beds.front(); }
+};
+
+FEDeaContact::FEDeaContact(FEModel* fem) : FEContactInterface(fem), primary_(fem), secondary_(fem) {
+  static int count = 1;
+  SetID(count++);
+  primary_.SetContactInterface(this);
+  secondary_.SetContactInterface(this);
+  primary_.SetSibling(&secondary_);
+  secondary_.SetSibling(&primary_);
+  for (FEParamDouble& t : thickness_) t = -1.0;  // not given
+}
+
+FEDeaContact::~FEDeaContact() = default;
+
+dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
+  // FEBio's accessors are not const.
+  auto& self = const_cast<FEDeaContact&>(*this);
+  const auto refuse = [&](const std::string& what) {
+    return dea::InputError(model, {0, 0}, fmt::format("contact \"{}\": {}", self.GetName(), what));
+  };
+  dea::Contact contact;
+  contact.name = self.GetName();
+  contact.type = "dea";
+  if (refine_ < 1 || refine_ > 1000)
+    throw refuse(fmt::format("<refine>: found {}, expected a whole number from 1 to 1000", refine_));
+  dea::DeaContact dea;
+  dea.law = static_cast<dea::Law>(law_);
+  dea.facets = static_cast<dea::Facets>(facets_);
+  dea.refine = refine_;
+  dea.source = source_;
+  for (int side = 0; side < 2; ++side) {
+    FEDeaSurface& surface = side == 0 ? self.primary_ : self.secondary_;
+    const std::string name = surface.GetFacetSet() != nullptr ? surface.GetFacetSet()->GetName() : surface.GetName();
+    int& index = side == 0 ? contact.primary : contact.secondary;
+    for (std::size_t i = 0; i < model.surfaces.size(); ++i)
+      if (model.surfaces[i].name == name) index = static_cast<int>(i);
+    if (index < 0) throw refuse(fmt::format("its {} surface \"{}\" is none of the model's", kSides[side], name));
+    dea::DeaLayer& layer = dea.layers[side];
+    if (!(E_[side] >= 0) || std::isinf(E_[side]))
+      throw refuse(fmt::format("<{}_E>: found {:g}, need E > 0", kSides[side], E_[side]));
+    if (!(nu_[side] > -1 && nu_[side] < 0.5))
+      throw refuse(fmt::format("<{}_nu>: found {:g}, need -1 < nu < 0.5", kSides[side], nu_[side]));
+    if (E_[side] > 0) {
+      layer.E = E_[side];
+      layer.nu = nu_[side];
+    }
+    FEParamDouble& thickness = self.thickness_[side];
+    if (thickness.isConst()) {
+      const double t = thickness.constValue();
+      if (t >= 0) layer.thickness = t;
+      if (std::isnan(t)) throw refuse(fmt::format("<{}_thickness> is not a number", kSides[side]));
+    } else {
+      auto* mapped = dynamic_cast<FEMappedValue*>(thickness.valuator());
+      auto* map = mapped == nullptr ? nullptr : dynamic_cast<FESurfaceMap*>(mapped->dataMap());
+      if (map == nullptr || map->StorageFormat() != FMT_MULT || map->DataType() != FE_DOUBLE)
+        throw refuse(
+            fmt::format("<{}_thickness> must be a number or the name of a SurfaceData map of numbers", kSides[side]));
+      const FEFacetSet* facets = map->GetFacetSet();
+      if (facets == nullptr || facets->GetName() != name)
+        throw refuse(fmt::format("<{}_thickness>: the map \"{}\" is one of surface \"{}\", expected \"{}\"",
+                                 kSides[side], map->GetName(), facets == nullptr ? "" : facets->GetName(), name));
+      const dea::Surface& s = model.surfaces[at(index)];
+      for (int f = 0; f < s.size(); ++f) {
+        for (int k = 0; k < s.begin[at(f) + 1] - s.begin[at(f)]; ++k) {
+          const double t = map->value<double>(f, k);
+          if (!(t >= 0) || std::isinf(t))
+            throw refuse(fmt::format("<{}_thickness>: the map \"{}\" is {:g} at facet {}, need a thickness >= 0",
+                                     kSides[side], map->GetName(), t, f + 1));
+          layer.thickness_map.push_back(t);
+        }
+      }
+    }
+  }
+  contact.dea = dea;
+  return contact;
+}
+
+bool FEDeaContact::build() {
+  auto bed = std::make_unique<Bed>();
+  FEMechModel& fem = dynamic_cast<FEMechModel&>(*GetFEModel());
+  dea::JointModel model = dea::read_fe_model(fem);
+  model.contacts = {statement(model)};  // the others have nothing to do with this one
+  int rigid_bodies[2];
+  for (int side = 0; side < 2; ++side) {
+    FEDeaSurface& surface = side == 0 ? primary_ : secondary_;
+    int body = -1;
+    for (int k = 0; k < surface.Nodes(); ++k) {
+      const int b = surface.Node(k).m_rid;
+      if (b < 0 || (body >= 0 && b != body))
+        throw dea::InputError(
+            model, {0, 0},
+            fmt::format("contact \"{}\": node {} of surface \"{}\" belongs to {}, but a dea contact joins two rigid "
+                        "bodies; give the elements under the surface their bone's rigid material (`dea convert` does)",
+                        GetName(), surface.Node(k).GetID(), surface.GetName(),
+                        b < 0 ? "no rigid body" : "another rigid body than the nodes before it"));
+      body = b;
+    }
+    rigid_bodies[side] = body;
+  }
+  const dea::Settings settings;
+  bed->joint = dea::make_joint(model, settings);
+  dea::ContactPair& pair = bed->joint.contacts.front();
+  for (int side = 0; side < 2; ++side) {
+    FEDeaSurface& surface = side == 0 ? primary_ : secondary_;
+    surface.set_layer(pair.layers[side]);
+    FERigidBody* rigid = fem.GetRigidBody(rigid_bodies[side]);
+    bed->bodies[side == pair.source ? 1 : 0] = rigid;
+    // FEBio's own centre of mass, about which its equations are written
+    bed->joint.bodies[at(pair.layers[side].body)].center_of_mass = from_fe(rigid->m_r0);
+  }
+  bed->beds = dea::make_spring_beds(bed->joint);
+  bed->maps = dea::make_field_maps(model, bed->joint);
+  std::string text = fmt::format("dea {}, SDK {}: contact \"{}\"\n", dea::kVersion, sdk_version(), GetName());
+  for (const std::string& finding : bed->joint.findings) text += fmt::format("  {}\n", finding);
+  for (int side = 0; side < 2; ++side) {
+    const dea::Layer& layer = pair.layers[side];
+    text += fmt::format("  {} surface \"{}\" on body \"{}\": ", kSides[side], model.surfaces[at(layer.surface)].name,
+                        bed->joint.bodies[at(layer.body)].name);
+    if (layer.rigid)
+      text += "bare rigid surface";
+    else
+      text += fmt::format("E {:g}, nu {:g}, thickness {:g} to {:g}, mean {:g}, {}", layer.elasticity.E,
+                          layer.elasticity.nu, layer.min_thickness(), layer.max_thickness(), layer.mean_thickness(),
+                          layer.thickness_given ? "given" : "measured");
+    if (layer.missed_count() > 0)
+      text +=
+          fmt::format("; {} of {} normals met no bone, closest points used", layer.missed_count(), layer.missed.size());
+    if (side == pair.source)
+      text += fmt::format("; carries {} springs, law {}", bed->beds.beds.front().springs.size(), dea::name(pair.law));
+    text += "\n";
+  }
+  dea::log_text(fem, text);
+  bed->model.files = std::move(model.files);
+  bed->model.node_ids = std::move(model.node_ids);
+  bed->model.surfaces = std::move(model.surfaces);
+  bed_ = std::move(bed);
+  return true;
+}
+
+bool FEDeaContact::Init() {
+  failed_ = false;
+  bed_.reset();
+  // Fields are made before FEBio's own callbacks write them; every Newton iteration would be too often.
+  if (!listening_)
+    GetFEModel()->AddCallback(
+        [](FEModel* fem, unsigned int when, void* contact) {
+          const bool every_iteration = fem->GetCurrentStep()->GetPlotLevel() == FE_PLOT_MINOR_ITRS;
+          auto* self = static_cast<FEDeaContact*>(contact);
+          return when == CB_MINOR_ITERS && !every_iteration ? true : self->update_fields();
+        },
+        CB_INIT | CB_STEP_ACTIVE | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED | CB_STEP_SOLVED |
+            CB_SOLVED,
+        this, CallbackHandler::CB_ADD_FRONT);
+  listening_ = true;
+  if (!FEContactInterface::Init() || !primary_.Init() || !secondary_.Init()) return false;
+  try {
+    return build();
+  } catch (const std::exception& e) {
+    fault(e.what());
+  } catch (...) {
+    fault("a fault of the plugin, please report");
+  }
+  return false;
+}
+
+void FEDeaContact::Activate() {
+  FEContactInterface::Activate();
+  Update();
+}
+
+void FEDeaContact::Reset() {
+  if (bed_) bed_->evaluated = bed_->output = false;
+}
+
+void FEDeaContact::Serialize(DumpStream& archive) {
+  FEContactInterface::Serialize(archive);
+  primary_.Serialize(archive);
+  secondary_.Serialize(archive);
+  if (archive.IsLoading() && bed_) bed_->evaluated = bed_->output = false;
+}
+
+void FEDeaContact::fault(const char* what) {
+  if (!failed_) dea::log_error(*GetFEModel(), what);
+  failed_ = true;
+}
+
+// -- forces and stiffness ------------------------------------------------------------------------------------------
+
+namespace {
+
+/// Where a body is between the last time step (alpha = 0) and the current iterate (alpha = 1).
+dea::Pose pose_of(const FERigidBody& body, double alpha) {
+  dea::Pose pose;
+  pose.center = from_fe(body.m_rt);
+  Eigen::Quaterniond rotation = from_fe(body.GetRotation());
+  if (alpha != 1.0) {
+    pose.center = alpha * pose.center + (1 - alpha) * from_fe(body.m_rp);
+    rotation = from_fe(body.m_qp).slerp(alpha, rotation);
+  }
+  pose.rotation = rotation.toRotationMatrix();
+  return pose;
+}
+
+bool same(const dea::Pose& a, const dea::Pose& b) { return a.center == b.center && a.rotation == b.rotation; }
+
+/// The twelve equations: target's six, source's six.
+std::vector<int> equations(FERigidBody* const bodies[2]) {
+  std::vector<int> lm;
+  for (int b = 0; b < 2; ++b) lm.insert(lm.end(), bodies[b]->m_LM, bodies[b]->m_LM + 6);
+  return lm;
+}
+
+}  // namespace
+
+void FEDeaContact::evaluate(double alpha) {
+  Bed& b = *bed_;
+  const dea::Pose target = pose_of(*b.bodies[0], alpha), source = pose_of(*b.bodies[1], alpha);
+  if (b.evaluated && same(target, b.poses[0]) && same(source, b.poses[1])) return;
+  b.poses[0] = target;
+  b.poses[1] = source;
+  b.springs = dea::project_springs(b.bed(), source, target);
+  b.wrench = dea::contact_wrench(b.springs, source, target);
+  b.evaluated = true;
+}
+
+void FEDeaContact::Update() {
+  // The poses are looked at where they are needed; a body that has not moved costs nothing.
+}
+
+void FEDeaContact::BuildMatrixProfile(FEGlobalMatrix& matrix) {
+  if (!bed_) return;
+  std::vector<int> lm = equations(bed_->bodies);
+  matrix.build_add(lm);
+}
+
+void FEDeaContact::LoadVector(FEGlobalVector& R, const FETimeInfo& time) {
+  if (!bed_) return;
+  try {
+    evaluate(time.alphaf);
+  } catch (const std::exception& e) {
+    fault(e.what());
+  } catch (...) {
+    fault("a fault of the plugin, please report");
+  }
+  const std::vector<int> lm = equations(bed_->bodies);
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (lm[i] < 0) continue;
+    bed_->load[k] = R[lm[i]];  // what came before: the forces on the bodies
+    // FEBio stops at a residual that is no number
+    R[lm[i]] += failed_ ? std::numeric_limits<double>::quiet_NaN() : bed_->wrench.wrench[k];
+  }
+  for (int b = 0; b < 2; ++b) {
+    const Eigen::Index first = 6 * b;
+    bed_->bodies[b]->m_Fr -= to_fe(bed_->wrench.wrench.segment<3>(first));
+    bed_->bodies[b]->m_Mr -= to_fe(bed_->wrench.wrench.segment<3>(first + 3));
+  }
+}
+
+void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& time) {
+  if (!bed_ || failed_) return;
+  const std::vector<int> lm = equations(bed_->bodies);
+  Eigen::Matrix<double, 12, 12> K;
+  try {
+    evaluate(time.alphaf);
+    if (bed_->wrench.normal_force > 0) {
+      K = -time.alphaf * bed_->wrench.derivative;
+    } else {
+      std::array<bool, 12> free;
+      for (std::size_t i = 0; i < 12; ++i) free[i] = lm[i] >= 0;
+      K = dea::closing_stiffness(bed_->bed(), bed_->springs, bed_->poses[1], bed_->poses[0], bed_->load, free);
+    }
+  } catch (const std::exception& e) {
+    return fault(e.what());
+  } catch (...) {
+    return fault("a fault of the plugin, please report");
+  }
+  if (system.IsSymmetric()) K = (0.5 * (K + K.transpose())).eval();
+  FEElementMatrix ke(12, 12);
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j) ke[i][j] = K(i, j);
+  ke.SetIndices(lm);
+  system.Assemble(ke);
+}
+
+bool FEDeaContact::update_fields() {
+  if (!bed_ || failed_) return !failed_;
+  if (!IsActive()) return true;
+  Bed& b = *bed_;
+  try {
+    const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
+    if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return true;
+    evaluate(1.0);
+    const dea::ContactPair& pair = b.joint.contacts.front();
+    dea::Equilibrium e;
+    e.poses = dea::reference_poses(b.joint);
+    e.poses[at(b.bed().target_body)] = target;
+    e.poses[at(b.bed().source_body)] = source;
+    e.springs = {b.springs};
+    e.contact_on_target = {b.wrench.wrench.segment<6>(0)};
+    dea::refuse_zero_thickness(b.model, b.joint, b.beds, e);
+    std::vector<dea::ContactFields> fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
+    for (int side = 0; side < 2; ++side) {
+      const dea::Layer& layer = pair.layers[side];
+      const dea::SurfaceMesh& mesh = layer.articular;
+      dea::SideFields& values = fields.front().sides[side];
+      std::vector<dea::Vector3d> area(values.pressure.size(), dea::Vector3d::Zero());
+      for (int t = 0; t < mesh.size(); ++t) area[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mesh.normals[at(t)];
+      std::vector<vec3d> tractions;
+      for (std::size_t f = 0; f < area.size(); ++f)
+        tractions.push_back(to_fe(-values.pressure[f] * (e.poses[at(layer.body)].rotation * area[f].normalized())));
+      (side == 0 ? primary_ : secondary_).set_fields(std::move(values), std::move(tractions));
+    }
+    b.output_poses[0] = target;
+    b.output_poses[1] = source;
+    b.output = true;
+    warn_of_depth();
+  } catch (const std::exception& e) {
+    fault(e.what());
+  } catch (...) {
+    fault("a fault of the plugin, please report");
+  }
+  return !failed_;
+}
+
+void FEDeaContact::warn_of_depth() {
+  const dea::SpringStates& s = bed_->springs;
+  int strained = 0, through = 0;
+  double largest = 0.0;
+  for (int i = 0; i < s.size(); ++i) {
+    through += s.too_deep[at(i)];
+    strained += s.strain[at(i)] > dea::kStrainLimit;
+    largest = std::max(largest, s.strain[at(i)]);
+  }
+  if (through > 0)
+    dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": under {} of {} springs the bodies overlap deeper "
+                                                "than the cartilage is thick; these carry nothing and the pressures "
+                                                "mean nothing",
+                                                GetName(), through, s.size()));
+  if (strained > 0)
+    dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": {} springs are strained beyond {:g} (up to "
+                                                "{:.3g}); their pressures mean nothing",
+                                                GetName(), strained, dea::kStrainLimit, largest));
+}

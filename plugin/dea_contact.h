@@ -1,0 +1,86 @@
+// plugin/dea_contact.h – `<contact type="dea">`: the spring bed as a contact between two of FEBio's rigid bodies.
+//
+// What is said in the model becomes a dea::Contact; recognition, springs, forces and their derivative are those of
+// src/ (project_springs, contact_wrench). Only the bodies' twelve equations are assembled.
+#pragma once
+#include <FEBioMech/FEContactInterface.h>
+#include <FEBioMech/FEContactSurface.h>
+#include <FECore/FEModelParam.h>
+
+#include <memory>
+
+#include "fields.h"
+#include "joint_model.h"
+
+class FERigidBody;
+
+/// One side of the contact. FEBio's plot variables read pressure and gap from its integration points.
+class FEDeaSurface : public FEContactSurface {
+ public:
+  explicit FEDeaSurface(FEModel* fem);
+  FEMaterialPoint* CreateMaterialPoint() override;
+
+  /// Values of the last output, for FEBio's and our own plot variables; nullptr before the first.
+  const dea::SideFields* fields() const { return fields_ ? fields_.get() : nullptr; }
+  /// Per facet and node of it: vertex of the layer's articular surface.
+  const std::vector<std::vector<int>>& facet_vertices() const { return facet_vertices_; }
+
+  void set_layer(const dea::Layer& layer);
+  void set_fields(dea::SideFields fields, std::vector<vec3d> tractions);
+
+  vec3d GetContactForce() override;  ///< on this surface
+  double GetContactArea() override;
+  void GetContactTraction(int facet, vec3d& traction) override;  ///< on this surface, mean over the facet
+  void GetNodalContactPressure(int facet, double* pressure) override;
+  void GetNodalContactTraction(int facet, vec3d* traction) override;
+  void GetVectorGap(int facet, vec3d& gap) override;       ///< zero: springs push at the surfaces they model
+  void GetNodalVectorGap(int facet, vec3d* gap) override;  ///< zero
+
+ private:
+  std::unique_ptr<dea::SideFields> fields_;
+  std::vector<vec3d> tractions_;  // per facet
+  std::vector<std::vector<int>> facet_vertices_;
+};
+
+class FEDeaContact : public FEContactInterface {
+ public:
+  explicit FEDeaContact(FEModel* fem);
+  ~FEDeaContact() override;
+
+  FESurface* GetPrimarySurface() override { return &primary_; }
+  FESurface* GetSecondarySurface() override { return &secondary_; }
+  bool UseNodalIntegration() override { return false; }
+
+  bool Init() override;
+  void Activate() override;
+  void Update() override;
+  void Reset() override;
+  void Serialize(DumpStream& archive) override;
+  void BuildMatrixProfile(FEGlobalMatrix& matrix) override;
+  void LoadVector(FEGlobalVector& R, const FETimeInfo& time) override;
+  void StiffnessMatrix(FELinearSystem& system, const FETimeInfo& time) override;
+
+  /// What the model says of this contact. `model`: must hold both surfaces by name.
+  /// Throws dea::InputError naming the contact and the parameter.
+  dea::Contact statement(const dea::JointModel& model) const;
+
+  /// Fields at the current poses into the surfaces, for output, with warnings of what they cannot mean. Cheap when
+  /// nothing has moved since. False: a fault, the run is to end.
+  bool update_fields();
+
+ private:
+  struct Bed;
+  bool build();
+  void evaluate(double alpha);
+  void warn_of_depth();
+  void fault(const char* what);
+
+  FEDeaSurface primary_, secondary_;
+  int law_ = 0, facets_ = 0, source_ = 0, refine_ = 1;
+  double E_[2] = {0, 0}, nu_[2] = {0, 0};
+  FEParamDouble thickness_[2];
+  std::unique_ptr<Bed> bed_;
+  bool failed_ = false, listening_ = false;
+
+  DECLARE_FECORE_CLASS()
+};

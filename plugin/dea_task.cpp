@@ -1,0 +1,107 @@
+#include "dea_task.h"
+
+#include <FEBioLib/FEBioModel.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "error.h"
+#include "febio_log.h"
+#include "output.h"
+#include "read_fe_model.h"
+#include "report_text.h"
+#include "run_model.h"
+#include "settings_xml.h"
+
+namespace {
+
+using namespace dea;
+
+/// The plot file that FEBio was told of (-p, or the model's own word); not its default name, where its own results lie.
+std::string plot_file_name(FEBioModel& fem) {
+  const std::string model = fem.GetInputFileName(), plot = fem.GetPlotFileName();
+  const std::string usual = std::filesystem::path(model).replace_extension(".xplt").string();
+  return plot.empty() || plot == usual ? default_output(model) : plot;
+}
+
+std::string need_file_name(const char* element, const std::string& name) {
+  if (name == "-") throw UsageError(fmt::format("<{}> -: standard output is FEBio's, give it a file name", element));
+  return name;
+}
+
+/// The first state that is no solution, and how many there are.
+std::string no_solution(const Analysis& analysis, const std::string& output) {
+  const StateResult* first = nullptr;
+  int count = 0;
+  for (const StateResult& s : analysis.states) {
+    if (solved(s.equilibrium.outcome)) continue;
+    if (first == nullptr) first = &s;
+    ++count;
+  }
+  return fmt::format("dea: no solution in {} of {} states, first at time {} ({}); results are in {}", count,
+                     analysis.states.size(), number_text(first->when.time), name(first->equilibrium.outcome), output);
+}
+
+bool run(FEBioModel& fem, const std::string& settings_file) {
+  const double start = seconds();
+  SettingsFile file;
+  if (!settings_file.empty()) file = read_settings_file(settings_file);
+  RunOptions options;
+  options.output = need_file_name("output", file.outputs.output);
+  options.json = need_file_name("json", file.outputs.json);
+  options.csv = need_file_name("csv", file.outputs.csv);
+  if (!file.outputs.states.empty()) options.states = file.outputs.states;
+  options.states_option = fmt::format("{}: <states>", settings_file);
+  std::vector<NamedPath> inputs = {{"the model", fem.GetInputFileName()}}, outputs;
+  if (!settings_file.empty()) inputs.push_back({"the settings file", settings_file});
+  if (!fem.GetLogfileName().empty()) inputs.push_back({"FEBio's log file", fem.GetLogfileName()});
+  if (options.output.empty()) options.output = plot_file_name(fem);
+  outputs.push_back({file.outputs.output.empty() ? "-p" : "<output>", options.output});
+  if (!options.json.empty()) outputs.push_back({"<json>", options.json});
+  if (!options.csv.empty()) outputs.push_back({"<csv>", options.csv});
+
+  const JointModel model = read_fe_model(fem);
+  check_outputs(inputs, outputs);
+  options.seconds_reading = seconds() - start;
+  options.progress = [&fem](const std::string& line) { log_text(fem, line); };
+  const RunResult result = run_model(model, file.settings, options);
+
+  for (const std::string& line : model_remarks(model, result.analysis.joint)) log_text(fem, line);
+  for (const std::string& line : result_remarks(model, result.analysis)) log_text(fem, line);
+  log_text(fem, run_text(model, result.analysis));
+  log_text(fem, run_summary(options, result));
+  if (all_solved(result.analysis)) return true;
+  log_error(fem, no_solution(result.analysis, options.output));
+  return false;
+}
+
+}  // namespace
+
+DeaTask::DeaTask(FEModel* fem) : FECoreTask(fem) {}
+
+bool DeaTask::Init(const char* file) {
+  settings_file_ = file == nullptr ? "" : file;
+  return true;  // faults are told by Run: FEBio adds nothing to them there
+}
+
+bool DeaTask::Run() {
+  std::string fault;
+  try {
+    auto* fem = dynamic_cast<FEBioModel*>(GetFEModel());
+    if (fem == nullptr) throw UsageError("the model is none of febio4's");
+    open_log_file(*fem);
+    return run(*fem, settings_file_);
+  } catch (const UsageError& e) {
+    fault = std::string("dea: ") + e.what();
+  } catch (const InputError& e) {
+    fault = e.what();
+  } catch (const WriteError& e) {
+    fault = std::string("dea: cannot write ") + e.what();
+  } catch (const std::exception& e) {
+    fault = fmt::format("internal error: {}, please report", e.what());
+  } catch (...) {
+    fault = "internal error: unknown, please report";
+  }
+  log_error(*GetFEModel(), fault);
+  return false;
+}

@@ -1,0 +1,305 @@
+// Contacts of type dea inside febio4, against `dea run` on the model they were converted from.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+
+#include "febio_runs.h"
+#include "result_file.h"
+
+namespace dea::test {
+namespace {
+
+/// febio4's own solve with the plugin, and a linear solver that takes matrices without symmetry.
+Finished solve(const fs::path& folder, const std::string& model, std::vector<std::string> before = {}) {
+  write(folder / "febio.xml", fmt::format("<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n<febio_config "
+                                          "version=\"3.0\"><import>{}</import><import>{}</import>"
+                                          "<default_linear_solver type=\"sparse_lu\"></default_linear_solver>"
+                                          "</febio_config>\n",
+                                          DEA_DUMP_PLUGIN, DEA_PLUGIN));
+  before.insert(before.end(), {DEA_FEBIO4, "-nosplash", "-config", "febio.xml", "-i", model});
+  return run_program(folder, before, 300);
+}
+
+void convert(const fs::path& folder, const std::string& from, const std::string& to,
+             std::vector<std::string> options = {}) {
+  std::vector<std::string> words = {DEA_PROGRAM, "convert", from, "-o", to};
+  words.insert(words.end(), options.begin(), options.end());
+  const Finished f = run_program(folder, words, 60);
+  ASSERT_EQ(f.code, 0) << f.err;
+}
+
+void replace(std::string& text, const std::string& old, const std::string& by) {
+  const std::size_t place = text.find(old);
+  ASSERT_NE(place, text.npos) << old;
+  text.replace(place, old.size(), by);
+}
+
+/// Without the element <NAME>...</NAME>.
+std::string without(std::string text, const std::string& name) {
+  const std::size_t begin = text.find("<" + name);
+  const std::string end = "</" + name + ">";
+  return text.erase(begin, text.find(end, begin) + end.size() - begin);
+}
+
+struct Agreement {
+  int states = 0, with_pressure = 0;
+  double position = 0.0;  // largest difference of a centre of mass
+  double rotation = 0.0;  // and of a rotation matrix' entry
+  double pressure = 0.0;  // of a facet, relative to the state's peak
+};
+
+/// Every state of `b` beside the one of `a` at its time.
+Agreement compare(const fs::path& a, const fs::path& b) {
+  Agreement result;
+  const ResultFile x = read_result(a.string(), "a"), y = read_result(b.string(), "b");
+  for (int i = 0; i < static_cast<int>(x.plot.states.size()); ++i) {
+    const int j = find_state(y, x.plot.states[static_cast<std::size_t>(i)].time);
+    ++result.states;
+    const std::vector<BodyPose> p = body_poses(x, i), q = body_poses(y, j);
+    EXPECT_EQ(p.size(), q.size());
+    for (const BodyPose& one : p)
+      for (const BodyPose& other : q) {
+        if (one.name != other.name || !one.rotation || !other.rotation) continue;
+        result.position = std::max(result.position, (one.position - other.position).cwiseAbs().maxCoeff());
+        result.rotation =
+            std::max(result.rotation,
+                     (one.rotation->toRotationMatrix() - other.rotation->toRotationMatrix()).cwiseAbs().maxCoeff());
+      }
+    const XpltMesh& mesh = mesh_of(x, i);
+    for (int s = 0; s < static_cast<int>(mesh.surfaces.size()); ++s) {
+      const int t = find_surface(y, j, mesh.surfaces[static_cast<std::size_t>(s)].name);
+      if (t < 0) continue;
+      const std::vector<double> u = facet_values(x, i, s, "contact pressure"),
+                                v = facet_values(y, j, t, "contact pressure");
+      EXPECT_EQ(u.size(), v.size());
+      double peak = 0.0, largest = 0.0;
+      for (std::size_t f = 0; f < u.size(); ++f) {
+        peak = std::max(peak, v[f]);
+        largest = std::max(largest, std::abs(u[f] - v[f]));
+      }
+      if (peak > 0) ++result.with_pressure;
+      result.pressure = std::max(result.pressure, peak > 0 ? largest / peak : largest);
+    }
+  }
+  return result;
+}
+
+/// Equilibrium iterations of each time step, in febio4's words.
+std::vector<int> iterations_of(const std::string& log) {
+  std::vector<int> iterations;
+  for (const std::string& line : lines_of(log)) {
+    if (line.find("beginning time step") != line.npos) iterations.push_back(0);
+    if (!iterations.empty() && line.find("Nonlinear solution status") != line.npos) ++iterations.back();
+  }
+  return iterations;
+}
+
+/// The model's poses and pressures from febio4 against those of `dea run` on the model before.
+void expect_the_same_equilibrium(const fs::path& folder, const std::string& model,
+                                 const std::vector<std::string>& options = {}) {
+  SCOPED_TRACE(model);
+  convert(folder, model, "converted.feb", options);
+  const Finished f = solve(folder, "converted.feb");
+  ASSERT_EQ(f.code, 0) << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
+  std::vector<std::string> words = {DEA_PROGRAM, "run", model, "-o", "run.xplt", "--times-from", "converted.xplt"};
+  words.insert(words.end(), options.begin(), options.end());
+  ASSERT_EQ(run_program(folder, words, 60).code, 0);
+  const Agreement a = compare(folder / "converted.xplt", folder / "run.xplt");
+  EXPECT_GT(a.with_pressure, 0);
+  EXPECT_LE(a.position, 1e-5);  // mm; plot files hold about 1e-6 of a coordinate
+  EXPECT_LE(a.rotation, 1e-6);
+  EXPECT_LE(a.pressure, 1e-4);
+  const std::vector<int> iterations = iterations_of(f.out);
+  const int most = iterations.empty() ? 0 : *std::max_element(iterations.begin(), iterations.end());
+  EXPECT_LE(most, 8);
+  std::cout << fmt::format("{}: {} states, position {:.1e}, rotation {:.1e}, pressure {:.1e}, at most {} iterations\n",
+                           model, a.states, a.position, a.rotation, a.pressure, most);
+}
+
+TEST(ContactDea, SamplesAsDeaRunSolvesThem) {
+  const TemporaryFolder folder;
+  for (const fs::path& model : models_in(DEA_SAMPLES_DIR)) {
+    fs::copy(model, folder.path / model.filename());
+    expect_the_same_equilibrium(folder.path, model.filename().string());
+  }
+}
+
+TEST(ContactDea, ReferenceModelsAsDeaRunSolvesThem) {
+  const std::vector<fs::path> models = models_in(DEA_REFERENCE_DIR);
+  if (models.empty()) GTEST_SKIP() << "no models in " << DEA_REFERENCE_DIR;
+  const TemporaryFolder folder;
+  for (const fs::path& model : models) {
+    fs::copy(model, folder.path / model.filename());
+    expect_the_same_equilibrium(folder.path, model.filename().string());
+  }
+}
+
+TEST(ContactDea, LawsSourceFacetsAndRefinement) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb", folder.path / "ligament.feb");
+  for (const std::vector<std::string>& options :
+       std::vector<std::vector<std::string>>{{"--law", "neo-Hookean"},
+                                             {"--law", "logarithmic", "--facets", "flat"},
+                                             {"--source", "femur"},
+                                             {"--refine", "2"}})
+    expect_the_same_equilibrium(folder.path, "ligament.feb", options);
+}
+
+TEST(ContactDea, EveryVersionAndQuadraticElements) {
+  const TemporaryFolder folder;
+  Parts pushed;  // a force instead of a given motion, so that there is something to solve
+  pushed.motion =
+      "<rigid_load name=\"push\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value "
+      "lc=\"1\">-5</value></rigid_load>";
+  for (const bool quadratic : {false, true}) {
+    write(folder.path / "m25.feb", model_25(quadratic));
+    write(folder.path / "m30.feb", model_30(quadratic));
+    write(folder.path / "m40.feb", model_40(quadratic, pushed));
+    for (const char* model : {"m25.feb", "m30.feb", "m40.feb"}) expect_the_same_equilibrium(folder.path, model);
+  }
+}
+
+/// The stiffness is the derivative of the forces, so that FEBio's Newton method squares its error: the residual's norm
+/// (which FEBio prints squared) loses at least 1.7 times as many digits with each iteration.
+TEST(ContactDea, NewtonsMethodIsQuadratic) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(DEA_SAMPLES_DIR) / "spheres" / "two_layers.feb", folder.path / "m.feb");
+  convert(folder.path, "m.feb", "converted.feb");
+  const Finished f = solve(folder.path, "converted.feb");
+  ASSERT_EQ(f.code, 0);
+  std::vector<double> norms;  // of the first time step
+  for (const std::string& line : lines_of(f.out)) {
+    if (line.find("beginning time step 2") != line.npos) break;
+    std::istringstream words(line);
+    std::string word;
+    double first, now, required;
+    if (!(words >> word >> first >> now >> required) || word != "residual") continue;
+    if (norms.empty()) norms.push_back(first);
+    norms.push_back(now);
+  }
+  ASSERT_GE(norms.size(), 4u);
+  for (std::size_t i = 2; i < norms.size() && norms[i] > 1e-18 * norms[0]; ++i)
+    EXPECT_GE(std::log10(norms[i - 1] / norms[i]), 1.7 * std::log10(norms[i - 2] / norms[i - 1])) << i;
+  EXPECT_LT(norms.back(), 1e-18 * norms[0]);
+}
+
+/// Thickness as a number, and measured through the rigid cartilage: what `dea run` makes of the same file.
+TEST(ContactDea, ThicknessGivenAndMeasured) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(DEA_SAMPLES_DIR) / "hip" / "hip_walking.feb", folder.path / "hip.feb");
+  convert(folder.path, "hip.feb", "map.feb");
+  std::string measured = file_text(folder.path / "map.feb");
+  for (const char* side : {"primary_thickness", "secondary_thickness"}) measured = without(measured, side);
+  write(folder.path / "measured.feb", measured);
+  std::string constant = measured;
+  replace(constant, "<primary_E>", "<primary_thickness>1.5</primary_thickness><primary_E>");
+  replace(constant, "<secondary_E>", "<secondary_thickness>1.3</secondary_thickness><secondary_E>");
+  write(folder.path / "constant.feb", constant);
+  for (const std::string name : {"measured", "constant"}) {
+    SCOPED_TRACE(name);
+    const Finished f = solve(folder.path, name + ".feb");
+    ASSERT_EQ(f.code, 0) << f.out.substr(0, 3000);
+    EXPECT_NE(f.out.find(name == "measured" ? "mean 1.58179, measured" : "mean 1.5, given"), f.out.npos);
+    const std::vector<std::string> reference =
+        name == "measured" ? std::vector<std::string>{"hip.feb"} : std::vector<std::string>{"constant.feb"};
+    ASSERT_EQ(run_program(folder.path,
+                          {DEA_PROGRAM, "run", reference[0], "-o", "run.xplt", "--times-from", name + ".xplt"}, 60)
+                  .code,
+              0);
+    const Agreement a = compare(folder.path / (name + ".xplt"), folder.path / "run.xplt");
+    EXPECT_GT(a.with_pressure, 0);
+    EXPECT_LE(a.position, 1e-5);
+    EXPECT_LE(a.pressure, 1e-4);
+  }
+}
+
+/// The task dea solves a converted model too, by the same statement of the contact.
+TEST(ContactDea, TheTaskTakesTheContactsStatement) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  convert(folder.path, "m.feb", "converted.feb");
+  ASSERT_EQ(febio(folder.path, "converted.feb", "dea").code, 0);
+  ASSERT_EQ(run_program(folder.path, {DEA_PROGRAM, "run", "m.feb", "-o", "run.xplt"}, 60).code, 0);
+  const Agreement a = compare(folder.path / "converted_dea.xplt", folder.path / "run.xplt");
+  EXPECT_GT(a.with_pressure, 0);
+  EXPECT_LE(a.pressure, 1e-6);
+}
+
+TEST(ContactDea, FillsPlotVariables) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  convert(folder.path, "m.feb", "converted.feb");
+  ASSERT_EQ(solve(folder.path, "converted.feb").code, 0);
+  ASSERT_EQ(
+      run_program(folder.path, {DEA_PROGRAM, "run", "m.feb", "-o", "run.xplt", "--times-from", "converted.xplt"}, 60)
+          .code,
+      0);
+  const XpltFile x = read_xplt((folder.path / "converted.xplt").string()),
+                 y = read_xplt((folder.path / "run.xplt").string());
+  for (const char* name : {"contact pressure", "contact gap", "contact force", "contact area", "cartilage thickness",
+                           "joint space", "spring strain"}) {
+    SCOPED_TRACE(name);
+    const int i = find_variable(x, XpltGroup::Surface, name), j = find_variable(y, XpltGroup::Surface, name);
+    ASSERT_GE(i, 0);
+    ASSERT_GE(j, 0);
+    EXPECT_EQ(x.variables[static_cast<std::size_t>(i)].format, y.variables[static_cast<std::size_t>(j)].format);
+    const auto& a = x.states.back().variables[static_cast<std::size_t>(i)];
+    const auto& b = y.states.back().variables[static_cast<std::size_t>(j)];
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t r = 0; r < a.size(); ++r) {
+      ASSERT_EQ(a[r].values.size(), b[r].values.size());
+      for (std::size_t k = 0; k < a[r].values.size(); ++k)
+        EXPECT_NEAR(a[r].values[k], b[r].values[k], 1e-5f * (1 + std::abs(b[r].values[k]))) << r << " " << k;
+    }
+  }
+}
+
+TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  convert(folder.path, "m.feb", "good.feb");
+  const std::string good = file_text(folder.path / "good.feb");
+  const auto expect = [&](std::string text, const std::string& fault) {
+    write(folder.path / "bad.feb", text);
+    const Finished f = solve(folder.path, "bad.feb");
+    EXPECT_EQ(f.code, 1) << fault << f.out;
+    const std::vector<std::string> errors = errors_of(f.out);
+    ASSERT_FALSE(errors.empty()) << fault << f.out;
+    EXPECT_NE(errors.front().find(fault), std::string::npos) << errors.front();
+  };
+  // the cartilage is still deformable
+  std::string deformable = good;
+  replace(deformable, "<SolidDomain name=\"layer\" mat=\"base\"", "<SolidDomain name=\"layer\" mat=\"cartilage\"");
+  expect(deformable, "belongs to no rigid body");
+  expect(without(good, "primary_E"), "gives no E and nu");
+  std::string negative = without(good, "primary_thickness");
+  replace(negative, "<primary_E>", "<primary_thickness type=\"math\">1+X</primary_thickness><primary_E>");
+  expect(negative, "must be a number or the name of a SurfaceData map");
+  std::string same_body = good;
+  replace(same_body, "<SolidDomain name=\"layer\" mat=\"base\"", "<SolidDomain name=\"layer\" mat=\"plate\"");
+  expect(same_body, "no sliding contact joins two different bodies");
+}
+
+TEST(ContactDea, NoMemoryFaults) {
+  const std::string valgrind = DEA_VALGRIND;
+  if (valgrind.find("NOTFOUND") != valgrind.npos) GTEST_SKIP() << "no valgrind";
+  const TemporaryFolder folder;
+  Parts pushed;
+  pushed.motion =
+      "<rigid_load name=\"push\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value "
+      "lc=\"1\">-5</value></rigid_load>";
+  write(folder.path / "m.feb", model_40(true, pushed));
+  convert(folder.path, "m.feb", "converted.feb");
+  write(folder.path / "bad.feb", without(file_text(folder.path / "converted.feb"), "primary_E"));
+  for (const char* model : {"converted.feb", "bad.feb"}) {
+    solve(folder.path, model,
+          {valgrind, "--leak-check=full", "--show-leak-kinds=definite", "--num-callers=40", "--log-file=memory.log"});
+    const std::string log = file_text(folder.path / "memory.log");
+    EXPECT_NE(log.find("ERROR SUMMARY"), log.npos) << log;
+    EXPECT_EQ(memory_faults(log), std::vector<std::string>{}) << model;
+  }
+}
+
+}  // namespace
+}  // namespace dea::test

@@ -1,0 +1,292 @@
+// The plugin from outside: febio4 and `dea run` on the same models, and everything that can go wrong.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "error.h"
+#include "febio_runs.h"
+#include "model_dump.h"
+#include "program.h"
+#include "read_feb.h"
+
+namespace dea::test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Largest relative difference of two JSON values, their times of day left out; 1e300: not the same kind of thing.
+double difference(const Json& a, const Json& b) {
+  if (a.is_number() && b.is_number()) {
+    const double x = a.get<double>(), y = b.get<double>();
+    return x == y ? 0.0 : std::abs(x - y) / std::max(std::abs(x), std::abs(y));
+  }
+  if (a.type() != b.type() || a.size() != b.size()) return 1e300;
+  if (!a.is_structured()) return a == b ? 0.0 : 1e300;
+  double largest = 0.0;
+  for (const auto& item : a.items()) {
+    if (item.key() == "timings") continue;
+    if (a.is_object() && !b.contains(item.key())) return 1e300;
+    const Json& other = a.is_object() ? b.at(item.key()) : b.at(std::stoul(item.key()));
+    largest = std::max(largest, difference(item.value(), other));
+  }
+  return largest;
+}
+
+/// febio4 and dea on one model: the same JSON, CSV and plot file.
+void expect_the_same(const fs::path& folder, const std::string& model, const std::string& settings = "") {
+  SCOPED_TRACE(model + " " + settings);
+  write(folder / "task.xml",
+        "<febiodea_settings version=\"1\"><output>task.xplt</output><json>task.json</json><csv>task.csv</csv>" +
+            settings + "</febiodea_settings>");
+  write(folder / "cli.xml", "<febiodea_settings version=\"1\">" + settings + "</febiodea_settings>");
+  const Finished task = febio(folder, model, "dea", "task.xml");
+  const Finished cli = run_program(
+      folder,
+      {DEA_PROGRAM, "run", model, "-o", "cli.xplt", "--json", "cli.json", "--csv", "cli.csv", "--settings", "cli.xml"},
+      300);
+  ASSERT_EQ(cli.code == 0, task.code == 0) << cli.err << task.out;
+  ASSERT_TRUE(fs::exists(folder / "task.json")) << task.out << task.err;
+  const Json a = Json::parse(file_text(folder / "task.json")), b = Json::parse(file_text(folder / "cli.json"));
+  EXPECT_GE(a["states"].size(), 1u);
+  EXPECT_LE(difference(a, b), 1e-9);
+  EXPECT_EQ(file_text(folder / "task.csv"), file_text(folder / "cli.csv"));
+  EXPECT_EQ(file_text(folder / "task.xplt"), file_text(folder / "cli.xplt"));
+}
+
+TEST(Plugin, OnlyTheEntryPointsAreExported) {
+  const TemporaryFolder folder;
+  const Finished nm = run_program(folder.path, {DEA_NM, "-D", "--defined-only", DEA_PLUGIN}, 60);
+  std::set<std::string> names;
+  std::istringstream lines(nm.out);
+  for (std::string address, kind, name; lines >> address >> kind >> name;) names.insert(name);
+  EXPECT_EQ(names, (std::set<std::string>{"GetSDKVersion", "GetPluginVersion", "PluginInitialize", "PluginCleanup"}));
+}
+
+TEST(Plugin, SamplesAsDeaRunSolvesThem) {
+  const TemporaryFolder folder;
+  for (const fs::path& model : models_in(DEA_SAMPLES_DIR)) {
+    fs::copy(model, folder.path / model.filename());
+    expect_the_same(folder.path, model.filename().string());
+  }
+}
+
+TEST(Plugin, ReferenceModelsAsDeaRunSolvesThem) {
+  const std::vector<fs::path> models = models_in(DEA_REFERENCE_DIR);
+  if (models.empty()) GTEST_SKIP() << "no models in " << DEA_REFERENCE_DIR;
+  const TemporaryFolder folder;
+  for (const fs::path& model : models) {
+    fs::copy(model, folder.path / model.filename());
+    expect_the_same(folder.path, model.filename().string());
+  }
+}
+
+TEST(Plugin, EveryVersionAndQuadraticElements) {
+  const TemporaryFolder folder;
+  for (const bool quadratic : {false, true}) {
+    write(folder.path / "m25.feb", model_25(quadratic));
+    write(folder.path / "m30.feb", model_30(quadratic));
+    write(folder.path / "m40.feb", model_40(quadratic));
+    for (const char* model : {"m25.feb", "m30.feb", "m40.feb"}) expect_the_same(folder.path, model);
+  }
+}
+
+TEST(Plugin, SettingsHoldForTheTask) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  for (const char* settings :
+       {"<law>logarithmic</law><refine>3</refine><states>last</states>",
+        "<thickness>1.5</thickness><E surface=\"top\">3</E>", "<source>plate</source><states>0.3,1</states>",
+        "<facets>flat</facets><squash>false</squash>",
+        "<free body=\"plate\">x,y</free><force body=\"plate\">0,0,-3</force><load-at body=\"plate\">1,1,1</load-at>"})
+    expect_the_same(folder.path, "m.feb", settings);
+}
+
+TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  std::string text = model_40(false);
+  const std::string contact =
+      text.substr(text.find("<Contact>"), text.find("</Contact>") + 10 - text.find("<Contact>"));
+  text.replace(text.find(contact), contact.size(), "");
+  write(folder.path / "none.feb", text);
+  Parts loose;
+  loose.bottom = "";
+  write(folder.path / "loose.feb", model_40(false, loose));
+  Parts pressed;
+  pressed.more =
+      "<Loads><surface_load name=\"l\" type=\"pressure\" surface=\"under\"><pressure lc=\"1\">1</pressure>"
+      "</surface_load></Loads>";
+  write(folder.path / "pressed.feb", model_40(false, pressed));
+  const auto settings = [&](const std::string& elements) {
+    write(folder.path / "s.xml", "<febiodea_settings version=\"1\">" + elements + "</febiodea_settings>");
+    return "s.xml";
+  };
+  const auto expect = [&](const std::string& model, const std::string& control, const std::string& fault) {
+    const Finished f = febio(folder.path, model, "dea", control);
+    EXPECT_EQ(f.code, 1) << fault;
+    EXPECT_EQ(errors_of(f.out), std::vector<std::string>{fault});
+    EXPECT_EQ(lines_of(f.err).size(), 1u) << f.err;  // FEBio's, that the plugin is there
+    const fs::path log = fs::path(control.empty() ? model : control).replace_extension(".log");
+    EXPECT_EQ(errors_of(file_text(folder.path / log)), std::vector<std::string>{fault});
+  };
+  expect("m.feb", "missing.xml", "missing.xml: found no readable file, expected a settings file");
+  expect("m.feb", settings("<law>cubic</law>"),
+         "s.xml:1: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean");
+  expect("m.feb", settings("<source>100% femur</source>"),
+         "dea: --source 100% femur: the model has no rigid body of this name; it has \"base\", \"plate\", \"ground\"");
+  expect("m.feb", settings("<output>no/such/folder.xplt</output>"),
+         "dea: cannot write no/such/folder.xplt: there is no folder no/such");
+  expect("m.feb", settings("<output>m.feb</output>"), "dea: <output> m.feb: would overwrite the model");
+  expect("m.feb", settings("<json>s.xml</json>"), "dea: <json> s.xml: would overwrite the settings file");
+  expect("m.feb", settings("<csv>s.log</csv>"), "dea: <csv> s.log: would overwrite FEBio's log file");
+  expect("m.feb", settings("<json>-</json>"), "dea: <json> -: standard output is FEBio's, give it a file name");
+  expect("m.feb", settings("<states>7</states>"),
+         "dea: s.xml: <states>: found time 7, expected times from 0 to 1, those of the model");
+  expect("none.feb", "",
+         "none.feb: no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
+         "\"sliding-elastic\")");
+  expect("loose.feb", "",
+         "loose.feb: contact \"touch\", surface \"top\": its layer is held by no rigid body (no shared nodes, rigid "
+         "node set, "
+         "tied contact or nodes fixed in x, y and z); name the body with --attach \"top=BODY\" (bodies: \"base\", "
+         "\"plate\")");
+  expect("pressed.feb", "",
+         "pressed.feb: surface_load \"pressure\" is not supported and would change the result: take it out, or use "
+         "what DEA "
+         "supports (docs/formats.md)");
+}
+
+TEST(Plugin, NoMemoryFaults) {
+  const std::string valgrind = DEA_VALGRIND;
+  if (valgrind.find("NOTFOUND") != valgrind.npos) GTEST_SKIP() << "no valgrind";
+  const TemporaryFolder folder;
+  write(folder.path / "linear.feb", model_40(false));
+  write(folder.path / "quadratic.feb", model_30(true));
+  write(folder.path / "rich.feb", rich_model());
+  write(folder.path / "good.xml",
+        "<febiodea_settings version=\"1\"><json>j.json</json><csv>c.csv</csv></febiodea_settings>");
+  write(folder.path / "bad.xml", "<febiodea_settings version=\"1\"><law>cubic</law></febiodea_settings>");
+  const std::pair<const char*, const char*> runs[] = {
+      {"linear.feb", "good.xml"}, {"quadratic.feb", "good.xml"}, {"rich.feb", "good.xml"}, {"linear.feb", "bad.xml"}};
+  for (const auto& r : runs) {
+    run_program(
+        folder.path,
+        {valgrind, "--leak-check=full", "--show-leak-kinds=definite", "--num-callers=40", "--log-file=memory.log",
+         DEA_FEBIO4, "-nosplash", "-i", r.first, "-import", DEA_PLUGIN, "-task=dea", r.second},
+        300);
+    const std::string log = file_text(folder.path / "memory.log");
+    EXPECT_NE(log.find("ERROR SUMMARY"), log.npos) << log;
+    EXPECT_EQ(memory_faults(log), std::vector<std::string>{}) << r.first << " " << r.second;
+  }
+}
+
+TEST(Plugin, NoSolutionIsWrittenAndSaid) {
+  const TemporaryFolder folder;
+  Parts pulled;
+  pulled.motion =
+      "<rigid_load name=\"pull\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value "
+      "lc=\"1\">5</value></rigid_load>";
+  write(folder.path / "m.feb", model_40(false, pulled));
+  const Finished f = febio(folder.path, "m.feb", "dea");
+  EXPECT_EQ(f.code, 1);
+  EXPECT_EQ(errors_of(f.out), std::vector<std::string>{"dea: no solution in 4 of 5 states, first at time 0.25 "
+                                                       "(SurfacesApart); results are in m_dea.xplt"});
+  EXPECT_TRUE(fs::exists(folder.path / "m_dea.xplt"));
+  EXPECT_FALSE(fs::exists(folder.path / "m.xplt"));
+}
+
+TEST(Plugin, PlotFileLogAndTable) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  const Finished f = febio(folder.path, "m.feb", "dea", "", {"-p", "given.xplt", "-o", "given.log"});
+  EXPECT_EQ(f.code, 0) << f.out;
+  EXPECT_TRUE(fs::exists(folder.path / "given.xplt"));
+  const std::string log = file_text(folder.path / "given.log");
+  for (const char* text : {"state 5 of 5, time 1: Prescribed, 0 iterations\n", "given.xplt: 5 states in ", "123.5%",
+                           "touch    Prescribed"}) {
+    EXPECT_NE(log.find(text), log.npos) << text << log;
+    EXPECT_NE(f.out.find(text), f.out.npos) << text;
+  }
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path)) names.insert(entry.path().filename().string());
+  EXPECT_EQ(names, (std::set<std::string>{"m.feb", "given.xplt", "given.log"}));
+  EXPECT_EQ(febio(folder.path, "m.feb", "dea", "", {"-no_log"}).code, 0);
+  EXPECT_FALSE(fs::exists(folder.path / "m.log"));
+}
+
+// -- the model ---------------------------------------------------------------------------------------
+
+/// Lines that only one of the two has; sets that FEBio makes for itself are of no interest.
+std::string difference_of(const std::string& from_file, const std::string& from_model) {
+  std::multiset<std::string> file, model;
+  for (const std::string& line : lines_of(from_file)) file.insert(line);
+  std::string text;
+  for (const std::string& line : lines_of(from_model)) {
+    const auto place = file.find(line);
+    if (place != file.end())
+      file.erase(place);
+    else if (line.rfind("node_set", 0) != 0 && line.rfind("element_set", 0) != 0)
+      text += "  FEBio: " + line.substr(0, 200) + "\n";
+  }
+  for (const std::string& line : file) text += "  file:  " + line.substr(0, 200) + "\n";
+  return text;
+}
+
+/// The model as FEBio's reader leaves it; "cannot read: ..." if FEBio refuses the file.
+std::string febio_dump(const fs::path& folder, const std::string& model, const std::string& task) {
+  fs::remove(folder / "dump.txt");
+  const Finished f = febio(folder, model, task, "dump.txt", {}, DEA_DUMP_PLUGIN);
+  std::string text = fs::exists(folder / "dump.txt") ? file_text(folder / "dump.txt") : "cannot read: " + f.out + f.err;
+  const std::string own = "unsupported constraint \"\"\n";  // what the test puts into the model
+  if (const std::size_t at = text.find(own); at != text.npos) text.erase(at, own.size());
+  return text;
+}
+
+TEST(ReadFeModel, TheSameAsTheFileBeforeAndInInit) {
+  const TemporaryFolder folder;
+  for (const fs::path& model : models_in(DEA_SAMPLES_DIR)) fs::copy(model, folder.path / model.filename());
+  write(folder.path / "rich.feb", rich_model());
+  for (const bool quadratic : {false, true}) {
+    const std::string end = quadratic ? "q.feb" : "l.feb";
+    write(folder.path / ("m25" + end), model_25(quadratic));
+    write(folder.path / ("m30" + end), model_30(quadratic));
+    write(folder.path / ("m40" + end), model_40(quadratic));
+  }
+  for (const fs::path& model : models_in(folder.path)) {
+    for (const char* task : {"dea_dump", "dea_dump_in_init"}) {
+      const std::string from_model = febio_dump(folder.path, model.filename().string(), task);
+      EXPECT_EQ(difference_of(dump(read_feb(model.string())), from_model), "") << model.filename() << " " << task;
+    }
+  }
+}
+
+TEST(ReadFeModel, CorpusTheSameAsTheFiles) {
+  const TemporaryFolder folder;
+  int compared = 0, refused = 0;
+  for (const fs::path& model : models_in(DEA_CORPUS_DIR)) {
+    std::string from_file;
+    try {
+      from_file = dump(read_feb(model.string()));
+    } catch (const InputError&) {
+      ++refused;
+      continue;
+    }
+    const std::string from_model = febio_dump(folder.path, model.string(), "dea_dump");
+    if (from_model.rfind("cannot read", 0) == 0) {
+      ++refused;
+      continue;
+    }
+    ++compared;
+    EXPECT_EQ(difference_of(from_file, from_model), "") << model;
+  }
+  if (compared == 0) GTEST_SKIP() << "no models in " << DEA_CORPUS_DIR;
+  std::cout << compared << " models compared, " << refused << " refused by one reader\n";
+}
+
+}  // namespace
+}  // namespace dea::test
