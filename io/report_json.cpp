@@ -61,6 +61,7 @@ Json contact_json(const Joint& joint, const ContactPair& pair, const ContactStat
   j["largest_strain"] = json_number(s.largest_strain);
   j["source_resultant_factor"] = json_number(fields.sides[pair.source].resultant_factor);
   j["target_resultant_factor"] = json_number(fields.sides[1 - pair.source].resultant_factor);
+  j["complementarity"] = json_number(s.complementarity);
   j["law"] = name(pair.law);
   j["facets"] = name(pair.facets);
   j["refine"] = pair.refine;
@@ -121,6 +122,8 @@ Json settings_json(const Settings& s) {
   j["source"] = s.source.empty() ? Json(nullptr) : Json(s.source);
   j["springs_at"] = name(s.springs_at);
   j["law"] = s.law ? Json(name(*s.law)) : Json(nullptr);
+  j["layer_terms"] = s.layer_fit == LayerFit::OneTerm ? 1 : 2;
+  j["interface_stiffness"] = s.interface_stiffness ? json_number(*s.interface_stiffness) : Json(nullptr);
   j["refine"] = s.refine ? Json(*s.refine) : Json(nullptr);
   j["rigid"] = s.rigid;
   j["attach"] = Json::object();

@@ -151,7 +151,9 @@ const std::vector<SettingOption>& setting_options() {
       {"contact", nullptr, false, false, "NAME"},
       {"source", nullptr, false, false, "BODY"},
       {"springs-at", nullptr, false, false, "articular|bone"},
-      {"law", nullptr, false, false, "linear|logarithmic|neo-Hookean"},
+      {"law", nullptr, false, false, "linear|logarithmic|neo-Hookean|layer"},
+      {"layer-terms", nullptr, false, false, "1|2"},
+      {"interface-stiffness", nullptr, false, false, "NUMBER"},
       {"facets", nullptr, false, false, "curved|flat"},
       {"refine", nullptr, false, false, "N"},
       {"rigid", nullptr, false, true, "MATERIAL"},
@@ -247,8 +249,15 @@ void set_value(Settings& s, const SettingValue& v) {
       s.law = Law::Logarithmic;
     else if (lower(text) == "neo-hookean")
       s.law = Law::NeoHookean;
+    else if (lower(text) == "layer")
+      s.law = Law::Layer;
     else
-      throw bad(text, "linear, logarithmic or neo-Hookean");
+      throw bad(text, "linear, logarithmic, neo-Hookean or layer");
+  } else if (name == "layer-terms") {
+    s.layer_fit = parse_count(text, 1, 2) == 1 ? LayerFit::OneTerm : LayerFit::TwoTerms;
+  } else if (name == "interface-stiffness") {
+    s.interface_stiffness = parse_number(text);
+    if (!(*s.interface_stiffness > 0)) throw bad(text, "a number > 0");
   } else if (name == "facets") {
     if (lower(text) == "curved")
       s.facets = Facets::Curved;

@@ -100,7 +100,7 @@ void FEDeaSurface::GetNodalVectorGap(int facet, vec3d* gap) {
 // -- the contact ---------------------------------------------------------------------------------------------------
 
 BEGIN_FECORE_CLASS(FEDeaContact, FEContactInterface)
-ADD_PARAMETER(law_, "law")->setEnums("linear\0logarithmic\0neo-Hookean\0");
+ADD_PARAMETER(law_, "law")->setEnums("linear\0logarithmic\0neo-Hookean\0layer\0");
 ADD_PARAMETER(facets_, "facets")->setEnums("curved\0flat\0");
 ADD_PARAMETER(source_, "source")->setEnums("primary\0secondary\0");
 ADD_PARAMETER(refine_, "refine");

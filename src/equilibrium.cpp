@@ -662,6 +662,11 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
       largest = std::max(largest, s.too_deep[at(i)] ? 1.0 : s.strain[at(i)]);
     }
   }
+  for (const SpringStates& s : result.springs) {
+    if (s.complementary || !solved(result.outcome)) continue;
+    result.outcome = Outcome::NotConverged;
+    result.message = fmt::format("the layers' pressures are known to {:.1e} only", s.complementarity);
+  }
   if (beyond > 0 && solved(result.outcome)) {
     result.outcome = Outcome::BeyondStrainLimit;
     result.message =

@@ -230,6 +230,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       target_strain[tri] += share * states->strain_target[k];
     }
 
+    // What the target shows is the source's where no law of the target's own overlap exists.
+    const bool by_interpolation = source.springs_at == SpringsAt::Bone || bed.law == Law::Layer;
     // Source side. Articular springs: facets carry their springs' force. Bone springs: closest-point projection with
     // linear interpolation [Abraham et al. 2013, 2.4].
     std::vector<double> v_pressure, v_overlap, v_target_strain,
@@ -240,6 +242,12 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       on_source.strain = triangles_to_facets(source.articular, map.layers[s], averages.strain);
       on_source.vertex_shortening = triangles_to_vertices(source.articular, averages.shortening);
       on_source.vertex_pressure = vertex_average(map.layers[s], on_source.pressure);
+      if (by_interpolation) {
+        v_pressure = triangles_to_vertices(source.articular, averages.pressure);
+        v_overlap = triangles_to_vertices(source.articular, averages.overlap);
+        v_target_strain = triangles_to_vertices(source.articular, target_strain);
+        v_target_shortening = triangles_to_vertices(source.articular, target_shortening);
+      }
     } else {
       const SurfaceMesh& bone = source.spring_surface();
       const auto project = [&](const std::vector<double>& per_triangle) {
@@ -332,7 +340,7 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       if (feet[i].triangle < 0) continue;
       const std::size_t triangle = i / parts;
       const double share = 1.0 / static_cast<double>(parts);
-      if (source.springs_at == SpringsAt::Bone) {
+      if (by_interpolation) {
         pressure[triangle] += share * interpolate(source.articular, v_pressure, feet[i]);
         overlap[triangle] += share * interpolate(source.articular, v_overlap, feet[i]);
         strain[triangle] += share * interpolate(source.articular, v_target_strain, feet[i]);
@@ -343,7 +351,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
         const double t_t =
             interpolate(target.articular, target.thickness, {static_cast<int>(triangle), samples[i % parts]});
         if (gaps[i] <= -(t_s + t_t)) continue;
-        const SpringResponse r = spring_response(bed.law, source.elasticity, target.elasticity, t_s, t_t, -gaps[i]);
+        const SpringResponse r = spring_response(bed.law, source.elasticity, target.elasticity, t_s, t_t, -gaps[i],
+                                                 pair.interface_compliance);
         pressure[triangle] += share * r.pressure;
         overlap[triangle] -= share * gaps[i];
         strain[triangle] += share * r.strain_target;
@@ -413,6 +422,7 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
       stats.contact_area += s.area[k];
       stats.largest_strain = std::max(stats.largest_strain, s.strain[k]);
     }
+    if (s.rates.rows() > 0) stats.complementarity = s.complementarity;
     const bool any = !pressure.empty();
     stats.peak = any ? *std::max_element(pressure.begin(), pressure.end()) : kNaN;
     stats.mean = any ? force / stats.contact_area : kNaN;

@@ -1,6 +1,7 @@
 // src/fields.h – results on the model's own surfaces and nodes, and the numbers that sum them up.
 #pragma once
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "equilibrium.h"
@@ -46,6 +47,8 @@ struct ContactStatistics {
   Vector3d force = Vector3d::Zero();   ///< of the contact on the target
   Vector3d moment = Vector3d::Zero();  ///< the same, about the target's current centre of mass
   double largest_strain = 0.0;
+  double complementarity =
+      std::numeric_limits<double>::quiet_NaN();  ///< Law::Layer: residual of (L4) over the largest pressure
 };
 
 /// Percentile of values weighted by `weights` (> 0): each sorted value stands at the middle of its share of the weight,

@@ -67,6 +67,7 @@ struct Recognition {
   std::map<int, std::map<int, std::string>> held;  // region root -> body -> how
   std::vector<std::vector<int>> node_holders;      // per node: all bodies that hold it
   std::vector<char> fixed;                         // per node: held by the ground in x, y and z
+  std::vector<unsigned char> mirror;               // per node: held by the ground in some of x, y, z, not in all
 };
 
 int surface_index(const JointModel& model, const std::string& name) {
@@ -224,8 +225,13 @@ void find_holders(Recognition& r) {
       for (std::size_t k = 0; k < 3; ++k) fixed[at(node)][k] = fixed[at(node)][k] || f.xyz[k];
   }
   r.fixed.assign(model.nodes.size(), 0);
+  r.mirror.assign(model.nodes.size(), 0);
   for (std::size_t i = 0; i < fixed.size(); ++i) {
-    if (!(fixed[i][0] && fixed[i][1] && fixed[i][2])) continue;
+    if (!(fixed[i][0] && fixed[i][1] && fixed[i][2])) {
+      for (std::size_t k = 0; k < 3; ++k)
+        if (fixed[i][k]) r.mirror[i] = static_cast<unsigned char>(r.mirror[i] | (1u << k));
+      continue;
+    }
     r.fixed[i] = 1;
     hold(r, static_cast<int>(i), r.bodies.ground(), "nodes fixed in x, y and z");
   }
@@ -441,6 +447,10 @@ std::string not_held(const Recognition& r, int root, int cartilage, const std::s
   const std::string attach =
       fmt::format("name the body with --attach \"{}=BODY\" (bodies: {})", surface, bodies.empty() ? "none" : bodies);
   return found + (bones.empty() ? attach : fmt::format("take its bone as rigid with {}, or {}", bones, attach));
+}
+
+Law law_of(const Recognition& r, const Contact& contact) {
+  return r.settings.law.value_or(contact.dea ? contact.dea->law.value_or(Law::Linear) : Law::Linear);
 }
 
 Facets facets_of(const Recognition& r, const Contact& contact) {
@@ -695,6 +705,8 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     layer.bone.bulge.assign(layer.bone.bulge.size(), {0, 0, 0});
   }
 
+  for (int node : layer.articular.model_nodes) layer.mirror.push_back(r.mirror[at(node)]);
+
   // Modulus.
   if (!layer.rigid) {
     if (layer.material >= 0)
@@ -712,6 +724,9 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
       throw refuse(fmt::format("{} gives no E and nu{}; give them with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who,
                                note.empty() ? "" : " (" + note + ")", s.name, s.name));
     }
+    if (law_of(r, contact) == Law::Layer && layer.elasticity.nu < 0)
+      throw refuse(
+          fmt::format("nu = {:g}; the layer law needs 0 <= nu < 0.5: use another with --law", layer.elasticity.nu));
     if (!(layer.elasticity.E > 0) || !(layer.elasticity.nu > -1 && layer.elasticity.nu < 0.5))
       throw refuse(fmt::format(
           "E = {:g}, nu = {:g}; need E > 0 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed)",
@@ -826,7 +841,7 @@ int Joint::find_body(const JointModel& model, const std::string& name) const {
 }
 
 Joint make_joint(const JointModel& model, const Settings& settings) {
-  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}};
+  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}};
   find_faces(r);
   find_layer_domains(r);
   r.bodies = find_bodies(model, r.rigid, r.layer_domains);
@@ -862,7 +877,11 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     pair.contact = i;
     pair.step = c.step;
     pair.source = c.dea ? c.dea->source : 0;
-    pair.law = settings.law.value_or(c.dea ? c.dea->law.value_or(Law::Linear) : Law::Linear);
+    pair.law = law_of(r, c);
+    pair.layer_fit = settings.layer_fit;
+    if (settings.interface_stiffness) pair.interface_compliance = 1.0 / *settings.interface_stiffness;
+    if (pair.law == Law::Layer && settings.springs_at == SpringsAt::Bone)
+      throw UsageError("--springs-at bone: the layer law needs springs at the articular surface; use another law");
     pair.facets = facets_of(r, c);
     pair.refine = settings.refine.value_or(c.dea ? c.dea->refine.value_or(1) : 1);
     for (int side = 0; side < 2; ++side) pair.layers[side] = make_layer(r, c, side);

@@ -34,6 +34,8 @@ struct Layer {
   std::vector<double> thickness;  ///< per vertex of spring_surface(); 0 when rigid
   std::vector<char> missed;       ///< per vertex: its ray found no opposing face near enough; closest point used
   bool thickness_given = false;   ///< by the user, not measured
+  std::vector<unsigned char>
+      mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
   std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
 
   /// The surface thickness and springs live on.
@@ -51,6 +53,8 @@ struct ContactPair {
   Layer layers[2];   ///< primary, secondary
   int source = 0;
   Law law = Law::Linear;
+  LayerFit layer_fit = LayerFit::TwoTerms;
+  double interface_compliance = 0.0;  ///< gap per pressure in series with the layers (S9)
   Facets facets = Facets::Curved;
   int refine = 1;  ///< each spring triangle is divided into refine^2
   int step = -1;   ///< active only in this step; -1: in all

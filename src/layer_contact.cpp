@@ -35,6 +35,7 @@ MatrixXd sinking(const LayerContact& contact, const MatrixXd& pressure) {
   MatrixXd w_s, w_t;
   tbb::parallel_invoke([&] { w_s = layer_sinking(contact.source, contact.source_share, contact.area, pressure); },
                        [&] { w_t = layer_sinking(contact.target, contact.target_share, contact.area, pressure); });
+  if (contact.interface_compliance > 0) return w_s + w_t + contact.interface_compliance * pressure;
   return w_s + w_t;
 }
 
@@ -47,6 +48,8 @@ VectorXd local_compliance(const LayerContact& contact) {
   };
   add(contact.source, contact.source_share);
   add(contact.target, contact.target_share);
+  for (Index i = 0; i < local.size(); ++i)
+    if (local[i] > 0) local[i] += contact.interface_compliance;
   return local;
 }
 
@@ -202,7 +205,9 @@ LayerSprings solve_layer_springs(LayerContact& contact, Law law, const Elasticit
                                  const VectorXd& overlap, const VectorXd& start, const LayerContactOptions& options) {
   constexpr int kMaxRepetitions = 50;
   const Index n = overlap.size();
-  const double M_s = confined_modulus(source.E, source.nu), M_t = confined_modulus(target.E, target.nu);
+  // a rigid side has no modulus, and takes no share
+  const double M_s = contact.source ? confined_modulus(source.E, source.nu) : 1.0,
+               M_t = contact.target ? confined_modulus(target.E, target.nu) : 1.0;
   const bool shares =
       law != Law::Linear && contact.source && contact.target && (source.E != target.E || source.nu != target.nu);
   contact.source_share = contact.target_share = shares ? VectorXd(VectorXd::Ones(n)) : VectorXd();

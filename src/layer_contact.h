@@ -10,9 +10,10 @@ namespace dea {
 
 /// One or two layers on the feet of the same mesh, pressed together.
 struct LayerContact {
-  LayerOperator* source = nullptr;  ///< not owned; null: a rigid side, which does not give way
-  LayerOperator* target = nullptr;  ///< on the source's mesh, with the thickness at the springs' ends
-  Eigen::VectorXd area;             ///< per foot: the part that lies over the target [mm^2]; 0: takes no part
+  LayerOperator* source = nullptr;    ///< not owned; null: a rigid side, which does not give way
+  LayerOperator* target = nullptr;    ///< on the source's mesh, with the thickness at the springs' ends
+  Eigen::VectorXd area;               ///< per foot: the part that lies over the target [mm^2]; 0: takes no part
+  double interface_compliance = 0.0;  ///< gap per P of what lies between the surfaces (S9)
   /// Per foot: linear pressure of this layer over the common one (L6); empty: 1.
   Eigen::VectorXd source_share, target_share;
 };

@@ -63,7 +63,7 @@ LayerLaw two_terms(double nu) {
   }
   // (1/M + a1 s^2 + local b2 s^4) = f (1 + b1 s^2 + b2 s^4) with a1 = first + b1/M, at two s: linear in b1, b2
   const double first = nu * (4 * nu - 1) * (1 + nu) / (3 * (1 - nu) * (1 - nu));
-  const double s2[2] = {1.1 * 1.1, 3.0 * 3.0};
+  const double s2[2] = {0.9 * 0.9, 3.0 * 3.0};
   double m[2][2], r[2];
   for (int i = 0; i < 2; ++i) {
     const double f = compliance(nu, std::sqrt(s2[i]));
@@ -90,8 +90,6 @@ double layer_compliance(const Elasticity& layer, double s) {
   assert(s >= 0);
   return compliance(layer.nu, s) / layer.E;
 }
-
-const char* name(LayerFit fit) { return fit == LayerFit::OneTerm ? "one term" : "two terms"; }
 
 LayerLaw layer_law(const Elasticity& layer, LayerFit fit) {
   assert(layer.E > 0 && layer.nu >= 0 && layer.nu <= 0.5);

@@ -14,20 +14,14 @@ namespace dea {
 /// every s >= 0 and 0 <= nu <= 0.5.
 double layer_compliance(const Elasticity& layer, double s);
 
-/// Which rational function stands for (L1).
-enum class LayerFit {
-  OneTerm,  ///< (L2): first terms of the series in s; one sparse solve
-  TwoTerms  ///< (L2b): follows (L1) to short waves; two sparse solves
-};
-const char* name(LayerFit fit);
-
-/// Rational law in partial fractions,
+/// Rational law in partial fractions that stands for (L1): LayerFit::OneTerm (L2), the first terms of the series in s,
+/// one sparse solve; LayerFit::TwoTerms (L2b), which follows (L1) to short waves, two sparse solves;
 ///     w / (p t) = local + sum over k of weight_k / (1 + beta_k s^2),     local + sum of weight_k = 1/M          (L2)
 /// OneTerm: (1 + alpha s^2) / (M (1 + beta s^2)), so local = alpha/(beta M) and weight_0 = -(alpha/beta - 1)/M, with
 ///     alpha - beta = nu (4nu-1) / (3 (1-nu)(1-2nu))                                         the first term of (L1)
 ///     nu >= 0.3:  beta = [1 - (3-4nu)(4nu^2+2nu-1)/(20 nu (4nu-1))] / (1-nu)                the second (Pade)
 ///     nu <  0.3:  beta = 1/(1-nu),  hence alpha = (3-4nu)/(3(1-2nu))                        (truncation)
-/// TwoTerms (L2b): (1 + a1 s^2 + a2 s^4)/(M (1 + b1 s^2 + b2 s^4)) with the first term of (L1), its values at s = 1.1
+/// TwoTerms (L2b): (1 + a1 s^2 + a2 s^4)/(M (1 + b1 s^2 + b2 s^4)) with the first term of (L1), its values at s = 0.9
 /// and 3, and half its value at s = 12 for s -> infinity. Below nu = 0.3 its poles need not be real; there the law is
 /// one fraction with the same limits at s = 0 and infinity and the value of (L1) at s = 2.
 /// Nothing here grows without bound as nu -> 0.5. Positive for all s, which makes the operator positive definite.

@@ -14,8 +14,12 @@ const char* name(Law law) {
       return "logarithmic";
     case Law::NeoHookean:
       return "neo-Hookean";
+    case Law::Layer:
+      return "layer";
   }
   return "";
 }
+
+const char* name(LayerFit fit) { return fit == LayerFit::OneTerm ? "one term" : "two terms"; }
 
 }  // namespace dea

@@ -15,7 +15,15 @@ namespace dea {
 enum class SpringsAt { Articular, Bone };
 
 /// Pressure as a function of strain (docs/theory.md, section 3).
-enum class Law { Linear, Logarithmic, NeoHookean };
+enum class Law {
+  Linear,
+  Logarithmic,
+  NeoHookean,
+  Layer  ///< springs that share the layers' sideways flow (docs/layer_law.md); at large strain neo-Hookean
+};
+
+/// How closely Law::Layer follows short waves of pressure (layer_kernel.h).
+enum class LayerFit { OneTerm, TwoTerms };
 
 /// How the facets of a surface are taken when gaps and thicknesses are measured.
 enum class Facets {
@@ -34,8 +42,10 @@ struct Settings {
   std::string contact;  ///< only this contact pair; empty: every one that joins two bodies
   std::string source;   ///< body whose layer carries the springs; empty: the contact's primary side
   SpringsAt springs_at = SpringsAt::Articular;
-  std::optional<Law> law;          ///< empty: what the contact says, or linear
-  std::optional<Facets> facets;    ///< empty: what the contact says, or curved
+  std::optional<Law> law;                     ///< empty: what the contact says, or linear
+  LayerFit layer_fit = LayerFit::TwoTerms;    ///< of Law::Layer
+  std::optional<double> interface_stiffness;  ///< [pressure/length], > 0; empty: rigid
+  std::optional<Facets> facets;               ///< empty: what the contact says, or curved
   std::optional<int> refine;       ///< each spring triangle is divided into refine^2, >= 1; empty: the contact's, or 1
   std::vector<std::string> rigid;  ///< deformable materials to take as rigid
   std::map<std::string, std::string> attach;        ///< surface -> body it belongs to ("ground" for the ground)
@@ -52,6 +62,7 @@ struct Settings {
 
 const char* name(SpringsAt springs_at);
 const char* name(Law law);
+const char* name(LayerFit fit);
 const char* name(Facets facets);
 
 }  // namespace dea

@@ -18,6 +18,7 @@ LayerResponse law_response(Law law, const Elasticity& layer, double e) {
       return {M * e, M};
     case Law::Logarithmic:
       return {-M * std::log1p(-e), M / (1 - e)};
+    case Law::Layer:
     case Law::NeoHookean: {
       const double mu = layer.E / (2 * (1 + layer.nu));
       const double lambda = M - 2 * mu;
@@ -58,7 +59,9 @@ double strain_at_pressure(Law law, const Elasticity& layer, double p) {
   return e;
 }
 
-SpringResponse spring_response(Law law, const Elasticity& source, const Elasticity& target, double t_s, double t_t,
+namespace {
+
+SpringResponse layers_response(Law law, const Elasticity& source, const Elasticity& target, double t_s, double t_t,
                                double overlap) {
   SpringResponse r;
   const double h = t_s + t_t;
@@ -107,6 +110,26 @@ SpringResponse spring_response(Law law, const Elasticity& source, const Elastici
   r.per_t_target = -e_t * r.per_overlap;
   r.strain_source = e_s;
   r.strain_target = e_t;
+  return r;
+}
+
+}  // namespace
+
+SpringResponse spring_response(Law law, const Elasticity& source, const Elasticity& target, double t_s, double t_t,
+                               double overlap, double c) {
+  if (c <= 0) return layers_response(law, source, target, t_s, t_t, overlap);
+  // x + c p(x) = overlap for the layers' share x. p is convex and increasing: Newton from the right falls onto the
+  // root.
+  double x = overlap;
+  SpringResponse r = layers_response(law, source, target, t_s, t_t, x);
+  for (int i = 0; i < 60 && overlap > 0; ++i) {
+    const double excess = x + c * r.pressure - overlap;
+    if (std::abs(excess) <= 1e-15 * overlap) break;
+    x -= excess / (1 + c * r.per_overlap);
+    r = layers_response(law, source, target, t_s, t_t, x);
+  }
+  r.per_t_target /= 1 + c * r.per_overlap;
+  r.per_overlap /= 1 + c * r.per_overlap;
   return r;
 }
 

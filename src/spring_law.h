@@ -19,6 +19,7 @@ inline constexpr double kStrainLimit = 0.9;
 /// Confined response p(e) of a layer at strain e = shortening / thickness, and its slope p'(e):
 ///   linear        M e
 ///   logarithmic   -M ln(1 - e)                          (Blankevoort et al. 1991)
+///   layer         as neo-Hookean: what the layers do together is in layer_contact.h
 ///   neo-Hookean   mu (1/J - J) - lambda ln(J)/J, J = 1 - e                         (S6)
 /// All have slope M at e = 0; beyond e = 0.9 they continue linearly with value and slope (C1).
 struct LayerResponse {
@@ -40,7 +41,9 @@ struct SpringResponse {
   double strain_source = 0.0;  ///< e_s
   double strain_target = 0.0;  ///< e_t
 };
+/// `interface_compliance`: of something between the surfaces that gives way by this much per pressure, as an FEA
+/// contact's penalty does; its share of the overlap is not the layers': e_s t_s + e_t t_t + p c = overlap    (S9)
 SpringResponse spring_response(Law law, const Elasticity& source, const Elasticity& target, double t_source,
-                               double t_target, double overlap);
+                               double t_target, double overlap, double interface_compliance = 0.0);
 
 }  // namespace dea

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 
+#include "layer_bed.h"
+
 namespace dea {
 
 Eigen::Matrix3d skew(const Vector3d& a) {
@@ -76,11 +78,13 @@ SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair) {
                 {},
                 0.0,
                 target.max_thickness(),
-                pair.law};
+                pair.law,
+                nullptr};
   for (int i = 0; i < bed.springs.size(); ++i)
     for (const Vector3d& corner : bed.springs.triangle[at(i)])
       bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
   bed.rim_distance = rim_distances(target.spring_surface(), 4.0 * bed.foot_radius);
+  if (bed.law == Law::Layer) bed.layers = make_layer_bed(bed);
   return bed;
 }
 
@@ -266,6 +270,21 @@ Coverage cover_spring(const SpringBed& bed, const RelativePose& relative, Spring
 
 }  // namespace
 
+/// (E2), (E3) and the chain rule (E4): at the bone Delta = t_s + t_t - L, at the articular surface Delta = -g. The
+/// bulge at q changes like the thickness there.
+Vector3d overlap_rate(const SpringBed& bed, const SpringStates& s, int i, double strain_target, const Pose& target) {
+  const auto k = at(i);
+  const int t = s.triangle[k];
+  const SurfaceMesh& mesh = bed.target.mesh();
+  const Layer& layer = bed.pair->target_layer();
+  const Vector3d& m = mesh.normals[at(t)];
+  const Vector3d direction = target.rotation.transpose() * s.direction[k];
+  const double mn = m.dot(direction);
+  Vector3d gradient = bulge_gradient(mesh, t, s.end_weights[k]);
+  if (!layer.rigid) gradient -= strain_target * thickness_gradient(mesh, layer.thickness, t);
+  return target.rotation * Vector3d(-m / mn - (gradient - m * (direction.dot(gradient) / mn)));
+}
+
 SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target) {
   const ContactPair& pair = *bed.pair;
   const Layer &source_layer = pair.source_layer(), &target_layer = pair.target_layer();
@@ -386,23 +405,18 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     const double overlap = std::max(0.0, -s.gap[k]);
     if (overlap <= 0.0) return;
     const SpringResponse r = spring_response(bed.law, source_layer.elasticity, target_layer.elasticity, s.t_source[k],
-                                             s.t_target[k], overlap);
+                                             s.t_target[k], overlap, pair.interface_compliance);
     s.overlap[k] = overlap;
     s.pressure[k] = r.pressure;
     s.strain_source[k] = r.strain_source;
     s.strain_target[k] = r.strain_target;
     s.strain[k] = std::max(r.strain_source, r.strain_target);
     s.per_overlap[k] = r.per_overlap;
-    // (E2), (E3) and the chain rule (E4): at the bone Delta = t_s + t_t - L, at the articular surface Delta = -g
-    const double mn = m.dot(direction);
-    const double per_t = r.per_t_target + (at_bone ? r.per_overlap : 0.0);
-    Vector3d kappa = -r.per_overlap / mn * m;
-    Vector3d gradient =
-        r.per_overlap * bulge_gradient(mesh, t, s.end_weights[k]);  // the bulge at q changes like the thickness there
-    if (!target_layer.rigid) gradient += per_t * thickness_gradient(mesh, target_layer.thickness, t);
-    kappa -= gradient - m * (direction.dot(gradient) / mn);
-    s.per_motion[k] = target.rotation * kappa;
+    s.per_motion[k] =
+        r.per_overlap * overlap_rate(bed, s, i, at_bone ? r.strain_target - 1.0 : r.strain_target, target);
   });
+
+  if (bed.layers) press_layers(*bed.layers, bed, s, source, target);
 
   for (std::size_t i = 0; i < at_rim.size(); ++i) {
     const auto k = at(at_rim[i].first);
@@ -453,6 +467,10 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
       const Vector3d& m = s.per_motion[k];
       const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;
       kappa << m, end_t.cross(m), -m, -end_s.cross(m);
+      if (s.rates.rows() > 0) {  // of the motion relative to the source, about the target's centre
+        const Vector3d a = s.rates.row(i).head<3>(), w = s.rates.row(i).tail<3>();
+        kappa << a, w, -a, -w - Vector3d(target.center - source.center).cross(a);
+      }
       sum.wrench += s.pressure[k] * s.area[k] * w;
       sum.derivative.noalias() += (s.area[k] * w) * kappa.transpose();
       sum.normal_force += s.pressure[k] * s.area[k];
@@ -502,7 +520,7 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
     const auto k = at(i);
     if (s.triangle[k] < 0 || s.area[k] <= 0) continue;
     const SpringResponse r = spring_response(bed.law, pair.source_layer().elasticity, pair.target_layer().elasticity,
-                                             s.t_source[k], s.t_target[k], 0.0);
+                                             s.t_source[k], s.t_target[k], 0.0, pair.interface_compliance);
     const Vector3d& n = s.direction[k];
     const Vector3d m = s.normal[k] / s.normal[k].dot(n);  // (E2)
     const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;

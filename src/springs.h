@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "joint.h"
@@ -17,6 +18,8 @@ struct Pose {
   Vector3d center = Vector3d::Zero();  ///< current centre of mass
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
 };
+
+struct LayerBed;  // layer_bed.h
 
 /// The springs of one contact. Frame: the source's reference configuration.
 struct Springs {
@@ -45,6 +48,7 @@ struct SpringBed {
   double foot_radius = 0.0;          ///< largest distance of a foot triangle's corner from its centroid
   double max_target_thickness = 0.0;
   Law law = Law::Linear;
+  std::shared_ptr<LayerBed> layers;  ///< Law::Layer, else empty
 };
 SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair);
 
@@ -78,8 +82,18 @@ struct SpringStates {
   std::vector<double> area;          ///< coverage * area: what the pressure acts on
   std::vector<char> too_deep;        ///< the target lies deeper under the foot than both layers are thick
   std::vector<RimSpring> rim;        ///< the springs that are covered in part and loaded
+  /// Law::Layer, else empty: dp of small motions of the target relative to the source, translation and rotation about
+  /// the target's current centre of mass, n x 6; takes the place of per_motion, for every pressure depends on all gaps.
+  Eigen::MatrixXd rates;
+  double complementarity = 0.0;  ///< Law::Layer: residual of (L4), relative to the largest pressure
+  bool complementary = true;     ///< Law::Layer: (L4) was solved to its tolerance
   int size() const { return static_cast<int>(gap.size()); }
 };
+
+/// kappa: d(overlap) = kappa . (delta_target - delta_source) at the end of spring i (E2), less what its rest length
+/// loses by the target's thickness there, times its strain (E3). Global frame.
+Vector3d overlap_rate(const SpringBed& bed, const SpringStates& states, int i, double strain_target,
+                      const Pose& target);
 
 /// Casts every spring's ray at this pose (S1-S5, E2-E4). Parallel over springs; each is computed by itself, so the
 /// result does not depend on the number of threads.

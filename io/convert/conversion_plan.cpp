@@ -20,6 +20,9 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 void refuse_settings(const Settings& s) {
   if (s.springs_at == SpringsAt::Bone)
     throw UsageError("--springs-at bone: a contact of type dea has its springs on the articular surface; leave it out");
+  if (s.interface_stiffness) throw UsageError("--interface-stiffness: a contact of type dea has none; leave it out");
+  if (s.layer_fit != LayerFit::TwoTerms)
+    throw UsageError("--layer-terms 1: a contact of type dea takes two; leave it out");
   constexpr const char* kOwn = "a converted file keeps the model's own motion and loads; change them in the model";
   if (!s.force.empty()) throw UsageError(fmt::format("--force {}: {}", s.force.begin()->first, kOwn));
   if (!s.load_at.empty()) throw UsageError(fmt::format("--load-at {}: {}", s.load_at.begin()->first, kOwn));
@@ -41,6 +44,12 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
   for (const ContactPair& pair : plan.joint.contacts) {
     const Contact& c = model.contacts[at(pair.contact)];
     if (c.dea) continue;
+    for (const Layer& layer : pair.layers)
+      if (pair.law == Law::Layer && std::count(layer.mirror.begin(), layer.mirror.end(), 0) < std::ssize(layer.mirror))
+        throw UsageError(
+            "--law layer: the model has planes of symmetry, which end where its cartilage becomes rigid, and a contact "
+            "of "
+            "type dea would take the rim there for a free edge; convert a model without them, or use another law");
     plan.converted[at(pair.contact)] = 1;
     any = true;
   }

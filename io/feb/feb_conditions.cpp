@@ -322,7 +322,7 @@ DeaContact read_dea(Reading& reading, const XMLElement& element) {
   for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Name();
     if (tag == "law") {
-      dea.law = static_cast<Law>(need_word(reading, *child, {"linear", "logarithmic", "neo-Hookean"}));
+      dea.law = static_cast<Law>(need_word(reading, *child, {"linear", "logarithmic", "neo-Hookean", "layer"}));
     } else if (tag == "facets") {
       dea.facets = static_cast<Facets>(need_word(reading, *child, {"curved", "flat"}));
     } else if (tag == "source") {

@@ -399,7 +399,7 @@ TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
       {{"run", "flat.feb", "--speed"},
        "dea run: The following argument was not expected: --speed (dea run --help lists the options)\n"},
       {{"run", "flat.feb", "--law", "cubic"},
-       "dea: --law cubic: found \"cubic\", expected linear, logarithmic or neo-Hookean\n"},
+       "dea: --law cubic: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer\n"},
       {{"run", "flat.feb", "--E", "top=1x"}, "dea: --E top=1x: found \"1x\", expected a number\n"},
       {{"run", "flat.feb", "--E", "inf"}, "dea: --E inf: found \"inf\", expected a number\n"},
       {{"run", "flat.feb", "--threads", "0"},
@@ -447,7 +447,7 @@ TEST_F(Cli, InputRefusedIsOneLineAndCodeThree) {
   write("s.xml", "<febiodea_settings version=\"1\">\n<law>cubic</law>\n</febiodea_settings>\n");
   const Finished settings = dea({"run", "flat.feb", "--settings", "s.xml"});
   EXPECT_EQ(settings.code, 3);
-  EXPECT_EQ(settings.err, "s.xml:2: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean\n");
+  EXPECT_EQ(settings.err, "s.xml:2: <law>: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer\n");
   write("text.feb", "not a model\n");
   EXPECT_EQ(dea({"run", "text.feb"}).code, 3);
   EXPECT_EQ(dea({"info", "text.feb"}).code, 3);

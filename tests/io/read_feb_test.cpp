@@ -969,7 +969,7 @@ TEST_F(ReadFeb, FaultsOfAContactOfTypeDea) {
     return fault_of(dea_model(kDeaMaps, replaced(kDeaContact, from, to)));
   };
   EXPECT_EQ(contact("NEO-hookean", "Ogden"),
-            "model.feb:28: law = \"Ogden\", expected one of linear, logarithmic, neo-Hookean");
+            "model.feb:28: law = \"Ogden\", expected one of linear, logarithmic, neo-Hookean, layer");
   EXPECT_EQ(contact("flat", "round"), "model.feb:28: facets = \"round\", expected one of curved, flat");
   EXPECT_EQ(contact(">secondary<", ">both<"), "model.feb:28: source = \"both\", expected one of primary, secondary");
   EXPECT_EQ(contact("<refine>2", "<refine>0"), "model.feb:28: refine = 0, need 1 to 1000");

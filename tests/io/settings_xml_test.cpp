@@ -105,7 +105,7 @@ TEST(SettingWords, RefusalsSayWhatWasFoundAndExpected) {
     return message_of([&] { with({value(option, text)}); });
   };
   EXPECT_EQ(refusal("law", "quadratic"),
-            "--law quadratic: found \"quadratic\", expected linear, logarithmic or neo-Hookean");
+            "--law quadratic: found \"quadratic\", expected linear, logarithmic, neo-Hookean or layer");
   EXPECT_EQ(refusal("springs-at", "top"), "--springs-at top: found \"top\", expected articular or bone");
   EXPECT_EQ(refusal("facets", "round"), "--facets round: found \"round\", expected curved or flat");
   EXPECT_EQ(refusal("refine", "0"), "--refine 0: found \"0\", expected a whole number from 1 to 1000");
@@ -166,16 +166,16 @@ TEST(SettingsXml, OutputFilesAndStates) {
 }
 
 TEST(SettingsXml, RefusalsNameTheLine) {
-  EXPECT_EQ(fault("<law>cubic</law>"), ":2: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean");
+  EXPECT_EQ(fault("<law>cubic</law>"), ":2: <law>: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer");
   EXPECT_EQ(fault("\n<Law>linear</Law>"),
-            ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <facets>, <refine>, <rigid>, "
+            ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <layer-terms>, <interface-stiffness>, <facets>, <refine>, <rigid>, "
             "<attach>, <bone>, <thickness>, "
             "<E>, <nu>, <free>, <force>, <load-at>, <squash>, <output>, <json>, <csv>, <states>");
   EXPECT_EQ(fault("<force>1,2,3</force>"), ":2: <force>: found no attribute \"body\", expected body=\"NAME\"");
   EXPECT_EQ(fault("<force surface=\"S\">1,2,3</force>"), ":2: <force>: found attribute \"surface\", expected \"body\"");
   EXPECT_EQ(fault("<law a=\"b\">linear</law>"), ":2: <law>: found attribute \"a\", expected none");
-  EXPECT_EQ(fault("<law/>"), ":2: <law>: found nothing, expected linear|logarithmic|neo-Hookean");
-  EXPECT_EQ(fault("<law>\n<linear/></law>"), ":3: <law>: found <linear>, expected linear|logarithmic|neo-Hookean");
+  EXPECT_EQ(fault("<law/>"), ":2: <law>: found nothing, expected linear|logarithmic|neo-Hookean|layer");
+  EXPECT_EQ(fault("<law>\n<linear/></law>"), ":3: <law>: found <linear>, expected linear|logarithmic|neo-Hookean|layer");
   EXPECT_EQ(fault("<E>1</E>\n<E>2</E>"), ":3: <E>: found a second one, expected it once");
   EXPECT_EQ(SettingsFile("<settings/>").fault(), ":1: found <settings>, expected <febiodea_settings version=\"1\">");
   EXPECT_EQ(SettingsFile("<febiodea_settings version=\"2\"/>").fault(), ":1: found version \"2\", expected \"1\"");

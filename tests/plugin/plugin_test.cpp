@@ -136,7 +136,7 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
   };
   expect("m.feb", "missing.xml", "missing.xml: found no readable file, expected a settings file");
   expect("m.feb", settings("<law>cubic</law>"),
-         "s.xml:1: <law>: found \"cubic\", expected linear, logarithmic or neo-Hookean");
+         "s.xml:1: <law>: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer");
   expect("m.feb", settings("<source>100% femur</source>"),
          "dea: --source 100% femur: the model has no rigid body of this name; it has \"base\", \"plate\", \"ground\"");
   expect("m.feb", settings("<output>no/such/folder.xplt</output>"),

@@ -1,0 +1,133 @@
+#include "layer_bed.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// What a solver above takes for a function of the pose must be smoother than its own tolerance.
+constexpr double kTolerance = 1e-11;
+/// The derivative only directs the next step.
+constexpr double kRateTolerance = 1e-5;
+
+/// Edges of the rim in a plane of symmetry have their mirror image beyond; elsewhere the cartilage ends there.
+std::vector<Rim> source_rim(const LayerMesh& mesh, const Layer& source) {
+  std::vector<Rim> rim;
+  for (const RimEdge& edge : mesh.rim)
+    rim.push_back((source.mirror[at(edge.a)] & source.mirror[at(edge.b)]) != 0 ? Rim::Wall : Rim::Free);
+  return rim;
+}
+
+/// Beyond an edge of the source's rim the target goes on where the spring beside the edge stands well inside the
+/// target.
+std::vector<Rim> target_rim(const LayerBed& layers, const SpringBed& bed, const SpringStates& s) {
+  const LayerMesh& mesh = *layers.mesh;
+  std::vector<int> foot_of_triangle(mesh.triangles.size(), -1);
+  for (int f = 0; f < mesh.feet(); ++f)
+    if (s.triangle[at(f)] >= 0) foot_of_triangle[at(mesh.foot_triangle[at(f)])] = f;
+  std::vector<Rim> rim;
+  for (std::size_t k = 0; k < mesh.rim.size(); ++k) {
+    const RimEdge& edge = mesh.rim[k];
+    if (layers.rim[k] == Rim::Wall) {
+      rim.push_back(Rim::Wall);
+      continue;
+    }
+    const int f = foot_of_triangle[at(edge.triangle)];
+    const bool inside = f >= 0 && s.coverage[at(f)] >= 1.0 &&
+                        bed.rim_distance[at(s.triangle[at(f)])] > std::max(edge.length, s.t_target[at(f)]);
+    rim.push_back(inside ? Rim::Continues : Rim::Free);
+  }
+  return rim;
+}
+
+}  // namespace
+
+std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
+  const Layer &source = bed.pair->source_layer(), &target = bed.pair->target_layer();
+  auto layers = std::make_shared<LayerBed>();
+  const Springs& springs = bed.springs;
+  layers->mesh = std::make_shared<const LayerMesh>(
+      make_layer_mesh(source.spring_surface(), springs.surface_triangle, springs.weights));
+  layers->rim = source_rim(*layers->mesh, source);
+  const LayerFit fit = bed.pair->layer_fit;
+  if (!source.rigid) {
+    layers->source.emplace(layers->mesh, layer_law(source.elasticity, fit), layers->rim);
+    std::vector<double> thickness;
+    for (const auto& t : springs.corner_thickness) thickness.push_back((t[0] + t[1] + t[2]) / 3.0);
+    layers->source->set_thickness(thickness);
+  }
+  if (!target.rigid) layers->target.emplace(layers->mesh, layer_law(target.elasticity, fit), layers->rim);
+  return layers;
+}
+
+void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target) {
+  const ContactPair& pair = *bed.pair;
+  const int n = s.size();
+  s.rates.setZero(n, 6);
+  double deepest = 0.0;
+  for (int i = 0; i < n; ++i) {
+    const auto k = at(i);
+    s.pressure[k] = s.strain[k] = s.strain_source[k] = s.strain_target[k] = s.per_overlap[k] = 0.0;
+    s.per_motion[k].setZero();
+    deepest = std::max(deepest, s.overlap[k]);
+  }
+  s.complementarity = 0.0;
+  if (!(deepest > 0)) return;
+
+  Eigen::VectorXd overlap = Eigen::VectorXd::Zero(n);
+  LayerContact contact;
+  contact.interface_compliance = pair.interface_compliance;
+  contact.area = Eigen::VectorXd::Zero(n);
+  for (int i = 0; i < n; ++i) {
+    if (!(s.area[at(i)] > 0)) continue;
+    overlap[i] = -s.gap[at(i)];
+    contact.area[i] = s.area[at(i)];
+  }
+  if (layers.source) contact.source = &*layers.source;
+  if (layers.target) {
+    layers.target->set_rim(target_rim(layers, bed, s));
+    layers.target->set_thickness(s.t_target);
+    contact.target = &*layers.target;
+  }
+  LayerContactOptions options;
+  options.tolerance = kTolerance;
+  const LayerSprings result = solve_layer_springs(contact, bed.law, pair.source_layer().elasticity,
+                                                  pair.target_layer().elasticity, overlap, layers.last, options);
+  layers.last = result.linear.pressure;
+  s.complementarity = result.linear.residual;
+  s.complementary = result.linear.converged;
+
+  // How the overlap changes with small motions of the target relative to the source, about the target's centre: six
+  // columns (E2), (E3). The target's thickness at the spring's end counts with its strain, as in a spring.
+  Eigen::MatrixXd overlap_rates = Eigen::MatrixXd::Zero(n, 6);
+  for (int i = 0; i < n; ++i) {
+    const auto k = at(i);
+    if (!result.linear.active[k]) continue;
+    const SpringResponse& r = result.springs[k];
+    s.pressure[k] = r.pressure;
+    s.strain_source[k] = r.strain_source;
+    s.strain_target[k] = r.strain_target;
+    s.strain[k] = std::max(r.strain_source, r.strain_target);
+    const Vector3d per_motion = overlap_rate(bed, s, i, r.strain_target, target);
+    s.per_overlap[k] = r.per_overlap;
+    s.per_motion[k] = r.per_overlap * per_motion;
+    overlap_rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
+  }
+  const ActiveRates rates = solve_active(contact, result.linear.active, overlap_rates, kRateTolerance);
+  const double M_s = confined_modulus(pair.source_layer().elasticity.E, pair.source_layer().elasticity.nu),
+               M_t = confined_modulus(pair.target_layer().elasticity.E, pair.target_layer().elasticity.nu);
+  for (int i = 0; i < n; ++i) {
+    const auto k = at(i);
+    if (!result.linear.active[k]) continue;
+    const double spring_compliance =
+        (layers.source ? s.t_source[k] / M_s : 0.0) + (layers.target ? s.t_target[k] / M_t : 0.0);
+    s.rates.row(i) = result.springs[k].per_overlap * spring_compliance * rates.pressure.row(i);
+  }
+  (void)source;
+}
+
+}  // namespace dea

@@ -1,0 +1,26 @@
+// src/layer_bed.h – the spring bed of `--law layer`: its springs share what the layers give way sideways (L1-L6).
+#pragma once
+#include <optional>
+
+#include "layer_contact.h"
+#include "springs.h"
+
+namespace dea {
+
+/// The two layers of a contact as operators on the source's mesh. The target's thickness is that at the springs' ends,
+/// so its factorisation is renewed at every pose. One bed serves one caller at a time.
+struct LayerBed {
+  std::shared_ptr<const LayerMesh> mesh;
+  std::vector<Rim> rim;                         ///< of the source's layer, per edge of mesh->rim
+  std::optional<LayerOperator> source, target;  ///< empty: a bare rigid surface
+  Eigen::VectorXd last;                         ///< pressures P of the last pose: where the next search starts
+};
+
+/// Throws InputError for springs that do not stand on the articular surface.
+std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed);
+
+/// Replaces the springs' own pressures and strains by those of the layers at the same gaps, and fills `rates`. The
+/// gaps, feet and areas must be there. `source`, `target`: the poses.
+void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& source, const Pose& target);
+
+}  // namespace dea

@@ -1,0 +1,196 @@
+// The layer law wired into springs and equilibrium: answers on paper, derivative, symmetry, invariance.
+#include "layer_bed.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis.h"
+#include "error.h"
+#include "test_models.h"
+
+namespace dea {
+namespace {
+
+using namespace test;
+
+Settings layer_settings(LayerFit fit = LayerFit::TwoTerms) {
+  Settings s;
+  s.law = Law::Layer;
+  s.layer_fit = fit;
+  return s;
+}
+
+Pose at_rest(const Body& body) { return {body.center_of_mass, Eigen::Matrix3d::Identity()}; }
+
+/// A plate pressed `depth` into a flat layer: the springs of the only contact.
+SpringStates pressed(const JointModel& model, const Settings& settings, double depth) {
+  const Joint joint = make_joint(model, settings);
+  const SpringBeds beds = make_spring_beds(joint);
+  const SpringBed& bed = beds.beds[0];
+  Pose source = at_rest(joint.bodies[static_cast<std::size_t>(bed.source_body)]),
+       target = at_rest(joint.bodies[static_cast<std::size_t>(bed.target_body)]);
+  target.center.z() -= depth;
+  return project_springs(bed, source, target);
+}
+
+/// Holds the nodes on the layer's sides in the direction of their plane's normal, as symmetry planes do.
+void wall_in(JointModel& model, double size) {
+  for (int k = 0; k < 2; ++k) {
+    FixedNodes plane;
+    plane.xyz[static_cast<std::size_t>(k)] = true;
+    for (std::size_t i = 0; i < model.nodes.size(); ++i)
+      if (std::abs(std::abs(model.nodes[i][k]) - size / 2) < 1e-9 && model.nodes[i].z() <= 0)
+        plane.nodes.push_back(static_cast<int>(i));
+    model.fixed_nodes.push_back(plane);
+  }
+}
+
+TEST(LayerBed, WalledInLayerIsConfined) {
+  // between planes of symmetry nothing flows sideways: the confined response (S6), the same everywhere
+  JointModel model = flat_plates(8, 10, 2, 0.0, 12);
+  wall_in(model, 10);
+  for (const LayerFit fit : {LayerFit::OneTerm, LayerFit::TwoTerms}) {
+    const SpringStates s = pressed(model, layer_settings(fit), 0.3);
+    const double p = layer_response(Law::NeoHookean, {kE, kNu}, 0.15).pressure;
+    for (int i = 0; i < s.size(); ++i) EXPECT_NEAR(s.pressure[static_cast<std::size_t>(i)], p, 1e-7 * p);
+  }
+}
+
+TEST(LayerBed, FreeEdgesLetTheLayerEscape) {
+  // without walls the same layer is softer, most of all at its edges, and nowhere stiffer
+  const JointModel model = flat_plates(8, 10, 2, 0.0, 12);
+  const double confined = layer_response(Law::NeoHookean, {kE, kNu}, 0.15).pressure;
+  const SpringStates s = pressed(model, layer_settings(), 0.3);
+  double middle = 0.0, edge = 1e300;
+  for (int i = 0; i < s.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    EXPECT_LT(s.pressure[k], confined);
+    EXPECT_GT(s.pressure[k], 0.0);
+    const double from_middle = std::max(std::abs(s.foot[k].x()), std::abs(s.foot[k].y()));
+    if (from_middle < 1) middle = std::max(middle, s.pressure[k]);
+    if (from_middle > 4) edge = std::min(edge, s.pressure[k]);
+  }
+  EXPECT_GT(middle, 1.5 * edge);
+}
+
+TEST(LayerBed, InterfaceIsInSeries) {
+  // small strain, walled in: 1/k = h/M + c
+  JointModel model = flat_plates(4, 10, 2, 0.0, 12);
+  wall_in(model, 10);
+  const double depth = 1e-6, M = confined_modulus(kE, kNu);
+  for (const Law law : {Law::Linear, Law::Logarithmic, Law::NeoHookean, Law::Layer}) {
+    Settings settings = layer_settings();
+    settings.law = law;
+    settings.interface_stiffness = 20.0;
+    const SpringStates s = pressed(model, settings, depth);
+    EXPECT_NEAR(s.pressure[0], depth / (2 / M + 1 / 20.0), 1e-5 * s.pressure[0]) << name(law);
+  }
+}
+
+/// Concentric spheres under a small load: cos(theta) to the rim, and the size of (7.1): the layer's bulge escapes
+/// there.
+TEST(LayerBed, ConcentricSpheresKeepTheCosine) {
+  const JointModel model = concentric_spheres(24, 200);
+  Settings settings = layer_settings(LayerFit::OneTerm);
+  const Analysis linear = analyse(model, {}), layer = analyse(model, settings);
+  const StateResult& state = layer.states.back();
+  EXPECT_EQ(state.equilibrium.outcome, Outcome::Balanced) << state.equilibrium.message;
+  EXPECT_LT(state.equilibrium.residual_force, 1e-8 * 200);
+  EXPECT_LE(state.statistics[0].complementarity, 1e-9);
+  EXPECT_NEAR(state.statistics[0].peak, linear.states.back().statistics[0].peak,
+              0.012 * linear.states.back().statistics[0].peak);
+  const std::vector<double>&p = state.fields[0].sides[0].pressure,
+        &q = linear.states.back().fields[0].sides[0].pressure;
+  for (std::size_t f = 0; f < p.size(); ++f) EXPECT_NEAR(p[f], q[f], 0.02 * state.statistics[0].peak);
+}
+
+/// Forces and moments against central differences. The active set and the target's thickness under the springs are held
+/// in the derivative, hence the tolerance.
+TEST(LayerBed, DerivativeMeetsFiniteDifferences) {
+  JointModel model = flat_plates(12, 10, 2, 0.0, 14);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)  // a bowl, so that the plate's edge and tilt matter
+    if (model.nodes[i].z() == 0 && std::abs(model.nodes[i].x()) <= 5)
+      model.nodes[i].z() = -0.004 * model.nodes[i].squaredNorm();
+  for (const LayerFit fit : {LayerFit::OneTerm, LayerFit::TwoTerms}) {
+    const Joint joint = make_joint(model, layer_settings(fit));
+    const SpringBeds beds = make_spring_beds(joint);
+    const SpringBed& bed = beds.beds[0];
+    Pose s = at_rest(joint.bodies[static_cast<std::size_t>(bed.source_body)]),
+         t = at_rest(joint.bodies[static_cast<std::size_t>(bed.target_body)]);
+    t.center.z() -= 0.15;
+    t.rotation = Eigen::AngleAxisd(0.01, Vector3d::UnitX()).toRotationMatrix();
+    const ContactWrench w = contact_wrench(project_springs(bed, s, t), s, t);
+    ASSERT_GT(w.normal_force, 10.0);
+    const double d = 1e-5;
+    Eigen::Matrix<double, 12, 12> numeric;
+    for (int k = 0; k < 12; ++k) {
+      Eigen::Matrix<double, 12, 1> side[2];
+      for (int sign = 0; sign < 2; ++sign) {
+        Pose moved[2] = {t, s};
+        Pose& p = moved[k / 6];
+        const Vector3d u = (sign == 0 ? d : -d) * Vector3d::Unit(k % 3);
+        if (k % 6 < 3)
+          p.center += u;
+        else
+          p.rotation = Eigen::AngleAxisd(u.norm(), u.normalized()).toRotationMatrix() * p.rotation;
+        side[sign] = contact_wrench(project_springs(bed, moved[1], moved[0]), moved[1], moved[0]).wrench;
+      }
+      numeric.col(k) = (side[0] - side[1]) / (2 * d);
+    }
+    // compare in units of force per length
+    Eigen::Matrix<double, 12, 1> scale = Eigen::Matrix<double, 12, 1>::Ones();
+    scale.segment<3>(3).setConstant(1 / beds.length);
+    scale.segment<3>(9).setConstant(1 / beds.length);
+    const Eigen::Matrix<double, 12, 12> a = scale.asDiagonal() * w.derivative * scale.asDiagonal(),
+                                        b = scale.asDiagonal() * numeric * scale.asDiagonal();
+    EXPECT_LT((a - b).norm(), 0.01 * b.norm()) << name(fit);
+  }
+}
+
+TEST(LayerBed, PressureIsNeverNegativeAndThreadsDoNotMatter) {
+  const JointModel model = concentric_spheres(12, 500, true, 3);
+  std::vector<std::vector<double>> pressures;
+  for (const std::size_t threads : {1, 3}) {
+    tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    const Analysis analysis = analyse(model, layer_settings());
+    for (const StateResult& state : analysis.states) {
+      EXPECT_TRUE(solved(state.equilibrium.outcome)) << state.equilibrium.message;
+      for (const SideFields& side : state.fields[0].sides)
+        for (double p : side.pressure) EXPECT_GE(p, 0.0);
+    }
+    pressures.push_back(analysis.states.back().fields[0].sides[1].pressure);
+  }
+  EXPECT_EQ(pressures[0], pressures[1]);
+}
+
+/// The whole map moves with the model.
+TEST(LayerBed, RigidMotionOfTheModel) {
+  const JointModel model = concentric_spheres(10, 300, true);
+  JointModel turned = model;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(1.1, Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  for (Vector3d& x : turned.nodes) x = R * x + Vector3d(3, -40, 7);
+  for (Material& m : turned.materials)
+    if (m.center_of_mass) m.center_of_mass = Vector3d(R * *m.center_of_mass + Vector3d(3, -40, 7));
+  turned.rigid_loads.clear();
+  force(turned, 2, R * Vector3d(0, 0, 300));
+  const ContactStatistics a = analyse(model, layer_settings()).states.back().statistics[0],
+                          b = analyse(turned, layer_settings()).states.back().statistics[0];
+  EXPECT_NEAR(a.peak, b.peak, 1e-6 * a.peak);
+  EXPECT_NEAR(a.mean, b.mean, 1e-6 * a.mean);
+  EXPECT_NEAR(a.contact_area, b.contact_area, 1e-9 * a.contact_area);
+}
+
+TEST(LayerBed, NeedsArticularSprings) {
+  Settings settings = layer_settings();
+  settings.springs_at = SpringsAt::Bone;
+  EXPECT_THROW(make_joint(concentric_spheres(4, 100), settings), UsageError);
+  settings.springs_at = SpringsAt::Articular;
+  settings.nu[""] = -0.2;
+  EXPECT_THROW(make_joint(concentric_spheres(4, 100), settings), InputError);
+}
+
+}  // namespace
+}  // namespace dea
