@@ -382,6 +382,9 @@ dea::Pose pose_of(const FERigidBody& body, double alpha) {
   return pose;
 }
 
+/// False where Newton's method has thrown a body out of all proportion, or its pose is no number: no ray can be cast.
+bool usable(const dea::Pose& pose) { return (pose.center.array().abs() < 1e15).all() && pose.rotation.allFinite(); }
+
 bool same(const dea::Pose& a, const dea::Pose& b) { return a.center == b.center && a.rotation == b.rotation; }
 
 /// The twelve equations: target's six, source's six.
@@ -393,15 +396,22 @@ std::vector<int> equations(FERigidBody* const bodies[2]) {
 
 }  // namespace
 
-void FEDeaContact::evaluate(double alpha) {
+bool FEDeaContact::evaluate(double alpha) {
   Bed& b = *bed_;
   const dea::Pose target = pose_of(*b.bodies[0], alpha), source = pose_of(*b.bodies[1], alpha);
-  if (b.evaluated && same(target, b.poses[0]) && same(source, b.poses[1])) return;
+  if (b.evaluated && same(target, b.poses[0]) && same(source, b.poses[1])) return true;
   b.poses[0] = target;
   b.poses[1] = source;
+  if (!usable(target) || !usable(source)) {  // FEBio gives the time step up and tries a shorter one
+    b.evaluated = false;
+    b.wrench = {};
+    b.wrench.wrench.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return false;
+  }
   b.springs = dea::project_springs(b.bed(), source, target);
   b.wrench = dea::contact_wrench(b.springs, source, target);
   b.evaluated = true;
+  return true;
 }
 
 void FEDeaContact::Update() {
@@ -445,7 +455,7 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
   const std::vector<int> lm = equations(bed_->bodies);
   Eigen::Matrix<double, 12, 12> K;
   try {
-    evaluate(time.alphaf);
+    if (!evaluate(time.alphaf)) return;
     if (bed_->wrench.normal_force > 0) {
       K = -time.alphaf * bed_->wrench.derivative;
     } else {
@@ -480,7 +490,7 @@ bool FEDeaContact::update_fields() {
   try {
     const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
     if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return true;
-    evaluate(1.0);
+    if (!evaluate(1.0)) return true;
     const dea::ContactPair& pair = b.joint.contacts.front();
     dea::Equilibrium e;
     e.poses = dea::reference_poses(b.joint);

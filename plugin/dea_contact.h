@@ -74,7 +74,7 @@ class FEDeaContact : public FEContactInterface {
   bool try_build();  // faults go to the log
   bool rebuild();    // after an archive has been read
   void listen();     // to FEBio's callbacks
-  void evaluate(double alpha);
+  bool evaluate(double alpha);  // false: the poses are out of all proportion, the forces no numbers
   void warn_of_depth();
   void fault(const char* what);
 

@@ -340,6 +340,18 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
   expect(same_body, "no sliding contact joins two different bodies");
 }
 
+/// Newton's method may throw a body anywhere: the step is given up, febio4 does not crash.
+TEST(ContactDea, ABodyThrownFarAway) {
+  const fs::path model = fs::path(DEA_CORPUS_DIR) / "v3.0" / "co56.feb";  // a cylinder pressed through its layer
+  if (!fs::exists(model)) GTEST_SKIP() << "no " << model;
+  const TemporaryFolder folder;
+  fs::copy(model, folder.path / "m.feb");
+  convert(folder.path, "m.feb", "converted.feb");
+  const Finished f = solve(folder.path, "converted.feb");
+  EXPECT_EQ(f.code, 1);
+  EXPECT_NE(f.out.find("E R R O R   T E R M I N A T I O N"), f.out.npos);
+}
+
 TEST(ContactDea, NoMemoryFaults) {
   const std::string valgrind = DEA_VALGRIND;
   if (valgrind.find("NOTFOUND") != valgrind.npos) GTEST_SKIP() << "no valgrind";
