@@ -7,6 +7,7 @@
 #include <FECore/FEGlobalVector.h>
 #include <FECore/FELinearSystem.h>
 #include <FECore/FEMesh.h>
+#include <FECore/FENewtonSolver.h>
 #include <FECore/FESurfaceMap.h>
 #include <FECore/version.h>
 #include <fmt/format.h>
@@ -34,6 +35,7 @@ std::string sdk_version() {
 }
 
 constexpr const char* kSides[2] = {"primary", "secondary"};
+constexpr double kNotGiven = -1.0;  // a thickness that the model does not state
 
 }  // namespace
 
@@ -123,8 +125,7 @@ struct FEDeaContact::Bed {
   bool evaluated = false;
   dea::SpringStates springs;
   dea::ContactWrench wrench;
-  Eigen::Matrix<double, 12, 1> load = Eigen::Matrix<double, 12, 1>::Zero();  // other forces on the bodies' free dofs
-  dea::Pose output_poses[2];                                                 // of the fields in the surfaces
+  dea::Pose output_poses[2];  // of the fields in the surfaces
   bool output = false;
 
   const dea::SpringBed& bed() const { return beds.beds.front(); }
@@ -137,7 +138,7 @@ FEDeaContact::FEDeaContact(FEModel* fem) : FEContactInterface(fem), primary_(fem
   secondary_.SetContactInterface(this);
   primary_.SetSibling(&secondary_);
   secondary_.SetSibling(&primary_);
-  for (FEParamDouble& t : thickness_) t = -1.0;  // not given
+  for (FEParamDouble& t : thickness_) t = kNotGiven;
 }
 
 FEDeaContact::~FEDeaContact() = default;
@@ -158,6 +159,12 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   dea.facets = static_cast<dea::Facets>(facets_);
   dea.refine = refine_;
   dea.source = source_;
+  FEParameterList& parameters = self.GetParameterList();
+  FEParamIterator parameter = parameters.first();
+  for (int i = 0; i < parameters.Parameters(); ++i, ++parameter)
+    if (self.GetFEModel()->GetLoadController(&*parameter) != nullptr)
+      throw refuse(
+          fmt::format("<{}> follows a load controller; the springs are made once, give a number", parameter->name()));
   for (int side = 0; side < 2; ++side) {
     FEDeaSurface& surface = side == 0 ? self.primary_ : self.secondary_;
     const std::string name = surface.GetFacetSet() != nullptr ? surface.GetFacetSet()->GetName() : surface.GetName();
@@ -177,8 +184,9 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
     FEParamDouble& thickness = self.thickness_[side];
     if (thickness.isConst()) {
       const double t = thickness.constValue();
-      if (t >= 0) layer.thickness = t;
-      if (std::isnan(t)) throw refuse(fmt::format("<{}_thickness> is not a number", kSides[side]));
+      if (t != kNotGiven && (!(t >= 0) || std::isinf(t)))
+        throw refuse(fmt::format("<{}_thickness>: found {:g}, need a thickness >= 0", kSides[side], t));
+      if (t != kNotGiven) layer.thickness = t;
     } else {
       auto* mapped = dynamic_cast<FEMappedValue*>(thickness.valuator());
       auto* map = mapped == nullptr ? nullptr : dynamic_cast<FESurfaceMap*>(mapped->dataMap());
@@ -205,10 +213,31 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   return contact;
 }
 
+namespace {
+
+/// Two contacts of type dea on the same surfaces would count the cartilage twice.
+void refuse_doubled_contacts(const dea::JointModel& model) {
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const dea::Contact &a = model.contacts[k], &b = model.contacts[i];
+      if (!a.dea || !b.dea || (a.step != b.step && a.step >= 0 && b.step >= 0)) continue;
+      if ((a.primary == b.primary && a.secondary == b.secondary) ||
+          (a.primary == b.secondary && a.secondary == b.primary))
+        throw dea::InputError(model, {0, 0},
+                              fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time; remove "
+                                          "one",
+                                          a.name, b.name));
+    }
+  }
+}
+
+}  // namespace
+
 bool FEDeaContact::build() {
   auto bed = std::make_unique<Bed>();
   FEMechModel& fem = dynamic_cast<FEMechModel&>(*GetFEModel());
   dea::JointModel model = dea::read_fe_model(fem);
+  refuse_doubled_contacts(model);
   model.contacts = {statement(model)};  // the others have nothing to do with this one
   int rigid_bodies[2];
   for (int side = 0; side < 2; ++side) {
@@ -267,22 +296,31 @@ bool FEDeaContact::build() {
   return true;
 }
 
+void FEDeaContact::listen() {
+  if (listening_) return;
+  // Fields are made before FEBio's own callbacks write them; every Newton iteration would be too often.
+  GetFEModel()->AddCallback(
+      [](FEModel* fem, unsigned int when, void* contact) {
+        auto* self = static_cast<FEDeaContact*>(contact);
+        if (when == CB_SERIALIZE_LOAD) return self->rebuild();
+        const bool every_iteration = fem->GetCurrentStep()->GetPlotLevel() == FE_PLOT_MINOR_ITRS;
+        return when == CB_MINOR_ITERS && !every_iteration ? true : self->update_fields();
+      },
+      CB_INIT | CB_STEP_ACTIVE | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED | CB_STEP_SOLVED |
+          CB_SOLVED | CB_SERIALIZE_LOAD,
+      this, CallbackHandler::CB_ADD_FRONT);
+  listening_ = true;
+}
+
 bool FEDeaContact::Init() {
   failed_ = false;
   bed_.reset();
-  // Fields are made before FEBio's own callbacks write them; every Newton iteration would be too often.
-  if (!listening_)
-    GetFEModel()->AddCallback(
-        [](FEModel* fem, unsigned int when, void* contact) {
-          const bool every_iteration = fem->GetCurrentStep()->GetPlotLevel() == FE_PLOT_MINOR_ITRS;
-          auto* self = static_cast<FEDeaContact*>(contact);
-          return when == CB_MINOR_ITERS && !every_iteration ? true : self->update_fields();
-        },
-        CB_INIT | CB_STEP_ACTIVE | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED | CB_STEP_SOLVED |
-            CB_SOLVED,
-        this, CallbackHandler::CB_ADD_FRONT);
-  listening_ = true;
+  listen();
   if (!FEContactInterface::Init() || !primary_.Init() || !secondary_.Init()) return false;
+  return try_build();
+}
+
+bool FEDeaContact::try_build() {
   try {
     return build();
   } catch (const std::exception& e) {
@@ -291,6 +329,12 @@ bool FEDeaContact::Init() {
     fault("a fault of the plugin, please report");
   }
   return false;
+}
+
+bool FEDeaContact::rebuild() {
+  if (!from_archive_) return true;
+  from_archive_ = false;
+  return try_build();
 }
 
 void FEDeaContact::Activate() {
@@ -306,7 +350,14 @@ void FEDeaContact::Serialize(DumpStream& archive) {
   FEContactInterface::Serialize(archive);
   primary_.Serialize(archive);
   secondary_.Serialize(archive);
-  if (archive.IsLoading() && bed_) bed_->evaluated = bed_->output = false;
+  if (!archive.IsLoading()) return;
+  if (bed_) bed_->evaluated = bed_->output = false;
+  if (archive.IsShallow()) return;
+  // A restart: FEBio does not call Init, and the rest of the model is read after this.
+  failed_ = false;
+  bed_.reset();
+  from_archive_ = true;
+  listen();
 }
 
 void FEDeaContact::fault(const char* what) {
@@ -331,6 +382,9 @@ dea::Pose pose_of(const FERigidBody& body, double alpha) {
   return pose;
 }
 
+/// False where Newton's method has thrown a body out of all proportion, or its pose is no number: no ray can be cast.
+bool usable(const dea::Pose& pose) { return (pose.center.array().abs() < 1e15).all() && pose.rotation.allFinite(); }
+
 bool same(const dea::Pose& a, const dea::Pose& b) { return a.center == b.center && a.rotation == b.rotation; }
 
 /// The twelve equations: target's six, source's six.
@@ -342,15 +396,22 @@ std::vector<int> equations(FERigidBody* const bodies[2]) {
 
 }  // namespace
 
-void FEDeaContact::evaluate(double alpha) {
+bool FEDeaContact::evaluate(double alpha) {
   Bed& b = *bed_;
   const dea::Pose target = pose_of(*b.bodies[0], alpha), source = pose_of(*b.bodies[1], alpha);
-  if (b.evaluated && same(target, b.poses[0]) && same(source, b.poses[1])) return;
+  if (b.evaluated && same(target, b.poses[0]) && same(source, b.poses[1])) return true;
   b.poses[0] = target;
   b.poses[1] = source;
+  if (!usable(target) || !usable(source)) {  // FEBio gives the time step up and tries a shorter one
+    b.evaluated = false;
+    b.wrench = {};
+    b.wrench.wrench.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return false;
+  }
   b.springs = dea::project_springs(b.bed(), source, target);
   b.wrench = dea::contact_wrench(b.springs, source, target);
   b.evaluated = true;
+  return true;
 }
 
 void FEDeaContact::Update() {
@@ -364,7 +425,10 @@ void FEDeaContact::BuildMatrixProfile(FEGlobalMatrix& matrix) {
 }
 
 void FEDeaContact::LoadVector(FEGlobalVector& R, const FETimeInfo& time) {
-  if (!bed_) return;
+  if (!bed_) {
+    if (R.Size() > 0) R[0] = std::numeric_limits<double>::quiet_NaN();  // never go on without the contact
+    return;
+  }
   try {
     evaluate(time.alphaf);
   } catch (const std::exception& e) {
@@ -374,11 +438,10 @@ void FEDeaContact::LoadVector(FEGlobalVector& R, const FETimeInfo& time) {
   }
   const std::vector<int> lm = equations(bed_->bodies);
   for (std::size_t i = 0; i < 12; ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    if (lm[i] < 0) continue;
-    bed_->load[k] = R[lm[i]];  // what came before: the forces on the bodies
     // FEBio stops at a residual that is no number
-    R[lm[i]] += failed_ ? std::numeric_limits<double>::quiet_NaN() : bed_->wrench.wrench[k];
+    if (lm[i] >= 0)
+      R[lm[i]] +=
+          failed_ ? std::numeric_limits<double>::quiet_NaN() : bed_->wrench.wrench[static_cast<Eigen::Index>(i)];
   }
   for (int b = 0; b < 2; ++b) {
     const Eigen::Index first = 6 * b;
@@ -392,13 +455,20 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
   const std::vector<int> lm = equations(bed_->bodies);
   Eigen::Matrix<double, 12, 12> K;
   try {
-    evaluate(time.alphaf);
+    if (!evaluate(time.alphaf)) return;
     if (bed_->wrench.normal_force > 0) {
       K = -time.alphaf * bed_->wrench.derivative;
     } else {
+      // All that acts on the bodies, what holds them apart (joints, ligaments) too: this stiffness goes as they
+      // balance.
       std::array<bool, 12> free;
-      for (std::size_t i = 0; i < 12; ++i) free[i] = lm[i] >= 0;
-      K = dea::closing_stiffness(bed_->bed(), bed_->springs, bed_->poses[1], bed_->poses[0], bed_->load, free);
+      Eigen::Matrix<double, 12, 1> force = Eigen::Matrix<double, 12, 1>::Zero();
+      const auto* newton = dynamic_cast<FENewtonSolver*>(GetFEModel()->GetCurrentStep()->GetFESolver());
+      for (std::size_t i = 0; i < 12; ++i) {
+        free[i] = lm[i] >= 0;
+        if (free[i] && newton != nullptr) force[static_cast<Eigen::Index>(i)] = newton->m_R1[at(lm[i])];
+      }
+      K = dea::closing_stiffness(bed_->bed(), bed_->springs, bed_->poses[1], bed_->poses[0], force, free);
     }
   } catch (const std::exception& e) {
     return fault(e.what());
@@ -420,7 +490,7 @@ bool FEDeaContact::update_fields() {
   try {
     const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
     if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return true;
-    evaluate(1.0);
+    if (!evaluate(1.0)) return true;
     const dea::ContactPair& pair = b.joint.contacts.front();
     dea::Equilibrium e;
     e.poses = dea::reference_poses(b.joint);

@@ -71,7 +71,10 @@ class FEDeaContact : public FEContactInterface {
  private:
   struct Bed;
   bool build();
-  void evaluate(double alpha);
+  bool try_build();  // faults go to the log
+  bool rebuild();    // after an archive has been read
+  void listen();     // to FEBio's callbacks
+  bool evaluate(double alpha);  // false: the poses are out of all proportion, the forces no numbers
   void warn_of_depth();
   void fault(const char* what);
 
@@ -80,7 +83,7 @@ class FEDeaContact : public FEContactInterface {
   double E_[2] = {0, 0}, nu_[2] = {0, 0};
   FEParamDouble thickness_[2];
   std::unique_ptr<Bed> bed_;
-  bool failed_ = false, listening_ = false;
+  bool failed_ = false, listening_ = false, from_archive_ = false;
 
   DECLARE_FECORE_CLASS()
 };

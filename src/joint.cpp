@@ -721,8 +721,11 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
                                 : std::string("the rigid surface");
     if (std::isnan(layer.elasticity.E) || std::isnan(layer.elasticity.nu)) {
       const std::string note = layer.material >= 0 ? model.materials[at(layer.material)].note : "no cartilage material";
-      throw refuse(fmt::format("{} gives no E and nu{}; give them with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who,
-                               note.empty() ? "" : " (" + note + ")", s.name, s.name));
+      const char* tag = side == 0 ? "primary" : "secondary";
+      throw refuse(fmt::format("{} gives no E and nu{}; give them {}with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who,
+                               note.empty() ? "" : " (" + note + ")",
+                               contact.dea ? fmt::format("in the contact as <{0}_E> and <{0}_nu>, or ", tag) : "",
+                               s.name, s.name));
     }
     if (law_of(r, contact) == Law::Layer && layer.elasticity.nu < 0)
       throw refuse(

@@ -255,6 +255,53 @@ TEST(ContactDea, FillsPlotVariables) {
   }
 }
 
+/// What a rigid joint bears comes after the contacts in FEBio's forces: with surfaces that it holds apart, Newton's
+/// method must stay quadratic.
+TEST(ContactDea, HeldApartByAJoint) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb", folder.path / "m.feb");
+  convert(folder.path, "m.feb", "converted.feb");
+  std::string text = file_text(folder.path / "converted.feb");
+  replace(
+      text, "<rigid_connector ",
+      "<rigid_connector name=\"hinge\" type=\"rigid revolute joint\"><tolerance>0</tolerance><gaptol>1e-4</gaptol>"
+      "<angtol>1e-4</angtol><force_penalty>1e4</force_penalty><moment_penalty>1e6</moment_penalty>"
+      "<auto_penalty>0</auto_penalty><body_a>femur</body_a><body_b>tibia</body_b><joint_origin>0,0,25</joint_origin>"
+      "<rotation_axis>0,1,0</rotation_axis><transverse_axis>1,0,0</transverse_axis><maxaug>50</maxaug>"
+      "</rigid_connector>\n<rigid_connector ");
+  write(folder.path / "hinge.feb", text);
+  const Finished f = solve(folder.path, "hinge.feb");
+  ASSERT_EQ(f.code, 0) << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
+  int iterations = 0;
+  for (int i : iterations_of(f.out)) iterations += i;
+  EXPECT_LE(iterations, 60);
+}
+
+/// FEBio goes on from a dump file without Init.
+TEST(ContactDea, GoesOnAfterARestart) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb", folder.path / "m.feb");
+  convert(folder.path, "m.feb", "converted.feb");
+  ASSERT_EQ(solve(folder.path, "converted.feb").code, 0);  // writes febio.xml
+  const auto febio4 = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {DEA_FEBIO4, "-nosplash", "-config", "febio.xml"});
+    const Finished f = run_program(folder.path, words, 60);
+    ASSERT_EQ(f.code, 0) << f.out;
+  };
+  std::string longer = file_text(folder.path / "converted.feb");
+  replace(longer, "<time_steps>2</time_steps>\n<step_size>0.5</step_size>",
+          "<time_steps>3</time_steps>\n<step_size>0.3333333333333333</step_size>");
+  write(folder.path / "longer.feb", longer);
+  febio4({"-i", "longer.feb", "-dump=1", "-dump_stride=2"});  // time 2/3
+  fs::copy(folder.path / "longer.xplt", folder.path / "longer_whole.xplt");
+  febio4({"-r", "longer.dmp"});
+  const Agreement a = compare(folder.path / "longer.xplt", folder.path / "longer_whole.xplt");
+  EXPECT_EQ(a.states, 5);  // FEBio appends to the four states of the run before
+  EXPECT_GT(a.with_pressure, 0);
+  EXPECT_EQ(a.position, 0.0);
+  EXPECT_EQ(a.pressure, 0.0);
+}
+
 TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
   const TemporaryFolder folder;
   write(folder.path / "m.feb", model_40(false));
@@ -272,13 +319,37 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
   std::string deformable = good;
   replace(deformable, "<SolidDomain name=\"layer\" mat=\"base\"", "<SolidDomain name=\"layer\" mat=\"cartilage\"");
   expect(deformable, "belongs to no rigid body");
-  expect(without(good, "primary_E"), "gives no E and nu");
+  expect(without(good, "primary_E"),
+         "gives no E and nu (no cartilage material); give them in the contact as "
+         "<primary_E> and <primary_nu>");
   std::string negative = without(good, "primary_thickness");
   replace(negative, "<primary_E>", "<primary_thickness type=\"math\">1+X</primary_thickness><primary_E>");
   expect(negative, "must be a number or the name of a SurfaceData map");
+  std::string curve = good;
+  replace(curve, "<primary_E>", "<primary_E lc=\"1\">");
+  expect(curve, "<primary_E> follows a load controller");
+  std::string thin = without(good, "primary_thickness");
+  replace(thin, "<primary_E>", "<primary_thickness>-3</primary_thickness><primary_E>");
+  expect(thin, "<primary_thickness>: found -3, need a thickness >= 0");
+  std::string doubled = good;
+  const std::size_t begin = good.find("<contact "), end = good.find("</contact>") + 10;
+  doubled.insert(end, good.substr(begin, end - begin));
+  expect(doubled, "join the same surfaces at the same time");
   std::string same_body = good;
   replace(same_body, "<SolidDomain name=\"layer\" mat=\"base\"", "<SolidDomain name=\"layer\" mat=\"plate\"");
   expect(same_body, "no sliding contact joins two different bodies");
+}
+
+/// Newton's method may throw a body anywhere: the step is given up, febio4 does not crash.
+TEST(ContactDea, ABodyThrownFarAway) {
+  const fs::path model = fs::path(DEA_CORPUS_DIR) / "v3.0" / "co56.feb";  // a cylinder pressed through its layer
+  if (!fs::exists(model)) GTEST_SKIP() << "no " << model;
+  const TemporaryFolder folder;
+  fs::copy(model, folder.path / "m.feb");
+  convert(folder.path, "m.feb", "converted.feb");
+  const Finished f = solve(folder.path, "converted.feb");
+  EXPECT_EQ(f.code, 1);
+  EXPECT_NE(f.out.find("E R R O R   T E R M I N A T I O N"), f.out.npos);
 }
 
 TEST(ContactDea, NoMemoryFaults) {
