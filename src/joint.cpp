@@ -709,8 +709,10 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
                                 : std::string("the rigid surface");
     if (std::isnan(layer.elasticity.E) || std::isnan(layer.elasticity.nu)) {
       const std::string note = layer.material >= 0 ? model.materials[at(layer.material)].note : "no cartilage material";
-      throw refuse(fmt::format("{} gives no E and nu{}; give them with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who,
-                               note.empty() ? "" : " (" + note + ")", s.name, s.name));
+      const std::string own = side == 0 ? "in the contact as <primary_E> and <primary_nu>, or "
+                                        : "in the contact as <secondary_E> and <secondary_nu>, or ";
+      throw refuse(fmt::format("{} gives no E and nu{}; give them {}with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who,
+                               note.empty() ? "" : " (" + note + ")", contact.dea ? own : "", s.name, s.name));
     }
     if (!(layer.elasticity.E > 0) || !(layer.elasticity.nu > -1 && layer.elasticity.nu < 0.5))
       throw refuse(fmt::format(
@@ -883,11 +885,12 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       continue;
     }
     if (pair.layers[0].rigid && pair.layers[1].rigid)
-      throw InputError(model, c.origin,
-                       fmt::format("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to "
-                                   "compress; give one a layer "
-                                   "with --thickness \"SURFACE=VALUE\" --E \"SURFACE=VALUE\" --nu \"SURFACE=VALUE\"",
-                                   c.name));
+      throw InputError(
+          model, c.origin,
+          fmt::format("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to "
+                      "compress; give one a layer {}"
+                      "with --thickness \"SURFACE=VALUE\" --E \"SURFACE=VALUE\" --nu \"SURFACE=VALUE\"",
+                      c.name, c.dea ? "in the contact as <primary_thickness>, <primary_E>, <primary_nu>, or " : ""));
     // A shell surface has two sides: turn it to its partner. Solids know their outside.
     for (int side = 0; side < 2; ++side) {
       Layer& layer = pair.layers[side];

@@ -17,7 +17,7 @@ TEST(PluginBuild, FromAnInstalledProgram) {
     EXPECT_FALSE(fs::exists(prefix / "share" / "febiodea" / "source" / not_needed));
 
   const std::string dea = (prefix / "bin" / "dea").string();
-  const fs::path sdk = fs::canonical(fs::path(DEA_FEBIO_LIB) / "..");
+  const fs::path sdk = fs::canonical(DEA_SDK);
   fs::create_directory(folder.path / "made here");
   fs::create_directory(folder.path / "tmp");
   const std::string temporary = "TMPDIR=" + (folder.path / "tmp").string();
