@@ -51,7 +51,7 @@ int convert(const ConvertArguments& arguments);
 
 struct PluginBuildArguments {
   std::string febio, output, threads;
-  bool verbose = false;
+  bool untested = false, verbose = false;
 };
 CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& arguments);
 int plugin_build(const PluginBuildArguments& arguments);

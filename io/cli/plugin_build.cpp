@@ -178,6 +178,7 @@ CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& a) {
   c->add_option("FEBIO_DIR", a.febio, "Folder of FEBio or of its SDK")->required()->type_name("");
   c->add_option("-o", a.output, "Folder for the library [the current one]")->type_name("DIR")->group("Output");
   c->add_flag("-v,--verbose", a.verbose, "What cmake and the compiler say, on standard error")->group("Output");
+  c->add_flag("--untested", a.untested, "Compile also for a version of FEBio the plugin has not been tested with");
   c->add_option("--threads", a.threads, "Files to compile at a time [number of cores]")
       ->type_name("N")
       ->group("Computer");
@@ -211,6 +212,7 @@ int plugin_build(const PluginBuildArguments& a) {
   std::vector<std::string> configure = {"cmake", "-S", source.string(), "-B", build, "-DCMAKE_BUILD_TYPE=Release"};
   configure.push_back("-DFEBio_DIR=" + (sdk / "lib" / "cmake" / "FEBio").string());
   configure.insert(configure.end(), {"-DBUILD_TESTING=OFF", "-DDEA_BENCH=OFF"});
+  if (a.untested) configure.push_back("-DDEA_UNTESTED_FEBIO=ON");
   if (run_program({"ninja", "--version"}, "/dev/null") == 0) configure.insert(configure.end(), {"-G", "Ninja"});
   run("configuring", configure);
   run("compiling", {"cmake", "--build", build, "--target", "febio_dea", "--parallel", std::to_string(jobs)});

@@ -56,6 +56,7 @@ TEST(PluginBuild, FromAnInstalledProgram) {
   EXPECT_NE(said[1].find("dea plugin-build: configuring failed: FEBio plugin: SDK 9.7 in"), std::string::npos)
       << said[1];
   EXPECT_NE(said[1].find("has not been tested (tested: 4.11)"), std::string::npos) << said[1];
+  EXPECT_NE(said[1].find("--untested"), std::string::npos) << said[1];
   const std::string log = said[1].substr(said[1].rfind(' ') + 1);
   EXPECT_NE(file_text(log).find("CMake Error"), std::string::npos) << log;
 }
