@@ -905,11 +905,12 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       continue;
     }
     if (pair.layers[0].rigid && pair.layers[1].rigid)
-      throw InputError(model, c.origin,
-                       fmt::format("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to "
-                                   "compress; give one a layer "
-                                   "with --thickness \"SURFACE=VALUE\" --E \"SURFACE=VALUE\" --nu \"SURFACE=VALUE\"",
-                                   c.name));
+      throw InputError(
+          model, c.origin,
+          fmt::format("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to "
+                      "compress; give one a layer {}"
+                      "with --thickness \"SURFACE=VALUE\" --E \"SURFACE=VALUE\" --nu \"SURFACE=VALUE\"",
+                      c.name, c.dea ? "in the contact as <primary_thickness>, <primary_E>, <primary_nu>, or " : ""));
     // A shell surface has two sides: turn it to its partner. Solids know their outside.
     for (int side = 0; side < 2; ++side) {
       Layer& layer = pair.layers[side];

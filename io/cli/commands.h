@@ -49,6 +49,13 @@ struct ConvertArguments {
 CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
 int convert(const ConvertArguments& arguments);
 
+struct PluginBuildArguments {
+  std::string febio, output, threads;
+  bool untested = false, verbose = false;
+};
+CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& arguments);
+int plugin_build(const PluginBuildArguments& arguments);
+
 struct CompareArguments {
   std::vector<std::string> files, labels, surfaces, thresholds, regions;
   std::string at, dose_above, up, anterior, axis, center, bin;

@@ -565,9 +565,38 @@ TEST_F(Cli, ConvergeOnAPlaneLayerNeedsNoMoreSprings) {
   EXPECT_NE(few.out.find("changes below 1%: not reached"), std::string::npos) << few.out;
 }
 
+/// What it compiles is tested in tests/plugin, where an SDK is.
+TEST_F(Cli, PluginBuildWithoutAnSdk) {
+  const auto expect = [&](const std::vector<std::string>& words, int code, const std::string& fault) {
+    const Finished f = dea(words);
+    EXPECT_EQ(f.code, code) << fault;
+    EXPECT_EQ(f.err, fault + "\n");
+    EXPECT_EQ(f.out, "");
+  };
+  fs::create_directories(folder / "empty");
+  fs::create_directories(folder / "half" / "sdk" / "lib" / "cmake" / "FEBio");
+  fs::create_directories(folder / "sdk" / "include" / "FECore");
+  fs::create_directories(folder / "sdk" / "lib" / "cmake" / "FEBio");
+  std::ofstream(folder / "half" / "sdk" / "lib" / "cmake" / "FEBio" / "FEBioConfig.cmake") << "";
+  std::ofstream(folder / "sdk" / "lib" / "cmake" / "FEBio" / "FEBioConfig.cmake") << "";
+  std::ofstream(folder / "sdk" / "include" / "FECore" / "version.h") << "";
+  const Names before = files();
+  expect({"plugin-build"}, 2, "dea plugin-build: FEBIO_DIR is required (dea plugin-build --help lists the options)");
+  expect({"plugin-build", "nowhere"}, 3, "nowhere: no such folder");
+  expect({"plugin-build", "empty"}, 3,
+         "empty: no SDK of FEBio, expected lib/cmake/FEBio/FEBioConfig.cmake there or in sdk");
+  expect({"plugin-build", "half"}, 3, "half/sdk: no include/FECore/version.h, so no SDK of FEBio");
+  expect({"plugin-build", "sdk", "-o", "nowhere"}, 4,
+         "dea: cannot write " + (fs::canonical(folder) / "nowhere").string() + ": there is no such folder");
+  expect({"plugin-build", "sdk", "--threads", "0"}, 2,
+         "dea: --threads 0: found \"0\", expected a whole number from 1 to 1024");
+  EXPECT_EQ(files(), before);
+}
+
 TEST_F(Cli, HelpAndVersion) {
-  for (const std::vector<std::string>& words : {Names{"--help"}, Names{"run", "--help"}, Names{"info", "-h"},
-                                                Names{"converge", "--help"}, Names{"--version"}}) {
+  for (const std::vector<std::string>& words :
+       {Names{"--help"}, Names{"run", "--help"}, Names{"info", "-h"}, Names{"converge", "--help"},
+        Names{"plugin-build", "--help"}, Names{"--version"}}) {
     const Finished f = dea(words);
     EXPECT_EQ(f.code, 0);
     EXPECT_EQ(f.err, "");
