@@ -304,7 +304,10 @@ void FEDeaContact::listen() {
         auto* self = static_cast<FEDeaContact*>(contact);
         if (when == CB_SERIALIZE_LOAD) return self->rebuild();
         const bool every_iteration = fem->GetCurrentStep()->GetPlotLevel() == FE_PLOT_MINOR_ITRS;
-        return when == CB_MINOR_ITERS && !every_iteration ? true : self->update_fields();
+        if (when == CB_MINOR_ITERS && !every_iteration) return true;
+        const bool good = self->update_fields();
+        if (good && when == CB_MAJOR_ITERS) self->warn_of_depth();  // of converged states, not of every retry
+        return good;
       },
       CB_INIT | CB_STEP_ACTIVE | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED | CB_STEP_SOLVED |
           CB_SOLVED | CB_SERIALIZE_LOAD,
@@ -514,7 +517,6 @@ bool FEDeaContact::update_fields() {
     b.output_poses[0] = target;
     b.output_poses[1] = source;
     b.output = true;
-    warn_of_depth();
   } catch (const std::exception& e) {
     fault(e.what());
   } catch (...) {
@@ -524,6 +526,7 @@ bool FEDeaContact::update_fields() {
 }
 
 void FEDeaContact::warn_of_depth() {
+  if (!bed_ || !IsActive() || !bed_->evaluated) return;
   const dea::SpringStates& s = bed_->springs;
   int strained = 0, through = 0;
   double largest = 0.0;
@@ -537,6 +540,9 @@ void FEDeaContact::warn_of_depth() {
                                                 "than the cartilage is thick; these carry nothing and the pressures "
                                                 "mean nothing",
                                                 GetName(), through, s.size()));
+  if (!s.complementary)
+    dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": the layers' pressures are known to {:.1e} only",
+                                                GetName(), s.complementarity));
   if (strained > 0)
     dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": {} springs are strained beyond {:g} (up to "
                                                 "{:.3g}); their pressures mean nothing",

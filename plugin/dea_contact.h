@@ -64,16 +64,16 @@ class FEDeaContact : public FEContactInterface {
   /// Throws dea::InputError naming the contact and the parameter.
   dea::Contact statement(const dea::JointModel& model) const;
 
-  /// Fields at the current poses into the surfaces, for output, with warnings of what they cannot mean. Cheap when
-  /// nothing has moved since. False: a fault, the run is to end.
+  /// Fields at the current poses into the surfaces, for output. Cheap when nothing has moved since. False: a fault, the
+  /// run is to end.
   bool update_fields();
 
  private:
   struct Bed;
   bool build();
-  bool try_build();  // faults go to the log
-  bool rebuild();    // after an archive has been read
-  void listen();     // to FEBio's callbacks
+  bool try_build();             // faults go to the log
+  bool rebuild();               // after an archive has been read
+  void listen();                // to FEBio's callbacks
   bool evaluate(double alpha);  // false: the poses are out of all proportion, the forces no numbers
   void warn_of_depth();
   void fault(const char* what);

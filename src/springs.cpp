@@ -550,7 +550,8 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
     if (closing > 0) way = std::min(way, std::max(0.0, s.gap[at(i)]) / closing);
     fastest = std::max(fastest, closing);
   }
-  if (!std::isfinite(way) || fastest <= 0) return K;
+  // The force opens the joint: what else holds the bodies decides. Enough to keep a solver's matrix regular, no more.
+  if (!std::isfinite(way) || fastest <= 0) return force.isZero() ? K : Eigen::Matrix<double, 12, 12>(1e-6 * K);
   way += 0.01 * least_thickness / fastest;
   return K / way;
 }

@@ -380,8 +380,20 @@ void convert_contacts(const JointModel& model, ConversionPlan& plan) {
 
 ConversionPlan plan_conversion(const JointModel& model, const Settings& settings) {
   refuse_settings(settings);
-  refuse_unsupported(model);
   ConversionPlan plan;
+  JointModel others;  // what neither DEA nor FEBio with rigid cartilage makes sense of
+  others.files = model.files;
+  for (const Remark& remark : model.unsupported) {
+    if (remark.what.rfind("rigid connector", 0) == 0)
+      plan.left_to_febio.push_back(remark);
+    else
+      others.unsupported.push_back(remark);
+  }
+  refuse_unsupported(others);
+  for (const Remark& remark : plan.left_to_febio)
+    plan.notes.push_back(
+        fmt::format("{}{} stays as it is: FEBio solves it with the contact; `dea run` does not know it",
+                    where(model, remark.origin), remark.what));
   // A model of which nothing is left to convert need not be recognised to say so.
   const bool all_dea = std::all_of(model.contacts.begin(), model.contacts.end(),
                                    [](const Contact& c) { return c.kind != Contact::Kind::Sliding || c.dea; });

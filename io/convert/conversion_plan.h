@@ -8,7 +8,8 @@
 namespace dea {
 
 struct ConversionPlan {
-  Joint joint;        ///< of the model as it is
+  std::vector<Remark> left_to_febio;  ///< joints between rigid bodies that DEA does not know
+  Joint joint;                        ///< of the model as it is
   JointModel target;  ///< the model as it will be; its lists are the model's, entry by entry, new ones at the end
   std::vector<char> converted;         ///< per contact: becomes one of type dea
   std::vector<char> contact_gone;      ///< per contact

@@ -156,6 +156,21 @@ void edit_conditions(Editing& e) {
     e.edits.set_attribute(element, "type", "dea");
     e.edits.set_content(element, dea_contact_lines(e.plan, e.plan.target.contacts[i]));
   }
+  // Fluid pressures and concentrations given at nodes that are rigid now: FEBio refuses them there.
+  for (std::size_t i = 0; i < e.places.elements.size(); ++i) {
+    const XmlPlace& place = e.places.elements[i];
+    const std::string type = place.value("type");
+    const bool of_fluid = type.find("fluid pressure") != type.npos || type.find("concentration") != type.npos;
+    if (place.name != "bc" || !of_fluid) continue;
+    const auto set = std::find_if(e.model.node_sets.begin(), e.model.node_sets.end(),
+                                  [&](const NodeSet& s) { return s.name == place.value("node_set"); });
+    if (set == e.model.node_sets.end() ||
+        std::none_of(set->nodes.begin(), set->nodes.end(), [&](int n) { return e.plan.node_rigid[at(n)] != 0; }))
+      continue;
+    e.edits.remove(static_cast<int>(i));
+    e.plan.changes.push_back(
+        fmt::format("condition \"{}\" ({}): taken out, its nodes are rigid now", place.value("name"), type));
+  }
   // A plane of symmetry on nodes that are rigid now.
   for (std::size_t i = 0; i < e.places.elements.size(); ++i) {
     const XmlPlace& place = e.places.elements[i];

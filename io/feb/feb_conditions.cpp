@@ -305,11 +305,12 @@ bool read_dea_layer(Reading& reading, const XMLElement& element, DeaContact& dea
                        what == "thickness" ? " or type \"map\"" : ""));
     }
     const double value = read_double(reading, element);
-    if (what == "E")
+    // FEBio writes out parameters at their defaults: E = 0 and thickness = -1 say nothing
+    if (what == "E" && value != 0)
       layer.E = need(value > 0, value, "E > 0");
     else if (what == "nu")
       layer.nu = need(value > -1 && value < 0.5, value, "-1 < nu < 0.5");
-    else
+    else if (what == "thickness" && value != -1)
       layer.thickness = need(value >= 0, value, "thickness >= 0");
     return true;
   }
@@ -338,6 +339,8 @@ DeaContact read_dea(Reading& reading, const XMLElement& element) {
                        tag));
     }
   }
+  for (DeaLayer& layer : dea.layers)
+    if (!layer.E) layer.nu.reset();
   return dea;
 }
 

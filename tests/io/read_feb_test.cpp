@@ -977,10 +977,10 @@ TEST_F(ReadFeb, FaultsOfAContactOfTypeDea) {
       contact("<law>NEO-hookean</law>", "<penalty>1</penalty>"),
       "model.feb:28: <penalty> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness "
       "with primary_ or secondary_ before");
-  EXPECT_EQ(contact("11.85", "0"), "model.feb:29: primary_E = 0, need E > 0");
+  EXPECT_EQ(contact("11.85", "-1"), "model.feb:29: primary_E = -1, need E > 0");
   EXPECT_EQ(contact("0.45", "0.5"), "model.feb:29: primary_nu = 0.5, need -1 < nu < 0.5");
   EXPECT_EQ(contact("0.45", "-1"), "model.feb:29: primary_nu = -1, need -1 < nu < 0.5");
-  EXPECT_EQ(contact(">0<", ">-1<"), "model.feb:30: secondary_thickness = -1, need thickness >= 0");
+  EXPECT_EQ(contact(">0<", ">-2<"), "model.feb:30: secondary_thickness = -2, need thickness >= 0");
   EXPECT_EQ(contact(">0<", ">X+1<"), "model.feb:30: secondary_thickness = \"X+1\", expected a number of at most 1e30");
   EXPECT_EQ(contact(" type=\"map\">bottom h", " type=\"math\">X"),
             "model.feb:29: primary_thickness is given as type \"math\" or follows a load controller, expected a number "

@@ -166,16 +166,19 @@ TEST(SettingsXml, OutputFilesAndStates) {
 }
 
 TEST(SettingsXml, RefusalsNameTheLine) {
-  EXPECT_EQ(fault("<law>cubic</law>"), ":2: <law>: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer");
+  EXPECT_EQ(fault("<law>cubic</law>"),
+            ":2: <law>: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer");
   EXPECT_EQ(fault("\n<Law>linear</Law>"),
-            ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <layer-terms>, <interface-stiffness>, <facets>, <refine>, <rigid>, "
+            ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <layer-terms>, "
+            "<interface-stiffness>, <facets>, <refine>, <rigid>, "
             "<attach>, <bone>, <thickness>, "
             "<E>, <nu>, <free>, <force>, <load-at>, <squash>, <output>, <json>, <csv>, <states>");
   EXPECT_EQ(fault("<force>1,2,3</force>"), ":2: <force>: found no attribute \"body\", expected body=\"NAME\"");
   EXPECT_EQ(fault("<force surface=\"S\">1,2,3</force>"), ":2: <force>: found attribute \"surface\", expected \"body\"");
   EXPECT_EQ(fault("<law a=\"b\">linear</law>"), ":2: <law>: found attribute \"a\", expected none");
   EXPECT_EQ(fault("<law/>"), ":2: <law>: found nothing, expected linear|logarithmic|neo-Hookean|layer");
-  EXPECT_EQ(fault("<law>\n<linear/></law>"), ":3: <law>: found <linear>, expected linear|logarithmic|neo-Hookean|layer");
+  EXPECT_EQ(fault("<law>\n<linear/></law>"),
+            ":3: <law>: found <linear>, expected linear|logarithmic|neo-Hookean|layer");
   EXPECT_EQ(fault("<E>1</E>\n<E>2</E>"), ":3: <E>: found a second one, expected it once");
   EXPECT_EQ(SettingsFile("<settings/>").fault(), ":1: found <settings>, expected <febiodea_settings version=\"1\">");
   EXPECT_EQ(SettingsFile("<febiodea_settings version=\"2\"/>").fault(), ":1: found version \"2\", expected \"1\"");
