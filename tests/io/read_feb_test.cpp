@@ -977,6 +977,8 @@ TEST_F(ReadFeb, FaultsOfAContactOfTypeDea) {
       contact("<law>NEO-hookean</law>", "<penalty>1</penalty>"),
       "model.feb:28: <penalty> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness "
       "with primary_ or secondary_ before");
+  EXPECT_EQ(contact("11.85", "0"), "read without a fault");  // FEBio's defaults, written out: not given
+  EXPECT_EQ(contact(">0<", ">-1<"), "read without a fault");
   EXPECT_EQ(contact("11.85", "-1"), "model.feb:29: primary_E = -1, need E > 0");
   EXPECT_EQ(contact("0.45", "0.5"), "model.feb:29: primary_nu = 0.5, need -1 < nu < 0.5");
   EXPECT_EQ(contact("0.45", "-1"), "model.feb:29: primary_nu = -1, need -1 < nu < 0.5");

@@ -277,6 +277,40 @@ TEST(ContactDea, HeldApartByAJoint) {
   EXPECT_LE(iterations, 60);
 }
 
+/// A load away from the socket, carried by the ligaments: the springs have nothing to say, and say nothing.
+TEST(ContactDea, ALoadThatOpensTheJoint) {
+  const TemporaryFolder folder;
+  std::string text = file_text(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb");
+  replace(text, ">-300<", ">300<");
+  write(folder.path / "m.feb", text);
+  convert(folder.path, "m.feb", "converted.feb");
+  const Finished f = solve(folder.path, "converted.feb");
+  ASSERT_EQ(f.code, 0) << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
+  ASSERT_EQ(
+      run_program(folder.path, {DEA_PROGRAM, "run", "m.feb", "-o", "run.xplt", "--times-from", "converted.xplt"}, 60)
+          .code,
+      0);
+  EXPECT_LE(compare(folder.path / "converted.xplt", folder.path / "run.xplt").position, 1e-5);
+}
+
+/// A joint that `dea run` does not know stays in a converted file: FEBio solves it together with the contact.
+TEST(ContactDea, ConvertLeavesJointsToFebio) {
+  const TemporaryFolder folder;
+  std::string text = file_text(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb");
+  replace(
+      text, "<rigid_connector ",
+      "<rigid_connector name=\"hinge\" type=\"rigid revolute joint\"><tolerance>0</tolerance><gaptol>1e-4</gaptol>"
+      "<angtol>1e-4</angtol><force_penalty>1e4</force_penalty><moment_penalty>1e6</moment_penalty>"
+      "<auto_penalty>0</auto_penalty><body_a>femur</body_a><body_b>tibia</body_b><joint_origin>0,0,25</joint_origin>"
+      "<rotation_axis>0,1,0</rotation_axis><transverse_axis>1,0,0</transverse_axis><maxaug>50</maxaug>"
+      "</rigid_connector>\n<rigid_connector ");
+  write(folder.path / "m.feb", text);
+  EXPECT_EQ(run_program(folder.path, {DEA_PROGRAM, "run", "m.feb"}, 60).code, 3);
+  convert(folder.path, "m.feb", "converted.feb");
+  EXPECT_NE(file_text(folder.path / "converted.feb").find("rigid revolute joint"), std::string::npos);
+  EXPECT_EQ(solve(folder.path, "converted.feb").code, 0);
+}
+
 /// FEBio goes on from a dump file without Init.
 TEST(ContactDea, GoesOnAfterARestart) {
   const TemporaryFolder folder;
