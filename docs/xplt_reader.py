@@ -46,8 +46,8 @@ class PlotFile:
                         return struct.unpack_from("<%df" % ((e - b) // 4), self.data, b)
         raise SystemExit("%s: no %s in region %d" % (self.path, name, region))
 
-    def surface(self, name):
-        """Corner nodes of the facets and `contact pressure` per facet."""
+    def surface(self, name, field="contact pressure"):
+        """Corner nodes of the facets and the field's value per facet."""
         for region, (_, span) in enumerate(self.chunks(self.child(self.mesh, 0x01043000)), 1):
             b, e = self.child(span, 0x01043101, 0x01043104)
             if self.data[b + 4:e].decode() != name:
@@ -56,5 +56,5 @@ class PlotFile:
             for _, (b, e) in self.chunks(self.child(span, 0x01043200)):
                 ints = struct.unpack_from("<%di" % ((e - b) // 4), self.data, b)
                 facets.append(ints[2:2 + CORNERS[ints[1]]])
-            return facets, self.values(0x01025000, 0x02020500, "contact pressure", region)
+            return facets, self.values(0x01025000, 0x02020500, field, region)
         raise SystemExit("%s: no surface %s" % (self.path, name))
