@@ -9,7 +9,6 @@
 #include <FECore/FEMesh.h>
 #include <FECore/FENewtonSolver.h>
 #include <FECore/FESurfaceMap.h>
-#include <FECore/version.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -20,7 +19,6 @@
 #include "error.h"
 #include "febio_log.h"
 #include "read_fe_model.h"
-#include "version.h"
 
 namespace {
 
@@ -29,10 +27,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 vec3d to_fe(const dea::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 dea::Vector3d from_fe(const vec3d& v) { return {v.x, v.y, v.z}; }
 Eigen::Quaterniond from_fe(const quatd& q) { return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized(); }
-
-std::string sdk_version() {
-  return fmt::format("{}.{}.{}", FE_SDK_MAJOR_VERSION, FE_SDK_SUB_VERSION, FE_SDK_SUBSUB_VERSION);
-}
 
 constexpr const char* kSides[2] = {"primary", "secondary"};
 constexpr double kNotGiven = -1.0;  // a thickness that the model does not state
@@ -269,7 +263,7 @@ bool FEDeaContact::build() {
   }
   bed->beds = dea::make_spring_beds(bed->joint);
   bed->maps = dea::make_field_maps(model, bed->joint);
-  std::string text = fmt::format("dea {}, SDK {}: contact \"{}\"\n", dea::kVersion, sdk_version(), GetName());
+  std::string text = fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName());
   for (const std::string& finding : bed->joint.findings) text += fmt::format("  {}\n", finding);
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];

@@ -90,6 +90,7 @@ bool DeaTask::Run() {
     auto* fem = dynamic_cast<FEBioModel*>(GetFEModel());
     if (fem == nullptr) throw UsageError("the model is none of febio4's");
     open_log_file(*fem);
+    log_text(*fem, version_line() + ": task dea");
     return run(*fem, settings_file_);
   } catch (const UsageError& e) {
     fault = std::string("dea: ") + e.what();

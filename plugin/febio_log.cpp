@@ -2,6 +2,7 @@
 
 #include <FEBioLib/FEBioModel.h>
 #include <FECore/log.h>
+#include <FECore/version.h>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "error.h"
+#include "version.h"
 
 namespace dea {
 
@@ -42,6 +44,10 @@ std::vector<std::string> box_lines(const std::string& text) {
 }
 
 }  // namespace
+
+std::string version_line() {
+  return fmt::format("dea {}, SDK {}.{}.{}", kVersion, FE_SDK_MAJOR_VERSION, FE_SDK_SUB_VERSION, FE_SDK_SUBSUB_VERSION);
+}
 
 void open_log_file(FEModel& fem) {
   auto* model = dynamic_cast<FEBioModel*>(&fem);

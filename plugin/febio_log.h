@@ -10,6 +10,9 @@ namespace dea {
 /// WriteError.
 void open_log_file(FEModel& fem);
 
+/// "dea 0.1.0, SDK 4.11.0": what is running here.
+std::string version_line();
+
 /// Prints every line of `text`.
 void log_text(FEModel& fem, const std::string& text);
 

@@ -140,6 +140,7 @@ TEST(ContactDea, LawsSourceFacetsAndRefinement) {
   fs::copy(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb", folder.path / "ligament.feb");
   for (const std::vector<std::string>& options :
        std::vector<std::vector<std::string>>{{"--law", "neo-Hookean"},
+                                             {"--law", "layer"},
                                              {"--law", "logarithmic", "--facets", "flat"},
                                              {"--source", "femur"},
                                              {"--refine", "2"}})
