@@ -53,6 +53,7 @@ class FEDeaContact : public FEContactInterface {
 
   bool Init() override;
   void Activate() override;
+  using FEContactInterface::Update;
   void Update() override;
   void Reset() override;
   void Serialize(DumpStream& archive) override;
