@@ -214,9 +214,7 @@ void refuse_doubled_contacts(const dea::JointModel& model) {
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const dea::Contact &a = model.contacts[k], &b = model.contacts[i];
-      if (!a.dea || !b.dea || (a.step != b.step && a.step >= 0 && b.step >= 0)) continue;
-      if ((a.primary == b.primary && a.secondary == b.secondary) ||
-          (a.primary == b.secondary && a.secondary == b.primary))
+      if (a.dea && b.dea && dea::double_contact(a, b))
         throw dea::InputError(model, {0, 0},
                               fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time; remove "
                                           "one",
@@ -227,7 +225,20 @@ void refuse_doubled_contacts(const dea::JointModel& model) {
 
 }  // namespace
 
-bool FEDeaContact::build() {
+template <class Action>
+bool FEDeaContact::guarded(Action action) {
+  try {
+    action();
+    return true;
+  } catch (const std::exception& e) {
+    fault(e.what());
+  } catch (...) {
+    fault("a fault of the plugin, please report");
+  }
+  return false;
+}
+
+void FEDeaContact::build() {
   auto bed = std::make_unique<Bed>();
   FEMechModel& fem = dynamic_cast<FEMechModel&>(*GetFEModel());
   dea::JointModel model = dea::read_fe_model(fem);
@@ -287,7 +298,6 @@ bool FEDeaContact::build() {
   bed->model.node_ids = std::move(model.node_ids);
   bed->model.surfaces = std::move(model.surfaces);
   bed_ = std::move(bed);
-  return true;
 }
 
 void FEDeaContact::listen() {
@@ -314,24 +324,13 @@ bool FEDeaContact::Init() {
   bed_.reset();
   listen();
   if (!FEContactInterface::Init() || !primary_.Init() || !secondary_.Init()) return false;
-  return try_build();
-}
-
-bool FEDeaContact::try_build() {
-  try {
-    return build();
-  } catch (const std::exception& e) {
-    fault(e.what());
-  } catch (...) {
-    fault("a fault of the plugin, please report");
-  }
-  return false;
+  return guarded([&] { build(); });
 }
 
 bool FEDeaContact::rebuild() {
   if (!from_archive_) return true;
   from_archive_ = false;
-  return try_build();
+  return guarded([&] { build(); });
 }
 
 void FEDeaContact::Activate() {
@@ -426,13 +425,7 @@ void FEDeaContact::LoadVector(FEGlobalVector& R, const FETimeInfo& time) {
     if (R.Size() > 0) R[0] = std::numeric_limits<double>::quiet_NaN();  // never go on without the contact
     return;
   }
-  try {
-    evaluate(time.alphaf);
-  } catch (const std::exception& e) {
-    fault(e.what());
-  } catch (...) {
-    fault("a fault of the plugin, please report");
-  }
+  guarded([&] { evaluate(time.alphaf); });
   const std::vector<int> lm = equations(bed_->bodies);
   for (std::size_t i = 0; i < 12; ++i) {
     // FEBio stops at a residual that is no number
@@ -451,8 +444,10 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
   if (!bed_ || failed_) return;
   const std::vector<int> lm = equations(bed_->bodies);
   Eigen::Matrix<double, 12, 12> K;
-  try {
-    if (!evaluate(time.alphaf)) return;
+  bool known = false;
+  guarded([&] {
+    known = evaluate(time.alphaf);
+    if (!known) return;
     if (bed_->wrench.normal_force > 0) {
       K = -time.alphaf * bed_->wrench.derivative;
     } else {
@@ -467,11 +462,8 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
       }
       K = dea::closing_stiffness(bed_->bed(), bed_->springs, bed_->poses[1], bed_->poses[0], force, free);
     }
-  } catch (const std::exception& e) {
-    return fault(e.what());
-  } catch (...) {
-    return fault("a fault of the plugin, please report");
-  }
+  });
+  if (!known || failed_) return;
   if (system.IsSymmetric()) K = (0.5 * (K + K.transpose())).eval();
   FEElementMatrix ke(12, 12);
   for (int i = 0; i < 12; ++i)
@@ -482,63 +474,53 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
 
 bool FEDeaContact::update_fields() {
   if (!bed_ || failed_) return !failed_;
-  if (!IsActive()) return true;
+  return !IsActive() || guarded([&] { make_fields(); });
+}
+
+void FEDeaContact::make_fields() {
   Bed& b = *bed_;
-  try {
-    const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
-    if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return true;
-    if (!evaluate(1.0)) return true;
-    const dea::ContactPair& pair = b.joint.contacts.front();
-    dea::Equilibrium e;
-    e.poses = dea::reference_poses(b.joint);
-    e.poses[at(b.bed().target_body)] = target;
-    e.poses[at(b.bed().source_body)] = source;
-    e.springs = {b.springs};
-    e.contact_on_target = {b.wrench.wrench.segment<6>(0)};
-    dea::refuse_zero_thickness(b.model, b.joint, b.beds, e);
-    std::vector<dea::ContactFields> fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
-    for (int side = 0; side < 2; ++side) {
-      const dea::Layer& layer = pair.layers[side];
-      const dea::SurfaceMesh& mesh = layer.articular;
-      dea::SideFields& values = fields.front().sides[side];
-      std::vector<dea::Vector3d> area(values.pressure.size(), dea::Vector3d::Zero());
-      for (int t = 0; t < mesh.size(); ++t) area[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mesh.normals[at(t)];
-      std::vector<vec3d> tractions;
-      for (std::size_t f = 0; f < area.size(); ++f)
-        tractions.push_back(to_fe(-values.pressure[f] * (e.poses[at(layer.body)].rotation * area[f].normalized())));
-      (side == 0 ? primary_ : secondary_).set_fields(std::move(values), std::move(tractions));
-    }
-    b.output_poses[0] = target;
-    b.output_poses[1] = source;
-    b.output = true;
-  } catch (const std::exception& e) {
-    fault(e.what());
-  } catch (...) {
-    fault("a fault of the plugin, please report");
+  const dea::Pose target = pose_of(*b.bodies[0], 1.0), source = pose_of(*b.bodies[1], 1.0);
+  if (b.output && same(target, b.output_poses[0]) && same(source, b.output_poses[1])) return;
+  if (!evaluate(1.0)) return;
+  const dea::ContactPair& pair = b.joint.contacts.front();
+  dea::Equilibrium e;
+  e.poses = dea::reference_poses(b.joint);
+  e.poses[at(b.bed().target_body)] = target;
+  e.poses[at(b.bed().source_body)] = source;
+  e.springs = {b.springs};
+  e.contact_on_target = {b.wrench.wrench.segment<6>(0)};
+  dea::refuse_zero_thickness(b.model, b.joint, b.beds, e);
+  std::vector<dea::ContactFields> fields = dea::contact_fields(b.joint, b.beds, b.maps, e);
+  for (int side = 0; side < 2; ++side) {
+    const dea::Layer& layer = pair.layers[side];
+    const dea::SurfaceMesh& mesh = layer.articular;
+    dea::SideFields& values = fields.front().sides[side];
+    std::vector<dea::Vector3d> area(values.pressure.size(), dea::Vector3d::Zero());
+    for (int t = 0; t < mesh.size(); ++t) area[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mesh.normals[at(t)];
+    std::vector<vec3d> tractions;
+    for (std::size_t f = 0; f < area.size(); ++f)
+      tractions.push_back(to_fe(-values.pressure[f] * (e.poses[at(layer.body)].rotation * area[f].normalized())));
+    (side == 0 ? primary_ : secondary_).set_fields(std::move(values), std::move(tractions));
   }
-  return !failed_;
+  b.output_poses[0] = target;
+  b.output_poses[1] = source;
+  b.output = true;
 }
 
 void FEDeaContact::warn_of_depth() {
   if (!bed_ || !IsActive() || !bed_->evaluated) return;
   const dea::SpringStates& s = bed_->springs;
-  int strained = 0, through = 0;
-  double largest = 0.0;
-  for (int i = 0; i < s.size(); ++i) {
-    through += s.too_deep[at(i)];
-    strained += s.strain[at(i)] > dea::kStrainLimit;
-    largest = std::max(largest, s.strain[at(i)]);
-  }
-  if (through > 0)
+  const dea::SpringDepth depth = dea::spring_depth(s);
+  if (depth.through > 0)
     dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": under {} of {} springs the bodies overlap deeper "
                                                 "than the cartilage is thick; these carry nothing and the pressures "
                                                 "mean nothing",
-                                                GetName(), through, s.size()));
+                                                GetName(), depth.through, s.size()));
   if (!s.complementary)
     dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": the layers' pressures are known to {:.1e} only",
                                                 GetName(), s.complementarity));
-  if (strained > 0)
+  if (depth.strained > 0)
     dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": {} springs are strained beyond {:g} (up to "
                                                 "{:.3g}); their pressures mean nothing",
-                                                GetName(), strained, dea::kStrainLimit, largest));
+                                                GetName(), depth.strained, dea::kStrainLimit, depth.largest));
 }

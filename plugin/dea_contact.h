@@ -71,8 +71,10 @@ class FEDeaContact : public FEContactInterface {
 
  private:
   struct Bed;
-  bool build();
-  bool try_build();             // faults go to the log
+  void build();
+  template <class Action>
+  bool guarded(Action action);  // a fault goes to the log: no exception leaves the library
+  void make_fields();
   bool rebuild();               // after an archive has been read
   void listen();                // to FEBio's callbacks
   bool evaluate(double alpha);  // false: the poses are out of all proportion, the forces no numbers

@@ -14,13 +14,6 @@ FEDeaSurface* dea_surface(FESurface& surface) {
   return found;
 }
 
-bool save_per_facet(FESurface& surface, FEDataStream& data, std::vector<double> dea::SideFields::*values) {
-  const FEDeaSurface* found = dea_surface(surface);
-  if (found == nullptr) return false;
-  for (double v : found->fields()->*values) data << v;
-  return true;
-}
-
 }  // namespace
 
 FEPlotCartilageThickness::FEPlotCartilageThickness(FEModel* fem) : FEPlotSurfaceData(fem, PLT_FLOAT, FMT_MULT) {
@@ -44,19 +37,19 @@ bool FEPlotCartilageThickness::Save(FESurface& surface, FEDataStream& data) {
   return true;
 }
 
-FEPlotJointSpace::FEPlotJointSpace(FEModel* fem) : FEPlotSurfaceData(fem, PLT_FLOAT, FMT_ITEM) {
-  SetUnits(UNIT_LENGTH);
+FEPlotDeaFacets::FEPlotDeaFacets(FEModel* fem, std::vector<double> dea::SideFields::*field, const char* units)
+    : FEPlotSurfaceData(fem, PLT_FLOAT, FMT_ITEM), field_(field) {
+  if (units != nullptr) SetUnits(units);
 }
-bool FEPlotJointSpace::Save(FESurface& surface, FEDataStream& data) {
-  return save_per_facet(surface, data, &dea::SideFields::joint_space);
+bool FEPlotDeaFacets::Save(FESurface& surface, FEDataStream& data) {
+  const FEDeaSurface* found = dea_surface(surface);
+  if (found == nullptr) return false;
+  for (double v : found->fields()->*field_) data << v;
+  return true;
 }
 
-FEPlotOverlap::FEPlotOverlap(FEModel* fem) : FEPlotSurfaceData(fem, PLT_FLOAT, FMT_ITEM) { SetUnits(UNIT_LENGTH); }
-bool FEPlotOverlap::Save(FESurface& surface, FEDataStream& data) {
-  return save_per_facet(surface, data, &dea::SideFields::overlap);
-}
+FEPlotJointSpace::FEPlotJointSpace(FEModel* fem) : FEPlotDeaFacets(fem, &dea::SideFields::joint_space, UNIT_LENGTH) {}
 
-FEPlotSpringStrain::FEPlotSpringStrain(FEModel* fem) : FEPlotSurfaceData(fem, PLT_FLOAT, FMT_ITEM) {}
-bool FEPlotSpringStrain::Save(FESurface& surface, FEDataStream& data) {
-  return save_per_facet(surface, data, &dea::SideFields::strain);
-}
+FEPlotOverlap::FEPlotOverlap(FEModel* fem) : FEPlotDeaFacets(fem, &dea::SideFields::overlap, UNIT_LENGTH) {}
+
+FEPlotSpringStrain::FEPlotSpringStrain(FEModel* fem) : FEPlotDeaFacets(fem, &dea::SideFields::strain, nullptr) {}

@@ -11,23 +11,32 @@ class FEPlotCartilageThickness : public FEPlotSurfaceData {
   bool Save(FESurface& surface, FEDataStream& data) override;
 };
 
+/// A field of SideFields with a value per facet.
+class FEPlotDeaFacets : public FEPlotSurfaceData {
+ public:
+  bool Save(FESurface& surface, FEDataStream& data) override;
+
+ protected:
+  FEPlotDeaFacets(FEModel* fem, std::vector<double> dea::SideFields::*field, const char* units);
+
+ private:
+  std::vector<double> dea::SideFields::*field_;
+};
+
 /// `joint space`: signed gap at the current pose, > 0 apart, per facet.
-class FEPlotJointSpace : public FEPlotSurfaceData {
+class FEPlotJointSpace : public FEPlotDeaFacets {
  public:
   explicit FEPlotJointSpace(FEModel* fem);
-  bool Save(FESurface& surface, FEDataStream& data) override;
 };
 
 /// `overlap`: >= 0, per facet.
-class FEPlotOverlap : public FEPlotSurfaceData {
+class FEPlotOverlap : public FEPlotDeaFacets {
  public:
   explicit FEPlotOverlap(FEModel* fem);
-  bool Save(FESurface& surface, FEDataStream& data) override;
 };
 
 /// `spring strain`: of this surface's layer, >= 0, per facet.
-class FEPlotSpringStrain : public FEPlotSurfaceData {
+class FEPlotSpringStrain : public FEPlotDeaFacets {
  public:
   explicit FEPlotSpringStrain(FEModel* fem);
-  bool Save(FESurface& surface, FEDataStream& data) override;
 };

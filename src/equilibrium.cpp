@@ -657,10 +657,9 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
   int beyond = 0;
   double largest = 0.0;
   for (const SpringStates& s : result.springs) {
-    for (int i = 0; i < s.size(); ++i) {
-      if (s.strain[at(i)] > kStrainLimit || s.too_deep[at(i)]) ++beyond;
-      largest = std::max(largest, s.too_deep[at(i)] ? 1.0 : s.strain[at(i)]);
-    }
+    const SpringDepth depth = spring_depth(s);  // a spring that is through has no strain
+    beyond += depth.strained + depth.through;
+    largest = std::max({largest, depth.largest, depth.through > 0 ? 1.0 : 0.0});
   }
   for (const SpringStates& s : result.springs) {
     if (s.complementary || !solved(result.outcome)) continue;

@@ -277,20 +277,18 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       const SurfaceMesh& mesh = pair.layers[from].articular;
       const Vector3d from_center = joint.bodies[at(pair.layers[from].body)].center_of_mass,
                      to_center = joint.bodies[at(pair.layers[to].body)].center_of_mass;
-      const Eigen::Matrix3d R = to_pose.rotation.transpose() * from_pose.rotation;
-      const Vector3d shift = to_center + to_pose.rotation.transpose() *
-                                             (from_pose.center - to_pose.center - from_pose.rotation * from_center);
+      const RelativePose relative = relative_pose(from_pose, from_center, to_pose, to_center);
       const double deep = pair.layers[0].max_thickness() + pair.layers[1].max_thickness();
       const std::vector<std::array<double, 3>> parts = part_centroids(divide);
       feet->assign(mesh.triangles.size() * parts.size(), SurfacePoint{});
       gaps->assign(feet->size(), kInfinity);
       along->resize(mesh.triangles.size());
       tbb::parallel_for(0, mesh.size(), [&](int i) {
-        const Vector3d n = R * mesh.normals[at(i)];
+        const Vector3d n = relative.rotation * mesh.normals[at(i)];
         double sum = 0.0;
         int hits = 0;
         for (std::size_t k = 0; k < parts.size(); ++k) {
-          const Vector3d x = R * position(mesh, {i, parts[k]}) + shift;
+          const Vector3d x = relative.rotation * position(mesh, {i, parts[k]}) + relative.shift;
           const LineHit hit = map.articular[to].nearest_facing(x, n, -4 * deep, -deep, kInfinity);
           if (hit.point.triangle < 0) continue;
           const double gap = hit.distance - bulge_height(mesh, i, parts[k]) -
@@ -303,7 +301,7 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
         if (hits > 0) {
           (*along)[at(i)] = sum / hits;
         } else {
-          const Vector3d x = R * mesh.centroid(i) + shift;
+          const Vector3d x = relative.rotation * mesh.centroid(i) + relative.shift;
           (*along)[at(i)] = (position(pair.layers[to].articular, map.articular[to].closest(x)) - x).norm();
         }
       });
@@ -313,13 +311,10 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
     if (source.springs_at == SpringsAt::Articular) {
       // the springs know it already; only where none hit is the closest point asked
       along = averages.gap;
-      const Eigen::Matrix3d R = target_pose.rotation.transpose() * source_pose.rotation;
-      const Vector3d shift =
-          bed.target_center + target_pose.rotation.transpose() *
-                                  (source_pose.center - target_pose.center - source_pose.rotation * bed.source_center);
+      const RelativePose relative = relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
       tbb::parallel_for(0, source.articular.size(), [&](int i) {
         if (!std::isnan(along[at(i)])) return;
-        const Vector3d x = R * source.articular.centroid(i) + shift;
+        const Vector3d x = relative.rotation * source.articular.centroid(i) + relative.shift;
         along[at(i)] = (position(target.articular, map.articular[t].closest(x)) - x).norm();
       });
     } else {

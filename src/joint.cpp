@@ -890,9 +890,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     for (int side = 0; side < 2; ++side) pair.layers[side] = make_layer(r, c, side);
     for (const ContactPair& other : joint.contacts) {
       const Contact& o = model.contacts[at(other.contact)];
-      const bool same = (o.primary == c.primary && o.secondary == c.secondary) ||
-                        (o.primary == c.secondary && o.secondary == c.primary);
-      if (same && (o.step == c.step || o.step < 0 || c.step < 0))
+      if (double_contact(o, c))
         throw InputError(model, c.origin,
                          fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would "
                                      "share the load between them; "

@@ -12,6 +12,12 @@ std::string where(const JointModel& model, Origin origin) {
   return origin.line > 0 ? fmt::format("{}:{}: ", file, origin.line) : fmt::format("{}: ", file);
 }
 
+bool double_contact(const Contact& a, const Contact& b) {
+  const bool same_time = a.step == b.step || a.step < 0 || b.step < 0;
+  return same_time && ((a.primary == b.primary && a.secondary == b.secondary) ||
+                       (a.primary == b.secondary && a.secondary == b.primary));
+}
+
 int nodes_per_element(ElementShape shape) {
   switch (shape) {
     case ElementShape::Hex8:

@@ -278,6 +278,9 @@ struct JointModel {
 /// "hip.feb:214: " or "hip.feb: " when the line is unknown.
 std::string where(const JointModel& model, Origin origin);
 
+/// Do two contacts join the same surfaces at the same time? They would share the load between them.
+bool double_contact(const Contact& a, const Contact& b);
+
 /// Number of nodes of an element of this shape.
 int nodes_per_element(ElementShape shape);
 

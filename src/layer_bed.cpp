@@ -64,19 +64,11 @@ std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
   return layers;
 }
 
-void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target) {
+void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& target) {
   const ContactPair& pair = *bed.pair;
   const int n = s.size();
   s.rates.setZero(n, 6);
-  double deepest = 0.0;
-  for (int i = 0; i < n; ++i) {
-    const auto k = at(i);
-    s.pressure[k] = s.strain[k] = s.strain_source[k] = s.strain_target[k] = s.per_overlap[k] = 0.0;
-    s.per_motion[k].setZero();
-    deepest = std::max(deepest, s.overlap[k]);
-  }
-  s.complementarity = 0.0;
-  if (!(deepest > 0)) return;
+  if (std::none_of(s.overlap.begin(), s.overlap.end(), [](double overlap) { return overlap > 0; })) return;
 
   Eigen::VectorXd overlap = Eigen::VectorXd::Zero(n);
   LayerContact contact;
@@ -118,16 +110,12 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
     overlap_rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
   }
   const ActiveRates rates = solve_active(contact, result.linear.active, overlap_rates, kRateTolerance);
-  const double M_s = confined_modulus(pair.source_layer().elasticity.E, pair.source_layer().elasticity.nu),
-               M_t = confined_modulus(pair.target_layer().elasticity.E, pair.target_layer().elasticity.nu);
   for (int i = 0; i < n; ++i) {
     const auto k = at(i);
     if (!result.linear.active[k]) continue;
-    const double spring_compliance =
-        (layers.source ? s.t_source[k] / M_s : 0.0) + (layers.target ? s.t_target[k] / M_t : 0.0);
+    const double spring_compliance = result.spring_overlap[i] / result.linear.pressure[i];  // (L5)
     s.rates.row(i) = result.springs[k].per_overlap * spring_compliance * rates.pressure.row(i);
   }
-  (void)source;
 }
 
 }  // namespace dea

@@ -19,8 +19,8 @@ struct LayerBed {
 /// Throws InputError for springs that do not stand on the articular surface.
 std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed);
 
-/// Replaces the springs' own pressures and strains by those of the layers at the same gaps, and fills `rates`. The
-/// gaps, feet and areas must be there. `source`, `target`: the poses.
-void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& source, const Pose& target);
+/// Fills pressures, strains and `rates` of springs that carry nothing yet; their gaps, overlaps, feet and areas must be
+/// there. `target`: its pose.
+void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& target);
 
 }  // namespace dea

@@ -27,6 +27,12 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
+RelativePose relative_pose(const Pose& from, const Vector3d& from_center, const Pose& to, const Vector3d& to_center) {
+  // x = c_f + R_f (X - C_f) = c_t + R_t (Y - C_t)  =>  Y = R_t^T R_f X + shift
+  const Eigen::Matrix3d back = to.rotation.transpose();
+  return {back * from.rotation, to_center + back * (from.center - to.center - from.rotation * from_center)};
+}
+
 Springs make_springs(const Layer& source, int refine) {
   assert(refine >= 1);
   const SurfaceMesh& mesh = source.spring_surface();
@@ -208,12 +214,6 @@ Vector3d thickness_gradient(const SurfaceMesh& mesh, const std::vector<double>& 
   return linear_gradient(mesh, t, {thickness[at(tri[0])], thickness[at(tri[1])], thickness[at(tri[2])]});
 }
 
-/// The source seen from the target's reference frame: X_target = rotation * X_source + shift.
-struct RelativePose {
-  Eigen::Matrix3d rotation;
-  Vector3d shift;
-};
-
 LineHit cast(const SpringBed& bed, const Vector3d& foot, const Vector3d& n, double t_s) {
   if (bed.pair->source_layer().springs_at == SpringsAt::Bone) {
     // from bone to bone: a target bone behind the source's bone surface is too deep
@@ -315,11 +315,7 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
   s.area.resize(n);
   s.too_deep.resize(n);
 
-  // x = c_s + R_s (X - C_s) = c_t + R_t (Y - C_t)  =>  Y = R_t^T R_s X + shift
-  RelativePose relative;
-  relative.rotation = target.rotation.transpose() * source.rotation;
-  relative.shift = bed.target_center +
-                   target.rotation.transpose() * (source.center - target.center - source.rotation * bed.source_center);
+  const RelativePose relative = relative_pose(source, bed.source_center, target, bed.target_center);
 
   const auto parallel = [&](const auto& body) {
     tbb::parallel_for(tbb::blocked_range<int>(0, n_springs, 256), [&](const tbb::blocked_range<int>& range) {
@@ -404,9 +400,10 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     s.area[k] = s.coverage[k] * springs.area[k];
     const double overlap = std::max(0.0, -s.gap[k]);
     if (overlap <= 0.0) return;
+    s.overlap[k] = overlap;
+    if (bed.layers) return;  // the layers decide together, below
     const SpringResponse r = spring_response(bed.law, source_layer.elasticity, target_layer.elasticity, s.t_source[k],
                                              s.t_target[k], overlap, pair.interface_compliance);
-    s.overlap[k] = overlap;
     s.pressure[k] = r.pressure;
     s.strain_source[k] = r.strain_source;
     s.strain_target[k] = r.strain_target;
@@ -416,7 +413,7 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
         r.per_overlap * overlap_rate(bed, s, i, at_bone ? r.strain_target - 1.0 : r.strain_target, target);
   });
 
-  if (bed.layers) press_layers(*bed.layers, bed, s, source, target);
+  if (bed.layers) press_layers(*bed.layers, bed, s, target);
 
   for (std::size_t i = 0; i < at_rim.size(); ++i) {
     const auto k = at(at_rim[i].first);
@@ -446,6 +443,16 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     s.rim.push_back(rim);
   }
   return s;
+}
+
+SpringDepth spring_depth(const SpringStates& s) {
+  SpringDepth depth;
+  for (int i = 0; i < s.size(); ++i) {
+    depth.through += s.too_deep[at(i)];
+    depth.strained += s.strain[at(i)] > kStrainLimit;
+    depth.largest = std::max(depth.largest, s.strain[at(i)]);
+  }
+  return depth;
 }
 
 ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Pose& target) {

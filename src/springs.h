@@ -21,6 +21,14 @@ struct Pose {
 
 struct LayerBed;  // layer_bed.h
 
+/// One body seen from another's reference frame: Y = rotation * X + shift for a point X of the one's reference.
+struct RelativePose {
+  Eigen::Matrix3d rotation;
+  Vector3d shift;
+};
+/// `from_center`, `to_center`: reference centres of mass.
+RelativePose relative_pose(const Pose& from, const Vector3d& from_center, const Pose& to, const Vector3d& to_center);
+
 /// The springs of one contact. Frame: the source's reference configuration.
 struct Springs {
   std::vector<std::array<Vector3d, 3>> triangle;        ///< foot triangle: its share of the source surface
@@ -94,6 +102,14 @@ struct SpringStates {
 /// loses by the target's thickness there, times its strain (E3). Global frame.
 Vector3d overlap_rate(const SpringBed& bed, const SpringStates& states, int i, double strain_target,
                       const Pose& target);
+
+/// Springs whose pressure means nothing.
+struct SpringDepth {
+  int strained = 0;      ///< beyond the law's strain limit (C1)
+  int through = 0;       ///< too_deep
+  double largest = 0.0;  ///< strain of those that are not
+};
+SpringDepth spring_depth(const SpringStates& states);
 
 /// Casts every spring's ray at this pose (S1-S5, E2-E4). Parallel over springs; each is computed by itself, so the
 /// result does not depend on the number of threads.

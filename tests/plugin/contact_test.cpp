@@ -256,6 +256,14 @@ TEST(ContactDea, FillsPlotVariables) {
   }
 }
 
+/// A joint in front of the first ligament, by its start tag.
+constexpr const char* kHinge =
+    "<rigid_connector name=\"hinge\" type=\"rigid revolute joint\"><tolerance>0</tolerance><gaptol>1e-4</gaptol>"
+    "<angtol>1e-4</angtol><force_penalty>1e4</force_penalty><moment_penalty>1e6</moment_penalty>"
+    "<auto_penalty>0</auto_penalty><body_a>femur</body_a><body_b>tibia</body_b><joint_origin>0,0,25</joint_origin>"
+    "<rotation_axis>0,1,0</rotation_axis><transverse_axis>1,0,0</transverse_axis><maxaug>50</maxaug>"
+    "</rigid_connector>\n<rigid_connector ";
+
 /// What a rigid joint bears comes after the contacts in FEBio's forces: with surfaces that it holds apart, Newton's
 /// method must stay quadratic.
 TEST(ContactDea, HeldApartByAJoint) {
@@ -263,13 +271,7 @@ TEST(ContactDea, HeldApartByAJoint) {
   fs::copy(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb", folder.path / "m.feb");
   convert(folder.path, "m.feb", "converted.feb");
   std::string text = file_text(folder.path / "converted.feb");
-  replace(
-      text, "<rigid_connector ",
-      "<rigid_connector name=\"hinge\" type=\"rigid revolute joint\"><tolerance>0</tolerance><gaptol>1e-4</gaptol>"
-      "<angtol>1e-4</angtol><force_penalty>1e4</force_penalty><moment_penalty>1e6</moment_penalty>"
-      "<auto_penalty>0</auto_penalty><body_a>femur</body_a><body_b>tibia</body_b><joint_origin>0,0,25</joint_origin>"
-      "<rotation_axis>0,1,0</rotation_axis><transverse_axis>1,0,0</transverse_axis><maxaug>50</maxaug>"
-      "</rigid_connector>\n<rigid_connector ");
+  replace(text, "<rigid_connector ", kHinge);
   write(folder.path / "hinge.feb", text);
   const Finished f = solve(folder.path, "hinge.feb");
   ASSERT_EQ(f.code, 0) << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
@@ -298,13 +300,7 @@ TEST(ContactDea, ALoadThatOpensTheJoint) {
 TEST(ContactDea, ConvertLeavesJointsToFebio) {
   const TemporaryFolder folder;
   std::string text = file_text(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb");
-  replace(
-      text, "<rigid_connector ",
-      "<rigid_connector name=\"hinge\" type=\"rigid revolute joint\"><tolerance>0</tolerance><gaptol>1e-4</gaptol>"
-      "<angtol>1e-4</angtol><force_penalty>1e4</force_penalty><moment_penalty>1e6</moment_penalty>"
-      "<auto_penalty>0</auto_penalty><body_a>femur</body_a><body_b>tibia</body_b><joint_origin>0,0,25</joint_origin>"
-      "<rotation_axis>0,1,0</rotation_axis><transverse_axis>1,0,0</transverse_axis><maxaug>50</maxaug>"
-      "</rigid_connector>\n<rigid_connector ");
+  replace(text, "<rigid_connector ", kHinge);
   write(folder.path / "m.feb", text);
   EXPECT_EQ(run_program(folder.path, {DEA_PROGRAM, "run", "m.feb"}, 60).code, 3);
   convert(folder.path, "m.feb", "converted.feb");
