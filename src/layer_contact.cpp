@@ -43,8 +43,7 @@ VectorXd local_compliance(const LayerContact& contact) {
   VectorXd local = VectorXd::Zero(contact.area.size());
   const auto add = [&](const LayerOperator* layer, const VectorXd& share) {
     if (!layer) return;
-    for (Index i = 0; i < local.size(); ++i)
-      local[i] += layer->law().local * layer->thickness()[at(i)] * (share.size() > 0 ? share[i] : 1.0);
+    for (Index i = 0; i < local.size(); ++i) local[i] += layer->own()[at(i)] * (share.size() > 0 ? share[i] : 1.0);
   };
   add(contact.source, contact.source_share);
   add(contact.target, contact.target_share);
@@ -77,9 +76,7 @@ struct ScaledContact {
   double largest() const {
     double bound = 1;
     for (const LayerOperator* layer : {contact.source, contact.target}) {
-      if (!layer) continue;
-      const LayerLaw& law = layer->law();
-      bound = std::max(bound, (law.local + std::max(law.weight[0], 0.0) + std::max(law.weight[1], 0.0)) / law.local);
+      if (layer) bound = std::max(bound, layer->law().largest() / layer->law().local);
     }
     return bound;
   }

@@ -1,5 +1,7 @@
 #include "layer_kernel.h"
 
+#include <Eigen/Dense>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -53,34 +55,28 @@ LayerLaw one_term(double nu) {
 /// (L2b), times E.
 LayerLaw two_terms(double nu) {
   LayerLaw law;
-  law.confined = (1 + nu) * (1 - 2 * nu) / (1 - nu);
-  law.local = 0.5 * compliance(nu, 12);
-  if (nu < 0.3) {
-    law.terms = 1;
-    law.weight[0] = law.confined - law.local;
-    law.beta[0] = (law.weight[0] / (compliance(nu, 2) - law.local) - 1) / 4;
-    return law;
-  }
-  // (1/M + a1 s^2 + local b2 s^4) = f (1 + b1 s^2 + b2 s^4) with a1 = first + b1/M, at two s: linear in b1, b2
-  const double first = nu * (4 * nu - 1) * (1 + nu) / (3 * (1 - nu) * (1 - nu));
-  const double s2[2] = {0.9 * 0.9, 3.0 * 3.0};
-  double m[2][2], r[2];
-  for (int i = 0; i < 2; ++i) {
-    const double f = compliance(nu, std::sqrt(s2[i]));
-    m[i][0] = s2[i] * (law.confined - f);
-    m[i][1] = s2[i] * s2[i] * (law.local - f);
-    r[i] = f - law.confined - first * s2[i];
-  }
-  const double determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-  const double b1 = (r[0] * m[1][1] - m[0][1] * r[1]) / determinant,
-               b2 = (m[0][0] * r[1] - r[0] * m[1][0]) / determinant;
-  const double root = std::sqrt(b1 * b1 - 4 * b2);
-  assert(root > 0 && b2 > 0);
   law.terms = 2;
-  law.beta = {(b1 + root) / 2, 2 * b2 / (b1 + root)};
-  // the weights sum to 1/M - local, and their sum with the betas is minus the first term
-  law.weight[0] = (-first - (law.confined - law.local) * law.beta[1]) / (law.beta[0] - law.beta[1]);
-  law.weight[1] = law.confined - law.local - law.weight[0];
+  law.confined = (1 + nu) * (1 - 2 * nu) / (1 - nu);
+  law.beta = {2.0, 0.155};
+  const double first = nu * (4 * nu - 1) * (1 + nu) / (3 * (1 - nu) * (1 - nu));  // of s^2 in (L1), times E
+  // unknowns local, weight_0, weight_1, square
+  Eigen::Matrix4d equations;
+  Eigen::Vector4d values;
+  equations.row(0).setOnes();
+  values[0] = law.confined;
+  equations.row(1) << 0, -law.beta[0], -law.beta[1], -2 * law.beta[1];
+  values[1] = first;
+  const double matched[2] = {2.0, 9.0};
+  for (int i = 0; i < 2; ++i) {
+    const double s2 = matched[i] * matched[i], f = 1 / (1 + law.beta[1] * s2);
+    equations.row(2 + i) << 1, 1 / (1 + law.beta[0] * s2), f, f * f;
+    values[2 + i] = compliance(nu, matched[i]);
+  }
+  const Eigen::Vector4d x = equations.partialPivLu().solve(values);
+  law.local = x[0];
+  law.weight = {x[1], x[2]};
+  law.square = x[3];
+  law.edge = 0.86;
   return law;
 }
 
@@ -96,8 +92,18 @@ LayerLaw layer_law(const Elasticity& layer, LayerFit fit) {
   LayerLaw law = fit == LayerFit::OneTerm ? one_term(layer.nu) : two_terms(layer.nu);
   law.local /= layer.E;
   law.confined /= layer.E;
+  law.square /= layer.E;
+  law.edge /= layer.E;
   for (double& w : law.weight) w /= layer.E;
   return law;
+}
+
+double LayerLaw::largest() const {
+  // of the second fraction and its square the greatest value for 0 <= 1/(1 + beta_1 s^2) <= 1
+  double second = std::max(0.0, weight[1] + square);
+  if (square < 0 && weight[1] > 0 && weight[1] < -2 * square)
+    second = std::max(second, -weight[1] * weight[1] / (4 * square));
+  return local + std::max(weight[0], 0.0) + second;
 }
 
 }  // namespace dea

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -33,7 +34,10 @@ LayerMesh make_layer_mesh(const SurfaceMesh& surface, const std::vector<int>& fo
   assert(foot_triangle.size() == corners.size());
   LayerMesh mesh;
   mesh.nodes = static_cast<int>(surface.vertices.size());
+  mesh.vertices = surface.vertices;
   mesh.triangles = surface.triangles;
+  mesh.neighbours = surface.neighbours;
+  mesh.triangle_feet.resize(at(surface.size()));
   for (int t = 0; t < surface.size(); ++t) {
     Vector3d gradient[3];  // of N_k: the opposite edge turned inwards, over twice the area
     for (int k = 0; k < 3; ++k)
@@ -52,6 +56,7 @@ LayerMesh make_layer_mesh(const SurfaceMesh& surface, const std::vector<int>& fo
   mesh.foot_triangle = foot_triangle;
   mesh.corners = corners;
   for (std::size_t i = 0; i < corners.size(); ++i) {
+    mesh.triangle_feet[at(foot_triangle[i])].push_back(static_cast<int>(i));
     const auto& w = corners[i];
     mesh.centroid.push_back(
         {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3});
@@ -67,7 +72,7 @@ struct LayerOperator::State {
   std::shared_ptr<const LayerMesh> mesh;
   LayerLaw law;
   std::vector<Rim> rim;
-  std::vector<double> thickness;
+  std::vector<double> thickness, own;
 
   cholmod_common common;
   cholmod_sparse* matrix = nullptr;                            // lower triangle
@@ -75,7 +80,8 @@ struct LayerOperator::State {
   std::vector<std::array<int, 6>> slot;                        // per triangle: where its entries are in the matrix
   std::vector<int> diagonal;                                   // per node
   std::vector<int> rim_slot;                                   // per rim edge: its off-diagonal entry
-  std::array<std::vector<char>, 2> held;                       // per term and node: q = 0
+  std::vector<char> held;                                      // per node: q = 0
+  std::vector<double> mass;                                    // M_t, with the matrix's pattern
   cholmod_dense* solution = nullptr;                           // work space of cholmod_solve2
   cholmod_dense* work_y = nullptr;
   cholmod_dense* work_e = nullptr;
@@ -133,7 +139,7 @@ struct LayerOperator::State {
   }
 
   /// M_t, K_t3 and the rim's term over sqrt(beta), all with the pattern of the matrix.
-  void assemble(std::vector<double>& mass, std::vector<double>& stiffness, std::vector<double>& beyond) const {
+  void assemble(std::vector<double>& stiffness, std::vector<double>& beyond) {
     const std::size_t entries = at(static_cast<const int*>(matrix->p)[mesh->nodes]);
     mass.assign(entries, 0.0);
     stiffness.assign(entries, 0.0);
@@ -164,38 +170,105 @@ struct LayerOperator::State {
     }
   }
 
-  /// Where nothing is beyond, what bulges escapes: q = 0. A term of positive weight does not say what bulges but how
-  /// locally the layer gives way; held, it would make the rim stiff, so it keeps its natural condition. (The operator
-  /// stays positive: releasing a term of positive weight only adds to it.)
+  /// Where nothing is beyond, what bulges escapes: q = 0.
   void find_held() {
-    std::vector<char> carries(at(mesh->nodes), 0), edge(at(mesh->nodes), 0);
+    std::vector<char> carries(at(mesh->nodes), 0);
+    held.assign(at(mesh->nodes), 0);
     for (std::size_t k = 0; k < rim.size(); ++k)
-      if (rim[k] == Rim::Free) edge[at(mesh->rim[k].a)] = edge[at(mesh->rim[k].b)] = 1;
+      if (rim[k] == Rim::Free) held[at(mesh->rim[k].a)] = held[at(mesh->rim[k].b)] = 1;
     for (std::size_t f = 0; f < thickness.size(); ++f)
-      for (const int v : mesh->triangles[at(mesh->foot_triangle[f])]) (thickness[f] > 0 ? carries : edge)[at(v)] = 1;
-    for (std::size_t k = 0; k < held.size(); ++k) {
-      held[k].assign(at(mesh->nodes), 0);
-      for (std::size_t v = 0; v < carries.size(); ++v) held[k][v] = !carries[v] || (edge[v] && law.weight[k] < 0);
+      for (const int v : mesh->triangles[at(mesh->foot_triangle[f])]) (thickness[f] > 0 ? carries : held)[at(v)] = 1;
+    for (std::size_t v = 0; v < carries.size(); ++v) held[v] |= !carries[v];
+  }
+
+  /// t (local + edge), with (L7) from the nearest free edge: from each edge to the triangles around, as far as it is
+  /// felt.
+  void find_own() {
+    constexpr double kFelt = 1.5;  // times the thickness: exp(-5) of the edge's own
+    std::vector<double> distance(thickness.size(), std::numeric_limits<double>::infinity());
+    const double reach = kFelt * *std::max_element(thickness.begin(), thickness.end());
+    std::vector<int> seen(mesh->triangles.size(), -1), front;
+    for (std::size_t k = 0; k < rim.size() && law.edge > 0; ++k) {
+      if (rim[k] != Rim::Free) continue;
+      const RimEdge& edge = mesh->rim[k];
+      const Vector3d &a = mesh->vertices[at(edge.a)], &b = mesh->vertices[at(edge.b)];
+      front.assign(1, edge.triangle);
+      seen[at(edge.triangle)] = static_cast<int>(k);
+      while (!front.empty()) {
+        const std::size_t t = at(front.back());
+        front.pop_back();
+        const auto& corner = mesh->triangles[t];
+        const auto at_weights = [&](const std::array<double, 3>& w) -> Vector3d {
+          return w[0] * mesh->vertices[at(corner[0])] + w[1] * mesh->vertices[at(corner[1])] +
+                 w[2] * mesh->vertices[at(corner[2])];
+        };
+        for (const int f : mesh->triangle_feet[t])
+          distance[at(f)] = std::min(distance[at(f)], distance_to_segment(at_weights(mesh->centroid[at(f)]), a, b));
+        if (distance_to_segment(at_weights({1.0 / 3, 1.0 / 3, 1.0 / 3}), a, b) > reach) continue;
+        for (const int next : mesh->neighbours[t]) {
+          if (next < 0 || seen[at(next)] == static_cast<int>(k)) continue;
+          seen[at(next)] = static_cast<int>(k);
+          front.push_back(next);
+        }
+      }
+    }
+    own.resize(thickness.size());
+    for (std::size_t f = 0; f < own.size(); ++f) {
+      const double t = thickness[f];
+      own[f] = t > 0 ? t * (law.local + law.edge * std::exp(-kEdgeDecay * distance[f] / t)) : 0.0;
     }
   }
 
   void factorise() {
     find_held();
-    std::vector<double> mass, stiffness, beyond;
-    assemble(mass, stiffness, beyond);
+    find_own();
+    std::vector<double> stiffness, beyond;
+    assemble(stiffness, beyond);
     const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
     double* x = static_cast<double*>(matrix->x);
     for (std::size_t k = 0; k < at(law.terms); ++k) {
       const double beta = law.beta[k], root = std::sqrt(beta);
       for (int column = 0; column < mesh->nodes; ++column)
         for (int s = p[column]; s < p[column + 1]; ++s) {
-          const bool fixed = held[k][at(column)] || held[k][at(rows[s])];  // the row says q = 0; the pattern stays
+          const bool fixed = held[at(column)] || held[at(rows[s])];  // the row says q = 0; the pattern stays
           x[s] = fixed ? (rows[s] == column ? 1.0 : 0.0) : mass[at(s)] + beta * stiffness[at(s)] + root * beyond[at(s)];
         }
       cholmod_factorize(matrix, factor[k], &common);
       check();
       if (common.status != CHOLMOD_OK) throw std::runtime_error("sparse factorisation: not positive definite");
     }
+  }
+
+  /// q of one term for a load; nodes x columns, the same memory at every call.
+  Eigen::Map<const Eigen::MatrixXd> solve(std::size_t term, Eigen::MatrixXd& load) {
+    for (Eigen::Index c = 0; c < load.cols(); ++c)
+      for (Eigen::Index v = 0; v < load.rows(); ++v)
+        if (held[static_cast<std::size_t>(v)]) load(v, c) = 0.0;
+    cholmod_dense right{};
+    right.nrow = right.d = static_cast<std::size_t>(load.rows());
+    right.ncol = static_cast<std::size_t>(load.cols());
+    right.nzmax = right.nrow * right.ncol;
+    right.x = load.data();
+    right.xtype = CHOLMOD_REAL;
+    right.dtype = CHOLMOD_DOUBLE;
+    cholmod_solve2(CHOLMOD_A, factor[term], &right, nullptr, &solution, nullptr, &work_y, &work_e, &common);
+    check();
+    return {static_cast<const double*>(solution->x), load.rows(), load.cols()};
+  }
+
+  /// M_t q
+  Eigen::MatrixXd weighted(const Eigen::Ref<const Eigen::MatrixXd>& q) const {
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(q.rows(), q.cols());
+    const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
+    for (Eigen::Index c = 0; c < q.cols(); ++c)
+      for (int column = 0; column < mesh->nodes; ++column) {
+        product(column, c) += mass[at(p[column])] * q(column, c);  // the diagonal comes first
+        for (int s = p[column] + 1; s < p[column + 1]; ++s) {
+          product(column, c) += mass[at(s)] * q(rows[s], c);
+          product(rows[s], c) += mass[at(s)] * q(column, c);
+        }
+      }
+    return product;
   }
 };
 
@@ -235,6 +308,7 @@ void LayerOperator::set_rim(std::vector<Rim> rim) {
   state_->rim = std::move(rim);
 }
 
+const std::vector<double>& LayerOperator::own() const { return state_->own; }
 const LayerMesh& LayerOperator::mesh() const { return *state_->mesh; }
 const LayerLaw& LayerOperator::law() const { return state_->law; }
 const std::vector<double>& LayerOperator::thickness() const { return state_->thickness; }
@@ -256,24 +330,15 @@ void LayerOperator::add_sinking(const Eigen::MatrixXd& pressure, const Eigen::Ve
       for (std::size_t k = 0; k < 3; ++k) load(t[k], c) += mesh.centroid[i][k] * force;
     }
   }
-  Eigen::MatrixXd right_side;
-  Eigen::MatrixXd q = Eigen::MatrixXd::Zero(mesh.nodes, columns);  // sum of weight_k q_k
-  right_side.resizeLike(load);
-  cholmod_dense right{};
-  right.nrow = at(mesh.nodes);
-  right.ncol = static_cast<std::size_t>(columns);
-  right.nzmax = right.nrow * right.ncol;
-  right.d = right.nrow;
-  right.x = right_side.data();
-  right.xtype = CHOLMOD_REAL;
-  right.dtype = CHOLMOD_DOUBLE;
-  for (std::size_t k = 0; k < at(s.law.terms); ++k) {
-    for (Eigen::Index c = 0; c < columns; ++c)
-      for (int v = 0; v < mesh.nodes; ++v) right_side(v, c) = s.held[k][at(v)] ? 0.0 : load(v, c);
-    cholmod_solve2(CHOLMOD_A, s.factor[k], &right, nullptr, &s.solution, nullptr, &s.work_y, &s.work_e, &s.common);
-    s.check();
-    q += s.law.weight[k] *
-         Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(s.solution->x), mesh.nodes, columns);
+  Eigen::MatrixXd q = Eigen::MatrixXd::Zero(mesh.nodes, columns);  // what the weights make of all q
+  const bool two = s.law.terms == 2;
+  Eigen::MatrixXd right_side = load;
+  q += s.law.weight[0] * s.solve(0, right_side);
+  if (two) {
+    const auto solution = s.solve(1, load);
+    q += s.law.weight[1] * solution;
+    right_side = s.weighted(solution);  // the square of the fraction: S^-1 M_t S^-1
+    q += s.law.square * s.solve(1, right_side);
   }
   for (Eigen::Index c = 0; c < columns; ++c)
     for (Eigen::Index f = 0; f < feet; ++f) {
@@ -281,7 +346,7 @@ void LayerOperator::add_sinking(const Eigen::MatrixXd& pressure, const Eigen::Ve
       const auto& t = mesh.triangles[at(mesh.foot_triangle[i])];
       const auto& g = mesh.centroid[i];
       sinking(f, c) +=
-          s.thickness[i] * (s.law.local * pressure(f, c) + g[0] * q(t[0], c) + g[1] * q(t[1], c) + g[2] * q(t[2], c));
+          s.own[i] * pressure(f, c) + s.thickness[i] * (g[0] * q(t[0], c) + g[1] * q(t[1], c) + g[2] * q(t[2], c));
     }
 }
 

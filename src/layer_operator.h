@@ -13,7 +13,7 @@ namespace dea {
 
 /// What is beyond an edge of the source's rim, for a layer.
 enum class Rim {
-  Free,      ///< nothing, the bulge escapes: q = 0 in terms of negative weight, dq/dn = 0 in others
+  Free,      ///< nothing, the bulge escapes: q = 0, and beside the edge the layer is softer (L7)
   Wall,      ///< its mirror image (plane of symmetry): dq/dn = 0
   Continues  ///< more of the layer, without load: beta t^3 dq/dn = -sqrt(beta) t^2 q
 };
@@ -28,11 +28,14 @@ struct RimEdge {
 /// What both layers of a contact share: the source's triangles, and the feet (foot triangles of springs) on them.
 /// Frame: the source's reference configuration; nothing changes with the pose.
 struct LayerMesh {
-  int nodes = 0;                              ///< vertices of the surface
-  std::vector<std::array<int, 3>> triangles;  ///< per triangle: its vertices
-  std::vector<std::array<double, 6>> slopes;  ///< per triangle: grad N_i . grad N_j for ij = 00 11 22 01 12 20 [mm^-2]
-  std::vector<RimEdge> rim;                   ///< sorted by triangle
-  std::vector<int> foot_triangle;             ///< per foot: triangle it lies in; feet fill every triangle
+  int nodes = 0;  ///< vertices of the surface
+  std::vector<Vector3d> vertices;
+  std::vector<std::array<int, 3>> triangles;   ///< per triangle: its vertices
+  std::vector<std::array<double, 6>> slopes;   ///< per triangle: grad N_i . grad N_j for ij = 00 11 22 01 12 20 [mm^-2]
+  std::vector<std::array<int, 3>> neighbours;  ///< per triangle: across edge (k, k + 1); -1: rim
+  std::vector<RimEdge> rim;                    ///< sorted by triangle
+  std::vector<int> foot_triangle;              ///< per foot: triangle it lies in; feet fill every triangle
+  std::vector<std::vector<int>> triangle_feet;                ///< per triangle
   std::vector<std::array<std::array<double, 3>, 3>> corners;  ///< per foot: barycentric coordinates of its corners
   std::vector<std::array<double, 3>> centroid;                ///< per foot: of its centroid, a row of G
   std::vector<double> area;                                   ///< per foot [mm^2], > 0
@@ -47,11 +50,12 @@ LayerMesh make_layer_mesh(const SurfaceMesh& surface, const std::vector<int>& fo
                           const std::vector<std::array<std::array<double, 3>, 3>>& corners);
 
 /// The compliance of one layer, as an operator. With pressures p and thicknesses t per foot, q per vertex,
-///     (M_t + beta_k K_t3) q_k = G^T D p,     w_i = t_i (local p_i + sum over k of weight_k (G q_k)_i)           (L3)
-/// D = diag(A_i t_i); M_t and K_t3: mass and stiffness matrices of linear triangles, weighted by t and t^3, t constant
-/// on each foot. Symmetric in the sense of work, A_i dw_i/dp_j = A_j dw_j/dp_i, and positive definite for any
-/// thickness field, because G^T D G <= M_t and the law is positive. Where no q is held and every rim edge is a Wall,
-/// M sum A_i w_i = sum A_i t_i p_i to rounding: bulging moves volume but makes none.
+///     S_k q_k = G^T D p,  S_1 r = M_t q_1,     S_k = M_t + beta_k K_t3
+///     w_i = t_i ((local + edge_i) p_i + (G (weight_0 q_0 + weight_1 q_1 + square r))_i)                           (L3)
+/// D = diag(A_i t_i); edge_i: (L7); M_t and K_t3: mass and stiffness matrices of linear triangles, weighted by t and
+/// t^3, t constant on each foot. Symmetric in the sense of work, A_i dw_i/dp_j = A_j dw_j/dp_i, and positive definite
+/// for any thickness field, because G^T D G <= M_t and the law is positive. Where no q is held and every rim edge is a
+/// Wall, M sum A_i w_i = sum A_i t_i p_i to rounding: bulging moves volume but makes none.
 ///
 /// A foot of no thickness has no layer: it does not sink, and as at any free edge q = 0 at the vertices around it.
 /// Serial; different operators may be used at the same time, one operator may not.
@@ -69,6 +73,9 @@ class LayerOperator {
   /// Assembles and factorises for these thicknesses, per foot, >= 0 [mm]: once for the source, once per pose for the
   /// target, whose thickness is the one at the springs' ends.
   void set_thickness(const std::vector<double>& thickness);
+
+  /// Compliance of each foot for itself, t_i (local + edge_i) [mm/MPa]: what is left for short waves.
+  const std::vector<double>& own() const;
 
   const LayerMesh& mesh() const;
   const LayerLaw& law() const;

@@ -12,13 +12,6 @@ namespace dea {
 
 namespace {
 
-double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b) {
-  const Vector3d ab = b - a;
-  const double length2 = ab.squaredNorm();
-  const double s = length2 > 0 ? std::clamp((x - a).dot(ab) / length2, 0.0, 1.0) : 0.0;
-  return (x - (a + s * ab)).norm();
-}
-
 void find_neighbours(SurfaceMesh& mesh) {
   struct HalfEdge {
     int low, high, triangle, edge;
@@ -169,6 +162,13 @@ Vector3d bulge_gradient(const SurfaceMesh& mesh, int t, const std::array<double,
   const auto& b = mesh.bulge[static_cast<std::size_t>(t)];
   // dH/dw_k at the corners' unit weights: the gradient of a function of the weights is linear_gradient of its partials
   return linear_gradient(mesh, t, {w[1] * b[0] + w[2] * b[2], w[0] * b[0] + w[2] * b[1], w[1] * b[1] + w[0] * b[2]});
+}
+
+double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b) {
+  const Vector3d ab = b - a;
+  const double length2 = ab.squaredNorm();
+  const double s = length2 > 0 ? std::clamp((x - a).dot(ab) / length2, 0.0, 1.0) : 0.0;
+  return (x - (a + s * ab)).norm();
 }
 
 std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {

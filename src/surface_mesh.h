@@ -49,6 +49,8 @@ Vector3d bulge_gradient(const SurfaceMesh& mesh, int triangle, const std::array<
 /// Gradient in a triangle's plane of the linear interpolation of three corner values.
 Vector3d linear_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& corner_values);
 
+double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b);
+
 /// Per triangle a lower bound of the distance of all its points to the rim: exact enough to tell apart distances
 /// up to `reach`, beyond that only known to be larger. Infinity on a closed surface.
 std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach);

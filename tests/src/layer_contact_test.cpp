@@ -153,8 +153,8 @@ TEST(LayerContact, HemispheresKeepTheCosine) {
       const double p_0 = (contact.area.array() * r.pressure.array() * cosine.array()).sum() / (2 * kPi * 400 / 3);
       return (r.pressure / p_0 - cosine).lpNorm<Eigen::Infinity>();
     };
-    EXPECT_LT(error(30, Rim::Free), fit == LayerFit::OneTerm ? 0.02 : 0.06) << name(fit);
-    EXPECT_LT(error(60, Rim::Free), fit == LayerFit::OneTerm ? 0.01 : 0.04) << name(fit);
+    EXPECT_LT(error(30, Rim::Free), fit == LayerFit::OneTerm ? 0.02 : 0.035) << name(fit);
+    EXPECT_LT(error(60, Rim::Free), fit == LayerFit::OneTerm ? 0.01 : 0.03) << name(fit);
     EXPECT_GT(error(30, Rim::Wall), 0.10) << name(fit);  // walled in, it is another problem
   }
 }
@@ -162,7 +162,8 @@ TEST(LayerContact, HemispheresKeepTheCosine) {
 // A rigid paraboloid and a parabolic cylinder on one layer, and between two, against quadrature of the exact response.
 // Tolerances: the errors of the rational laws, rounded up. One term runs into a constant for short waves, so its
 // pressure ends like a spring bed's and the contact is too wide; force and peak do not care once the contact is twice
-// as wide as the layer is thick. Two terms have all three within 2%, but for contacts as narrow as the layer.
+// as wide as the layer is thick. Two terms have force and peak within 0.8%, the area within 1.6%, of contacts as narrow
+// as the layer 4%.
 TEST(LayerContact, ParabolicPunchesAgainstTheExactResponse) {
   const double t_s = 2.0, t_t = 1.5, R = 25;
   struct Row {
@@ -171,13 +172,20 @@ TEST(LayerContact, ParabolicPunchesAgainstTheExactResponse) {
     double force[2], peak[2], extent[2];  // one term, two terms
   };
   const Row rows[] = {
-      {0.45, 0.4, false, false, {0.006, 0.006}, {0.006, 0.006}, {0.13, 0.015}},
-      {0.45, 0.4, true, false, {0.006, 0.006}, {0.006, 0.010}, {0.12, 0.015}},
-      {0.45, 0.4, false, true, {0.003, 0.006}, {0.003, 0.006}, {0.07, 0.015}},
-      {0.45, 0.1, false, false, {0.045, 0.018}, {0.04, 0.03}, {0.27, 0.045}},
-      {0.4999, 0.4, false, false, {0.006, 0.010}, {0.012, 0.010}, {0.12, 0.02}},
-      {0.4999, 0.4, false, true, {0.006, 0.013}, {0.006, 0.013}, {0.06, 0.02}},
-      {0.3, 0.4, false, false, {0.015, 0.005}, {0.005, 0.005}, {0.16, 0.015}},
+      {0.45, 0.4, false, false, {0.006, 0.008}, {0.006, 0.008}, {0.13, 0.016}},
+      {0.45, 0.4, true, false, {0.006, 0.008}, {0.006, 0.008}, {0.12, 0.016}},
+      {0.45, 0.4, true, true, {0.003, 0.008}, {0.003, 0.008}, {0.07, 0.016}},
+      {0.45, 0.4, false, true, {0.003, 0.008}, {0.003, 0.008}, {0.07, 0.016}},
+      {0.45, 0.1, false, false, {0.045, 0.008}, {0.04, 0.008}, {0.27, 0.035}},
+      {0.45, 0.1, true, false, {0.04, 0.008}, {0.03, 0.008}, {0.25, 0.035}},
+      {0.45, 0.1, false, true, {0.012, 0.008}, {0.006, 0.008}, {0.13, 0.02}},
+      {0.45, 1.25, false, false, {0.003, 0.008}, {0.003, 0.008}, {0.07, 0.016}},
+      {0.49, 0.4, false, false, {0.003, 0.008}, {0.01, 0.008}, {0.12, 0.016}},
+      {0.4999, 0.4, false, false, {0.006, 0.008}, {0.012, 0.008}, {0.12, 0.016}},
+      {0.4999, 0.1, false, false, {0.025, 0.008}, {0.003, 0.008}, {0.25, 0.035}},
+      {0.4999, 0.4, false, true, {0.006, 0.008}, {0.006, 0.008}, {0.06, 0.016}},
+      {0.3, 0.4, false, false, {0.015, 0.008}, {0.005, 0.008}, {0.16, 0.016}},
+      {0.3, 0.1, false, false, {0.08, 0.008}, {0.09, 0.008}, {0.31, 0.04}},
   };
   for (const Row& row : rows) {
     analytic::ParabolicPunch punch;
@@ -239,50 +247,63 @@ TEST(LayerContact, QuadratureOfAThickLayerIsHertz) {
   EXPECT_NEAR(r.radius / std::sqrt(R * depth), 1, 0.01);
 }
 
-// A strip whose end is free, against plane-strain finite elements, nu = 0.45: a load that fades out at the end, and a
-// load away from it; flat, and three times as thick in the middle as at the end. Error of the sinking relative to its
-// greatest value, further than one thickness from the end, and closer. q = 0 is right but for the corner itself, where
-// the end bulges more than the law knows; walling the end in is wrong far into the strip.
+// A strip whose end is free, against plane-strain finite elements: a load that fades out at the end, a load away from
+// it, and one that goes on to the corner; flat, and three times as thick in the middle as at the end. Error of the
+// sinking relative to its greatest value, further than one thickness from the end, and closer. With two terms the
+// edge's own softness (L7) is there too; walling the end in is wrong far into the strip.
 TEST(LayerContact, StripWithAFreeEndAgainstFiniteElements) {
-  const double E = kE, nu = 0.45, t_0 = 2, length = 12;
+  const double E = kE, t_0 = 2, length = 12;
   const int m = 120;
+  enum Load { Fading, Away, Even };
   struct Row {
-    bool wedge, fading;
-    double far_free, near_free, far_wall;  // the first two are upper bounds, the last a lower one
+    double nu;
+    bool wedge;
+    Load load;
+    double far[2], near[2];  // one term, two terms: upper bounds
+    double far_wall;         // a lower one
   };
-  for (const Row& row : {Row{false, true, 0.02, 0.30, 0.15}, Row{false, false, 0.05, 0.19, 0.12},
-                         Row{true, true, 0.035, 0.07, 0.0}, Row{true, false, 0.07, 0.11, 0.0}}) {
+  for (const Row& row :
+       {Row{0.45, false, Fading, {0.02, 0.02}, {0.30, 0.28}, 0.15},
+        Row{0.45, false, Away, {0.05, 0.03}, {0.19, 0.16}, 0.12},
+        Row{0.45, false, Even, {0.09, 0.05}, {0.70, 0.10}, 0.4},
+        Row{0.45, true, Fading, {0.035, 0.03}, {0.07, 0.06}, 0.0},
+        Row{0.45, true, Away, {0.07, 0.02}, {0.11, 0.10}, 0.0}, Row{0.3, false, Even, {0.05, 0.03}, {0.70, 0.10}, 0.0},
+        Row{0.4999, false, Even, {0.14, 0.07}, {1.10, 0.20}, 0.4}}) {
     const auto thickness = [&](double x) { return row.wedge ? t_0 * (1 + 0.5 * std::cos(kPi * x / length)) : t_0; };
     const auto load = [&](double x) {
-      if (row.fading) return std::cos(kPi * x / (2 * length));
+      if (row.load == Even) return 1.0;
+      if (row.load == Fading) return std::cos(kPi * x / (2 * length));
       return x > length / 2 ? 0.5 - 0.5 * std::cos(4 * kPi * x / length) : 0.0;
     };
-    const std::vector<double> exact = analytic::plane_strain_layer(E, nu, length, thickness, load, true, m, 12);
+    const std::vector<double> exact = analytic::plane_strain_layer(E, row.nu, length, thickness, load, true, m, 12);
     const double scale = *std::max_element(exact.begin(), exact.end() - m / 6);
-    for (Rim end : {Rim::Free, Rim::Wall}) {
-      const SurfaceMesh surface = test::rectangle(m, 2, length, 2 * length / m);
-      const auto mesh = std::make_shared<LayerMesh>(make_layer_mesh(surface));
-      LayerOperator layer(mesh, layer_law({E, nu}, LayerFit::OneTerm),
-                          test::rim_where(surface, *mesh, [&](const Vector3d& x) {
-                            return x.x() > 0.9999 * length ? end : Rim::Wall;
-                          }));
-      layer.set_thickness(to_vector(at_feet(surface, [&](const Vector3d& x) { return thickness(x.x()); })));
-      const VectorXd w = layer.sinking(at_feet(surface, [&](const Vector3d& x) { return load(x.x()); }));
-      double far = 0, near = 0;
-      for (int i = 0; i < surface.size(); ++i) {
-        const double x = surface.centroid(i).x(), u = x / length * m;
-        const std::size_t k = static_cast<std::size_t>(u);
-        const double reference = exact[k] + (u - static_cast<double>(k)) * (exact[k + 1] - exact[k]);
-        double& worst = x < length - t_0 ? far : near;
-        worst = std::max(worst, std::abs(w[i] - reference) / scale);
+    for (std::size_t fit = 0; fit < 2; ++fit)
+      for (Rim end : {Rim::Free, Rim::Wall}) {
+        const SurfaceMesh surface = test::rectangle(m, 2, length, 2 * length / m);
+        const auto mesh = std::make_shared<LayerMesh>(make_layer_mesh(surface));
+        LayerOperator layer(mesh, layer_law({E, row.nu}, kFits[fit]),
+                            test::rim_where(surface, *mesh, [&](const Vector3d& x) {
+                              return x.x() > 0.9999 * length ? end : Rim::Wall;
+                            }));
+        layer.set_thickness(to_vector(at_feet(surface, [&](const Vector3d& x) { return thickness(x.x()); })));
+        const VectorXd w = layer.sinking(at_feet(surface, [&](const Vector3d& x) { return load(x.x()); }));
+        double far = 0, near = 0;
+        for (int i = 0; i < surface.size(); ++i) {
+          const double x = surface.centroid(i).x(), u = x / length * m;
+          const std::size_t k = static_cast<std::size_t>(u);
+          const double reference = exact[k] + (u - static_cast<double>(k)) * (exact[k + 1] - exact[k]);
+          double& worst = x < length - t_0 ? far : near;
+          worst = std::max(worst, std::abs(w[i] - reference) / scale);
+        }
+        const std::string what = std::string(name(kFits[fit])) + " nu " + std::to_string(row.nu) +
+                                 (row.wedge ? " wedge" : " flat") + " load " + std::to_string(row.load);
+        if (end == Rim::Free) {
+          EXPECT_LT(far, row.far[fit]) << what;
+          EXPECT_LT(near, row.near[fit]) << what;
+        } else {
+          EXPECT_GT(far, row.far_wall) << what;
+        }
       }
-      if (end == Rim::Free) {
-        EXPECT_LT(far, row.far_free) << row.wedge << row.fading;
-        EXPECT_LT(near, row.near_free) << row.wedge << row.fading;
-      } else {
-        EXPECT_GT(far, row.far_wall) << row.wedge << row.fading;
-      }
-    }
   }
 }
 

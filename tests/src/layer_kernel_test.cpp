@@ -82,36 +82,40 @@ TEST(LayerKernel, RationalLawHasTheFirstTermsOfTheSeries) {
 }
 
 // Bounds are measured ones, rounded up: 1% for s <= 1 is what (L2) was chosen for; it holds at 0.3 (0.97%) and is
-// missed by a hair at 0.4999 (1.03%). Beyond, one term runs into its constant while (L1) falls like 1/s.
+// missed by a hair at 0.4999 (1.03%). Beyond, one term runs into its constant while (L1) falls like 1/s; two terms
+// follow it.
 TEST(LayerKernel, RationalLawAgainstTheExactOne) {
   struct Row {
-    double nu, one_to_1, one_to_2, one_to_3, two_to_3, two_to_10;
+    double nu, one_to_1, one_to_2, one_to_3;
   };
-  for (const Row& row : {Row{0.3, 0.010, 0.12, 0.38, 0.013, 0.04}, Row{0.4, 0.005, 0.08, 0.30, 0.025, 0.085},
-                         Row{0.45, 0.002, 0.052, 0.25, 0.033, 0.15}, Row{0.49, 0.008, 0.023, 0.20, 0.041, 0.24},
-                         Row{0.4999, 0.0105, 0.015, 0.185, 0.043, 0.27}}) {
+  for (const Row& row : {Row{0.3, 0.010, 0.12, 0.38}, Row{0.4, 0.005, 0.08, 0.30}, Row{0.45, 0.002, 0.052, 0.25},
+                         Row{0.49, 0.008, 0.023, 0.20}, Row{0.4999, 0.0105, 0.015, 0.185}}) {
     const Elasticity layer{11.85, row.nu};
     EXPECT_LT(relative_error(layer, LayerFit::OneTerm, 1), row.one_to_1) << row.nu;
     EXPECT_LT(relative_error(layer, LayerFit::OneTerm, 2), row.one_to_2) << row.nu;
     EXPECT_LT(relative_error(layer, LayerFit::OneTerm, 3), row.one_to_3) << row.nu;
-    EXPECT_LT(relative_error(layer, LayerFit::TwoTerms, 1), 0.01) << row.nu;
-    EXPECT_LT(relative_error(layer, LayerFit::TwoTerms, 3), row.two_to_3) << row.nu;
-    EXPECT_LT(relative_error(layer, LayerFit::TwoTerms, 10), row.two_to_10) << row.nu;
   }
-  for (double nu : {0.0, 0.1, 0.2, 0.25, 0.29}) EXPECT_LT(relative_error({1, nu}, LayerFit::TwoTerms, 3), 0.12) << nu;
+  for (double nu : {0.0, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.48, 0.49, 0.4999, 0.5}) {
+    EXPECT_LT(relative_error({11.85, nu}, LayerFit::TwoTerms, 1), 0.0085) << nu;
+    EXPECT_LT(relative_error({11.85, nu}, LayerFit::TwoTerms, 3), 0.0135) << nu;
+    EXPECT_LT(relative_error({11.85, nu}, LayerFit::TwoTerms, 10), 0.017) << nu;
+  }
 }
 
 TEST(LayerKernel, RationalLawsArePositiveWithRealPoles) {
   for (LayerFit fit : {LayerFit::OneTerm, LayerFit::TwoTerms}) {
     for (double nu = 0.0; nu <= 0.5; nu += 0.001) {
       const LayerLaw law = layer_law({1, nu}, fit);
-      double sum = law.local;
+      double sum = law.local + law.square;
       for (std::size_t k = 0; k < static_cast<std::size_t>(law.terms); ++k) {
         EXPECT_GT(law.beta[k], 0) << nu;
         sum += law.weight[k];
       }
       EXPECT_NEAR(sum, law.confined, 1e-12) << nu;
-      for (double s : {0.01, 0.3, 1.0, 3.0, 10.0, 100.0}) EXPECT_GT(law(s), 0) << nu;
+      for (double s : {0.01, 0.3, 1.0, 3.0, 10.0, 100.0}) {
+        EXPECT_GT(law(s), 0) << nu;
+        EXPECT_LE(law(s), law.largest()) << nu;
+      }
     }
   }
 }
