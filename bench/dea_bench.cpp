@@ -142,18 +142,72 @@ void springs(const std::vector<int>& sizes) {
     if (n <= 300) spring_rung(n, 1, true);
 }
 
+// ---- the layer law beside the springs ----------------------------------------------------------------------------
+
+/// One equilibrium of the ball in the socket with `--law linear` and with `--law layer`.
+void law_rung(int n) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const JointModel model = test::concentric_spheres(n, 2000.0);
+  Time times[2];
+  Equilibrium e;
+  std::vector<double> seconds[2], ratios;
+  struct Case {
+    Joint joint;
+    SpringBeds beds;
+    LoadCase conditions;
+    std::vector<Pose> start;
+  };
+  std::vector<Case> cases(2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    Settings settings;
+    settings.law = k == 0 ? Law::Linear : Law::Layer;
+    Case& c = cases[k];
+    c.joint = make_joint(model, settings);
+    c.conditions = make_load_case(model, c.joint, settings, 0, 1.0);
+    c.start = reference_poses(c.joint);
+  }
+  const int springs = make_spring_beds(cases[0].joint).beds.front().springs.size();
+  const int repeats = std::clamp(60000 / springs, 1, 9);
+  for (int i = 0; i < repeats; ++i) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      Case& c = cases[k];
+      seconds[k].push_back(seconds_of([&] {
+        c.beds = make_spring_beds(c.joint);  // with the layers' factorisations, and nothing left to start from
+        e = solve_equilibrium(c.joint, c.beds, c.conditions, c.start, c.start);
+      }));
+    }
+    ratios.push_back(seconds[1].back() / seconds[0].back());
+  }
+  for (std::size_t k = 0; k < 2; ++k) times[k] = summary(seconds[k]);
+  fmt::print("{:8} {} {} {:8.1f} {:9.2f} {:5} {:5}  {:8.1e} {}\n", springs, ms(times[0]), ms(times[1]),
+             summary(ratios).middle, 1e6 * times[1].least / springs, e.iterations, e.casts,
+             e.load > 0 ? e.residual_force / e.load : 0.0, name(e.outcome));
+  if (!solved(e.outcome)) throw std::runtime_error("the ball in the socket found no balance");
+}
+
+void laws(const std::vector<int>& sizes) {
+  fmt::print(
+      "\nSprings and one equilibrium of the ball in the socket with both laws, one thread. Times in ms: least "
+      "(median).\n");
+  fmt::print("{:>8} {:>21} {:>21} {:>8} {:>9} {:>5} {:>5}  {:>8}\n", "springs", "linear", "layer", "ratio", "us/spring",
+             "iter.", "casts", "unbal./load");
+  for (int n : sizes) law_rung(n);
+}
+
 // ---- a whole analysis --------------------------------------------------------------------------------------------
 
-void whole(const std::string& feb, const std::filesystem::path& folder, int repeats) {
+void whole(const std::string& feb, Law law, const std::filesystem::path& folder, int repeats) {
   const std::string xplt = (folder / "bench.xplt").string();
   std::vector<double> joint, solve;
   std::size_t states = 0;
   JointModel model;
+  Settings settings;
+  settings.law = law;
   Analysis analysis;
   Time total;
   const Time reading = measure(repeats, [&] { model = read_feb(feb); });
   measure(repeats, [&] {
-    analysis = analyse(model, Settings{});
+    analysis = analyse(model, settings);
     joint.push_back(analysis.seconds_joint);
     solve.push_back(analysis.seconds_solve);
     states = analysis.states.size();
@@ -162,8 +216,8 @@ void whole(const std::string& feb, const std::filesystem::path& folder, int repe
   const Time j = summary(joint), s = summary(solve);
   total.least = reading.least + j.least + s.least + writing.least;
   total.middle = reading.middle + j.middle + s.middle + writing.middle;
-  fmt::print("\n{}, all {} states. Times in ms: least (median).\n", std::filesystem::path(feb).filename().string(),
-             states);
+  fmt::print("\n{}, law {}, all {} states. Times in ms: least (median).\n",
+             std::filesystem::path(feb).filename().string(), name(law), states);
   fmt::print("{:>21} {:>21} {:>21} {:>21} {:>21}\n{} {} {} {} {}\n", "read", "joint", "solve", "write", "all",
              ms(reading), ms(j), ms(s), ms(writing), ms(total));
 }
@@ -267,12 +321,14 @@ struct TemporaryFolder {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "all";
-  const std::vector<std::string> known = {"all", "springs", "hip", "read", "smoke"};
+  const std::vector<std::string> known = {"all", "springs", "laws", "hip", "read", "smoke"};
   std::vector<int> sizes;
   for (int i = 2; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
   const bool bad_size = std::any_of(sizes.begin(), sizes.end(), [](int n) { return n < 1; });
-  if (bad_size || (!sizes.empty() && what != "springs") || std::find(known.begin(), known.end(), what) == known.end()) {
-    fmt::print(stderr, "usage: dea_bench [all|hip|read|smoke|springs [N...]]    N x N facets: 2 N^2 springs\n");
+  if (bad_size || (!sizes.empty() && what != "springs" && what != "laws") ||
+      std::find(known.begin(), known.end(), what) == known.end()) {
+    fmt::print(stderr,
+               "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]]    N x N facets: 2 N^2 springs\n");
     return 2;
   }
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured, in a file too
@@ -282,10 +338,14 @@ int main(int argc, char** argv) {
     const bool smoke = what == "smoke";
     // reading first: its process is a copy of this one, which is small yet and has one thread
     if (smoke || what == "read" || what == "all") reading(smoke ? 9 : 99, folder.path);
-    if (smoke || what == "hip" || what == "all") whole(hip, folder.path, smoke ? 1 : 9);
+    if (smoke || what == "hip" || what == "all")
+      for (const Law law : {Law::Linear, Law::Layer}) whole(hip, law, folder.path, smoke ? 1 : 9);
     if (smoke) springs({22});
+    if (smoke) laws({22});
+    const bool sized = !sizes.empty();
     if (sizes.empty()) sizes = {22, 32, 45, 71, 100, 158, 224, 354, 500, 707};  // 1k .. 1M springs
     if (what == "springs" || what == "all") springs(sizes);
+    if (what == "laws" || what == "all") laws(sized ? sizes : std::vector<int>{22, 45, 100, 158, 224, 316});  // to 200k
   } catch (const std::exception& fault) {
     fmt::print(stderr, "dea_bench: {}\n", fault.what());
     return 1;

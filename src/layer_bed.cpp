@@ -12,7 +12,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// What a solver above takes for a function of the pose must be smoother than its own tolerance.
 constexpr double kTolerance = 1e-11;
 /// The derivative only directs the next step.
-constexpr double kRateTolerance = 1e-5;
+constexpr double kRateTolerance = 1e-4;
 
 /// Edges of the rim in a plane of symmetry have their mirror image beyond; elsewhere the cartilage ends there.
 std::vector<Rim> source_rim(const LayerMesh& mesh, const Layer& source) {
@@ -44,6 +44,18 @@ std::vector<Rim> target_rim(const LayerBed& layers, const SpringBed& bed, const 
   return rim;
 }
 
+/// Pressures to start from: those of the last pose, and what their rates make of the target's motion since, as seen
+/// from the source.
+Eigen::VectorXd pressures_to_start_from(const LayerBed& layers, const Pose& source, const Pose& target) {
+  if (layers.last_rates.rows() != layers.last.size()) return layers.last;
+  const Eigen::Matrix3d back = layers.last_source.rotation * source.rotation.transpose();
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(back * target.rotation * layers.last_target.rotation.transpose()));
+  Eigen::Matrix<double, 6, 1> motion;
+  motion << layers.last_source.center + back * (target.center - source.center) - layers.last_target.center,
+      turn.angle() * turn.axis();
+  return (layers.last + layers.last_rates * motion).cwiseMax(0.0);
+}
+
 }  // namespace
 
 std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
@@ -64,7 +76,7 @@ std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
   return layers;
 }
 
-void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& target) {
+void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target) {
   const ContactPair& pair = *bed.pair;
   const int n = s.size();
   s.rates.setZero(n, 6);
@@ -87,8 +99,9 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
   }
   LayerContactOptions options;
   options.tolerance = kTolerance;
-  const LayerSprings result = solve_layer_springs(contact, bed.law, pair.source_layer().elasticity,
-                                                  pair.target_layer().elasticity, overlap, layers.last, options);
+  const LayerSprings result =
+      solve_layer_springs(contact, bed.law, pair.source_layer().elasticity, pair.target_layer().elasticity, overlap,
+                          pressures_to_start_from(layers, source, target), options);
   layers.last = result.linear.pressure;
   s.complementarity = result.linear.residual;
   s.complementary = result.linear.converged;
@@ -109,13 +122,16 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
     s.per_motion[k] = r.per_overlap * per_motion;
     overlap_rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
   }
-  const ActiveRates rates = solve_active(contact, result.linear.active, overlap_rates, kRateTolerance);
+  ActiveRates rates = solve_active(contact, result.linear.active, overlap_rates, kRateTolerance, layers.last_rates);
   for (int i = 0; i < n; ++i) {
     const auto k = at(i);
     if (!result.linear.active[k]) continue;
     const double spring_compliance = result.spring_overlap[i] / result.linear.pressure[i];  // (L5)
     s.rates.row(i) = result.springs[k].per_overlap * spring_compliance * rates.pressure.row(i);
   }
+  layers.last_rates = std::move(rates.pressure);
+  layers.last_source = source;
+  layers.last_target = target;
 }
 
 }  // namespace dea

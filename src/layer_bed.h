@@ -13,14 +13,18 @@ struct LayerBed {
   std::shared_ptr<const LayerMesh> mesh;
   std::vector<Rim> rim;                         ///< of the source's layer, per edge of mesh->rim
   std::optional<LayerOperator> source, target;  ///< empty: a bare rigid surface
-  Eigen::VectorXd last;                         ///< pressures P of the last pose: where the next search starts
+
+  // where the next search starts: P of the last pose, its rates (feet x 6, as SpringStates::rates) and that pose
+  Eigen::VectorXd last;
+  Eigen::MatrixXd last_rates;
+  Pose last_source, last_target;
 };
 
 /// Throws InputError for springs that do not stand on the articular surface.
 std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed);
 
 /// Fills pressures, strains and `rates` of springs that carry nothing yet; their gaps, overlaps, feet and areas must be
-/// there. `target`: its pose.
-void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& target);
+/// there. `source`, `target`: their poses.
+void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& source, const Pose& target);
 
 }  // namespace dea

@@ -162,7 +162,7 @@ LayerPressure solve_contact(const LayerContact& contact, const VectorXd& overlap
 }
 
 ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& active, const MatrixXd& overlap_rates,
-                         double tolerance) {
+                         double tolerance, const MatrixXd& start) {
   constexpr int kMaxSteps = 1000;
   ScaledContact B(contact);
   const Index columns = overlap_rates.cols();
@@ -174,11 +174,22 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   ActiveRates result;
   MatrixXd r = B.local.cwiseInverse().asDiagonal() * overlap_rates;
   mask(r);
-  result.pressure = MatrixXd::Zero(r.rows(), columns);
-  MatrixXd d = r;
   VectorXd size(columns), goal(columns);
-  for (Index c = 0; c < columns; ++c) size[c] = B.dot(r.col(c), r.col(c));
+  const auto measure = [&] {
+    for (Index c = 0; c < columns; ++c) size[c] = B.dot(r.col(c), r.col(c));
+  };
+  measure();
   goal = tolerance * tolerance * size;
+  result.pressure = MatrixXd::Zero(r.rows(), columns);
+  if (start.size() > 0) {
+    assert(start.rows() == r.rows() && start.cols() == columns);
+    result.pressure = start;
+    mask(result.pressure);
+    r -= B.apply(result.pressure);
+    mask(r);
+    measure();
+  }
+  MatrixXd d = r;
   while ((size.array() > goal.array()).any() && B.applications < kMaxSteps) {
     MatrixXd Bd = B.apply(d);
     mask(Bd);

@@ -46,13 +46,15 @@ LayerPressure solve_contact(const LayerContact& contact, const Eigen::VectorXd& 
 
 /// Derivative of (L4) with the active set held: rates of P for rates of the overlap, both feet x columns (one per
 /// motion). Rows of feet that are not active are ignored and come back zero. `tolerance`: per column, relative.
+/// `start`: rates to start from, or empty.
 struct ActiveRates {
   Eigen::MatrixXd pressure;
   bool converged = false;
   int applications = 0;
 };
 ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& active,
-                         const Eigen::MatrixXd& overlap_rates, double tolerance = 1e-9);
+                         const Eigen::MatrixXd& overlap_rates, double tolerance = 1e-9,
+                         const Eigen::MatrixXd& start = {});
 
 /// Large strain. Each foot answers like a spring (spring_law.h) that is given the overlap
 ///     Delta* = P (t_s/M_s + t_t/M_t)                                                                            (L5)

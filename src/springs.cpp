@@ -413,7 +413,7 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
         r.per_overlap * overlap_rate(bed, s, i, at_bone ? r.strain_target - 1.0 : r.strain_target, target);
   });
 
-  if (bed.layers) press_layers(*bed.layers, bed, s, target);
+  if (bed.layers) press_layers(*bed.layers, bed, s, source, target);
 
   for (std::size_t i = 0; i < at_rim.size(); ++i) {
     const auto k = at(at_rim[i].first);

@@ -135,8 +135,8 @@ TEST(LayerContact, DoesNotDependOnThreads) {
 
 // A ball in a hemispherical socket of 4 mm cartilage (rigid radii 20 and 24 mm), moved by u: the overlap u cos(theta)
 // is a spherical harmonic of the sphere, and with q = 0 on the rim it stays one, so p keeps its shape to the rim and is
-// the bed of springs' at the same force, 2.3873 cos(theta) at 2000 N. Errors relative to the peak. The second term
-// keeps its natural condition at the rim, which disturbs a quarter of the thickness there.
+// the bed of springs' at the same force, 2.3873 cos(theta) at 2000 N. Errors relative to the peak. With two
+// terms the edge is softer than that (L7), for half a thickness.
 TEST(LayerContact, HemispheresKeepTheCosine) {
   for (LayerFit fit : kFits) {
     const auto error = [&](int n, Rim rim) {
