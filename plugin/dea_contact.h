@@ -82,7 +82,7 @@ class FEDeaContact : public FEContactInterface {
   void fault(const char* what);
 
   FEDeaSurface primary_, secondary_;
-  int law_ = 0, facets_ = 0, source_ = 0, refine_ = 1;
+  int law_ = 3, facets_ = 0, source_ = 0, refine_ = 1;
   double E_[2] = {0, 0}, nu_[2] = {0, 0};
   FEParamDouble thickness_[2];
   std::unique_ptr<Bed> bed_;

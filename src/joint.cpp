@@ -450,7 +450,9 @@ std::string not_held(const Recognition& r, int root, int cartilage, const std::s
 }
 
 Law law_of(const Recognition& r, const Contact& contact) {
-  return r.settings.law.value_or(contact.dea ? contact.dea->law.value_or(Law::Linear) : Law::Linear);
+  // layers know nothing of springs that stand on the bone
+  const Law usual = r.settings.springs_at == SpringsAt::Articular ? Law::Layer : Law::Linear;
+  return r.settings.law.value_or(contact.dea ? contact.dea->law.value_or(usual) : usual);
 }
 
 Facets facets_of(const Recognition& r, const Contact& contact) {
@@ -727,9 +729,6 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
                                contact.dea ? fmt::format("in the contact as <{0}_E> and <{0}_nu>, or ", tag) : "",
                                s.name, s.name));
     }
-    if (law_of(r, contact) == Law::Layer && layer.elasticity.nu < 0)
-      throw refuse(
-          fmt::format("nu = {:g}; the layer law needs 0 <= nu < 0.5: use another with --law", layer.elasticity.nu));
     if (!(layer.elasticity.E > 0) || !(layer.elasticity.nu > -1 && layer.elasticity.nu < 0.5))
       throw refuse(fmt::format(
           "E = {:g}, nu = {:g}; need E > 0 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed)",

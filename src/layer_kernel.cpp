@@ -76,7 +76,7 @@ LayerLaw two_terms(double nu) {
   law.local = x[0];
   law.weight = {x[1], x[2]};
   law.square = x[3];
-  law.edge = 0.86;
+  law.edge = 0.5;
   return law;
 }
 
@@ -88,7 +88,7 @@ double layer_compliance(const Elasticity& layer, double s) {
 }
 
 LayerLaw layer_law(const Elasticity& layer, LayerFit fit) {
-  assert(layer.E > 0 && layer.nu >= 0 && layer.nu <= 0.5);
+  assert(layer.E > 0 && layer.nu > -1 && layer.nu <= 0.5);
   LayerLaw law = fit == LayerFit::OneTerm ? one_term(layer.nu) : two_terms(layer.nu);
   law.local /= layer.E;
   law.confined /= layer.E;

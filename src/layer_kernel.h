@@ -24,10 +24,11 @@ double layer_compliance(const Elasticity& layer, double s);
 ///     nu >= 0.3:  beta = [1 - (3-4nu)(4nu^2+2nu-1)/(20 nu (4nu-1))] / (1-nu)                the second (Pade)
 ///     nu <  0.3:  beta = 1/(1-nu),  hence alpha = (3-4nu)/(3(1-2nu))                        (truncation)
 /// TwoTerms (L2b): beta_0 = 2, beta_1 = 0.155 for every nu; the weights give the first term of (L1) and its values at
-/// s = 2 and 9. Within 1.7% of (L1) for s <= 10, 0 <= nu <= 0.5.
-/// Beside a free edge, d away, the layer gives way more by  t edge exp(-3.45 d/t) p,  edge = 0.86/E (TwoTerms only).
+/// s = 2 and 9. Within 1.7% of (L1) for s <= 10, 0 <= nu <= 0.5;
+/// within 12% for nu < 0.
+/// Beside a free edge, d away, the layer gives way more by  t edge exp(-2.6 d/t) p,  edge = 0.5/E (TwoTerms only).
 /// (L7) Nothing here grows without bound as nu -> 0.5. Positive for all s, which makes the operator positive definite.
-inline constexpr double kEdgeDecay = 3.45;
+inline constexpr double kEdgeDecay = 2.6;
 struct LayerLaw {
   double local = 0.0;                     ///< compliance left for short waves [1/MPa], > 0
   int terms = 0;                          ///< 1 or 2

@@ -80,7 +80,7 @@ struct LayerOperator::State {
   std::vector<std::array<int, 6>> slot;                        // per triangle: where its entries are in the matrix
   std::vector<int> diagonal;                                   // per node
   std::vector<int> rim_slot;                                   // per rim edge: its off-diagonal entry
-  std::vector<char> held;                                      // per node: q = 0
+  std::array<std::vector<char>, 2> held;                       // per term and node: q = 0
   std::vector<double> mass;                                    // M_t, with the matrix's pattern
   cholmod_dense* solution = nullptr;                           // work space of cholmod_solve2
   cholmod_dense* work_y = nullptr;
@@ -139,11 +139,11 @@ struct LayerOperator::State {
   }
 
   /// M_t, K_t3 and the rim's term over sqrt(beta), all with the pattern of the matrix.
-  void assemble(std::vector<double>& stiffness, std::vector<double>& beyond) {
+  void assemble(std::vector<double>& stiffness, std::array<std::vector<double>, 2>& beyond) {
     const std::size_t entries = at(static_cast<const int*>(matrix->p)[mesh->nodes]);
     mass.assign(entries, 0.0);
     stiffness.assign(entries, 0.0);
-    beyond.assign(entries, 0.0);
+    beyond.fill(std::vector<double>(entries, 0.0));
     std::vector<double> volume(mesh->triangles.size(), 0.0), area(mesh->triangles.size(), 0.0);
     for (std::size_t f = 0; f < mesh->area.size(); ++f) {
       const std::size_t t = at(mesh->foot_triangle[f]);
@@ -160,31 +160,37 @@ struct LayerOperator::State {
       }
     }
     for (std::size_t k = 0; k < rim.size(); ++k) {
-      if (rim[k] != Rim::Continues) continue;
+      if (rim[k] == Rim::Wall) continue;
       const RimEdge& edge = mesh->rim[k];
       const double h = volume[at(edge.triangle)] / area[at(edge.triangle)];
       const double share = h * h * edge.length / 6;
-      beyond[at(diagonal[at(edge.a)])] += 2 * share;
-      beyond[at(diagonal[at(edge.b)])] += 2 * share;
-      beyond[at(rim_slot[k])] += share;
+      for (std::size_t term = rim[k] == Rim::Free ? 1 : 0; term < 2; ++term) {
+        beyond[term][at(diagonal[at(edge.a)])] += 2 * share;
+        beyond[term][at(diagonal[at(edge.b)])] += 2 * share;
+        beyond[term][at(rim_slot[k])] += share;
+      }
     }
   }
 
-  /// Where nothing is beyond, what bulges escapes: q = 0.
+  /// At a free edge what bulges escapes: q = 0 in the first term. The second decays within 0.4 t, which few meshes
+  /// resolve: held, it would make coarse edges stiff; it goes on as beyond a loaded patch, and (L7) adds what is
+  /// missing.
   void find_held() {
-    std::vector<char> carries(at(mesh->nodes), 0);
-    held.assign(at(mesh->nodes), 0);
+    std::vector<char> carries(at(mesh->nodes), 0), edge(at(mesh->nodes), 0);
     for (std::size_t k = 0; k < rim.size(); ++k)
-      if (rim[k] == Rim::Free) held[at(mesh->rim[k].a)] = held[at(mesh->rim[k].b)] = 1;
+      if (rim[k] == Rim::Free) edge[at(mesh->rim[k].a)] = edge[at(mesh->rim[k].b)] = 1;
     for (std::size_t f = 0; f < thickness.size(); ++f)
-      for (const int v : mesh->triangles[at(mesh->foot_triangle[f])]) (thickness[f] > 0 ? carries : held)[at(v)] = 1;
-    for (std::size_t v = 0; v < carries.size(); ++v) held[v] |= !carries[v];
+      for (const int v : mesh->triangles[at(mesh->foot_triangle[f])]) (thickness[f] > 0 ? carries : edge)[at(v)] = 1;
+    for (std::size_t term = 0; term < 2; ++term) {
+      held[term].resize(carries.size());
+      for (std::size_t v = 0; v < carries.size(); ++v) held[term][v] = !carries[v] || (term == 0 && edge[v]);
+    }
   }
 
   /// t (local + edge), with (L7) from the nearest free edge: from each edge to the triangles around, as far as it is
   /// felt.
   void find_own() {
-    constexpr double kFelt = 1.5;  // times the thickness: exp(-5) of the edge's own
+    constexpr double kFelt = 2.0;  // times the thickness: exp(-5) of the edge's own
     std::vector<double> distance(thickness.size(), std::numeric_limits<double>::infinity());
     const double reach = kFelt * *std::max_element(thickness.begin(), thickness.end());
     std::vector<int> seen(mesh->triangles.size(), -1), front;
@@ -222,7 +228,8 @@ struct LayerOperator::State {
   void factorise() {
     find_held();
     find_own();
-    std::vector<double> stiffness, beyond;
+    std::vector<double> stiffness;
+    std::array<std::vector<double>, 2> beyond;
     assemble(stiffness, beyond);
     const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
     double* x = static_cast<double*>(matrix->x);
@@ -230,8 +237,9 @@ struct LayerOperator::State {
       const double beta = law.beta[k], root = std::sqrt(beta);
       for (int column = 0; column < mesh->nodes; ++column)
         for (int s = p[column]; s < p[column + 1]; ++s) {
-          const bool fixed = held[at(column)] || held[at(rows[s])];  // the row says q = 0; the pattern stays
-          x[s] = fixed ? (rows[s] == column ? 1.0 : 0.0) : mass[at(s)] + beta * stiffness[at(s)] + root * beyond[at(s)];
+          const bool fixed = held[k][at(column)] || held[k][at(rows[s])];  // the row says q = 0; the pattern stays
+          x[s] =
+              fixed ? (rows[s] == column ? 1.0 : 0.0) : mass[at(s)] + beta * stiffness[at(s)] + root * beyond[k][at(s)];
         }
       cholmod_factorize(matrix, factor[k], &common);
       check();
@@ -243,7 +251,7 @@ struct LayerOperator::State {
   Eigen::Map<const Eigen::MatrixXd> solve(std::size_t term, Eigen::MatrixXd& load) {
     for (Eigen::Index c = 0; c < load.cols(); ++c)
       for (Eigen::Index v = 0; v < load.rows(); ++v)
-        if (held[static_cast<std::size_t>(v)]) load(v, c) = 0.0;
+        if (held[term][static_cast<std::size_t>(v)]) load(v, c) = 0.0;
     cholmod_dense right{};
     right.nrow = right.d = static_cast<std::size_t>(load.rows());
     right.ncol = static_cast<std::size_t>(load.cols());

@@ -13,7 +13,7 @@ namespace dea {
 
 /// What is beyond an edge of the source's rim, for a layer.
 enum class Rim {
-  Free,      ///< nothing, the bulge escapes: q = 0, and beside the edge the layer is softer (L7)
+  Free,      ///< nothing, the bulge escapes: q = 0 in the first term; the second as in Continues, and (L7)
   Wall,      ///< its mirror image (plane of symmetry): dq/dn = 0
   Continues  ///< more of the layer, without load: beta t^3 dq/dn = -sqrt(beta) t^2 q
 };

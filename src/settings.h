@@ -42,7 +42,7 @@ struct Settings {
   std::string contact;  ///< only this contact pair; empty: every one that joins two bodies
   std::string source;   ///< body whose layer carries the springs; empty: the contact's primary side
   SpringsAt springs_at = SpringsAt::Articular;
-  std::optional<Law> law;                     ///< empty: what the contact says, or linear
+  std::optional<Law> law;                     ///< empty: what the contact says, or layer; springs at the bone: linear
   LayerFit layer_fit = LayerFit::TwoTerms;    ///< of Law::Layer
   std::optional<double> interface_stiffness;  ///< [pressure/length], > 0; empty: rigid
   std::optional<Facets> facets;               ///< empty: what the contact says, or curved

@@ -31,7 +31,8 @@ constexpr OptionHelp kOptions[] = {
     {"springs-at", "articular|bone", kCartilage,
      "Surface of the source's layer on which the springs stand [articular]"},
     {"law", "linear|logarithmic|neo-Hookean|layer", kCartilage,
-     "Pressure as a function of strain; layer: springs that share the cartilage's sideways flow [linear]"},
+     "Pressure as a function of strain; layer: springs that share the cartilage's sideways flow; the others: a spring "
+     "bed [layer; springs at the bone: linear]"},
     {"layer-terms", "1|2", kCartilage,
      "Law layer: terms of the law; one is faster, and too wide at the edge of contact [2]"},
     {"interface-stiffness", "STIFFNESS", kCartilage,

@@ -47,9 +47,9 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
     for (const Layer& layer : pair.layers)
       if (pair.law == Law::Layer && std::count(layer.mirror.begin(), layer.mirror.end(), 0) < std::ssize(layer.mirror))
         throw UsageError(
-            "--law layer: the model has planes of symmetry, which end where its cartilage becomes rigid, and a contact "
-            "of "
-            "type dea would take the rim there for a free edge; convert a model without them, or use another law");
+            "the model has planes of symmetry, which end where its cartilage becomes rigid, and a contact of type dea "
+            "with law layer would take the rim there for a free edge; convert with --law linear, or a model without "
+            "such planes");
     plan.converted[at(pair.contact)] = 1;
     any = true;
   }

@@ -16,7 +16,7 @@ namespace {
 
 using analytic::ConcentricSpheres;
 
-StateResult last_state(const JointModel& model, const Settings& settings = {}) {
+StateResult last_state(const JointModel& model, const Settings& settings = test::linear()) {
   return analyse(model, settings).states.back();
 }
 
@@ -46,7 +46,7 @@ const SphereCase kSphereCases[] = {
 TEST(ConcentricSpheresTest, PeakOfEveryVariantAndSource) {
   for (const SphereCase& c : kSphereCases) {
     for (double load : {100.0, 2000.0, 4000.0}) {
-      Settings settings;
+      Settings settings = test::linear();
       settings.source = c.source;
       settings.springs_at = c.springs_at;
       const StateResult state = last_state(test::concentric_spheres(50, load, c.two_layers), settings);
@@ -66,7 +66,7 @@ TEST(ConcentricSpheresTest, SecondOrder) {
   for (Facets facets : {Facets::Curved, Facets::Flat}) {
     std::vector<double> error;
     for (int n : {10, 20, 40, 80}) {
-      Settings settings;
+      Settings settings = test::linear();
       settings.facets = facets;
       const StateResult state = last_state(test::concentric_spheres(n, load), settings);
       const double u = state.equilibrium.poses[1].center.z();
@@ -105,7 +105,7 @@ TEST(EquilibriumTest, SphereCenterIsFoundAndUsed) {
   JointModel model = test::concentric_spheres(24, 2000.0);
   model.materials[2].center_of_mass = Vector3d(5, 2, -30);  // far from where the force can act
   release(model, 2);
-  Settings settings;
+  Settings settings = test::linear();
   settings.load_at["ball"].sphere_center = true;
   const StateResult state = last_state(model, settings);
   EXPECT_EQ(state.equilibrium.outcome, Outcome::Balanced) << state.equilibrium.message;
@@ -123,7 +123,7 @@ TEST(EquilibriumTest, FromFarApartAndFromDeepOverlap) {
     test::prescribe(model, 2, 2, start);
     model.rigid_prescribed.back().step = 0;
     for (RigidLoad& l : model.rigid_loads) l.step = 1;
-    const Analysis analysis = analyse(model, {});
+    const Analysis analysis = analyse(model, test::linear());
     const Equilibrium& e = analysis.states.back().equilibrium;
     EXPECT_EQ(e.outcome, Outcome::Balanced) << "start " << start << ": " << e.message;
     EXPECT_NEAR(e.poses[1].center.z(), u, 1e-6) << "start " << start;
@@ -164,7 +164,7 @@ TEST(EquilibriumTest, EccentricLoadTiltsThePlate) {
   JointModel model = test::flat_plates(12, 20, h, 0.0, b);
   test::fix(model, 2, {true, true, false, true, false, true});
   test::force(model, 2, {0, 0, -F});
-  Settings settings;
+  Settings settings = test::linear();
   settings.load_at["plate"] = {false, Vector3d(offset, 0, 0)};
   settings.source = "plate";
   const StateResult state = last_state(model, settings);
@@ -190,7 +190,7 @@ TEST(EquilibriumTest, NewtonIsSuperlinear) {
 TEST(EquilibriumTest, IterationsDoNotGrowWithTheSprings) {
   int least = 1000, most = 0;
   for (int refine : {1, 2, 4, 8}) {
-    Settings settings;
+    Settings settings = test::linear();
     settings.refine = refine;
     const StateResult state = last_state(test::concentric_spheres(24, 2000.0), settings);
     least = std::min(least, state.equilibrium.iterations);
@@ -215,7 +215,7 @@ struct Numbers {
   Vector3d motion;
 };
 
-Numbers numbers(const JointModel& model, const Settings& settings = {}) {
+Numbers numbers(const JointModel& model, const Settings& settings = test::linear()) {
   const StateResult s = last_state(model, settings);
   EXPECT_EQ(s.equilibrium.outcome, Outcome::Balanced) << s.equilibrium.message;
   const ContactStatistics& c = s.statistics[0];
@@ -314,7 +314,7 @@ TEST(Invariance, ExchangeOfSurfacesAgreesToFirstOrderInDepth) {
   double difference[2];
   for (int i = 0; i < 2; ++i) {
     const double load = i == 0 ? 2000.0 : 1000.0;
-    Settings ball;
+    Settings ball = test::linear();
     ball.source = "ball";
     const Numbers a = numbers(test::concentric_spheres(50, load, true)),
                   b = numbers(test::concentric_spheres(50, load, true), ball);

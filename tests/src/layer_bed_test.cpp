@@ -95,7 +95,7 @@ TEST(LayerBed, InterfaceIsInSeries) {
 TEST(LayerBed, ConcentricSpheresKeepTheCosine) {
   const JointModel model = concentric_spheres(24, 200);
   Settings settings = layer_settings(LayerFit::OneTerm);
-  const Analysis linear = analyse(model, {}), layer = analyse(model, settings);
+  const Analysis linear = analyse(model, test::linear()), layer = analyse(model, settings);
   const StateResult& state = layer.states.back();
   EXPECT_EQ(state.equilibrium.outcome, Outcome::Balanced) << state.equilibrium.message;
   EXPECT_LT(state.equilibrium.residual_force, 1e-8 * 200);
@@ -104,7 +104,7 @@ TEST(LayerBed, ConcentricSpheresKeepTheCosine) {
               0.012 * linear.states.back().statistics[0].peak);
   const std::vector<double>&p = state.fields[0].sides[0].pressure,
         &q = linear.states.back().fields[0].sides[0].pressure;
-  for (std::size_t f = 0; f < p.size(); ++f) EXPECT_NEAR(p[f], q[f], 0.02 * state.statistics[0].peak);
+  for (std::size_t f = 0; f < p.size(); ++f) EXPECT_NEAR(p[f], q[f], 0.03 * state.statistics[0].peak);
 }
 
 /// Forces and moments against central differences. The active set and the target's thickness under the springs are held
@@ -187,9 +187,10 @@ TEST(LayerBed, NeedsArticularSprings) {
   Settings settings = layer_settings();
   settings.springs_at = SpringsAt::Bone;
   EXPECT_THROW(make_joint(concentric_spheres(4, 100), settings), UsageError);
+  settings.law.reset();  // what nobody asked for gives way
+  EXPECT_EQ(make_joint(concentric_spheres(8, 100, true), settings).contacts[0].law, Law::Linear);
   settings.springs_at = SpringsAt::Articular;
-  settings.nu[""] = -0.2;
-  EXPECT_THROW(make_joint(concentric_spheres(4, 100), settings), InputError);
+  EXPECT_EQ(make_joint(concentric_spheres(8, 100, true), settings).contacts[0].law, Law::Layer);
 }
 
 }  // namespace

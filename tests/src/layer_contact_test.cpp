@@ -267,8 +267,8 @@ TEST(LayerContact, StripWithAFreeEndAgainstFiniteElements) {
         Row{0.45, false, Away, {0.05, 0.03}, {0.19, 0.16}, 0.12},
         Row{0.45, false, Even, {0.09, 0.05}, {0.70, 0.10}, 0.4},
         Row{0.45, true, Fading, {0.035, 0.03}, {0.07, 0.06}, 0.0},
-        Row{0.45, true, Away, {0.07, 0.02}, {0.11, 0.10}, 0.0}, Row{0.3, false, Even, {0.05, 0.03}, {0.70, 0.10}, 0.0},
-        Row{0.4999, false, Even, {0.14, 0.07}, {1.10, 0.20}, 0.4}}) {
+        Row{0.45, true, Away, {0.07, 0.02}, {0.11, 0.11}, 0.0}, Row{0.3, false, Even, {0.05, 0.03}, {0.70, 0.10}, 0.0},
+        Row{0.4999, false, Even, {0.14, 0.09}, {1.10, 0.20}, 0.4}}) {
     const auto thickness = [&](double x) { return row.wedge ? t_0 * (1 + 0.5 * std::cos(kPi * x / length)) : t_0; };
     const auto load = [&](double x) {
       if (row.load == Even) return 1.0;

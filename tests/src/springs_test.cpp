@@ -52,7 +52,7 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
   for (SpringsAt where : {SpringsAt::Articular, SpringsAt::Bone}) {
     for (Law law : {Law::Linear, Law::Logarithmic, Law::NeoHookean}) {
       for (const char* source : {"low", "high"}) {
-        Settings settings;
+        Settings settings = test::linear();
         settings.springs_at = where;
         settings.law = law;
         settings.source = source;
@@ -91,7 +91,7 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
 
 TEST(Springs, ContactForcesAreOppositeAndActAlongTheSameLines) {
   const JointModel model = saddles();
-  const Joint joint = make_joint(model, {});
+  const Joint joint = make_joint(model, test::linear());
   const SpringBeds beds = make_spring_beds(joint);
   const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
              t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
@@ -109,7 +109,7 @@ TEST(Springs, FlatPlates) {
   const JointModel model = test::flat_plates(7, size, h, 0.0);
   for (SpringsAt where : {SpringsAt::Articular, SpringsAt::Bone}) {
     for (int refine : {1, 3}) {
-      Settings settings;
+      Settings settings = test::linear();
       settings.springs_at = where;
       settings.refine = refine;
       const Joint joint = make_joint(model, settings);
@@ -134,7 +134,7 @@ TEST(Springs, FlatPlates) {
 TEST(Springs, CoverageIsTheOverlappingArea) {
   const double size = 10, plate = 6.3, h = 2, d = 0.1;
   const JointModel model = test::flat_plates(9, size, h, 0.0, plate);
-  const Joint joint = make_joint(model, {});
+  const Joint joint = make_joint(model, test::linear());
   const SpringBeds beds = make_spring_beds(joint);
   const double p = confined_modulus(test::kE, test::kNu) * d / h;
   for (double shift : {0.0, 0.1, 0.37, 1.0, 1.4, 2.0, 4.0}) {
@@ -184,7 +184,7 @@ TEST(Springs, SphereOnFlatLayerCarriesTheCapVolume) {
     double error[2];
     for (int level = 0; level < 2; ++level) {
       const JointModel model = sphere_on_flat(20 << level, R, h, 12.0);
-      Settings settings;
+      Settings settings = test::linear();
       settings.facets = facets;
       const Joint joint = make_joint(model, settings);
       const SpringBeds beds = make_spring_beds(joint);
@@ -207,7 +207,7 @@ TEST(Springs, SphereAsSourceCarriesPiRdSquared) {
   const double R = 25, h = 2, M = confined_modulus(test::kE, test::kNu);
   for (double d : {0.4, 0.2}) {
     const JointModel model = sphere_on_flat(60, R, h, d == 0.4 ? 12.0 : 8.5);
-    Settings settings;
+    Settings settings = test::linear();
     settings.source = "ball";
     const Joint joint = make_joint(model, settings);
     const SpringBeds beds = make_spring_beds(joint);
@@ -221,7 +221,7 @@ TEST(Springs, SphereAsSourceCarriesPiRdSquared) {
 // Exact on a sphere: the middle of a facet is lifted onto it, whatever the shape of the facets.
 TEST(SurfaceMesh, BulgeLiftsFacetsOntoTheirSphere) {
   const JointModel model = test::concentric_spheres(24, 1.0);
-  const Joint joint = make_joint(model, {});
+  const Joint joint = make_joint(model, test::linear());
   const SurfaceMesh& ball = joint.contacts[0].layers[1].articular;
   double worst_flat = 0, worst = 0;
   for (int t = 0; t < ball.size(); ++t) {
@@ -238,7 +238,7 @@ TEST(SurfaceMesh, BulgeLiftsFacetsOntoTheirSphere) {
 
 TEST(SurfaceMesh, BulgeGradientMeetsFiniteDifferences) {
   const JointModel model = saddles();
-  const Joint joint = make_joint(model, {});
+  const Joint joint = make_joint(model, test::linear());
   const SurfaceMesh& mesh = joint.contacts[0].layers[0].articular;
   const std::array<double, 3> w = {0.2, 0.3, 0.5};
   for (int t = 0; t < mesh.size(); t += 7) {
@@ -256,7 +256,7 @@ TEST(SurfaceMesh, BulgeGradientMeetsFiniteDifferences) {
 
 TEST(Springs, SameBitsForAnyNumberOfThreads) {
   const JointModel model = saddles();
-  Settings settings;
+  Settings settings = test::linear();
   settings.refine = 6;
   const Joint joint = make_joint(model, settings);
   const SpringBeds beds = make_spring_beds(joint);
@@ -275,7 +275,7 @@ TEST(Springs, SameBitsForAnyNumberOfThreads) {
 /// Surfaces apart have no stiffness of their own: the closing one takes a force to just beyond first touch.
 TEST(ClosingStiffness, TakesAForceToFirstTouch) {
   // flat plates 0.3 apart: the motion along z is the gap and a hundredth of the layer's 2 mm
-  const Joint flat = make_joint(test::flat_plates(4, 10, 2, 0.3), {});
+  const Joint flat = make_joint(test::flat_plates(4, 10, 2, 0.3), test::linear());
   const SpringBeds plates = make_spring_beds(flat);
   const SpringBed& bed = plates.beds[0];
   std::vector<Pose> poses = reference_poses(flat);
@@ -290,7 +290,7 @@ TEST(ClosingStiffness, TakesAForceToFirstTouch) {
   EXPECT_NEAR(K.norm(), K(2, 2), 1e-12 * K(2, 2));  // held dofs: nothing
 
   // a ball in a socket, pushed sideways after it was drawn back: it lands on the springs, none deeper than 2% of 4 mm
-  const Joint spheres = make_joint(test::concentric_spheres(10, 2000), {});
+  const Joint spheres = make_joint(test::concentric_spheres(10, 2000), test::linear());
   const SpringBeds beds = make_spring_beds(spheres);
   poses = reference_poses(spheres);
   const SpringBed& ball = beds.beds[0];

@@ -10,6 +10,13 @@
 
 namespace dea::test {
 
+/// The law whose answers on paper the tests know.
+inline Settings linear() {
+  Settings settings;
+  settings.law = Law::Linear;
+  return settings;
+}
+
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kE = 11.85, kNu = 0.45;
 
