@@ -23,8 +23,10 @@ std::vector<Rim> source_rim(const LayerMesh& mesh, const Layer& source) {
 }
 
 /// Beyond an edge of the source's rim the target goes on where the spring beside the edge stands well inside the
-/// target.
-std::vector<Rim> target_rim(const LayerBed& layers, const SpringBed& bed, const SpringStates& s) {
+/// target in the reference pose. (Judged anew in every pose, it would make pressures jump.)
+std::vector<Rim> target_rim(const LayerBed& layers, const SpringBed& bed) {
+  const SpringStates s = project_springs(bed, {bed.source_center, Eigen::Matrix3d::Identity()},
+                                         {bed.target_center, Eigen::Matrix3d::Identity()});
   const LayerMesh& mesh = *layers.mesh;
   std::vector<int> foot_of_triangle(mesh.triangles.size(), -1);
   for (int f = 0; f < mesh.feet(); ++f)
@@ -42,6 +44,37 @@ std::vector<Rim> target_rim(const LayerBed& layers, const SpringBed& bed, const 
     rim.push_back(inside ? Rim::Continues : Rim::Free);
   }
   return rim;
+}
+
+/// The target's thickness at the springs' ends; where a spring meets nothing, that of the nearest triangle whose
+/// springs do. Taken for nothing there, the layer's edge would jump by a triangle whenever a spring slides off the
+/// target.
+std::vector<double> target_thickness(const LayerMesh& mesh, const SpringStates& s) {
+  std::vector<double> of_triangle(mesh.triangles.size(), 0.0);
+  std::vector<int> front;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    int met = 0;
+    for (const int f : mesh.triangle_feet[t]) {
+      of_triangle[t] += s.t_target[at(f)];
+      met += s.triangle[at(f)] >= 0;
+    }
+    if (met == 0) continue;
+    of_triangle[t] /= met;
+    front.push_back(static_cast<int>(t));
+  }
+  std::vector<char> known(mesh.triangles.size(), 0);
+  for (const int t : front) known[at(t)] = 1;
+  for (std::size_t i = 0; i < front.size(); ++i)
+    for (const int next : mesh.neighbours[at(front[i])]) {
+      if (next < 0 || known[at(next)]) continue;
+      known[at(next)] = 1;
+      of_triangle[at(next)] = of_triangle[at(front[i])];
+      front.push_back(next);
+    }
+  std::vector<double> thickness = s.t_target;
+  for (int f = 0; f < mesh.feet(); ++f)
+    if (s.triangle[at(f)] < 0) thickness[at(f)] = of_triangle[at(mesh.foot_triangle[at(f)])];
+  return thickness;
 }
 
 /// Pressures to start from: those of the last pose, and what their rates make of the target's motion since, as seen
@@ -72,7 +105,7 @@ std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
     for (const auto& t : springs.corner_thickness) thickness.push_back((t[0] + t[1] + t[2]) / 3.0);
     layers->source->set_thickness(thickness);
   }
-  if (!target.rigid) layers->target.emplace(layers->mesh, layer_law(target.elasticity, fit), layers->rim);
+  if (!target.rigid) layers->target.emplace(layers->mesh, layer_law(target.elasticity, fit), target_rim(*layers, bed));
   return layers;
 }
 
@@ -93,8 +126,7 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
   }
   if (layers.source) contact.source = &*layers.source;
   if (layers.target) {
-    layers.target->set_rim(target_rim(layers, bed, s));
-    layers.target->set_thickness(s.t_target);
+    layers.target->set_thickness(target_thickness(*layers.mesh, s));
     contact.target = &*layers.target;
   }
   LayerContactOptions options;
@@ -122,6 +154,18 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
     s.per_motion[k] = r.per_overlap * per_motion;
     overlap_rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
   }
+  // Over the target's rim the foot moves in its plane, and the area that carries its pressure changes.
+  Eigen::MatrixXd force_rates = Eigen::MatrixXd::Zero(s.rim.empty() ? 0 : n, 6);
+  for (const RimSpring& rim : s.rim) {
+    const int i = rim.spring;
+    const auto k = at(i);
+    if (!result.linear.active[k]) continue;
+    const Vector3d gradient = source_overlap_gradient(bed, s, i, s.strain_source[k], source) -
+                              overlap_rate(bed, s, i, s.strain_target[k], target);
+    overlap_rates.row(i) += gradient.transpose() * rim.foot_rate.leftCols<6>();
+    force_rates.row(i) = result.linear.pressure[i] * rim.area_rate.head<6>().transpose();
+  }
+  if (!s.rim.empty()) overlap_rates -= spread(contact, force_rates);
   ActiveRates rates = solve_active(contact, result.linear.active, overlap_rates, kRateTolerance, layers.last_rates);
   for (int i = 0; i < n; ++i) {
     const auto k = at(i);

@@ -20,7 +20,7 @@ struct LayerBed {
   Pose last_source, last_target;
 };
 
-/// Throws InputError for springs that do not stand on the articular surface.
+/// Throws InputError for springs that do not stand on the articular surface. `bed`: all but its layers.
 std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed);
 
 /// Fills pressures, strains and `rates` of springs that carry nothing yet; their gaps, overlaps, feet and areas must be

@@ -52,6 +52,12 @@ VectorXd local_compliance(const LayerContact& contact) {
   return local;
 }
 
+MatrixXd spread(const LayerContact& contact, const MatrixXd& force) {
+  LayerContact whole = contact;
+  whole.area = VectorXd::Ones(contact.area.size());
+  return sinking(whole, force) - local_compliance(whole).asDiagonal() * force;
+}
+
 namespace {
 
 /// The contact divided by the local compliance: B p = b with B = C/local, b = overlap/local, and the inner product

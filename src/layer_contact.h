@@ -24,6 +24,10 @@ Eigen::MatrixXd sinking(const LayerContact& contact, const Eigen::MatrixXd& pres
 /// Compliance of each foot for itself, the sum of t local over the layers [mm/MPa]: what is left for short waves.
 Eigen::VectorXd local_compliance(const LayerContact& contact);
 
+/// The part of w that forces [N] on the feet bring about by what flows sideways, without what each foot gives way for
+/// itself; both feet x columns. Linear in the force, whatever area carries it.
+Eigen::MatrixXd spread(const LayerContact& contact, const Eigen::MatrixXd& force);
+
 struct LayerContactOptions {
   double tolerance = 1e-9;      ///< of `residual`: far below any mesh's error, so that a solver above sees a function
   int max_applications = 1000;  ///< of the compliance; a stop

@@ -311,11 +311,6 @@ void LayerOperator::set_thickness(const std::vector<double>& thickness) {
   state_->factorise();
 }
 
-void LayerOperator::set_rim(std::vector<Rim> rim) {
-  assert(rim.size() == state_->mesh->rim.size());
-  state_->rim = std::move(rim);
-}
-
 const std::vector<double>& LayerOperator::own() const { return state_->own; }
 const LayerMesh& LayerOperator::mesh() const { return *state_->mesh; }
 const LayerLaw& LayerOperator::law() const { return state_->law; }

@@ -67,9 +67,6 @@ class LayerOperator {
   LayerOperator(LayerOperator&&) noexcept;
   LayerOperator& operator=(LayerOperator&&) noexcept;
 
-  /// Before set_thickness: other conditions at the rim, one per edge of mesh.rim.
-  void set_rim(std::vector<Rim> rim);
-
   /// Assembles and factorises for these thicknesses, per foot, >= 0 [mm]: once for the source, once per pose for the
   /// target, whose thickness is the one at the springs' ends.
   void set_thickness(const std::vector<double>& thickness);

@@ -285,6 +285,20 @@ Vector3d overlap_rate(const SpringBed& bed, const SpringStates& s, int i, double
   return target.rotation * Vector3d(-m / mn - (gradient - m * (direction.dot(gradient) / mn)));
 }
 
+Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& s, int i, double strain_source,
+                                 const Pose& source) {
+  const Layer& layer = bed.pair->source_layer();
+  const SurfaceMesh& mesh = layer.spring_surface();
+  const int t = bed.springs.surface_triangle[at(i)];
+  const Vector3d foot = bed.source_center + source.rotation.transpose() * (s.foot[at(i)] - source.center);
+  Vector3d gradient =
+      bulge_gradient(mesh, t, weights_in({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}, foot));
+  if (!layer.rigid)
+    gradient += ((layer.springs_at == SpringsAt::Bone ? 1.0 : 0.0) - strain_source) *
+                thickness_gradient(mesh, layer.thickness, t);
+  return source.rotation * gradient;
+}
+
 SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target) {
   const ContactPair& pair = *bed.pair;
   const Layer &source_layer = pair.source_layer(), &target_layer = pair.target_layer();
@@ -413,11 +427,9 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
         r.per_overlap * overlap_rate(bed, s, i, at_bone ? r.strain_target - 1.0 : r.strain_target, target);
   });
 
-  if (bed.layers) press_layers(*bed.layers, bed, s, source, target);
-
   for (std::size_t i = 0; i < at_rim.size(); ++i) {
     const auto k = at(at_rim[i].first);
-    if (covered[i].fraction <= 0 || s.pressure[k] <= 0 || s.area[k] <= 0) continue;
+    if (covered[i].fraction <= 0 || s.area[k] <= 0) continue;
     const Coverage& c = covered[i];
     RimSpring rim;
     rim.spring = at_rim[i].first;
@@ -431,16 +443,18 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     rim.area_rate = functional(c.area_rate);
     rim.foot_rate = (target.rotation * c.e1) * functional(c.centroid_rate[0]).transpose() +
                     (target.rotation * c.e2) * functional(c.centroid_rate[1]).transpose();
-    // a foot shifted in its plane sees the target move the other way, and its own thickness and bulge change
-    const int tri = springs.surface_triangle[k];
-    const double per_t_source = (at_bone ? 1.0 - s.strain_source[k] : -s.strain_source[k]) * s.per_overlap[k];
-    const Vector3d foot_reference = bed.source_center + source.rotation.transpose() * (s.foot[k] - source.center);
-    const std::array<double, 3> w = weights_in(
-        {source_mesh.corner(tri, 0), source_mesh.corner(tri, 1), source_mesh.corner(tri, 2)}, foot_reference);
-    Vector3d own = s.per_overlap[k] * bulge_gradient(source_mesh, tri, w);
-    if (!source_layer.rigid) own += per_t_source * thickness_gradient(source_mesh, source_layer.thickness, tri);
-    rim.pressure_gradient = -s.per_motion[k] + source.rotation * own;
     s.rim.push_back(rim);
+  }
+
+  if (bed.layers) press_layers(*bed.layers, bed, s, source, target);
+
+  const auto bare = [&](const RimSpring& rim) { return s.pressure[at(rim.spring)] <= 0; };
+  s.rim.erase(std::remove_if(s.rim.begin(), s.rim.end(), bare), s.rim.end());
+  for (RimSpring& rim : s.rim) {
+    if (bed.layers) break;  // there it is part of the rates
+    const auto k = at(rim.spring);
+    rim.pressure_gradient =
+        -s.per_motion[k] + s.per_overlap[k] * source_overlap_gradient(bed, s, rim.spring, s.strain_source[k], source);
   }
   return s;
 }

@@ -67,7 +67,7 @@ struct RimSpring {
   Eigen::Matrix<double, 12, 1> area_rate = Eigen::Matrix<double, 12, 1>::Zero();  ///< d(area)
   Eigen::Matrix<double, 3, 12> foot_rate =
       Eigen::Matrix<double, 3, 12>::Zero();       ///< d(foot) in the source's frame (its plane)
-  Vector3d pressure_gradient = Vector3d::Zero();  ///< of the pressure along the foot's plane
+  Vector3d pressure_gradient = Vector3d::Zero();  ///< of the pressure along the foot's plane; 0 where rates have it
 };
 
 /// What the springs do at one pose. One entry per spring; global frame, current configuration.
@@ -102,6 +102,11 @@ struct SpringStates {
 /// loses by the target's thickness there, times its strain (E3). Global frame.
 Vector3d overlap_rate(const SpringBed& bed, const SpringStates& states, int i, double strain_target,
                       const Pose& target);
+
+/// How the overlap changes with the place of the spring's foot in its triangle, through the source's own bulge and
+/// thickness, per length, global frame.
+Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& states, int i, double strain_source,
+                                 const Pose& source);
 
 /// Springs whose pressure means nothing.
 struct SpringDepth {

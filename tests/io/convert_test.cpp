@@ -520,7 +520,9 @@ TEST(Convert, AnyVersionAnyWayALayerIsHeld) {
         t.more = variant == 3;
         SCOPED_TRACE(fmt::format("{}, held {}, variant {}", version, static_cast<int>(held), variant));
         write(path, model_text(t));
-        const Converted c = expect_same_joint(folder.path, path);
+        Settings settings;
+        settings.law = Law::Linear;  // on these few facets the plate would tip over on softer layers
+        const Converted c = expect_same_joint(folder.path, path, settings);
         EXPECT_EQ(c.conversion.edited, version == "4.0" && !t.one_section) << all_of(c.conversion.changes);
         EXPECT_EQ(c.model.version, "4.0");
         EXPECT_TRUE(c.model.unsupported.empty());
