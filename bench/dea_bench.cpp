@@ -94,7 +94,7 @@ void spring_rung(int n, int threads, bool turns) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   JointModel model = test::concentric_spheres(n, 2000.0);
   if (turns) model.rigid_fixed.pop_back();  // the ball's
-  const Settings settings;
+  const Settings settings = test::linear();
   Joint joint;
   SpringBeds beds;
   const Time making = measure(1, [&] {
@@ -130,7 +130,8 @@ void spring_rung(int n, int threads, bool turns) {
 }
 
 void springs(const std::vector<int>& sizes) {
-  fmt::print("\nOne equilibrium of a ball in a socket, from the reference pose. Times in ms: least (median).\n");
+  fmt::print(
+      "\nOne equilibrium of a ball in a socket, law linear, from the reference pose. Times in ms: least (median).\n");
   fmt::print("{:>8} {:>3} {:>4} {:>8} {:>21} {:>21} {:>21} {:>13} {:>5} {:>5}  {:>8}\n", "springs", "thr", "dofs",
              "joint", "rays", "project_springs", "equilibrium", "equil./rays", "iter.", "casts", "unbal./load");
   std::vector<int> threads = {1};

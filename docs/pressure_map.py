@@ -69,7 +69,7 @@ def main():
         out.append('<text x="%g" y="%g" fill="#444">largest %.2f MPa</text>' % (x0, height + 12, max(pressure)))
     total = len(panels) * width + 90
     for i in range(100):
-        out.append('<rect x="%d" y="%g" width="16" height="2.6" fill="%s"/>' % (total - 80, 300 - 2.5 * i, colour(i / 99)))
+        out.append('<rect x="%d" y="%g" width="16" height="2.6" fill="%s" shape-rendering="crispEdges"/>' % (total - 80, 300 - 2.5 * i, colour(i / 99)))
     for i in range(5):
         out.append('<text x="%d" y="%g">%.1f</text>' % (total - 58, 306 - 62 * i, top * i / 4))
     out.append('<text x="%d" y="36">MPa</text>' % (total - 80))

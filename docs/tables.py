@@ -47,17 +47,19 @@ def spheres(dea):
     for title, model, A, R, sign, options in rows:
         cells = []
         for F in (100, 2000, 4000):
-            p = last_state(dea, "spheres/%s.feb" % model, "--force", "ball=0,0,%g" % F, *options)["states"][-1]["contacts"][0]["peak_pressure"]
+            p = last_state(dea, "spheres/%s.feb" % model, "--law", "linear", "--force", "ball=0,0,%g" % F, *options)["states"][-1]["contacts"][0]["peak_pressure"]
             e = exact(A, R, sign, F)
             cells.append("%.5g | %.5g | %+.2f%%" % (e, p, 100 * (p / e - 1)))
         print("| %s | %s |" % (title, " | ".join(cells)))
 
 
 # PENALTY: the FEA contact's own compliance, taken from its result
-VARIANTS = [("articular, curved facets", []), ("articular, flat facets", ["--facets", "flat"]),
-            ("bone, curved facets", ["--springs-at", "bone"]), ("bone, flat facets", ["--springs-at", "bone", "--facets", "flat"]),
-            ("law layer", ["--law", "layer"]),
-            ("law layer, FEA penalty", ["--law", "layer", "--interface-stiffness", "PENALTY"])]
+VARIANTS = [("law layer", []),
+            ("law layer, FEA penalty", ["--interface-stiffness", "PENALTY"]),
+            ("linear, articular, curved facets", ["--law", "linear"]),
+            ("linear, articular, flat facets", ["--law", "linear", "--facets", "flat"]),
+            ("linear, bone, curved facets", ["--law", "linear", "--springs-at", "bone"]),
+            ("linear, bone, flat facets", ["--law", "linear", "--springs-at", "bone", "--facets", "flat"])]
 
 
 def penalty_stiffness(path, surface):
