@@ -34,6 +34,7 @@ RUNS = {
     "ball_loose_15x4_nu0.3": ("ball_loose", {"coarsen": (2, 1), "nu": 0.3}, 5, [("penalty30", 30, 1)]),
     "ball_loose_15x4_nu0.49": ("ball_loose", {"coarsen": (2, 1), "nu": 0.49}, 5, [("penalty30", 30, 1)]),
     "ball_tight_small": ("ball_tight", {"gap": 0.1}, 5, [("penalty30", 30, 1), ("penalty10", 10, 1)]),
+    "ball_tight_small_13x4": ("ball_tight", {"gap": 0.1, "coarsen": (2, 1)}, 10, [("penalty30", 30, 1)]),
     "ball_loose_small": ("ball_loose", {"gap": 0.1}, 5, [("penalty30", 30, 1)]),
 }
 BALLS = {"ball_tight": 25.0, "ball_loose": 30.0}  # radius of the socket; the ball's is 24, 0.02 apart
