@@ -166,7 +166,8 @@ def penalty_compliance():
 
 def extrapolation():
     """Linear in 1/penalty from two runs, and what dea finds without anything in series."""
-    print("\nPenalty to infinity, linearly in 1/penalty from two runs\n\n| model | from | peak | p99 | mean, p > 0.1 | `--law layer`, nothing in series |\n" + "|---" * 6 + "|")
+    print("\nPenalty to infinity, linearly in 1/penalty from two runs\n\n| model | from | peak | p99 | mean, p > 0.1 | `--law layer`, nothing in series |\n"
+          + "|---" * 6 + "|")
     for model, pairs in {"hip_walking": [(20, 50), (50, 100), (100, 200)], "ball_tight": [(10, 30), (30, 100)], "ball_loose": [(10, 30), (30, 100)]}.items():
         for a, b in pairs:
             names = ["%s_penalty%d" % (model, p) for p in (a, b)]
@@ -281,7 +282,8 @@ def own_tables():
         if not fea(case):
             continue
         body = "femur" if case.startswith("hip") else "ball"
-        variants = [("as it is", SERIES, {}), ("nothing in series", LAYER, {}), ("`--refine 2`", SERIES + ("--refine", "2"), {}), ("`--refine 3`", SERIES + ("--refine", "3"), {}),
+        variants = [("as it is", SERIES, {}), ("nothing in series", LAYER, {}),
+                    ("`--refine 2`", SERIES + ("--refine", "2"), {}), ("`--refine 3`", SERIES + ("--refine", "3"), {}),
                     ("`--facets flat`", SERIES + ("--facets", "flat"), {}), ("`--source %s`" % body, SERIES + ("--source", body), {}),
                     ("`--layer-terms 1`", SERIES + ("--layer-terms", "1"), {})]
         if EXPERIMENT:
@@ -293,7 +295,7 @@ def own_tables():
 
 
 def poisson():
-    print("\nPoisson's ratio: loose ball, 15 x 15 facets, 4 elements deep (the mesh's own error is in the first table)")
+    print("\nPoisson's ratio: loose ball, 15 x 15 facets, 4 elements deep (what this mesh is worth is above)")
     entries = []
     for case in ("ball_loose_15x4_nu0.3_penalty30", "ball_loose_15x4_penalty30", "ball_loose_15x4_nu0.49_penalty30"):
         if fea(case):

@@ -9,6 +9,7 @@ The cases of a run share a mesh and differ in the contact's penalty and the load
 takes a few iterations each. Nothing in these models remembers (elastic, no friction), so the order does not matter. RUN_CASE.feb is the
 model as it would be for that case alone.
 """
+import itertools
 import math
 import os
 import re
@@ -54,25 +55,21 @@ def nodes_of(text, part): return {i: tuple(map(float, v)) for i, v in rows(secti
 
 
 def rebuild(text, place, new_nodes, hexes, quads):
-    """The mesh with other nodes: place: sets of nodes that a new node lies between -> its number."""
+    """The mesh with other nodes. `place`: the old nodes that a new one lies between -> its number; `hexes`, `quads`: an old element's new ones."""
     for part, nodes in new_nodes.items():
         lines = "".join('\t\t\t<node id="%d">%.10g,%.10g,%.10g</node>\n' % (i, *x) for i, x in sorted(nodes.items()))
         text = replace(r'(<Nodes name="%s">).*?(</Nodes>)' % part, text, lambda m: m.group(1) + "\n" + lines + "\t\t" + m.group(2))
-    number = 0
 
-    def elements(m):
-        nonlocal number
+    def written(body, tag, numbers):
         lines = ""
-        for _, e in rows(m.group(4)):
-            e = tuple(map(int, e))
-            for new in (hexes if len(e) == 8 else quads)(e):
-                number += 1
-                lines += '\t\t\t<%s id="%d">%s</%s>\n' % (m.group(1) or "elem", number, ",".join(map(str, new)), m.group(1) or "elem")
-        return "%s\n%s\t\t%s" % (m.group(2), lines, m.group(5))
-    text = replace(r'()(<Elements type="\w+" (name="\w+")>)(.*?)(</Elements>)', text, elements)
-    number = 0
-    text = re.sub(r'(<Surface (name="\w+")>)(.*?)(</Surface>)', lambda m: elements(re.match(r"(quad4)(.*?>)()(.*)(</Surface>)", "quad4" + m.group(0), re.S)),
-                  text, flags=re.S)
+        for _, old in rows(body):
+            old = tuple(map(int, old))
+            for new in (hexes if len(old) == 8 else quads)(old):
+                lines += '\t\t\t<%s id="%d">%s</%s>\n' % (tag, next(numbers), ",".join(map(str, new)), tag)
+        return "\n" + lines + "\t\t"
+    numbers = itertools.count(1)
+    text = replace(r'(<Elements type="\w+" name="\w+">)(.*?)(</Elements>)', text, lambda m: m.group(1) + written(m.group(2), "elem", numbers) + m.group(3))
+    text = replace(r'(<Surface name="\w+">)(.*?)(</Surface>)', text, lambda m: m.group(1) + written(m.group(2), "quad4", itertools.count(1)) + m.group(3))
 
     def node_set(m):
         old = set(map(int, m.group(2).split(",")))
@@ -185,7 +182,8 @@ def with_case(text, penalty, load):
 def with_cases(text, steps, cases):
     """One run through all cases: the first at time 2, the next at 3, ..."""
     def curve(number, name, points, shape="LINEAR"):
-        return ('\t\t<load_controller id="%d" name="%s" type="loadcurve"><interpolate>%s</interpolate><extend>CONSTANT</extend><points>%s</points></load_controller>\n'
+        return ('\t\t<load_controller id="%d" name="%s" type="loadcurve"><interpolate>%s</interpolate><extend>CONSTANT</extend>'
+                '<points>%s</points></load_controller>\n'
                 % (number, name, shape, "".join("<pt>%g,%g</pt>" % p for p in points)))
     text = replace(r"<time_steps>20<", text, "<time_steps>%d<" % steps)
     text = replace(r"<(step_size|dtmax)>0.05<", text, lambda m: "<%s>%.10g<" % (m.group(1), 1 / steps))
