@@ -26,9 +26,9 @@ RUNS = {
     "hip_walking_coarse4deep": ("hip_walking", {"coarsen": (2, 1), "refine": "thickness"}, 10, [("penalty20", 10, 1), ("penalty50", 25, 1)]),
     "ball_tight": ("ball_tight", {}, 10, [("penalty30", 30, 1), ("penalty10", 10, 1), ("", 30, 1), ("penalty100", 100, 1), ("penalty300", 300, 1)]),
     "ball_loose": ("ball_loose", {}, 10, [("penalty30", 30, 1), ("penalty10", 10, 1), ("penalty100", 100, 1), ("penalty300", 300, 1)]),
-    "ball_tight_13x2": ("ball_tight", {"coarsen": (2, 2)}, 8, [("penalty30", 60, 1)]),
+    "ball_tight_13x2": ("ball_tight", {"coarsen": (2, 2)}, 5, [("penalty30", 60, 1)]),
     "ball_tight_13x4": ("ball_tight", {"coarsen": (2, 1)}, 8, [("penalty30", 30, 1)]),
-    "ball_tight_26x2": ("ball_tight", {"coarsen": (1, 2)}, 8, [("penalty30", 60, 1)]),
+    "ball_tight_26x2": ("ball_tight", {"coarsen": (1, 2)}, 5, [("penalty30", 60, 1)]),
     "ball_tight_52x2": ("ball_tight", {"coarsen": (1, 2), "refine": "plane"}, 5, [("penalty30", 60, 1)]),
     "ball_loose_15x2": ("ball_loose", {"coarsen": (2, 2)}, 5, [("penalty30", 60, 1)]),
     "ball_loose_15x4": ("ball_loose", {"coarsen": (2, 1)}, 5, [("penalty30", 30, 1)]),
@@ -36,9 +36,10 @@ RUNS = {
     "ball_loose_15x4_nu0.49": ("ball_loose", {"coarsen": (2, 1), "nu": 0.49}, 5, [("penalty30", 30, 1)]),
     "ball_tight_small": ("ball_tight", {"gap": 0.1}, 5, [("penalty30", 30, 1), ("penalty10", 10, 1)]),
     "ball_tight_small_13x4": ("ball_tight", {"gap": 0.1, "coarsen": (2, 1)}, 10, [("penalty30", 30, 1)]),
-    "ball_loose_small": ("ball_loose", {"gap": 0.1}, 5, [("penalty30", 30, 1)]),
+    "ball_loose_small_15x4": ("ball_loose", {"gap": 0.1, "coarsen": (2, 1)}, 10, [("penalty30", 30, 1)]),
 }
 BALLS = {"ball_tight": 25.0, "ball_loose": 30.0}  # radius of the socket; the ball's is 24, 0.02 apart
+SEATING = "ball_tight_13x2", "ball_tight_26x2", "ball_tight_52x2"  # their state at 0.8 of the seating is cut out, too: RUN_seating80.xplt
 GRIDS = {"ball_tight": [(27, 27)] * 2, "ball_loose": [(31, 31)] * 2, "hip_walking": [(53, 53), (49, 19)]}  # nodes of each part's layers
 
 
@@ -228,12 +229,14 @@ def main(what, reference, out):
         with open(plot, "rb") as f:
             data = f.read()
         head, found = states(data)
-        for time, (name, penalty, load) in enumerate(cases, 2):
+        for time, (name, penalty, load) in [(0.8, ("seating80" if run in SEATING else "", 0, 0))] + list(enumerate(cases, 2)):
             span = next((s[1:] for s in found if abs(s[0] - time) < 1e-4), None)
             if not name or not span:
                 continue
             with open(os.path.join(out, "%s_%s.xplt" % (run, name)), "wb") as f:
                 f.write(data[:head] + data[span[0]:span[1]])
+            if name == "seating80":
+                continue
             with open(os.path.join(out, "%s_%s.feb" % (run, name)), "w") as f:
                 f.write(with_case(text, penalty, load))
 
