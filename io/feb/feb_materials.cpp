@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include "error.h"
 #include "feb_reading.h"
 #include "febio_material.h"
+#include "load_curve.h"
 
 namespace dea::feb {
 namespace {
@@ -15,7 +17,14 @@ MaterialTree::Constant read_constant(const Reading& reading, const XMLElement& e
   const std::string text = text_of(element);
   const std::string kind = attribute(element, "type");
   const auto value = whole_double(text);
-  if (!kind.empty() && kind != "const") {
+  const bool math = kind == "math" || (kind.empty() && !value);
+  if (math && element.Attribute("lc") == nullptr && is_leaf(element) && expression_fault(text, {}).empty()) {
+    try {
+      constant.value = constant_value(text);
+    } catch (const InputError& error) {
+      constant.why = fmt::format("{}: {}", element.Name(), error.what());
+    }
+  } else if (!kind.empty() && kind != "const") {
     constant.why = fmt::format("{} is a {}, not one number", element.Name(), quote(kind));
   } else if (element.Attribute("lc") != nullptr) {
     constant.why = fmt::format("{} follows a load controller", element.Name());
