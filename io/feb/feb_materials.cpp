@@ -64,8 +64,13 @@ void read_material(Reading& reading, const XMLElement& element) {
            fmt::format("material id {} exists twice: {} and {}", *id, quote(other.name), quote(material.name)));
     }
   }
-  if (!reading.material_index.emplace(material.name, static_cast<int>(reading.model.materials.size())).second) {
-    fail(reading, element, fmt::format("material {} exists twice: rename one", quote(material.name)));
+  const int place = static_cast<int>(reading.model.materials.size());
+  if (!reading.material_index.emplace(material.name, place).second) {
+    if (reading.rules->unique_materials)
+      fail(reading, element, fmt::format("material {} exists twice: rename one", quote(material.name)));
+    reading.ambiguous_materials.insert(material.name);  // old files number them; a fault where the name is used
+    material.name = fmt::format("{} (material {})", material.name, *id);
+    reading.material_index.emplace(material.name, place);
   }
   material.type = need_attribute(reading, element, "type");
   material.rigid = material.type == "rigid body";

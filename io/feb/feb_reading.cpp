@@ -159,6 +159,13 @@ int child_body(const Reading& reading, const XMLElement& element, const char* ta
   return need_rigid(reading, *child, text_of(*child));
 }
 
+int find_material(const Reading& reading, const XMLElement& element, const std::string& name) {
+  const auto place = reading.material_index.find(name);
+  if (reading.ambiguous_materials.count(name) > 0)
+    fail(reading, element, fmt::format("several materials are called {}: name it by its id", quote(name)));
+  return place == reading.material_index.end() ? -1 : place->second;
+}
+
 int need_rigid(const Reading& reading, const XMLElement& element, const std::string& id_or_name) {
   const JointModel& model = reading.model;
   int index = -1;
@@ -168,8 +175,7 @@ int need_rigid(const Reading& reading, const XMLElement& element, const std::str
     }
   }
   for (const std::string& name : {id_or_name, std::string(trim(id_or_name))}) {
-    const auto place = reading.material_index.find(name);
-    if (index < 0 && place != reading.material_index.end()) index = place->second;
+    if (index < 0) index = find_material(reading, element, name);
   }
   if (index < 0) {
     fail(reading, element,

@@ -26,8 +26,9 @@ using SectionReader = void (*)(Reading&, const XMLElement& section);
 /// What differs between the versions.
 struct Rules {
   const char* version;
-  bool nested_k_adds;  ///< the k of nested uncoupled materials is added to the top-level k
-  SectionReader mesh;  ///< Geometry or Mesh
+  bool nested_k_adds;     ///< the k of nested uncoupled materials is added to the top-level k
+  bool unique_materials;  ///< no two materials of one name
+  SectionReader mesh;     ///< Geometry or Mesh
   SectionReader boundary;
   SectionReader rigid;  ///< the Rigid section; null: the version has none
   SectionReader contact;
@@ -152,6 +153,7 @@ struct Reading {
   std::map<std::string, std::vector<std::string>, std::less<>> part_lists;
   std::map<std::string, std::vector<int>, std::less<>> edges;  ///< nodes of an Edge
   std::set<std::string> ambiguous_node_sets;                   ///< names with two different node lists
+  std::set<std::string> ambiguous_materials;                   ///< names of several materials
   std::size_t set_entries = 0;                                 ///< nodes and elements listed by sets so far
   std::map<std::string, SurfacePair, std::less<>> surface_pairs;
   std::vector<DiscreteMaterial> discrete_materials;
@@ -201,7 +203,7 @@ Vector3d child_vector(Reading& reading, const XMLElement& parent, const char* na
 /// Two node ids "n1,n2" as indices.
 std::array<int, 2> read_node_pair(const Reading& reading, const XMLElement& element, const std::string& what);
 /// Interpolation, way to extend and points of a curve; the element's children, or for `old` its attributes and points.
-void read_curve(Reading& reading, const XMLElement& element, bool old, LoadController& curve);
+void read_curve(const Reading& reading, const XMLElement& element, bool old, LoadController& curve);
 
 // -- references ------------------------------------------------------------------------------------
 
@@ -213,6 +215,8 @@ std::string full_name(const Reading& reading, const std::string& name);
 int need_node(const Reading& reading, const XMLElement& element, int id);
 /// Nodes of a node set, of a named Nodes section or of an implicit set ("@surface:NAME").
 std::vector<int> need_node_set(Reading& reading, const XMLElement& element, const std::string& name);
+/// Index of the material of this name, -1: none; a fault if several have it.
+int find_material(const Reading& reading, const XMLElement& element, const std::string& name);
 /// A rigid material by id or name, or a fault.
 int need_rigid(const Reading& reading, const XMLElement& element, const std::string& id_or_name);
 /// The rigid material that the child `tag` names.

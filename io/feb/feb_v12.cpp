@@ -180,8 +180,8 @@ void read_loads_12(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules12{"1.2",         true,         read_geometry,       read_boundary,
-                     nullptr,       read_contact, read_constraints_12, read_loads_12,
-                     read_discrete, true};
+const Rules kRules12{"1.2",         true,          false,        read_geometry,
+                     read_boundary, nullptr,       read_contact, read_constraints_12,
+                     read_loads_12, read_discrete, true};
 
 }  // namespace dea::feb

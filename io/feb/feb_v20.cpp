@@ -60,8 +60,11 @@ void read_discrete_20(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules20{
-    "2.0", true, read_mesh, read_boundary, nullptr, read_contacts, read_constraints_20, read_loads_20, read_discrete_20,
-    true};
+const Rules kRules20{"2.0",         true,
+                     false,         read_mesh,
+                     read_boundary, nullptr,
+                     read_contacts, read_constraints_20,
+                     read_loads_20, read_discrete_20,
+                     true};
 
 }  // namespace dea::feb

@@ -36,7 +36,8 @@ void read_constraints_25(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules25{"2.5",      true,          read_mesh, read_boundary, nullptr, read_contact, read_constraints_25,
-                     read_loads, read_discrete, true};
+const Rules kRules25{"2.5",         true,          true,         read_mesh,
+                     read_boundary, nullptr,       read_contact, read_constraints_25,
+                     read_loads,    read_discrete, true};
 
 }  // namespace dea::feb

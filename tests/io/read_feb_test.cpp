@@ -259,13 +259,19 @@ Facts facts_of(const JointModel& m) {
       pairs += fmt::format(" {}-{}", p[0], p[1]);
     facts["springs"].insert(fmt::format("{:g} {} {}", s.stiffness, s.tension_only, pairs));
   }
+  // Old formats list nodes where others name sets, so one set may be several lists.
+  std::map<std::string, std::vector<int>> held, carried;
+  const auto append = [](std::vector<int>& to, const std::vector<int>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
   for (const FixedNodes& f : m.fixed_nodes) {
     for (std::size_t i = 0; i < 3; ++i) {
-      if (f.xyz[i]) facts["fixed"].insert(fmt::format("{} step {}: {}", "xyz"[i], f.step, sorted(f.nodes)));
+      if (f.xyz[i]) append(held[fmt::format("{} step {}", "xyz"[i], f.step)], f.nodes);
     }
   }
-  for (const RigidNodes& r : m.rigid_nodes)
-    facts["rigid nodes"].insert(fmt::format("{} step {}: {}", r.material, r.step, sorted(r.nodes)));
+  for (const RigidNodes& r : m.rigid_nodes) append(carried[fmt::format("{} step {}", r.material, r.step)], r.nodes);
+  for (const auto& nodes : held) facts["fixed"].insert(nodes.first + ": " + sorted(nodes.second));
+  for (const auto& nodes : carried) facts["rigid nodes"].insert(nodes.first + ": " + sorted(nodes.second));
   for (const Contact& c : m.contacts) {
     facts["contacts"].insert(fmt::format("{} {:g} step {}: {} | {}", static_cast<int>(c.kind), c.max_distance, c.step,
                                          surface(c.primary), surface(c.secondary)));
@@ -1041,7 +1047,7 @@ TEST(ReferenceModels, AreReadWhole) {
 /// Corpus models by problem and version. Empty without the corpus.
 std::map<std::string, std::map<std::string, std::string>> corpus() {
   std::map<std::string, std::map<std::string, std::string>> problems;
-  for (const char* version : {"v2.5", "v3.0", "v4.0"}) {
+  for (const char* version : {"v1.2", "v2.0", "v2.5", "v3.0", "v4.0"}) {
     const fs::path folder = fs::path(DEA_CORPUS_DIR) / version;
     if (!fs::is_directory(folder)) continue;
     for (const auto& entry : fs::directory_iterator(folder)) {
@@ -1090,9 +1096,11 @@ TEST(CorpusModels, TheSameProblemIsTheSameInEveryFormat) {
                 "")
           << problem.first << " 3.0 - 4.0";
     }
-    if (files.count("v2.5") > 0) {
+    for (const char* version : {"v2.5", "v2.0", "v1.2"}) {
+      if (files.count(version) == 0) continue;
       ++compared;
-      EXPECT_EQ(differences(v30, facts_of(read_feb(files.at("v2.5"))), except), "") << problem.first << " 3.0 - 2.5";
+      EXPECT_EQ(differences(v30, facts_of(read_feb(files.at(version))), except), "")
+          << problem.first << " 3.0 - " << version;
     }
   }
   EXPECT_GT(compared, 0);
