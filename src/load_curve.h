@@ -8,9 +8,9 @@
 namespace dea {
 
 /// Value of a load curve at time t, or of a function of anything else. All interpolations and all four ways to extend
-/// are exact copies of FEBio's definitions (docs/formats.md); no points = 0, one point = constant. With an expression,
-/// its value. Throws InputError where an expression has no finite value, std::logic_error for a controller whose
-/// `unsupported` is not empty: readers refuse those first.
+/// are copies of FEBio's definitions (one exception in docs/formats.md); no points = 0, one point = constant. With an
+/// expression, its value. Throws InputError where an expression has no finite value, std::logic_error for a controller
+/// whose `unsupported` is not empty: readers refuse those first.
 double value(const LoadController& curve, double t);
 
 /// Why `expression` cannot be evaluated with these variables, "" if it can. FEBio's words: + - * / ^ (from left to
