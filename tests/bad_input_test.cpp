@@ -599,14 +599,22 @@ TEST(BadInput, Unsupported) {
                 with("</Rigid>", "<rigid_load name=\"cable\" type=\"rigid_cable\">\n<force>1</force>\n</rigid_load>"),
                 3,
                 "\"rigid_cable\"",
-                {"rigid_cable", "not supported"}},
+                {"rigid_cable without <rigid_cable_point>"}},
            Case{"rigid lock",
                 with("</Rigid>",
                      "<rigid_connector name=\"lock\" type=\"rigid "
                      "lock\">\n<body_a>base</body_a>\n<body_b>plate</body_b>\n</rigid_connector>"),
                 3,
                 "\"rigid lock\"",
-                {"rigid lock", "not supported"}},
+                {"rigid lock: first_axis is zero"}},
+           Case{"rigid revolute joint with a torsion spring",
+                with("</Rigid>",
+                     "<rigid_connector name=\"hinge\" type=\"rigid revolute "
+                     "joint\">\n<body_a>base</body_a>\n<body_b>plate</body_b>\n<torsion_stiffness>2</torsion_stiffness>"
+                     "\n</rigid_connector>"),
+                3,
+                "<torsion_stiffness",
+                {"rigid revolute joint with torsion_stiffness", "not supported"}},
            Case{"pressure load",
                 with("<Contact>",
                      "<Loads>\n<surface_load type=\"pressure\" surface=\"top\">\n<pressure "

@@ -75,12 +75,14 @@ void set_axes(Reading& reading, const XMLElement& element, const Direction& firs
               bool any_second, RigidJoint& joint) {
   const Vector3d a = child_vector(reading, element, first.tag, first.fallback);
   Vector3d b = child_vector(reading, element, second.tag, second.fallback);
-  if (!(a.norm() > 0)) fail(reading, element, fmt::format("{} is zero, expected a direction", first.tag));
+  if (!(a.norm() > 0))
+    fail(reading, element, fmt::format("{}: {} is zero, expected a direction", joint.type, first.tag));
   const Vector3d e0 = a.normalized();
   if (!(b.norm() > 0) || e0.cross(b.normalized()).norm() < 1e-6) {
     if (!any_second) {
       fail(reading, element,
-           fmt::format("{} and {} have the same direction, expected two different ones", first.tag, second.tag));
+           fmt::format("{}: {} and {} have the same direction, expected two different ones", joint.type, first.tag,
+                       second.tag));
     }
     b = e0.unitOrthogonal();
   }

@@ -1090,9 +1090,11 @@ TEST_F(ReadFeb, JointsThatCannotBeTakenAreUnsupportedOrRefused) {
     const std::string text = fault_of(model_and(connector(type, inside)));
     return text.substr(text.find(' ') + 1);
   };
-  EXPECT_EQ(fault_with("rigid cylindrical joint", ""), "joint_axis is zero, expected a direction");
+  EXPECT_EQ(fault_with("rigid cylindrical joint", ""),
+            "rigid cylindrical joint: joint_axis is zero, expected a direction");
   EXPECT_EQ(fault_with("rigid prismatic joint", "<translation_axis>0,1,0</translation_axis>"),
-            "translation_axis and transverse_axis have the same direction, expected two different ones");
+            "rigid prismatic joint: translation_axis and transverse_axis have the same direction, expected two "
+            "different ones");
   EXPECT_EQ(fault_with("rigid revolute joint", "<prescribed_rotation>1</prescribed_rotation><moment>1</moment>"),
             "rigid revolute joint with prescribed_rotation = 1 and a moment of 1, expected one of them");
   EXPECT_EQ(fault_of(model_and("<Rigid><rigid_load type=\"rigid_axial_force\"/></Rigid>")).substr(14),
