@@ -206,8 +206,8 @@ struct RigidCable {
 
 /// Two bodies joined at a point. Its frame: columns of `axes`, fixed in both bodies in their reference pose. Motion of
 /// B relative to A, in A's current columns: translation of B's joint point from A's along them, and the rotation vector
-/// of B relative to A. A force or moment of a Free motion acts on B along A's column, its opposite on A, so that it does
-/// work on the motion beside it (FEBio counts them on A: readers turn the sign).
+/// of B relative to A. A force or moment of a Free motion acts along A's column on A, its opposite on B, as in FEBio (so
+/// > 0 drives the motion backwards).
 /// Columns by FEBio's type:
 ///   revolute      0 rotation_axis, 1 transverse_axis; free: rotation about 0
 ///   prismatic     0 translation_axis, 1 transverse_axis; free: translation along 0

@@ -99,8 +99,7 @@ struct Free {
   const char* load;   ///< "moment"; null: none
 };
 
-/// FEBio's load acts along A's column on A, and the opposite on B; ours the other way round.
-Scaled on_b(Scaled load) {
+Scaled opposite(Scaled load) {
   load.factor = -load.factor;
   return load;
 }
@@ -132,7 +131,7 @@ void set_free(Reading& reading, const XMLElement& element, const Free& free, Rig
     return;
   }
   joint.motion[dof] = Motion::Free;
-  joint.value[dof] = on_b(load);
+  joint.value[dof] = load;
   if (load.factor != 0) refuse_lagrange(reading, element, joint.type, free.load);
 }
 
@@ -149,7 +148,7 @@ void add_moments(Reading& reading, const XMLElement& element, const RigidJoint& 
       RigidLoad load;
       load.material = a ? joint.material_a : joint.material_b;
       load.dof = 3 + i;
-      load.value = a ? moment : on_b(moment);
+      load.value = a ? moment : opposite(moment);
       set_place(reading, *child, load);
       load.name = joint.name;
       reading.model.rigid_loads.push_back(std::move(load));

@@ -1010,14 +1010,13 @@ TEST_F(ReadFeb, JointsHaveTheirAxesFirst) {
     for (const Motion motion : j.motion) text += "HFP"[static_cast<int>(motion)];
     return text;
   };
-  // FEBio's moment acts on A; ours on B.
   const RigidJoint hinge = joint("rigid revolute joint",
                                  "<joint_origin>1,2,3</joint_origin><rotation_axis>0,2,0</rotation_axis>"
                                  "<transverse_axis>0,1,1</transverse_axis><moment lc=\"1\">5</moment>");
   EXPECT_EQ(motions(hinge), "HHHFHH");
   EXPECT_EQ(hinge.joint_origin, Vector3d(1, 2, 3));
   EXPECT_LT((hinge.axes - (Eigen::Matrix3d() << 0, 0, 1, 1, 0, 0, 0, 1, 0).finished()).norm(), 1e-15);
-  EXPECT_EQ(hinge.value[3].factor, -5.0);
+  EXPECT_EQ(hinge.value[3].factor, 5.0);
   EXPECT_EQ(hinge.value[3].controller, 0);
   EXPECT_EQ(hinge.material_a, 0);
   EXPECT_EQ(hinge.material_b, 3);
@@ -1035,7 +1034,7 @@ TEST_F(ReadFeb, JointsHaveTheirAxesFirst) {
       joint("rigid prismatic joint", "<translation_axis>0,0,1</translation_axis><force>2</force>");
   EXPECT_EQ(motions(slider), "FHHHHH");
   EXPECT_EQ(slider.axes.col(0), Vector3d(0, 0, 1));
-  EXPECT_EQ(slider.value[0].factor, -2.0);
+  EXPECT_EQ(slider.value[0].factor, 2.0);
   EXPECT_EQ(motions(joint("rigid cylindrical joint",
                           "<joint_axis>0,0,1</joint_axis><prescribed_translation>1</prescribed_translation>")),
             "PHHFHH");
