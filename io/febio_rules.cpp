@@ -5,23 +5,15 @@
 
 #include <algorithm>
 
+#include "error.h"
+#include "load_curve.h"
+
 namespace dea::febio {
 
 namespace {
 
 bool one_of(std::string_view word, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(), [&](const char* candidate) { return word == candidate; });
-}
-
-template <class Condition>
-void refuse_unusable(JointModel& model, const std::vector<Condition>& conditions) {
-  for (const Condition& condition : conditions) {
-    if (condition.value.controller < 0) continue;
-    const LoadController& curve = model.controllers[static_cast<std::size_t>(condition.value.controller)];
-    if (curve.unsupported.empty()) continue;
-    model.unsupported.push_back(
-        {fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, condition.origin});
-  }
 }
 
 }  // namespace
@@ -92,17 +84,28 @@ bool is_damper(const std::string& connector_type) {
 
 void set_interpolate(LoadController& curve, int place) {
   curve.interpolate = static_cast<LoadController::Interpolate>(place);
-  const bool known = place < 3 || curve.interpolate == LoadController::Interpolate::SmoothStep;
-  if (!known)
-    curve.unsupported = fmt::format("interpolation {}", quote(kInterpolateWords[static_cast<std::size_t>(place)]));
 }
 
 void check_times(LoadController& curve) {
+  using Interpolate = LoadController::Interpolate;
+  const Interpolate kind = curve.interpolate;
+  const bool jumps = kind == Interpolate::Linear || kind == Interpolate::Step || kind == Interpolate::SmoothStep;
   for (std::size_t i = 1; i < curve.points.size() && curve.unsupported.empty(); ++i) {
     const double before = curve.points[i - 1][0], t = curve.points[i][0];
     if (t < before) curve.unsupported = fmt::format("times that go back from {:g} to {:g}", before, t);
-    if (t == before && curve.interpolate == LoadController::Interpolate::Smooth)
-      curve.unsupported = fmt::format("a smooth curve with time {:g} twice", t);
+    if (t == before && !jumps) curve.unsupported = fmt::format("a smooth curve with time {:g} twice", t);
+  }
+  // FEBio refuses these, with as many points as there are; a smooth curve takes any number.
+  const std::size_t least = jumps || kind == Interpolate::Smooth ? 0 : kind == Interpolate::C2Smooth ? 3 : 2;
+  if (curve.points.size() < least && curve.unsupported.empty()) {
+    curve.unsupported = fmt::format("{} points, interpolation {} needs {}", curve.points.size(),
+                                    quote(kInterpolateWords[static_cast<std::size_t>(kind)]), least);
+  }
+  if (!curve.unsupported.empty() || jumps || curve.points.size() < 2) return;
+  try {
+    value(curve, (curve.points.front()[0] + curve.points.back()[0]) / 2);
+  } catch (const InputError& error) {
+    curve.unsupported = error.what();
   }
 }
 
@@ -118,8 +121,12 @@ std::vector<double> must_points(const LoadController& curve, double begin, doubl
 }
 
 void refuse_unusable_controllers(JointModel& model) {
-  refuse_unusable(model, model.rigid_prescribed);
-  refuse_unusable(model, model.rigid_loads);
+  for_each_controller(model, [&](int controller, Origin origin) {
+    if (controller < 0) return;
+    const LoadController& curve = model.controllers[static_cast<std::size_t>(controller)];
+    if (curve.unsupported.empty()) return;
+    model.unsupported.push_back({fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, origin});
+  });
 }
 
 }  // namespace dea::febio

@@ -46,12 +46,26 @@ inline constexpr std::array<const char*, 8> kInterpolateWords = {
     "linear", "step", "smooth", "cubic spline", "control points", "approximation", "smooth step", "C2-smooth"};
 inline constexpr std::array<const char*, 4> kExtendWords = {"constant", "extrapolate", "repeat", "repeat offset"};
 
-/// `place` in kInterpolateWords; one that cannot be evaluated makes the curve unsupported.
+/// `place` in kInterpolateWords.
 void set_interpolate(LoadController& curve, int place);
-/// Times a curve cannot be evaluated with; refused only where the curve is used.
+/// Times or a number of points that a curve cannot be evaluated with; refused only where the curve is used.
 void check_times(LoadController& curve);
 /// Times of `curve` inside a step from `begin` to `end` that a result must have.
 std::vector<double> must_points(const LoadController& curve, double begin, double end);
+/// Calls `f` with the controller and the origin of everything that a controller may scale.
+template <class F>
+void for_each_controller(JointModel& model, F f) {
+  for (auto& c : model.rigid_prescribed) f(c.value.controller, c.origin);
+  for (auto& c : model.rigid_loads) f(c.value.controller, c.origin);
+  for (auto& c : model.rigid_followers) f(c.controller, c.origin);
+  for (auto& c : model.rigid_axial_forces) f(c.force.controller, c.origin);
+  for (auto& c : model.rigid_cables) f(c.force.controller, c.origin);
+  for (auto& c : model.rigid_joints) {
+    for (Scaled& value : c.value) f(value.controller, c.origin);
+  }
+  for (auto& c : model.nodal_forces) f(c.controller, c.origin);
+  for (auto& c : model.discrete_springs) f(c.scale.controller, c.origin);
+}
 /// Lists as unsupported every use of a controller that cannot be evaluated.
 void refuse_unusable_controllers(JointModel& model);
 

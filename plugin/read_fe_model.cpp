@@ -564,10 +564,15 @@ void add_rigid_load(Reading& reading, FEModelLoad& fe, bool moment) {
   } else if (flag(fe, "relative")) {
     unsupported(reading, fmt::format("{} with relative = 1", what));
   } else {
-    reading.model.rigid_loads.push_back({body_of(reading, fe), moment ? 3 + dof : dof,
-                                         need_scaled(reading, fe, "value"),
-                                         load_type == 1 ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead,
-                                         step_of(reading, fe), fe.GetName(), kNowhere});
+    RigidLoad load;
+    load.material = body_of(reading, fe);
+    load.dof = moment ? 3 + dof : dof;
+    load.value = need_scaled(reading, fe, "value");
+    load.kind = load_type == 1 ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead;
+    load.step = step_of(reading, fe);
+    load.name = fe.GetName();
+    load.origin = kNowhere;
+    reading.model.rigid_loads.push_back(std::move(load));
   }
 }
 
@@ -740,8 +745,13 @@ void read_discrete(Reading& reading) {
       unsupported(reading, "spring whose E is not one number");
       continue;
     }
-    reading.model.discrete_springs.push_back(
-        {discrete_set_of(reading, fe), *stiffness, type != "linear spring", -1, fe.GetName(), kNowhere});
+    DiscreteSprings springs;
+    springs.set = discrete_set_of(reading, fe);
+    springs.stiffness = *stiffness;
+    springs.tension_only = type != "linear spring";
+    springs.name = fe.GetName();
+    springs.origin = kNowhere;
+    reading.model.discrete_springs.push_back(std::move(springs));
   }
 }
 

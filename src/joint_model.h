@@ -116,6 +116,7 @@ struct LoadController {
   Interpolate interpolate = Interpolate::Linear;
   Extend extend = Extend::Constant;
   std::vector<std::array<double, 2>> points;  ///< (t, value)
+  std::string expression;   ///< not empty: value = expression in t (muParser's syntax), in place of points
   std::string unsupported;  ///< not empty: a kind of controller we cannot evaluate; refused where it is used
   Origin origin;
 };
@@ -149,11 +150,92 @@ struct RigidPrescribed {
 
 /// Force (dof 0-2) or moment (dof 3-5) on a rigid body at its centre of mass.
 struct RigidLoad {
-  enum class Kind { Dead, Follower };  ///< Follower: the vector turns with the body
+  enum class Kind {
+    Dead,
+    Follower,  ///< the vector turns with the body
+    Target     ///< grows over the step, in proportion to time, from the reaction at its start to `value`
+  };
   int material = -1;
   int dof = 0;
   Scaled value;
   Kind kind = Kind::Dead;
+  bool relative = false;  ///< Dead: the reaction at the start of the step is added
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Force at a point of a rigid body, or moment, whose vector turns with the body.
+struct RigidFollower {
+  int material = -1;
+  bool moment = false;
+  Vector3d insertion = Vector3d::Zero();  ///< of a force: reference coordinates
+  bool from_center = false;               ///< `insertion` is counted from the centre of mass
+  Vector3d value = Vector3d::Zero();
+  int controller = -1;  ///< scales the whole vector; -1: constant
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Force along the line between points of two rigid bodies, > 0 pulls them together.
+struct RigidAxialForce {
+  int material_a = -1, material_b = -1;
+  Vector3d point_a = Vector3d::Zero(), point_b = Vector3d::Zero();  ///< reference coordinates
+  bool from_centers = false;                                        ///< the points are counted from the centres of mass
+  Scaled force;
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Cable through points of rigid bodies with the same tension everywhere; at its last point the force `value` acts.
+struct RigidCable {
+  struct Point {
+    int material = -1;
+    Vector3d position = Vector3d::Zero();  ///< reference coordinates
+  };
+  std::vector<Point> points;
+  bool from_centers = false;  ///< positions are counted from the centres of mass
+  Scaled force;
+  Vector3d direction = Vector3d::Zero();  ///< of the force beyond the last point
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Two bodies joined at a point. Its frame: columns of `axes`, fixed in both bodies in their reference pose. Motion of
+/// B relative to A, in A's current columns: translation of B's joint point from A's along them, and the rotation vector
+/// of B relative to A. A force or moment of a Free motion acts along A's column on A, its opposite on B, as in FEBio (so
+/// > 0 drives the motion backwards).
+/// Columns by FEBio's type:
+///   revolute      0 rotation_axis, 1 transverse_axis; free: rotation about 0
+///   prismatic     0 translation_axis, 1 transverse_axis; free: translation along 0
+///   cylindrical   0 joint_axis, 1 transverse_axis; free: both along and about 0
+///   planar        0 rotation_axis, 1 translation_axis_1, 2 normal to both; free: rotation about 0, translation along 1, 2
+///   lock          0 first_axis, 1 second_axis; free: none
+///   spherical, `rigid joint`, generic: global x, y, z; free: all rotations; generic: what is not prescribed.
+///                 Prescribed rotations of a spherical joint are global: read only where A does not rotate. Its moments
+///                 are global too: RigidLoads on A and B.
+/// Column 1 is made normal to column 0 in the plane of the two given directions; column 2 = column 0 x column 1.
+struct RigidJoint {
+  enum class Motion { Held, Free, Prescribed };
+  int material_a = -1, material_b = -1;
+  std::string type;  ///< FEBio's word
+  Vector3d joint_origin = Vector3d::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< orthonormal, global reference directions
+  std::array<Motion, kDofs> motion = {};               ///< all Held
+  std::array<Scaled, kDofs> value;                     ///< Prescribed: length or angle [rad]; Free: force or moment
+  int step = -1;
+  std::string name;
+  Origin origin;
+};
+
+/// Force on nodes, each its own: acts on the body that holds the node, at the node.
+struct NodalForce {
+  std::vector<int> nodes;
+  Vector3d value = Vector3d::Zero();
+  int controller = -1;  ///< scales the whole vector; -1: constant
   int step = -1;
   std::string name;
   Origin origin;
@@ -170,11 +252,16 @@ struct RigidSpring {
   Origin origin;
 };
 
-/// Springs between nodes; force = stiffness * elongation along the line, tension_only: never pushes.
+/// Springs between nodes along their line, with L the distance of the nodes and L0 that in the reference:
+/// force = stiffness (L - L0), tension_only: never pushes; or, where `force` is there, scale * force(measure).
 struct DiscreteSprings {
-  int set = -1;  ///< index into JointModel::discrete_sets
+  enum class Measure { Elongation, Strain, Stretch };  ///< L - L0, L/L0 - 1, L/L0
+  int set = -1;                                        ///< index into JointModel::discrete_sets
   double stiffness = 1.0;
   bool tension_only = false;
+  std::optional<LoadController> force;  ///< a function of the measure in place of time; > 0: tension
+  Measure measure = Measure::Elongation;
+  Scaled scale = {1.0, -1};  ///< of `force`
   int step = -1;
   std::string name;
   Origin origin;
@@ -263,6 +350,11 @@ struct JointModel {
   std::vector<RigidFixed> rigid_fixed;
   std::vector<RigidPrescribed> rigid_prescribed;
   std::vector<RigidLoad> rigid_loads;
+  std::vector<RigidFollower> rigid_followers;
+  std::vector<RigidAxialForce> rigid_axial_forces;
+  std::vector<RigidCable> rigid_cables;
+  std::vector<RigidJoint> rigid_joints;
+  std::vector<NodalForce> nodal_forces;
   std::vector<RigidSpring> rigid_springs;
   std::vector<DiscreteSprings> discrete_springs;
   std::vector<FixedNodes> fixed_nodes;

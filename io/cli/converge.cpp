@@ -31,7 +31,7 @@ Examples:
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   CLI::App* c = app.add_subcommand("converge", "Find how many springs the result needs");
   c->footer(kFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 2.5, 3.0, 4.0)")->required()->type_name("");
+  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
   c->add_option("--target", a.target, "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]")
       ->type_name("CHANGE")
       ->group("Study");

@@ -30,7 +30,7 @@ Examples:
 CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
   CLI::App* c = app.add_subcommand("convert", "Write the model anew for FEBio with the FEBioDEA plugin");
   c->footer(kFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 2.5, 3.0, 4.0)")->required()->type_name("");
+  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
   c->add_option("-o", a.output, "Converted model [MODEL without .feb + _dea.feb, beside the model]")
       ->type_name("FILE.feb")
       ->group("Output");

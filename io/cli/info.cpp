@@ -30,7 +30,7 @@ Examples:
 CLI::App* add_info(CLI::App& app, InfoArguments& a) {
   CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
   c->footer(kFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 2.5, 3.0, 4.0)")->required()->type_name("");
+  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
   c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals and springs")
       ->type_name("check.xplt")
       ->group("Output");

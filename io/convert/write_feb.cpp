@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <numeric>
 #include <set>
 
+#include "error.h"
 #include "feb_xml.h"
 
 namespace dea {
@@ -415,8 +417,8 @@ XmlLines rigid_lines(const Writer& w, int step) {
          {1, leaf("rb", body(w, l.material))},
          {1, leaf("dof", kForces[l.dof])},
          {1, scaled(w, l.value)},
-         {1, leaf("load_type", l.kind == RigidLoad::Kind::Follower ? "FOLLOW" : "LOAD")},
-         {1, leaf("relative", "0")},
+         {1, leaf("load_type", std::array{"LOAD", "FOLLOW", "TARGET"}[static_cast<std::size_t>(l.kind)])},
+         {1, leaf("relative", l.relative ? "1" : "0")},
          {0, "</rigid_load>"}});
   }
   for (const RigidSpring& s : w.model.rigid_springs) {
@@ -556,8 +558,14 @@ void write_load_data(Writer& w) {
   w.line(1, "<LoadData>");
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const LoadController& c = curves[i];
-    w.line(2, fmt::format("<load_controller id=\"{}\" name=\"{}\" type=\"loadcurve\">", i + 1,
-                          escape_xml(c.name.empty() ? fmt::format("LC{}", i + 1) : c.name)));
+    w.line(2, fmt::format("<load_controller id=\"{}\" name=\"{}\" type=\"{}\">", i + 1,
+                          escape_xml(c.name.empty() ? fmt::format("LC{}", i + 1) : c.name),
+                          c.expression.empty() ? "loadcurve" : "math"));
+    if (!c.expression.empty()) {
+      w.line(3, leaf("math", c.expression));
+      w.line(2, "</load_controller>");
+      continue;
+    }
     w.line(3, leaf("interpolate", kInterpolate[static_cast<int>(c.interpolate)]));
     w.line(3, leaf("extend", kExtend[static_cast<int>(c.extend)]));
     w.line(3, "<points>");
@@ -568,10 +576,29 @@ void write_load_data(Writer& w) {
   w.line(1, "</LoadData>");
 }
 
+/// What is read, but has no lines here: rather no file than one without it.
+void refuse_unwritable(const JointModel& model) {
+  const auto refuse = [&](Origin origin, const std::string& what) {
+    throw InputError(model, origin,
+                     fmt::format("{} cannot be written into a new file: save the model as 4.0 in FEBio Studio, then "
+                                 "dea convert leaves it as it is",
+                                 what));
+  };
+  for (const RigidJoint& j : model.rigid_joints) refuse(j.origin, j.type);
+  for (const RigidFollower& f : model.rigid_followers) refuse(f.origin, "a follower force or moment");
+  for (const RigidAxialForce& f : model.rigid_axial_forces) refuse(f.origin, "a force between two bodies");
+  for (const RigidCable& c : model.rigid_cables) refuse(c.origin, "a rigid cable");
+  for (const NodalForce& f : model.nodal_forces) refuse(f.origin, "a nodal load");
+  for (const DiscreteSprings& s : model.discrete_springs) {
+    if (s.force) refuse(s.origin, "a nonlinear spring");
+  }
+}
+
 }  // namespace
 
 std::string write_feb(const JointModel& model, const ConversionPlan& plan, const std::string& encoding,
                       std::vector<std::string>& dropped) {
+  refuse_unwritable(model);
   Writer w{plan, dropped, plan.target};
   w.line(0, fmt::format("<?xml version=\"1.0\" encoding=\"{}\"?>", encoding));
   w.line(0, "<febio_spec version=\"4.0\">");

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "feb_reading.h"
+#include "load_curve.h"
 
 namespace dea::feb {
 namespace {
@@ -13,24 +15,6 @@ std::string name_of(const XMLElement& element) { return attribute(element, "name
 
 bool one_of(std::string_view word, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(), [&](const char* candidate) { return word == candidate; });
-}
-
-/// Nodes of `node_set` (`set` in some old files), or listed as children.
-std::vector<int> nodes_of(Reading& reading, const XMLElement& element) {
-  for (const char* name : {"node_set", "set"}) {
-    if (element.Attribute(name) != nullptr) return need_node_set(reading, element, attribute(element, name));
-  }
-  std::vector<int> nodes;
-  for (const XMLElement* child = element.FirstChildElement("node"); child != nullptr;
-       child = child->NextSiblingElement("node")) {
-    const auto id = whole_int(need_attribute(reading, *child, "id"));
-    if (!id)
-      fail(reading, *child,
-           fmt::format("<node> with id = {}, expected a whole number", quote(attribute(*child, "id"))));
-    nodes.push_back(need_node(reading, *child, *id));
-  }
-  if (nodes.empty()) fail(reading, element, fmt::format("<{}> without attribute node_set", element.Name()));
-  return nodes;
 }
 
 /// True for FEBio's older "xy", "xyz", "uvw": letters in their order; "wx" is a fluid velocity.
@@ -50,7 +34,9 @@ std::vector<std::string> split_dofs(std::string_view text) {
   std::vector<std::string> dofs;
   for (const std::string& word : split_words(text)) {
     const std::string dof(trim(word));
-    if (is_joined(dof)) {
+    if (dof == "xyzsxyz") {  // 2.0
+      for (const char* each : {"x", "y", "z", "sxyz"}) dofs.emplace_back(each);
+    } else if (is_joined(dof)) {
       for (const char letter : dof) dofs.emplace_back(1, letter);
     } else {
       dofs.push_back(dof);
@@ -60,6 +46,23 @@ std::vector<std::string> split_dofs(std::string_view text) {
 }
 
 }  // namespace
+
+std::vector<int> nodes_of(Reading& reading, const XMLElement& element) {
+  for (const char* name : {"node_set", "set"}) {
+    if (element.Attribute(name) != nullptr) return need_node_set(reading, element, attribute(element, name));
+  }
+  std::vector<int> nodes;
+  for (const XMLElement* child = element.FirstChildElement("node"); child != nullptr;
+       child = child->NextSiblingElement("node")) {
+    const auto id = whole_int(need_attribute(reading, *child, "id"));
+    if (!id)
+      fail(reading, *child,
+           fmt::format("<node> with id = {}, expected a whole number", quote(attribute(*child, "id"))));
+    nodes.push_back(need_node(reading, *child, *id));
+  }
+  if (nodes.empty()) fail(reading, element, fmt::format("<{}> without attribute node_set", element.Name()));
+  return nodes;
+}
 
 int read_dof(const Reading& reading, const XMLElement& element, std::string_view word,
              std::initializer_list<const char*> names) {
@@ -78,6 +81,10 @@ int read_dof(const Reading& reading, const XMLElement& element, std::string_view
 // -- nodes -------------------------------------------------------------------------------------------
 
 void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dofs) {
+  fix_nodes(reading, element, dofs, nodes_of(reading, element));
+}
+
+void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dofs, std::vector<int> nodes) {
   FixedNodes fixed;
   for (const std::string& dof : split_dofs(dofs)) {
     if (one_of(dof, {"x", "y", "z"})) {
@@ -86,7 +93,7 @@ void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dof
       ignore(reading, element, fmt::format("fixed dof {}: no displacement", quote(dof)));
     }
   }
-  fixed.nodes = nodes_of(reading, element);
+  fixed.nodes = std::move(nodes);
   if (!fixed.xyz[0] && !fixed.xyz[1] && !fixed.xyz[2]) return;
   fixed.step = reading.step;
   fixed.name = name_of(element);
@@ -95,23 +102,24 @@ void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dof
 }
 
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const XMLElement* value) {
-  const std::string name(trim(dof));
-  if (!one_of(name, {"x", "y", "z"})) {
-    if (one_of(name, {"u", "v", "w", "sx", "sy", "sz"})) {
-      unsupported(reading, element, fmt::format("prescribed shell dof {}", quote(name)));
-    } else {
-      ignore(reading, element, fmt::format("prescribed dof {}: no displacement", quote(name)));
-    }
-    return;
-  }
   const auto number = value == nullptr ? std::nullopt : whole_double(text_of(*value));
   const bool plain = value != nullptr && (value->Attribute("type") == nullptr || attribute(*value, "type") == "const");
-  if (plain && number && *number == 0.0) {
-    fix_nodes(reading, element, name);
-    return;
+  const bool zero = plain && number && *number == 0.0;
+  prescribe_nodes(reading, element, dof, zero ? 0.0 : 1.0, nodes_of(reading, element));
+}
+
+void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, double value,
+                     std::vector<int> nodes) {
+  const std::string name(trim(dof));
+  if (one_of(name, {"u", "v", "w", "sx", "sy", "sz"})) {
+    unsupported(reading, element, fmt::format("prescribed shell dof {}", quote(name)));
+  } else if (!one_of(name, {"x", "y", "z"})) {
+    ignore(reading, element, fmt::format("prescribed dof {}: no displacement", quote(name)));
+  } else if (value == 0.0) {
+    fix_nodes(reading, element, name, std::move(nodes));
+  } else {
+    unsupported(reading, element, "prescribed displacement of nodes");
   }
-  nodes_of(reading, element);  // a dangling set is a fault even so
-  unsupported(reading, element, "prescribed displacement of nodes");
 }
 
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body) {
@@ -128,15 +136,9 @@ void rigid_nodes(Reading& reading, const XMLElement& element, const std::string&
 
 namespace {
 
-int body_of(const Reading& reading, const XMLElement& element, const char* tag = "rb") {
-  const XMLElement* child = element.FirstChildElement(tag);
-  if (child == nullptr) fail(reading, element, fmt::format("<{}> without <{}>", element.Name(), tag));
-  return need_rigid(reading, *child, text_of(*child));
-}
-
 void add_prescribed(Reading& reading, const XMLElement& element, int dof, const XMLElement* value) {
   RigidPrescribed motion;
-  motion.material = body_of(reading, element);
+  motion.material = child_body(reading, element);
   motion.dof = dof;
   if (value != nullptr)
     motion.value = read_scaled(reading, *value);
@@ -153,27 +155,80 @@ void add_load(Reading& reading, const XMLElement& element, int dof) {
   const XMLElement* value = element.FirstChildElement("value");
   if (value == nullptr) fail(reading, element, fmt::format("<{}> without <value>", element.Name()));
   RigidLoad load;
-  load.material = body_of(reading, element);
+  load.material = child_body(reading, element);
   load.dof = dof;
   load.value = read_scaled(reading, *value);
   load.step = reading.step;
   load.name = name_of(element);
   load.origin = origin_of(reading, *value);
-  const char* what = dof < 3 ? "rigid force" : "rigid moment";
   const XMLElement* type = element.FirstChildElement("load_type");
   const int load_type = type == nullptr ? 0 : read_word(*type, {"LOAD", "FOLLOW", "TARGET"});
   if (load_type < 0)
     fail(reading, *type, fmt::format("load_type = {}, expected LOAD, FOLLOW or TARGET", quote(text_of(*type))));
-  if (load_type == 2) {
-    unsupported(reading, element, fmt::format("{} with load_type TARGET", what));
-  } else if (load_type == 1 && dof >= 3) {
+  if (load_type == 1 && dof >= 3) {
     unsupported(reading, element, "rigid moment with load_type FOLLOW");
-  } else if (child_bool(reading, element, "relative", false)) {
-    unsupported(reading, element, fmt::format("{} with relative = 1", what));
-  } else {
-    load.kind = load_type == 1 ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead;
-    reading.model.rigid_loads.push_back(std::move(load));
+    return;
   }
+  load.kind = static_cast<RigidLoad::Kind>(load_type);
+  load.relative = load.kind == RigidLoad::Kind::Dead && child_bool(reading, element, "relative", false);
+  reading.model.rigid_loads.push_back(std::move(load));
+}
+
+/// Euler angles [degrees]: x, then y, then z about the fixed axes. As a rotation vector if they are constant; a single
+/// angle may follow a load controller.
+void add_euler_angles(Reading& reading, const XMLElement& element) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  RigidPrescribed motion;
+  motion.material = child_body(reading, element);
+  motion.step = reading.step;
+  motion.name = name_of(element);
+  motion.origin = origin_of(reading, element);
+  std::array<Scaled, 3> angles;
+  int turning = 0, steered = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const XMLElement* child = element.FirstChildElement(std::array{"Ex", "Ey", "Ez"}[i]);
+    angles[i] = child == nullptr ? Scaled{0.0, 0} : read_scaled(reading, *child);
+    if (angles[i].factor == 0) angles[i].controller = 0;
+    angles[i].factor *= kDegree;
+    turning += angles[i].factor != 0 ? 1 : 0;
+    steered += angles[i].controller != 0 ? 1 : 0;
+  }
+  if (turning > 1 && steered > 0) {
+    unsupported(reading, element, "rigid_euler_angles of which several turn and one follows a load controller");
+    return;
+  }
+  if (turning > 1) {
+    const Eigen::Quaterniond q = Eigen::AngleAxisd(angles[2].factor, Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(angles[1].factor, Vector3d::UnitY()) *
+                                 Eigen::AngleAxisd(angles[0].factor, Vector3d::UnitX());
+    const Eigen::AngleAxisd turn(q);
+    for (int i = 0; i < 3; ++i) angles[static_cast<std::size_t>(i)].factor = turn.angle() * turn.axis()[i];
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    motion.dof = 3 + static_cast<int>(i);
+    motion.value = angles[i];
+    reading.model.rigid_prescribed.push_back(motion);
+  }
+}
+
+/// Force or moment that turns with the body.
+void add_follower(Reading& reading, const XMLElement& element, bool moment) {
+  const char* tag = moment ? "moment" : "force";
+  const XMLElement* value = element.FirstChildElement(tag);
+  if (value == nullptr) fail(reading, element, fmt::format("<{}> without <{}>", element.Name(), tag));
+  RigidFollower follower;
+  follower.material = child_body(reading, element);
+  follower.moment = moment;
+  follower.value = read_vector(reading, *value);
+  follower.controller = read_lc(reading, *value);
+  if (!moment) {
+    follower.insertion = child_vector(reading, element, "insertion", Vector3d::Zero());
+    follower.from_center = child_bool(reading, element, "relative", false);
+  }
+  follower.step = reading.step;
+  follower.name = name_of(element);
+  follower.origin = origin_of(reading, *value);
+  reading.model.rigid_followers.push_back(std::move(follower));
 }
 
 }  // namespace
@@ -183,7 +238,7 @@ bool rigid_condition(Reading& reading, const XMLElement& element, const std::str
   const std::string dof = child_text(element, "dof");
   if (type == "rigid_fixed") {
     RigidFixed fixed;
-    fixed.material = body_of(reading, element);
+    fixed.material = child_body(reading, element);
     constexpr const char* kFlags[kDofs] = {"Rx_dof", "Ry_dof", "Rz_dof", "Ru_dof", "Rv_dof", "Rw_dof"};
     for (std::size_t i = 0; i < kDofs; ++i) fixed.dofs[i] = child_bool(reading, element, kFlags[i], false);
     fixed.step = reading.step;
@@ -212,45 +267,76 @@ bool rigid_condition(Reading& reading, const XMLElement& element, const std::str
     add_prescribed(reading, element, read_dof(reading, element, dof, {"Rx", "Ry", "Rz", "Ru", "Rv", "Rw"}), value);
   } else if (one_of(type, {"initial_rigid_velocity", "initial_rigid_angular_velocity"})) {
     ignore(reading, element, "initial velocity of a rigid body");
-  } else if (type.find("euler") != type.npos || type.find("follower") != type.npos ||
-             one_of(type, {"rigid_axial_force", "rigid_cable"})) {
-    unsupported(reading, element, fmt::format("{} {}", element.Name(), quote(type)));
+  } else if (type == "rigid_euler_angles") {
+    add_euler_angles(reading, element);
+  } else if (one_of(type, {"rigid_follower_force", "follower force"})) {
+    add_follower(reading, element, false);
+  } else if (one_of(type, {"rigid_follower_moment", "follower moment"})) {
+    add_follower(reading, element, true);
+  } else if (type == "rigid_axial_force") {
+    read_axial_force(reading, element);
+  } else if (type == "rigid_cable") {
+    read_cable(reading, element);
   } else {
     return false;
   }
   return true;
 }
 
-bool rigid_connector(Reading& reading, const XMLElement& element, const std::string& type) {
-  if (type.rfind("rigid ", 0) != 0 && type != "generic rigid joint") return false;
-  if (febio::is_damper(type)) {
-    ignore(reading, element, fmt::format("{}: statics has no velocity", type));
-    return true;
+namespace {
+
+int rigid_dof(const Reading& reading, const XMLElement& element) {
+  return read_dof(reading, element, need_attribute(reading, element, "bc"), {"x", "y", "z", "Rx", "Ry", "Rz"});
+}
+
+void add_body_load(Reading& reading, const XMLElement& element, int material, const std::string& name) {
+  const int dof = rigid_dof(reading, element);
+  const std::string type = attribute(element, "type");
+  RigidLoad load;
+  load.material = material;
+  load.dof = dof;
+  load.value = read_scaled(reading, element);
+  load.step = reading.step;
+  load.name = name;
+  load.origin = origin_of(reading, element);
+  if (type == "ramp") load.kind = RigidLoad::Kind::Target;
+  if (type == "follow") load.kind = RigidLoad::Kind::Follower;
+  if (!one_of(type, {"", "ramp", "follow"})) {
+    unsupported(reading, element,
+                fmt::format("{} with type {}", dof < 3 ? "rigid force" : "rigid moment", quote(type)));
+  } else if (dof >= 3 && !type.empty()) {
+    unsupported(
+        reading, element,
+        fmt::format("rigid moment with type {}, which FEBio 4 leaves out: remove it, or save as 4.0", quote(type)));
+  } else {
+    reading.model.rigid_loads.push_back(std::move(load));
   }
-  if (type != "rigid spring") {
-    unsupported(reading, element, fmt::format("rigid connector {}", quote(type)));
-    return true;
-  }
-  RigidSpring spring;
-  spring.material_a = body_of(reading, element, "body_a");
-  spring.material_b = body_of(reading, element, "body_b");
-  const XMLElement* a = element.FirstChildElement("insertion_a");
-  const XMLElement* b = element.FirstChildElement("insertion_b");
-  if (a != nullptr) spring.insertion_a = read_vector(reading, *a);
-  if (b != nullptr) spring.insertion_b = read_vector(reading, *b);
-  spring.k = child_double(reading, element, "k", 1.0);
-  spring.free_length = child_double(reading, element, "free_length", 0.0);
-  for (const char* name : {"k", "free_length", "insertion_a", "insertion_b"}) {
-    const XMLElement* child = element.FirstChildElement(name);
-    if (child != nullptr && child->Attribute("lc") != nullptr) {
-      unsupported(reading, *child, fmt::format("rigid spring whose {} follows a load controller", name));
+}
+
+}  // namespace
+
+void read_rigid_body(Reading& reading, const XMLElement& section) {
+  const int material = need_rigid(reading, section, need_attribute(reading, section, "mat"));
+  const std::string name = name_of(section);
+  RigidFixed fixed{material, {}, reading.step, name, origin_of(reading, section)};
+  bool any_fixed = false;
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "fixed") {
+      fixed.dofs[static_cast<std::size_t>(rigid_dof(reading, *child))] = any_fixed = true;
+    } else if (tag == "prescribed") {
+      reading.model.rigid_prescribed.push_back({material, rigid_dof(reading, *child), read_scaled(reading, *child),
+                                                attribute(*child, "type") == "relative", reading.step, name,
+                                                origin_of(reading, *child)});
+    } else if (tag == "force") {
+      add_body_load(reading, *child, material, name);
+    } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {
+      ignore(reading, *child, "initial velocity of a rigid body");
+    } else {
+      unsupported(reading, *child, fmt::format("<{}> in rigid_body", tag));
     }
   }
-  spring.step = reading.step;
-  spring.name = name_of(element);
-  spring.origin = origin_of(reading, element);
-  reading.model.rigid_springs.push_back(std::move(spring));
-  return true;
+  if (any_fixed) reading.model.rigid_fixed.push_back(std::move(fixed));
 }
 
 // -- contact -----------------------------------------------------------------------------------------
@@ -346,105 +432,46 @@ DeaContact read_dea(Reading& reading, const XMLElement& element) {
 
 }  // namespace
 
+void add_contact(Reading& reading, const XMLElement& element, int primary, int secondary) {
+  Contact contact;
+  contact.type = need_attribute(reading, element, "type");
+  for (const int index : {primary, secondary}) {
+    const Surface& surface = reading.model.surfaces[static_cast<std::size_t>(index)];
+    if (surface.size() == 0) {
+      fail(
+          reading, element,
+          fmt::format("contact {} uses surface {}, which has no facets", quote(name_of(element)), quote(surface.name)));
+    }
+  }
+  contact.name = name_of(element);
+  contact.kind = *febio::contact_kind(contact.type);
+  contact.primary = primary;
+  contact.secondary = secondary;
+  contact.max_distance = child_double(reading, element, "max_distance", 0.0);
+  contact.ignored = ignored_parameters(element, contact.type);
+  if (contact.type == "dea") contact.dea = read_dea(reading, element);
+  contact.step = reading.step;
+  contact.origin = origin_of(reading, element);
+  reading.model.contacts.push_back(std::move(contact));
+}
+
 void read_contact(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     if (std::string_view(child->Name()) != "contact") {
       unsupported(reading, *child, fmt::format("<{}> in Contact", child->Name()));
       continue;
     }
-    Contact contact;
-    contact.type = need_attribute(reading, *child, "type");
-    const auto kind = febio::contact_kind(contact.type);
-    if (!kind) {
-      unsupported(reading, *child, fmt::format("contact {}", quote(contact.type)));
+    const std::string type = need_attribute(reading, *child, "type");
+    if (!febio::contact_kind(type)) {
+      unsupported(reading, *child, fmt::format("contact {}", quote(type)));
       continue;
     }
     const std::string pair_name = need_attribute(reading, *child, "surface_pair");
-    const auto place = reading.surface_pairs.find(pair_name);
-    if (place == reading.surface_pairs.end()) {
+    const auto pair = reading.surface_pairs.find(pair_name);
+    if (pair == reading.surface_pairs.end()) {
       fail(reading, *child, fmt::format("surface_pair = {}, expected the name of a SurfacePair", quote(pair_name)));
     }
-    const SurfacePair& pair = place->second;
-    if (!pair.unsupported.empty()) {
-      unsupported(reading, *child, "contact with " + pair.unsupported);
-      continue;
-    }
-    for (const int index : {pair.primary, pair.secondary}) {
-      const Surface& surface = reading.model.surfaces[static_cast<std::size_t>(index)];
-      if (surface.size() == 0) {
-        fail(reading, *child,
-             fmt::format("contact {} uses surface {}, which has no facets", quote(name_of(*child)),
-                         quote(surface.name)));
-      }
-    }
-    contact.name = name_of(*child);
-    contact.kind = *kind;
-    contact.primary = pair.primary;
-    contact.secondary = pair.secondary;
-    contact.max_distance = child_double(reading, *child, "max_distance", 0.0);
-    contact.ignored = ignored_parameters(*child, contact.type);
-    if (contact.type == "dea") contact.dea = read_dea(reading, *child);
-    contact.step = reading.step;
-    contact.origin = origin_of(reading, *child);
-    reading.model.contacts.push_back(std::move(contact));
-  }
-}
-
-// -- springs between nodes ---------------------------------------------------------------------------
-
-namespace {
-
-void read_discrete_material(Reading& reading, const XMLElement& element) {
-  DiscreteMaterial material;
-  material.type = need_attribute(reading, element, "type");
-  const XMLElement* E = element.FirstChildElement("E");
-  if (material.type != "linear spring" && material.type != "tension-only linear spring") {
-    material.unsupported = fmt::format("discrete material {}", quote(material.type));
-  } else if (E != nullptr) {
-    const bool plain =
-        E->Attribute("lc") == nullptr && (E->Attribute("type") == nullptr || attribute(*E, "type") == "const");
-    if (plain)
-      material.stiffness = read_double(reading, *E);
-    else
-      material.unsupported = "spring whose E is not one number";
-  }
-  reading.discrete_materials.push_back(std::move(material));
-}
-
-void read_discrete_springs(Reading& reading, const XMLElement& element) {
-  const std::string set_name = need_attribute(reading, element, "discrete_set");
-  const auto set = reading.discrete_set_index.find(set_name);
-  if (set == reading.discrete_set_index.end()) {
-    fail(reading, element, fmt::format("discrete_set = {}, expected the name of a DiscreteSet", quote(set_name)));
-  }
-  const std::string dmat = need_attribute(reading, element, "dmat");
-  const auto number = whole_int(dmat);
-  if (!number || *number < 1 || *number > static_cast<int>(reading.discrete_materials.size())) {
-    fail(reading, element,
-         fmt::format("dmat = {}, expected the number of one of the {} discrete materials above it", quote(dmat),
-                     reading.discrete_materials.size()));
-  }
-  const DiscreteMaterial& material = reading.discrete_materials[static_cast<std::size_t>(*number) - 1];
-  if (!material.unsupported.empty()) {
-    unsupported(reading, element, material.unsupported);
-    return;
-  }
-  const std::string name = name_of(element);
-  reading.model.discrete_springs.push_back({set->second, material.stiffness, material.type != "linear spring",
-                                            reading.step, name.empty() ? set_name : name, origin_of(reading, element)});
-}
-
-}  // namespace
-
-void read_discrete(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "discrete_material")
-      read_discrete_material(reading, *child);
-    else if (tag == "discrete")
-      read_discrete_springs(reading, *child);
-    else
-      unsupported(reading, *child, fmt::format("<{}> in Discrete", tag));
+    add_contact(reading, *child, pair->second.primary, pair->second.secondary);
   }
 }
 
@@ -464,20 +491,91 @@ bool is_zero_load(const XMLElement& element) {
   return found;
 }
 
+void add_nodal_force(Reading& reading, const XMLElement& element, std::string_view dof, const Scaled& force,
+                     std::vector<int> nodes) {
+  const std::string name(trim(dof));
+  if (one_of(name, {"u", "v", "w", "sx", "sy", "sz"})) {
+    unsupported(reading, element, fmt::format("nodal load on the shell dof {}", quote(name)));
+  } else if (!one_of(name, {"x", "y", "z"})) {
+    ignore(reading, element, fmt::format("nodal load on dof {}: no force", quote(name)));
+  } else if (force.factor == 0) {
+    ignore(reading, element, "nodal load of zero");
+  } else {
+    NodalForce load;
+    load.nodes = std::move(nodes);
+    load.value[name[0] - 'x'] = force.factor;
+    load.controller = force.controller;
+    load.step = reading.step;
+    load.name = name_of(element);
+    load.origin = origin_of(reading, element);
+    reading.model.nodal_forces.push_back(std::move(load));
+  }
+}
+
+bool nodal_load(Reading& reading, const XMLElement& element) {
+  const std::string type = attribute(element, "type");
+  const bool vector = type == "nodal_force";
+  if (!vector && type != "nodal_load" && !type.empty()) return false;
+  const XMLElement* value = element.FirstChildElement(vector ? "value" : "scale");
+  const std::string dof = element.Attribute("bc") != nullptr ? attribute(element, "bc") : child_text(element, "dof");
+  std::vector<int> nodes = nodes_of(reading, element);
+  for (const char* flag : {"relative", "shell_bottom"}) {
+    if (!child_bool(reading, element, flag, false)) continue;
+    unsupported(reading, element, fmt::format("nodal load with {} = 1", flag));
+    return true;
+  }
+  if (value == nullptr) {
+    const bool other = element.FirstChildElement("value") != nullptr || element.FirstChildElement("scale") != nullptr;
+    if (other)
+      unsupported(reading, element, fmt::format("nodal load without <{}>", vector ? "value" : "scale"));
+    else
+      ignore(reading, element, "nodal load of zero");
+    return true;
+  }
+  const std::string kind = attribute(*value, "type");
+  const std::string text = text_of(*value);
+  if (!kind.empty() && kind != "const" && kind != "vector") {
+    unsupported(reading, *value, fmt::format("nodal load whose {} is a {}", value->Name(), quote(kind)));
+  } else if (!vector && kind.empty() && !expression_variables(text).empty()) {
+    unsupported(reading, *value, fmt::format("nodal load whose scale is {}", quote(trim(text))));
+  } else if (vector) {
+    NodalForce load;
+    load.nodes = std::move(nodes);
+    load.value = read_vector(reading, *value);
+    load.controller = read_lc(reading, *value);
+    load.step = reading.step;
+    load.name = name_of(element);
+    load.origin = origin_of(reading, *value);
+    if (load.value.isZero(0))
+      ignore(reading, element, "nodal load of zero");
+    else
+      reading.model.nodal_forces.push_back(std::move(load));
+  } else {
+    Scaled force = read_scaled(reading, *value);
+    add_nodal_force(reading, element, dof, force, std::move(nodes));
+  }
+  return true;
+}
+
+void read_load(Reading& reading, const XMLElement& element) {
+  const std::string type = attribute(element, "type");
+  if (rigid_condition(reading, element, type)) return;
+  if (std::string_view(element.Name()) == "nodal_load" && nodal_load(reading, element)) return;
+  const std::string what =
+      type.empty() ? std::string(element.Name()) : fmt::format("{} {}", element.Name(), quote(type));
+  const bool of_fluid =
+      type.rfind("fluid", 0) == 0 || type.rfind("solute", 0) == 0 || type.rfind("concentration", 0) == 0;
+  if (is_zero_load(element))
+    ignore(reading, element, what + " of zero");
+  else if (of_fluid && type.find("FSI") == type.npos)
+    ignore(reading, element, what);
+  else
+    unsupported(reading, element, what);
+}
+
 void read_loads(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string type = attribute(*child, "type");
-    if (rigid_condition(reading, *child, type)) continue;
-    const std::string what =
-        type.empty() ? std::string(child->Name()) : fmt::format("{} {}", child->Name(), quote(type));
-    const bool of_fluid =
-        type.rfind("fluid", 0) == 0 || type.rfind("solute", 0) == 0 || type.rfind("concentration", 0) == 0;
-    if (is_zero_load(*child))
-      ignore(reading, *child, what + " of zero");
-    else if (of_fluid && type.find("FSI") == type.npos)
-      ignore(reading, *child, what);
-    else
-      unsupported(reading, *child, what);
+    read_load(reading, *child);
   }
 }
 
@@ -491,18 +589,22 @@ void read_initial(Reading& reading, const XMLElement& section) {
   }
 }
 
+void read_constraint(Reading& reading, const XMLElement& element) {
+  const std::string type = attribute(element, "type");
+  if (std::string_view(element.Name()) != "constraint") {
+    unsupported(reading, element, fmt::format("<{}> in Constraints", element.Name()));
+  } else if (type.empty()) {
+    ignore(reading, element, "constraint without a type: names one given before");
+  } else if (type == "symmetry plane") {
+    ignore(reading, element, "symmetry plane");
+  } else if (!rigid_connector(reading, element, type)) {
+    unsupported(reading, element, fmt::format("constraint {}", quote(type)));
+  }
+}
+
 void read_constraints(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string type = attribute(*child, "type");
-    if (std::string_view(child->Name()) != "constraint") {
-      unsupported(reading, *child, fmt::format("<{}> in Constraints", child->Name()));
-    } else if (type.empty()) {
-      ignore(reading, *child, "constraint without a type: names one given before");
-    } else if (type == "symmetry plane") {
-      ignore(reading, *child, "symmetry plane");
-    } else if (!rigid_connector(reading, *child, type)) {
-      unsupported(reading, *child, fmt::format("constraint {}", quote(type)));
-    }
+    read_constraint(reading, *child);
   }
 }
 

@@ -3,8 +3,10 @@
 
 #include <cmath>
 
+#include "error.h"
 #include "feb_reading.h"
 #include "febio_material.h"
+#include "load_curve.h"
 
 namespace dea::feb {
 namespace {
@@ -15,7 +17,14 @@ MaterialTree::Constant read_constant(const Reading& reading, const XMLElement& e
   const std::string text = text_of(element);
   const std::string kind = attribute(element, "type");
   const auto value = whole_double(text);
-  if (!kind.empty() && kind != "const") {
+  const bool math = kind == "math" || (kind.empty() && !value);
+  if (math && element.Attribute("lc") == nullptr && is_leaf(element) && expression_fault(text, {}).empty()) {
+    try {
+      constant.value = constant_value(text);
+    } catch (const InputError& error) {
+      constant.why = fmt::format("{}: {}", element.Name(), error.what());
+    }
+  } else if (!kind.empty() && kind != "const") {
     constant.why = fmt::format("{} is a {}, not one number", element.Name(), quote(kind));
   } else if (element.Attribute("lc") != nullptr) {
     constant.why = fmt::format("{} follows a load controller", element.Name());
@@ -55,8 +64,13 @@ void read_material(Reading& reading, const XMLElement& element) {
            fmt::format("material id {} exists twice: {} and {}", *id, quote(other.name), quote(material.name)));
     }
   }
-  if (!reading.material_index.emplace(material.name, static_cast<int>(reading.model.materials.size())).second) {
-    fail(reading, element, fmt::format("material {} exists twice: rename one", quote(material.name)));
+  const int place = static_cast<int>(reading.model.materials.size());
+  if (!reading.material_index.emplace(material.name, place).second) {
+    if (reading.rules->unique_materials)
+      fail(reading, element, fmt::format("material {} exists twice: rename one", quote(material.name)));
+    reading.ambiguous_materials.insert(material.name);  // old files number them; a fault where the name is used
+    material.name = fmt::format("{} (material {})", material.name, *id);
+    reading.material_index.emplace(material.name, place);
   }
   material.type = need_attribute(reading, element, "type");
   material.rigid = material.type == "rigid body";

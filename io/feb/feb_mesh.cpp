@@ -1,4 +1,4 @@
-// Nodes, elements, sets and shell thickness: Geometry (2.5), Mesh, MeshDomains and MeshData (3.0, 4.0).
+// Nodes, elements, sets and shell thickness: Geometry (up to 2.5), Mesh, MeshDomains and MeshData (3.0, 4.0).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "element_faces.h"
 #include "error.h"
 #include "feb_reading.h"
 
@@ -30,6 +31,8 @@ constexpr ShapeName kShapes[] = {
     {"tri3s", ElementShape::Tri3},
 };
 
+}  // namespace
+
 /// "hex8", or with FEBio's integration rule: "HEX20G8", "TET10G4_S3", "hex8ri".
 std::optional<ElementShape> shape_of(const std::string& type) {
   const std::string word = lower(type);
@@ -43,6 +46,8 @@ std::optional<ElementShape> shape_of(const std::string& type) {
   }
   return std::nullopt;
 }
+
+namespace {
 
 int facet_nodes(std::string_view tag) {
   constexpr std::pair<std::string_view, int> kFacets[] = {{"quad4", 4}, {"tri3", 3}, {"quad8", 8}, {"tri6", 6},
@@ -82,7 +87,7 @@ void append_nodes(const Reading& reading, const XMLElement& element, int count, 
       if (trim(rest).empty()) break;  // also after a trailing comma
       fail_list(reading, element, rest);
     }
-    const int node = reading.nodes.find(id);
+    const int node = find_node(reading, id);
     if (node < 0) fail(reading, element, fmt::format("{} uses node {}, which does not exist", what, id));
     ++found;
     if (count == 0 || found <= count) nodes.push_back(node);
@@ -146,16 +151,29 @@ int find_name(const std::map<std::string, int, std::less<>>& index, const std::s
 
 // -- nodes and elements ------------------------------------------------------------------------------
 
+/// An id of the model for a node or element of an instance: the part's own unless it is taken.
+int free_id(const Reading& reading, const XMLElement& element, const IdTable& ids, int id) {
+  if (ids.find(id) < 0) return id;
+  if (ids.largest() == std::numeric_limits<int>::max()) fail(reading, element, "no number is left: renumber the part");
+  return ids.largest() + 1;
+}
+
+}  // namespace
+
 void read_nodes(Reading& reading, const XMLElement& section) {
   JointModel& model = reading.model;
   const int begin = reading.nodes.size();
+  Instance* instance = reading.instance;
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     if (std::strcmp(child->Name(), "node") != 0) {
       ignore(reading, *child, fmt::format("<{}> in Nodes", child->Name()));
       continue;
     }
     const int id = read_id(reading, *child);
-    if (!reading.nodes.add(id)) fail(reading, *child, fmt::format("node {} exists twice: renumber one", id));
+    const bool is_new = instance == nullptr
+                            ? reading.nodes.add(id)
+                            : instance->nodes.add(id) && reading.nodes.add(free_id(reading, *child, reading.nodes, id));
+    if (!is_new) fail(reading, *child, fmt::format("node {} exists twice: renumber one", id));
     std::string store;
     std::string_view rest = text_of(*child, store);
     Vector3d x;
@@ -169,15 +187,18 @@ void read_nodes(Reading& reading, const XMLElement& section) {
       fail(reading, *child,
            fmt::format("node {} is {}, expected three numbers x,y,z", id, quote(trim(text_of(*child)))));
     }
+    if (instance != nullptr) x = instance->turn * instance->scale.cwiseProduct(x) + instance->translation;
     model.nodes.push_back(x);
   }
   const std::string name = attribute(section, section.Attribute("name") != nullptr ? "name" : "set");
-  if (!name.empty()) reading.node_ranges.push_back({name, begin, reading.nodes.size()});
+  if (!name.empty()) reading.node_ranges.push_back({full_name(reading, name), begin, reading.nodes.size()});
 }
+
+namespace {
 
 /// Gives a domain its material: by name, or by id where the format allows it.
 void assign_material(Reading& reading, const XMLElement& element, int domain, const std::string& mat, bool by_id) {
-  int material = find_name(reading.material_index, mat);
+  int material = find_material(reading, element, mat);
   const auto id = whole_int(mat);
   if (material < 0 && by_id && id) {
     for (std::size_t i = 0; i < reading.model.materials.size(); ++i) {
@@ -192,6 +213,28 @@ void assign_material(Reading& reading, const XMLElement& element, int domain, co
   reading.model.domains[static_cast<std::size_t>(domain)].material = material;
 }
 
+}  // namespace
+
+void append_element(const Reading& reading, const XMLElement& element, const std::string& type, int id,
+                    Domain& domain) {
+  const int count = nodes_per_element(domain.shape);
+  const std::size_t before = domain.nodes.size();
+  std::string store;
+  std::string_view rest = text_of(element, store);
+  for (int i = 0; i < count; ++i) {  // the usual case without a message to build
+    int node_id = 0;
+    if ((i > 0 && !take_comma(rest)) || take_int(rest, node_id) != Number::Ok) break;
+    const int node = find_node(reading, node_id);
+    if (node < 0) break;
+    domain.nodes.push_back(node);
+  }
+  if (domain.nodes.size() != before + static_cast<std::size_t>(count) || !trim(rest).empty()) {
+    domain.nodes.resize(before);
+    append_nodes(reading, element, count, fmt::format("{} element {}", type, id), domain.nodes);
+  }
+  domain.element_ids.push_back(id);
+}
+
 void read_elements(Reading& reading, const XMLElement& section) {
   JointModel& model = reading.model;
   const std::string type = need_attribute(reading, section, "type");
@@ -203,33 +246,20 @@ void read_elements(Reading& reading, const XMLElement& section) {
   }
   const int domain_number = static_cast<int>(model.domains.size());
   Domain domain;
-  domain.name = attribute(section, "name");
+  const std::string own_name = attribute(section, section.Attribute("name") != nullptr ? "name" : "elset");
+  domain.name = full_name(reading, own_name);
   domain.shape = *shape;
   domain.origin = origin_of(reading, section);
-  const int count = nodes_per_element(*shape);
   reading.first_element.push_back(reading.elements.size());
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     if (std::strcmp(child->Name(), "elem") != 0 && std::strcmp(child->Name(), "e") != 0) {
       ignore(reading, *child, fmt::format("<{}> in Elements", child->Name()));
       continue;
     }
-    const int id = read_id(reading, *child);
+    int id = read_id(reading, *child);
+    if (reading.instance != nullptr) id = free_id(reading, *child, reading.elements, id);
     if (!reading.elements.add(id)) fail(reading, *child, fmt::format("element {} exists twice: renumber one", id));
-    const std::size_t before = domain.nodes.size();
-    std::string store;
-    std::string_view rest = text_of(*child, store);
-    for (int i = 0; i < count; ++i) {  // the usual case without a message to build
-      int node_id = 0;
-      if ((i > 0 && !take_comma(rest)) || take_int(rest, node_id) != Number::Ok) break;
-      const int node = reading.nodes.find(node_id);
-      if (node < 0) break;
-      domain.nodes.push_back(node);
-    }
-    if (domain.nodes.size() != before + static_cast<std::size_t>(count) || !trim(rest).empty()) {
-      domain.nodes.resize(before);
-      append_nodes(reading, *child, count, fmt::format("{} element {}", type, id), domain.nodes);
-    }
-    domain.element_ids.push_back(id);
+    append_element(reading, *child, type, id, domain);
   }
   if (!domain.name.empty()) {
     auto& same_name = reading.domain_index[domain.name];
@@ -241,8 +271,22 @@ void read_elements(Reading& reading, const XMLElement& section) {
   domain.element_ids.shrink_to_fit();
   domain.nodes.shrink_to_fit();
   model.domains.push_back(std::move(domain));
-  if (const char* mat = section.Attribute("mat")) assign_material(reading, section, domain_number, mat, true);
+  std::string mat = attribute(section, "mat");
+  if (reading.instance != nullptr) {
+    const auto other = reading.instance->materials.find(own_name);
+    if (other != reading.instance->materials.end()) mat = other->second;
+    if (mat.empty()) {
+      fail(reading, section,
+           fmt::format("Elements {} of an instance without a material: add <Elements name= mat=/> to its <Instance>",
+                       quote(own_name)));
+    }
+  }
+  if (!mat.empty() || section.Attribute("mat") != nullptr) {
+    assign_material(reading, section, domain_number, mat, true);
+  }
 }
+
+namespace {
 
 // -- sets --------------------------------------------------------------------------------------------
 
@@ -251,9 +295,11 @@ void append_node_id(Reading& reading, const XMLElement& element, int id, std::ve
   count_entries(reading, element, 1);
 }
 
+}  // namespace
+
 void read_node_set(Reading& reading, const XMLElement& section) {
   NodeSet set;
-  set.name = need_attribute(reading, section, "name");
+  set.name = full_name(reading, need_attribute(reading, section, "name"));
   set.origin = origin_of(reading, section);
   if (is_leaf(section)) {
     read_ranges(reading, section, [&](int id) { append_node_id(reading, section, id, set.nodes); });
@@ -282,6 +328,8 @@ void read_node_set(Reading& reading, const XMLElement& section) {
   }
 }
 
+namespace {
+
 void read_element_set(Reading& reading, const XMLElement& section) {
   ElementSet set;
   set.name = need_attribute(reading, section, "name");
@@ -302,11 +350,69 @@ void read_element_set(Reading& reading, const XMLElement& section) {
   reading.model.element_sets.push_back(std::move(set));
 }
 
-void read_surface(Reading& reading, const XMLElement& section) {
+void check_facet(const Reading& reading, const XMLElement& element, const Surface& surface, int count,
+                 const std::string& what) {
+  for (auto a = surface.nodes.end() - count; a != surface.nodes.end(); ++a) {
+    if (std::find(a + 1, surface.nodes.end(), *a) != surface.nodes.end()) {
+      std::string text = text_of(element);
+      fail(reading, element, fmt::format("{} has a node twice ({}): repair the mesh", what, quote(trim(text))));
+    }
+  }
+}
+
+/// "element,face": the nodes of a face of an element, both counted from 1.
+void append_face(const Reading& reading, const XMLElement& element, int count, const std::string& what,
+                 std::vector<int>& nodes) {
+  std::string store;
+  std::string_view rest = text_of(element, store);
+  int id = 0, face = 0;
+  if (take_int(rest, id) != Number::Ok || !take_comma(rest) || take_int(rest, face) != Number::Ok ||
+      !trim(rest).empty()) {
+    fail(reading, element,
+         fmt::format("{} is {}, expected the number of an element and of its face", what,
+                     quote(trim(text_of(element)))));
+  }
+  const auto place = find_element(reading, id);
+  if (!place) fail(reading, element, fmt::format("{} is on element {}, which does not exist", what, id));
+  const Domain& domain = reading.model.domains[static_cast<std::size_t>(place->domain)];
+  const auto& faces = element_faces(domain.shape);
+  if (face < 1 || face > static_cast<int>(faces.size()) ||
+      static_cast<int>(faces[static_cast<std::size_t>(face) - 1].size()) != count) {
+    fail(reading, element, fmt::format("{}: element {} has no such face {}", what, id, face));
+  }
+  const std::size_t first =
+      static_cast<std::size_t>(place->index) * static_cast<std::size_t>(nodes_per_element(domain.shape));
+  for (const int local : faces[static_cast<std::size_t>(face) - 1]) {
+    nodes.push_back(domain.nodes[first + static_cast<std::size_t>(local)]);
+  }
+}
+
+/// <Surface surface="name"/> in a surface: its facets too.
+void append_surface(Reading& reading, const XMLElement& element, Surface& surface) {
+  const std::string name = need_attribute(reading, element, "surface");
+  const int other = find_name(reading.surface_index, name);
+  if (other < 0) {
+    fail(reading, element,
+         fmt::format("surface {} names {}, expected the name of a Surface above it", quote(surface.name), quote(name)));
+  }
+  const Surface& added = reading.model.surfaces[static_cast<std::size_t>(other)];
+  count_entries(reading, element, added.nodes.size());
+  const int before = surface.begin.back();
+  for (int i = 0; i < added.size(); ++i) surface.begin.push_back(before + added.begin[static_cast<std::size_t>(i) + 1]);
+  surface.nodes.insert(surface.nodes.end(), added.nodes.begin(), added.nodes.end());
+}
+
+}  // namespace
+
+int read_surface(Reading& reading, const XMLElement& section, const std::string& name, bool element_faces) {
   Surface surface;
-  surface.name = need_attribute(reading, section, "name");
+  surface.name = name;
   surface.origin = origin_of(reading, section);
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    if (std::strcmp(child->Name(), "Surface") == 0) {
+      append_surface(reading, *child, surface);
+      continue;
+    }
     const int count = facet_nodes(child->Name());
     if (count == 0) {
       fail(reading, *child,
@@ -315,19 +421,20 @@ void read_surface(Reading& reading, const XMLElement& section) {
     }
     const std::string what =
         fmt::format("{} facet {} of surface {}", child->Name(), surface.size() + 1, quote(surface.name));
-    append_nodes(reading, *child, count, what, surface.nodes);
-    for (auto a = surface.nodes.end() - count; a != surface.nodes.end(); ++a) {
-      if (std::find(a + 1, surface.nodes.end(), *a) != surface.nodes.end()) {
-        std::string text = text_of(*child);
-        fail(reading, *child, fmt::format("{} has a node twice ({}): repair the mesh", what, quote(trim(text))));
-      }
-    }
+    if (element_faces)
+      append_face(reading, *child, count, what, surface.nodes);
+    else
+      append_nodes(reading, *child, count, what, surface.nodes);
+    check_facet(reading, *child, surface, count, what);
     surface.begin.push_back(static_cast<int>(surface.nodes.size()));
   }
-  add_name(reading, section, reading.surface_index, surface.name, static_cast<int>(reading.model.surfaces.size()),
-           "surface");
+  const int place = static_cast<int>(reading.model.surfaces.size());
+  add_name(reading, section, reading.surface_index, surface.name, place, "surface");
   reading.model.surfaces.push_back(std::move(surface));
+  return place;
 }
+
+namespace {
 
 void read_edge(Reading& reading, const XMLElement& section) {
   const std::string name = need_attribute(reading, section, "name");
@@ -345,10 +452,8 @@ void read_discrete_set(Reading& reading, const XMLElement& section) {
   set.name = need_attribute(reading, section, "name");
   set.origin = origin_of(reading, section);
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    std::vector<int> nodes;
-    append_nodes(reading, *child, 2, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name)),
-                 nodes);
-    set.pairs.push_back({nodes[0], nodes[1]});
+    set.pairs.push_back(read_node_pair(
+        reading, *child, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name))));
   }
   add_name(reading, section, reading.discrete_set_index, set.name, static_cast<int>(reading.model.discrete_sets.size()),
            "discrete set");
@@ -370,9 +475,48 @@ void read_part_list(Reading& reading, const XMLElement& section) {
   }
 }
 
+/// The surface "@part_list:NAME": faces of the parts' elements that no second element of them has, and their shells.
+int part_list_surface(Reading& reading, const XMLElement& element, const std::string& name) {
+  const auto list = reading.part_lists.find(name.substr(name.find(':') + 1));
+  if (list == reading.part_lists.end()) {
+    fail(reading, element, fmt::format("{} names no part list, expected the name of a PartList above it", quote(name)));
+  }
+  std::map<std::vector<int>, int> uses;  // by sorted corners
+  Surface surface;
+  surface.name = name;
+  surface.origin = origin_of(reading, element);
+  for (const bool counting : {true, false}) {
+    for (const std::string& part : list->second) {
+      for (const int index : reading.domain_index.find(part)->second) {
+        const Domain& domain = reading.model.domains[static_cast<std::size_t>(index)];
+        const std::size_t count = static_cast<std::size_t>(nodes_per_element(domain.shape));
+        for (std::size_t first = 0; first < domain.nodes.size(); first += count) {
+          for (const std::vector<int>& face : element_faces(domain.shape)) {
+            std::vector<int> nodes, key;
+            for (const int local : face) nodes.push_back(domain.nodes[first + static_cast<std::size_t>(local)]);
+            key.assign(nodes.begin(), nodes.begin() + facet_corners(static_cast<int>(nodes.size())));
+            std::sort(key.begin(), key.end());
+            key.erase(std::unique(key.begin(), key.end()), key.end());
+            if (key.size() < 3) continue;  // the side of a degenerate element that is no area
+            if (counting) {
+              ++uses[key];
+            } else if (uses[key] == 1) {
+              surface.nodes.insert(surface.nodes.end(), nodes.begin(), nodes.end());
+              surface.begin.push_back(static_cast<int>(surface.nodes.size()));
+            }
+          }
+        }
+      }
+    }
+  }
+  const int place = static_cast<int>(reading.model.surfaces.size());
+  reading.surface_index.emplace(name, place);
+  reading.model.surfaces.push_back(std::move(surface));
+  return place;
+}
+
 /// `new_tag` or `old_tag`, the surface as text (3.0, 4.0) or attribute (2.5).
-int pair_surface(const Reading& reading, const XMLElement& section, const char* new_tag, const char* old_tag,
-                 SurfacePair& pair) {
+int pair_surface(Reading& reading, const XMLElement& section, const char* new_tag, const char* old_tag) {
   const XMLElement* child = section.FirstChildElement(new_tag);
   if (child == nullptr) child = section.FirstChildElement(old_tag);
   if (child == nullptr) {
@@ -383,7 +527,7 @@ int pair_surface(const Reading& reading, const XMLElement& section, const char* 
   int surface = find_name(reading.surface_index, name);
   if (surface < 0) surface = find_name(reading.surface_index, std::string(trim(name)));
   if (surface < 0 && name.rfind("@part_list:", 0) == 0) {
-    pair.unsupported = fmt::format("a surface given as {}: make it a Surface", quote(name));
+    surface = part_list_surface(reading, *child, name);
   } else if (surface < 0) {
     fail(reading, *child,
          fmt::format("surface pair {} names {}, expected the name of a Surface above it",
@@ -395,8 +539,8 @@ int pair_surface(const Reading& reading, const XMLElement& section, const char* 
 void read_surface_pair(Reading& reading, const XMLElement& section) {
   const std::string name = need_attribute(reading, section, "name");
   SurfacePair pair;
-  pair.primary = pair_surface(reading, section, "primary", "slave", pair);
-  pair.secondary = pair_surface(reading, section, "secondary", "master", pair);
+  pair.primary = pair_surface(reading, section, "primary", "slave");
+  pair.secondary = pair_surface(reading, section, "secondary", "master");
   if (!reading.surface_pairs.emplace(name, pair).second) {
     fail(reading, section, fmt::format("surface pair {} exists twice: rename one", quote(name)));
   }
@@ -404,22 +548,14 @@ void read_surface_pair(Reading& reading, const XMLElement& section) {
 
 // -- shell thickness ---------------------------------------------------------------------------------
 
-/// (domain, element in it) of the lid-th element of a set; domains come in file order.
-struct ElementPlace {
-  int domain = 0;
-  int index = 0;
-};
-
+/// Places of the elements of a set, in its order; domains come in file order.
 std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement& element, const std::string& name) {
   std::vector<ElementPlace> places;
   const JointModel& model = reading.model;
   const int set = find_name(reading.element_set_index, name);
   if (set >= 0) {
     for (const int id : model.element_sets[static_cast<std::size_t>(set)].element_ids) {
-      const int number = reading.elements.find(id);
-      const auto after = std::upper_bound(reading.first_element.begin(), reading.first_element.end(), number);
-      const int domain = static_cast<int>(after - reading.first_element.begin()) - 1;
-      places.push_back({domain, number - reading.first_element[static_cast<std::size_t>(domain)]});
+      places.push_back(*find_element(reading, id));
     }
     return places;
   }
@@ -435,34 +571,50 @@ std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement
   return places;
 }
 
+/// Thickness at each node of a shell.
+void set_thickness(Reading& reading, const XMLElement& element, const ElementPlace& place) {
+  Domain& domain = reading.model.domains[static_cast<std::size_t>(place.domain)];
+  const std::size_t count = static_cast<std::size_t>(nodes_per_element(domain.shape));
+  domain.shell_thickness.resize(domain.nodes.size(), 0.0);
+  std::string store;
+  std::string_view rest = text_of(element, store);
+  for (std::size_t i = 0; i < count; ++i) {
+    double value = 0.0;
+    if ((i > 0 && !take_comma(rest)) || take_double(rest, value) != Number::Ok || value < 0) {
+      fail(reading, element,
+           fmt::format("shell thickness {}, expected {} numbers >= 0, one per node", quote(trim(text_of(element))),
+                       count));
+    }
+    domain.shell_thickness[static_cast<std::size_t>(place.index) * count + i] = value;
+  }
+}
+
 void read_thickness(Reading& reading, const XMLElement& section) {
   const std::vector<ElementPlace> places =
       places_of_set(reading, section, need_attribute(reading, section, "elem_set"));
-  const auto set_values = [&](const XMLElement& element, const ElementPlace& place) {
-    Domain& domain = reading.model.domains[static_cast<std::size_t>(place.domain)];
-    const std::size_t count = static_cast<std::size_t>(nodes_per_element(domain.shape));
-    domain.shell_thickness.resize(domain.nodes.size(), 0.0);
-    std::string store;
-    std::string_view rest = text_of(element, store);
-    for (std::size_t i = 0; i < count; ++i) {
-      double value = 0.0;
-      if ((i > 0 && !take_comma(rest)) || take_double(rest, value) != Number::Ok || value < 0) {
-        fail(reading, element,
-             fmt::format("shell thickness {}, expected {} numbers >= 0, one per node", quote(trim(text_of(element))),
-                         count));
-      }
-      domain.shell_thickness[static_cast<std::size_t>(place.index) * count + i] = value;
-    }
-  };
   if (is_leaf(section)) {
-    for (const ElementPlace& place : places) set_values(section, place);
+    for (const ElementPlace& place : places) set_thickness(reading, section, place);
   }
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const int lid = read_id(reading, *child, "lid");
     if (lid > static_cast<int>(places.size())) {
       fail(reading, *child, fmt::format("lid = {}, but the element set has {} elements", lid, places.size()));
     }
-    set_values(*child, places[static_cast<std::size_t>(lid) - 1]);
+    set_thickness(reading, *child, places[static_cast<std::size_t>(lid) - 1]);
+  }
+}
+
+/// Data of the elements at these places: only thickness matters, not fibres and axes.
+void read_data(Reading& reading, const XMLElement& element, const std::vector<ElementPlace>& places) {
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    if (std::strcmp(child->Name(), "thickness") != 0) continue;
+    for (const ElementPlace& place : places) {
+      if (is_shell(reading.model.domains[static_cast<std::size_t>(place.domain)].shape)) {
+        set_thickness(reading, *child, place);
+      } else {
+        ignore(reading, *child, "thickness of an element that is no shell");
+      }
+    }
   }
 }
 
@@ -543,6 +695,22 @@ void read_surface_map(Reading& reading, const XMLElement& section, const std::st
 
 }  // namespace
 
+void read_element_data(Reading& reading, const XMLElement& section) {
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "element") {
+      const int id = read_id(reading, *child);
+      const auto place = find_element(reading, id);
+      if (!place) fail(reading, *child, fmt::format("ElementData of element {}, which does not exist", id));
+      read_data(reading, *child, {*place});
+    } else if (tag == "elset") {
+      read_data(reading, *child, places_of_set(reading, *child, need_attribute(reading, *child, "set")));
+    } else {
+      ignore(reading, *child, fmt::format("<{}> in ElementData", tag));
+    }
+  }
+}
+
 void resolve_surface_maps(Reading& reading) {
   JointModel& model = reading.model;
   for (const MapUse& use : reading.map_uses) {
@@ -579,8 +747,33 @@ void resolve_surface_maps(Reading& reading) {
   }
 }
 
+std::array<int, 2> read_node_pair(const Reading& reading, const XMLElement& element, const std::string& what) {
+  std::vector<int> nodes;
+  append_nodes(reading, element, 2, what, nodes);
+  return {nodes[0], nodes[1]};
+}
+
+int find_node(const Reading& reading, int id) {
+  if (reading.instance == nullptr) return reading.nodes.find(id);
+  const int node = reading.instance->nodes.find(id);
+  return node < 0 ? -1 : node + reading.instance->first_node;
+}
+
+std::optional<ElementPlace> find_element(const Reading& reading, int id) {
+  const int number = reading.elements.find(id);
+  if (number < 0) return std::nullopt;
+  if (!reading.element_places.empty()) return reading.element_places[static_cast<std::size_t>(number)];
+  const auto after = std::upper_bound(reading.first_element.begin(), reading.first_element.end(), number);
+  const int domain = static_cast<int>(after - reading.first_element.begin()) - 1;
+  return ElementPlace{domain, number - reading.first_element[static_cast<std::size_t>(domain)]};
+}
+
+std::string full_name(const Reading& reading, const std::string& name) {
+  return reading.instance == nullptr || name.empty() ? name : reading.instance->prefix + name;
+}
+
 int need_node(const Reading& reading, const XMLElement& element, int id) {
-  const int node = reading.nodes.find(id);
+  const int node = find_node(reading, id);
   if (node < 0) fail(reading, element, fmt::format("<{}> uses node {}, which does not exist", element.Name(), id));
   return node;
 }
@@ -658,7 +851,7 @@ void read_mesh(Reading& reading, const XMLElement& section) {
     } else if (tag == "ElementSet") {
       read_element_set(reading, *child);
     } else if (tag == "Surface") {
-      read_surface(reading, *child);
+      read_surface(reading, *child, need_attribute(reading, *child, "name"));
     } else if (tag == "Edge") {
       read_edge(reading, *child);
     } else if (tag == "DiscreteSet") {
@@ -667,9 +860,14 @@ void read_mesh(Reading& reading, const XMLElement& section) {
       read_part_list(reading, *child);
     } else if (tag == "SurfacePair") {
       read_surface_pair(reading, *child);
-    } else if (tag == "Part" || tag == "Instance") {
-      fail(reading, *child,
-           fmt::format("<{}>: parts and instances cannot be read; open it in FEBio Studio and save as 4.0", tag));
+    } else if (tag == "ElementData") {
+      read_element_data(reading, *child);
+    } else if (tag == "NodeSetSet" || tag == "NodeSetPair") {
+      continue;  // for constraints, which name it
+    } else if (tag == "Part") {
+      read_part(reading, *child);
+    } else if (tag == "Instance") {
+      read_instance(reading, *child);
     } else {
       ignore(reading, *child, fmt::format("<{}> in {}", tag, section.Name()));
     }

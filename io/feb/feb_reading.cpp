@@ -10,6 +10,7 @@ namespace dea::feb {
 bool IdTable::add(int id) {
   if (index_.empty() && (ids_.empty() || id > ids_.back())) {
     ids_.push_back(id);
+    largest_ = id;
     return true;
   }
   if (index_.empty()) {  // the first id out of order: from now on by a hash table
@@ -17,6 +18,7 @@ bool IdTable::add(int id) {
   }
   if (!index_.emplace(id, size()).second) return false;
   ids_.push_back(id);
+  largest_ = std::max(largest_, id);
   return true;
 }
 
@@ -47,7 +49,11 @@ void ignore(Reading& reading, Origin origin, const std::string& what) {
 }
 
 void unsupported(Reading& reading, const XMLElement& element, const std::string& what) {
-  febio::list_once(reading.model.unsupported, reading.unsupported_index, what, origin_of(reading, element));
+  unsupported(reading, origin_of(reading, element), what);
+}
+
+void unsupported(Reading& reading, Origin origin, const std::string& what) {
+  febio::list_once(reading.model.unsupported, reading.unsupported_index, what, origin);
 }
 
 std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name) {
@@ -139,6 +145,27 @@ std::string child_text(const XMLElement& parent, const char* name) {
   return child == nullptr ? std::string() : text_of(*child);
 }
 
+Vector3d child_vector(Reading& reading, const XMLElement& parent, const char* name, const Vector3d& fallback) {
+  const XMLElement* child = parent.FirstChildElement(name);
+  if (child == nullptr) return fallback;
+  if (child->Attribute("lc") != nullptr)
+    unsupported(reading, *child, fmt::format("{} that follows a load controller", name));
+  return read_vector(reading, *child);
+}
+
+int child_body(const Reading& reading, const XMLElement& element, const char* tag) {
+  const XMLElement* child = element.FirstChildElement(tag);
+  if (child == nullptr) fail(reading, element, fmt::format("<{}> without <{}>", element.Name(), tag));
+  return need_rigid(reading, *child, text_of(*child));
+}
+
+int find_material(const Reading& reading, const XMLElement& element, const std::string& name) {
+  const auto place = reading.material_index.find(name);
+  if (reading.ambiguous_materials.count(name) > 0)
+    fail(reading, element, fmt::format("several materials are called {}: name it by its id", quote(name)));
+  return place == reading.material_index.end() ? -1 : place->second;
+}
+
 int need_rigid(const Reading& reading, const XMLElement& element, const std::string& id_or_name) {
   const JointModel& model = reading.model;
   int index = -1;
@@ -148,8 +175,7 @@ int need_rigid(const Reading& reading, const XMLElement& element, const std::str
     }
   }
   for (const std::string& name : {id_or_name, std::string(trim(id_or_name))}) {
-    const auto place = reading.material_index.find(name);
-    if (index < 0 && place != reading.material_index.end()) index = place->second;
+    if (index < 0) index = find_material(reading, element, name);
   }
   if (index < 0) {
     fail(reading, element,

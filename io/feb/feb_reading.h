@@ -3,8 +3,10 @@
 // A version of the format is a `Rules`: what its sections mean. To add a version, add one file with its
 // rules and list it in read_feb.cpp.
 #pragma once
+#include <array>
 #include <initializer_list>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -24,11 +26,19 @@ using SectionReader = void (*)(Reading&, const XMLElement& section);
 /// What differs between the versions.
 struct Rules {
   const char* version;
-  bool nested_k_adds;  ///< the k of nested uncoupled materials is added to the top-level k
+  bool nested_k_adds;     ///< the k of nested uncoupled materials is added to the top-level k
+  bool unique_materials;  ///< no two materials of one name
+  SectionReader mesh;     ///< Geometry or Mesh
   SectionReader boundary;
   SectionReader rigid;  ///< the Rigid section; null: the version has none
+  SectionReader contact;
   SectionReader constraints;
+  SectionReader loads;
+  SectionReader discrete;
+  bool tag_per_step;  ///< each <Step> is one step; otherwise <Step> has <step> children
 };
+extern const Rules kRules12;
+extern const Rules kRules20;
 extern const Rules kRules25;
 extern const Rules kRules30;
 extern const Rules kRules40;
@@ -39,16 +49,17 @@ class IdTable {
   bool add(int id);        ///< false: there already
   int find(int id) const;  ///< index in file order; -1: unknown
   int size() const { return static_cast<int>(ids_.size()); }
+  int largest() const { return largest_; }
   std::vector<int> take() { return std::move(ids_); }
 
  private:
   std::vector<int> ids_;
+  int largest_ = 0;
   std::unordered_map<int, int> index_;  ///< only used once an id does not increase
 };
 
 struct SurfacePair {
   int primary = -1, secondary = -1;  ///< index of a surface
-  std::string unsupported;           ///< a surface we cannot build, if any
 };
 
 /// A run of consecutive nodes: a named `Nodes` section.
@@ -67,9 +78,39 @@ struct Control {
 };
 
 struct DiscreteMaterial {
-  std::string type;
-  double stiffness = 1.0;
+  DiscreteSprings springs;  ///< what the material says of them
+  int function = 0;         ///< id of the load curve that is their force, 0: none
+  double function_scale = 1.0;
   std::string unsupported;
+};
+
+/// Springs whose force is a load curve, resolved when all is read.
+struct FunctionUse {
+  int springs = -1;  ///< index into JointModel::discrete_springs
+  int id = 0;
+  double scale = 1.0;
+};
+
+/// (domain, element in it).
+struct ElementPlace {
+  int domain = 0;
+  int index = 0;
+};
+
+/// A part of a mesh that is used by instances of it (2.5). The element lives in `documents` or in the model's own file.
+struct Part {
+  const XMLElement* element = nullptr;
+  int file = 0;
+};
+
+/// While an instance of a part is read: its names, numbers and position.
+struct Instance {
+  std::string prefix;  ///< of all names
+  IdTable nodes;       ///< by the part's own ids
+  int first_node = 0;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Vector3d scale = Vector3d::Ones(), translation = Vector3d::Zero();  ///< x = turn (scale * X) + translation
+  std::map<std::string, std::string, std::less<>> materials;          ///< of Elements, in place of the part's
 };
 
 /// Values on a surface, a `SurfaceData`: used if a contact of type dea names it, and only then its faults matter.
@@ -100,7 +141,11 @@ struct Reading {
   int files_read = 0;
 
   IdTable nodes, elements;
-  std::vector<int> first_element;  ///< per domain: index of its first element in `elements`
+  std::vector<int> first_element;            ///< per domain: index of its first element in `elements`
+  std::vector<ElementPlace> element_places;  ///< 1.2 only, where domains are mixed: by index in `elements`
+  std::map<std::string, Part, std::less<>> parts;
+  Instance* instance = nullptr;                         ///< being read; null: none
+  std::vector<std::unique_ptr<XMLDocument>> documents;  ///< other files that parts are in
   std::vector<NodeRange> node_ranges;
   std::map<std::string, int, std::less<>> surface_index, node_set_index, element_set_index, discrete_set_index,
       material_index;
@@ -108,11 +153,13 @@ struct Reading {
   std::map<std::string, std::vector<std::string>, std::less<>> part_lists;
   std::map<std::string, std::vector<int>, std::less<>> edges;  ///< nodes of an Edge
   std::set<std::string> ambiguous_node_sets;                   ///< names with two different node lists
+  std::set<std::string> ambiguous_materials;                   ///< names of several materials
   std::size_t set_entries = 0;                                 ///< nodes and elements listed by sets so far
   std::map<std::string, SurfacePair, std::less<>> surface_pairs;
   std::vector<DiscreteMaterial> discrete_materials;
   std::vector<SurfaceMap> surface_maps;
   std::vector<MapUse> map_uses;
+  std::vector<FunctionUse> function_uses;
 
   Control top_control;            ///< of the model; the first step starts from it
   std::vector<Control> controls;  ///< one per step
@@ -131,6 +178,7 @@ void ignore(Reading& reading, const XMLElement& element, const std::string& what
 void ignore(Reading& reading, Origin origin, const std::string& what);
 /// Changes the mechanics and cannot be taken into account: listed once with a count.
 void unsupported(Reading& reading, const XMLElement& element, const std::string& what);
+void unsupported(Reading& reading, Origin origin, const std::string& what);
 
 // -- values ----------------------------------------------------------------------------------------
 
@@ -150,19 +198,52 @@ int read_word(const XMLElement& element, std::initializer_list<const char*> word
 double child_double(const Reading& reading, const XMLElement& parent, const char* name, double fallback);
 bool child_bool(const Reading& reading, const XMLElement& parent, const char* name, bool fallback);
 std::string child_text(const XMLElement& parent, const char* name);
+/// A constant vector, `fallback` if there is none. One that follows a load controller is unsupported.
+Vector3d child_vector(Reading& reading, const XMLElement& parent, const char* name, const Vector3d& fallback);
+/// Two node ids "n1,n2" as indices.
+std::array<int, 2> read_node_pair(const Reading& reading, const XMLElement& element, const std::string& what);
+/// Interpolation, way to extend and points of a curve; the element's children, or for `old` its attributes and points.
+void read_curve(const Reading& reading, const XMLElement& element, bool old, LoadController& curve);
 
 // -- references ------------------------------------------------------------------------------------
 
+/// Index of the node with this id, within an instance by the part's ids; -1: none.
+int find_node(const Reading& reading, int id);
+/// A name as it is called in the model: within an instance with its prefix.
+std::string full_name(const Reading& reading, const std::string& name);
 /// Index of the node with this id, or a fault.
 int need_node(const Reading& reading, const XMLElement& element, int id);
 /// Nodes of a node set, of a named Nodes section or of an implicit set ("@surface:NAME").
 std::vector<int> need_node_set(Reading& reading, const XMLElement& element, const std::string& name);
+/// Index of the material of this name, -1: none; a fault if several have it.
+int find_material(const Reading& reading, const XMLElement& element, const std::string& name);
 /// A rigid material by id or name, or a fault.
 int need_rigid(const Reading& reading, const XMLElement& element, const std::string& id_or_name);
+/// The rigid material that the child `tag` names.
+int child_body(const Reading& reading, const XMLElement& element, const char* tag = "rb");
+/// Place of the element with this id; nothing: none.
+std::optional<ElementPlace> find_element(const Reading& reading, int id);
+/// Nodes of `node_set` (`set` in older files), or listed as children.
+std::vector<int> nodes_of(Reading& reading, const XMLElement& element);
 
 // -- shared sections -------------------------------------------------------------------------------
 
 void read_mesh(Reading& reading, const XMLElement& section);  // Geometry or Mesh
+void read_nodes(Reading& reading, const XMLElement& section);
+void read_elements(Reading& reading, const XMLElement& section);
+void read_node_set(Reading& reading, const XMLElement& section);
+/// The facets of a surface, under that name; those of other surfaces it lists too. Its index.
+int read_surface(Reading& reading, const XMLElement& section, const std::string& name, bool element_faces = false);
+std::optional<ElementShape> shape_of(const std::string& type);
+/// Appends an element's nodes; `what` makes its name for a message.
+void append_element(const Reading& reading, const XMLElement& element, const std::string& type, int id, Domain& domain);
+/// Shell thickness of single elements, in Geometry.
+void read_element_data(Reading& reading, const XMLElement& section);
+// feb_parts.cpp: parts of a mesh and their instances.
+void read_part(Reading& reading, const XMLElement& element);
+void read_instance(Reading& reading, const XMLElement& element);
+/// The part of this name in the file that the element's `from` names.
+const Part* find_part_in_file(Reading& reading, const XMLElement& element, const std::string& name);
 void read_mesh_domains(Reading& reading, const XMLElement& section);
 void read_mesh_data(Reading& reading, const XMLElement& section);
 /// Thickness maps of contacts of type dea; the other maps are ignored. When every section has been read.
@@ -170,9 +251,17 @@ void resolve_surface_maps(Reading& reading);
 void read_materials(Reading& reading, const XMLElement& section);
 void read_contact(Reading& reading, const XMLElement& section);
 void read_discrete(Reading& reading, const XMLElement& section);
+/// Springs of this material between the pairs of a discrete set.
+void add_springs(Reading& reading, const XMLElement& element, const DiscreteMaterial& material, int set);
+/// scale, measure and force of a nonlinear spring.
+void read_nonlinear(Reading& reading, const XMLElement& element, DiscreteMaterial& material);
+/// When every section has been read: springs whose force is a load curve.
+void resolve_functions(Reading& reading);
 void read_loads(Reading& reading, const XMLElement& section);
+void read_load(Reading& reading, const XMLElement& element);  ///< one of them
 void read_initial(Reading& reading, const XMLElement& section);
 void read_constraints(Reading& reading, const XMLElement& section);
+void read_constraint(Reading& reading, const XMLElement& element);  ///< one of them
 void read_control(Reading& reading, const XMLElement& section);
 void read_load_data(Reading& reading, const XMLElement& section);
 
@@ -180,20 +269,49 @@ void read_load_data(Reading& reading, const XMLElement& section);
 
 /// Holds nodes in the listed dofs ("x,y,z" or "xyz"); others than displacements are ignored.
 void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dofs);
+void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dofs, std::vector<int> nodes);
 /// A prescribed nodal dof: zero is a fixed node, anything else is unsupported.
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const XMLElement* value);
+void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, double value,
+                     std::vector<int> nodes);
 /// Nodes of the element's `node_set` move with a body.
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body);
+/// fixed, prescribed, force and initial_velocity of a body (2.0, 2.5).
+void read_rigid_body(Reading& reading, const XMLElement& section);
 /// rigid_bc, rigid_load, rigid_ic of 4.0; false: not one of them.
 bool rigid_condition(Reading& reading, const XMLElement& element, const std::string& type);
 /// Any rigid connector of any version; false: not one.
 bool rigid_connector(Reading& reading, const XMLElement& element, const std::string& type);
+/// When every section has been read: joints whose directions only agree with FEBio's if a body does not turn.
+void check_joints(Reading& reading);
+void read_axial_force(Reading& reading, const XMLElement& element);
+void read_cable(Reading& reading, const XMLElement& element);
+/// The same force along a nodal dof on each of the nodes; other dofs are left out with a remark.
+void add_nodal_force(Reading& reading, const XMLElement& element, std::string_view dof, const Scaled& force,
+                     std::vector<int> nodes);
+/// A load on nodes of 2.5 and later; false: none.
+bool nodal_load(Reading& reading, const XMLElement& element);
+/// A contact of known kind between two surfaces.
+void add_contact(Reading& reading, const XMLElement& element, int primary, int secondary);
 /// Position of a dof name in `names`, or the number itself; a fault otherwise.
 int read_dof(const Reading& reading, const XMLElement& element, std::string_view word,
              std::initializer_list<const char*> names);
 /// True if the loads of the element are numbers and all zero.
 bool is_zero_load(const XMLElement& element);
 
+// -- shared by 1.2 and 2.0 (feb_old.cpp) -------------------------------------------------------------
+
+/// One <contact>: rigid nodes, a connector, or two surfaces inside it.
+void read_old_contact(Reading& reading, const XMLElement& element);
+/// Springs between nodes listed inside.
+void read_old_spring(Reading& reading, const XMLElement& element);
+/// <node id="" bc="">value</node> of forces and prescribed displacements; values at the element are for all nodes.
+void read_old_prescribe(Reading& reading, const XMLElement& element);
+void read_old_nodal_force(Reading& reading, const XMLElement& element);
+void read_old_fix(Reading& reading, const XMLElement& element);
+
+/// Index of the load controller with this id, -1 for 0; a fault at `origin` if there is none. When all have been read.
+int need_controller(const JointModel& model, int id, Origin origin);
 /// Load controllers by id, steps and must points: when every section has been read.
 void finish(Reading& reading);
 

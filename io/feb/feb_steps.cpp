@@ -6,6 +6,7 @@
 
 #include "error.h"
 #include "feb_reading.h"
+#include "load_curve.h"
 
 namespace dea::feb {
 namespace {
@@ -47,7 +48,8 @@ int place_of(const Words& words, std::string_view word) {
 }
 
 void set_interpolate(LoadController& curve, std::string_view word) {
-  const int place = place_of(febio::kInterpolateWords, word);
+  int place = place_of(febio::kInterpolateWords, word);
+  if (same_word(trim(word), "smooth-step")) place = static_cast<int>(LoadController::Interpolate::SmoothStep);
   if (place >= 0)
     febio::set_interpolate(curve, place);
   else
@@ -62,35 +64,51 @@ void set_extend(LoadController& curve, std::string_view word) {
     curve.unsupported = fmt::format("extend {}", quote(trim(word)));
 }
 
-/// Index of the controller with this id; a fault at `origin` if there is none.
+std::vector<double> must_points(JointModel& model, const Control& control, double begin, double end) {
+  const int index = need_controller(model, control.dtmax_controller, control.dtmax_origin);
+  if (index < 0) return {};
+  const LoadController& curve = model.controllers[static_cast<std::size_t>(index)];
+  if (curve.points.empty() && (!curve.unsupported.empty() || !curve.expression.empty())) {
+    model.ignored.push_back({fmt::format("dtmax: load controller {} with {} gives no must points", curve.id,
+                                         curve.unsupported.empty() ? "an expression" : curve.unsupported),
+                             1, control.dtmax_origin});
+  }
+  return febio::must_points(curve, begin, end);
+}
+
+/// A controller of type math: an expression in t. Its <var> are numbers of FEBio's model, which are not known here.
+void read_expression(const Reading& reading, const XMLElement& element, LoadController& curve) {
+  const XMLElement* math = element.FirstChildElement("math");
+  if (math == nullptr) fail(reading, element, "load controller of type math without <math>");
+  const std::string text = text_of(*math);
+  curve.expression = trim(text);
+  std::string fault = expression_fault(curve.expression, {"t"});
+  if (element.FirstChildElement("var") != nullptr) fault = "a <var>, a number of FEBio's model";
+  if (!fault.empty()) curve.unsupported = fmt::format("expression {}: {}", quote(curve.expression), fault);
+}
+
+}  // namespace
+
 int need_controller(const JointModel& model, int id, Origin origin) {
-  if (id == 0) return -1;
+  if (id <= 0) return -1;
   for (std::size_t i = 0; i < model.controllers.size(); ++i) {
     if (model.controllers[i].id == id) return static_cast<int>(i);
   }
   throw InputError(model, origin, fmt::format("lc = {}, but there is no load controller {}", id, id));
 }
 
-template <class Condition>
-void resolve_controllers(JointModel& model, std::vector<Condition>& conditions) {
-  for (Condition& condition : conditions) {
-    condition.value.controller = need_controller(model, condition.value.controller, condition.origin);
+void read_curve(const Reading& reading, const XMLElement& element, bool old, LoadController& curve) {
+  if (old) {
+    if (!attribute(element, "type").empty()) set_interpolate(curve, attribute(element, "type"));
+    if (element.Attribute("extend") != nullptr) set_extend(curve, attribute(element, "extend"));
+    read_points(reading, element, curve);
+  } else {
+    if (const XMLElement* word = element.FirstChildElement("interpolate")) set_interpolate(curve, text_of(*word));
+    if (const XMLElement* word = element.FirstChildElement("extend")) set_extend(curve, text_of(*word));
+    if (const XMLElement* points = element.FirstChildElement("points")) read_points(reading, *points, curve);
   }
+  febio::check_times(curve);
 }
-
-std::vector<double> must_points(JointModel& model, const Control& control, double begin, double end) {
-  const int index = need_controller(model, control.dtmax_controller, control.dtmax_origin);
-  if (index < 0) return {};
-  const LoadController& curve = model.controllers[static_cast<std::size_t>(index)];
-  if (curve.points.empty() && !curve.unsupported.empty()) {
-    model.ignored.push_back(
-        {fmt::format("dtmax: load controller {} with {} gives no must points", curve.id, curve.unsupported), 1,
-         control.dtmax_origin});
-  }
-  return febio::must_points(curve, begin, end);
-}
-
-}  // namespace
 
 void read_control(Reading& reading, const XMLElement& section) {
   Control& control = reading.control();
@@ -136,14 +154,10 @@ void read_load_data(Reading& reading, const XMLElement& section) {
     curve.name = attribute(*child, "name");
     curve.origin = origin_of(reading, *child);
     const std::string type = attribute(*child, "type");
-    if (tag == "loadcurve") {
-      if (!type.empty()) set_interpolate(curve, type);
-      if (child->Attribute("extend") != nullptr) set_extend(curve, attribute(*child, "extend"));
-      read_points(reading, *child, curve);
-    } else if (type.empty() || type == "loadcurve") {
-      if (const XMLElement* word = child->FirstChildElement("interpolate")) set_interpolate(curve, text_of(*word));
-      if (const XMLElement* word = child->FirstChildElement("extend")) set_extend(curve, text_of(*word));
-      if (const XMLElement* points = child->FirstChildElement("points")) read_points(reading, *points, curve);
+    if (tag == "loadcurve" || type.empty() || type == "loadcurve") {
+      read_curve(reading, *child, tag == "loadcurve", curve);
+    } else if (type == "math") {
+      read_expression(reading, *child, curve);
     } else {
       curve.unsupported = fmt::format("type {}", quote(type));
     }
@@ -151,7 +165,6 @@ void read_load_data(Reading& reading, const XMLElement& section) {
       if (other.id == curve.id)
         fail(reading, *child, fmt::format("load controller {} exists twice: renumber one", curve.id));
     }
-    febio::check_times(curve);
     reading.model.controllers.push_back(std::move(curve));
   }
 }
@@ -177,8 +190,10 @@ void finish(Reading& reading) {
     model.steps.push_back(std::move(step));
   }
   resolve_surface_maps(reading);
-  resolve_controllers(model, model.rigid_prescribed);
-  resolve_controllers(model, model.rigid_loads);
+  febio::for_each_controller(
+      model, [&](int& controller, Origin origin) { controller = need_controller(model, controller, origin); });
+  resolve_functions(reading);
+  check_joints(reading);
   febio::refuse_unusable_controllers(model);
   // A named Nodes section is a node set too; FEBio lists it before the others.
   std::vector<NodeSet> named;

@@ -6,45 +6,6 @@
 namespace dea::feb {
 namespace {
 
-int rigid_dof(const Reading& reading, const XMLElement& element) {
-  return read_dof(reading, element, need_attribute(reading, element, "bc"), {"x", "y", "z", "Rx", "Ry", "Rz"});
-}
-
-void read_rigid_body(Reading& reading, const XMLElement& section) {
-  const int material = need_rigid(reading, section, need_attribute(reading, section, "mat"));
-  const std::string name = attribute(section, "name");
-  RigidFixed fixed{material, {}, reading.step, name, origin_of(reading, section)};
-  bool any_fixed = false;
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    const std::string type = attribute(*child, "type");
-    if (tag == "fixed") {
-      fixed.dofs[static_cast<std::size_t>(rigid_dof(reading, *child))] = any_fixed = true;
-    } else if (tag == "prescribed") {
-      reading.model.rigid_prescribed.push_back({material, rigid_dof(reading, *child), read_scaled(reading, *child),
-                                                type == "relative", reading.step, name, origin_of(reading, *child)});
-    } else if (tag == "force") {
-      const int dof = rigid_dof(reading, *child);
-      const char* what = dof < 3 ? "rigid force" : "rigid moment";
-      if (type == "ramp")
-        unsupported(reading, *child, fmt::format("{} with load_type TARGET", what));
-      else if (type == "follow" && dof >= 3)
-        unsupported(reading, *child, "rigid moment with load_type FOLLOW");
-      else if (!type.empty() && type != "follow")
-        unsupported(reading, *child, fmt::format("{} with type {}", what, quote(type)));
-      else
-        reading.model.rigid_loads.push_back({material, dof, read_scaled(reading, *child),
-                                             type == "follow" ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead,
-                                             reading.step, name, origin_of(reading, *child)});
-    } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {
-      ignore(reading, *child, "initial velocity of a rigid body");
-    } else {
-      unsupported(reading, *child, fmt::format("<{}> in rigid_body", tag));
-    }
-  }
-  if (any_fixed) reading.model.rigid_fixed.push_back(std::move(fixed));
-}
-
 void read_boundary(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Name();
@@ -65,15 +26,18 @@ void read_boundary(Reading& reading, const XMLElement& section) {
 }
 
 void read_constraints_25(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement("rigid_body"); child != nullptr;
-       child = child->NextSiblingElement("rigid_body")) {
-    unsupported(reading, *child, "rigid_body in Constraints: move it to Boundary");
+  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    if (std::string_view(child->Name()) == "rigid_body")
+      unsupported(reading, *child, "rigid_body in Constraints: move it to Boundary");
+    else
+      read_constraint(reading, *child);
   }
-  read_constraints(reading, section);
 }
 
 }  // namespace
 
-const Rules kRules25{"2.5", true, read_boundary, nullptr, read_constraints_25};
+const Rules kRules25{"2.5",         true,          true,         read_mesh,
+                     read_boundary, nullptr,       read_contact, read_constraints_25,
+                     read_loads,    read_discrete, true};
 
 }  // namespace dea::feb

@@ -49,6 +49,8 @@ void read_rigid(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules30{"3.0", false, read_boundary, read_rigid, read_constraints};
+const Rules kRules30{"3.0",         false,         true,         read_mesh,
+                     read_boundary, read_rigid,    read_contact, read_constraints,
+                     read_loads,    read_discrete, false};
 
 }  // namespace dea::feb

@@ -51,6 +51,8 @@ void read_rigid(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules40{"4.0", false, read_boundary, read_rigid, read_constraints};
+const Rules kRules40{"4.0",         false,         true,         read_mesh,
+                     read_boundary, read_rigid,    read_contact, read_constraints,
+                     read_loads,    read_discrete, false};
 
 }  // namespace dea::feb

@@ -32,12 +32,13 @@ const XMLElement& need_root(const XMLDocument& document, const std::string& name
 
 const Rules* need_rules(const XMLElement& root, const std::string& name) {
   const std::string version = attribute(root, "version");
-  for (const Rules* rules : {&kRules25, &kRules30, &kRules40}) {
+  for (const Rules* rules : {&kRules12, &kRules20, &kRules25, &kRules30, &kRules40}) {
     if (version == rules->version) return rules;
   }
   throw InputError(
       name, root.GetLineNum(),
-      fmt::format("version {}, expected 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0", quote(version)));
+      fmt::format("version {}, expected 1.2, 2.0, 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0",
+                  quote(version)));
 }
 
 /// First of the candidates that is a file; the first one if none is.
@@ -59,9 +60,10 @@ void read_other_file(Reading& reading, const XMLElement& place, const std::strin
     fail(reading, place, fmt::format("{} includes itself: remove one include", quote(path)));
   }
   if (++reading.files_read > kMostIncludes) fail(reading, place, fmt::format("more than {} includes", kMostIncludes));
-  const std::unique_ptr<XMLDocument> document = load_xml(path, path);
+  std::unique_ptr<XMLDocument> document = load_xml(path, path);
   const XMLElement& root = need_root(*document, path);
 
+  const std::size_t parts = reading.parts.size();
   const int outer_file = reading.file;
   const Rules* outer_rules = reading.rules;
   auto& files = reading.model.files;
@@ -70,6 +72,7 @@ void read_other_file(Reading& reading, const XMLElement& place, const std::strin
   if (known == files.end()) files.push_back(path);
   reading.open_files.push_back(canonical);
   read(root);
+  if (reading.parts.size() > parts) reading.documents.push_back(std::move(document));  // instances read them again
   reading.open_files.pop_back();
   reading.file = outer_file;
   reading.rules = outer_rules;
@@ -109,9 +112,38 @@ void read_from(Reading& reading, const XMLElement& element) {
   });
 }
 
+}  // namespace
+
+const Part* find_part_in_file(Reading& reading, const XMLElement& element, const std::string& name) {
+  const std::string from = attribute(element, "from");
+  const std::string path = first_file({fs::path(from), folder_of_current(reading) / from});
+  const Part* part = nullptr;
+  read_other_file(reading, element, path, [&](const XMLElement& root) {
+    const XMLElement* geometry = root.FirstChildElement("Geometry");
+    const XMLElement* child = geometry == nullptr ? nullptr : geometry->FirstChildElement("Part");
+    while (child != nullptr && attribute(*child, "name") != name) child = child->NextSiblingElement("Part");
+    if (child == nullptr) {
+      throw InputError(path, root.GetLineNum(),
+                       fmt::format("no Part {} in its Geometry, which {} takes from this file", quote(name),
+                                   quote(reading.model.files[0])));
+    }
+    const auto [place, is_new] = reading.parts.try_emplace(name, Part{child, reading.file});
+    if (!is_new) fail(reading, *child, fmt::format("part {} exists twice: rename one", quote(name)));
+    part = &place->second;
+  });
+  return part;
+}
+
+namespace {
+
 void read_module(Reading& reading, const XMLElement& section) {
   JointModel& model = reading.model;
-  model.module = attribute(section, "type");
+  const std::string type = attribute(section, "type");
+  if (reading.step >= 0 && !model.module.empty()) {  // 1.2 and 2.0 have one in each step
+    if (!febio::known_module(type)) unsupported(reading, section, fmt::format("module {}", quote(type)));
+    return;
+  }
+  model.module = type;
   const std::string units = child_text(section, "units");
   if (!units.empty()) model.units = trim(units);
   if (!febio::known_module(model.module)) unsupported(reading, section, fmt::format("module {}", quote(model.module)));
@@ -132,8 +164,7 @@ void read_step(Reading& reading, const XMLElement& section) {
 
 void read_steps(Reading& reading, const XMLElement& section) {
   const bool one_step = section.FirstChildElement("step") == nullptr;
-  const bool of_25 = std::strcmp(reading.rules->version, "2.5") == 0;
-  if (one_step && (of_25 || !is_leaf(section))) read_step(reading, section);
+  if (one_step && (reading.rules->tag_per_step || !is_leaf(section))) read_step(reading, section);
   if (one_step) return;
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     if (std::strcmp(child->Name(), "step") == 0)
@@ -149,15 +180,15 @@ void read_section(Reading& reading, const XMLElement& section) {
   if (tag == "Module") return read_module(reading, section);
   if (tag == "Control") return read_control(reading, section);
   if (tag == "Material") return read_materials(reading, section);
-  if (tag == "Geometry" || tag == "Mesh") return read_mesh(reading, section);
+  if (tag == "Geometry" || tag == "Mesh") return reading.rules->mesh(reading, section);
   if (tag == "MeshDomains") return read_mesh_domains(reading, section);
   if (tag == "MeshData") return read_mesh_data(reading, section);
   if (tag == "Boundary") return reading.rules->boundary(reading, section);
   if (tag == "Rigid" && reading.rules->rigid != nullptr) return reading.rules->rigid(reading, section);
-  if (tag == "Loads") return read_loads(reading, section);
-  if (tag == "Contact") return read_contact(reading, section);
+  if (tag == "Loads") return reading.rules->loads(reading, section);
+  if (tag == "Contact") return reading.rules->contact(reading, section);
   if (tag == "Constraints") return reading.rules->constraints(reading, section);
-  if (tag == "Discrete") return read_discrete(reading, section);
+  if (tag == "Discrete") return reading.rules->discrete(reading, section);
   if (tag == "Initial") return read_initial(reading, section);
   if (tag == "LoadData") return read_load_data(reading, section);
   if (tag == "Include") return read_include(reading, section);

@@ -6,7 +6,7 @@
 
 namespace dea {
 
-/// Reads a .feb file of version 2.5, 3.0 or 4.0 with everything it includes.
+/// Reads a .feb file of version 1.2, 2.0, 2.5, 3.0 or 4.0 with everything it includes.
 /// Takes what the file says without conclusions: node, element and set references are resolved to indices,
 /// step membership and load curves are kept. What is harmless and unknown is listed in `ignored`, what changes the
 /// mechanics and is not supported in `unsupported`; both with the line of their first occurrence.

@@ -1,0 +1,128 @@
+// Parts of a mesh and their instances (2.5): nodes, elements, sets and surfaces under a prefix, moved.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "feb_reading.h"
+
+namespace dea::feb {
+namespace {
+
+/// `count` numbers, separated by commas.
+std::vector<double> read_numbers(const Reading& reading, const XMLElement& element, std::size_t count) {
+  const std::string text = text_of(element);
+  std::string_view rest = text;
+  std::vector<double> numbers;
+  double value = 0.0;
+  while (numbers.size() < count && (numbers.empty() || take_comma(rest)) && take_double(rest, value) == Number::Ok) {
+    numbers.push_back(value);
+  }
+  if (numbers.size() != count || !trim(rest).empty()) {
+    fail(reading, element, fmt::format("{} = {}, expected {} numbers", element.Name(), quote(trim(text)), count));
+  }
+  return numbers;
+}
+
+/// A rotation as FEBio writes it: quaternion x,y,z,w; a vector along the axis with the angle in degrees as its length;
+/// or angles about x, y, z in degrees, in this order about the fixed axes.
+Eigen::Matrix3d read_rotation(const Reading& reading, const XMLElement& element) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const std::string type = attribute(element, "type");
+  if (type.empty() || type == "quaternion") {
+    const std::vector<double> q = read_numbers(reading, element, 4);
+    const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+    if (!(turn.norm() > 0)) fail(reading, element, "rotate: the quaternion is zero, expected x,y,z,w");
+    return turn.normalized().toRotationMatrix();
+  }
+  if (type != "vector" && type != "Euler") {
+    fail(reading, element, fmt::format("rotate with type {}, expected quaternion, vector or Euler", quote(type)));
+  }
+  const std::vector<double> v = read_numbers(reading, element, 3);
+  const Vector3d r = kDegree * Vector3d(v[0], v[1], v[2]);
+  if (type == "vector") {
+    if (r.norm() == 0) return Eigen::Matrix3d::Identity();
+    return Eigen::AngleAxisd(r.norm(), r.normalized()).toRotationMatrix();
+  }
+  return (Eigen::AngleAxisd(r[2], Vector3d::UnitZ()) * Eigen::AngleAxisd(r[1], Vector3d::UnitY()) *
+          Eigen::AngleAxisd(r[0], Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+/// Reads the part once more, as this instance of it.
+void add_instance(Reading& reading, const Part& part, Instance& instance) {
+  if (reading.instance != nullptr) fail(reading, *part.element, "a part inside a part");
+  const int outer_file = reading.file;
+  instance.first_node = reading.nodes.size();
+  reading.file = part.file;
+  reading.instance = &instance;
+  for (const XMLElement* child = part.element->FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "Nodes") {
+      read_nodes(reading, *child);
+    } else if (tag == "Elements") {
+      read_elements(reading, *child);
+    } else if (tag == "NodeSet") {
+      read_node_set(reading, *child);
+    } else if (tag == "Surface") {
+      read_surface(reading, *child, full_name(reading, need_attribute(reading, *child, "name")));
+    } else {
+      ignore(reading, *child, fmt::format("<{}> in Part", tag));
+    }
+  }
+  reading.instance = nullptr;
+  reading.file = outer_file;
+}
+
+}  // namespace
+
+void read_part(Reading& reading, const XMLElement& element) {
+  const std::string name = need_attribute(reading, element, "name");
+  const std::string type = attribute(element, "type");
+  if (!type.empty() && type != "template" && type != "instance") {
+    fail(reading, element, fmt::format("Part with type {}, expected template or instance", quote(type)));
+  }
+  const Part* part = nullptr;
+  if (element.Attribute("from") != nullptr) {
+    part = find_part_in_file(reading, element, name);
+  } else {
+    const auto [place, is_new] = reading.parts.try_emplace(name, Part{&element, reading.file});
+    if (!is_new) fail(reading, element, fmt::format("part {} exists twice: rename one", quote(name)));
+    part = &place->second;
+  }
+  if (type != "instance") return;
+  Instance instance;
+  instance.prefix = name + ".";
+  add_instance(reading, *part, instance);
+}
+
+void read_instance(Reading& reading, const XMLElement& element) {
+  const std::string name = need_attribute(reading, element, "part");
+  const auto part = reading.parts.find(name);
+  if (part == reading.parts.end()) {
+    fail(reading, element, fmt::format("part = {}, expected the name of a Part above it", quote(name)));
+  }
+  Instance instance;
+  instance.prefix = (element.Attribute("name") != nullptr ? attribute(element, "name") : name) + ".";
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+    const std::string_view tag = child->Name();
+    if (tag == "translate") {
+      instance.translation = read_vector(reading, *child);
+    } else if (tag == "rotate") {
+      instance.turn = read_rotation(reading, *child);
+    } else if (tag == "scale") {
+      instance.scale = read_vector(reading, *child);
+      if (!(instance.scale.array() > 0).all()) {
+        fail(reading, *child, fmt::format("scale = {}, need three factors > 0", quote(trim(text_of(*child)))));
+      }
+    } else if (tag == "Elements") {
+      instance.materials[need_attribute(reading, *child, "name")] = need_attribute(reading, *child, "mat");
+    } else {
+      fail(reading, *child, fmt::format("<{}> in Instance, expected translate, rotate, scale or Elements", tag));
+    }
+  }
+  add_instance(reading, part->second, instance);
+}
+
+}  // namespace dea::feb
