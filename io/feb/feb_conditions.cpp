@@ -430,8 +430,14 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
     return;
   }
   const std::string name = name_of(element);
-  reading.model.discrete_springs.push_back({set->second, material.stiffness, material.type != "linear spring",
-                                            reading.step, name.empty() ? set_name : name, origin_of(reading, element)});
+  DiscreteSprings springs;
+  springs.set = set->second;
+  springs.stiffness = material.stiffness;
+  springs.tension_only = material.type != "linear spring";
+  springs.step = reading.step;
+  springs.name = name.empty() ? set_name : name;
+  springs.origin = origin_of(reading, element);
+  reading.model.discrete_springs.push_back(springs);
 }
 
 }  // namespace
