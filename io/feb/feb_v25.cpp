@@ -34,7 +34,7 @@ void read_rigid_body(Reading& reading, const XMLElement& section) {
         unsupported(reading, *child, fmt::format("{} with type {}", what, quote(type)));
       else
         reading.model.rigid_loads.push_back({material, dof, read_scaled(reading, *child),
-                                             type == "follow" ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead,
+                                             type == "follow" ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead, false,
                                              reading.step, name, origin_of(reading, *child)});
     } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {
       ignore(reading, *child, "initial velocity of a rigid body");
