@@ -83,7 +83,9 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     // A load that cannot be carried may have moved a body far away: the next state starts from the last one that was
     // solved.
     const Outcome outcome = state.equilibrium.outcome;
-    if (solved(outcome) || outcome == Outcome::BeyondStrainLimit) {
+    const auto& history = state.equilibrium.history;
+    const bool balanced = history.empty() || history.back() <= 1e3 * options.equilibrium.tolerance;
+    if (solved(outcome) || (outcome == Outcome::BeyondStrainLimit && balanced)) {
       poses = state.equilibrium.poses;
       reaction = state.equilibrium.reaction;
     }

@@ -751,6 +751,93 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
   return solution;
 }
 
+/// Springs strained beyond the law's limit, or through.
+int beyond_limit(const Evaluation& e) {
+  int count = 0;
+  for (const SpringStates& s : e.springs) {
+    const SpringDepth depth = spring_depth(s);
+    count += depth.strained + depth.through;
+  }
+  return count;
+}
+
+/// Where pressures on the surfaces, however they were spread, could not balance the load at this pose: how much of the
+/// load is left at best, and whether the motion that then follows opens the contact (E8).
+struct Separation {
+  double left = 0.0;     ///< of what is to be balanced
+  double opening = 0.0;  ///< mean over the springs of the cosine between that motion and the spring's push
+};
+
+Separation separation(const Problem& problem, const Evaluation& e) {
+  // the pushes of unit spring forces on the unknowns, as columns
+  constexpr int kMostColumns = 2000;  // a sample is enough to span what all can do
+  int facing = 0;
+  for (const SpringStates& s : e.springs)
+    for (int i = 0; i < s.size(); ++i) facing += s.triangle[at(i)] >= 0 && s.coverage[at(i)] > 0;
+  const VectorXd load = on_unknowns(problem, e, e.ligaments + e.external - problem.offset);
+  if (facing == 0 || !(load.norm() > 0)) return {1.0, load.norm() > 0 ? 1.0 : 0.0};
+  const int stride = (facing + kMostColumns - 1) / kMostColumns;
+  MatrixXd push(load.size(), (facing + stride - 1) / stride);
+  Eigen::Index columns = 0;
+  int seen = 0;
+  for (std::size_t c = 0; c < e.springs.size(); ++c) {
+    const SpringStates& s = e.springs[c];
+    const SpringBed& bed = problem.beds.beds[c];
+    for (int i = 0; i < s.size(); ++i) {
+      if (s.triangle[at(i)] < 0 || s.coverage[at(i)] <= 0 || seen++ % stride != 0) continue;
+      const Vector3d n = s.direction[at(i)];
+      VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
+      all.segment<3>(6 * bed.target_body) = n;
+      all.segment<3>(6 * bed.target_body + 3) = (s.foot[at(i)] - e.poses[at(bed.target_body)].center).cross(n);
+      all.segment<3>(6 * bed.source_body) = -n;
+      all.segment<3>(6 * bed.source_body + 3) = -(s.foot[at(i)] - e.poses[at(bed.source_body)].center).cross(n);
+      push.col(columns++) = on_unknowns(problem, e, all);
+    }
+  }
+  push.conservativeResize(load.size(), columns);
+  // Least squares with forces >= 0: Lawson and Hanson (1974), chapter 23
+  std::vector<Eigen::Index> active;
+  VectorXd force = VectorXd::Zero(columns), left = load;
+  for (int i = 0; i < 20 + 4 * static_cast<int>(load.size()); ++i) {
+    Eigen::Index best = -1;
+    const double most = -(push.transpose() * left).minCoeff(&best);
+    if (!(most > 1e-9 * load.norm()) || std::find(active.begin(), active.end(), best) != active.end()) break;
+    active.push_back(best);
+    for (;;) {
+      MatrixXd A(load.size(), static_cast<Eigen::Index>(active.size()));
+      for (std::size_t k = 0; k < active.size(); ++k) A.col(static_cast<Eigen::Index>(k)) = push.col(active[k]);
+      const VectorXd x = A.completeOrthogonalDecomposition().solve(-load);
+      double part = 1.0;
+      for (std::size_t k = 0; k < active.size(); ++k) {
+        const double old = force[active[k]], now = x[static_cast<Eigen::Index>(k)];
+        if (now <= 0) part = std::min(part, old / std::max(old - now, 1e-300));
+      }
+      std::vector<Eigen::Index> kept;
+      for (std::size_t k = 0; k < active.size(); ++k) {
+        double& f = force[active[k]];
+        f += part * (x[static_cast<Eigen::Index>(k)] - f);
+        if (f > 1e-12 * load.norm())
+          kept.push_back(active[k]);
+        else
+          f = 0.0;
+      }
+      if (part >= 1.0 || kept.size() == active.size() || kept.empty()) {
+        active = std::move(kept);
+        break;
+      }
+      active = std::move(kept);
+    }
+    left = load + push * force;
+  }
+  Separation result;
+  result.left = left.norm() / load.norm();
+  if (!(left.norm() > 0)) return result;
+  for (Eigen::Index k = 0; k < columns; ++k)
+    result.opening +=
+        push.col(k).dot(left) / (push.col(k).norm() * left.norm() + 1e-300) / static_cast<double>(columns);
+  return result;
+}
+
 /// The whole search for one load case from one start.
 Solution solve(Problem& problem, const std::vector<Pose>& start, const EquilibriumOptions& options) {
   Evaluation e = evaluate(problem, start);
@@ -760,10 +847,23 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   }
   const std::vector<Pose> poses = e.poses;
   Solution direct = newton(problem, std::move(e), options);
-  if (direct.outcome != Outcome::NotConverged) return direct;
+  if (direct.outcome != Outcome::NotConverged || !direct.at.contact.allFinite()) return direct;
   // Continuation: what is out of balance at the start is held back and released piece by piece.
   Evaluation from =
       evaluate(problem, poses);  // a copy, kept for this rare case, would be as large as the springs' states
+  const auto opens = [&](const Evaluation& e, double* left) {
+    const Separation apart = separation(problem, e);
+    *left = apart.left;
+    return apart.left > 0.05 && apart.opening > 0.1;  // far above what facets' normals are uncertain by
+  };
+  double left_at_start = 0.0, left_at_end = 0.0;
+  if (opens(from, &left_at_start) && opens(direct.at, &left_at_end)) {
+    direct.outcome = Outcome::SurfacesApart;
+    direct.message = fmt::format(
+        "the load moves the surfaces apart: pressures on them, however spread, leave {:.2g} of it unbalanced",
+        std::min(left_at_start, left_at_end));
+    return direct;
+  }
   const VectorXd all = from.residual();
   double done = 0.0, piece = 0.25;
   int iterations = direct.iterations;
@@ -782,11 +882,18 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
       from = std::move(part.at);
       piece *= 1.5;
     } else {
+      if (beyond_limit(part.at) > 0) break;  // more pieces would press through all the same
       piece *= 0.5;
     }
   }
   problem.offset.setZero();
   direct.iterations = iterations;
+  if (const int beyond = beyond_limit(direct.at); beyond > 0) {
+    direct.outcome = Outcome::BeyondStrainLimit;
+    direct.message = fmt::format(
+        "no balance: {:.2g} of the load is left where {} springs are strained beyond {}; the layers cannot carry it",
+        direct.history.empty() ? 1.0 : direct.history.back(), beyond, kStrainLimit);
+  }
   return direct;
 }
 

@@ -17,7 +17,7 @@ enum class Outcome {
   SurfacesApart,        ///< the loads move the surfaces apart: no contact can carry them
   NoEquilibrium,        ///< a direction nothing resists is loaded
   NotConverged,         ///< none of the above was reached within the iterations
-  BeyondStrainLimit     ///< balanced or prescribed, but with springs strained beyond 0.9 (C1)
+  BeyondStrainLimit     ///< springs strained beyond 0.9 (C1): prescribed, balanced, or not to be balanced (message)
 };
 const char* name(Outcome outcome);
 /// True for Prescribed, Balanced and BalancedToOneSpring.
