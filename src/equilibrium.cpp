@@ -200,14 +200,28 @@ std::optional<std::vector<Pose>> moved(const Problem& problem, const Evaluation&
   return result;
 }
 
-/// The farthest any articular surface moves by a motion of the unknowns, to first order.
+/// The farthest any articular surface moves on its partner by a motion of the unknowns, to first order.
 double surface_motion(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
   const VectorXd all = on_all_dofs(problem, e, motion);
   double largest = 0.0;
-  for (Eigen::Index k = 0; k < all.size(); k += 6) {
-    const double reached = all.segment<3>(k).norm() + all.segment<3>(k + 3).norm() * problem.beds.reach;
+  const auto reach = [&](const Vector3d& v, const Vector3d& w) {
+    const double reached = v.norm() + w.norm() * problem.beds.reach;
     if (!(reached <= largest)) largest = reached;  // NaN stays
+  };
+  std::vector<char> in_contact(problem.joint.bodies.size(), 0);
+  for (std::size_t c = 0; c < problem.beds.beds.size(); ++c) {
+    if (!problem.conditions.contact_active[c]) continue;
+    // one body as the other sees it: rows of bones may move together
+    int a = problem.beds.beds[c].source_body, b = problem.beds.beds[c].target_body;
+    in_contact[at(a)] = in_contact[at(b)] = 1;
+    if (all.segment<6>(6 * a).isZero(0.0)) std::swap(a, b);
+    const Vector3d w_b = all.segment<3>(6 * b + 3), v_a = all.segment<3>(6 * a), w_a = all.segment<3>(6 * a + 3);
+    const Vector3d v_b = all.segment<3>(6 * b) + w_b.cross(e.poses[at(a)].center - e.poses[at(b)].center);
+    reach(v_a - v_b, w_a - w_b);
   }
+  for (std::size_t b = 0; b < in_contact.size(); ++b)
+    if (!in_contact[b])
+      reach(all.segment<3>(6 * static_cast<Eigen::Index>(b)), all.segment<3>(6 * static_cast<Eigen::Index>(b) + 3));
   return largest;
 }
 

@@ -113,11 +113,14 @@ SingularParts smallest_of(const Sparse& K, const Small& small, double largest, i
   one.setIdentity();
   shifted += (1e-13 * largest) * one;
   shifted.makeCompressed();
-  Eigen::SparseLU<Sparse> lu;
+  // two factorisations: SparseLU's own solve with the transposed factors is not to be trusted in Eigen 3.4.0
+  const Sparse turned = shifted.transpose();
+  Eigen::SparseLU<Sparse> lu, lu_turned;
   lu.compute(shifted);
-  if (lu.info() == Eigen::Success) {
+  lu_turned.compute(turned);
+  if (lu.info() == Eigen::Success && lu_turned.info() == Eigen::Success) {
     const auto apply = [&](const MatrixXd& m) { return MatrixXd(lu.solve(m)); };
-    const auto apply_transposed = [&](const MatrixXd& m) { return MatrixXd(lu.transpose().solve(m)); };
+    const auto apply_transposed = [&](const MatrixXd& m) { return MatrixXd(lu_turned.solve(m)); };
     for (Index count = 8; count <= n / 4 && count <= 256; count *= 2) {
       MatrixXd V = orthonormal(scattered(n, count));
       VectorXd before = VectorXd::Constant(count, std::numeric_limits<double>::infinity());

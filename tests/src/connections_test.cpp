@@ -620,6 +620,119 @@ TEST(Loads, MusclesAndCablesInEquilibrium) {
   EXPECT_NEAR(state.equilibrium.cable_force[0], 30, 1e-12);
 }
 
+// ---- many bodies ----------------------------------------------------------------------------------------------------
+
+/// Forces and moments about each centre of mass of all that is reported, against the loads: by contact, by ligament.
+void expect_each_body_balanced(const JointModel& model, const Analysis& a, double tolerance) {
+  const StateResult& s = a.states.back();
+  const auto n = 6 * static_cast<Eigen::Index>(a.joint.bodies.size());
+  VectorXd total = VectorXd::Zero(n);
+  const auto& poses = s.equilibrium.poses;
+  const auto push = [&](int body, const Vector3d& point, const Vector3d& f) {
+    total.segment<3>(6 * body) += f;
+    total.segment<3>(6 * body + 3) += (point - poses[static_cast<std::size_t>(body)].center).cross(f);
+  };
+  const auto point_of = [&](int body, const Vector3d& reference) -> Vector3d {
+    const auto b = static_cast<std::size_t>(body);
+    return poses[b].center + poses[b].rotation * (reference - a.joint.bodies[b].center_of_mass);
+  };
+  for (std::size_t c = 0; c < a.joint.contacts.size(); ++c) {
+    const Vector6& w = s.equilibrium.contact_on_target[c];
+    const int t = a.joint.contacts[c].target_layer().body, source = a.joint.contacts[c].source_layer().body;
+    total.segment<6>(6 * t) += w;
+    total.segment<3>(6 * source) -= w.head<3>();
+    const Vector3d lever = poses[static_cast<std::size_t>(t)].center - poses[static_cast<std::size_t>(source)].center;
+    total.segment<3>(6 * source + 3) -= w.tail<3>() + lever.cross(Vector3d(w.head<3>()));
+  }
+  for (std::size_t i = 0; i < a.joint.ligaments.size(); ++i) {
+    const Ligament& l = a.joint.ligaments[i];
+    const Vector3d p = point_of(l.body_a, l.point_a), q = point_of(l.body_b, l.point_b);
+    const Vector3d f = s.equilibrium.ligament_force[i] * (q - p).normalized();
+    push(l.body_a, p, f);
+    push(l.body_b, q, -f);
+  }
+  for (const RigidLoad& l : model.rigid_loads)
+    for (std::size_t b = 0; b < a.joint.bodies.size(); ++b)
+      if (!a.joint.bodies[b].materials.empty() && a.joint.bodies[b].materials[0] == l.material)
+        total[6 * static_cast<Eigen::Index>(b) + l.dof] += l.value.factor;
+  const LoadCase c = make_load_case(model, a.joint, {}, 0, 1.0);
+  for (std::size_t b = 0; b < a.joint.bodies.size(); ++b)
+    for (std::size_t k = 0; k < 6; ++k)
+      if (c.bodies[b].dofs[k] == DofState::Free) {
+        EXPECT_NEAR(total[static_cast<Eigen::Index>(6 * b + k)], 0, tolerance * (k < 3 ? 1 : 10)) << b << " " << k;
+      }
+}
+
+// Ten bones by dense algebra, sixty by sparse; the first ten of a row feel the others only through their load.
+TEST(ManyBodies, RowOfBonesBalances) {
+  for (int bones : {10, 60}) {
+    const JointModel model = test::bone_chain(bones, 6, 60.0);
+    const Analysis a = analyse(model, {});
+    ASSERT_EQ(a.states.back().equilibrium.outcome, Outcome::Balanced) << a.states.back().equilibrium.message;
+    EXPECT_GT(a.states.back().equilibrium.least_stiffness, 0);
+    EXPECT_LE(a.states.back().equilibrium.iterations, 15);
+    expect_each_body_balanced(model, a, 1e-5);
+  }
+}
+
+// Each bone free to spin about its own axis: as many flat directions as bones, found by iteration, held and said.
+TEST(ManyBodies, FlatDirectionsOfManyBodiesAreHeld) {
+  const int plates = 50;
+  JointModel model = test::empty_model();
+  const int cartilage = test::add_material(model, "cartilage", false), base = test::add_material(model, "base", true);
+  for (int i = 0; i < plates; ++i) {
+    const double x = 30.0 * i;
+    const int plate = test::add_material(model, "plate " + std::to_string(i), true);
+    model.materials[static_cast<std::size_t>(plate)].center_of_mass = Vector3d(x, 0, 0);
+    const int a = test::add_layer(
+        model, "layer " + std::to_string(i), 3, 3, 1,
+        [=](double u, double v) { return Vector3d(x + 10 * u - 5, 10 * v - 5, -2); },
+        [=](double u, double v) { return Vector3d(x + 10 * u - 5, 10 * v - 5, 0); }, cartilage, base);
+    const int b = test::add_rigid_surface(
+        model, "plate " + std::to_string(i), 3, 3,
+        [=](double u, double v) { return Vector3d(x + 20 * v - 10, 20 * u - 10, 0.1); }, plate);
+    test::add_contact(model, "press " + std::to_string(i), a, b);
+    test::force(model, plate, {0, 0, -10.0 - i});
+  }
+  test::fix(model, base, {true, true, true, true, true, true});
+  const StateResult state = last_state(model);
+  expect_balanced(state, 60);
+  EXPECT_EQ(state.equilibrium.held.size(), static_cast<std::size_t>(3 * plates));  // x, y and the spin of each
+  for (int i = 0; i < plates; ++i) {
+    EXPECT_NEAR(state.equilibrium.poses[static_cast<std::size_t>(i + 1)].center.z(),
+                -0.1 - (10.0 + i) / bed_stiffness(), 1e-8);
+  }
+}
+
+// ---- loads that cannot be carried -----------------------------------------------------------------------------------
+
+TEST(HardLoads, OverloadEndsBeyondTheStrainLimit) {
+  JointModel model = test::concentric_spheres(16, 2e5);
+  const StateResult state = last_state(model);
+  EXPECT_EQ(state.equilibrium.outcome, Outcome::BeyondStrainLimit) << state.equilibrium.message;
+  EXPECT_NE(state.equilibrium.message.find("cannot carry it"), std::string::npos) << state.equilibrium.message;
+}
+
+// Deep in the socket, then pulled out sideways: no pressures of a hemisphere can hold the ball.
+TEST(HardLoads, PulledOutObliquelySurfacesComeApart) {
+  for (const Vector3d& load : {Vector3d(0, 0, -500), Vector3d(300, 0, -200), Vector3d(0, 900, -300)}) {
+    JointModel model = test::concentric_spheres(16, 1000.0);
+    model.rigid_loads[0].step = 0;
+    model.steps.push_back(model.steps[0]);
+    for (int k = 0; k < 3; ++k) {
+      RigidLoad l = model.rigid_loads[0];
+      l.dof = k;
+      l.value = {load[k], -1};
+      l.step = 1;
+      model.rigid_loads.push_back(l);
+    }
+    const Analysis a = analyse(model, {});
+    EXPECT_EQ(a.states[1].equilibrium.outcome, Outcome::Balanced);
+    EXPECT_EQ(a.states.back().equilibrium.outcome, Outcome::SurfacesApart)
+        << load.transpose() << ": " << a.states.back().equilibrium.message;
+  }
+}
+
 // ---- the parts of a stiffness ---------------------------------------------------------------------------------------
 
 TEST(SingularParts, SmallOnesOfASparseMatrixAreThoseOfTheDenseOne) {
