@@ -82,7 +82,8 @@ Sparse part_of(const Sparse& K, const std::vector<int>& group, std::vector<int>&
   std::vector<Eigen::Triplet<double>> entries;
   for (int j : group)
     for (Sparse::InnerIterator it(K, j); it; ++it)
-      entries.emplace_back(place[static_cast<std::size_t>(it.row())], place[static_cast<std::size_t>(j)], it.value());
+      if (it.value() != 0.0)  // a stored zero may lead out of the group
+        entries.emplace_back(place[static_cast<std::size_t>(it.row())], place[static_cast<std::size_t>(j)], it.value());
   Sparse part(static_cast<Index>(group.size()), static_cast<Index>(group.size()));
   part.setFromTriplets(entries.begin(), entries.end());
   return part;
@@ -113,14 +114,11 @@ SingularParts smallest_of(const Sparse& K, const Small& small, double largest, i
   one.setIdentity();
   shifted += (1e-13 * largest) * one;
   shifted.makeCompressed();
-  // two factorisations: SparseLU's own solve with the transposed factors is not to be trusted in Eigen 3.4.0
-  const Sparse turned = shifted.transpose();
-  Eigen::SparseLU<Sparse> lu, lu_turned;
+  Eigen::SparseLU<Sparse> lu;
   lu.compute(shifted);
-  lu_turned.compute(turned);
-  if (lu.info() == Eigen::Success && lu_turned.info() == Eigen::Success) {
+  if (lu.info() == Eigen::Success) {
     const auto apply = [&](const MatrixXd& m) { return MatrixXd(lu.solve(m)); };
-    const auto apply_transposed = [&](const MatrixXd& m) { return MatrixXd(lu_turned.solve(m)); };
+    const auto apply_transposed = [&](const MatrixXd& m) { return MatrixXd(lu.transpose().solve(m)); };
     for (Index count = 8; count <= n / 4 && count <= 256; count *= 2) {
       MatrixXd V = orthonormal(scattered(n, count));
       VectorXd before = VectorXd::Constant(count, std::numeric_limits<double>::infinity());

@@ -759,6 +759,17 @@ TEST(SingularParts, SmallOnesOfASparseMatrixAreThoseOfTheDenseOne) {
   EXPECT_LT((sparse.V.transpose() * sparse.V - MatrixXd::Identity(expected, expected)).norm(), 1e-9);
   EXPECT_LT((sparse.U.transpose() * sparse.U - MatrixXd::Identity(expected, expected)).norm(), 1e-9);
 
+  // all of it in one piece, by inverse iteration, and stored zeros that couple nothing
+  for (int i = 1; i < n; ++i) K.coeffRef(i, i - 1) += i % 40 == 7 || i % 40 == 8 ? 1e-6 : 0.0;
+  K.coeffRef(0, n - 1) = 0.0;
+  const SingularParts whole = small_singular_parts(K, small, 100), all = all_singular_parts(MatrixXd(K));
+  ASSERT_EQ(whole.sigma.size(), (all.sigma.array() < 1e-3).count());
+  for (Eigen::Index k = 0; k < whole.sigma.size(); ++k) {
+    EXPECT_NEAR(whole.sigma[k], all.sigma[n - 1 - k], 1e-5 * all.sigma[n - 1 - k] + 1e-11);
+    EXPECT_LT((K * whole.V.col(k)).norm(), whole.sigma[k] * 1.001 + 1e-9);
+    EXPECT_LT((K.transpose() * whole.U.col(k)).norm(), 1e-3);
+  }
+
   const MatrixXd none(n, 0);
   EXPECT_NEAR(least_symmetric_eigenvalue(K, none, 1000) / least_symmetric_eigenvalue(K, none, 100), 1, 1e-3);
   K.coeffRef(5, 5) = -3;
