@@ -223,6 +223,31 @@ void whole(const std::string& feb, Law law, const std::filesystem::path& folder,
              ms(reading), ms(j), ms(s), ms(writing), ms(total));
 }
 
+// ---- the ladder of bodies ----------------------------------------------------------------------------------------
+
+/// Bones in a row (tests/src/test_models.h), solved from the reference pose, one thread.
+void bodies(const std::vector<int>& sizes) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  fmt::print("\nOne equilibrium of a row of bones, one thread. Times in ms: least (median).\n");
+  fmt::print("{:>8} {:>6} {:>8} {:>21} {:>10} {:>5} {:>5}  {:>8}\n", "bodies", "dofs", "springs", "equilibrium",
+             "ms/body", "iter.", "casts", "unbal./load");
+  for (int n : sizes) {
+    const JointModel model = test::bone_chain(n, 6, 60.0);
+    const Joint joint = make_joint(model, Settings{});
+    const SpringBeds beds = make_spring_beds(joint);
+    const LoadCase conditions = make_load_case(model, joint, Settings{}, 0, 1.0);
+    const std::vector<Pose> start = reference_poses(joint);
+    int springs = 0;
+    for (const SpringBed& bed : beds.beds) springs += bed.springs.size();
+    Equilibrium e;
+    const Time t =
+        measure(std::clamp(60 / n, 2, 9), [&] { e = solve_equilibrium(joint, beds, conditions, start, start); });
+    fmt::print("{:8} {:6} {:8} {} {:10.3f} {:5} {:5}  {:8.1e} {}\n", n, 6 * (n - 1), springs, ms(t), 1e3 * t.least / n,
+               e.iterations, e.casts, e.load > 0 ? e.residual_force / e.load : 0.0, name(e.outcome));
+    if (!solved(e.outcome)) throw std::runtime_error("the row of bones found no balance: " + e.message);
+  }
+}
+
 // ---- reading -----------------------------------------------------------------------------------------------------
 
 /// A block of n^3 hexahedra as a FEBio 4.0 file.
@@ -322,14 +347,16 @@ struct TemporaryFolder {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "all";
-  const std::vector<std::string> known = {"all", "springs", "laws", "hip", "read", "smoke"};
+  const std::vector<std::string> known = {"all", "springs", "laws", "bodies", "hip", "read", "smoke"};
+  const std::vector<std::string> of_sizes = {"springs", "laws", "bodies"};
   std::vector<int> sizes;
   for (int i = 2; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
   const bool bad_size = std::any_of(sizes.begin(), sizes.end(), [](int n) { return n < 1; });
-  if (bad_size || (!sizes.empty() && what != "springs" && what != "laws") ||
+  if (bad_size || (!sizes.empty() && std::find(of_sizes.begin(), of_sizes.end(), what) == of_sizes.end()) ||
       std::find(known.begin(), known.end(), what) == known.end()) {
     fmt::print(stderr,
-               "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]]    N x N facets: 2 N^2 springs\n");
+               "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]|bodies [N...]]    springs, laws: N x N "
+               "facets, 2 N^2 springs\n");
     return 2;
   }
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured, in a file too
@@ -343,7 +370,9 @@ int main(int argc, char** argv) {
       for (const Law law : {Law::Linear, Law::Layer}) whole(hip, law, folder.path, smoke ? 1 : 9);
     if (smoke) springs({22});
     if (smoke) laws({22});
+    if (smoke) bodies({3});
     const bool sized = !sizes.empty();
+    if (what == "bodies" || what == "all") bodies(sized ? sizes : std::vector<int>{2, 5, 10, 20, 40, 42, 60, 100, 200});
     if (sizes.empty()) sizes = {22, 32, 45, 71, 100, 158, 224, 354, 500, 707};  // 1k .. 1M springs
     if (what == "springs" || what == "all") springs(sizes);
     if (what == "laws" || what == "all") laws(sized ? sizes : std::vector<int>{22, 45, 100, 158, 224, 316});  // to 200k

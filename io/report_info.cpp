@@ -166,7 +166,56 @@ std::string conditions_text(const BodyConditions& c) {
   add("following force", c.follower.head<3>());
   add("following moment", c.follower.tail<3>());
   add("acting at an arm of", c.arm);
+  for (const PointForce& p : c.point_forces)
+    text += fmt::format("; {} {} at {} from the centre of mass", p.turns ? "following force" : "force",
+                        vector_text(p.force), vector_text(p.arm));
+  if (c.on_reaction) text += "; loads that start from the reaction at the step's start, not known here";
   return text;
+}
+
+std::string ligament_text(const Joint& joint, const Ligament& l) {
+  std::string law;
+  switch (l.law) {
+    case Ligament::Law::Linear:
+      law = fmt::format("stiffness {}, free length {} of {}{}", number_text(l.stiffness), number_text(l.free_length),
+                        number_text((l.point_b - l.point_a).norm()), l.tension_only ? ", tension only" : "");
+      break;
+    case Ligament::Law::Curve:
+      law = fmt::format("force by a curve of {}, length {}",
+                        l.measure == DiscreteSprings::Measure::Elongation ? "elongation"
+                        : l.measure == DiscreteSprings::Measure::Strain   ? "strain"
+                                                                          : "stretch",
+                        number_text(l.free_length));
+      break;
+    case Ligament::Law::Constant:
+      law =
+          fmt::format("force {}{}", number_text(l.scale.factor), l.scale.controller >= 0 ? " times a load curve" : "");
+      break;
+  }
+  return fmt::format("  {}: {} {} to {} {}, {}\n", quoted(l.name), joint.bodies[at(l.body_a)].name,
+                     vector_text(l.point_a), joint.bodies[at(l.body_b)].name, vector_text(l.point_b), law);
+}
+
+std::string cable_text(const Joint& joint, const Cable& c) {
+  std::string points;
+  for (const Cable::Point& p : c.points)
+    points +=
+        fmt::format("{}{} {}", points.empty() ? "" : ", ", joint.bodies[at(p.body)].name, vector_text(p.position));
+  return fmt::format("  cable {}: {}; then along {}; tension {}{}\n", quoted(c.name), points, vector_text(c.direction),
+                     number_text(c.force.factor), c.force.controller >= 0 ? " times a load curve" : "");
+}
+
+const char* word(RigidJoint::Motion motion) {
+  return motion == RigidJoint::Motion::Held ? "held" : motion == RigidJoint::Motion::Free ? "free" : "prescribed";
+}
+
+std::string connector_text(const Joint& joint, const Connector& c) {
+  std::string text = fmt::format("  {}: {}, {} and {}, at {}; axes {} {} {};", quoted(c.name), c.type,
+                                 joint.bodies[at(c.body_a)].name, joint.bodies[at(c.body_b)].name, vector_text(c.point),
+                                 vector_text(c.axes.col(0)), vector_text(c.axes.col(1)), vector_text(c.axes.col(2)));
+  for (int k = 0; k < kDofs; ++k)
+    text += fmt::format("{} {} {} {}", k ? "," : "", k < 3 ? "along" : "about", k % 3 + 1, word(c.motion[at(k)]));
+  return text + "\n";
 }
 
 std::string steps_text(const JointCheck& check) {
@@ -250,6 +299,10 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
     body["following_force"] = json_vector(c.follower.head<3>());
     body["following_moment"] = json_vector(c.follower.tail<3>());
     body["arm"] = json_vector(c.arm);
+    body["point_forces"] = Json::array();
+    for (const PointForce& p : c.point_forces)
+      body["point_forces"].push_back(
+          Json{{"force", json_vector(p.force)}, {"arm", json_vector(p.arm)}, {"following", p.turns}});
     j["bodies"][check.joint.bodies[at(b)].name] = body;
   }
   return j;
@@ -281,13 +334,11 @@ std::string info_text(const JointModel& model, const Settings& settings, const J
   if (check.recognised) {
     text += "\nbodies\n" + bodies_text(model, check);
     text += "\ncontacts\n" + contacts_text(model, settings, check);
-    if (!check.joint.ligaments.empty()) text += "\nsprings between bodies\n";
-    for (const Ligament& l : check.joint.ligaments)
-      text += fmt::format("  {}: {} {} to {} {}, stiffness {}, free length {} of {}{}\n", quoted(l.name),
-                          check.joint.bodies[at(l.body_a)].name, vector_text(l.point_a),
-                          check.joint.bodies[at(l.body_b)].name, vector_text(l.point_b), number_text(l.stiffness),
-                          number_text(l.free_length), number_text((l.point_b - l.point_a).norm()),
-                          l.tension_only ? ", tension only" : "");
+    if (!check.joint.ligaments.empty() || !check.joint.cables.empty()) text += "\nsprings between bodies\n";
+    for (const Ligament& l : check.joint.ligaments) text += ligament_text(check.joint, l);
+    for (const Cable& c : check.joint.cables) text += cable_text(check.joint, c);
+    if (!check.joint.connectors.empty()) text += "\njoints between bodies\n";
+    for (const Connector& c : check.joint.connectors) text += connector_text(check.joint, c);
   }
   if (!check.steps.empty()) {
     text += "\nsteps\n" + steps_text(check);
@@ -328,6 +379,8 @@ nlohmann::ordered_json info_json(const JointModel& model, const Settings& settin
   j["bodies"] = Json::array();
   j["contacts"] = Json::array();
   j["ligaments"] = Json::array();
+  j["cables"] = Json::array();
+  j["joints"] = Json::array();
   j["steps"] = Json::array();
   if (check.recognised) {
     for (int b : reported_bodies(check.joint)) {
@@ -372,6 +425,30 @@ nlohmann::ordered_json info_json(const JointModel& model, const Settings& settin
       item["free_length"] = json_number(l.free_length);
       item["tension_only"] = l.tension_only;
       j["ligaments"].push_back(item);
+    }
+    for (const Cable& c : check.joint.cables) {
+      Json item;
+      item["name"] = c.name;
+      item["points"] = Json::array();
+      for (const Cable::Point& point : c.points)
+        item["points"].push_back(
+            Json{{"body", check.joint.bodies[at(point.body)].name}, {"point", json_vector(point.position)}});
+      item["direction"] = json_vector(c.direction);
+      item["force"] = json_number(c.force.factor);
+      j["cables"].push_back(item);
+    }
+    for (const Connector& c : check.joint.connectors) {
+      Json item;
+      item["name"] = c.name;
+      item["type"] = c.type;
+      item["body_a"] = check.joint.bodies[at(c.body_a)].name;
+      item["body_b"] = check.joint.bodies[at(c.body_b)].name;
+      item["point"] = json_vector(c.point);
+      item["axes"] = Json::array();
+      for (int k = 0; k < 3; ++k) item["axes"].push_back(json_vector(c.axes.col(k)));
+      item["motion"] = Json::array();
+      for (int k = 0; k < kDofs; ++k) item["motion"].push_back(word(c.motion[at(k)]));
+      j["joints"].push_back(item);
     }
     for (const StepCheck& step : check.steps) j["steps"].push_back(step_json(check, step));
   }

@@ -96,6 +96,27 @@ Json state_json(const Joint& joint, const StateResult& state) {
     ligament["force"] = json_number(e.ligament_force[l]);
     j["ligaments"].push_back(ligament);
   }
+  j["cables"] = Json::array();
+  for (std::size_t c = 0; c < e.cable_force.size() && c < joint.cables.size(); ++c) {
+    Json cable;
+    cable["name"] = joint.cables[c].name;
+    cable["force"] = json_number(e.cable_force[c]);
+    j["cables"].push_back(cable);
+  }
+  j["joints"] = Json::array();
+  for (std::size_t c = 0; c < e.connector_force.size() && c < joint.connectors.size(); ++c) {
+    const Connector& connector = joint.connectors[c];
+    Json item;
+    item["name"] = connector.name;
+    item["type"] = connector.type;
+    item["body_a"] = joint.bodies[at(connector.body_a)].name;
+    item["body_b"] = joint.bodies[at(connector.body_b)].name;
+    item["force"] = json_vector6_head(e.connector_force[c]);
+    item["moment"] = json_vector6_tail(e.connector_force[c]);
+    item["translation"] = json_vector6_head(e.connector_motion[c]);
+    item["rotation"] = json_vector6_tail(e.connector_motion[c]);
+    j["joints"].push_back(item);
+  }
   return j;
 }
 

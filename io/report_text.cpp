@@ -75,6 +75,9 @@ std::vector<int> reported_bodies(const Joint& joint) {
     bool used = !joint.bodies[at(b)].ground;
     for (const ContactPair& pair : joint.contacts) used = used || pair.layers[0].body == b || pair.layers[1].body == b;
     for (const Ligament& l : joint.ligaments) used = used || l.body_a == b || l.body_b == b;
+    for (const Connector& c : joint.connectors) used = used || c.body_a == b || c.body_b == b;
+    for (const Cable& c : joint.cables)
+      for (const Cable::Point& p : c.points) used = used || p.body == b;
     if (used) bodies.push_back(b);
   }
   return bodies;
@@ -125,15 +128,41 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
                            vector_text(without_rounding(reaction.tail<3>(), std::max(strongest, turning)))});
   }
   text += table_text(bodies);
-  if (!joint.ligaments.empty()) {
+  if (!joint.ligaments.empty() || !joint.cables.empty()) {
     text += "\n";
     Table ligaments;
-    ligaments.headings = {"spring between bodies", "tension"};
+    ligaments.headings = {joint.cables.empty() ? "spring between bodies" : "spring or cable between bodies", "tension"};
     ligaments.left = "lr";
     for (std::size_t l = 0; l < joint.ligaments.size() && l < last.equilibrium.ligament_force.size(); ++l)
       ligaments.rows.push_back({joint.ligaments[l].name.empty() ? "(unnamed)" : joint.ligaments[l].name,
                                 number_text(last.equilibrium.ligament_force[l])});
+    for (std::size_t c = 0; c < joint.cables.size() && c < last.equilibrium.cable_force.size(); ++c)
+      ligaments.rows.push_back({joint.cables[c].name.empty() ? "(unnamed)" : joint.cables[c].name,
+                                number_text(last.equilibrium.cable_force[c])});
     text += table_text(ligaments);
+  }
+  if (!last.equilibrium.connector_force.empty()) {
+    text += "\njoints: force and moment on the second body at the joint, motion along and about the joint's axes\n";
+    Table joints;
+    joints.headings = {"joint", "bodies", "force", "moment", "translation", "rotation"};
+    joints.left = "llllll";
+    double largest = 0.0, reach = 0.0;
+    for (const Vector6& f : last.equilibrium.connector_force)
+      if (f.allFinite()) largest = std::max({largest, f.head<3>().norm(), f.tail<3>().norm()});
+    for (const Pose& pose : last.equilibrium.poses) reach = std::max(reach, pose.center.norm());
+    for (std::size_t c = 0; c < joint.connectors.size() && c < last.equilibrium.connector_force.size(); ++c) {
+      const Connector& connector = joint.connectors[c];
+      const Vector6 &force = last.equilibrium.connector_force[c], &motion = last.equilibrium.connector_motion[c];
+      const auto cell = [&](const Vector3d& v) {
+        return v.allFinite() ? vector_text(without_rounding(v, largest)) : std::string("-");
+      };
+      joints.rows.push_back({connector.name.empty() ? "(unnamed)" : connector.name,
+                             joint.bodies[at(connector.body_a)].name + " - " + joint.bodies[at(connector.body_b)].name,
+                             cell(force.head<3>()), cell(force.tail<3>()),
+                             vector_text(without_rounding(motion.head<3>(), std::max(reach, 1.0))),
+                             vector_text(without_rounding(motion.tail<3>(), 1.0))});
+    }
+    text += table_text(joints);
   }
   return text;
 }
@@ -189,7 +218,13 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   }
   // The last state stands for all: the factor changes slowly.
   const StateResult& last = analysis.states.back();
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+  // who prescribes a rotation wants bodies to turn, those that follow too
+  const bool wanted = std::any_of(model.rigid_prescribed.begin(), model.rigid_prescribed.end(),
+                                  [](const RigidPrescribed& p) { return p.dof >= 3; }) ||
+                      std::any_of(joint.connectors.begin(), joint.connectors.end(), [](const Connector& c) {
+                        return std::count(c.motion.begin() + 3, c.motion.end(), RigidJoint::Motion::Prescribed) > 0;
+                      });
+  for (std::size_t b = 0; b < joint.bodies.size() && !wanted; ++b) {
     const Eigen::AngleAxisd turn(last.equilibrium.poses[b].rotation);
     const double degrees = turn.angle() * 57.295779513082323;
     if (solved(last.equilibrium.outcome) && last.equilibrium.outcome != Outcome::Prescribed && degrees > 20.0)

@@ -6,6 +6,8 @@
 //                --two-layer-spheres          3 N^2 on each hemisphere
 //                --sphere-on-flat             N^2 on the layer
 //                --ligament                   N^2 on the layer
+//                --knee                       about 10 N^2 springs in four contacts
+//                --chain                      N^2 quads on each of 18 surfaces
 //
 // mm, N, MPa. The same command writes the same bytes. samples/hip/hip_walking.feb is not made here.
 #include <fmt/core.h>
@@ -94,6 +96,23 @@ Patch square(int n, double half_width) {
     for (int i = 0; i < n; ++i) {
       const int first = j * (n + 1) + i;
       patch.quads.push_back({first, first + 1, first + n + 2, first + n + 1});
+    }
+  }
+  return patch;
+}
+
+/// nu x nv quads of point(u, v), u and v in [0, 1]; d/du x d/dv points outwards.
+template <class Point>
+Patch grid(int nu, int nv, const Point& point) {
+  Patch patch;
+  for (int j = 0; j <= nv; ++j) {
+    for (int i = 0; i <= nu; ++i)
+      patch.points.push_back(point(static_cast<double>(i) / nu, static_cast<double>(j) / nv));
+  }
+  for (int j = 0; j < nv; ++j) {
+    for (int i = 0; i < nu; ++i) {
+      const int first = j * (nu + 1) + i;
+      patch.quads.push_back({first, first + 1, first + nu + 2, first + nu + 1});
     }
   }
   return patch;
@@ -213,17 +232,17 @@ struct Feb {
         body, dof, value, controller);
   }
 
-  /// A step of length 1 in two increments.
-  void add_step(const std::string& name, const std::string& rigid_conditions) {
+  /// A step of length 1 in `states` increments.
+  void add_step(const std::string& name, const std::string& rigid_conditions, int states = 2) {
     steps += fmt::format(
-        "<step id=\"{}\" name=\"{}\">\n<Control>\n<analysis>STATIC</analysis>\n<time_steps>2</time_steps>\n"
-        "<step_size>0.5</step_size>\n<time_stepper type=\"default\">\n<max_retries>10</max_retries>\n"
-        "<opt_iter>12</opt_iter>\n<dtmin>0.0001</dtmin>\n<dtmax>0.5</dtmax>\n</time_stepper>\n"
+        "<step id=\"{0}\" name=\"{1}\">\n<Control>\n<analysis>STATIC</analysis>\n<time_steps>{3}</time_steps>\n"
+        "<step_size>{4:g}</step_size>\n<time_stepper type=\"default\">\n<max_retries>10</max_retries>\n"
+        "<opt_iter>12</opt_iter>\n<dtmin>0.0001</dtmin>\n<dtmax>{4:g}</dtmax>\n</time_stepper>\n"
         "<solver type=\"solid\">\n<symmetric_stiffness>non-symmetric</symmetric_stiffness>\n<max_refs>30</max_refs>\n"
         "<dtol>0.001</dtol>\n<etol>0.01</etol>\n<rtol>0</rtol>\n<lstol>0.9</lstol>\n<lsmin>0.01</lsmin>\n"
         "<lsiter>5</lsiter>\n<qn_method type=\"BFGS\">\n<max_ups>0</max_ups>\n</qn_method>\n</solver>\n</Control>\n"
-        "<Rigid>\n{}</Rigid>\n</step>\n",
-        ++step_count, name, rigid_conditions);
+        "<Rigid>\n{2}</Rigid>\n</step>\n",
+        ++step_count, name, rigid_conditions, states, 1.0 / states);
   }
 
   /// Linear load curve through the points "t,value".
@@ -237,24 +256,37 @@ struct Feb {
     return controller_count;
   }
 
+  /// Two surfaces that slide on each other.
+  struct Pair {
+    std::string name, primary, secondary;
+  };
+
   std::string file(const std::string& comment, const std::string& primary, const std::string& secondary) const {
+    return file(comment, {{"joint", primary, secondary}});
+  }
+
+  std::string file(const std::string& comment, const std::vector<Pair>& pairs) const {
     std::string all = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n";
     all += fmt::format("<!-- {} Made by samples/generate.cpp. -->\n", comment);
     all += "<febio_spec version=\"4.0\">\n<Module type=\"solid\">\n<units>mm-N-s</units>\n</Module>\n";
     all += "<Globals>\n<Constants>\n<T>0</T>\n<R>0</R>\n<Fc>0</Fc>\n</Constants>\n</Globals>\n";
     all += "<Material>\n" + materials + "</Material>\n";
     all += "<Mesh>\n" + nodes + elements + surfaces;
-    all +=
-        fmt::format("<SurfacePair name=\"joint\">\n<primary>{}</primary>\n<secondary>{}</secondary>\n</SurfacePair>\n",
-                    primary, secondary);
+    for (const Pair& pair : pairs)
+      all +=
+          fmt::format("<SurfacePair name=\"{}\">\n<primary>{}</primary>\n<secondary>{}</secondary>\n</SurfacePair>\n",
+                      pair.name, pair.primary, pair.secondary);
     all += sets + "</Mesh>\n<MeshDomains>\n" + domains + "</MeshDomains>\n";
-    all += "<Rigid>\n" + rigid + "</Rigid>\n";
-    all +=
-        "<Contact>\n<contact name=\"joint\" type=\"sliding-elastic\" "
-        "surface_pair=\"joint\">\n<laugon>PENALTY</laugon>\n"
-        "<penalty>20</penalty>\n<auto_penalty>1</auto_penalty>\n<two_pass>0</two_pass>\n"
-        "<symmetric_stiffness>0</symmetric_stiffness>\n<search_radius>1</search_radius>\n"
-        "<search_tol>0.01</search_tol>\n<fric_coeff>0</fric_coeff>\n</contact>\n</Contact>\n";
+    all += "<Rigid>\n" + rigid + "</Rigid>\n<Contact>\n";
+    for (const Pair& pair : pairs)
+      all += fmt::format(
+          "<contact name=\"{0}\" type=\"sliding-elastic\" "
+          "surface_pair=\"{0}\">\n<laugon>PENALTY</laugon>\n"
+          "<penalty>20</penalty>\n<auto_penalty>1</auto_penalty>\n<two_pass>0</two_pass>\n"
+          "<symmetric_stiffness>0</symmetric_stiffness>\n<search_radius>1</search_radius>\n"
+          "<search_tol>0.01</search_tol>\n<fric_coeff>0</fric_coeff>\n</contact>\n",
+          pair.name);
+    all += "</Contact>\n";
     if (!discrete.empty()) all += "<Discrete>\n" + discrete + "</Discrete>\n";
     all += "<Step>\n" + steps + "</Step>\n<LoadData>\n" + load_data + "</LoadData>\n";
     all += "<Output>\n<plotfile type=\"febio\">\n";
@@ -415,6 +447,193 @@ std::string ligament(int n) {
   return feb.file("Spherical condyle on a flat plateau, with ligaments.", "tibia_articular", "femur_articular");
 }
 
+/// A bone with attachments: each a small rigid quad whose first node is the site.
+std::vector<int> add_sites(Feb& feb, const std::string& bone, const std::vector<Vector3d>& sites) {
+  std::vector<int> nodes;
+  std::vector<Quad> quads;
+  std::vector<Vector3d> points;
+  for (const Vector3d& p : sites)
+    for (const Vector3d& d : {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(1, 1, 0), Vector3d(0, 1, 0)})
+      points.push_back(p + d);
+  const int first = feb.add_nodes(bone + "_sites", points);
+  for (int i = 0; i < static_cast<int>(sites.size()); ++i) {
+    nodes.push_back(first + 4 * i);
+    quads.push_back({first + 4 * i, first + 4 * i + 1, first + 4 * i + 2, first + 4 * i + 3});
+  }
+  feb.add_shells(bone + "_attachments", bone, quads);
+  return nodes;
+}
+
+/// A layer of cartilage on a bone, between two grids of equal mesh, and its articular surface. `outside`: the articular
+/// grid lies on the side that the grids' normals point to.
+void add_layer(Feb& feb, const std::string& name, const std::string& bone, const Patch& bone_side,
+               const Patch& articular, bool outside) {
+  const int first = feb.add_nodes(name + "_bone_nodes", bone_side.points);
+  const int second = feb.add_nodes(name + "_nodes", articular.points);
+  const std::vector<int> sheets = outside ? std::vector<int>{first, second} : std::vector<int>{second, first};
+  feb.add_hexes(name + "_cartilage", "cartilage", articular.quads, sheets);
+  const auto facing = [&](const std::vector<Quad>& quads) { return outside ? quads : reversed(quads); };
+  feb.add_shells(name + "_bone", bone, facing(shifted(articular.quads, first)));
+  feb.add_surface(name, facing(shifted(articular.quads, second)));
+}
+
+/// A spring of the given material between two nodes, in the order of the material's number.
+void add_bundle(Feb& feb, const std::string& name, int material, const std::vector<std::array<int, 2>>& pairs) {
+  feb.sets += fmt::format("<DiscreteSet name=\"{}\">\n", name);
+  for (const auto& pair : pairs) feb.sets += fmt::format("<delem>{},{}</delem>\n", pair[0], pair[1]);
+  feb.sets += "</DiscreteSet>\n";
+  feb.discrete += fmt::format("<discrete dmat=\"{}\" discrete_set=\"{}\"/>\n", material, name);
+}
+
+/// Femur, tibia and patella of a right knee, x lateral, y forwards, z upwards, the flexion axis along x through the
+/// origin. Spherical condyles on dished plateaus, a patella with two facets in a groove, ligaments as bundles that only
+/// pull, the quadriceps as two springs that are stretched from the start. The femur is flexed by 60 degrees about the
+/// axis; tibia (all but flexion) and patella (all six) find their places. Radii of condyles and groove are those of a
+/// surface of revolution about the axis, so flexion alone changes no gap.
+std::string knee(int n) {
+  Feb feb;
+  feb.add_cartilage("cartilage");
+  feb.add_bone("femur", Vector3d::Zero());
+  feb.add_bone("tibia", {0, 0, -60});
+  feb.add_bone("patella", {0, 34, 3});
+  const double degree = kPi / 180;
+  const auto round = [](double r, double x, double angle) {  // distance r from the flexion axis; 0: downwards
+    return Vector3d(x, r * std::sin(angle), -r * std::cos(angle));
+  };
+  for (const int side : {-1, 1}) {
+    const std::string which = side < 0 ? "medial" : "lateral";
+    const double center = 22.0 * side;
+    // a bone's patch reaches a little farther than its cartilage, so that every normal meets it
+    const auto condyle = [&](double radius, double wider) {
+      return grid(2 * n, n, [&, radius, wider](double u, double v) {
+        const double angle = (-25 + wider * (130 * u - 65)) * degree, across = wider * (70 * v - 35) * degree;
+        return Vector3d(round(radius * std::cos(across), center + radius * std::sin(across), angle));
+      });
+    };
+    add_layer(feb, which + "_condyle", "femur", condyle(20, 1.02), condyle(22, 1), true);
+    const double dish = side < 0 ? 32 : 45;  // [mm], radius
+    const auto plateau = [&](double depth) {
+      return grid(n, n, [&, depth](double u, double v) {
+        const double wider = depth > 0 ? 1.15 : 1, x = wider * (26 * u - 13), y = wider * (28 * v - 14);
+        return Vector3d(center + x, y, -22 - depth + dish - std::sqrt(dish * dish - x * x - y * y));
+      });
+    };
+    add_layer(feb, which + "_plateau", "tibia", plateau(2.5), plateau(0), true);
+    // the groove's profile: two slopes of 31 degrees, rounded at the bottom
+    const auto profile = [](double x) { return std::sqrt(0.36 * x * x + 9) - 3; };
+    const auto trochlea = [&](double less) {
+      return grid(2 * n, n / 2, [&, less](double u, double v) {
+        const double more = less > 0 ? 1.6 : 0, w = (16.7 + 2 * more) * v - more, x = side < 0 ? -17 + w : 0.3 + w;
+        const double angle = 75 + (less > 0 ? 1.02 : 1) * (130 * u - 65);
+        return Vector3d(round(24 + profile(x) - less, x, angle * degree));
+      });
+    };
+    add_layer(feb, which + "_trochlea", "femur", trochlea(2.5), trochlea(0), true);
+    // along the groove the patella is flatter than it: radius 40 about (y, z) = (-16, 0), then 5 degrees upwards
+    const auto facet = [&](double more) {
+      return grid(n, n / 2, [&, more](double u, double v) {
+        const double wide = more > 0 ? 1.9 : 0, w = (11 + 2 * wide) * v - wide, x = side < 0 ? -13 + w : 2 + w;
+        const double angle = 90 + (more > 0 ? 1.02 : 1) * (40 * u - 20);
+        const Vector3d p = round(40 + profile(x) + more, x, angle * degree) - Vector3d(0, 16, 0);
+        return Vector3d(Eigen::AngleAxisd(5 * degree, Vector3d::UnitX()) * p);
+      });
+    };
+    add_layer(feb, which + "_facet", "patella", facet(3), facet(0), false);
+  }
+  const std::vector<int> femur = add_sites(feb, "femur", {{5, -7, 3}, {6, -5, 5}, {-6, 2, 0}, {-5, 4, 2}});
+  const std::vector<int> tibia =
+      add_sites(feb, "tibia", {{-2, 12, -25}, {0, 9, -25}, {-1, -20, -29}, {1, -21, -30}, {-5, 32, -58}, {5, 32, -58}});
+  const std::vector<int> patella = add_sites(feb, "patella", {{-6, 36, -17}, {6, 36, -17}});
+  const auto material = [&](int id, const char* name, double stiffness) {
+    feb.discrete += fmt::format(
+        "<discrete_material id=\"{}\" name=\"{}\" type=\"tension-only linear spring\">\n<E>{:g}</E>\n"
+        "</discrete_material>\n",
+        id, name, stiffness);
+  };
+  material(1, "cruciate fibres", 80);
+  material(2, "patellar tendon fibres", 400);
+  add_bundle(feb, "ACL", 1, {{femur[0], tibia[0]}, {femur[1], tibia[1]}});
+  add_bundle(feb, "PCL", 1, {{femur[2], tibia[2]}, {femur[3], tibia[3]}});
+  add_bundle(feb, "patellar tendon", 2, {{patella[0], tibia[4]}, {patella[1], tibia[5]}});
+  feb.rigid = Feb::fixed("femur", "111011") + Feb::fixed("tibia", "000100");
+  const auto stretched = [&](const char* name, const char* a, const char* b, double stiffness, double free_length,
+                             const Vector3d& from, const Vector3d& to) {
+    feb.rigid += fmt::format(
+        "<rigid_connector name=\"{}\" type=\"rigid spring\">\n<body_a>{}</body_a>\n<body_b>{}</body_b>\n<k>{:g}</k>\n"
+        "<insertion_a>{}</insertion_a>\n<insertion_b>{}</insertion_b>\n<free_length>{:g}</free_length>\n"
+        "</rigid_connector>\n",
+        name, a, b, stiffness, text(from), text(to), free_length);
+  };
+  stretched("vastus medialis", "patella", "femur", 4, 120, {-7, 38, 20}, {-12, 30, 200});
+  stretched("vastus lateralis", "patella", "femur", 4, 120, {7, 38, 20}, {12, 30, 200});
+  stretched("MCL anterior", "femur", "tibia", 50, 61.5, {-38, 0, 1}, {-33, 6, -62});
+  stretched("MCL posterior", "femur", "tibia", 50, 57.5, {-38, -2, 0}, {-33, -3, -60});
+  stretched("LCL", "femur", "tibia", 60, 46, {38, 0, 1}, {37, -14, -45});
+  const int ramp = feb.add_controller("flexion", {"0,0", "1,1"});
+  const int load = feb.add_controller("load", {"0,1", "1,1"});
+  feb.add_step("flexion",
+               fmt::format("<rigid_bc name=\"flexion\" type=\"rigid_rotation\">\n<rb>femur</rb>\n<dof>Ru</dof>\n"
+                           "<value lc=\"{}\">{:.9g}</value>\n<relative>0</relative>\n</rigid_bc>\n",
+                           ramp, 60 * degree) +
+                   Feb::loaded("tibia", "Rz", 300, load) + Feb::loaded("tibia", "Ry", 60, load) +
+                   fmt::format("<rigid_load name=\"abduction\" type=\"rigid_moment\">\n<rb>tibia</rb>\n<dof>Rv</dof>\n"
+                               "<value lc=\"{}\">8000</value>\n<relative>0</relative>\n</rigid_load>\n",
+                               load),
+               10);
+  std::vector<Feb::Pair> pairs;
+  for (const std::string which : {"medial", "lateral"})
+    pairs.push_back({which + " tibiofemoral", which + "_plateau", which + "_condyle"});
+  for (const std::string which : {"medial", "lateral"})
+    pairs.push_back({which + " patellofemoral", which + "_facet", which + "_trochlea"});
+  return feb.file("Synthetic knee: three bodies, four contacts.", pairs);
+}
+
+/// Ten bones in a row along z, each with a ball at its lower end (radius 10) that stands in the dish (radius 12) of the
+/// one below, and four stretched ligaments across each joint. The lowest is held; the highest may not move sideways and
+/// carries 60 N, the sixth is pushed sideways by 5 N.
+std::string chain(int n) {
+  Feb feb;
+  feb.add_cartilage("cartilage");
+  constexpr int kBones = 10;
+  constexpr double kSpacing = 20, kLower = 10, kUpper = 12, kHalf = 6;  // [mm]
+  std::vector<Feb::Pair> pairs;
+  for (int b = 0; b < kBones; ++b) feb.add_bone(fmt::format("bone {}", b + 1), {0, 0, kSpacing * b});
+  for (int b = 0; b < kBones; ++b) {
+    const std::string bone = fmt::format("bone {}", b + 1);
+    // surfaces of radius r that meet the axis at z: both bulge downwards
+    const auto cap = [&](double radius, double z, double half) {
+      return grid(n, n, [radius, z, half](double u, double v) {
+        const double x = half * (2 * u - 1), y = half * (2 * v - 1);
+        return Vector3d(x, y, z + radius - std::sqrt(radius * radius - x * x - y * y));
+      });
+    };
+    const double middle = kSpacing * b;
+    if (b > 0)
+      add_layer(feb, fmt::format("ball_{}", b + 1), bone, cap(kLower - 1.5, middle - 8.5, 0.89 * kHalf),
+                cap(kLower, middle - 10, kHalf), false);
+    if (b + 1 < kBones) {
+      add_layer(feb, fmt::format("dish_{}", b + 1), bone, cap(kUpper + 1.5, middle + 8.5, 1.16 * kHalf),
+                cap(kUpper, middle + 10, kHalf), true);
+      pairs.push_back(
+          {fmt::format("joint {}-{}", b + 1, b + 2), fmt::format("dish_{}", b + 1), fmt::format("ball_{}", b + 2)});
+    }
+  }
+  feb.rigid = Feb::fixed("bone 1", "111111") + Feb::fixed("bone 10", "110000");
+  for (int b = 0; b + 1 < kBones; ++b) {
+    for (int k = 0; k < 4; ++k) {
+      const double x = k == 0 ? 10 : k == 1 ? -10 : 0, y = k == 2 ? 10 : k == 3 ? -10 : 0;
+      feb.rigid += fmt::format(
+          "<rigid_connector name=\"ligament {0}-{1} {2}\" type=\"rigid spring\">\n<body_a>bone {0}</body_a>\n"
+          "<body_b>bone {1}</body_b>\n<k>150</k>\n<insertion_a>{3:g},{4:g},{5:g}</insertion_a>\n"
+          "<insertion_b>{3:g},{4:g},{6:g}</insertion_b>\n<free_length>9</free_length>\n</rigid_connector>\n",
+          b + 1, b + 2, k + 1, x, y, kSpacing * b + 5, kSpacing * (b + 1) - 5);
+    }
+  }
+  const int ramp = feb.add_controller("ramp", {"0,0", "1,1"});
+  feb.add_step("load", Feb::loaded("bone 10", "Rz", -60, ramp) + Feb::loaded("bone 6", "Rx", 5, ramp));
+  return feb.file("Ten bones in a row, nine contacts.", pairs);
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 
 void write(const std::string& path, const std::string& bytes) {
@@ -436,6 +655,8 @@ constexpr Sample kSamples[] = {
     {"--two-layer-spheres", "spheres/two_layers.feb", 28, two_layer_spheres},
     {"--sphere-on-flat", "sphere_on_flat/sphere_on_flat.feb", 56, sphere_on_flat},
     {"--ligament", "ligament/ligament.feb", 48, ligament},
+    {"--knee", "knee/knee.feb", 16, knee},
+    {"--chain", "chain/chain.feb", 12, chain},
 };
 
 int run(const std::vector<std::string>& arguments) {
@@ -454,7 +675,7 @@ int run(const std::vector<std::string>& arguments) {
   }
   throw std::runtime_error(
       "usage: make_samples SAMPLES_DIR, or make_samples --spheres|--twisted-spheres|"
-      "--two-layer-spheres|--sphere-on-flat|--ligament N out.feb");
+      "--two-layer-spheres|--sphere-on-flat|--ligament|--knee|--chain N out.feb");
 }
 
 }  // namespace

@@ -66,13 +66,15 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
   clock = now();
   const std::vector<TimePoint> times = options.times.empty() ? model_times(model) : options.times;
   std::vector<Pose> poses = reference_poses(joint), step_start = poses;  // `poses`: of the last state that was solved
+  std::vector<Vector6> reaction(joint.bodies.size(), Vector6::Zero()), step_reaction = reaction;
   int step = 0;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i].step != step) {
       step = times[i].step;
       step_start = poses;
+      step_reaction = reaction;
     }
-    const LoadCase conditions = make_load_case(model, joint, settings, times[i].step, times[i].time);
+    const LoadCase conditions = make_load_case(model, joint, settings, times[i].step, times[i].time, &step_reaction);
     StateResult state;
     state.when = times[i];
     const bool reference = i == 0 && times[i].time <= 0.0;
@@ -81,7 +83,12 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     // A load that cannot be carried may have moved a body far away: the next state starts from the last one that was
     // solved.
     const Outcome outcome = state.equilibrium.outcome;
-    if (solved(outcome) || outcome == Outcome::BeyondStrainLimit) poses = state.equilibrium.poses;
+    const auto& history = state.equilibrium.history;
+    const bool balanced = history.empty() || history.back() <= 1e3 * options.equilibrium.tolerance;
+    if (solved(outcome) || (outcome == Outcome::BeyondStrainLimit && balanced)) {
+      poses = state.equilibrium.poses;
+      reaction = state.equilibrium.reaction;
+    }
     refuse_zero_thickness(model, joint, beds, state.equilibrium);
     const bool wanted = options.wanted.empty() || options.wanted[i];
     if (wanted) {

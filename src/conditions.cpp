@@ -87,14 +87,27 @@ LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wa
       fmt::format("--load-at {}=sphere-center: this body has no articular surface", joint.bodies[at(body)].name));
 }
 
-LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time) {
+LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
+                        const std::vector<Vector6>* reaction) {
   LoadCase c;
   c.time = time;
   c.step = step;
   c.bodies.resize(joint.bodies.size());
   const auto active = [&](int condition_step) { return condition_step < 0 || condition_step == step; };
   for (const ContactPair& pair : joint.contacts) c.contact_active.push_back(active(pair.step));
-  for (const Ligament& l : joint.ligaments) c.ligament_active.push_back(active(l.step));
+  for (const Ligament& l : joint.ligaments) {
+    c.ligament_active.push_back(active(l.step));
+    c.ligament_scale.push_back(active(l.step) ? finite_value(model, l.scale, time, l.origin) : 0.0);
+  }
+  for (const Cable& cable : joint.cables)
+    c.cable_force.push_back(active(cable.step) ? finite_value(model, cable.force, time, cable.origin) : 0.0);
+  for (const Connector& j : joint.connectors) {
+    c.connector_active.push_back(active(j.step));
+    c.connector_value.push_back({});
+    for (std::size_t k = 0; k < kDofs; ++k)
+      if (active(j.step) && j.motion[k] != RigidJoint::Motion::Held)
+        c.connector_value.back()[k] = finite_value(model, j.value[k], time, j.origin);
+  }
 
   for (std::size_t b = 0; b < joint.bodies.size(); ++b)
     if (joint.bodies[b].ground) c.bodies[b].dofs.fill(DofState::Held);
@@ -136,7 +149,38 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
     if (!active(l.step) || b < 0) continue;
     if (l.dof < 3 && force_replaced[at(b)]) continue;
     Vector6& load = l.kind == RigidLoad::Kind::Follower ? c.bodies[at(b)].follower : c.bodies[at(b)].dead;
-    load[l.dof] += finite_value(model, l.value, time, l.origin);
+    const double full = finite_value(model, l.value, time, l.origin);
+    // FEBio notes the reaction when a load becomes active: outside steps that is before anything has been solved
+    const bool on_reaction = l.kind == RigidLoad::Kind::Target || (l.kind == RigidLoad::Kind::Dead && l.relative);
+    const double start = on_reaction && l.step >= 0 && reaction ? (*reaction)[at(b)][l.dof] : 0.0;
+    c.bodies[at(b)].on_reaction = c.bodies[at(b)].on_reaction || (on_reaction && l.step >= 0);
+    if (l.kind == RigidLoad::Kind::Target) {
+      const std::vector<double> starts = step_starts(model);
+      const double duration = starts[at(step) + 1] - starts[at(step)];
+      const double w = duration > 0 ? std::clamp((time - starts[at(step)]) / duration, 0.0, 1.0) : 1.0;
+      load[l.dof] += (1 - w) * start + w * full;
+    } else {
+      load[l.dof] += full + start;
+    }
+  }
+  const auto scaled_vector = [&](const Vector3d& v, int controller, Origin origin) -> Vector3d {
+    return v * finite_value(model, {1.0, controller}, time, origin);
+  };
+  for (const RigidFollower& f : model.rigid_followers) {
+    const int b = body_of(joint, f.material);
+    if (!active(f.step) || b < 0) continue;
+    const Vector3d v = scaled_vector(f.value, f.controller, f.origin);
+    if (f.moment) {
+      c.bodies[at(b)].follower.tail<3>() += v;
+    } else if (!force_replaced[at(b)]) {
+      const Vector3d arm = f.from_center ? f.insertion : Vector3d(f.insertion - joint.bodies[at(b)].center_of_mass);
+      c.bodies[at(b)].point_forces.push_back({arm, v, true});
+    }
+  }
+  for (const PointLoad& p : joint.point_loads) {
+    if (!active(p.step) || force_replaced[at(p.body)]) continue;
+    c.bodies[at(p.body)].point_forces.push_back(
+        {p.point - joint.bodies[at(p.body)].center_of_mass, scaled_vector(p.value, p.controller, p.origin), false});
   }
   for (const auto& entry : settings.force) {
     const int b = joint.find_body(model, entry.first);

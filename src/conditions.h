@@ -17,6 +17,13 @@ enum class DofState {
   Prescribed  ///< follows a given motion
 };
 
+/// A force at a point of a body.
+struct PointForce {
+  Vector3d arm = Vector3d::Zero();    ///< from the centre of mass, reference directions; turns with the body
+  Vector3d force = Vector3d::Zero();  ///< global directions; `turns`: reference directions
+  bool turns = false;                 ///< the vector turns with the body
+};
+
 struct BodyConditions {
   std::array<DofState, kDofs> dofs = {};  ///< all Free
   Vector6 value = Vector6::Zero();        ///< prescribed: translation of the centre of mass, rotation vector [rad]
@@ -24,23 +31,32 @@ struct BodyConditions {
   Vector6 dead = Vector6::Zero();         ///< force and moment with fixed directions
   Vector6 follower = Vector6::Zero();     ///< force that turns with the body (reference directions)
   Vector3d arm = Vector3d::Zero();        ///< where the force acts, from the centre of mass (turns with the body)
+  std::vector<PointForce> point_forces;   ///< forces that have points of their own
+  bool on_reaction = false;  ///< the reaction when the step began is part of `dead`, or would be if it were known
 };
 
 struct LoadCase {
   double time = 0.0;
   int step = 0;
-  std::vector<BodyConditions> bodies;  ///< one per body of the joint
-  std::vector<char> contact_active;    ///< one per contact
-  std::vector<char> ligament_active;   ///< one per ligament
+  std::vector<BodyConditions> bodies;                      ///< one per body of the joint
+  std::vector<char> contact_active;                        ///< one per contact
+  std::vector<char> ligament_active;                       ///< one per ligament
+  std::vector<double> ligament_scale;                      ///< one per ligament: value of Ligament::scale
+  std::vector<double> cable_force;                         ///< one per cable; 0 where it is not active
+  std::vector<char> connector_active;                      ///< one per connector
+  std::vector<std::array<double, kDofs>> connector_value;  ///< one per connector: motions, forces and moments
 };
 
 /// Conditions at `time` in `step`, overrides of the settings included:
 ///   --free BODY=dofs: of the dofs that are not prescribed, these are free and the others held, in every step
-///   --force BODY=F: takes the place of all rigid forces (not moments) on the body, growing from 0 to F over the last
-///   step
+///   --force BODY=F: takes the place of all forces (not moments) that the model puts on the body, rigid, following or
+///   nodal, growing from 0 to F over the last step
 ///   --load-at BODY=point: where the force acts
+/// `reaction`: per body, Equilibrium::reaction when the step began, for loads of kind Target and relative ones of this
+/// step; nullptr: none (0), as FEBio has it in the first step.
 /// Throws InputError where rotations are prescribed in part.
-LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time);
+LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
+                        const std::vector<Vector6>* reaction = nullptr);
 
 /// Reference coordinates where the force on a body acts by settings.load_at; for sphere-center the fit is returned
 /// too (through the body's articular surface of the first contact that has it).

@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "connectors.h"
+#include "singular_parts.h"
 
 namespace dea {
 
@@ -19,6 +24,8 @@ using Matrix3d = Eigen::Matrix3d;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+using Sparse = Eigen::SparseMatrix<double>;
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Rotation by the vector w (angle times axis).
@@ -28,8 +35,7 @@ Matrix3d rotation(const Vector3d& w) {
   return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
 }
 
-/// Keeps a rotation a rotation after many products.
-Matrix3d orthonormal(const Matrix3d& r) { return Eigen::Quaterniond(r).normalized().toRotationMatrix(); }
+constexpr int kDenseUnknowns = 60;  // about ten bodies: measured, above it the sparse way is the faster one
 
 // ---- forces at one set of poses ---------------------------------------------------------------------------------
 
@@ -40,11 +46,15 @@ struct Evaluation {
   std::vector<SpringStates> springs;       // per contact
   std::vector<Vector6> contact_on_target;  // per contact
   std::vector<double> ligament_force;
-  VectorXd contact, ligaments, external;  // 6 per body
-  MatrixXd derivative;                    // of their sum
+  VectorXd contact, ligaments, external;  // 6 per body; `ligaments`: cables and the connectors' loads too
+  BlockMatrix derivative;                 // of their sum and of the reactions
   double normal_force = 0.0;              // sum of p A over all contacts
   double load = 0.0;                      // scale of all forces: the largest of external, ligament, contact
-  VectorXd residual() const { return contact + ligaments + external; }
+  VectorXd residual() const { return contact + ligaments + external + reactions; }
+  // connectors: their conditions, what these transmit, and the motions they leave
+  std::vector<ConnectorRow> rows;
+  Tangent tangent;
+  VectorXd reactions;
 };
 
 struct Problem {
@@ -55,55 +65,29 @@ struct Problem {
   VectorXd scale;         // per free dof: 1 for translations, length for rotations
   VectorXd offset;        // per dof: part of the load held back (continuation)
   int casts = 0;
+  ConnectorGroups connectors;
+  bool joined() const { return !connectors.groups.empty(); }
 };
 
-/// Line spring between two bodies: force on A towards B when stretched, k (1 - L0/L) c, and its derivative.
-void add_ligament(const Ligament& l, const Joint& joint, Evaluation& e, std::size_t index) {
-  const Pose &A = e.poses[at(l.body_a)], &B = e.poses[at(l.body_b)];
-  const Vector3d arm_a = A.rotation * (l.point_a - joint.bodies[at(l.body_a)].center_of_mass);
-  const Vector3d arm_b = B.rotation * (l.point_b - joint.bodies[at(l.body_b)].center_of_mass);
-  const Vector3d c = B.center + arm_b - A.center - arm_a;
-  const double L = c.norm();
-  if (L <= 0) return;
-  if (l.tension_only && L <= l.free_length) return;
-  const Vector3d f = l.stiffness * (1 - l.free_length / L) * c;  // on A
-  e.ligament_force[index] = l.stiffness * (L - l.free_length);
-  const int a = 6 * l.body_a, b = 6 * l.body_b;
-  e.ligaments.segment<3>(a) += f;
-  e.ligaments.segment<3>(a + 3) += arm_a.cross(f);
-  e.ligaments.segment<3>(b) -= f;
-  e.ligaments.segment<3>(b + 3) -= arm_b.cross(f);
-  const Matrix3d K =
-      l.stiffness * ((1 - l.free_length / L) * Matrix3d::Identity() + l.free_length / (L * L * L) * c * c.transpose());
-  // dc = dv_b - [arm_b]x w_b - dv_a + [arm_a]x w_a
-  Eigen::Matrix<double, 3, 12> dc;
-  dc << -Matrix3d::Identity(), skew(arm_a), Matrix3d::Identity(), -skew(arm_b);
-  const Eigen::Matrix<double, 3, 12> df = K * dc;
-  const auto add = [&](int row, const Eigen::Matrix<double, 3, 12>& block) {
-    e.derivative.block<3, 6>(row, a) += block.leftCols<6>();
-    e.derivative.block<3, 6>(row, b) += block.rightCols<6>();
-  };
-  add(a, df);
-  add(b, -df);
-  Eigen::Matrix<double, 3, 12> moment = skew(arm_a) * df;
-  moment.block<3, 3>(0, 3) += skew(f) * skew(arm_a);  // (w x arm) x f
-  add(a + 3, moment);
-  moment = -skew(arm_b) * df;
-  moment.block<3, 3>(0, 9) -= skew(f) * skew(arm_b);
-  add(b + 3, moment);
+/// Forces over all dofs as those on the free dofs, moments divided by the length.
+VectorXd free_part(const Problem& problem, const VectorXd& all) {
+  VectorXd r(static_cast<Eigen::Index>(problem.free.size()));
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    r[static_cast<Eigen::Index>(i)] = all[problem.free[i]] / problem.scale[static_cast<Eigen::Index>(i)];
+  return r;
 }
 
 Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
   const Joint& joint = problem.joint;
-  const int n = 6 * static_cast<int>(joint.bodies.size());
+  const LoadCase& conditions = problem.conditions;
+  const auto n = 6 * static_cast<Eigen::Index>(joint.bodies.size());
   Evaluation e;
   e.poses = std::move(poses);
-  e.contact = e.ligaments = e.external = VectorXd::Zero(n);
-  e.derivative = MatrixXd::Zero(n, n);
+  e.contact = e.reactions = VectorXd::Zero(n);
   ++problem.casts;
   for (std::size_t i = 0; i < problem.beds.beds.size(); ++i) {
     const SpringBed& bed = problem.beds.beds[i];
-    if (!problem.conditions.contact_active[i]) {
+    if (!conditions.contact_active[i]) {
       e.springs.emplace_back();
       e.contact_on_target.push_back(Vector6::Zero());
       continue;
@@ -111,94 +95,133 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
     const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
     e.springs.push_back(project_springs(bed, source, target));
     const ContactWrench w = contact_wrench(e.springs.back(), source, target);
-    const int t = 6 * bed.target_body, s = 6 * bed.source_body;
-    e.contact.segment<6>(t) += w.wrench.head<6>();
-    e.contact.segment<6>(s) += w.wrench.tail<6>();
-    e.derivative.block<6, 6>(t, t) += w.derivative.block<6, 6>(0, 0);
-    e.derivative.block<6, 6>(t, s) += w.derivative.block<6, 6>(0, 6);
-    e.derivative.block<6, 6>(s, t) += w.derivative.block<6, 6>(6, 0);
-    e.derivative.block<6, 6>(s, s) += w.derivative.block<6, 6>(6, 6);
+    e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
+    e.contact.segment<6>(6 * bed.source_body) += w.wrench.tail<6>();
+    e.derivative.add(bed.target_body, bed.source_body, w.derivative);
     e.contact_on_target.push_back(w.wrench.head<6>());
     e.normal_force += w.normal_force;
   }
-  e.ligament_force.assign(joint.ligaments.size(), 0.0);
-  for (std::size_t i = 0; i < joint.ligaments.size(); ++i)
-    if (problem.conditions.ligament_active[i]) add_ligament(joint.ligaments[i], joint, e, i);
   e.load = e.normal_force;
-  for (double f : e.ligament_force) e.load = std::max(e.load, std::abs(f));
+  BodyForces inner(joint.bodies.size());
+  e.ligament_force.assign(joint.ligaments.size(), 0.0);
+  for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {
+    if (!conditions.ligament_active[i]) continue;
+    const double scale = i < conditions.ligament_scale.size() ? conditions.ligament_scale[i] : 1.0;
+    e.ligament_force[i] = add_ligament(joint, joint.ligaments[i], scale, e.poses, inner);
+    e.load = std::max(e.load, std::abs(e.ligament_force[i]));
+  }
+  for (std::size_t i = 0; i < conditions.cable_force.size(); ++i) {
+    if (conditions.cable_force[i] == 0.0) continue;
+    add_cable(joint, joint.cables[i], conditions.cable_force[i], e.poses, inner);
+    e.load = std::max(e.load, std::abs(conditions.cable_force[i]));
+  }
+  if (!conditions.connector_active.empty())
+    e.load = std::max(e.load, add_connector_loads(joint, conditions, problem.beds.length, e.poses, inner));
+  e.ligaments = inner.value;
+  BodyForces outer(joint.bodies.size());
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    const BodyConditions& c = problem.conditions.bodies[b];
-    const int k = 6 * static_cast<int>(b);
-    const Matrix3d& R = e.poses[b].rotation;
-    const Vector3d arm = R * c.arm, follower = R * c.follower.head<3>();
-    const Vector3d force = c.dead.head<3>() + follower;
-    e.external.segment<3>(k) = force;
-    e.external.segment<3>(k + 3) = c.dead.tail<3>() + R * c.follower.tail<3>() + arm.cross(force);
-    e.derivative.block<3, 3>(k, k + 3) -= skew(follower);
-    e.derivative.block<3, 3>(k + 3, k + 3) +=
-        skew(force) * skew(arm) - skew(arm) * skew(follower) - skew(R * c.follower.tail<3>());
+    const BodyConditions& c = conditions.bodies[b];
+    const double scale = add_loads(c, static_cast<int>(b), e.poses[b], problem.beds.length, outer);
     // what pulls at a held body is no measure of the balance of the others
-    if (std::count(c.dofs.begin(), c.dofs.end(), DofState::Free) > 0)
-      e.load = std::max({e.load, force.norm(), e.external.segment<3>(k + 3).norm() / problem.beds.length});
+    if (std::count(c.dofs.begin(), c.dofs.end(), DofState::Free) > 0) e.load = std::max(e.load, scale);
+  }
+  e.external = outer.value;
+  auto& blocks = e.derivative.blocks;
+  blocks.insert(blocks.end(), inner.derivative.blocks.begin(), inner.derivative.blocks.end());
+  blocks.insert(blocks.end(), outer.derivative.blocks.begin(), outer.derivative.blocks.end());
+  if (problem.joined()) {
+    e.rows = connector_rows(joint, conditions, e.poses);
+    e.tangent = tangent_of(problem.connectors, e.rows,
+                           free_part(problem, e.contact + e.ligaments + e.external - problem.offset));
+    BodyForces held(joint.bodies.size());
+    add_reactions(joint, e.rows, e.tangent.multipliers, e.poses, held);
+    e.reactions = held.value;
+    blocks.insert(blocks.end(), held.derivative.blocks.begin(), held.derivative.blocks.end());
   }
   return e;
 }
 
-/// A scaled motion of the free dofs as a motion of all dofs, 6 per body, unscaled.
-VectorXd on_all_dofs(const Problem& problem, const VectorXd& motion) {
+// The unknowns at a pose: the free dofs, rotations times length; where there are connectors, the motions they leave.
+
+/// A motion of the unknowns as one of the free dofs (scaled).
+VectorXd as_free(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  return problem.joined() ? VectorXd(e.tangent.basis * motion) : motion;
+}
+
+/// A motion of the unknowns as a motion of all dofs, 6 per body, unscaled.
+VectorXd on_all_dofs(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  const VectorXd free = as_free(problem, e, motion);
   VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(problem.joint.bodies.size()));
   for (std::size_t i = 0; i < problem.free.size(); ++i)
-    all[problem.free[i]] = motion[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
+    all[problem.free[i]] = free[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
   return all;
 }
 
-/// Forces and moments on all dofs as those on the free dofs, moments divided by the length.
-VectorXd on_free_dofs(const Problem& problem, const VectorXd& all) {
-  VectorXd r(problem.free.size());
-  for (std::size_t i = 0; i < problem.free.size(); ++i)
-    r[static_cast<Eigen::Index>(i)] = all[problem.free[i]] / problem.scale[static_cast<Eigen::Index>(i)];
-  return r;
+/// Forces and moments on all dofs as those on the unknowns: all in units of force.
+VectorXd on_unknowns(const Problem& problem, const Evaluation& e, const VectorXd& all) {
+  const VectorXd r = free_part(problem, all);
+  return problem.joined() ? VectorXd(e.tangent.basis.transpose() * r) : r;
 }
 
-/// Residual over the free dofs, moments divided by the length: all in units of force.
 VectorXd scaled_residual(const Problem& problem, const Evaluation& e) {
-  return on_free_dofs(problem, e.residual() - problem.offset);
+  return on_unknowns(problem, e, e.residual() - problem.offset);
 }
 
-/// Stiffness K = -dr/du over the free dofs; rotations times length.
-MatrixXd scaled_stiffness(const Problem& problem, const Evaluation& e) {
+/// Stiffness K = -dr/du over the unknowns.
+Sparse scaled_stiffness(const Problem& problem, const Evaluation& e) {
   const auto n = static_cast<Eigen::Index>(problem.free.size());
-  MatrixXd K(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      K(i, j) = -e.derivative(problem.free[static_cast<std::size_t>(i)], problem.free[static_cast<std::size_t>(j)]) /
-                (problem.scale[i] * problem.scale[j]);
+  std::vector<int> place(6 * problem.joint.bodies.size(), -1);
+  for (std::size_t i = 0; i < problem.free.size(); ++i) place[at(problem.free[i])] = static_cast<int>(i);
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(36 * e.derivative.blocks.size());
+  for (const BlockMatrix::Block& block : e.derivative.blocks) {
+    for (int i = 0; i < 6; ++i) {
+      const int row = place[at(6 * block.row + i)];
+      if (row < 0) continue;
+      for (int j = 0; j < 6; ++j) {
+        const int column = place[at(6 * block.column + j)];
+        if (column >= 0)
+          entries.emplace_back(row, column, -block.value(i, j) / (problem.scale[row] * problem.scale[column]));
+      }
+    }
+  }
+  Sparse K(n, n);
+  K.setFromTriplets(entries.begin(), entries.end());
+  if (problem.joined()) K = Sparse(e.tangent.basis.transpose() * K * e.tangent.basis);
   return K;
 }
 
-/// Poses after a small motion of the free dofs (scaled).
-std::vector<Pose> moved(const Problem& problem, const std::vector<Pose>& poses, const VectorXd& motion) {
-  const VectorXd all = on_all_dofs(problem, motion);
-  std::vector<Pose> result = poses;
-  for (std::size_t b = 0; b < poses.size(); ++b) {
-    const auto k = 6 * static_cast<Eigen::Index>(b);
-    result[b].center += all.segment<3>(k);
-    const Vector3d w = all.segment<3>(k + 3);
-    if (w.squaredNorm() > 0) result[b].rotation = orthonormal(rotation(w) * poses[b].rotation);
-  }
+/// Poses after a small motion of the unknowns; connectors closed again. Nothing: they cannot be.
+std::optional<std::vector<Pose>> moved(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  std::vector<Pose> result = e.poses;
+  move_bodies(result, on_all_dofs(problem, e, motion));
+  if (problem.joined() && !close_connectors(problem.joint, problem.conditions, problem.connectors, result))
+    return std::nullopt;
   return result;
 }
 
-/// The farthest any articular surface moves by a motion of the free dofs, to first order.
-double surface_motion(const Problem& problem, const VectorXd& motion) {
+/// The farthest any articular surface moves on its partner by a motion of the unknowns, to first order.
+double surface_motion(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  const VectorXd all = on_all_dofs(problem, e, motion);
   double largest = 0.0;
-  std::vector<double> v2(problem.joint.bodies.size(), 0.0), w2(problem.joint.bodies.size(), 0.0);
-  for (std::size_t i = 0; i < problem.free.size(); ++i) {
-    const double x = motion[static_cast<Eigen::Index>(i)] / problem.scale[static_cast<Eigen::Index>(i)];
-    (problem.free[i] % 6 < 3 ? v2 : w2)[at(problem.free[i] / 6)] += x * x;
+  const auto reach = [&](const Vector3d& v, const Vector3d& w) {
+    const double reached = v.norm() + w.norm() * problem.beds.reach;
+    if (!(reached <= largest)) largest = reached;  // NaN stays
+  };
+  std::vector<char> in_contact(problem.joint.bodies.size(), 0);
+  for (std::size_t c = 0; c < problem.beds.beds.size(); ++c) {
+    if (!problem.conditions.contact_active[c]) continue;
+    // one body as the other sees it: rows of bones may move together
+    int a = problem.beds.beds[c].source_body, b = problem.beds.beds[c].target_body;
+    in_contact[at(a)] = in_contact[at(b)] = 1;
+    if (all.segment<6>(6 * a).isZero(0.0)) std::swap(a, b);
+    const Vector3d w_b = all.segment<3>(6 * b + 3), v_a = all.segment<3>(6 * a), w_a = all.segment<3>(6 * a + 3);
+    const Vector3d v_b = all.segment<3>(6 * b) + w_b.cross(e.poses[at(a)].center - e.poses[at(b)].center);
+    reach(v_a - v_b, w_a - w_b);
   }
-  for (std::size_t b = 0; b < v2.size(); ++b)
-    largest = std::max(largest, std::sqrt(v2[b]) + std::sqrt(w2[b]) * problem.beds.reach);
+  for (std::size_t b = 0; b < in_contact.size(); ++b)
+    if (!in_contact[b])
+      reach(all.segment<3>(6 * static_cast<Eigen::Index>(b)), all.segment<3>(6 * static_cast<Eigen::Index>(b) + 3));
   return largest;
 }
 
@@ -211,36 +234,49 @@ struct FacetNoise {
   double force = 0.0;
 };
 
+/// A spring's normals: those in use, and what they differ from those averaged at the vertices.
+struct SpringNormals {
+  Vector3d smooth_force, rough_force;  // of the source: direction of the force
+  Vector3d smooth_rate, rough_rate;    // of the target: change of the gap
+};
+
+SpringNormals normals_of(const SpringBed& bed, const SpringStates& s, std::size_t k, const Pose& source,
+                         const Pose& target) {
+  const SurfaceMesh &mesh_s = bed.pair->source_layer().spring_surface(), &mesh_t = bed.target.mesh();
+  const auto& tri_s = mesh_s.triangles[at(bed.springs.surface_triangle[k])];
+  const auto& tri_t = mesh_t.triangles[at(s.triangle[k])];
+  Vector3d n = Vector3d::Zero(), m = Vector3d::Zero();
+  for (std::size_t j = 0; j < 3; ++j) {
+    n += (bed.springs.weights[k][0][j] + bed.springs.weights[k][1][j] + bed.springs.weights[k][2][j]) / 3.0 *
+         mesh_s.vertex_normals[at(tri_s[j])];
+    m += s.end_weights[k][j] * mesh_t.vertex_normals[at(tri_t[j])];
+  }
+  n = source.rotation * n.normalized();
+  m = target.rotation * m.normalized();
+  // the normal that the gap's derivative sees: of the facet, or of the smooth surface it stands for
+  const Vector3d seen =
+      (s.normal[k] - target.rotation * bulge_gradient(mesh_t, s.triangle[k], s.end_weights[k])).normalized();
+  return {n, s.direction[k] - n, m, seen - m};
+}
+
 FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
-  const VectorXd all = on_all_dofs(problem, direction);
+  const VectorXd all = on_all_dofs(problem, e, direction);
   double products = 0.0, crossed = 0.0, sum = 0.0, sum2 = 0.0;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
     const SpringBed& bed = problem.beds.beds[c];
     if (s.size() == 0) continue;
+    const Vector6 u_t = all.segment<6>(6 * bed.target_body), u_s = all.segment<6>(6 * bed.source_body);
+    if (u_t.isZero(0.0) && u_s.isZero(0.0)) continue;
     const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-    const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
-    const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
-    const SurfaceMesh &mesh_s = bed.pair->source_layer().spring_surface(), &mesh_t = bed.target.mesh();
+    const Vector3d v_t = u_t.head<3>(), w_t = u_t.tail<3>(), v_s = u_s.head<3>(), w_s = u_s.tail<3>();
     for (int i = 0; i < s.size(); ++i) {
       const auto k = at(i);
       if (s.pressure[k] <= 0 || s.area[k] <= 0) continue;
-      const auto& tri_s = mesh_s.triangles[at(bed.springs.surface_triangle[k])];
-      const auto& tri_t = mesh_t.triangles[at(s.triangle[k])];
-      Vector3d n = Vector3d::Zero(), m = Vector3d::Zero();
-      for (std::size_t j = 0; j < 3; ++j) {
-        n += (bed.springs.weights[k][0][j] + bed.springs.weights[k][1][j] + bed.springs.weights[k][2][j]) / 3.0 *
-             mesh_s.vertex_normals[at(tri_s[j])];
-        m += s.end_weights[k][j] * mesh_t.vertex_normals[at(tri_t[j])];
-      }
-      n = source.rotation * n.normalized();
-      m = target.rotation * m.normalized();
+      const SpringNormals normals = normals_of(bed, s, k, source, target);
       const Vector3d relative = v_t + w_t.cross(s.foot[k] - target.center) - v_s - w_s.cross(s.foot[k] - source.center);
-      // the normal that the gap's derivative sees: of the facet, or of the smooth surface it stands for
-      const Vector3d seen =
-          (s.normal[k] - target.rotation * bulge_gradient(mesh_t, s.triangle[k], s.end_weights[k])).normalized();
-      const double smooth_force = n.dot(relative), rough_force = s.direction[k].dot(relative) - smooth_force;
-      const double smooth_rate = m.dot(relative), rough_rate = seen.dot(relative) - smooth_rate;
+      const double smooth_force = normals.smooth_force.dot(relative), rough_force = normals.rough_force.dot(relative);
+      const double smooth_rate = normals.smooth_rate.dot(relative), rough_rate = normals.rough_rate.dot(relative);
       const double stiffness = s.per_overlap[k] * s.area[k];
       products += stiffness * std::abs(rough_force * rough_rate);
       crossed += stiffness * (rough_force * smooth_rate + smooth_force * rough_rate);
@@ -252,12 +288,57 @@ FacetNoise facet_noise(const Problem& problem, const Evaluation& e, const Vector
   return {products + std::abs(crossed), std::abs(sum) + 3.0 * std::sqrt(sum2)};
 }
 
-std::string direction_in_words(const Problem& problem, const VectorXd& direction) {
+/// FacetNoise::stiffness from above for any direction, by one pass over the springs: |ab| <= (a^2 + b^2)/2 makes the
+/// products of (E6) a quadratic form.
+struct NoiseBound {
+  std::vector<Eigen::Matrix<double, 12, 12>> products, crossed;  // per contact: target, source
+
+  NoiseBound(const Problem& problem, const Evaluation& e) {
+    for (std::size_t c = 0; c < e.springs.size(); ++c) {
+      products.push_back(Eigen::Matrix<double, 12, 12>::Zero());
+      crossed.push_back(Eigen::Matrix<double, 12, 12>::Zero());
+      const SpringStates& s = e.springs[c];
+      const SpringBed& bed = problem.beds.beds[c];
+      if (s.size() == 0) continue;
+      const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
+      for (int i = 0; i < s.size(); ++i) {
+        const auto k = at(i);
+        if (s.pressure[k] <= 0 || s.area[k] <= 0) continue;
+        const SpringNormals normals = normals_of(bed, s, k, source, target);
+        const double stiffness = s.per_overlap[k] * s.area[k];
+        const auto line = [&](const Vector3d& n) {
+          Eigen::Matrix<double, 12, 1> h;
+          h << n, (s.foot[k] - target.center).cross(n), -n, -(s.foot[k] - source.center).cross(n);
+          return h;
+        };
+        const Eigen::Matrix<double, 12, 1> a = line(normals.rough_force), b = line(normals.rough_rate);
+        products.back() += 0.5 * stiffness * (a * a.transpose() + b * b.transpose());
+        crossed.back() +=
+            stiffness * (a * line(normals.smooth_rate).transpose() + line(normals.smooth_force) * b.transpose());
+      }
+    }
+  }
+
+  double operator()(const Problem& problem, const Evaluation& e, const VectorXd& direction) const {
+    const VectorXd all = on_all_dofs(problem, e, direction);
+    double bound = 0.0;
+    for (std::size_t c = 0; c < products.size(); ++c) {
+      const SpringBed& bed = problem.beds.beds[c];
+      Eigen::Matrix<double, 12, 1> u;
+      u << all.segment<6>(6 * bed.target_body), all.segment<6>(6 * bed.source_body);
+      bound += u.dot(products[c] * u) + std::abs(u.dot(crossed[c] * u));
+    }
+    return bound;
+  }
+};
+
+std::string direction_in_words(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
+  const VectorXd scaled = as_free(problem, e, direction);
   std::string text;
   for (std::size_t b = 0; b < problem.joint.bodies.size(); ++b) {
     Vector6 u = Vector6::Zero();
     for (std::size_t i = 0; i < problem.free.size(); ++i)
-      if (at(problem.free[i] / 6) == b) u[problem.free[i] % 6] = direction[static_cast<Eigen::Index>(i)];
+      if (at(problem.free[i] / 6) == b) u[problem.free[i] % 6] = scaled[static_cast<Eigen::Index>(i)];
     if (u.norm() < 0.3) continue;
     const Vector3d v = u.head<3>(), w = u.tail<3>();
     if (!text.empty()) text += " with ";
@@ -283,71 +364,115 @@ struct Directions {
   double least_stiffness = kNaN;
 };
 
+/// The flat direction's share of the residual that is given up: of a rotation about a point off the centre of mass,
+/// which has a translation in it, the moment alone, so that forces balance to the last digit.
+VectorXd moment_of(const Problem& problem, const Evaluation& e, const VectorXd& u) {
+  VectorXd moment = as_free(problem, e, u);
+  for (Eigen::Index i = 0; i < moment.size(); ++i)
+    if (problem.free[static_cast<std::size_t>(i)] % 6 < 3) moment[i] = 0.0;
+  if (problem.joined()) moment = e.tangent.basis.transpose() * moment;
+  return moment.norm() > 0.3 ? VectorXd(moment.normalized()) : u;
+}
+
+/// Newton's step where the columns of `held` are kept still and those of `given_up` need not balance:
+/// K x + given_up y = r, held^T x = 0.
+VectorXd bordered_step(const Sparse& K, const MatrixXd& given_up, const MatrixXd& held, const VectorXd& r) {
+  const Eigen::Index n = K.rows(), lost = held.cols();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < K.outerSize(); ++k)
+    for (Sparse::InnerIterator it(K, k); it; ++it) entries.emplace_back(it.row(), it.col(), it.value());
+  const double unit = K.norm() / std::sqrt(static_cast<double>(n)) + 1e-300;  // so that pivots compare
+  for (Eigen::Index j = 0; j < lost; ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (given_up(i, j) != 0.0) entries.emplace_back(i, n + j, unit * given_up(i, j));
+      if (held(i, j) != 0.0) entries.emplace_back(n + j, i, unit * held(i, j));
+    }
+  }
+  Sparse bordered(n + lost, n + lost);
+  bordered.setFromTriplets(entries.begin(), entries.end());
+  bordered.makeCompressed();
+  Eigen::SparseLU<Sparse> lu(bordered);
+  VectorXd rhs = VectorXd::Zero(n + lost);
+  rhs.head(n) = r;
+  if (lu.info() != Eigen::Success) return VectorXd::Zero(n);  // no step: the caller regularises
+  const VectorXd x = lu.solve(rhs);
+  return x.head(n);
+}
+
 /// `patience` >= 1 widens what counts as facet noise, so that a direction at its edge does not change sides for ever.
 Directions take_apart(const Problem& problem, const Evaluation& e, const VectorXd& r, double patience) {
-  const MatrixXd K = scaled_stiffness(problem, e);
+  const Sparse K = scaled_stiffness(problem, e);
   const Eigen::Index n = K.rows();
   Directions d;
   d.newton = d.drift = VectorXd::Zero(n);
   d.residual = r;
-  // Singular values, not dof by dof: a ball joint is free about axes that are no dof's.
-  VectorXd sigma;
-  MatrixXd U, V;
-  if (n <= 24) {
-    Eigen::JacobiSVD<MatrixXd> svd(K, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    sigma = svd.singularValues();
-    U = svd.matrixU();
-    V = svd.matrixV();
-  } else {
-    Eigen::BDCSVD<MatrixXd> svd(K, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    sigma = svd.singularValues();
-    U = svd.matrixU();
-    V = svd.matrixV();
-  }
-  MatrixXd stiff(n, 0), given_up(n, 0);
-  const auto append = [n](MatrixXd& columns, const VectorXd& column) {
-    columns.conservativeResize(n, columns.cols() + 1);
-    columns.col(columns.cols() - 1) = column;
-  };
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const VectorXd u = U.col(k), v = V.col(k);
-    bool flat = sigma[k] <= 1e-10 * sigma[0] || sigma[0] == 0.0;
+  d.given_up.resize(n, 0);
+  if (n == 0) return d;
+  const bool dense = n <= kDenseUnknowns;
+  std::optional<NoiseBound> bound;  // where there are many directions to be asked
+  const auto noise_of = [&](double sigma, double largest, const VectorXd& v) {
     FacetNoise noise;
-    if (sigma[k] < 0.1 * sigma[0] || flat) {
-      noise = facet_noise(problem, e, v);
-      flat = flat || sigma[k] <= 2.0 * patience * noise.stiffness;
+    const bool nothing = sigma <= 1e-10 * largest || largest == 0.0;
+    if (sigma >= 0.1 * largest && !nothing) return std::make_pair(false, noise);
+    if (!nothing && n > 12) {
+      if (!bound) bound.emplace(problem, e);
+      if (sigma > 2.0 * patience * (*bound)(problem, e, v)) return std::make_pair(false, noise);
     }
-    if (!flat) {
-      append(stiff, v);
+    noise = facet_noise(problem, e, v);
+    return std::make_pair(nothing || sigma <= 2.0 * patience * noise.stiffness, noise);
+  };
+  // Singular values, not dof by dof: a ball joint is free about axes that are no dof's.
+  SingularParts parts;
+  if (dense) {
+    parts = all_singular_parts(MatrixXd(K));
+  } else {
+    const double largest = K.norm();  // from above: asks a few more than needed
+    parts = small_singular_parts(
+        K, [&](double sigma, const VectorXd& v) { return noise_of(sigma, largest, v).first; }, kDenseUnknowns);
+  }
+  const Eigen::Index found = parts.sigma.size();
+  MatrixXd flat(n, found), given_up(n, found), stiff(n, dense ? n : 0);
+  Eigen::Index lost = 0, kept = 0;
+  for (Eigen::Index k = 0; k < found; ++k) {
+    const VectorXd u = parts.U.col(k), v = parts.V.col(k);
+    const auto [is_flat, noise] = noise_of(parts.sigma[k], parts.largest, v);
+    if (!is_flat) {
+      if (dense) stiff.col(kept++) = v;
       continue;
     }
+    flat.col(lost) = v;
     const double along = v.dot(r);
     if (std::abs(along) <= std::max(1e-7 * e.load, patience * noise.force)) {
       d.held.push_back(v);
-      // A rotation about a point off the centre of mass has a translation in it. Give up the moment alone, so that
-      // forces balance to the last digit.
-      VectorXd moment = u;
-      for (Eigen::Index i = 0; i < n; ++i)
-        if (problem.free[static_cast<std::size_t>(i)] % 6 < 3) moment[i] = 0.0;
-      append(given_up, moment.norm() > 0.3 ? VectorXd(moment.normalized()) : u);
+      given_up.col(lost) = moment_of(problem, e, u);
     } else {
       d.drift += v * along;
-      append(given_up, u);
+      given_up.col(lost) = u;
     }
+    ++lost;
   }
-  const Eigen::Index lost = given_up.cols();
-  MatrixXd test = MatrixXd::Identity(n, n);
+  given_up.conservativeResize(n, lost);
+  flat.conservativeResize(n, lost);
+  stiff.conservativeResize(n, kept);
+  MatrixXd test;
   if (lost > 0) {
     const Eigen::HouseholderQR<MatrixXd> qr(given_up);
-    const MatrixXd q = qr.householderQ();
-    test = q.rightCols(n - lost);
-    d.given_up = q.leftCols(lost);
+    if (dense) {
+      const MatrixXd q = qr.householderQ();
+      test = q.rightCols(n - lost);
+      d.given_up = q.leftCols(lost);
+    } else {
+      d.given_up = qr.householderQ() * MatrixXd::Identity(n, lost);
+    }
     if (d.drift.squaredNorm() == 0.0) d.residual -= d.given_up * (d.given_up.transpose() * r);
-  } else {
-    d.given_up.resize(n, 0);
+  } else if (dense) {
+    test = MatrixXd::Identity(n, n);
   }
-  if (stiff.cols() > 0) d.newton = stiff * (test.transpose() * K * stiff).fullPivLu().solve(test.transpose() * r);
-  if (stiff.cols() > 0) {
+  if (!dense) {
+    d.newton = bordered_step(K, d.given_up, flat, r);
+    d.least_stiffness = least_symmetric_eigenvalue(K, flat, kDenseUnknowns);
+  } else if (kept > 0) {
+    d.newton = stiff * (test.transpose() * K * stiff).fullPivLu().solve(test.transpose() * r);
     const MatrixXd projected = stiff.transpose() * K * stiff;
     const MatrixXd symmetric = 0.5 * (projected + projected.transpose());
     d.least_stiffness = Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[0];
@@ -383,7 +508,7 @@ double too_deep_area(const Problem& problem, const Evaluation& e) {
 /// How far along `direction` (scaled motion of the free dofs) the first spring closes, to first order: infinity if none
 /// does.
 double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
-  const VectorXd all = on_all_dofs(problem, direction);
+  const VectorXd all = on_all_dofs(problem, e, direction);
   double first = kInfinity;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
@@ -408,16 +533,28 @@ struct Search {
   Evaluation at;
 };
 
+/// A motion of all dofs as one of the unknowns at another pose: connectors leave other motions there.
+VectorXd along_again(const Problem& problem, const Evaluation& e, const VectorXd& all) {
+  VectorXd free(static_cast<Eigen::Index>(problem.free.size()));
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    free[static_cast<Eigen::Index>(i)] = all[problem.free[i]] * problem.scale[static_cast<Eigen::Index>(i)];
+  return problem.joined() ? VectorXd(e.tangent.basis.transpose() * free) : free;
+}
+
 /// Separated surfaces: along the load to first touch, and on until the contact carries most of it.
 Search advance(Problem& problem, Evaluation e, VectorXd direction) {
-  const double unit = surface_motion(problem, direction);
+  const double unit = surface_motion(problem, e, direction);
   if (unit <= 0) return {false, std::move(e)};
   direction /= unit;
   const double cap = 0.5 * problem.beds.least_thickness;
   for (int i = 0; i < 20 && !touching(e); ++i) {
     const double gap = first_touch(problem, e, direction);
     if (!std::isfinite(gap)) return {false, std::move(e)};
-    e = evaluate(problem, moved(problem, e.poses, (gap + 1e-3 * cap) * direction));
+    auto poses = moved(problem, e, (gap + 1e-3 * cap) * direction);
+    if (!poses) break;
+    const VectorXd all = on_all_dofs(problem, e, direction);
+    e = evaluate(problem, std::move(*poses));
+    direction = along_again(problem, e, all);
     if (too_deep_area(problem, e) > 0) break;
   }
   if (!touching(e)) return {false, std::move(e)};
@@ -425,15 +562,19 @@ Search advance(Problem& problem, Evaluation e, VectorXd direction) {
   const double driving = direction.dot(scaled_residual(problem, e));
   double depth = 1e-3 * cap;
   for (int i = 0; i < 12; ++i) {
-    const VectorXd contact = on_free_dofs(problem, e.contact);
+    const VectorXd contact = on_unknowns(problem, e, e.contact);
     const double resisting = -direction.dot(contact);
     const double left = direction.dot(scaled_residual(problem, e));
     if (left <= 0.3 * (left + resisting) || driving <= 0) break;
     const double ratio = resisting > 0 ? (left + resisting) / resisting : 1e4;
     const double step = std::min(cap, depth * (std::sqrt(ratio) - 1.0));
-    Evaluation next = evaluate(problem, moved(problem, e.poses, step * direction));
+    auto poses = moved(problem, e, step * direction);
+    if (!poses) break;
+    const VectorXd all = on_all_dofs(problem, e, direction);
+    Evaluation next = evaluate(problem, std::move(*poses));
     if (lost_force(e, next) > 0.5 * e.normal_force || too_deep_area(problem, next) > 0) break;
     e = std::move(next);
+    direction = along_again(problem, e, all);
     depth += step;
   }
   return {true, std::move(e)};
@@ -459,10 +600,12 @@ Search back_out(Problem& problem, Evaluation e) {
         depth = std::max(depth, -s.gap[at(k)]);
       }
     }
-    const VectorXd direction = on_free_dofs(problem, push);
-    const double unit = surface_motion(problem, direction);
+    const VectorXd direction = on_unknowns(problem, e, push);
+    const double unit = surface_motion(problem, e, direction);
     if (unit <= 0) break;
-    e = evaluate(problem, moved(problem, e.poses, (0.5 * depth / unit) * direction));
+    auto poses = moved(problem, e, (0.5 * depth / unit) * direction);
+    if (!poses) break;
+    e = evaluate(problem, std::move(*poses));
   }
   const bool found = too_deep_area(problem, e) == 0;
   return {found, std::move(e)};
@@ -515,6 +658,10 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     Directions d = take_apart(problem, e, r, patience);
     const double size = d.residual.norm();
     solution.history.push_back(e.load > 0 ? size / e.load : 0.0);
+    if (!std::isfinite(size)) {
+      solution.message = "a force is no finite number here: mend the curve of the ligament";
+      break;
+    }
     if (size <= options.tolerance * e.load) {
       solution.outcome = Outcome::Balanced;
       solution.message = fmt::format("balanced to {:.1e} of the load in {} iterations",
@@ -548,26 +695,41 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
         solution.outcome = Outcome::NoEquilibrium;
         solution.message =
             fmt::format("{:.3g} of the load acts along {}, which nothing resists (moved {:.3g} along it)",
-                        drift / e.load, direction_in_words(problem, d.drift / drift), travelled(e));
+                        drift / e.load, direction_in_words(problem, e, d.drift / drift), travelled(e));
         break;
       }
       VectorXd step = d.newton;
-      const double stiff = surface_motion(problem, step);
+      const double stiff = surface_motion(problem, e, step);
       if (stiff > cap) step *= cap / stiff;
-      step += d.drift * (cap / surface_motion(problem, d.drift));
-      e = evaluate(problem, moved(problem, e.poses, step));
+      step += d.drift * (cap / surface_motion(problem, e, d.drift));
+      auto poses = moved(problem, e, step);
+      if (!poses) {
+        solution.message = "a loaded motion that nothing resists ends where the joints lock";
+        break;
+      }
+      e = evaluate(problem, std::move(*poses));
       continue;
     }
 
     // A Newton step, shortened until the residual falls; springs that lose their target count as residual.
     const auto try_step = [&](VectorXd step) -> bool {
-      const double motion = surface_motion(problem, step);
+      const double motion = surface_motion(problem, e, step);
       if (!(motion > 0) || !std::isfinite(motion)) return false;
       if (motion > cap) step *= cap / motion;
       for (int halving = 0; halving < 6; ++halving, step *= 0.5) {
-        Evaluation trial = evaluate(problem, moved(problem, e.poses, step));
+        auto poses = moved(problem, e, step);
+        if (!poses) continue;
+        Evaluation trial = evaluate(problem, std::move(*poses));
         VectorXd trial_r = scaled_residual(problem, trial);
-        if (!d.held.empty()) trial_r -= d.given_up * (d.given_up.transpose() * trial_r);
+        if (!d.held.empty()) {
+          MatrixXd given_up = d.given_up;
+          if (problem.joined()) {  // the same directions, among the motions left at the new pose
+            given_up = trial.tangent.basis.transpose() * (e.tangent.basis * given_up);
+            const Eigen::HouseholderQR<MatrixXd> qr(given_up);
+            given_up = qr.householderQ() * MatrixXd::Identity(given_up.rows(), given_up.cols());
+          }
+          trial_r -= given_up * (given_up.transpose() * trial_r);
+        }
         if (trial_r.norm() + lost_force(e, trial) < size) {
           e = std::move(trial);
           return true;
@@ -577,12 +739,19 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     };
     if (try_step(d.newton)) continue;
     // Regularised steps turn from Newton's direction towards the force itself.
-    const MatrixXd K = scaled_stiffness(problem, e);
+    const Sparse K = scaled_stiffness(problem, e);
     const double stiffest = K.norm();
+    Sparse one(K.rows(), K.cols());
+    one.setIdentity();
     bool moved_on = false;
     for (double lambda = 1e-3; lambda <= 10.0 && !moved_on; lambda *= 10.0) {
-      const MatrixXd regular = K + lambda * stiffest * MatrixXd::Identity(K.rows(), K.cols());
-      moved_on = try_step(regular.partialPivLu().solve(d.residual));
+      const Sparse regular = K + lambda * stiffest * one;
+      if (K.rows() <= kDenseUnknowns) {
+        moved_on = try_step(MatrixXd(regular).partialPivLu().solve(d.residual));
+      } else {
+        const Eigen::SparseLU<Sparse> lu(regular);
+        moved_on = lu.info() == Eigen::Success && try_step(lu.solve(d.residual));
+      }
     }
     if (moved_on) continue;
     if (!to_one_spring(e, size, solution))
@@ -596,6 +765,93 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
   return solution;
 }
 
+/// Springs strained beyond the law's limit, or through.
+int beyond_limit(const Evaluation& e) {
+  int count = 0;
+  for (const SpringStates& s : e.springs) {
+    const SpringDepth depth = spring_depth(s);
+    count += depth.strained + depth.through;
+  }
+  return count;
+}
+
+/// Where pressures on the surfaces, however they were spread, could not balance the load at this pose: how much of the
+/// load is left at best, and whether the motion that then follows opens the contact (E8).
+struct Separation {
+  double left = 0.0;     ///< of what is to be balanced
+  double opening = 0.0;  ///< mean over the springs of the cosine between that motion and the spring's push
+};
+
+Separation separation(const Problem& problem, const Evaluation& e) {
+  // the pushes of unit spring forces on the unknowns, as columns
+  constexpr int kMostColumns = 2000;  // a sample is enough to span what all can do
+  int facing = 0;
+  for (const SpringStates& s : e.springs)
+    for (int i = 0; i < s.size(); ++i) facing += s.triangle[at(i)] >= 0 && s.coverage[at(i)] > 0;
+  const VectorXd load = on_unknowns(problem, e, e.ligaments + e.external - problem.offset);
+  if (facing == 0 || !(load.norm() > 0)) return {1.0, load.norm() > 0 ? 1.0 : 0.0};
+  const int stride = (facing + kMostColumns - 1) / kMostColumns;
+  MatrixXd push(load.size(), (facing + stride - 1) / stride);
+  Eigen::Index columns = 0;
+  int seen = 0;
+  for (std::size_t c = 0; c < e.springs.size(); ++c) {
+    const SpringStates& s = e.springs[c];
+    const SpringBed& bed = problem.beds.beds[c];
+    for (int i = 0; i < s.size(); ++i) {
+      if (s.triangle[at(i)] < 0 || s.coverage[at(i)] <= 0 || seen++ % stride != 0) continue;
+      const Vector3d n = s.direction[at(i)];
+      VectorXd all = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
+      all.segment<3>(6 * bed.target_body) = n;
+      all.segment<3>(6 * bed.target_body + 3) = (s.foot[at(i)] - e.poses[at(bed.target_body)].center).cross(n);
+      all.segment<3>(6 * bed.source_body) = -n;
+      all.segment<3>(6 * bed.source_body + 3) = -(s.foot[at(i)] - e.poses[at(bed.source_body)].center).cross(n);
+      push.col(columns++) = on_unknowns(problem, e, all);
+    }
+  }
+  push.conservativeResize(load.size(), columns);
+  // Least squares with forces >= 0: Lawson and Hanson (1974), chapter 23
+  std::vector<Eigen::Index> active;
+  VectorXd force = VectorXd::Zero(columns), left = load;
+  for (int i = 0; i < 20 + 4 * static_cast<int>(load.size()); ++i) {
+    Eigen::Index best = -1;
+    const double most = -(push.transpose() * left).minCoeff(&best);
+    if (!(most > 1e-9 * load.norm()) || std::find(active.begin(), active.end(), best) != active.end()) break;
+    active.push_back(best);
+    for (;;) {
+      MatrixXd A(load.size(), static_cast<Eigen::Index>(active.size()));
+      for (std::size_t k = 0; k < active.size(); ++k) A.col(static_cast<Eigen::Index>(k)) = push.col(active[k]);
+      const VectorXd x = A.completeOrthogonalDecomposition().solve(-load);
+      double part = 1.0;
+      for (std::size_t k = 0; k < active.size(); ++k) {
+        const double old = force[active[k]], now = x[static_cast<Eigen::Index>(k)];
+        if (now <= 0) part = std::min(part, old / std::max(old - now, 1e-300));
+      }
+      std::vector<Eigen::Index> kept;
+      for (std::size_t k = 0; k < active.size(); ++k) {
+        double& f = force[active[k]];
+        f += part * (x[static_cast<Eigen::Index>(k)] - f);
+        if (f > 1e-12 * load.norm())
+          kept.push_back(active[k]);
+        else
+          f = 0.0;
+      }
+      if (part >= 1.0 || kept.size() == active.size() || kept.empty()) {
+        active = std::move(kept);
+        break;
+      }
+      active = std::move(kept);
+    }
+    left = load + push * force;
+  }
+  Separation result;
+  result.left = left.norm() / load.norm();
+  if (!(left.norm() > 0)) return result;
+  for (Eigen::Index k = 0; k < columns; ++k)
+    result.opening +=
+        push.col(k).dot(left) / (push.col(k).norm() * left.norm() + 1e-300) / static_cast<double>(columns);
+  return result;
+}
+
 /// The whole search for one load case from one start.
 Solution solve(Problem& problem, const std::vector<Pose>& start, const EquilibriumOptions& options) {
   Evaluation e = evaluate(problem, start);
@@ -605,10 +861,23 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   }
   const std::vector<Pose> poses = e.poses;
   Solution direct = newton(problem, std::move(e), options);
-  if (direct.outcome != Outcome::NotConverged) return direct;
+  if (direct.outcome != Outcome::NotConverged || !direct.at.contact.allFinite()) return direct;
   // Continuation: what is out of balance at the start is held back and released piece by piece.
   Evaluation from =
       evaluate(problem, poses);  // a copy, kept for this rare case, would be as large as the springs' states
+  const auto opens = [&](const Evaluation& e, double* left) {
+    const Separation apart = separation(problem, e);
+    *left = apart.left;
+    return apart.left > 0.05 && apart.opening > 0.1;  // far above what facets' normals are uncertain by
+  };
+  double left_at_start = 0.0, left_at_end = 0.0;
+  if (opens(from, &left_at_start) && opens(direct.at, &left_at_end)) {
+    direct.outcome = Outcome::SurfacesApart;
+    direct.message = fmt::format(
+        "the load moves the surfaces apart: pressures on them, however spread, leave {:.2g} of it unbalanced",
+        std::min(left_at_start, left_at_end));
+    return direct;
+  }
   const VectorXd all = from.residual();
   double done = 0.0, piece = 0.25;
   int iterations = direct.iterations;
@@ -627,11 +896,18 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
       from = std::move(part.at);
       piece *= 1.5;
     } else {
+      if (beyond_limit(part.at) > 0) break;  // more pieces would press through all the same
       piece *= 0.5;
     }
   }
   problem.offset.setZero();
   direct.iterations = iterations;
+  if (const int beyond = beyond_limit(direct.at); beyond > 0) {
+    direct.outcome = Outcome::BeyondStrainLimit;
+    direct.message = fmt::format(
+        "no balance: {:.2g} of the load is left where {} springs are strained beyond {}; the layers cannot carry it",
+        direct.history.empty() ? 1.0 : direct.history.back(), beyond, kStrainLimit);
+  }
   return direct;
 }
 
@@ -647,7 +923,17 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
   result.residual_moment = any_moment ? std::sqrt(moment2) : kNaN;
   result.load = e.load;
   for (std::size_t b = 0; b < e.poses.size(); ++b)
-    result.reaction.push_back(-(e.contact + e.ligaments).segment<6>(6 * static_cast<Eigen::Index>(b)));
+    result.reaction.push_back(-(e.contact + e.ligaments + e.reactions).segment<6>(6 * static_cast<Eigen::Index>(b)));
+  result.cable_force = problem.conditions.cable_force;
+  if (!problem.conditions.connector_active.empty()) {
+    if (problem.joined())
+      result.connector_force =
+          connector_forces(problem.joint, problem.conditions, e.rows, e.tangent.multipliers, e.poses);
+    else  // nothing has been solved, or nothing can move
+      result.connector_force.assign(problem.joint.connectors.size(), Vector6::Constant(kNaN));
+    for (const Connector& c : problem.joint.connectors)
+      result.connector_motion.push_back(connector_motion(problem.joint, c, e.poses));
+  }
   result.poses = std::move(e.poses);
   result.springs = std::move(e.springs);
   result.contact_on_target = std::move(e.contact_on_target);
@@ -675,7 +961,7 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
 }
 
 Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions) {
-  Problem problem{joint, beds, conditions, {}, {}, {}, 0};
+  Problem problem{joint, beds, conditions, {}, {}, {}, 0, {}};
   problem.offset = VectorXd::Zero(6 * static_cast<Eigen::Index>(joint.bodies.size()));
   return problem;
 }
@@ -736,6 +1022,16 @@ std::vector<Pose> reference_poses(const Joint& joint) {
   return poses;
 }
 
+BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
+                     const std::vector<Pose>& poses) {
+  Problem problem = make_problem(joint, beds, conditions);
+  Evaluation e = evaluate(problem, poses);
+  BodyForces forces(joint.bodies.size());
+  forces.value = e.residual();
+  forces.derivative = std::move(e.derivative);
+  return forces;
+}
+
 Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
                      const std::vector<Pose>& poses) {
   Problem problem = make_problem(joint, beds, conditions);
@@ -774,6 +1070,24 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
     problem.scale[static_cast<Eigen::Index>(i)] = problem.free[i] % 6 < 3 ? 1.0 : beds.length;
 
   Equilibrium result;
+  if (joint.connectors.size() > 0 && conditions.connector_active.size() == joint.connectors.size()) {
+    const double size = beds.length + beds.reach;
+    problem.connectors = make_groups(joint, conditions, problem.free, beds.length, size, start);
+    ConnectorRow worst;
+    std::vector<Pose> closed = poses;
+    if (!close_connectors(joint, conditions, problem.connectors, closed, &worst)) {
+      result = state_at(joint, beds, conditions, poses);
+      result.outcome = Outcome::NoEquilibrium;
+      const Connector& c = joint.connectors[at(worst.connector)];
+      result.message = fmt::format(
+          "joint \"{}\" cannot be held together with the other joints and with what is fixed or prescribed: a gap of "
+          "{:.3g}{} is left {} its axis {}; free a motion or take a joint out",
+          c.name, std::abs(worst.gap), worst.dof < 3 ? "" : " rad", worst.dof < 3 ? "along" : "about",
+          worst.dof % 3 + 1);
+      return result;
+    }
+    poses = std::move(closed);
+  }
   if (problem.free.empty()) {
     result = state_at(joint, beds, conditions, poses);
     return result;
@@ -791,7 +1105,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
     if (loose && s.at.load == 0.0) continue;
     const double along = s.at.load > 0 ? std::abs(v.dot(r)) / s.at.load : 0.0;
     result.held.push_back(
-        direction_in_words(problem, v) +
+        direction_in_words(problem, s.at, v) +
         (along > 1e-6 ? fmt::format(" ({:.1e} of the load left along it: the facets' roughness)", along) : ""));
   }
   fill(result, problem, std::move(s.at));

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "body_forces.h"
 #include "conditions.h"
 #include "joint.h"
 #include "springs.h"
@@ -16,7 +17,7 @@ enum class Outcome {
   SurfacesApart,        ///< the loads move the surfaces apart: no contact can carry them
   NoEquilibrium,        ///< a direction nothing resists is loaded
   NotConverged,         ///< none of the above was reached within the iterations
-  BeyondStrainLimit     ///< balanced or prescribed, but with springs strained beyond 0.9 (C1)
+  BeyondStrainLimit     ///< springs strained beyond 0.9 (C1): prescribed, balanced, or not to be balanced (message)
 };
 const char* name(Outcome outcome);
 /// True for Prescribed, Balanced and BalancedToOneSpring.
@@ -42,16 +43,21 @@ struct Equilibrium {
   std::vector<Pose> poses;                 ///< one per body
   std::vector<SpringStates> springs;       ///< one per contact; empty states where the contact is not active
   std::vector<Vector6> contact_on_target;  ///< per contact: force and moment about the target's current centre of mass
-  std::vector<Vector6> reaction;  ///< per body: force and moment of the joint upon whoever holds it, = minus (contact
-                                  ///  and ligament) force and moment: FEBio's `rigid force` and `rigid torque`
-  std::vector<double> ligament_force;  ///< per ligament, tension > 0
-  double residual_force = 0.0;         ///< over free dofs; NaN: no free translation
-  double residual_moment = 0.0;        ///< over free dofs; NaN: no free rotation
-  double load = 0.0;                   ///< the forces' scale the residual is measured against
-  int iterations = 0;                  ///< Newton steps
-  int casts = 0;                       ///< how often all rays were cast
-  std::vector<double> history;         ///< scaled residual / load at each iterate
-  std::vector<std::string> held;       ///< flat directions that were held, in words
+  std::vector<Vector6> reaction;  ///< per body: force and moment of the joint upon whoever holds it, = minus those of
+                                  ///  contacts, ligaments, cables and connectors: FEBio's `rigid force` and
+                                  ///  `rigid torque`
+  std::vector<double> ligament_force;    ///< per ligament, tension > 0
+  std::vector<double> cable_force;       ///< per cable, tension
+  std::vector<Vector6> connector_force;  ///< per connector: force and moment on B about its current point on B, global;
+                                         ///  least squares where conditions are redundant; NaN: neither body can move
+  std::vector<Vector6> connector_motion;  ///< per connector: of B as seen from A (connectors.h)
+  double residual_force = 0.0;            ///< over free dofs; NaN: no free translation
+  double residual_moment = 0.0;           ///< over free dofs; NaN: no free rotation
+  double load = 0.0;                      ///< the forces' scale the residual is measured against
+  int iterations = 0;                     ///< Newton steps
+  int casts = 0;                          ///< how often all rays were cast
+  std::vector<double> history;            ///< scaled residual / load at each iterate
+  std::vector<std::string> held;          ///< flat directions that were held, in words
   double least_stiffness =
       0.0;  ///< least eigenvalue of the symmetric part of the stiffness (translations and rotations
             ///  times length), flat directions left out; < 0: unstable; NaN: nothing free
@@ -59,6 +65,11 @@ struct Equilibrium {
 
 /// Poses of all bodies at rest in their reference positions.
 std::vector<Pose> reference_poses(const Joint& joint);
+
+/// All that acts on the bodies at given poses but the connectors' reactions: 6 numbers per body (E1), and the
+/// derivative by small motions of the bodies. For tests and tools.
+BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
+                     const std::vector<Pose>& poses);
 
 /// Solves one load case from `start` (docs/theory.md, section 4). `step_start`: poses when the step began (for relative
 /// motions). Never throws for a load that cannot be carried: that is an outcome.

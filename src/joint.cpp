@@ -820,6 +820,172 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
   if (!settings.source.empty()) check_body("source", settings.source);
 }
 
+// ---- what joins bodies besides contact -----------------------------------------------------------------------------
+
+/// Adds it, unless both ends are on one body. `kind`: what the model calls such a thing.
+void add_ligament(Joint& joint, const JointModel& model, Ligament l, const char* kind, Origin origin) {
+  l.origin = origin;
+  if (l.body_a == l.body_b) {
+    joint.findings.push_back(fmt::format("{} \"{}\" joins two points of body \"{}\": left out", kind, l.name,
+                                         joint.bodies[at(l.body_a)].name));
+    return;
+  }
+  const double length = (l.point_b - l.point_a).norm();
+  if (l.free_length <= 0) l.free_length = length;
+  if (!(length > 0) || !std::isfinite(length))
+    throw InputError(model, origin, fmt::format("{} \"{}\" has no length", kind, l.name));
+  joint.ligaments.push_back(std::move(l));
+}
+
+/// Body of a rigid material; no material: the ground.
+int body_of_material(const Recognition& r, int material) {
+  return material < 0 ? r.bodies.ground() : r.bodies.of_material[at(material)];
+}
+
+/// A point given in reference coordinates, or counted from the body's centre of mass.
+Vector3d reference_point(const Joint& joint, int body, const Vector3d& point, bool from_center) {
+  return from_center ? Vector3d(joint.bodies[at(body)].center_of_mass + point) : point;
+}
+
+void find_springs(const Recognition& r, Joint& joint) {
+  const JointModel& model = r.model;
+  for (const RigidSpring& s : model.rigid_springs) {
+    Ligament l;
+    l.name = s.name;
+    l.body_a = body_of_material(r, s.material_a);
+    l.body_b = body_of_material(r, s.material_b);
+    l.point_a = s.insertion_a;
+    l.point_b = s.insertion_b;
+    l.stiffness = s.k;
+    l.free_length = s.free_length;
+    l.step = s.step;
+    add_ligament(joint, model, l, "spring", s.origin);
+  }
+  for (const DiscreteSprings& set : model.discrete_springs) {
+    if (set.force && !set.force->unsupported.empty())
+      throw InputError(model, set.origin,
+                       fmt::format("spring \"{}\": its force is given by {}, which is not supported; give points",
+                                   set.name, set.force->unsupported));
+    for (const auto& pair : model.discrete_sets[at(set.set)].pairs) {
+      Ligament l;
+      l.name = set.name.empty() ? model.discrete_sets[at(set.set)].name : set.name;
+      l.body_a = joint.node_body[at(pair[0])];
+      l.body_b = joint.node_body[at(pair[1])];
+      for (int k = 0; k < 2; ++k)
+        if (joint.node_body[at(pair[at(k)])] < 0)
+          throw InputError(model, set.origin,
+                           fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body", l.name,
+                                       model.node_ids[at(pair[at(k)])]));
+      l.point_a = model.nodes[at(pair[0])];
+      l.point_b = model.nodes[at(pair[1])];
+      l.stiffness = set.stiffness;
+      l.tension_only = set.tension_only;
+      if (set.force) {
+        l.law = Ligament::Law::Curve;
+        l.curve = set.force;
+        l.measure = set.measure;
+        l.scale = set.scale;
+      }
+      l.step = set.step;
+      add_ligament(joint, model, l, "spring", set.origin);
+    }
+  }
+  for (const RigidAxialForce& f : model.rigid_axial_forces) {
+    Ligament l;
+    l.name = f.name;
+    l.law = Ligament::Law::Constant;
+    l.body_a = body_of_material(r, f.material_a);
+    l.body_b = body_of_material(r, f.material_b);
+    l.point_a = reference_point(joint, l.body_a, f.point_a, f.from_centers);
+    l.point_b = reference_point(joint, l.body_b, f.point_b, f.from_centers);
+    l.scale = f.force;
+    l.step = f.step;
+    add_ligament(joint, model, l, "axial force", f.origin);
+  }
+}
+
+void find_cables(const Recognition& r, Joint& joint) {
+  for (const RigidCable& c : r.model.rigid_cables) {
+    Cable cable;
+    cable.name = c.name;
+    for (const RigidCable::Point& p : c.points) {
+      const int body = body_of_material(r, p.material);
+      cable.points.push_back({body, reference_point(joint, body, p.position, c.from_centers)});
+    }
+    if (cable.points.empty()) throw InputError(r.model, c.origin, fmt::format("cable \"{}\" has no points", c.name));
+    for (std::size_t i = 1; i < cable.points.size(); ++i)
+      if (!((cable.points[i].position - cable.points[i - 1].position).norm() > 0))
+        throw InputError(r.model, c.origin,
+                         fmt::format("cable \"{}\": points {} and {} coincide, so the cable has no direction there; "
+                                     "take one out",
+                                     c.name, i, i + 1));
+    cable.force = c.force;
+    if (c.direction.norm() > 0) cable.direction = c.direction.normalized();
+    cable.step = c.step;
+    cable.origin = c.origin;
+    joint.cables.push_back(std::move(cable));
+  }
+}
+
+void find_connectors(const Recognition& r, Joint& joint) {
+  for (const RigidJoint& j : r.model.rigid_joints) {
+    Connector c;
+    c.name = j.name;
+    c.type = j.type;
+    c.body_a = body_of_material(r, j.material_a);
+    c.body_b = body_of_material(r, j.material_b);
+    c.point = j.joint_origin;
+    c.axes = j.axes;
+    c.motion = j.motion;
+    c.value = j.value;
+    c.step = j.step;
+    c.origin = j.origin;
+    if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0))
+      throw InputError(r.model, j.origin,
+                       fmt::format("joint \"{}\": its axes span no right-handed frame; give two axes that are not "
+                                   "parallel",
+                                   j.name));
+    if (c.body_a == c.body_b) {
+      joint.findings.push_back(fmt::format("joint \"{}\" joins two points of body \"{}\": left out", c.name,
+                                           joint.bodies[at(c.body_a)].name));
+      continue;
+    }
+    joint.connectors.push_back(std::move(c));
+  }
+}
+
+/// Nodal forces on nodes that move with a body: of its rigid elements, or of its rigid node sets.
+void find_point_loads(const Recognition& r, Joint& joint) {
+  const JointModel& model = r.model;
+  if (model.nodal_forces.empty()) return;
+  std::vector<int> body(model.nodes.size(), -1);
+  for (const Domain& d : model.domains) {
+    if (d.material < 0 || !r.rigid[at(d.material)] || is_line(d.shape)) continue;
+    for (int node : d.nodes) body[at(node)] = r.bodies.of_material[at(d.material)];
+  }
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (int node : set.nodes)
+      if (body[at(node)] < 0) body[at(node)] = r.bodies.of_material[at(set.material)];
+  for (const NodalForce& f : model.nodal_forces) {
+    for (int node : f.nodes) {
+      if (body[at(node)] < 0)
+        throw InputError(model, f.origin,
+                         fmt::format("nodal force \"{}\" acts on node {}, which is part of no rigid body; DEA can load "
+                                     "rigid bodies only: load a node of the bone, or use a rigid force",
+                                     f.name, model.node_ids[at(node)]));
+      joint.point_loads.push_back(
+          {f.name, body[at(node)], model.nodes[at(node)], f.value, f.controller, f.step, f.origin});
+    }
+  }
+}
+
+void find_connections(const Recognition& r, Joint& joint) {
+  find_springs(r, joint);
+  find_cables(r, joint);
+  find_connectors(r, joint);
+  find_point_loads(r, joint);
+}
+
 }  // namespace
 
 double Layer::min_thickness() const {
@@ -957,49 +1123,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
     if (joint.node_body[i] < 0 && r.fixed[i]) joint.node_body[i] = r.bodies.ground();
 
-  // Ligaments.
-  const auto add_ligament = [&](Ligament l, Origin origin) {
-    if (l.body_a == l.body_b) {
-      joint.findings.push_back(fmt::format("spring \"{}\" joins two points of body \"{}\": left out", l.name,
-                                           joint.bodies[at(l.body_a)].name));
-      return;
-    }
-    const double length = (l.point_b - l.point_a).norm();
-    if (l.free_length <= 0) l.free_length = length;
-    if (length <= 0) throw InputError(model, origin, fmt::format("spring \"{}\" has no length", l.name));
-    joint.ligaments.push_back(l);
-  };
-  for (const RigidSpring& s : model.rigid_springs) {
-    Ligament l;
-    l.name = s.name;
-    l.body_a = r.bodies.of_material[at(s.material_a)];
-    l.body_b = r.bodies.of_material[at(s.material_b)];
-    l.point_a = s.insertion_a;
-    l.point_b = s.insertion_b;
-    l.stiffness = s.k;
-    l.free_length = s.free_length;
-    l.step = s.step;
-    add_ligament(l, s.origin);
-  }
-  for (const DiscreteSprings& set : model.discrete_springs) {
-    for (const auto& pair : model.discrete_sets[at(set.set)].pairs) {
-      Ligament l;
-      l.name = set.name.empty() ? model.discrete_sets[at(set.set)].name : set.name;
-      l.body_a = joint.node_body[at(pair[0])];
-      l.body_b = joint.node_body[at(pair[1])];
-      for (int k = 0; k < 2; ++k)
-        if (joint.node_body[at(pair[at(k)])] < 0)
-          throw InputError(model, set.origin,
-                           fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body", l.name,
-                                       model.node_ids[at(pair[at(k)])]));
-      l.point_a = model.nodes[at(pair[0])];
-      l.point_b = model.nodes[at(pair[1])];
-      l.stiffness = set.stiffness;
-      l.tension_only = set.tension_only;
-      l.step = set.step;
-      add_ligament(l, set.origin);
-    }
-  }
+  find_connections(r, joint);
   return joint;
 }
 

@@ -361,6 +361,98 @@ TEST(SamplesLigament, Program) {
   EXPECT_EQ(j["states"].back()["ligaments"][2]["name"], "tethers");
 }
 
+// ---- knee and chain
+// ------------------------------------------------------------------------------------------------------
+
+/// Force and moment on each body from what the program wrote - contact forces at their centres of pressure (which carry
+/// no moment of their own about the line of force but that of the reported one), tensions along their lines, loads -
+/// against the reaction it reports.
+void expect_bodies_in_balance(const JointModel& model, const Json& state, const Json& info, double load) {
+  std::map<std::string, Vector3d> center, moved;
+  std::map<std::string, Eigen::Matrix3d> turned;
+  std::map<std::string, Vector3d> force, moment;
+  const auto vector = [](const Json& j) {
+    return Vector3d(j[0].get<double>(), j[1].get<double>(), j[2].get<double>());
+  };
+  for (const Json& body : info["bodies"]) {
+    const std::string name = body["name"];
+    center[name] = vector(body["center_of_mass"]);
+    const Json& now = state["bodies"][name];
+    moved[name] = center[name] + vector(now["translation"]);
+    const Vector3d w = vector(now["rotation"]);
+    turned[name] = w.norm() > 0 ? Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix()
+                                : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    force[name] = moment[name] = Vector3d::Zero();
+  }
+  for (std::size_t i = 0; i < state["ligaments"].size(); ++i) {
+    const Json& l = info["ligaments"][i];
+    const std::string a = l["body_a"], b = l["body_b"];
+    const Vector3d p = turned[a] * (vector(l["point_a"]) - center[a]),
+                   q = turned[b] * (vector(l["point_b"]) - center[b]);
+    const Vector3d f = state["ligaments"][i]["force"].get<double>() * (moved[b] + q - moved[a] - p).normalized();
+    force[a] += f;
+    moment[a] += p.cross(f);
+    force[b] -= f;
+    moment[b] -= q.cross(f);
+  }
+  for (const Json& contact : state["contacts"]) {
+    if (contact["springs_active"] == 0) continue;
+    const std::string source = contact["source"], target = contact["target"];
+    const Vector3d f = vector(contact["force"]), m = vector(contact["moment"]);  // on the target, about its centre
+    force[target] += f;
+    moment[target] += m;
+    force[source] -= f;
+    moment[source] -= m + (moved[target] - moved[source]).cross(f);
+  }
+  for (const auto& entry : center) {
+    const Json& now = state["bodies"][entry.first];
+    EXPECT_LT((force[entry.first] + vector(now["force"])).norm(), 1e-6 * load) << entry.first;
+    EXPECT_LT((moment[entry.first] + vector(now["moment"])).norm(), 1e-5 * load) << entry.first;
+  }
+  (void)model;
+}
+
+Json info_of(const std::string& path) {
+  const test::TemporaryFolder folder;
+  const test::Finished f =
+      test::run_program(folder.path, {DEA_PROGRAM, "info", (kSamples / path).string(), "--json", "info.json"}, 60);
+  EXPECT_EQ(f.code, 0) << f.err;
+  return Json::parse(test::file_text(folder.path / "info.json"));
+}
+
+// Every state of the flexion balances, each body by itself; what holds tibia and patella is their loads alone.
+TEST(SamplesKnee, EveryStateBalances) {
+  const Json j = run_sample("knee/knee.feb"), info = info_of("knee/knee.feb");
+  ASSERT_EQ(j["states"].size(), 11u);
+  for (std::size_t i = 1; i < j["states"].size(); ++i) {
+    const Json& state = j["states"][i];
+    EXPECT_EQ(state["outcome"], "Balanced") << state["message"];
+    EXPECT_GT(state["least_stiffness"].get<double>(), 0);
+    EXPECT_EQ(state["contacts"].size(), 4u);
+    for (const Json& contact : state["contacts"]) EXPECT_GT(contact["springs_active"].get<int>(), 20);
+    expect_bodies_in_balance(sample("knee/knee.feb"), state, info, 1000);
+    const auto held = [&](const char* body, const char* what) {
+      const Json& v = state["bodies"][body][what];
+      return Vector3d(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+    };
+    EXPECT_LT((held("tibia", "force") - Vector3d(0, 60, 300)).norm(), 1e-5);
+    EXPECT_LT((held("tibia", "moment") - Vector3d(held("tibia", "moment").x(), 8000, 0)).norm(), 1e-3);
+    EXPECT_LT(held("patella", "force").norm(), 1e-5);
+    EXPECT_LT(held("patella", "moment").norm(), 1e-3);
+  }
+}
+
+TEST(SamplesChain, EveryBoneBalances) {
+  const Json j = run_sample("chain/chain.feb"), info = info_of("chain/chain.feb");
+  const Json& state = j["states"].back();
+  EXPECT_EQ(state["outcome"], "Balanced") << state["message"];
+  EXPECT_GT(state["least_stiffness"].get<double>(), 0);
+  expect_bodies_in_balance(sample("chain/chain.feb"), state, info, 500);
+  double sideways = 0;
+  for (const auto& body : state["bodies"].items()) sideways += body.value()["force"][0].get<double>();
+  EXPECT_NEAR(sideways, 5.0 - 5.0, 1e-6) << "loads and what holds the ends";
+}
+
 // ---- hip
 // --------------------------------------------------------------------------------------------------------------
 

@@ -247,4 +247,64 @@ inline JointModel flat_plates(int n, double size, double h, double gap, double p
   return model;
 }
 
+/// A row of bones along z, 20 apart: each stands with a ball (radius 10) in the dish of cartilage (radius 12, 1.5
+/// thick) of the one below, four stretched ligaments across each joint, and each is tethered sideways to the ground.
+/// The lowest is held, the highest carries `load` downwards, every fifth is pushed sideways. Materials: 0 cartilage, 1
+/// .. bones.
+inline JointModel bone_chain(int bones, int n, double load) {
+  JointModel model = empty_model();
+  const int cartilage = add_material(model, "cartilage", false);
+  for (int b = 0; b < bones; ++b) {
+    const int m = add_material(model, "bone " + std::to_string(b + 1), true);
+    model.materials[static_cast<std::size_t>(m)].center_of_mass = Vector3d(0, 0, 20.0 * b);
+  }
+  const auto cap = [](double radius, double z, double half, double u, double v) {
+    const double x = half * (2 * u - 1), y = half * (2 * v - 1);
+    return Vector3d(x, y, z + radius - std::sqrt(radius * radius - x * x - y * y));
+  };
+  std::vector<int> dish, ball;
+  for (int b = 0; b < bones; ++b) {
+    const double z = 20.0 * b;
+    if (b > 0)
+      ball.push_back(add_rigid_surface(
+          model, "ball " + std::to_string(b + 1), n, n, [&](double u, double v) { return cap(10, z - 10, 6, v, u); },
+          1 + b));
+    if (b + 1 < bones)
+      dish.push_back(add_layer(
+          model, "dish " + std::to_string(b + 1), n, n, 1,
+          [&](double u, double v) { return cap(13.5, z + 8.5, 6.9, u, v); },
+          [&](double u, double v) { return cap(12, z + 10, 6, u, v); }, cartilage, 1 + b));
+  }
+  for (int b = 0; b + 1 < bones; ++b) {
+    add_contact(model, "joint " + std::to_string(b + 1), dish[static_cast<std::size_t>(b)],
+                ball[static_cast<std::size_t>(b)]);
+    for (int k = 0; k < 4; ++k) {
+      RigidSpring s;
+      s.name = "ligament " + std::to_string(4 * b + k + 1);
+      s.material_a = 1 + b;
+      s.material_b = 2 + b;
+      const Vector3d side = (k < 2 ? 10.0 : -10.0) * (k % 2 ? Vector3d::UnitX() : Vector3d::UnitY());
+      s.insertion_a = side + Vector3d(0, 0, 20.0 * b + 5);
+      s.insertion_b = side + Vector3d(0, 0, 20.0 * b + 15);
+      s.k = 150;
+      s.free_length = 9;
+      model.rigid_springs.push_back(s);
+    }
+    for (int k = 0; k < 2; ++k) {
+      RigidSpring s;
+      s.name = "tether";
+      s.material_a = 2 + b;
+      s.material_b = 1;
+      s.insertion_a = Vector3d(0, 0, 20.0 * (b + 1));
+      s.insertion_b = s.insertion_a + 1e4 * (k == 0 ? Vector3d::UnitX() : Vector3d::UnitY());
+      s.k = 20;
+      model.rigid_springs.push_back(s);
+    }
+    if (b % 5 == 2) force(model, 2 + b, {5, 2, 0});
+  }
+  fix(model, 1, {true, true, true, true, true, true});
+  force(model, bones, {0, 0, -load});
+  return model;
+}
+
 }  // namespace dea::test
