@@ -306,7 +306,7 @@ RigidJoint& join(JointModel& model, int a, int b, const Vector3d& at, std::array
   return model.rigid_joints.back();
 }
 
-StateResult last_state(const JointModel& model, const Settings& settings = {}) {
+StateResult last_state(const JointModel& model, const Settings& settings = test::linear()) {
   return analyse(model, settings).states.back();
 }
 
@@ -361,7 +361,7 @@ TEST(Joints, PrismaticTakesTheMoment) {
   axes << 0, 1, 0, 0, 0, 1, 1, 0, 0;  // first column: z
   join(model, 1, 2, {3, 1, 0}, held_but({0}), axes);
   test::force(model, 2, {0, 0, -F});
-  Settings settings;
+  Settings settings = test::linear();
   settings.load_at["plate"].point = {2, 0, 5};
   const StateResult state = last_state(model, settings);
   expect_balanced(state, F);
@@ -412,7 +412,7 @@ TEST(Joints, LockMakesOneBodyOfTwo) {
   JointModel one = test::flat_plates(6, kSize, kThick, 0.0);
   test::fix(one, 2, {true, true, false, true, false, true});
   test::force(one, 2, {0, 0, -F});
-  Settings settings;
+  Settings settings = test::linear();
   settings.load_at["plate"].point = {1, 0, 30};
   const StateResult expected = last_state(one, settings);
   EXPECT_LT((state.equilibrium.poses[1].center - expected.equilibrium.poses[1].center).norm(), 1e-9);
@@ -556,7 +556,7 @@ TEST(Loads, FollowersTurnWithTheBody) {
   expect_balanced(state, 8);
   EXPECT_LT((state.equilibrium.poses[1].center - Vector3d(0, 0.8, 0)).norm(), 1e-5);
   // the moment about the centre of mass: arm (-5, 0, 0), force (0, 8, 0); held, so it is in no residual
-  const LoadCase c = make_load_case(model, analyse(model, {}).joint, {}, 0, 1.0);
+  const LoadCase c = make_load_case(model, analyse(model, test::linear()).joint, {}, 0, 1.0);
   ASSERT_EQ(c.bodies[1].point_forces.size(), 1u);
   EXPECT_TRUE(c.bodies[1].point_forces[0].turns);
 }
@@ -578,7 +578,7 @@ TEST(Loads, TargetStartsFromTheReaction) {
   target.kind = RigidLoad::Kind::Target;
   target.step = 1;
   model.rigid_loads.push_back(target);
-  Analysis a = analyse(model, {});
+  Analysis a = analyse(model, test::linear());
   const double start = -0.1 * bed_stiffness();
   for (const StateResult& s : a.states) {
     if (s.when.time <= 1.0) continue;
@@ -589,7 +589,7 @@ TEST(Loads, TargetStartsFromTheReaction) {
   // the same as a relative dead load: it adds to the reaction
   model.rigid_loads[0].kind = RigidLoad::Kind::Dead;
   model.rigid_loads[0].relative = true;
-  a = analyse(model, {});
+  a = analyse(model, test::linear());
   EXPECT_NEAR(a.states.back().equilibrium.reaction[1][2], start - 50, 1e-6);
 }
 
@@ -667,7 +667,7 @@ void expect_each_body_balanced(const JointModel& model, const Analysis& a, doubl
 TEST(ManyBodies, RowOfBonesBalances) {
   for (int bones : {10, 60}) {
     const JointModel model = test::bone_chain(bones, 6, 60.0);
-    const Analysis a = analyse(model, {});
+    const Analysis a = analyse(model, test::linear());
     ASSERT_EQ(a.states.back().equilibrium.outcome, Outcome::Balanced) << a.states.back().equilibrium.message;
     EXPECT_GT(a.states.back().equilibrium.least_stiffness, 0);
     EXPECT_LE(a.states.back().equilibrium.iterations, 15);
@@ -726,7 +726,7 @@ TEST(HardLoads, PulledOutObliquelySurfacesComeApart) {
       l.step = 1;
       model.rigid_loads.push_back(l);
     }
-    const Analysis a = analyse(model, {});
+    const Analysis a = analyse(model, test::linear());
     EXPECT_EQ(a.states[1].equilibrium.outcome, Outcome::Balanced);
     EXPECT_EQ(a.states.back().equilibrium.outcome, Outcome::SurfacesApart)
         << load.transpose() << ": " << a.states.back().equilibrium.message;
