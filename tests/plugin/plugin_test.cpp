@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 
 #include "error.h"
@@ -203,7 +204,8 @@ TEST(Plugin, NoSolutionIsWrittenAndSaid) {
 TEST(Plugin, PlotFileLogAndTable) {
   const TemporaryFolder folder;
   write(folder.path / "m.feb", model_40(false));
-  const Finished f = febio(folder.path, "m.feb", "dea", "", {"-p", "given.xplt", "-o", "given.log"});
+  write(folder.path / "s.xml", "<febiodea_settings version=\"1\"><law>linear</law></febiodea_settings>");
+  const Finished f = febio(folder.path, "m.feb", "dea", "s.xml", {"-p", "given.xplt", "-o", "given.log"});
   EXPECT_EQ(f.code, 0) << f.out;
   EXPECT_TRUE(fs::exists(folder.path / "given.xplt"));
   const std::string log = file_text(folder.path / "given.log");
@@ -214,7 +216,7 @@ TEST(Plugin, PlotFileLogAndTable) {
   }
   std::set<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder.path)) names.insert(entry.path().filename().string());
-  EXPECT_EQ(names, (std::set<std::string>{"m.feb", "given.xplt", "given.log"}));
+  EXPECT_EQ(names, (std::set<std::string>{"m.feb", "s.xml", "given.xplt", "given.log"}));
   EXPECT_EQ(febio(folder.path, "m.feb", "dea", "", {"-no_log"}).code, 0);
   EXPECT_FALSE(fs::exists(folder.path / "m.log"));
 }
@@ -267,7 +269,7 @@ TEST(ReadFeModel, TheSameAsTheFileBeforeAndInInit) {
 
 TEST(ReadFeModel, CorpusTheSameAsTheFiles) {
   const TemporaryFolder folder;
-  int compared = 0, refused = 0;
+  int compared = 0, refused = 0, joints = 0;
   for (const fs::path& model : models_in(DEA_CORPUS_DIR)) {
     std::string from_file;
     try {
@@ -276,16 +278,25 @@ TEST(ReadFeModel, CorpusTheSameAsTheFiles) {
       ++refused;
       continue;
     }
-    const std::string from_model = febio_dump(folder.path, model.string(), "dea_dump");
+    std::string from_model = febio_dump(folder.path, model.string(), "dea_dump");
     if (from_model.rfind("cannot read", 0) == 0) {
       ++refused;
       continue;
     }
+    if (from_model.find("unsupported rigid connector") != from_model.npos) {  // joints are read from files only
+      ++joints;
+      continue;
+    }
     ++compared;
+    if (model.parent_path().filename() == "v2.0") {  // FEBio forgets the names of these contacts
+      const std::regex name("(^|\n)contact \\S* ");
+      from_file = std::regex_replace(from_file, name, "$1contact  ");
+      from_model = std::regex_replace(from_model, name, "$1contact  ");
+    }
     EXPECT_EQ(difference_of(from_file, from_model), "") << model;
   }
   if (compared == 0) GTEST_SKIP() << "no models in " << DEA_CORPUS_DIR;
-  std::cout << compared << " models compared, " << refused << " refused by one reader\n";
+  std::cout << compared << " models compared, " << refused << " refused by one reader, " << joints << " with joints\n";
 }
 
 }  // namespace
