@@ -137,9 +137,9 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     const ContactPair& pair = check.joint.contacts[c];
     const ContactCheck& found = check.contacts[c];
-    text += fmt::format("  {}: type {}, springs on {} ({}, {}){}\n", quoted(pair.name),
+    text += fmt::format("  {}: type {}, springs on {} ({}, {}), law {}{}\n", quoted(pair.name),
                         model.contacts[at(pair.contact)].type, check.joint.bodies[at(pair.source_layer().body)].name,
-                        pair.source == 0 ? "primary" : "secondary", name(settings.springs_at),
+                        pair.source == 0 ? "primary" : "secondary", name(settings.springs_at), name(pair.law),
                         pair.step >= 0 ? fmt::format(", only in step {}", pair.step + 1) : "");
     for (int side = 0; side < 2; ++side)
       text += layer_text(model, check, pair.layers[side], found.sides[side], side == 0 ? "primary" : "secondary");

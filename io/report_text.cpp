@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "error.h"
 
@@ -83,9 +84,25 @@ std::vector<int> reported_bodies(const Joint& joint) {
   return bodies;
 }
 
+std::string law_text(const ContactPair& pair) {
+  return fmt::format("law {}{}, springs at the {}", name(pair.law),
+                     pair.law == Law::Layer && pair.layer_fit == LayerFit::OneTerm ? " of one term" : "",
+                     pair.source_layer().springs_at == SpringsAt::Bone ? "bone" : "articular surface");
+}
+
+/// One line if all contacts are alike, else one each.
+std::string laws_text(const Joint& joint) {
+  std::set<std::string> different;
+  for (const ContactPair& pair : joint.contacts) different.insert(law_text(pair));
+  if (different.size() == 1) return *different.begin() + "\n";
+  std::string text;
+  for (const ContactPair& pair : joint.contacts) text += fmt::format("{}: {}\n", pair.name, law_text(pair));
+  return text;
+}
+
 std::string run_text(const JointModel& model, const Analysis& analysis) {
   const Joint& joint = analysis.joint;
-  std::string text = units_text(model) + "\n\n";
+  std::string text = units_text(model) + "\n" + laws_text(joint) + "\n";
   Table contacts;
   contacts.headings = {"time", "contact", "outcome", "springs", "of",         "peak",    "p99",
                        "mean", "median",  "area",    "force",   "iterations", "residual"};
@@ -105,8 +122,8 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
 
   const StateResult& last = analysis.states.back();
   text += fmt::format(
-      "\nbodies at time {}: motion of the centre of mass, rotation vector, force and moment of the joint on whoever "
-      "holds or loads the body\n",
+      "\nbodies at time {}: motion of the centre of mass, rotation vector, force and moment on the body by what loads "
+      "and holds it\n",
       number_text(last.when.time));
   Table bodies;
   bodies.headings = {"body", "translation", "rotation", "force", "moment"};

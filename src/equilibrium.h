@@ -43,7 +43,7 @@ struct Equilibrium {
   std::vector<Pose> poses;                 ///< one per body
   std::vector<SpringStates> springs;       ///< one per contact; empty states where the contact is not active
   std::vector<Vector6> contact_on_target;  ///< per contact: force and moment about the target's current centre of mass
-  std::vector<Vector6> reaction;  ///< per body: force and moment of the joint upon whoever holds it, = minus those of
+  std::vector<Vector6> reaction;  ///< per body: force and moment on it by what loads and holds it, = minus those of
                                   ///  contacts, ligaments, cables and connectors: FEBio's `rigid force` and
                                   ///  `rigid torque`
   std::vector<double> ligament_force;    ///< per ligament, tension > 0

@@ -19,6 +19,11 @@ namespace dea {
 
 namespace {
 
+/// About 10 GB of springs: more is a slip of the keyboard.
+constexpr double kMostSprings = 2e7;
+/// Beyond, forces could overflow.
+constexpr double kMostModulus = 1e100;
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string quoted_list(const std::vector<std::string>& names) {
@@ -729,10 +734,12 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
                                contact.dea ? fmt::format("in the contact as <{0}_E> and <{0}_nu>, or ", tag) : "",
                                s.name, s.name));
     }
-    if (!(layer.elasticity.E > 0) || !(layer.elasticity.nu > -1 && layer.elasticity.nu < 0.5))
-      throw refuse(fmt::format(
-          "E = {:g}, nu = {:g}; need E > 0 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed)",
-          layer.elasticity.E, layer.elasticity.nu));
+    if (!(layer.elasticity.E > 0 && layer.elasticity.E <= kMostModulus) ||
+        !(layer.elasticity.nu > -1 && layer.elasticity.nu < 0.5))
+      throw refuse(
+          fmt::format("E = {:g}, nu = {:g}; need 0 < E <= 1e100 and -1 < nu < 0.5 (an incompressible layer is rigid "
+                      "for a spring bed)",
+                      layer.elasticity.E, layer.elasticity.nu));
   }
 
   // Thickness.
@@ -1049,10 +1056,19 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     pair.layer_fit = settings.layer_fit;
     if (settings.interface_stiffness) pair.interface_compliance = 1.0 / *settings.interface_stiffness;
     if (pair.law == Law::Layer && settings.springs_at == SpringsAt::Bone)
-      throw UsageError("--springs-at bone: the layer law needs springs at the articular surface; use another law");
+      throw UsageError(
+          "--springs-at bone: the layer law needs springs at the articular surface; use --law linear, logarithmic or "
+          "neo-Hookean");
+    if (pair.law != Law::Layer && settings.layer_fit == LayerFit::OneTerm)
+      throw UsageError(
+          fmt::format("--layer-terms 1: contact \"{}\" has law {}; only law layer has terms", c.name, name(pair.law)));
     pair.facets = facets_of(r, c);
     pair.refine = settings.refine.value_or(c.dea ? c.dea->refine.value_or(1) : 1);
     for (int side = 0; side < 2; ++side) pair.layers[side] = make_layer(r, c, side);
+    const double springs = static_cast<double>(pair.refine) * pair.refine * pair.source_layer().spring_surface().size();
+    if (springs > kMostSprings)
+      throw UsageError(fmt::format("--refine {}: {:.0f} springs for contact \"{}\", need at most {:.0f}", pair.refine,
+                                   springs, c.name, kMostSprings));
     for (const ContactPair& other : joint.contacts) {
       const Contact& o = model.contacts[at(other.contact)];
       if (double_contact(o, c))

@@ -17,8 +17,17 @@ constexpr double kRateTolerance = 1e-4;
 /// Edges of the rim in a plane of symmetry have their mirror image beyond; elsewhere the cartilage ends there.
 std::vector<Rim> source_rim(const LayerMesh& mesh, const Layer& source) {
   std::vector<Rim> rim;
-  for (const RimEdge& edge : mesh.rim)
-    rim.push_back((source.mirror[at(edge.a)] & source.mirror[at(edge.b)]) != 0 ? Rim::Wall : Rim::Free);
+  for (const RimEdge& edge : mesh.rim) {
+    const auto& t = mesh.triangles[at(edge.triangle)];
+    const Vector3d along = mesh.vertices[at(edge.b)] - mesh.vertices[at(edge.a)],
+                   normal = (mesh.vertices[at(t[1])] - mesh.vertices[at(t[0])])
+                                .cross(mesh.vertices[at(t[2])] - mesh.vertices[at(t[0])]),
+                   outward = along.cross(normal).normalized();
+    const int held = source.mirror[at(edge.a)] & source.mirror[at(edge.b)];
+    bool wall = false;  // the surface must run into the plane, not along it
+    for (int k = 0; k < 3; ++k) wall = wall || ((held >> k & 1) != 0 && std::abs(outward[k]) > 0.7);
+    rim.push_back(wall ? Rim::Wall : Rim::Free);
+  }
   return rim;
 }
 
@@ -80,7 +89,7 @@ std::vector<double> target_thickness(const LayerMesh& mesh, const SpringStates& 
 /// Pressures to start from: those of the last pose, and what their rates make of the target's motion since, as seen
 /// from the source.
 Eigen::VectorXd pressures_to_start_from(const LayerBed& layers, const Pose& source, const Pose& target) {
-  if (layers.last_rates.rows() != layers.last.size()) return layers.last;
+  if (layers.last_rates.size() == 0) return layers.last;
   const Eigen::Matrix3d back = layers.last_source.rotation * source.rotation.transpose();
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(back * target.rotation * layers.last_target.rotation.transpose()));
   Eigen::Matrix<double, 6, 1> motion;
@@ -160,8 +169,8 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
     const int i = rim.spring;
     const auto k = at(i);
     if (!result.linear.active[k]) continue;
-    const Vector3d gradient = source_overlap_gradient(bed, s, i, s.strain_source[k], source) -
-                              overlap_rate(bed, s, i, s.strain_target[k], target);
+    const Vector3d gradient =
+        source_overlap_gradient(bed, s, i, 0.0, source) - overlap_rate(bed, s, i, s.strain_target[k], target);
     overlap_rates.row(i) += gradient.transpose() * rim.foot_rate.leftCols<6>();
     force_rates.row(i) = result.linear.pressure[i] * rim.area_rate.head<6>().transpose();
   }

@@ -109,7 +109,7 @@ struct Gradient {
 double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd& z) {
   double worst = 0;
   for (Index i = 0; i < p.size(); ++i)
-    if (B.weight[i] > 0) worst = std::max(worst, std::abs(std::min(p[i], z[i])));
+    if (const double off = std::abs(std::min(p[i], z[i])); B.weight[i] > 0 && !(off <= worst)) worst = off;  // NaN, too
   const double peak = p.size() > 0 ? p.maxCoeff() : 0.0;
   return peak > 0 ? worst / peak : worst;
 }
@@ -134,7 +134,13 @@ LayerPressure solve_contact(const LayerContact& contact, const VectorXd& overlap
   LayerPressure result;
   for (;;) {
     result.residual = complementarity(B, p, z);
-    result.converged = result.residual <= options.tolerance;
+    if (result.residual <= options.tolerance) {  // by z as it was carried along; now as it is
+      z = B.apply(p).col(0) - b;
+      g.split(B, p, z, expansion);
+      d = g.free;
+      result.residual = complementarity(B, p, z);
+      result.converged = result.residual <= 10 * options.tolerance;
+    }
     if (result.converged || B.applications >= options.max_applications) break;
     const bool proportional = B.dot(g.chopped, g.chopped) <= B.dot(g.reduced, g.free);
     if (!proportional) d = g.chopped;  // let more feet touch
@@ -185,7 +191,7 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
     for (Index c = 0; c < columns; ++c) size[c] = B.dot(r.col(c), r.col(c));
   };
   measure();
-  goal = tolerance * tolerance * size;
+  goal = (tolerance * tolerance * size).cwiseMax(1e-24 * size.maxCoeff());  // a column may be zero
   result.pressure = MatrixXd::Zero(r.rows(), columns);
   if (start.size() > 0) {
     assert(start.rows() == r.rows() && start.cols() == columns);
@@ -239,7 +245,11 @@ LayerSprings solve_layer_springs(LayerContact& contact, Law law, const Elasticit
       result.spring_overlap[i] = P * (t_s / M_s + t_t / M_t);
       const SpringResponse& r = result.springs[at(i)] =
           spring_response(law, source, target, t_s, t_t, result.spring_overlap[i]);
-      if (!shares || !(P > 0)) continue;
+      if (!shares) continue;
+      if (!(P > 0)) {  // both shares go to 1 with P
+        contact.source_share[i] = contact.target_share[i] = 1;
+        continue;
+      }
       for (auto* share : {&contact.source_share, &contact.target_share}) {
         const bool of_source = share == &contact.source_share;
         if ((of_source ? t_s : t_t) <= 0) continue;

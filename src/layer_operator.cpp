@@ -81,7 +81,7 @@ struct LayerOperator::State {
   std::vector<int> diagonal;                                   // per node
   std::vector<int> rim_slot;                                   // per rim edge: its off-diagonal entry
   std::array<std::vector<char>, 2> held;                       // per term and node: q = 0
-  std::vector<double> mass;                                    // M_t, with the matrix's pattern
+  std::vector<double> mass;                                    // M_t, and what of q_1 lies beyond the rim
   cholmod_dense* solution = nullptr;                           // work space of cholmod_solve2
   cholmod_dense* work_y = nullptr;
   cholmod_dense* work_e = nullptr;
@@ -245,6 +245,10 @@ struct LayerOperator::State {
       check();
       if (common.status != CHOLMOD_OK) throw std::runtime_error("sparse factorisation: not positive definite");
     }
+    // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
+    // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
+    if (law.terms == 2)
+      for (std::size_t s = 0; s < mass.size(); ++s) mass[s] += 0.5 * std::sqrt(law.beta[1]) * beyond[0][s];
   }
 
   /// q of one term for a load; nodes x columns, the same memory at every call.
@@ -264,7 +268,7 @@ struct LayerOperator::State {
     return {static_cast<const double*>(solution->x), load.rows(), load.cols()};
   }
 
-  /// M_t q
+  /// M_t q, with what lies beyond the rim
   Eigen::MatrixXd weighted(const Eigen::Ref<const Eigen::MatrixXd>& q) const {
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(q.rows(), q.cols());
     const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);

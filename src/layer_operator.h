@@ -57,7 +57,8 @@ LayerMesh make_layer_mesh(const SurfaceMesh& surface, const std::vector<int>& fo
 /// for any thickness field, because G^T D G <= M_t and the law is positive. Where no q is held and every rim edge is a
 /// Wall, M sum A_i w_i = sum A_i t_i p_i to rounding: bulging moves volume but makes none.
 ///
-/// A foot of no thickness has no layer: it does not sink, and as at any free edge q = 0 at the vertices around it.
+/// A foot of no thickness has no layer: it does not sink, and q = 0 at the vertices around it in the first term; the
+/// second takes the step for a wall, so a mesh should end where its cartilage does.
 /// Serial; different operators may be used at the same time, one operator may not.
 class LayerOperator {
  public:

@@ -89,7 +89,9 @@ SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair) {
   for (int i = 0; i < bed.springs.size(); ++i)
     for (const Vector3d& corner : bed.springs.triangle[at(i)])
       bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
-  bed.rim_distance = rim_distances(target.spring_surface(), 4.0 * bed.foot_radius);
+  // law layer asks whether the target goes on for its thickness
+  bed.rim_distance = rim_distances(
+      target.spring_surface(), 4.0 * bed.foot_radius + (bed.law == Law::Layer ? 2.0 * bed.max_target_thickness : 0.0));
   if (bed.law == Law::Layer) bed.layers = make_layer_bed(bed);
   return bed;
 }

@@ -81,7 +81,7 @@ TEST(LayerContact, MeetsItsConditions) {
       const LayerPressure again = solve_contact(b.contact, b.overlap, VectorXd::Constant(w.size(), 3.0));
       EXPECT_LT((again.pressure - r.pressure).lpNorm<Eigen::Infinity>() / peak, 1e-7) << nu << " " << name(fit);
       const LayerPressure warm = solve_contact(b.contact, b.overlap, r.pressure);
-      EXPECT_EQ(warm.applications, 1);
+      EXPECT_EQ(warm.applications, 2);  // the residual, and the same again for certain
     }
   }
 }

@@ -217,5 +217,42 @@ TEST(LayerOperator, NearlyIncompressible) {
   }
 }
 
+// A strip cut off at the end of its load, where the layer goes on, is the long strip with nothing on the rest of it.
+TEST(LayerOperator, BeyondTheRimTheLayerGoesOn) {
+  const double t = 2.0, length = 8.0;
+  const int m = 160;
+  for (const LayerFit fit : {LayerFit::OneTerm, LayerFit::TwoTerms})
+    for (const double nu : {0.3, 0.45, 0.4999}) {
+      const LayerLaw law = layer_law({10, nu}, fit);
+      const auto sinking = [&](int times, Rim end) {
+        const double whole = times * length;
+        const SurfaceMesh surface = test::rectangle(times * m, 2, whole, 2 * length / m);
+        const auto mesh = std::make_shared<LayerMesh>(make_layer_mesh(surface));
+        LayerOperator layer(mesh, law, test::rim_where(surface, *mesh, [&](const Vector3d& x) {
+                              return x.x() > 0.9999 * whole ? end : Rim::Wall;
+                            }));
+        layer.set_thickness(std::vector<double>(mesh->area.size(), t));
+        std::vector<std::pair<double, double>> w;
+        const Eigen::VectorXd load =
+            test::at_feet(surface, [&](const Vector3d& x) { return x.x() < length ? 1.0 : 0.0; });
+        const Eigen::VectorXd sunk = layer.sinking(load);
+        for (int i = 0; i < surface.size(); ++i)
+          if (load[i] > 0) w.emplace_back(surface.centroid(i).x(), sunk[i]);
+        std::sort(w.begin(), w.end());
+        return w;
+      };
+      const auto cut = sinking(1, Rim::Continues), whole = sinking(4, Rim::Wall), walled = sinking(1, Rim::Wall);
+      ASSERT_EQ(cut.size(), whole.size());
+      double worst = 0, largest = 0, wall = 0;
+      for (std::size_t i = 0; i < cut.size(); ++i) {
+        worst = std::max(worst, std::abs(cut[i].second - whole[i].second));
+        wall = std::max(wall, std::abs(walled[i].second - whole[i].second));
+        largest = std::max(largest, std::abs(whole[i].second));
+      }
+      EXPECT_LT(worst, 0.01 * largest) << name(fit) << " nu " << nu;
+      EXPECT_GT(wall, 5 * worst) << name(fit) << " nu " << nu;
+    }
+}
+
 }  // namespace
 }  // namespace dea
