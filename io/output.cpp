@@ -45,11 +45,16 @@ bool same_file(const std::string& a, const std::string& b) {
 }  // namespace
 
 void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
-  int to_stdout = 0;
+  const NamedPath* to_stdout = nullptr;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].path.empty()) throw UsageError(fmt::format("{}: found no file name", outputs[i].option));
     if (outputs[i].path == "-") {
-      if (++to_stdout > 1) throw UsageError("only one of --json and --csv can go to standard output");
+      if (outputs[i].folder)
+        throw UsageError(fmt::format("{} -: a folder cannot go to standard output, give it a name", outputs[i].option));
+      if (to_stdout != nullptr)
+        throw UsageError(
+            fmt::format("only one of {} and {} can go to standard output", to_stdout->option, outputs[i].option));
+      to_stdout = &outputs[i];
       continue;
     }
     for (const NamedPath& input : inputs)
@@ -63,10 +68,17 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
   for (const NamedPath& output : outputs) {
     if (output.path == "-") continue;
     std::error_code error;
-    const fs::path folder = fs::path(output.path).parent_path();
+    fs::path path = output.path;
+    if (output.folder && !path.has_filename()) path = path.parent_path();  // "results/"
+    const fs::path folder = path.parent_path();
     if (!folder.empty() && !fs::is_directory(folder, error))
       throw WriteError(fmt::format("{}: there is no folder {}", output.path, folder.string()));
-    if (fs::is_directory(output.path, error)) throw WriteError(fmt::format("{}: is a folder", output.path));
+    const fs::file_status status = fs::status(path, error);
+    if (!output.folder && fs::is_directory(status)) throw WriteError(fmt::format("{}: is a folder", output.path));
+    if (output.folder && fs::exists(status) && !fs::is_directory(status))
+      throw WriteError(fmt::format("{}: is a file, expected a folder or a new name", output.path));
+    if (output.folder && fs::is_directory(status) && ::access(path.c_str(), W_OK | X_OK) != 0)
+      throw WriteError(fmt::format("{}: {}", output.path, reason(errno)));
   }
 }
 

@@ -10,6 +10,7 @@ namespace dea {
 struct NamedPath {
   std::string option;  ///< "-o", "--json"; "the model" for inputs
   std::string path;
+  bool folder = false;  ///< a folder, made if it is missing
 };
 void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
 

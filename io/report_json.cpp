@@ -268,4 +268,72 @@ std::string run_csv(const JointModel&, const Analysis& analysis) {
   return text;
 }
 
+namespace {
+
+/// Of the facets of a surface, in the reference configuration.
+struct FacetShape {
+  std::vector<double> area;
+  std::vector<Vector3d> centroid;
+  std::vector<double> thickness;  ///< of the surface's layer, mean over the facet
+};
+
+FacetShape facet_shape(const JointModel& model, const Layer& layer, const std::vector<double>& vertex_thickness) {
+  const Surface& surface = model.surfaces[at(layer.surface)];
+  const std::size_t n = at(surface.size());
+  FacetShape out{std::vector<double>(n, 0.0), std::vector<Vector3d>(n, Vector3d::Zero()), std::vector<double>(n, 0.0)};
+  const SurfaceMesh& mesh = layer.articular;
+  for (int t = 0; t < mesh.size(); ++t) {
+    const std::size_t f = at(mesh.facet[at(t)]);
+    const double area = mesh.areas[at(t)];
+    out.area[f] += area;
+    out.centroid[f] += area * mesh.centroid(t);
+    for (int vertex : mesh.triangles[at(t)]) out.thickness[f] += area / 3.0 * vertex_thickness[at(vertex)];
+  }
+  for (std::size_t f = 0; f < n; ++f) {
+    if (out.area[f] > 0) {
+      out.centroid[f] /= out.area[f];
+      out.thickness[f] /= out.area[f];
+      continue;
+    }
+    const int begin = surface.begin[f], count = surface.begin[f + 1] - begin;  // a facet of no area
+    for (int k = 0; k < count; ++k) out.centroid[f] += model.nodes[at(surface.nodes[at(begin + k)])] / count;
+    out.thickness[f] = std::nan("");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string facets_csv(const JointModel& model, const Analysis& analysis) {
+  const Joint& joint = analysis.joint;
+  std::string text =
+      "time,outcome,contact,surface,body,facet,reference_x,reference_y,reference_z,x,y,z,area,pressure,thickness,"
+      "joint_space,overlap,strain\n";
+  for (const StateResult& state : analysis.states) {
+    for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+      for (int side = 0; side < 2; ++side) {
+        const Layer& layer = joint.contacts[c].layers[side];
+        const SideFields& fields = state.fields[c].sides[side];
+        const Body& body = joint.bodies[at(layer.body)];
+        const Pose& pose = state.equilibrium.poses[at(layer.body)];
+        const FacetShape shape = facet_shape(model, layer, fields.vertex_thickness);
+        const std::string start = fmt::format("{},{},{},{},{}", csv_number(state.when.time),
+                                              name(state.equilibrium.outcome), csv_word(joint.contacts[c].name),
+                                              csv_word(model.surfaces[at(layer.surface)].name), csv_word(body.name));
+        for (std::size_t f = 0; f < shape.area.size(); ++f) {
+          const Vector3d now = pose.center + pose.rotation * (shape.centroid[f] - body.center_of_mass);
+          text += fmt::format("{},{}", start, f + 1);
+          for (const Vector3d& v : {shape.centroid[f], now})
+            for (int k = 0; k < 3; ++k) text += fmt::format(",{}", csv_number(v[k]));
+          for (double x : {shape.area[f], fields.pressure[f], shape.thickness[f], fields.joint_space[f],
+                           fields.overlap[f], fields.strain[f]})
+            text += fmt::format(",{}", csv_number(x));
+          text += '\n';
+        }
+      }
+    }
+  }
+  return text;
+}
+
 }  // namespace dea

@@ -11,6 +11,7 @@
 #include "plot_file.h"
 #include "report_text.h"
 #include "settings_xml.h"
+#include "write_vtu.h"
 
 namespace dea {
 
@@ -119,12 +120,15 @@ RunResult run_model(const JointModel& model, const Settings& settings, const Run
   result.timings.solve = result.analysis.seconds_solve;
 
   const double write_start = seconds();
-  write_xplt(options.output, make_plot_file(model, result.analysis, options.compress));
+  const XpltFile plot = make_plot_file(model, result.analysis, options.compress);
+  write_xplt(options.output, plot);
+  if (!options.vtu.empty()) write_vtu(options.vtu, plot);
   result.timings.write = seconds() - write_start;
   result.timings.total = options.seconds_reading + seconds() - start;
   if (!options.json.empty())
     write_text(options.json, json_text(run_json(model, settings, result.analysis, result.timings)));
   if (!options.csv.empty()) write_text(options.csv, run_csv(model, result.analysis));
+  if (!options.facets_csv.empty()) write_text(options.facets_csv, facets_csv(model, result.analysis));
   return result;
 }
 

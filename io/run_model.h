@@ -10,7 +10,8 @@ namespace dea {
 
 struct RunOptions {
   std::string output;                                     ///< plot file
-  std::string json, csv;                                  ///< "" none, "-" standard output
+  std::string json, csv, facets_csv;                      ///< "" none, "-" standard output
+  std::string vtu;                                        ///< folder of the files for ParaView; "" none
   std::string states = "all";                             ///< all, last, or times t1,t2,...
   std::string states_option;                              ///< how the user calls it, for messages: "--states last"
   std::string times_from;                                 ///< FEA result whose times to take; "" the model's
@@ -24,7 +25,7 @@ struct RunResult {
   Timings timings;
 };
 
-/// Solves every wanted state and writes plot file, JSON and CSV. Throws UsageError, InputError, WriteError.
+/// Solves every wanted state and writes plot file, VTK files, JSON and CSV. Throws UsageError, InputError, WriteError.
 RunResult run_model(const JointModel& model, const Settings& settings, const RunOptions& options);
 
 /// True if every state that was asked for is a solution.

@@ -87,6 +87,8 @@ std::string* output_setting(OutputSettings& outputs, const std::string& name) {
   if (name == "output") return &outputs.output;
   if (name == "json") return &outputs.json;
   if (name == "csv") return &outputs.csv;
+  if (name == "facets-csv") return &outputs.facets_csv;
+  if (name == "vtu") return &outputs.vtu;
   if (name == "states") return &outputs.states;
   return nullptr;
 }
@@ -94,7 +96,7 @@ std::string* output_setting(OutputSettings& outputs, const std::string& name) {
 std::string names_of_options() {
   std::string names;
   for (const SettingOption& o : setting_options()) names += fmt::format("<{}>, ", o.name);
-  return names + "<output>, <json>, <csv>, <states>";
+  return names + "<output>, <json>, <csv>, <facets-csv>, <vtu>, <states>";
 }
 
 /// An element that is one text: no children, no attributes.
@@ -353,7 +355,10 @@ SettingsFile read_settings_file(const std::string& path) {
       if (!output->empty())
         throw fault(path, e->GetLineNum(), fmt::format("<{}>: found a second one, expected it once", e->Name()));
       const bool states = output == &file.outputs.states;
-      *output = read_text_element(path, *e, states ? "all, last or times t1,t2,..." : "a file name");
+      *output = read_text_element(path, *e,
+                                  states                        ? "all, last or times t1,t2,..."
+                                  : output == &file.outputs.vtu ? "the name of a folder"
+                                                                : "a file name");
       if (states) check_states(path, e->GetLineNum(), *output);
       continue;
     }

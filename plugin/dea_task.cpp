@@ -50,6 +50,8 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   options.output = need_file_name("output", file.outputs.output);
   options.json = need_file_name("json", file.outputs.json);
   options.csv = need_file_name("csv", file.outputs.csv);
+  options.facets_csv = need_file_name("facets-csv", file.outputs.facets_csv);
+  options.vtu = file.outputs.vtu;
   if (!file.outputs.states.empty()) options.states = file.outputs.states;
   options.states_option = fmt::format("{}: <states>", settings_file);
   std::vector<NamedPath> inputs = {{"the model", fem.GetInputFileName()}}, outputs;
@@ -59,6 +61,8 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   outputs.push_back({file.outputs.output.empty() ? "-p" : "<output>", options.output});
   if (!options.json.empty()) outputs.push_back({"<json>", options.json});
   if (!options.csv.empty()) outputs.push_back({"<csv>", options.csv});
+  if (!options.facets_csv.empty()) outputs.push_back({"<facets-csv>", options.facets_csv});
+  if (!options.vtu.empty()) outputs.push_back({"<vtu>", options.vtu, true});
 
   const JointModel model = read_fe_model(fem);
   check_outputs(inputs, outputs);

@@ -12,7 +12,7 @@ namespace dea {
 enum ExitCode { kSolved = 0, kNoSolution = 1, kWrongUse = 2, kInputRefused = 3, kCannotWrite = 4, kInternalError = 70 };
 
 struct RunArguments {
-  std::string model, output, json, csv;
+  std::string model, output, json, csv, facets_csv, vtu;
   bool quiet = false, verbose = false;
   SettingsArguments settings;
   std::string times_from, states;  ///< states: empty: all

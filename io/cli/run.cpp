@@ -17,14 +17,16 @@ constexpr const char* kFooter = R"(
 Units are the model's own everywhere; the ones in brackets are those of a model in mm, N, MPa. Names may hold spaces: put
 the word in quotes, as in --thickness "femoral cartilage=1.8". A name and its value are cut at the last '='.
 
-Standard output holds the table of results, or nothing but JSON or CSV with --json - or --csv -; all else is on standard
-error.
+Standard output holds the table of results, or nothing but JSON or CSV with --json -, --csv - or --facets-csv -; all else
+is on standard error.
 
 Examples:
   dea run hip.feb
   dea run hip.feb -o walking.xplt --json walking.json --states last
   dea run hip.feb --force femur=-432,262,-1834 --load-at femur=sphere-center --law neo-Hookean
-  dea run hip.feb --times-from hip.xplt --csv - -q > walking.csv)";
+  dea run hip.feb --times-from hip.xplt --csv - -q > walking.csv
+  dea run hip.feb --vtu hip_paraview && paraview hip_paraview/results.pvd
+  dea run hip.feb --states last --facets-csv facets.csv)";
 
 }  // namespace
 
@@ -38,6 +40,15 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output")->type_name("FILE|-")->group("Output");
   c->add_option("--csv", a.csv, "Also write CSV, a line per state and contact, \"-\" to standard output")
       ->type_name("FILE|-")
+      ->group("Output");
+  c->add_option(
+       "--facets-csv", a.facets_csv,
+       "Also write CSV, a line per state, contact and facet: pressure, joint space, overlap; \"-\" to standard "
+       "output")
+      ->type_name("FILE|-")
+      ->group("Output");
+  c->add_option("--vtu", a.vtu, "Also write files for ParaView into this folder: open its results.pvd")
+      ->type_name("FOLDER")
       ->group("Output");
   CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
   c->add_flag("-v,--verbose", a.verbose, "Print a line per state as it is solved")->excludes(q)->group("Output");
@@ -68,6 +79,8 @@ int run(const RunArguments& a) {
   if (options.output.empty()) options.output = default_output(a.model);
   options.json = first(a.json, file.json);
   options.csv = first(a.csv, file.csv);
+  options.facets_csv = first(a.facets_csv, file.facets_csv);
+  options.vtu = first(a.vtu, file.vtu);
   options.times_from = a.times_from;
   options.compress = a.compress;
   if (!a.states.empty()) {
@@ -84,6 +97,9 @@ int run(const RunArguments& a) {
   if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
   if (!options.json.empty()) outputs.push_back({a.json.empty() ? "<json>" : "--json", options.json});
   if (!options.csv.empty()) outputs.push_back({a.csv.empty() ? "<csv>" : "--csv", options.csv});
+  if (!options.facets_csv.empty())
+    outputs.push_back({a.facets_csv.empty() ? "<facets-csv>" : "--facets-csv", options.facets_csv});
+  if (!options.vtu.empty()) outputs.push_back({a.vtu.empty() ? "<vtu>" : "--vtu", options.vtu, true});
 
   const JointModel model = read_feb(a.model);
   check_outputs(inputs, outputs);
@@ -94,7 +110,7 @@ int run(const RunArguments& a) {
   if (!a.quiet) {
     for (const std::string& line : model_remarks(model, result.analysis.joint)) log(line);
     for (const std::string& line : result_remarks(model, result.analysis)) log(line);
-    if (options.json != "-" && options.csv != "-") print(run_text(model, result.analysis));
+    if (options.json != "-" && options.csv != "-" && options.facets_csv != "-") print(run_text(model, result.analysis));
     log(run_summary(options, result));
   }
   return all_solved(result.analysis) ? kSolved : kNoSolution;

@@ -608,7 +608,7 @@ TEST_F(Cli, HelpAndVersion) {
        {"--contact", "--source",   "--springs-at", "--law",    "--facets",   "--refine",    "--rigid",
         "--attach",  "--bone",     "--thickness",  "--E",      "--nu",       "--free",      "--force",
         "--load-at", "--settings", "--times-from", "--states", "--compress", "--no-squash", "--threads",
-        "--json",    "--csv",      "-q",           "-v"})
+        "--json",    "--csv",      "--facets-csv", "--vtu",    "-q",         "-v"})
     EXPECT_NE(help.find(option), std::string::npos) << option;
   EXPECT_NE(dea({"--version"}).out.find("Eigen"), std::string::npos);
 }
