@@ -9,6 +9,7 @@
 
 #include "analysis.h"
 #include "error.h"
+#include "finite_differences.h"
 #include "test_models.h"
 
 namespace dea {
@@ -124,22 +125,7 @@ TEST(LayerBed, DerivativeMeetsFiniteDifferences) {
     t.rotation = Eigen::AngleAxisd(0.01, Vector3d::UnitX()).toRotationMatrix();
     const ContactWrench w = contact_wrench(project_springs(bed, s, t), s, t);
     ASSERT_GT(w.normal_force, 10.0);
-    const double d = 1e-5;
-    Eigen::Matrix<double, 12, 12> numeric;
-    for (int k = 0; k < 12; ++k) {
-      Eigen::Matrix<double, 12, 1> side[2];
-      for (int sign = 0; sign < 2; ++sign) {
-        Pose moved[2] = {t, s};
-        Pose& p = moved[k / 6];
-        const Vector3d u = (sign == 0 ? d : -d) * Vector3d::Unit(k % 3);
-        if (k % 6 < 3)
-          p.center += u;
-        else
-          p.rotation = Eigen::AngleAxisd(u.norm(), u.normalized()).toRotationMatrix() * p.rotation;
-        side[sign] = contact_wrench(project_springs(bed, moved[1], moved[0]), moved[1], moved[0]).wrench;
-      }
-      numeric.col(k) = (side[0] - side[1]) / (2 * d);
-    }
+    const Eigen::Matrix<double, 12, 12> numeric = test::numeric_derivative(bed, s, t, 1e-5);
     // compare in units of force per length
     Eigen::Matrix<double, 12, 1> scale = Eigen::Matrix<double, 12, 1>::Ones();
     scale.segment<3>(3).setConstant(1 / beds.length);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "equilibrium.h"
+#include "finite_differences.h"
 #include "test_models.h"
 
 namespace dea {
@@ -65,22 +66,7 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
                             {-0.005, 0.01, 0.02});
         const ContactWrench w = contact_wrench(project_springs(bed, s, t), s, t);
         ASSERT_GT(w.normal_force, 100.0);
-        const double d = 1e-7;
-        Eigen::Matrix<double, 12, 12> numeric;
-        for (int k = 0; k < 12; ++k) {
-          Eigen::Matrix<double, 12, 1> side[2];
-          for (int sign = 0; sign < 2; ++sign) {
-            const double x = sign == 0 ? d : -d;
-            Pose moved[2] = {t, s};
-            Pose& p = moved[k / 6];
-            if (k % 6 < 3)
-              p.center[k % 6] += x;
-            else
-              p.rotation = Eigen::AngleAxisd(x, Vector3d::Unit(k % 6 - 3)).toRotationMatrix() * p.rotation;
-            side[sign] = contact_wrench(project_springs(bed, moved[1], moved[0]), moved[1], moved[0]).wrench;
-          }
-          numeric.col(k) = (side[0] - side[1]) / (2 * d);
-        }
+        const Eigen::Matrix<double, 12, 12> numeric = test::numeric_derivative(bed, s, t, 1e-7);
         // springs over the rim have a covered area that changes with the pose, which (E2-E4) leave out
         const double error = (numeric - w.derivative).norm() / numeric.norm();
         EXPECT_LT(error, 2e-4) << name(where) << " " << name(law) << " source " << source;
