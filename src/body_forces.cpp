@@ -1,8 +1,12 @@
 #include "body_forces.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "error.h"
 #include "load_curve.h"
 
 namespace dea {
@@ -57,6 +61,15 @@ void add_point_force(int body, const Vector3d& arm, const Vector3d& force, bool 
   forces.derivative.add(body, D);
 }
 
+/// NaN where an expression has no finite value.
+double value_or_nan(const LoadController& curve, double x) {
+  try {
+    return value(curve, x);
+  } catch (const InputError&) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
 /// Slope of a curve to one side of x, and whether there is one: not where the curve jumps at x.
 struct OneSided {
   double slope = 0.0;
@@ -64,7 +77,9 @@ struct OneSided {
 };
 OneSided side_slope(const LoadController& curve, double x, double step, double range) {
   const double here = value(curve, x), tiny = 0.01 * step;
-  const double wide = (value(curve, x + step) - here) / step, narrow = (value(curve, x + tiny) - here) / tiny;
+  const double wide = (value_or_nan(curve, x + step) - here) / step,
+               narrow = (value_or_nan(curve, x + tiny) - here) / tiny;
+  if (!std::isfinite(wide) || !std::isfinite(narrow)) return {0.0, false};  // an expression ends near x
   const double noise = 1e-6 * (std::abs(here) + 1e-300) / range;
   if (std::abs(wide - narrow) <= 0.5 * std::max(std::abs(wide), std::abs(narrow)) + noise) return {wide, true};
   if (std::abs(narrow) > std::abs(wide)) return {0.0, false};  // grows as the step shrinks: a jump at x itself
@@ -97,6 +112,27 @@ Eigen::MatrixXd BlockMatrix::dense(int bodies) const {
   return all;
 }
 
+namespace {
+
+/// What the curve of a ligament is a function of, and its derivative by the length.
+struct Measure {
+  double value = 0.0, per_length = 1.0;
+};
+Measure measure_of(const Ligament& l, double length) {
+  const double elongation = length - l.free_length;
+  if (l.measure == DiscreteSprings::Measure::Elongation) return {elongation, 1.0};
+  const double per_length = 1.0 / l.free_length;
+  return {(l.measure == DiscreteSprings::Measure::Strain ? elongation : length) * per_length, per_length};
+}
+
+double length_of(const Joint& joint, const Ligament& l, const std::vector<Pose>& poses) {
+  return (poses[at(l.body_b)].center + arm_of(joint, l.body_b, l.point_b, poses) - poses[at(l.body_a)].center -
+          arm_of(joint, l.body_a, l.point_a, poses))
+      .norm();
+}
+
+}  // namespace
+
 Tension tension(const Ligament& l, double length, double scale) {
   switch (l.law) {
     case Ligament::Law::Constant:
@@ -107,19 +143,30 @@ Tension tension(const Ligament& l, double length, double scale) {
     case Ligament::Law::Curve:
       break;
   }
-  double measure = length - l.free_length, per_length = 1.0;
-  if (l.measure != DiscreteSprings::Measure::Elongation) {
-    per_length = 1.0 / l.free_length;
-    measure = l.measure == DiscreteSprings::Measure::Strain ? measure * per_length : length * per_length;
+  const Measure m = measure_of(l, length);
+  const double force = value(*l.curve, m.value);
+  return {scale * force, scale * curve_slope(*l.curve, m.value) * m.per_length};
+}
+
+std::string undefined_force(const Joint& joint, const LoadCase& conditions, const std::vector<Pose>& poses) {
+  for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {
+    const Ligament& l = joint.ligaments[i];
+    if (!conditions.ligament_active[i] || l.law != Ligament::Law::Curve || l.curve->expression.empty()) continue;
+    const double length = length_of(joint, l, poses);
+    if (std::isfinite(value_or_nan(*l.curve, measure_of(l, length).value))) continue;
+    return fmt::format(
+        "{}spring \"{}\" at time {:g}: its force \"{}\" has no finite value at {} = {:g} (length {:g}, free length "
+        "{:g}); write it for every length, such as with max({}, 0)",
+        l.where, l.name, conditions.time, l.curve->expression, l.curve->variable, measure_of(l, length).value, length,
+        l.free_length, l.curve->variable);
   }
-  return {scale * value(*l.curve, measure), scale * curve_slope(*l.curve, measure) * per_length};
+  return "";
 }
 
 double add_ligament(const Joint& joint, const Ligament& l, double scale, const std::vector<Pose>& poses,
                     BodyForces& forces) {
   const Vector3d arm_a = arm_of(joint, l.body_a, l.point_a, poses), arm_b = arm_of(joint, l.body_b, l.point_b, poses);
-  const double length = (poses[at(l.body_b)].center + arm_b - poses[at(l.body_a)].center - arm_a).norm();
-  const Tension t = tension(l, length, scale);
+  const Tension t = tension(l, length_of(joint, l, poses), scale);
   if (t.force != 0.0 || t.slope != 0.0) add_line(l.body_a, arm_a, l.body_b, arm_b, t, poses, forces);
   return t.force;
 }

@@ -1,6 +1,7 @@
 // src/body_forces.h – forces between points of bodies: ligaments, cables, loads; with their derivatives (E1, E7).
 #pragma once
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "conditions.h"
@@ -40,6 +41,10 @@ struct Tension {
   double slope = 0.0;
 };
 Tension tension(const Ligament& ligament, double length, double scale);
+
+/// The fault of the first ligament whose force has no finite value at these poses, with its place and what to do;
+/// empty: none. Only expressions can have one.
+std::string undefined_force(const Joint& joint, const LoadCase& conditions, const std::vector<Pose>& poses);
 
 /// Adds the pull of a ligament on both of its bodies (E7); returns its tension.
 double add_ligament(const Joint& joint, const Ligament& ligament, double scale, const std::vector<Pose>& poses,

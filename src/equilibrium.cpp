@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "connectors.h"
+#include "error.h"
 #include "singular_parts.h"
 
 namespace dea {
@@ -197,6 +198,7 @@ std::optional<std::vector<Pose>> moved(const Problem& problem, const Evaluation&
   move_bodies(result, on_all_dofs(problem, e, motion));
   if (problem.joined() && !close_connectors(problem.joint, problem.conditions, problem.connectors, result))
     return std::nullopt;
+  if (!undefined_force(problem.joint, problem.conditions, result).empty()) return std::nullopt;
   return result;
 }
 
@@ -659,7 +661,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     const double size = d.residual.norm();
     solution.history.push_back(e.load > 0 ? size / e.load : 0.0);
     if (!std::isfinite(size)) {
-      solution.message = "a force is no finite number here: mend the curve of the ligament";
+      solution.message = "a force is no finite number at this pose";
       break;
     }
     if (size <= options.tolerance * e.load) {
@@ -670,10 +672,10 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       solution.directions = std::move(d);
       return solution;
     }
-    if (solution.iterations >= options.max_iterations) {
+    if (solution.iterations >= options.max_iterations || problem.casts >= options.max_casts) {
       if (to_one_spring(e, size, solution)) break;
-      solution.message =
-          fmt::format("unbalanced force is {:.2e} of the load after {} iterations", size / e.load, solution.iterations);
+      solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations and {} poses tried",
+                                     size / e.load, solution.iterations, problem.casts);
       break;
     }
     ++solution.iterations;
@@ -704,7 +706,8 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       step += d.drift * (cap / surface_motion(problem, e, d.drift));
       auto poses = moved(problem, e, step);
       if (!poses) {
-        solution.message = "a loaded motion that nothing resists ends where the joints lock";
+        solution.message =
+            "a loaded motion that nothing resists ends where joints lock or a spring's force is undefined";
         break;
       }
       e = evaluate(problem, std::move(*poses));
@@ -881,7 +884,7 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   const VectorXd all = from.residual();
   double done = 0.0, piece = 0.25;
   int iterations = direct.iterations;
-  while (done < 1.0 && piece > 1.0 / 128) {
+  while (done < 1.0 && piece > 1.0 / 128 && problem.casts < options.max_casts) {
     const double next = std::min(1.0, done + piece);
     problem.offset = (1.0 - next) * all;
     Solution part = newton(problem, from, options);
@@ -1034,6 +1037,7 @@ BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
 
 Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
                      const std::vector<Pose>& poses) {
+  if (const std::string fault = undefined_force(joint, conditions, poses); !fault.empty()) throw InputError(fault);
   Problem problem = make_problem(joint, beds, conditions);
   Equilibrium result;
   result.outcome = Outcome::Prescribed;
@@ -1092,6 +1096,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
     result = state_at(joint, beds, conditions, poses);
     return result;
   }
+  if (const std::string fault = undefined_force(joint, conditions, poses); !fault.empty()) throw InputError(fault);
   Solution s = solve(problem, poses, options);
   result.outcome = s.outcome;
   result.message = s.message;

@@ -26,6 +26,7 @@ bool solved(Outcome outcome);
 struct EquilibriumOptions {
   double tolerance = 1e-9;  ///< unbalanced / applied force; far below the error of any mesh, and Newton gets there
   int max_iterations = 60;  ///< a stop for loads that no contact can carry
+  int max_casts = 1000;     ///< poses tried for one load case; solved ones need some ten, seldom a hundred
 };
 
 /// The beds of all contacts of a joint, and lengths that scale its unknowns.
@@ -72,7 +73,8 @@ BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
                      const std::vector<Pose>& poses);
 
 /// Solves one load case from `start` (docs/theory.md, section 4). `step_start`: poses when the step began (for relative
-/// motions). Never throws for a load that cannot be carried: that is an outcome.
+/// motions). Never throws for a load that cannot be carried: that is an outcome. InputError: a ligament's force is
+/// undefined where it starts.
 Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
                               const std::vector<Pose>& start, const std::vector<Pose>& step_start,
                               const EquilibriumOptions& options = {});

@@ -832,6 +832,7 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
 /// Adds it, unless both ends are on one body. `kind`: what the model calls such a thing.
 void add_ligament(Joint& joint, const JointModel& model, Ligament l, const char* kind, Origin origin) {
   l.origin = origin;
+  l.where = where(model, origin);
   if (l.body_a == l.body_b) {
     joint.findings.push_back(fmt::format("{} \"{}\" joins two points of body \"{}\": left out", kind, l.name,
                                          joint.bodies[at(l.body_a)].name));

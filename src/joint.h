@@ -83,6 +83,7 @@ struct Ligament {
   Scaled scale = {1.0, -1};
   int step = -1;
   Origin origin;
+  std::string where;  ///< the same as text, before a fault: "hip.feb:12: "
 };
 
 /// A cable with the same tension everywhere, through points of bodies; beyond the last point it pulls along

@@ -6,7 +6,6 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -271,18 +270,18 @@ std::string packed(const std::string& expression) {
 /// muParser's complaint on one line.
 std::string fault_text(const mu::Parser::exception_type& error) { return error.GetMsg(); }
 
-double evaluate(const std::string& expression, double t) {
+double evaluate(const std::string& expression, const std::string& variable, double t) {
   mu::Parser parser = febio_parser();
   double result = 0.0;
   try {
-    parser.DefineVar("t", &t);
+    parser.DefineVar(variable, &t);
     parser.SetExpr(packed(expression));
     result = parser.Eval();
   } catch (const mu::Parser::exception_type& error) {
     throw InputError(fmt::format("expression \"{}\": {}", expression, fault_text(error)));
   }
   if (!std::isfinite(result))
-    throw InputError(fmt::format("expression \"{}\" has no finite value at {:g}", expression, t));
+    throw InputError(fmt::format("expression \"{}\" has no finite value at {} = {:g}", expression, variable, t));
   return result;
 }
 
@@ -319,40 +318,15 @@ std::vector<std::string> expression_variables(const std::string& expression) {
   return names;
 }
 
-std::string with_name(const std::string& expression, const std::string& from, const std::string& to) {
-  const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
-  const std::string text = packed(expression);
-  std::string result;
-  std::size_t i = 0;
-  while (i < text.size()) {
-    std::size_t end = i + 1;
-    if (letter(text[i])) {
-      while (end < text.size() && (letter(text[end]) || digit(text[end]))) ++end;
-      const std::string name = text.substr(i, end - i);
-      result += name == from ? to : name;
-    } else {
-      if (digit(text[i]) || text[i] == '.') {  // 2e3 has no name in it
-        double number = 0.0;
-        const auto read = std::from_chars(text.data() + i, text.data() + text.size(), number);
-        if (read.ec == std::errc()) end = static_cast<std::size_t>(read.ptr - text.data());
-      }
-      result += text.substr(i, end - i);
-    }
-    i = end;
-  }
-  return result;
-}
-
 double constant_value(const std::string& expression) {
   const std::string fault = expression_fault(expression, {});
   if (!fault.empty()) throw InputError(fmt::format("expression \"{}\": {}", expression, fault));
-  return evaluate(expression, 0.0);
+  return evaluate(expression, "t", 0.0);
 }
 
 double value(const LoadController& curve, double t) {
   if (!curve.unsupported.empty()) throw std::logic_error("load controller cannot be evaluated");
-  if (!curve.expression.empty()) return evaluate(curve.expression, t);
+  if (!curve.expression.empty()) return evaluate(curve.expression, curve.variable, t);
   const Points& points = curve.points;
   if (points.empty()) return 0.0;
   if (points.size() == 1) return points.front()[1];

@@ -20,9 +20,6 @@ std::string expression_fault(const std::string& expression, const std::vector<st
 /// Names in an expression that are neither functions nor constants, sorted. Empty also for an expression with a fault.
 std::vector<std::string> expression_variables(const std::string& expression);
 
-/// The expression with the name `from` called `to`.
-std::string with_name(const std::string& expression, const std::string& from, const std::string& to);
-
 /// Value of an expression without variables. Throws InputError for one with a fault or without a finite value.
 double constant_value(const std::string& expression);
 

@@ -43,8 +43,9 @@ void read_force(Reading& reading, const XMLElement& element, DiscreteMaterial& m
     if (variables.size() > 1) {
       curve.unsupported = fmt::format("expression {}: several variables", quote(text));
     } else {
-      curve.expression = variables.empty() ? text : with_name(text, variables[0], "t");
-      const std::string fault = expression_fault(curve.expression, {"t"});
+      curve.expression = text;
+      if (!variables.empty()) curve.variable = variables[0];
+      const std::string fault = expression_fault(text, {curve.variable});
       if (!fault.empty()) curve.unsupported = fmt::format("expression {}: {}", quote(text), fault);
     }
   } else if (type == "const") {

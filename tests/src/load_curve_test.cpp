@@ -231,8 +231,6 @@ TEST(LoadCurve, ExpressionsWithFaultsAreTold) {
   EXPECT_EQ(expression_fault("t+u", {"t"}), "unknown name \"u\"");
   EXPECT_EQ(expression_fault("t*sin(t)", {"t"}), "");
   EXPECT_EQ(expression_variables("x^2 + 3*H(x) + y"), (std::vector<std::string>{"x", "y"}));
-  EXPECT_EQ(with_name("2e3*e^x+exp(x)", "x", "t"), "2e3*e^t+exp(t)");
-  EXPECT_EQ(with_name("2e3*e", "e3", "t"), "2e3*e");
 }
 
 TEST(LoadCurve, AnExpressionWithoutValueIsRefusedWithItsPlace) {
@@ -246,7 +244,7 @@ TEST(LoadCurve, AnExpressionWithoutValueIsRefusedWithItsPlace) {
     value(model, Scaled{2.0, 0}, 1.5);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "hip.feb:12: load controller 3: expression \"sqrt(t-5)\" has no finite value at 1.5");
+    EXPECT_STREQ(error.what(), "hip.feb:12: load controller 3: expression \"sqrt(t-5)\" has no finite value at t = 1.5");
   }
 }
 
