@@ -12,7 +12,9 @@
 #include "bodies.h"
 #include "element_faces.h"
 #include "error.h"
+#include "names.h"
 #include "ray_caster.h"
+#include "refusals.h"
 #include "thickness.h"
 
 namespace dea {
@@ -25,12 +27,6 @@ constexpr double kMostSprings = 2e7;
 constexpr double kMostModulus = 1e100;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-std::string quoted_list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& n : names) text += (text.empty() ? "\"" : ", \"") + n + "\"";
-  return text.empty() ? "none" : text;
-}
 
 /// A face of an element, found by its corner nodes.
 struct ElementFace {
@@ -577,7 +573,7 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
       std::vector<std::string> names;
       for (const Body& b : r.bodies.bodies) names.push_back(b.name);
       throw UsageError(fmt::format("--attach {}={}: the model has no rigid body of this name; it has {}", s.name,
-                                   attach, quoted_list(names)));
+                                   attach, name_list(names, attach)));
     }
     layer.attached_by = "attached by the user";
   }
@@ -672,7 +668,7 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
       const int b = surface_index(model, bone);
       if (b < 0)
         throw UsageError(fmt::format("--bone {}={}: the model has no surface \"{}\"; it has {}", s.name, bone, bone,
-                                     quoted_list(surface_names(model))));
+                                     name_list(surface_names(model), bone)));
       const CarriedSurface facets = carry(r, b);
       layer.bone = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
       // out of the bone means: towards the articular surface
@@ -757,7 +753,9 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
   } else if (given_thickness) {
     if (!(*given_thickness > 0) || !std::isfinite(*given_thickness))
       throw UsageError(
-          fmt::format("--thickness {}: need a number > 0 (0 on a rigid surface), got {:g}", s.name, *given_thickness));
+          fmt::format("--thickness {}={:g}: surface \"{}\" lies on deformable cartilage, whose thickness must be > 0; "
+                      "only a surface of a rigid body may have 0, which is no cartilage",
+                      s.name, *given_thickness, s.name));
     layer.thickness.assign(n, *given_thickness);
     layer.missed.assign(n, 0);
     layer.thickness_given = true;
@@ -803,7 +801,7 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
   const auto check_surface = [&](const std::string& option, const std::string& name) {
     if (!name.empty() && surface_index(model, name) < 0)
       throw UsageError(fmt::format("--{} {}: the model has no surface of this name; it has {}", option, name,
-                                   quoted_list(surface_names(model))));
+                                   name_list(surface_names(model), name)));
   };
   for (const auto& e : settings.attach) check_surface("attach", e.first);
   for (const auto& e : settings.bone) check_surface("bone", e.first);
@@ -814,8 +812,8 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
     if (joint.find_body(model, name) >= 0) return;
     std::vector<std::string> names;
     for (const Body& b : joint.bodies) names.push_back(b.name);
-    throw UsageError(
-        fmt::format("--{} {}: the model has no rigid body of this name; it has {}", option, name, quoted_list(names)));
+    throw UsageError(fmt::format("--{} {}: the model has no rigid body of this name; it has {}", option, name,
+                                 name_list(names, name)));
   };
   for (const auto& e : settings.free) {
     check_body("free", e.first);
@@ -1037,7 +1035,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   // Contact pairs.
   bool named = settings.contact.empty();
   int sliding = 0;
-  std::vector<std::string> names;
+  std::vector<std::string> names, faults;  // faults of all layers are told at once
   for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
     const Contact& c = model.contacts[at(i)];
     if (c.kind != Contact::Kind::Sliding) continue;
@@ -1064,7 +1062,16 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
           fmt::format("--layer-terms 1: contact \"{}\" has law {}; only law layer has terms", c.name, name(pair.law)));
     pair.facets = facets_of(r, c);
     pair.refine = settings.refine.value_or(c.dea ? c.dea->refine.value_or(1) : 1);
-    for (int side = 0; side < 2; ++side) pair.layers[side] = make_layer(r, c, side);
+    bool good = true;
+    for (int side = 0; side < 2; ++side) {
+      try {
+        pair.layers[side] = make_layer(r, c, side);
+      } catch (const InputError& error) {
+        good = false;
+        if (std::find(faults.begin(), faults.end(), error.what()) == faults.end()) faults.push_back(error.what());
+      }
+    }
+    if (!good) continue;
     const double springs = static_cast<double>(pair.refine) * pair.refine * pair.source_layer().spring_surface().size();
     if (springs > kMostSprings)
       throw UsageError(fmt::format("--refine {}: {:.0f} springs for contact \"{}\", need at most {:.0f}", pair.refine,
@@ -1112,13 +1119,16 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   }
   if (!named)
     throw UsageError(fmt::format("--contact {}: the model has no sliding contact of this name; it has {}",
-                                 settings.contact, quoted_list(names)));
+                                 settings.contact, name_list(names, settings.contact)));
+  if (!faults.empty()) {
+    InputError error(faults.front());
+    error.others.assign(faults.begin() + 1, faults.end());
+    throw error;
+  }
   if (joint.contacts.empty()) {
-    if (sliding == 0)
-      throw InputError(where(model, {0, 0}) +
-                       "no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
-                       "\"sliding-elastic\")");
-    throw InputError(where(model, {0, 0}) + "no sliding contact joins two different bodies: " + joint.findings.back());
+    if (sliding == 0) throw InputError(no_sliding_contact(model));
+    throw InputError(where(model, {0, 0}) + "no sliding contact joins two different bodies: " + joint.findings.back() +
+                     "; name the body of one side with --attach \"SURFACE=BODY\"");
   }
 
   joint.node_body = r.bodies.of_node;

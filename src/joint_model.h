@@ -206,15 +206,14 @@ struct RigidCable {
 
 /// Two bodies joined at a point. Its frame: columns of `axes`, fixed in both bodies in their reference pose. Motion of
 /// B relative to A, in A's current columns: translation of B's joint point from A's along them, and the rotation vector
-/// of B relative to A. A force or moment of a Free motion acts along A's column on A, its opposite on B, as in FEBio (so
-/// > 0 drives the motion backwards).
-/// Columns by FEBio's type:
+/// of B relative to A. A force or moment of a Free motion acts along A's column on A, its opposite on B, as in FEBio
+/// (so > 0 drives the motion backwards). Columns by FEBio's type:
 ///   revolute      0 rotation_axis, 1 transverse_axis; free: rotation about 0
 ///   prismatic     0 translation_axis, 1 transverse_axis; free: translation along 0
 ///   cylindrical   0 joint_axis, 1 transverse_axis; free: both along and about 0
-///   planar        0 rotation_axis, 1 translation_axis_1, 2 normal to both; free: rotation about 0, translation along 1, 2
-///   lock          0 first_axis, 1 second_axis; free: none
-///   spherical, `rigid joint`, generic: global x, y, z; free: all rotations; generic: what is not prescribed.
+///   planar        0 rotation_axis, 1 translation_axis_1, 2 normal to both; free: rotation about 0, translation along
+///   1, 2 lock          0 first_axis, 1 second_axis; free: none spherical, `rigid joint`, generic: global x, y, z;
+///   free: all rotations; generic: what is not prescribed.
 ///                 Prescribed rotations of a spherical joint are global: read only where A does not rotate. Its moments
 ///                 are global too: RigidLoads on A and B.
 /// Column 1 is made normal to column 0 in the plane of the two given directions; column 2 = column 0 x column 1.
@@ -327,9 +326,17 @@ struct Step {
 
 /// Something the file has and we do not use, listed once with how often it occurs.
 struct Remark {
+  /// One occurrence that has something to say of its own.
+  struct Place {
+    Origin origin;
+    std::string found;   ///< added to `what`: " z of node set \"top\""
+    std::string advice;  ///< what to do here; empty: the remark's
+  };
   std::string what;
   int count = 1;
-  Origin origin;  ///< first occurrence
+  Origin origin;                   ///< first occurrence
+  std::string advice = {};         ///< what to do about it, for what is unsupported; empty: take it out
+  std::vector<Place> places = {};  ///< the first occurrences; empty: they have nothing to say of their own
 };
 
 struct JointModel {

@@ -86,7 +86,7 @@ void read_material(Reading& reading, const XMLElement& element) {
   set_density(material, tree, reading.model, why);
   if (std::isnan(material.density) && material.rigid && !material.center_of_mass) {
     unsupported(reading, *element.FirstChildElement("density"),
-                fmt::format("rigid body whose density is not one number ({}): give it a center_of_mass", why));
+                fmt::format("rigid body whose density is not one number ({})", why), "give it a center_of_mass");
   }
   reading.model.materials.push_back(std::move(material));
 }

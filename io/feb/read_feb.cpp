@@ -140,13 +140,15 @@ void read_module(Reading& reading, const XMLElement& section) {
   JointModel& model = reading.model;
   const std::string type = attribute(section, "type");
   if (reading.step >= 0 && !model.module.empty()) {  // 1.2 and 2.0 have one in each step
-    if (!febio::known_module(type)) unsupported(reading, section, fmt::format("module {}", quote(type)));
+    if (!febio::known_module(type))
+      unsupported_word(reading, section, fmt::format("module {}", quote(type)), febio::WordOf::Module, type);
     return;
   }
   model.module = type;
   const std::string units = child_text(section, "units");
   if (!units.empty()) model.units = trim(units);
-  if (!febio::known_module(model.module)) unsupported(reading, section, fmt::format("module {}", quote(model.module)));
+  if (!febio::known_module(model.module))
+    unsupported_word(reading, section, fmt::format("module {}", quote(type)), febio::WordOf::Module, type);
 }
 
 /// One step: sections read from now on belong to it, even those after its end tag, as in FEBio.
@@ -194,7 +196,16 @@ void read_section(Reading& reading, const XMLElement& section) {
   if (tag == "Include") return read_include(reading, section);
   if (tag == "Step") return read_steps(reading, section);
   if (tag == "Globals" || tag == "Output") return;
-  if (tag == "Rigid") return unsupported(reading, section, "section <Rigid> in a version without one");
+  if (tag == "Rigid")
+    return unsupported(reading, section, "section <Rigid> in a version without one", "save it as 4.0");
+  const std::string name(tag);
+  // FEBio's own, of no use here; else a slip of the keyboard would leave out a whole section.
+  if (tag == "MeshAdaptor" || tag == "Environment" || tag == "Code" || tag == "Parameters")
+    return ignore(reading, section, fmt::format("section <{}>", tag));
+  const std::string meant = nearest_name(
+      name, {"Module", "Control", "Material", "Geometry", "Mesh", "MeshDomains", "MeshData", "Boundary", "Rigid",
+             "Loads", "Contact", "Constraints", "Discrete", "Initial", "LoadData", "Include", "Step"});
+  if (!meant.empty()) fail(reading, section, fmt::format("section <{}> is unknown: did you mean <{}>?", name, meant));
   ignore(reading, section, fmt::format("section <{}>", tag));
 }
 
