@@ -9,6 +9,14 @@ namespace {
 
 char small(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
+/// For a message of one line.
+std::string shown(const std::string& name) {
+  constexpr std::size_t kMost = 60;
+  std::string text = "\"";
+  for (const char c : name.substr(0, kMost)) text += static_cast<unsigned char>(c) < 32 || c == 127 ? ' ' : c;
+  return text + (name.size() > kMost ? "...\"" : "\"");
+}
+
 /// Names are cut here: a file may hold any text, and the time is quadratic.
 constexpr std::size_t kLongest = 100;
 
@@ -48,11 +56,11 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
   const std::string best = nearest_name(word, names);
-  return best.empty() ? "" : " (did you mean \"" + best + "\"?)";
+  return best.empty() ? "" : " (did you mean " + shown(best) + "?)";
 }
 
 std::string name_list(std::vector<std::string> names, std::string_view word, std::size_t most) {
-  if (!word.empty() && names.size() <= 10000) {  // beyond, sorting takes longer than anyone reads
+  if (!word.empty() && names.size() > most && names.size() <= 10000) {  // beyond, it takes longer than anyone waits
     std::vector<std::pair<int, std::string>> by_distance;
     for (std::string& name : names) {
       const int distance = edit_distance(word, name);
@@ -63,7 +71,7 @@ std::string name_list(std::vector<std::string> names, std::string_view word, std
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = std::move(by_distance[i].second);
   }
   std::string text;
-  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) text += (i ? ", \"" : "\"") + names[i] + "\"";
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) text += (i ? ", " : "") + shown(names[i]);
   if (names.size() > most) text += ", ...";
   return text.empty() ? "none" : text;
 }

@@ -15,7 +15,7 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 /// " (did you mean "hip"?)", or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& names);
 
-/// "a", "b", ... in quotes, at most `most` of them, those nearest to `word` first; "none".
+/// "a", "b", ... in quotes, at most `most` of them: of more those nearest to `word`; "none".
 std::string name_list(std::vector<std::string> names, std::string_view word = {}, std::size_t most = 8);
 
 }  // namespace dea

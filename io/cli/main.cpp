@@ -106,7 +106,7 @@ int parse_and_run(int argc, char** argv) {
     const std::string command = chosen.empty() ? "dea" : "dea " + chosen.front()->get_name();
     std::string fault = e.what();
     if (chosen.empty() && argc < 2) fault = "no command is given, expected for example dea run MODEL.feb";
-    if (!chosen.empty() && e.get_name() == "ExtrasError") {
+    if (!chosen.empty() && e.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
       const std::string unknown = unknown_options(*chosen.front(), argc, argv);
       if (!unknown.empty()) fault = unknown;
     }

@@ -76,12 +76,13 @@ void set_axes(Reading& reading, const XMLElement& element, const Direction& firs
               bool any_second, RigidJoint& joint) {
   const Vector3d a = child_vector(reading, element, first.tag, first.fallback);
   Vector3d b = child_vector(reading, element, second.tag, second.fallback);
-  for (const Direction& direction : {first, second}) {
-    if (direction.fallback.norm() > 0 || (&direction == &second && any_second)) continue;
-    if (element.FirstChildElement(direction.tag) == nullptr)
-      fail(reading, element,
-           fmt::format("{} without <{}>, which has no default: add it, a direction x,y,z", joint.type, direction.tag));
-  }
+  const auto need = [&](const Direction& direction) {
+    if (direction.fallback.norm() > 0 || element.FirstChildElement(direction.tag) != nullptr) return;
+    fail(reading, element,
+         fmt::format("{} without <{}>, which has no default: add it, a direction x,y,z", joint.type, direction.tag));
+  };
+  need(first);
+  if (!any_second) need(second);
   if (!(a.norm() > 0))
     fail(reading, element, fmt::format("{}: {} is zero, expected a direction x,y,z", joint.type, first.tag));
   const Vector3d e0 = a.normalized();
