@@ -119,6 +119,14 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
     };
   }
   result.analysis = analyse(model, settings, how);
+  double steps = 0.0;
+  for (const Step& step : model.steps) steps += step.step_size > 0 ? step.duration / step.step_size : 1.0;
+  if (options.states != "all" && options.times_from.empty() && steps > 2.0 * static_cast<double>(times.points.size()) &&
+      times.points.back().time >= 0.5 * step_starts(model).back())
+    result.analysis.joint.findings.push_back(
+        fmt::format("of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an "
+                    "equilibrium of its own",
+                    steps, times.points.size()));
   result.timings.joint = result.analysis.seconds_joint;
   result.timings.solve = result.analysis.seconds_solve;
 

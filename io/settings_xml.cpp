@@ -126,7 +126,7 @@ SettingValue read_element(const std::string& path, const tinyxml2::XMLElement& e
   SettingValue v;
   v.option = find_setting_option(e.Name());
   const int line = e.GetLineNum();
-  if (!v.option) throw fault(path, line, fmt::format("found <{}>, expected one of {}", e.Name(), names_of_options()));
+  if (!v.option) throw fault(path, line, fmt::format("found <{}>{}, expected one of {}", e.Name(), did_you_mean(e.Name(), option_names()), names_of_options()));
   v.where = fmt::format("<{}>", e.Name());
   if (e.FirstChildElement())
     throw fault(path, e.FirstChildElement()->GetLineNum(),

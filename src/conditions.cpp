@@ -83,8 +83,8 @@ LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wa
       return found;
     }
   }
-  throw UsageError(
-      fmt::format("--load-at {}=sphere-center: this body has no articular surface", joint.bodies[at(body)].name));
+  throw UsageError(fmt::format("--load-at {}=sphere-center: this body has no articular surface; give a point x,y,z",
+                               joint.bodies[at(body)].name));
 }
 
 LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,

@@ -132,7 +132,7 @@ std::vector<std::string> refusals(const JointModel& model, const Settings& setti
 
 InputError all_refusals(const JointModel& model, const Settings& settings, const InputError& found, bool all_states) {
   std::vector<std::string> lines = refusals(model, settings, all_states);
-  add(lines, found);
+  if (lines.empty()) add(lines, found);  // found while solving
   InputError error(lines.front());
   error.others.assign(lines.begin() + 1, lines.end());
   return error;

@@ -17,7 +17,7 @@ namespace dea {
 std::vector<std::string> refusals(const JointModel& model, const Settings& settings, bool all_states = true);
 
 /// The same fault with all the others of the model: what() is the most basic one, `others` the rest. `found`: what was
-/// met first. Throws UsageError as make_joint does.
+/// met first, the answer if the others know of nothing. Throws UsageError as make_joint does.
 InputError all_refusals(const JointModel& model, const Settings& settings, const InputError& found,
                         bool all_states = true);
 

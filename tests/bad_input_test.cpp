@@ -181,16 +181,7 @@ std::string error_of(const test::Finished& f) {
   return errors.empty() ? "" : errors.front();
 }
 
-/// nan or inf as a word, not in quotes and not part of a longer one.
-bool has_nan(const std::string& text) {
-  const auto part_of_word = [&](std::size_t i) {
-    return i < text.size() && (std::isalpha(static_cast<unsigned char>(text[i])) != 0 || text[i] == '"');
-  };
-  for (const char* word : {"nan", "inf"})
-    for (std::size_t i = text.find(word); i != std::string::npos; i = text.find(word, i + 1))
-      if ((i == 0 || !part_of_word(i - 1)) && !part_of_word(i + 3)) return true;
-  return false;
-}
+using test::has_nan;
 
 void check(const Case& c) {
   SCOPED_TRACE(c.name);

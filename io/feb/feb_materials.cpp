@@ -61,7 +61,8 @@ void read_material(Reading& reading, const XMLElement& element) {
   for (const Material& other : reading.model.materials) {
     if (other.id == material.id) {
       fail(reading, element,
-           fmt::format("material id {} exists twice: {} and {}", *id, quote(other.name), quote(material.name)));
+           fmt::format("material id {} exists twice: {} and {}; renumber one", *id, quote(other.name),
+                       quote(material.name)));
     }
   }
   const int place = static_cast<int>(reading.model.materials.size());

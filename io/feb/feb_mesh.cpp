@@ -384,7 +384,8 @@ void append_face(const Reading& reading, const XMLElement& element, int count, c
   const auto& faces = element_faces(domain.shape);
   if (face < 1 || face > static_cast<int>(faces.size()) ||
       static_cast<int>(faces[static_cast<std::size_t>(face) - 1].size()) != count) {
-    fail(reading, element, fmt::format("{}: element {} has no such face {}", what, id, face));
+    fail(reading, element,
+         fmt::format("{}: element {} has no such face {}, expected 1 to {}", what, id, face, faces.size()));
   }
   const std::size_t first =
       static_cast<std::size_t>(place->index) * static_cast<std::size_t>(nodes_per_element(domain.shape));

@@ -798,7 +798,7 @@ TEST_F(ReadFeb, BadIncludesAreRefused) {
             "old.feb:2: version \"1.1\", expected 1.2, 2.0, 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0");
   write("empty.feb", feb("4.0", ""));
   EXPECT_EQ(fault_of(feb("4.0", "<Mesh from=\"empty.feb\"/>")),
-            "empty.feb:2: no <Mesh> here, which \"model.feb\" takes from this file");
+            "empty.feb:2: no <Mesh> here, which \"model.feb\" takes from this file: add it, or take out its from");
 }
 
 // -- refusals ----------------------------------------------------------------------------------------
@@ -842,7 +842,8 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
       {"<density>2<", "<density>-2<", "6: material \"plate\": density = -2, need density >= 0"},
       {"<center_of_mass>0,0,0<", "<center_of_mass>0,0<",
        "6: center_of_mass = \"0,0\", expected three numbers x,y,z of at most 1e30"},
-      {"id=\"2\" name=\"lower\"", "id=\"1\" name=\"lower\"", "7: material id 1 exists twice: \"plate\" and \"lower\""},
+      {"id=\"2\" name=\"lower\"", "id=\"1\" name=\"lower\"",
+       "7: material id 1 exists twice: \"plate\" and \"lower\"; renumber one"},
       {"name=\"lower\"", "name=\"plate\"", "7: material \"plate\" exists twice: rename one"},
       {"<node id=\"2\">", "<node id=\"1\">", "12: node 1 exists twice: renumber one"},
       {"<node id=\"2\">", "<node id=\"x\">", "12: <node> with id = \"x\", expected a positive whole number"},
@@ -1240,8 +1241,9 @@ TEST_F(ReadFeb, FaultsOfOldFilesHaveTheirLine) {
       "model.feb:26: set = \"under\", expected the name of a Surface above it; there are \"bottom\", \"joint master\"");
   EXPECT_EQ(old(kModel20, "<surface type=\"slave\" set=\"bottom\"/>", ""),
             "model.feb:25: contact without <surface type=\"slave\">: add it");
-  EXPECT_EQ(old(kModel12, ">1,6<", ">1,7<"),
-            "model.feb:25: quad4 facet 1 of surface \"contact 1 slave\": element 1 has no such face 7");
+  EXPECT_EQ(
+      old(kModel12, ">1,6<", ">1,7<"),
+      "model.feb:25: quad4 facet 1 of surface \"contact 1 slave\": element 1 has no such face 7, expected 1 to 6");
   EXPECT_EQ(old(kModel12, "<hex8 id=\"7\" mat=\"2\">", "<hex8 id=\"7\" mat=\"9\">"),
             "model.feb:17: <hex8> with mat = \"9\", expected the id of a material");
   EXPECT_EQ(old(kModel12, "<element id=\"2\">", "<element id=\"9\">"),
