@@ -51,7 +51,10 @@ std::string no_sliding_contact(const JointModel& model) {
     if (c.kind == Contact::Kind::Tied) list(fmt::format("\"{}\" of type {}", c.name, c.type), c.origin);
   const bool tied = !found.empty();
   for (const Remark& r : model.unsupported)
-    if (r.what.rfind("contact ", 0) == 0 || r.what.rfind("constraint \"rigid_wall", 0) == 0) list(r.what, r.origin);
+    if (r.what.rfind("contact ", 0) == 0 || r.what.rfind("constraint \"rigid_wall", 0) == 0) {
+      const std::size_t question = r.advice.rfind("did you mean ", 0) == 0 ? r.advice.find('?') : std::string::npos;
+      list(r.what + (question == std::string::npos ? "" : " (" + r.advice.substr(0, question + 1) + ")"), r.origin);
+    }
   return where(model, first) +
          fmt::format(
              "no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "

@@ -192,12 +192,12 @@ void unsupported(Reading& reading, Origin origin, const std::string& what, const
 /// A type word that DEA does not take.
 void unsupported_word(Reading& reading, const XMLElement& element, const std::string& what, febio::WordOf place,
                       const std::string& word);
-/// " (did you mean "hip"?); there are "hip", "knee"" for a name that is not among the keys of `index`.
+/// " (did you mean "hip"?); the model has "hip", "knee"" for a name that is not among the keys of `index`.
 template <class Index>
 std::string those_there(const std::string& name, const Index& index) {
   std::vector<std::string> names;
   for (const auto& entry : index) names.push_back(entry.first);
-  return did_you_mean(name, names) + "; there are " + name_list(names, name);
+  return did_you_mean(name, names) + "; the model has " + name_list(names, name);
 }
 
 // -- values ----------------------------------------------------------------------------------------

@@ -881,18 +881,18 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
        "23: <NodeSet> uses node 9, which does not exist: mend the number, or add the node"},
       {"<primary>bottom<", "<primary>bottem<",
        "24: surface pair \"pair\" names \"bottem\", expected the name of a Surface above it (did you mean "
-       "\"bottom\"?); there are \"bottom\", \"top\""},
+       "\"bottom\"?); the model has \"bottom\", \"top\""},
       {"<primary>bottom</primary>", "",
        "24: surface pair \"pair\" without <primary>: add it, with the name of a surface"},
       {"<delem>1,18<", "<delem>1<", "25: spring 1 of discrete set \"ligament\" has 1 nodes, expected 2"},
       {"mat=\"lower\"", "mat=\"2\"",
-       "26: <SolidDomain> with mat = \"2\", expected the name of a material; there are \"femur\", \"lower\", "
+       "26: <SolidDomain> with mat = \"2\", expected the name of a material; the model has \"femur\", \"lower\", "
        "\"plate\", \"upper\""},
       {"SolidDomain name=\"L\"", "SolidDomain name=\"X\"",
-       "26: SolidDomain \"X\" names no Elements section: expected the name of one in Mesh; there are \"L\", \"P\", "
+       "26: SolidDomain \"X\" names no Elements section: expected the name of one in Mesh; the model has \"L\", \"P\", "
        "\"U\""},
       {"type=\"zero displacement\" node_set=\"side\"", "type=\"zero displacement\" node_set=\"sode\"",
-       "28: \"sode\" names no node set (did you mean \"side\"?); there are \"all\", \"held\", \"side\""},
+       "28: \"sode\" names no node set (did you mean \"side\"?); the model has \"all\", \"held\", \"side\""},
       {"<x_dof>1<", "<x_dof>true<", "28: x_dof = \"true\", expected 0 or 1"},
       {"<rb>femur</rb><clamp", "<rb>tibia</rb><clamp",
        "29: \"tibia\" names no material, expected the id or name of a rigid body; rigid bodies: \"plate\", \"femur\""},
@@ -902,9 +902,10 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
       {"<body_a>plate<", "<body_a>9<",
        "31: \"9\" names no material, expected the id or name of a rigid body; rigid bodies: \"plate\", \"femur\""},
       {"surface_pair=\"pair\"", "surface_pair=\"pear\"",
-       "33: surface_pair = \"pear\", expected the name of a SurfacePair; there are \"pair\""},
+       "33: surface_pair = \"pear\", expected the name of a SurfacePair; the model has \"pair\""},
       {"discrete_set=\"ligament\"", "discrete_set=\"ligamint\"",
-       "37: discrete_set = \"ligamint\", expected the name of a DiscreteSet (did you mean \"ligament\"?); there are "
+       "37: discrete_set = \"ligamint\", expected the name of a DiscreteSet (did you mean \"ligament\"?); the model "
+       "has "
        "\"ligament\""},
       {"dmat=\"2\"", "dmat=\"3\"", "37: dmat = \"3\", expected the number of one of the 2 discrete materials above it"},
       {"<dof>z</dof>", "<dof>w</dof>", "39: <rigid_bc> with dof \"w\", expected one of x, y, z"},
@@ -1236,9 +1237,9 @@ TEST_F(ReadFeb, FaultsOfOldFilesHaveTheirLine) {
   const auto old = [&](const std::string& model, const std::string& from, const std::string& to) {
     return fault_of(replaced(model, from, to));
   };
-  EXPECT_EQ(
-      old(kModel20, "set=\"bottom\"", "set=\"under\""),
-      "model.feb:26: set = \"under\", expected the name of a Surface above it; there are \"bottom\", \"joint master\"");
+  EXPECT_EQ(old(kModel20, "set=\"bottom\"", "set=\"under\""),
+            "model.feb:26: set = \"under\", expected the name of a Surface above it; the model has \"bottom\", \"joint "
+            "master\"");
   EXPECT_EQ(old(kModel20, "<surface type=\"slave\" set=\"bottom\"/>", ""),
             "model.feb:25: contact without <surface type=\"slave\">: add it");
   EXPECT_EQ(
