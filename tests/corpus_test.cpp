@@ -56,6 +56,8 @@ struct Row {
   std::optional<double> force;  ///< of code 0: the contact's resultant in the last state, where it is the model's load
 };
 
+void PrintTo(const Row& row, std::ostream* out) { *out << row.name << " of " << row.versions; }
+
 const char* const kAll = "1.2 2.0 2.5 3.0 4.0";
 const char* const kFrom20 = "2.0 2.5 3.0 4.0";
 const char* const kFrom30 = "3.0 4.0";
