@@ -7,13 +7,127 @@
 
 #include "error.h"
 #include "load_curve.h"
+#include "names.h"
 
 namespace dea::febio {
 
 namespace {
 
-bool one_of(std::string_view word, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(), [&](const char* candidate) { return word == candidate; });
+template <class Words>
+bool one_of(std::string_view word, const Words& words) {
+  return std::any_of(words.begin(), words.end(), [&](const auto& candidate) { return word == candidate; });
+}
+
+using Names = std::vector<std::string>;
+
+const Names kSliding = {"sliding-elastic",
+                        "sliding-facet-on-facet",
+                        "sliding-node-on-facet",
+                        "sliding-biphasic",
+                        "sliding-biphasic-mixed",
+                        "sliding-biphasic-solute",
+                        "sliding-multiphasic",
+                        "sliding2",
+                        "sliding3",
+                        "mortar-sliding",
+                        "sliding-tension-compression",
+                        "facet-to-facet sliding",
+                        "sliding_with_gaps",
+                        "sliding",
+                        "dea"};
+const Names kTied = {"tied-elastic", "tied-node-on-facet",  "tied-facet-on-facet",
+                     "sticky",       "tied-biphasic",       "tied-multiphasic",
+                     "tied",         "facet-to-facet tied", "mortar-tied"};
+
+/// Type words in one place of the file.
+struct Words {
+  Names read;   ///< that DEA takes
+  int current;  ///< so many of them, from the first on, are worth a mention
+  Names febio;  ///< further ones of FEBio
+  const char* otherwise;
+};
+
+const Words& words_of(WordOf place) {
+  static const Words contact = [] {
+    Words w{kSliding, 0, {}, "choose one of them where two bones meet, or take this one out"};
+    w.read.insert(w.read.begin() + 4, {"tied-elastic", "tied-node-on-facet", "tied-facet-on-facet", "sticky"});
+    w.read.insert(w.read.end(), kTied.begin() + 4, kTied.end());
+    w.current = 8;
+    w.febio = {"periodic boundary",
+               "rigid_wall",
+               "surface constraint",
+               "contact potential",
+               "discrete contact",
+               "discrete contact2",
+               "edge-to-surface contact potential",
+               "edge-to-surface sliding contact",
+               "tied-line",
+               "rigid sliding"};
+    return w;
+  }();
+  static const Words connector{
+      {"rigid spherical joint", "rigid revolute joint", "rigid prismatic joint", "rigid cylindrical joint",
+       "rigid planar joint", "rigid lock", "generic rigid joint", "rigid spring", "rigid contractile force",
+       "rigid damper", "rigid angular damper", "rigid joint"},
+      11,
+      {},
+      "choose one of them, or take this one out"};
+  static const Words condition{{"rigid_fixed",
+                                "rigid_displacement",
+                                "rigid_rotation",
+                                "rigid_rotation_vector",
+                                "rigid_euler_angles",
+                                "rigid_force",
+                                "rigid_moment",
+                                "rigid_follower_force",
+                                "rigid_follower_moment",
+                                "rigid_axial_force",
+                                "rigid_cable",
+                                "nodal_load",
+                                "nodal_force",
+                                "initial_rigid_velocity",
+                                "initial_rigid_angular_velocity",
+                                "fix",
+                                "prescribe",
+                                "force",
+                                "follower force",
+                                "follower moment"},
+                               12,
+                               {},
+                               "choose one of them, or take this one out"};
+  static const Words discrete{{"linear spring", "tension-only linear spring", "nonlinear spring", "experimental spring",
+                               "linear", "tension-only linear", "nonlinear"},
+                              4,
+                              {"torsion spring", "Hill", "discrete composite"},
+                              "choose one of them for a ligament, or take the spring out"};
+  static const Words module{{"solid", "biphasic", "solute", "multiphasic", "explicit-solid", "CG-solid"},
+                            4,
+                            {"fluid", "fluid-FSI", "fluid-solutes", "heat", "reaction-diffusion", "polar fluid",
+                             "thermo-fluid", "multiphasic-FSI", "biphasic-FSI", "rigid"},
+                            "all as the solid alone, without flow: make it one of them, or it is no model for DEA"};
+  static const Words boundary{
+      {"zero displacement", "prescribed displacement", "rigid", "zero shell displacement", "zero rotation",
+       "zero fluid pressure", "prescribed fluid pressure", "zero concentration", "prescribed concentration", "fix",
+       "prescribe"},
+      3,
+      {"prescribed deformation", "rigid deformation", "linear constraint", "normal displacement", "prescribed rotation",
+       "prescribed shell displacement"},
+      "fix the nodes, or fasten them to a rigid body and move that (rigid_displacement, rigid_rotation)"};
+  switch (place) {
+    case WordOf::Contact:
+      return contact;
+    case WordOf::Connector:
+      return connector;
+    case WordOf::RigidCondition:
+      return condition;
+    case WordOf::DiscreteMaterial:
+      return discrete;
+    case WordOf::Module:
+      return module;
+    case WordOf::Boundary:
+      break;
+  }
+  return boundary;
 }
 
 }  // namespace
@@ -26,13 +140,14 @@ std::string quote(std::string_view text) {
   return result + "\"";
 }
 
-void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin) {
+Remark& list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
+                  const std::string& advice) {
   const auto [place, is_new] = index.places.try_emplace(what, remarks.size());
-  if (is_new) {
-    remarks.push_back({what, 1, origin});
-  } else {
+  if (is_new)
+    remarks.push_back({what, 1, origin, advice});
+  else
     ++remarks[place->second].count;
-  }
+  return remarks[place->second];
 }
 
 bool known_module(const std::string& m) {
@@ -47,22 +162,40 @@ std::string analysis_remark(const std::string& module, bool dynamic) {
 }
 
 std::optional<Contact::Kind> contact_kind(const std::string& type) {
-  if (one_of(type,
-             {"sliding-elastic", "sliding-tension-compression", "sliding-facet-on-facet", "facet-to-facet sliding",
-              "sliding-node-on-facet", "sliding_with_gaps", "sliding", "sliding2", "sliding3", "sliding-biphasic",
-              "sliding-biphasic-mixed", "sliding-biphasic-solute", "sliding-multiphasic", "mortar-sliding", "dea"})) {
-    return Contact::Kind::Sliding;
-  }
-  if (one_of(type, {"tied-node-on-facet", "tied-facet-on-facet", "tied-elastic", "sticky", "tied-biphasic",
-                    "tied-multiphasic", "tied", "facet-to-facet tied", "mortar-tied"})) {
-    return Contact::Kind::Tied;
-  }
+  if (one_of(type, kSliding)) return Contact::Kind::Sliding;
+  if (one_of(type, kTied)) return Contact::Kind::Tied;
   return std::nullopt;
 }
 
+std::string word_advice(WordOf place, const std::string& word) {
+  const Words& words = words_of(place);
+  // A word of FEBio's own is no slip of the keyboard.
+  const bool febio = one_of(word, words.febio);
+  const std::string meant = febio ? "" : nearest_name(word, words.read);
+  std::vector<std::string> listed(words.read.begin(), words.read.begin() + words.current);
+  if (!meant.empty() && std::find(listed.begin(), listed.end(), meant) == listed.end()) listed.push_back(meant);
+  return fmt::format("{}DEA reads {}; {}", meant.empty() ? "" : fmt::format("did you mean {}? ", quote(meant)),
+                     name_list(listed, meant, 12), words.otherwise);
+}
+
+std::string load_advice(const std::string& tag, const std::string& type) {
+  const std::string kind = type.empty() ? tag : type;
+  if (tag == "body_load" || tag == "body_force")
+    return "DEA's cartilage has no weight; give that of a bone as a force on its rigid body (rigid force of the file, "
+           "or "
+           "--force BODY=x,y,z), and take this load out";
+  if (tag == "surface_load" || kind.find("pressure") != kind.npos || kind.find("traction") != kind.npos)
+    return "surfaces carry the pressure of contact only; give the load to the rigid body behind them as a force (rigid "
+           "force of the file, or --force BODY=x,y,z), and take this one out";
+  const std::string word = word_advice(WordOf::RigidCondition, kind);
+  return word.rfind("did you mean", 0) == 0
+             ? word
+             : "DEA takes loads on rigid bodies and on their nodes: give it as one of these, or take it out";
+}
+
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type) {
-  const bool unlimited = one_of(type, {"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
-                                       "sliding_with_gaps", "sliding"});
+  const bool unlimited = one_of(type, Names{"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
+                                            "sliding_with_gaps", "sliding"});
   return {{"fric_coeff", 0},
           {"mu", 0},
           {"tension", 0},
@@ -79,7 +212,7 @@ std::vector<ContactParameter> unused_contact_parameters(const std::string& type)
 }
 
 bool is_damper(const std::string& connector_type) {
-  return one_of(connector_type, {"rigid damper", "rigid angular damper"});
+  return one_of(connector_type, Names{"rigid damper", "rigid angular damper"});
 }
 
 void set_interpolate(LoadController& curve, int place) {
@@ -125,7 +258,8 @@ void refuse_unusable_controllers(JointModel& model) {
     if (controller < 0) return;
     const LoadController& curve = model.controllers[static_cast<std::size_t>(controller)];
     if (curve.unsupported.empty()) return;
-    model.unsupported.push_back({fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, origin});
+    model.unsupported.push_back({fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, origin,
+                                 "give its points: type loadcurve, with times that go up"});
   });
 }
 

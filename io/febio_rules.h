@@ -19,7 +19,9 @@ std::string quote(std::string_view text);
 struct RemarkIndex {
   std::unordered_map<std::string, std::size_t> places;
 };
-void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin);
+/// `advice`: what to do about it (Remark::advice). Its remark.
+Remark& list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
+                  const std::string& advice = {});
 
 /// Modules whose mechanics are those of a solid (drained); "" is FEBio's default, solid.
 bool known_module(const std::string& module);
@@ -30,6 +32,14 @@ std::string analysis_remark(const std::string& module, bool dynamic);
 
 /// Nothing: a contact we know nothing about.
 std::optional<Contact::Kind> contact_kind(const std::string& type);
+
+/// What to do about a type word that DEA does not take, by the place it stands in: the word that may have been meant,
+/// and the words that DEA reads.
+enum class WordOf { Contact, Connector, RigidCondition, DiscreteMaterial, Module, Boundary };
+std::string word_advice(WordOf place, const std::string& word);
+
+/// What to do about a load that is not on rigid bodies: type "pressure", "const", ... of element `tag`.
+std::string load_advice(const std::string& tag, const std::string& type);
 
 /// Contact parameters that could change the result and that DEA does not use, with FEBio's defaults.
 struct ContactParameter {

@@ -8,6 +8,7 @@
 
 #include "analysis.h"
 #include "error.h"
+#include "refusals.h"
 #include "report_json.h"
 #include "report_text.h"
 #include "version.h"
@@ -132,6 +133,15 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
   return text;
 }
 
+/// Who chose the law.
+std::string law_origin(const Contact& contact, const Settings& settings) {
+  if (settings.law) return "chosen with --law";
+  if (contact.dea && contact.dea->law) return "as the contact of type dea says";
+  if (settings.springs_at == SpringsAt::Bone)
+    return "the default with --springs-at bone (springs at the articular surface: layer)";
+  return "the default (with --springs-at bone: linear); another one with --law";
+}
+
 std::string contacts_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
   std::string text;
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
@@ -141,6 +151,7 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
                         model.contacts[at(pair.contact)].type, check.joint.bodies[at(pair.source_layer().body)].name,
                         pair.source == 0 ? "primary" : "secondary", name(settings.springs_at), name(pair.law),
                         pair.step >= 0 ? fmt::format(", only in step {}", pair.step + 1) : "");
+    text += fmt::format("    law {}: {}\n", name(pair.law), law_origin(model.contacts[at(pair.contact)], settings));
     for (int side = 0; side < 2; ++side)
       text += layer_text(model, check, pair.layers[side], found.sides[side], side == 0 ? "primary" : "secondary");
     text += fmt::format("    springs: {} cast, {} over the other side; initial gap min {}, 5% {}, median {}, max {}\n",
@@ -173,6 +184,12 @@ std::string conditions_text(const BodyConditions& c) {
   return text;
 }
 
+const char* word(DiscreteSprings::Measure measure) {
+  return measure == DiscreteSprings::Measure::Elongation ? "elongation"
+         : measure == DiscreteSprings::Measure::Strain   ? "strain"
+                                                         : "stretch";
+}
+
 std::string ligament_text(const Joint& joint, const Ligament& l) {
   std::string law;
   switch (l.law) {
@@ -181,11 +198,7 @@ std::string ligament_text(const Joint& joint, const Ligament& l) {
                         number_text((l.point_b - l.point_a).norm()), l.tension_only ? ", tension only" : "");
       break;
     case Ligament::Law::Curve:
-      law = fmt::format("force by a curve of {}, length {}",
-                        l.measure == DiscreteSprings::Measure::Elongation ? "elongation"
-                        : l.measure == DiscreteSprings::Measure::Strain   ? "strain"
-                                                                          : "stretch",
-                        number_text(l.free_length));
+      law = fmt::format("force by a curve of {}, length {}", word(l.measure), number_text(l.free_length));
       break;
     case Ligament::Law::Constant:
       law =
@@ -223,7 +236,7 @@ std::string steps_text(const JointCheck& check) {
   for (std::size_t s = 0; s < check.steps.size(); ++s) {
     const StepCheck& step = check.steps[s];
     text += fmt::format("  step {}{}: time {} to {}, step size {}, {} states; at its end:\n", s + 1,
-                        step.name.empty() ? "" : " " + quoted(step.name), number_text(step.start),
+                        step.name.empty() ? "" : fmt::format(" \"{}\"", step.name), number_text(step.start),
                         number_text(step.end), number_text(step.step_size), step.states);
     for (int b : reported_bodies(check.joint)) {
       if (check.joint.bodies[at(b)].ground) continue;
@@ -320,8 +333,10 @@ void check_joint(const JointModel& model, const Settings& settings, JointCheck& 
       if (!c.unsupported.empty()) refuse_unsupported(model);  // if it is used: the steps need its value
     check_steps(model, settings, check);
     refuse_unsupported(model);
-  } catch (const InputError& e) {
-    check.error = e.what();
+  } catch (const InputError& found) {
+    const InputError all = all_refusals(model, settings, found);
+    check.errors = all.others;
+    check.errors.insert(check.errors.begin(), all.what());
   }
 }
 
@@ -361,9 +376,15 @@ std::string info_text(const JointModel& model, const Settings& settings, const J
   const std::vector<std::string> remarks = model_remarks(model, check.joint);
   if (!remarks.empty() || !model.unsupported.empty()) text += "\nremarks\n";
   for (const std::string& line : remarks) text += "  " + line + "\n";
-  for (const Remark& r : model.unsupported)
-    text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), r.what,
-                        r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
+  for (const Remark& r : model.unsupported) {
+    for (const Remark::Place& place : r.places)
+      text += fmt::format("  not supported: {}{}{}\n", where(model, place.origin), r.what, place.found);
+    if (r.places.empty())
+      text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), r.what,
+                          r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
+  }
+  if (!check.errors.empty()) text += "\nwhy dea run refuses this model\n";
+  for (const std::string& line : check.errors) text += "  " + line + "\n";
   return text;
 }
 
@@ -404,6 +425,9 @@ nlohmann::ordered_json info_json(const JointModel& model, const Settings& settin
       item["step"] = pair.step < 0 ? Json(nullptr) : Json(pair.step + 1);
       item["source"] = check.joint.bodies[at(pair.source_layer().body)].name;
       item["target"] = check.joint.bodies[at(pair.target_layer().body)].name;
+      item["law"] = name(pair.law);
+      item["law_chosen_by"] = law_origin(model.contacts[at(pair.contact)], settings);
+      item["springs_at"] = name(settings.springs_at);
       item["springs"] = found.springs;
       item["springs_hit"] = found.springs_hit;
       item["gap_min"] = json_number(found.gap_min);
@@ -421,9 +445,23 @@ nlohmann::ordered_json info_json(const JointModel& model, const Settings& settin
       item["body_b"] = check.joint.bodies[at(l.body_b)].name;
       item["point_a"] = json_vector(l.point_a);
       item["point_b"] = json_vector(l.point_b);
-      item["stiffness"] = json_number(l.stiffness);
-      item["free_length"] = json_number(l.free_length);
+      item["law"] = l.law == Ligament::Law::Linear ? "linear" : l.law == Ligament::Law::Curve ? "curve" : "constant";
+      const bool linear = l.law == Ligament::Law::Linear, constant = l.law == Ligament::Law::Constant;
+      item["stiffness"] = linear ? json_number(l.stiffness) : Json(nullptr);
+      item["free_length"] = constant ? Json(nullptr) : json_number(l.free_length);
       item["tension_only"] = l.tension_only;
+      item["measure"] = l.law == Ligament::Law::Curve ? Json(word(l.measure)) : Json(nullptr);
+      item["curve"] = Json(nullptr);  // points (measure, force), or an expression in t, the measure
+      if (l.law == Ligament::Law::Curve && l.curve && !l.curve->expression.empty()) {
+        item["curve"] = l.curve->expression;
+      } else if (l.law == Ligament::Law::Curve && l.curve) {
+        item["curve"] = Json::array();
+        for (const auto& point : l.curve->points)
+          item["curve"].push_back(Json::array({json_number(point[0]), json_number(point[1])}));
+      }
+      item["scale"] = linear ? Json(nullptr) : json_number(l.scale.factor);  // of the curve; or the force itself
+      item["load_controller"] =
+          l.scale.controller < 0 ? Json(nullptr) : Json(model.controllers[at(l.scale.controller)].id);
       j["ligaments"].push_back(item);
     }
     for (const Cable& c : check.joint.cables) {
@@ -457,7 +495,8 @@ nlohmann::ordered_json info_json(const JointModel& model, const Settings& settin
   j["findings"] = check.joint.findings;
   j["ignored"] = remarks_json(model, model.ignored);
   j["unsupported"] = remarks_json(model, model.unsupported);
-  j["error"] = check.error.empty() ? Json(nullptr) : Json(check.error);
+  j["error"] = check.errors.empty() ? Json(nullptr) : Json(check.errors.front());
+  j["errors"] = check.errors;  // all that are known, the most basic first
   return j;
 }
 

@@ -47,7 +47,7 @@ struct JointCheck {
   std::vector<ContactCheck> contacts;
   std::vector<StepCheck> steps;  ///< empty: conditions could not be made
   std::vector<TimePoint> times;
-  std::string error;  ///< why `dea run` would refuse this model, one line; empty: it would not
+  std::vector<std::string> errors;  ///< why `dea run` would refuse this model, a line each, the most basic first
 };
 
 /// Never throws InputError: that is `error`. Throws UsageError for overrides that name nothing.

@@ -36,6 +36,47 @@ void add_once(std::vector<std::string>& lines, const std::string& line) {
   if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
 }
 
+/// Neighbouring states about which the same is to be said; what they differ in is told of the last one.
+struct StateRun {
+  std::string what, detail;
+  std::size_t first = 0, last = 0;  ///< indices of states
+};
+
+void add_state(std::vector<StateRun>& runs, const std::string& what, std::size_t index, const std::string& detail) {
+  if (!runs.empty() && runs.back().what == what && runs.back().last + 1 == index) {
+    runs.back().last = index;
+    runs.back().detail = detail;
+  } else {
+    runs.push_back({what, detail, index, index});
+  }
+}
+
+std::string run_line(const Analysis& analysis, const StateRun& run) {
+  const auto time = [&](std::size_t i) { return number_text(analysis.states[i].when.time); };
+  if (run.first == run.last) return fmt::format("warning: time {}: {}: {}", time(run.last), run.what, run.detail);
+  return fmt::format("warning: times {} to {} ({} states): {}; at time {}: {}", time(run.first), time(run.last),
+                     run.last - run.first + 1, run.what, time(run.last), run.detail);
+}
+
+/// Who prescribes a rotation wants bodies to turn, those that follow too: the sum of all that is prescribed [degrees].
+double prescribed_turn(const JointModel& model, const Joint& joint, const Equilibrium& last) {
+  constexpr double kDegrees = 57.295779513082323;
+  double sum = 0.0;
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    const bool prescribed =
+        std::any_of(model.rigid_prescribed.begin(), model.rigid_prescribed.end(), [&](const RigidPrescribed& p) {
+          const auto& own = joint.bodies[b].materials;
+          return p.dof >= 3 && std::find(own.begin(), own.end(), p.material) != own.end();
+        });
+    if (prescribed) sum += Eigen::AngleAxisd(last.poses[b].rotation).angle() * kDegrees;
+  }
+  for (std::size_t c = 0; c < joint.connectors.size() && c < last.connector_motion.size(); ++c)
+    for (int k = 3; k < kDofs; ++k)
+      if (joint.connectors[c].motion[at(k)] == RigidJoint::Motion::Prescribed)
+        sum += std::abs(last.connector_motion[c][k]) * kDegrees;
+  return sum;
+}
+
 }  // namespace
 
 std::string number_text(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x == 0.0 ? 0.0 : x) : "-"; }
@@ -210,6 +251,7 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
 std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis) {
   const Joint& joint = analysis.joint;
   std::vector<std::string> lines;
+  std::vector<StateRun> runs;
   int states_held = 0;  // the axes turn a little from state to state: those of the last one stand for all
   const StateResult* last_held = nullptr;
   for (const StateResult& state : analysis.states) {
@@ -218,13 +260,12 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
       ++states_held;
       last_held = &state;
     }
-    if (!solved(e.outcome))
-      add_once(lines,
-               fmt::format("warning: time {}: {}: {}", number_text(state.when.time), name(e.outcome), e.message));
+    const std::size_t index = static_cast<std::size_t>(&state - analysis.states.data());
+    if (!solved(e.outcome)) add_state(runs, fmt::format("{}", name(e.outcome)), index, e.message);
     if (solved(e.outcome) && e.least_stiffness < 0)
-      add_once(lines, fmt::format("warning: time {}: the balance is unstable (least stiffness {:.3g})",
-                                  number_text(state.when.time), e.least_stiffness));
+      add_state(runs, "the balance is unstable", index, fmt::format("least stiffness {:.3g}", e.least_stiffness));
   }
+  for (const StateRun& run : runs) lines.push_back(run_line(analysis, run));
   if (analysis.states.empty()) return lines;
   if (last_held) {
     std::string directions;
@@ -235,16 +276,11 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   }
   // The last state stands for all: the factor changes slowly.
   const StateResult& last = analysis.states.back();
-  // who prescribes a rotation wants bodies to turn, those that follow too
-  const bool wanted = std::any_of(model.rigid_prescribed.begin(), model.rigid_prescribed.end(),
-                                  [](const RigidPrescribed& p) { return p.dof >= 3; }) ||
-                      std::any_of(joint.connectors.begin(), joint.connectors.end(), [](const Connector& c) {
-                        return std::count(c.motion.begin() + 3, c.motion.end(), RigidJoint::Motion::Prescribed) > 0;
-                      });
-  for (std::size_t b = 0; b < joint.bodies.size() && !wanted; ++b) {
+  const double wanted = prescribed_turn(model, joint, last.equilibrium);
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
     const Eigen::AngleAxisd turn(last.equilibrium.poses[b].rotation);
     const double degrees = turn.angle() * 57.295779513082323;
-    if (solved(last.equilibrium.outcome) && last.equilibrium.outcome != Outcome::Prescribed && degrees > 20.0)
+    if (solved(last.equilibrium.outcome) && last.equilibrium.outcome != Outcome::Prescribed && degrees > 20.0 + wanted)
       add_once(
           lines,
           fmt::format(

@@ -9,6 +9,7 @@
 #include "error.h"
 #include "output.h"
 #include "plot_file.h"
+#include "refusals.h"
 #include "report_text.h"
 #include "settings_xml.h"
 #include "write_vtu.h"
@@ -39,7 +40,7 @@ std::vector<TimePoint> fea_times(const JointModel& model, const std::string& pat
   const XpltFile file = read_xplt(path);
   if (file.states.empty()) throw InputError(path + ": found no complete state, expected the times of at least one");
   const double end = step_starts(model).back();
-  const std::vector<TimePoint> own = model_times(model);
+  const std::vector<TimePoint> own = model_times(model, true);
   std::vector<TimePoint> times;
   for (const TimePoint& p : own)
     if (p.time <= 0) times.push_back(p);
@@ -64,7 +65,7 @@ Times choose_times(const JointModel& model, const std::string& states, const std
   const double end = step_starts(model).back();
   Times times;
   std::vector<double> fea;
-  times.points = times_from.empty() ? model_times(model) : fea_times(model, times_from, fea);
+  times.points = times_from.empty() ? model_times(model, states != "all") : fea_times(model, times_from, fea);
   if (states == "all" && times_from.empty()) {
     times.wanted.assign(times.points.size(), 1);
     return times;
@@ -100,7 +101,9 @@ Times choose_times(const JointModel& model, const std::string& states, const std
 
 }  // namespace
 
-RunResult run_model(const JointModel& model, const Settings& settings, const RunOptions& options) {
+namespace {
+
+RunResult run_good_model(const JointModel& model, const Settings& settings, const RunOptions& options) {
   const double start = seconds();
   const Times times = choose_times(model, options.states, options.states_option, options.times_from);
   RunResult result;
@@ -116,6 +119,14 @@ RunResult run_model(const JointModel& model, const Settings& settings, const Run
     };
   }
   result.analysis = analyse(model, settings, how);
+  double steps = 0.0;
+  for (const Step& step : model.steps) steps += step.step_size > 0 ? step.duration / step.step_size : 1.0;
+  if (options.states != "all" && options.times_from.empty() && steps > 2.0 * static_cast<double>(times.points.size()) &&
+      times.points.back().time >= 0.5 * step_starts(model).back())
+    result.analysis.joint.findings.push_back(
+        fmt::format("of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an "
+                    "equilibrium of its own",
+                    steps, times.points.size()));
   result.timings.joint = result.analysis.seconds_joint;
   result.timings.solve = result.analysis.seconds_solve;
 
@@ -130,6 +141,16 @@ RunResult run_model(const JointModel& model, const Settings& settings, const Run
   if (!options.csv.empty()) write_text(options.csv, run_csv(model, result.analysis));
   if (!options.facets_csv.empty()) write_text(options.facets_csv, facets_csv(model, result.analysis));
   return result;
+}
+
+}  // namespace
+
+RunResult run_model(const JointModel& model, const Settings& settings, const RunOptions& options) {
+  try {
+    return run_good_model(model, settings, options);
+  } catch (const InputError& found) {
+    throw all_refusals(model, settings, found, options.states == "all" && options.times_from.empty());
+  }
 }
 
 bool all_solved(const Analysis& analysis) {

@@ -15,6 +15,7 @@
 
 #include "error.h"
 #include "joint_model.h"
+#include "names.h"
 
 namespace dea {
 
@@ -93,6 +94,12 @@ std::string* output_setting(OutputSettings& outputs, const std::string& name) {
   return nullptr;
 }
 
+std::vector<std::string> option_names() {
+  std::vector<std::string> names = {"output", "json", "csv", "facets-csv", "vtu", "states"};
+  for (const SettingOption& o : setting_options()) names.push_back(o.name);
+  return names;
+}
+
 std::string names_of_options() {
   std::string names;
   for (const SettingOption& o : setting_options()) names += fmt::format("<{}>, ", o.name);
@@ -126,7 +133,10 @@ SettingValue read_element(const std::string& path, const tinyxml2::XMLElement& e
   SettingValue v;
   v.option = find_setting_option(e.Name());
   const int line = e.GetLineNum();
-  if (!v.option) throw fault(path, line, fmt::format("found <{}>, expected one of {}", e.Name(), names_of_options()));
+  if (!v.option)
+    throw fault(path, line,
+                fmt::format("found <{}>{}, expected one of {}", e.Name(), did_you_mean(e.Name(), option_names()),
+                            names_of_options()));
   v.where = fmt::format("<{}>", e.Name());
   if (e.FirstChildElement())
     throw fault(path, e.FirstChildElement()->GetLineNum(),

@@ -40,19 +40,6 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
   }
 }
 
-void refuse_unsupported(const JointModel& model) {
-  if (model.unsupported.empty()) return;
-  const Remark& first = model.unsupported.front();
-  std::string more;
-  if (model.unsupported.size() > 1)
-    more = fmt::format(" (and {} more; `dea info` lists them)", model.unsupported.size() - 1);
-  throw InputError(
-      model, first.origin,
-      first.what +
-          " is not supported and would change the result: take it out, or use what DEA supports (docs/formats.md)" +
-          more);
-}
-
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options) {
   refuse_unsupported(model);
   Analysis analysis;
@@ -115,7 +102,7 @@ std::vector<Convergence> converge(const JointModel& model, Settings settings, do
                                   const std::function<void(const ConvergenceRow&)>& progress) {
   refuse_unsupported(model);
   std::vector<Convergence> result;
-  const std::vector<TimePoint> times = model_times(model);
+  const std::vector<TimePoint> times = model_times(model, true);  // only the last is looked at
   for (int refine = 1;; refine *= 2) {
     settings.refine = refine;
     AnalysisOptions options;

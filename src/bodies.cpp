@@ -7,6 +7,7 @@
 
 #include "element_faces.h"
 #include "error.h"
+#include "names.h"
 
 namespace dea {
 
@@ -73,9 +74,10 @@ std::vector<char> rigid_materials(const JointModel& model, const Settings& setti
       found = true;
     }
     if (!found) {
-      std::string names;
-      for (const Material& m : model.materials) names += (names.empty() ? "" : ", ") + m.name;
-      throw UsageError(fmt::format("--rigid {}: the model has no material of this name; it has: {}", name, names));
+      std::vector<std::string> names;
+      for (const Material& m : model.materials) names.push_back(m.name);
+      throw UsageError(
+          fmt::format("--rigid {}: the model has no material of this name; it has {}", name, name_list(names, name)));
     }
   }
   return rigid;

@@ -83,8 +83,8 @@ LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wa
       return found;
     }
   }
-  throw UsageError(
-      fmt::format("--load-at {}=sphere-center: this body has no articular surface", joint.bodies[at(body)].name));
+  throw UsageError(fmt::format("--load-at {}=sphere-center: this body has no articular surface; give a point x,y,z",
+                               joint.bodies[at(body)].name));
 }
 
 LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
@@ -204,20 +204,22 @@ std::vector<double> step_starts(const JointModel& model) {
   return starts;
 }
 
-std::vector<TimePoint> model_times(const JointModel& model) {
-  constexpr double kMostStates =
-      10000;  // far beyond what anyone looks at; each costs a solution and room in the plot file
+std::vector<TimePoint> model_times(const JointModel& model, bool thin) {
+  // Far beyond what anyone looks at; each costs a solution and room in the plot file.
+  constexpr double kMostStates = 10000, kThinned = 1000;
   std::vector<TimePoint> times = {{0.0, 0}};
   const std::vector<double> starts = step_starts(model);
   double states = 0.0;
   for (const Step& step : model.steps) {
     states += step.step_size > 0 ? step.duration / step.step_size : 1.0;
-    if (!(states <= kMostStates * (1 + 1e-9)))
+    if (!(states <= kMostStates * (1 + 1e-9)) && !thin)
       throw InputError(model, step.origin,
                        fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
-                                   "needs no small steps before it)",
+                                   "needs no small steps before it), or choose the states: --states last, --states "
+                                   "t1,t2,...",
                                    states, kMostStates));
   }
+  const double stride = states > kMostStates ? std::ceil(states / kThinned) : 1.0;
   if (!(starts.back() > 0)) {
     throw InputError(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
                      "the model ends at time 0, so there is nothing to solve: need time_steps > 0 and step_size > 0");
@@ -228,8 +230,9 @@ std::vector<TimePoint> model_times(const JointModel& model) {
     const double scale = std::max(std::abs(end), step.duration);
     std::vector<double> in_step = step.must_points;
     if (step.step_size > 0) {
-      const auto whole = static_cast<long>(std::floor(step.duration / step.step_size * (1 + 1e-9)));
-      for (long i = 1; i <= whole; ++i) in_step.push_back(start + static_cast<double>(i) * step.step_size);
+      const double whole = std::floor(step.duration / step.step_size * (1 + 1e-9));
+      for (double i = stride; i <= whole && std::isfinite(i); i += stride)
+        in_step.push_back(start + i * step.step_size);
     }
     in_step.push_back(end);
     std::sort(in_step.begin(), in_step.end());

@@ -72,7 +72,9 @@ struct TimePoint {
   double time = 0.0;
   int step = 0;
 };
-std::vector<TimePoint> model_times(const JointModel& model);
+/// More than 10000 are refused (InputError), or, if `thin`, reduced evenly to about 1000 besides ends of steps and must
+/// points, for who looks at a few of them only.
+std::vector<TimePoint> model_times(const JointModel& model, bool thin = false);
 
 /// Start time of each step, and the end of the last.
 std::vector<double> step_starts(const JointModel& model);

@@ -908,8 +908,10 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   if (const int beyond = beyond_limit(direct.at); beyond > 0) {
     direct.outcome = Outcome::BeyondStrainLimit;
     direct.message = fmt::format(
-        "no balance: {:.2g} of the load is left where {} springs are strained beyond {}; the layers cannot carry it",
-        direct.history.empty() ? 1.0 : direct.history.back(), beyond, kStrainLimit);
+        "no balance: {:.3g}% of the load is not carried when {} springs are strained beyond {}: the layers are too "
+        "thin or "
+        "too soft for it",
+        100.0 * (direct.history.empty() ? 1.0 : direct.history.back()), beyond, kStrainLimit);
   }
   return direct;
 }

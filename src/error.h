@@ -2,13 +2,16 @@
 #pragma once
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "joint_model.h"
 
 namespace dea {
 
 /// A fault in what the user gave us (exit code 3). what() is one line: "hip.feb:214: <fault>"; line 0: unknown.
+/// `others`: further faults of the same model, a line each; the command line counts them, `dea info` lists them.
 struct InputError : std::runtime_error {
+  std::vector<std::string> others;
   using std::runtime_error::runtime_error;
   InputError(const std::string& file, int line, const std::string& fault)
       : std::runtime_error(line > 0 ? file + ":" + std::to_string(line) + ": " + fault : file + ": " + fault) {}

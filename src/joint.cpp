@@ -12,7 +12,9 @@
 #include "bodies.h"
 #include "element_faces.h"
 #include "error.h"
+#include "names.h"
 #include "ray_caster.h"
+#include "refusals.h"
 #include "thickness.h"
 
 namespace dea {
@@ -25,12 +27,6 @@ constexpr double kMostSprings = 2e7;
 constexpr double kMostModulus = 1e100;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-std::string quoted_list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& n : names) text += (text.empty() ? "\"" : ", \"") + n + "\"";
-  return text.empty() ? "none" : text;
-}
 
 /// A face of an element, found by its corner nodes.
 struct ElementFace {
@@ -299,7 +295,9 @@ InputError no_volume(const JointModel& model, const Domain& d, int element, doub
 CarriedSurface carry(const Recognition& r, int surface) {
   const JointModel& model = r.model;
   const Surface& s = model.surfaces[at(surface)];
-  if (s.size() == 0) throw InputError(model, s.origin, fmt::format("surface \"{}\" has no facets", s.name));
+  if (s.size() == 0)
+    throw InputError(model, s.origin,
+                     fmt::format("surface \"{}\" has no facets: define it again, or take its contact out", s.name));
   CarriedSurface out;
   int face_nodes[9];
   for (int f = 0; f < s.size(); ++f) {
@@ -449,8 +447,10 @@ std::string not_held(const Recognition& r, int root, int cartilage, const std::s
   const std::string found =
       "its layer is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in x, y and "
       "z); ";
-  const std::string attach =
-      fmt::format("name the body with --attach \"{}=BODY\" (bodies: {})", surface, bodies.empty() ? "none" : bodies);
+  const std::string attach = fmt::format(
+      "name the body with --attach \"{}=BODY\" (bodies: {}), and the layer's bone surface with --bone "
+      "\"{}=SURFACE\" or its thickness with --thickness \"{}=VALUE\"",
+      surface, bodies.empty() ? "none" : bodies, surface, surface);
   return found + (bones.empty() ? attach : fmt::format("take its bone as rigid with {}, or {}", bones, attach));
 }
 
@@ -549,10 +549,12 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     if (r.rigid[at(d.material)] && !deformable(r, d)) {
       bodies.insert(r.bodies.of_material[at(d.material)]);
     } else if (is_shell(d.shape)) {
-      throw refuse(
-          fmt::format("lies on deformable shells (\"{}\"); DEA needs a solid cartilage layer or a rigid surface: "
-                      "mesh the layer with solid elements, or take the shells as rigid with --rigid \"{}\"",
-                      d.name, model.materials[at(d.material)].name));
+      throw refuse(fmt::format(
+          "lies on deformable shells (\"{}\"); DEA needs a solid cartilage layer or a rigid surface: "
+          "mesh the layer with solid elements, or take the shells as rigid with --rigid \"{}\" (and, if the other "
+          "side is rigid too, give cartilage with --thickness \"{}=VALUE\" --E \"{}=VALUE\" --nu "
+          "\"{}=VALUE\")",
+          d.name, model.materials[at(d.material)].name, s.name, s.name, s.name));
     } else {
       roots.insert(r.region[at(d.nodes[at(c.element * nodes_per_element(d.shape))])]);
       ++materials[d.material];
@@ -577,12 +579,44 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
       std::vector<std::string> names;
       for (const Body& b : r.bodies.bodies) names.push_back(b.name);
       throw UsageError(fmt::format("--attach {}={}: the model has no rigid body of this name; it has {}", s.name,
-                                   attach, quoted_list(names)));
+                                   attach, name_list(names, attach)));
     }
     layer.attached_by = "attached by the user";
   }
   const GivenLayer given = given_layer(r, contact, side);
   const std::optional<double>&given_thickness = given.thickness, &given_E = given.E, &given_nu = given.nu;
+
+  // E and nu of a layer that is not rigid; why there are none.
+  const auto set_modulus = [&]() -> std::string {
+    if (layer.rigid) return "";
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    const Material* material = layer.material >= 0 ? &model.materials[at(layer.material)] : nullptr;
+    layer.elasticity.E = given_E.value_or(material ? material->E : none);
+    layer.elasticity.nu = given_nu.value_or(material ? material->nu : none);
+    const double E = layer.elasticity.E, nu = layer.elasticity.nu;
+    if (std::isnan(E) || std::isnan(nu)) {
+      const std::string who = material ? fmt::format("material \"{}\" (type {})", material->name, material->type)
+                                       : std::string("the rigid surface");
+      const std::string note = material ? material->note : "no cartilage material";
+      const char* tag = side == 0 ? "primary" : "secondary";
+      return fmt::format("{} gives no E and nu{}; give them {}with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who,
+                         note.empty() ? "" : " (" + note + ")",
+                         contact.dea ? fmt::format("in the contact as <{0}_E> and <{0}_nu>, or ", tag) : "", s.name,
+                         s.name);
+    }
+    if (E > 0 && E <= kMostModulus && nu > -1 && nu < 0.5) return "";
+    return fmt::format(
+        "E = {:g}, nu = {:g}; need 0 < E <= 1e100 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring "
+        "bed): mend its material, or give others with --E \"{}=VALUE\" --nu \"{}=VALUE\"",
+        E, nu, s.name, s.name);
+  };
+  // No thickness: what else is missing is told too.
+  const auto refuse_thickness = [&](const std::string& text) {
+    InputError error = refuse(text);
+    const std::string modulus = set_modulus();
+    if (!modulus.empty()) error.others.push_back(refuse(modulus).what());
+    return error;
+  };
 
   if (roots.empty()) {  // a rigid surface
     if (bodies.size() > 1) throw refuse("lies on several rigid bodies; split it into one surface per body");
@@ -672,7 +706,7 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
       const int b = surface_index(model, bone);
       if (b < 0)
         throw UsageError(fmt::format("--bone {}={}: the model has no surface \"{}\"; it has {}", s.name, bone, bone,
-                                     quoted_list(surface_names(model))));
+                                     name_list(surface_names(model), bone)));
       const CarriedSurface facets = carry(r, b);
       layer.bone = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
       // out of the bone means: towards the articular surface
@@ -696,7 +730,7 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     }
     if (layer.bone.size() == 0) {
       if (!given_thickness && !given.map)
-        throw refuse(
+        throw refuse_thickness(
             fmt::format("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone surface "
                         "to measure the "
                         "thickness to; name it with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
@@ -714,33 +748,8 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
 
   for (int node : layer.articular.model_nodes) layer.mirror.push_back(r.mirror[at(node)]);
 
-  // Modulus.
-  if (!layer.rigid) {
-    if (layer.material >= 0)
-      layer.elasticity = {model.materials[at(layer.material)].E, model.materials[at(layer.material)].nu};
-    else
-      layer.elasticity = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
-    if (given_E) layer.elasticity.E = *given_E;
-    if (given_nu) layer.elasticity.nu = *given_nu;
-    const std::string who = layer.material >= 0
-                                ? fmt::format("material \"{}\" (type {})", model.materials[at(layer.material)].name,
-                                              model.materials[at(layer.material)].type)
-                                : std::string("the rigid surface");
-    if (std::isnan(layer.elasticity.E) || std::isnan(layer.elasticity.nu)) {
-      const std::string note = layer.material >= 0 ? model.materials[at(layer.material)].note : "no cartilage material";
-      const char* tag = side == 0 ? "primary" : "secondary";
-      throw refuse(fmt::format("{} gives no E and nu{}; give them {}with --E \"{}=VALUE\" --nu \"{}=VALUE\"", who,
-                               note.empty() ? "" : " (" + note + ")",
-                               contact.dea ? fmt::format("in the contact as <{0}_E> and <{0}_nu>, or ", tag) : "",
-                               s.name, s.name));
-    }
-    if (!(layer.elasticity.E > 0 && layer.elasticity.E <= kMostModulus) ||
-        !(layer.elasticity.nu > -1 && layer.elasticity.nu < 0.5))
-      throw refuse(
-          fmt::format("E = {:g}, nu = {:g}; need 0 < E <= 1e100 and -1 < nu < 0.5 (an incompressible layer is rigid "
-                      "for a spring bed)",
-                      layer.elasticity.E, layer.elasticity.nu));
-  }
+  const std::string modulus = set_modulus();
+  if (!modulus.empty()) throw refuse(modulus);
 
   // Thickness.
   const std::size_t n = layer.spring_surface().vertices.size();
@@ -753,25 +762,32 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     layer.thickness = mapped_thickness(s, contact.dea->layers[side].thickness_map, layer.articular);
     layer.missed.assign(n, 0);
     layer.thickness_given = true;
-    if (!(layer.mean_thickness() > 0)) throw refuse("its thickness map is zero everywhere");
+    if (!(layer.mean_thickness() > 0))
+      throw refuse("its thickness map is zero everywhere: mend the map, or give --thickness");
   } else if (given_thickness) {
     if (!(*given_thickness > 0) || !std::isfinite(*given_thickness))
       throw UsageError(
-          fmt::format("--thickness {}: need a number > 0 (0 on a rigid surface), got {:g}", s.name, *given_thickness));
+          fmt::format("--thickness {}={:g}: surface \"{}\" lies on deformable cartilage, whose thickness must be > 0; "
+                      "only a surface of a rigid body may have 0, which is no cartilage",
+                      s.name, *given_thickness, s.name));
     layer.thickness.assign(n, *given_thickness);
     layer.missed.assign(n, 0);
     layer.thickness_given = true;
   } else {
     measure_thickness(layer);
     if (2 * layer.missed_count() > static_cast<int>(layer.missed.size()))
-      throw refuse(
+      throw refuse_thickness(
           fmt::format("its normals meet no bone surface of body \"{}\" ({} of {} miss): this is no layer of cartilage "
                       "on a bone, and closest points would "
                       "give it a thickness that means nothing; name the bone surface with --bone \"{}=SURFACE\" or "
                       "give --thickness \"{}=VALUE\"",
                       r.bodies.bodies[at(layer.body)].name, layer.missed_count(), layer.missed.size(), s.name, s.name));
     const double mean = layer.mean_thickness();
-    if (!(mean > 0)) throw refuse("its layer has no thickness: the articular and the bone surface are the same");
+    if (!(mean > 0))
+      throw refuse(
+          fmt::format("its layer has no thickness: the articular and the bone surface are the same; name the bone "
+                      "surface with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
+                      s.name, s.name));
   }
   return layer;
 }
@@ -803,7 +819,7 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
   const auto check_surface = [&](const std::string& option, const std::string& name) {
     if (!name.empty() && surface_index(model, name) < 0)
       throw UsageError(fmt::format("--{} {}: the model has no surface of this name; it has {}", option, name,
-                                   quoted_list(surface_names(model))));
+                                   name_list(surface_names(model), name)));
   };
   for (const auto& e : settings.attach) check_surface("attach", e.first);
   for (const auto& e : settings.bone) check_surface("bone", e.first);
@@ -814,13 +830,13 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
     if (joint.find_body(model, name) >= 0) return;
     std::vector<std::string> names;
     for (const Body& b : joint.bodies) names.push_back(b.name);
-    throw UsageError(
-        fmt::format("--{} {}: the model has no rigid body of this name; it has {}", option, name, quoted_list(names)));
+    throw UsageError(fmt::format("--{} {}: the model has no rigid body of this name; it has {}", option, name,
+                                 name_list(names, name)));
   };
   for (const auto& e : settings.free) {
     check_body("free", e.first);
     if (joint.bodies[at(joint.find_body(model, e.first))].ground)
-      throw UsageError(fmt::format("--free {}: the ground never moves", e.first));
+      throw UsageError(fmt::format("--free {}: the ground never moves; name a rigid body", e.first));
   }
   for (const auto& e : settings.force) check_body("force", e.first);
   for (const auto& e : settings.load_at) check_body("load-at", e.first);
@@ -841,7 +857,8 @@ void add_ligament(Joint& joint, const JointModel& model, Ligament l, const char*
   const double length = (l.point_b - l.point_a).norm();
   if (l.free_length <= 0) l.free_length = length;
   if (!(length > 0) || !std::isfinite(length))
-    throw InputError(model, origin, fmt::format("{} \"{}\" has no length", kind, l.name));
+    throw InputError(model, origin,
+                     fmt::format("{} \"{}\" has no length: its two points coincide, move one", kind, l.name));
   joint.ligaments.push_back(std::move(l));
 }
 
@@ -881,9 +898,11 @@ void find_springs(const Recognition& r, Joint& joint) {
       l.body_b = joint.node_body[at(pair[1])];
       for (int k = 0; k < 2; ++k)
         if (joint.node_body[at(pair[at(k)])] < 0)
-          throw InputError(model, set.origin,
-                           fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body", l.name,
-                                       model.node_ids[at(pair[at(k)])]));
+          throw InputError(
+              model, set.origin,
+              fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body: fasten it to "
+                          "a node of a bone",
+                          l.name, model.node_ids[at(pair[at(k)])]));
       l.point_a = model.nodes[at(pair[0])];
       l.point_b = model.nodes[at(pair[1])];
       l.stiffness = set.stiffness;
@@ -920,7 +939,8 @@ void find_cables(const Recognition& r, Joint& joint) {
       const int body = body_of_material(r, p.material);
       cable.points.push_back({body, reference_point(joint, body, p.position, c.from_centers)});
     }
-    if (cable.points.empty()) throw InputError(r.model, c.origin, fmt::format("cable \"{}\" has no points", c.name));
+    if (cable.points.empty())
+      throw InputError(r.model, c.origin, fmt::format("cable \"{}\" has no points: add those it runs through", c.name));
     for (std::size_t i = 1; i < cable.points.size(); ++i)
       if (!((cable.points[i].position - cable.points[i - 1].position).norm() > 0))
         throw InputError(r.model, c.origin,
@@ -1038,7 +1058,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   // Contact pairs.
   bool named = settings.contact.empty();
   int sliding = 0;
-  std::vector<std::string> names;
+  std::vector<std::string> names, faults;  // faults of all layers are told at once
   for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
     const Contact& c = model.contacts[at(i)];
     if (c.kind != Contact::Kind::Sliding) continue;
@@ -1047,7 +1067,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     if (!settings.contact.empty() && c.name != settings.contact) continue;
     named = true;
     if (c.primary < 0 || c.secondary < 0)
-      throw InputError(model, c.origin, fmt::format("contact \"{}\" lacks a surface", c.name));
+      throw InputError(model, c.origin, fmt::format("contact \"{}\" lacks a surface: give it two", c.name));
     ContactPair pair;
     pair.name = c.name;
     pair.contact = i;
@@ -1065,7 +1085,19 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
           fmt::format("--layer-terms 1: contact \"{}\" has law {}; only law layer has terms", c.name, name(pair.law)));
     pair.facets = facets_of(r, c);
     pair.refine = settings.refine.value_or(c.dea ? c.dea->refine.value_or(1) : 1);
-    for (int side = 0; side < 2; ++side) pair.layers[side] = make_layer(r, c, side);
+    bool good = true;
+    for (int side = 0; side < 2; ++side) {
+      try {
+        pair.layers[side] = make_layer(r, c, side);
+      } catch (const InputError& error) {
+        good = false;
+        std::vector<std::string> lines = error.others;
+        lines.insert(lines.begin(), error.what());
+        for (const std::string& line : lines)
+          if (std::find(faults.begin(), faults.end(), line) == faults.end()) faults.push_back(line);
+      }
+    }
+    if (!good) continue;
     const double springs = static_cast<double>(pair.refine) * pair.refine * pair.source_layer().spring_surface().size();
     if (springs > kMostSprings)
       throw UsageError(fmt::format("--refine {}: {:.0f} springs for contact \"{}\", need at most {:.0f}", pair.refine,
@@ -1113,13 +1145,16 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   }
   if (!named)
     throw UsageError(fmt::format("--contact {}: the model has no sliding contact of this name; it has {}",
-                                 settings.contact, quoted_list(names)));
+                                 settings.contact, name_list(names, settings.contact)));
+  if (!faults.empty()) {
+    InputError error(faults.front());
+    error.others.assign(faults.begin() + 1, faults.end());
+    throw error;
+  }
   if (joint.contacts.empty()) {
-    if (sliding == 0)
-      throw InputError(where(model, {0, 0}) +
-                       "no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
-                       "\"sliding-elastic\")");
-    throw InputError(where(model, {0, 0}) + "no sliding contact joins two different bodies: " + joint.findings.back());
+    if (sliding == 0) throw InputError(no_sliding_contact(model));
+    throw InputError(where(model, {0, 0}) + "no sliding contact joins two different bodies: " + joint.findings.back() +
+                     "; name the body of one side with --attach \"SURFACE=BODY\"");
   }
 
   joint.node_body = r.bodies.of_node;

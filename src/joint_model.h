@@ -327,9 +327,17 @@ struct Step {
 
 /// Something the file has and we do not use, listed once with how often it occurs.
 struct Remark {
+  /// One occurrence that has something to say of its own.
+  struct Place {
+    Origin origin;
+    std::string found;   ///< added to `what`: " z of node set \"top\""
+    std::string advice;  ///< what to do here; empty: the remark's
+  };
   std::string what;
   int count = 1;
-  Origin origin;  ///< first occurrence
+  Origin origin;                   ///< first occurrence
+  std::string advice = {};         ///< what to do about it, for what is unsupported; empty: take it out
+  std::vector<Place> places = {};  ///< the first occurrences; empty: they have nothing to say of their own
 };
 
 struct JointModel {

@@ -181,16 +181,7 @@ std::string error_of(const test::Finished& f) {
   return errors.empty() ? "" : errors.front();
 }
 
-/// nan or inf as a word, not in quotes and not part of a longer one.
-bool has_nan(const std::string& text) {
-  const auto part_of_word = [&](std::size_t i) {
-    return i < text.size() && (std::isalpha(static_cast<unsigned char>(text[i])) != 0 || text[i] == '"');
-  };
-  for (const char* word : {"nan", "inf"})
-    for (std::size_t i = text.find(word); i != std::string::npos; i = text.find(word, i + 1))
-      if ((i == 0 || !part_of_word(i - 1)) && !part_of_word(i + 3)) return true;
-  return false;
-}
+using test::has_nan;
 
 void check(const Case& c) {
   SCOPED_TRACE(c.name);
@@ -376,10 +367,10 @@ TEST(BadInput, DanglingNames) {
                 "<primary>tip",
                 {"\"tip\"", "expected the name of a Surface"}},
            Case{"surface pair",
-                edited({{"surface_pair=\"pair\"", "surface_pair=\"pear\""}}),
+                edited({{"surface_pair=\"pair\"", "surface_pair=\"piar\""}}),
                 3,
-                "\"pear\"",
-                {"\"pear\"", "expected the name of a SurfacePair"}},
+                "\"piar\"",
+                {"\"piar\"", "expected the name of a SurfacePair"}},
            Case{"material of a domain",
                 edited({{"mat=\"cartilage\"", "mat=\"cartilag\""}}),
                 3,
@@ -594,7 +585,8 @@ TEST(BadInput, Unsupported) {
                      "lc=\"1\">0.1</value>\n</bc>\n</Boundary>"),
                 3,
                 "<bc type",
-                {"prescribed displacement of nodes", "not supported", "take it out"}},
+                {"prescribed displacement of nodes", "z of node set \"corner\"", "not supported", "rigid bodies only",
+                 "rigid_bc of type rigid_displacement"}},
            Case{"rigid cable",
                 with("</Rigid>", "<rigid_load name=\"cable\" type=\"rigid_cable\">\n<force>1</force>\n</rigid_load>"),
                 3,
@@ -606,7 +598,7 @@ TEST(BadInput, Unsupported) {
                      "lock\">\n<body_a>base</body_a>\n<body_b>plate</body_b>\n</rigid_connector>"),
                 3,
                 "\"rigid lock\"",
-                {"rigid lock: first_axis is zero"}},
+                {"rigid lock without <first_axis>", "add it, a direction"}},
            Case{"rigid revolute joint with a torsion spring",
                 with("</Rigid>",
                      "<rigid_connector name=\"hinge\" type=\"rigid revolute "
@@ -626,13 +618,162 @@ TEST(BadInput, Unsupported) {
     check(c);
 }
 
+// What stands there, what may have been meant, and what there is.
+TEST(BadInput, Misspelt) {
+  const auto prescribed = [](const std::string& type) {
+    return edited({{"</Rigid>", "<rigid_bc name=\"turn\" type=\"" + type +
+                                    "\">\n<rb>plate</rb>\n<dof>Ru</dof>\n<value>0.1</value>\n</rigid_bc>\n</Rigid>"}});
+  };
+  for (const Case& c : {
+           Case{"contact type",
+                edited({{"type=\"sliding-elastic\"", "type=\"slidng-elastic\""}}),
+                3,
+                "<contact name",
+                {"no sliding contact in the model",
+                 "found contact \"slidng-elastic\" (did you mean \"sliding-elastic\"?)", "and 1 more reason"}},
+           Case{"contact type of FEBio",
+                edited({{"</Contact>", "<contact type=\"periodic boundary\" surface_pair=\"pair\"/>\n</Contact>"}}),
+                3,
+                "<contact type=\"periodic",
+                {"contact \"periodic boundary\" is not supported", "DEA reads \"sliding-elastic\", ", "choose one"}},
+           Case{"rigid condition",
+                prescribed("rigid_rotatoin"),
+                3,
+                "<rigid_bc name=\"turn\"",
+                {"\"rigid_rotatoin\" is not supported", "did you mean \"rigid_rotation\"?"}},
+           Case{"connector",
+                edited({{"</Rigid>", "<rigid_connector type=\"rigid sphrical joint\"/>\n</Rigid>"}}),
+                3,
+                "<rigid_connector",
+                {"did you mean \"rigid spherical joint\"?"}},
+           Case{"spring",
+                edited({{"</Surface>\n<SurfacePair",
+                         "</Surface>\n<DiscreteSet name=\"d\">\n<delem>1,9</delem>\n</DiscreteSet>\n<SurfacePair"},
+                        {"</Contact>",
+                         "</Contact>\n<Discrete>\n<discrete_material id=\"1\" type=\"liner spring\"/>\n"
+                         "<discrete dmat=\"1\" discrete_set=\"d\"/>\n</Discrete>"}}),
+                3,
+                "<discrete dmat",
+                {"discrete material \"liner spring\"", "did you mean \"linear spring\"?"}},
+           Case{"module",
+                edited({{"type=\"solid\"", "type=\"biphasci\""}}),
+                3,
+                "<Module",
+                {"did you mean \"biphasic\"?"}},
+           Case{"section",
+                edited({{"<Contact>", "<Contakt>"}, {"</Contact>", "</Contakt>"}}),
+                3,
+                "<Contakt>",
+                {"did you mean <Contact>?"}},
+           Case{"surface pair",
+                edited({{"surface_pair=\"pair\"", "surface_pair=\"piar\""}}),
+                3,
+                "<contact name",
+                {"surface_pair = \"piar\"", "did you mean \"pair\"?"}},
+           Case{
+               "node set",
+               edited({{"<Rigid>",
+                        "<Boundary>\n<bc type=\"rigid\" node_set=\"cornr\"><rb>base</rb></bc>\n</Boundary>\n<Rigid>"}}),
+               3,
+               "<bc type",
+               {"\"cornr\" names no node set", "did you mean \"corner\"?", "\"all\""}},
+           Case{"body",
+                edited({{"<rb>plate</rb>", "<rb>palte</rb>"}}),
+                3,
+                "<rb>palte",
+                {"did you mean \"plate\"?", "\"base\""}},
+           Case{"load controller",
+                edited({{"<value lc=\"1\">", "<value lc=\"4\">"}}),
+                3,
+                "<value lc",
+                {"no load controller 4", "ids \"1\""}},
+           Case{"option", kModel, 2, "", {"no option --thicknes", "did you mean \"--thickness\"?"}, {"--thicknes=2"}},
+       })
+    check(c);
+  const test::TemporaryFolder folder;
+  const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "rnu", "model.feb"}, kLimit);
+  EXPECT_EQ(f.code, 2);
+  EXPECT_NE(f.err.find("\"rnu\" is no command (did you mean \"run\"?)"), std::string::npos) << f.err;
+}
+
+// All that is wrong is told at once, the most basic first, and by both commands.
+TEST(BadInput, SeveralReasons) {
+  std::string text = edited({{"<Rigid>",
+                              "<Boundary>\n<bc name=\"push\" type=\"prescribed displacement\" node_set=\"corner\">\n"
+                              "<dof>z</dof>\n<value>0.1</value>\n</bc>\n<bc name=\"pull\" type=\"prescribed "
+                              "displacement\" node_set=\"corner\">\n<dof>x</dof>\n<value>0.1</value>\n</bc>\n"
+                              "</Boundary>\n<Rigid>"},
+                             {"type=\"sliding-elastic\"", "type=\"tied-elastic\""},
+                             {"<time_steps>2<", "<time_steps>20000<"}});
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << text;
+  const test::Finished run = test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb"}, kLimit);
+  const test::Finished info = test::run_program(folder.path, {DEA_PROGRAM, "info", "model.feb"}, kLimit);
+  EXPECT_EQ(run.code, 3);
+  EXPECT_EQ(run.err, info.err);
+  EXPECT_NE(run.err.find("found \"touch\" of type tied-elastic, which fastens surfaces"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("(and 3 more reasons: dea info lists them)"), std::string::npos) << run.err;
+  for (const char* what : {"bc \"push\": z of node set", "bc \"pull\": x of node set", "20000 time steps"})
+    EXPECT_NE(info.out.find(what), std::string::npos) << info.out;
+}
+
+// Nodes of a rigid body: the body is named.
+TEST(BadInput, MovedNodesOfARigidBodyNameIt) {
+  check({"moved nodes of a rigid body",
+         edited(
+             {{"<NodeSet name=\"corner\">\n5,6\n", "<NodeSet name=\"corner\">\n9,10\n"},
+              {"<Rigid>",
+               "<Boundary>\n<bc type=\"prescribed displacement\" node_set=\"corner\">\n<dof>z</dof>\n<value>0.1</value>"
+               "\n</bc>\n</Boundary>\n<Rigid>"}}),
+         3,
+         "<bc type",
+         {"nodes of rigid body \"plate\": prescribe the motion of that body instead"}});
+}
+
+TEST(Solved, TwoMotionsOfOneDofAreRemarkedAndTheLastOneCounts) {
+  const std::string motion =
+      "<rigid_bc type=\"rigid_displacement\">\n<rb>plate</rb>\n<dof>z</dof>\n<value>{}</value>\n</rigid_bc>\n";
+  const std::string text = edited({{"</Rigid>", fmt::format(fmt::runtime(motion), "-0.3") +
+                                                    fmt::format(fmt::runtime(motion), "-0.2") + "</Rigid>"}});
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << text;
+  const test::Finished f =
+      test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--json", "r.json"}, kLimit);
+  EXPECT_EQ(f.code, 0) << f.err;
+  EXPECT_NE(f.err.find("prescribed z of \"plate\": it is prescribed again in line"), std::string::npos) << f.err;
+  EXPECT_NE(f.out.find("(0, 0, -0.2)"), std::string::npos) << f.out;
+}
+
+// More time steps than anyone looks at are refused, but not where only a few are asked for.
+TEST(Solved, TheLastOfVeryManyTimeSteps) {
+  const std::string text =
+      edited({{"<time_steps>2<", "<time_steps>1000000<"}, {"<step_size>0.5<", "<step_size>1e-6<"}});
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << text;
+  const test::Finished all = test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb"}, kLimit);
+  EXPECT_EQ(all.code, 3);
+  const test::Finished last =
+      test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--states", "last", "--json", "r.json"}, kLimit);
+  EXPECT_EQ(last.code, 0) << last.err;
+  EXPECT_NE(last.err.find("note: of the model's 1000000 time steps"), std::string::npos) << last.err;
+  const nlohmann::json result = nlohmann::json::parse(test::file_text(folder.path / "r.json"));
+  ASSERT_EQ(result["states"].size(), 1u);
+  EXPECT_EQ(result["states"][0]["time"], 1.0);
+  EXPECT_NEAR(result["states"][0]["contacts"][0]["force"][2].get<double>(), 5.0, 5e-6);  // balances the push of 5
+}
+
 TEST(BadInput, OptionsAndSettings) {
   const auto settings = [](const std::string& body) {
     return std::map<std::string, std::string>{
         {"s.xml", "<?xml version=\"1.0\"?>\n<febiodea_settings version=\"1\">\n" + body + "\n</febiodea_settings>\n"}};
   };
   for (const Case& c : {
-           Case{"thickness zero", kModel, 2, "", {"--thickness", "need a number > 0", "got 0"}, {"--thickness", "0"}},
+           Case{"thickness zero",
+                kModel,
+                2,
+                "",
+                {"--thickness", "deformable cartilage", "must be > 0"},
+                {"--thickness", "0"}},
            Case{"thickness negative",
                 kModel,
                 2,
@@ -646,7 +787,12 @@ TEST(BadInput, OptionsAndSettings) {
                 "",
                 {"--thickness tip", "it has \"top\", \"under\""},
                 {"--thickness", "tip=2"}},
-           Case{"rigid unknown", kModel, 2, "", {"--rigid bone", "cartilage, base, plate"}, {"--rigid", "bone"}},
+           Case{"rigid unknown",
+                kModel,
+                2,
+                "",
+                {"--rigid bone", "\"cartilage\", \"base\", \"plate\""},
+                {"--rigid", "bone"}},
            Case{"attach unknown",
                 kModel,
                 2,
@@ -770,7 +916,9 @@ TEST(NoSolution, IsWrittenAndMarked) {
     EXPECT_EQ(f.code, 1) << f.err;
     EXPECT_FALSE(f.timed_out);
     EXPECT_NE(f.out.find(c.outcome), std::string::npos) << f.out;
-    EXPECT_NE(f.err.find(std::string("warning: time 1: ") + c.outcome + ": "), std::string::npos) << f.err;
+    EXPECT_NE(f.err.find(std::string("warning: times 0.5 to 1 (2 states): ") + c.outcome + "; at time 1: "),
+              std::string::npos)
+        << f.err;
     EXPECT_FALSE(has_nan(f.out + f.err)) << f.out << f.err;
     EXPECT_EQ(contents(folder.path).size(), 3u);
     EXPECT_GT(fs::file_size(folder.path / "model_dea.xplt"), 1000u);

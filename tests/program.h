@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -84,6 +85,17 @@ inline Finished run_program(const fs::path& folder, std::vector<std::string> wor
   f.out = file_text(out);
   f.err = file_text(err);
   return f;
+}
+
+/// nan or inf as a word, not in quotes and not part of a longer one.
+inline bool has_nan(const std::string& text) {
+  const auto part_of_word = [&](std::size_t i) {
+    return i < text.size() && (std::isalpha(static_cast<unsigned char>(text[i])) != 0 || text[i] == '"');
+  };
+  for (const char* word : {"nan", "inf"})
+    for (std::size_t i = text.find(word); i != std::string::npos; i = text.find(word, i + 1))
+      if ((i == 0 || !part_of_word(i - 1)) && !part_of_word(i + 3)) return true;
+  return false;
 }
 
 }  // namespace dea::test

@@ -9,6 +9,7 @@
 #include "error.h"
 #include "output.h"
 #include "read_feb.h"
+#include "refusals.h"
 #include "report_json.h"
 #include "report_text.h"
 
@@ -70,7 +71,12 @@ int converge_command(const ConvergeArguments& a) {
                       name(r.outcome)));
     };
   }
-  const std::vector<Convergence> studies = converge(model, settings, target, max_springs, progress);
+  std::vector<Convergence> studies;
+  try {
+    studies = converge(model, settings, target, max_springs, progress);
+  } catch (const InputError& found) {
+    throw all_refusals(model, settings, found, false);
+  }
   if (!a.json.empty()) write_text(a.json, json_text(converge_json(model, settings, studies, target, max_springs)));
   if (!a.quiet && a.json != "-") print(converge_text(model, studies, max_springs));
 

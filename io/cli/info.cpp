@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kFooter = R"(
 Units are the model's own. All options mean what they mean in dea run, so what is printed is what dea run would use. A
-model that dea run refuses is printed as far as it can be, then comes the reason, and the exit code is 3.
+model that dea run refuses is printed as far as it can be, then come all reasons, and the exit code is 3.
 
 The plot file of -o shows cartilage thickness, initial gap ("joint space") and missed normals on the contact surfaces, and
 the springs that face something within five thicknesses as lines.
@@ -58,7 +58,11 @@ int info(const InfoArguments& a) {
   if (!a.output.empty() && check.recognised) write_xplt(a.output, make_check_file(model, check));
   if (!a.json.empty()) write_text(a.json, json_text(info_json(model, settings, check)));
   if (a.json != "-") print(info_text(model, settings, check));
-  if (!check.error.empty()) throw InputError(check.error);
+  if (!check.errors.empty()) {
+    InputError error(check.errors.front());
+    error.others.assign(check.errors.begin() + 1, check.errors.end());
+    throw error;
+  }
   return kSolved;
 }
 

@@ -1,12 +1,14 @@
 // io/cli/main.cpp – the program `dea`: reads the command line, runs a command, turns faults into exit codes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <sstream>
 
 #include "commands.h"
 #include "error.h"
+#include "names.h"
 #include "output.h"
 
 namespace {
@@ -34,6 +36,43 @@ int refuse(const std::string& prefix, std::string what, int code) {
   return code;
 }
 
+/// "dea rnu": the word that is no command, and the one that may have been meant; "": all is well, or no command is
+/// given.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  if (argc < 2 || argv[1][0] == '-' || argv[1][0] == '\0') return "";
+  const std::string word = argv[1];
+  if (std::find(names.begin(), names.end(), word) != names.end()) return "";
+  const bool model = word.size() > 4 && word.compare(word.size() - 4, 4, ".feb") == 0;
+  return fmt::format("\"{}\" is no command{}; commands are {}", word,
+                     model ? fmt::format(" (did you mean \"dea run {}\"?)", word) : did_you_mean(word, names),
+                     name_list(names));
+}
+
+/// "--lwa": the options on the command line that the command does not have, and those that may have been meant.
+std::string unknown_options(const CLI::App& command, int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  std::string text;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (word.rfind("--", 0) != 0 || word.size() < 3 || std::find(names.begin(), names.end(), word) != names.end())
+      continue;
+    text += fmt::format("{}no option {}{}", text.empty() ? "" : ", ", word, did_you_mean(word, names));
+  }
+  return text;
+}
+
+/// The other faults of a model are counted: they may be many.
+std::string more_text(const InputError& e) {
+  return e.others.empty() ? ""
+                          : fmt::format(" (and {} more reason{}: dea info lists them)", e.others.size(),
+                                        e.others.size() > 1 ? "s" : "");
+}
+
 int parse_and_run(int argc, char** argv) {
   CLI::App app("Discrete element analysis of joint contact: FEBio model in, pressure on its surfaces out.", "dea");
   app.footer(kFooter);
@@ -53,6 +92,8 @@ int parse_and_run(int argc, char** argv) {
   const CLI::App* plugin_build_app = add_plugin_build(app, plugin_build_arguments);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->get_formatter()->column_width(38);
 
+  const std::string no_command = unknown_command(app, argc, argv);
+  if (!no_command.empty()) return refuse("dea: ", no_command + " (dea --help says what they do)", kWrongUse);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {  // --help, --version
@@ -63,7 +104,13 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     const std::vector<CLI::App*> chosen = app.get_subcommands();
     const std::string command = chosen.empty() ? "dea" : "dea " + chosen.front()->get_name();
-    return refuse(command + ": ", fmt::format("{} ({} --help lists the options)", e.what(), command), kWrongUse);
+    std::string fault = e.what();
+    if (chosen.empty() && argc < 2) fault = "no command is given, expected for example dea run MODEL.feb";
+    if (!chosen.empty() && e.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+      const std::string unknown = unknown_options(*chosen.front(), argc, argv);
+      if (!unknown.empty()) fault = unknown;
+    }
+    return refuse(command + ": ", fmt::format("{} ({} --help lists the options)", fault, command), kWrongUse);
   }
 
   if (run_command->parsed()) return run(run_arguments);
@@ -84,7 +131,7 @@ int main(int argc, char** argv) {
   } catch (const UsageError& e) {
     return refuse("dea: ", e.what(), kWrongUse);
   } catch (const InputError& e) {
-    return refuse("", e.what(), kInputRefused);
+    return refuse("", e.what() + more_text(e), kInputRefused);
   } catch (const WriteError& e) {
     return refuse("dea: cannot write ", e.what(), kCannotWrite);
   } catch (const std::exception& e) {

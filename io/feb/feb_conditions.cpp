@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "feb_reading.h"
@@ -60,7 +61,9 @@ std::vector<int> nodes_of(Reading& reading, const XMLElement& element) {
            fmt::format("<node> with id = {}, expected a whole number", quote(attribute(*child, "id"))));
     nodes.push_back(need_node(reading, *child, *id));
   }
-  if (nodes.empty()) fail(reading, element, fmt::format("<{}> without attribute node_set", element.Name()));
+  if (nodes.empty())
+    fail(reading, element,
+         fmt::format("<{}> without attribute node_set: add it, with the name of a node set", element.Name()));
   return nodes;
 }
 
@@ -112,13 +115,74 @@ void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_vi
                      std::vector<int> nodes) {
   const std::string name(trim(dof));
   if (one_of(name, {"u", "v", "w", "sx", "sy", "sz"})) {
-    unsupported(reading, element, fmt::format("prescribed shell dof {}", quote(name)));
+    unsupported(reading, element, fmt::format("prescribed shell dof {}", quote(name)),
+                "take it out: DEA has no deformable shells, take their material as rigid with --rigid");
   } else if (!one_of(name, {"x", "y", "z"})) {
     ignore(reading, element, fmt::format("prescribed dof {}: no displacement", quote(name)));
   } else if (value == 0.0) {
     fix_nodes(reading, element, name, std::move(nodes));
   } else {
-    unsupported(reading, element, "prescribed displacement of nodes");
+    Remark& remark = febio::list_once(reading.model.unsupported, reading.unsupported_index,
+                                      "prescribed displacement of nodes", origin_of(reading, element));
+    constexpr std::size_t kMostPlaces = 20;
+    if (remark.places.size() >= kMostPlaces) return;
+    const std::size_t index = static_cast<std::size_t>(&remark - reading.model.unsupported.data());
+    reading.moved_nodes.push_back({index, remark.places.size(), std::move(nodes), name});
+    const std::string called = name_of(element);
+    std::string set = attribute(element, "node_set");
+    if (set.empty()) set = attribute(element, "set");
+    remark.places.push_back({origin_of(reading, element),
+                             fmt::format(" ({}{} of {})", called.empty() ? "" : fmt::format("bc {}: ", quote(called)),
+                                         name, set.empty() ? "the nodes listed here" : "node set " + quote(set)),
+                             ""});
+  }
+}
+
+void remark_double_motion(Reading& reading) {
+  const std::vector<RigidPrescribed>& all = reading.model.rigid_prescribed;
+  std::map<std::pair<int, int>, const RigidPrescribed*> before;  // of a material and dof
+  for (const RigidPrescribed& motion : all) {
+    const RigidPrescribed*& other = before[{motion.material, motion.dof}];
+    if (other != nullptr && (other->step == motion.step || other->step < 0)) {
+      ignore(reading, other->origin,
+             fmt::format("prescribed {} of {}: it is prescribed again in line {}, and the last one counts, as in FEBio",
+                         kDofNames[motion.dof],
+                         quote(reading.model.materials[static_cast<std::size_t>(motion.material)].name),
+                         motion.origin.line));
+    }
+    other = &motion;
+  }
+}
+
+void advise_moved_nodes(Reading& reading) {
+  JointModel& model = reading.model;
+  if (reading.moved_nodes.empty()) return;
+  std::vector<int> body(model.nodes.size(), -1);  // rigid material
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (const int node : set.nodes) body[static_cast<std::size_t>(node)] = set.material;
+  for (const Domain& domain : model.domains) {
+    if (domain.material < 0 || !model.materials[static_cast<std::size_t>(domain.material)].rigid) continue;
+    for (const int node : domain.nodes) body[static_cast<std::size_t>(node)] = domain.material;
+  }
+  const std::string_view version = model.version;
+  for (const MovedNodes& moved : reading.moved_nodes) {
+    const int first = moved.nodes.empty() ? -1 : body[static_cast<std::size_t>(moved.nodes.front())];
+    const bool of_one = first >= 0 && std::all_of(moved.nodes.begin(), moved.nodes.end(), [&](int node) {
+                          return body[static_cast<std::size_t>(node)] == first;
+                        });
+    const std::string how =
+        version == "4.0"   ? "rigid_bc of type rigid_displacement"
+        : version == "3.0" ? "rigid_constraint of type prescribe"
+        : version == "1.2" ? fmt::format("<trans_{} type=\"prescribed\"> of its rigid_body in Constraints", moved.dof)
+                           : fmt::format("<prescribed bc=\"{}\"> of its rigid_body in {}", moved.dof,
+                                         version == "2.5" ? "Boundary" : "Constraints");
+    model.unsupported[moved.remark].places[moved.place].advice =
+        of_one ? fmt::format("they are nodes of rigid body {}: prescribe the motion of that body instead ({})",
+                             quote(model.materials[static_cast<std::size_t>(first)].name), how)
+               : fmt::format(
+                     "DEA moves rigid bodies only: prescribe the motion of the body that holds these nodes "
+                     "instead ({}); if none does, make the part behind them a rigid body",
+                     how);
   }
 }
 
@@ -153,7 +217,7 @@ void add_prescribed(Reading& reading, const XMLElement& element, int dof, const 
 
 void add_load(Reading& reading, const XMLElement& element, int dof) {
   const XMLElement* value = element.FirstChildElement("value");
-  if (value == nullptr) fail(reading, element, fmt::format("<{}> without <value>", element.Name()));
+  if (value == nullptr) fail(reading, element, fmt::format("<{}> without <value>: add it", element.Name()));
   RigidLoad load;
   load.material = child_body(reading, element);
   load.dof = dof;
@@ -166,7 +230,7 @@ void add_load(Reading& reading, const XMLElement& element, int dof) {
   if (load_type < 0)
     fail(reading, *type, fmt::format("load_type = {}, expected LOAD, FOLLOW or TARGET", quote(text_of(*type))));
   if (load_type == 1 && dof >= 3) {
-    unsupported(reading, element, "rigid moment with load_type FOLLOW");
+    unsupported(reading, element, "rigid moment with load_type FOLLOW", "use rigid_follower_moment, or load_type LOAD");
     return;
   }
   load.kind = static_cast<RigidLoad::Kind>(load_type);
@@ -194,7 +258,8 @@ void add_euler_angles(Reading& reading, const XMLElement& element) {
     steered += angles[i].controller != 0 ? 1 : 0;
   }
   if (turning > 1 && steered > 0) {
-    unsupported(reading, element, "rigid_euler_angles of which several turn and one follows a load controller");
+    unsupported(reading, element, "rigid_euler_angles of which several turn and one follows a load controller",
+                "give rigid_rotation_vector, or let one angle alone turn");
     return;
   }
   if (turning > 1) {
@@ -215,7 +280,8 @@ void add_euler_angles(Reading& reading, const XMLElement& element) {
 void add_follower(Reading& reading, const XMLElement& element, bool moment) {
   const char* tag = moment ? "moment" : "force";
   const XMLElement* value = element.FirstChildElement(tag);
-  if (value == nullptr) fail(reading, element, fmt::format("<{}> without <{}>", element.Name(), tag));
+  if (value == nullptr)
+    fail(reading, element, fmt::format("<{}> without <{}>: add it, three numbers", element.Name(), tag));
   RigidFollower follower;
   follower.material = child_body(reading, element);
   follower.moment = moment;
@@ -302,12 +368,11 @@ void add_body_load(Reading& reading, const XMLElement& element, int material, co
   if (type == "ramp") load.kind = RigidLoad::Kind::Target;
   if (type == "follow") load.kind = RigidLoad::Kind::Follower;
   if (!one_of(type, {"", "ramp", "follow"})) {
-    unsupported(reading, element,
-                fmt::format("{} with type {}", dof < 3 ? "rigid force" : "rigid moment", quote(type)));
+    unsupported(reading, element, fmt::format("{} with type {}", dof < 3 ? "rigid force" : "rigid moment", quote(type)),
+                "expected no type, ramp or follow");
   } else if (dof >= 3 && !type.empty()) {
-    unsupported(
-        reading, element,
-        fmt::format("rigid moment with type {}, which FEBio 4 leaves out: remove it, or save as 4.0", quote(type)));
+    unsupported(reading, element, fmt::format("rigid moment with type {}, which FEBio 4 leaves out", quote(type)),
+                "remove the type, or save as 4.0");
   } else {
     reading.model.rigid_loads.push_back(std::move(load));
   }
@@ -333,7 +398,8 @@ void read_rigid_body(Reading& reading, const XMLElement& section) {
     } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {
       ignore(reading, *child, "initial velocity of a rigid body");
     } else {
-      unsupported(reading, *child, fmt::format("<{}> in rigid_body", tag));
+      unsupported(reading, *child, fmt::format("<{}> in rigid_body", tag),
+                  "expected fixed, prescribed, force or initial_velocity");
     }
   }
   if (any_fixed) reading.model.rigid_fixed.push_back(std::move(fixed));
@@ -438,12 +504,13 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   for (const int index : {primary, secondary}) {
     const Surface& surface = reading.model.surfaces[static_cast<std::size_t>(index)];
     if (surface.size() == 0) {
-      fail(
-          reading, element,
-          fmt::format("contact {} uses surface {}, which has no facets", quote(name_of(element)), quote(surface.name)));
+      fail(reading, element,
+           fmt::format("contact {} uses surface {}, which has no facets: define it again, or take the contact out",
+                       quote(name_of(element)), quote(surface.name)));
     }
   }
   contact.name = name_of(element);
+  if (contact.name.empty()) contact.name = fmt::format("contact {}", reading.model.contacts.size() + 1);
   contact.kind = *febio::contact_kind(contact.type);
   contact.primary = primary;
   contact.secondary = secondary;
@@ -458,18 +525,21 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
 void read_contact(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     if (std::string_view(child->Name()) != "contact") {
-      unsupported(reading, *child, fmt::format("<{}> in Contact", child->Name()));
+      unsupported(reading, *child, fmt::format("<{}> in Contact", child->Name()),
+                  "expected <contact type= surface_pair=>");
       continue;
     }
     const std::string type = need_attribute(reading, *child, "type");
     if (!febio::contact_kind(type)) {
-      unsupported(reading, *child, fmt::format("contact {}", quote(type)));
+      unsupported_word(reading, *child, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
       continue;
     }
     const std::string pair_name = need_attribute(reading, *child, "surface_pair");
     const auto pair = reading.surface_pairs.find(pair_name);
     if (pair == reading.surface_pairs.end()) {
-      fail(reading, *child, fmt::format("surface_pair = {}, expected the name of a SurfacePair", quote(pair_name)));
+      fail(reading, *child,
+           fmt::format("surface_pair = {}, expected the name of a SurfacePair{}", quote(pair_name),
+                       those_there(pair_name, reading.surface_pairs)));
     }
     add_contact(reading, *child, pair->second.primary, pair->second.secondary);
   }
@@ -495,7 +565,8 @@ void add_nodal_force(Reading& reading, const XMLElement& element, std::string_vi
                      std::vector<int> nodes) {
   const std::string name(trim(dof));
   if (one_of(name, {"u", "v", "w", "sx", "sy", "sz"})) {
-    unsupported(reading, element, fmt::format("nodal load on the shell dof {}", quote(name)));
+    unsupported(reading, element, fmt::format("nodal load on the shell dof {}", quote(name)),
+                "take it out, or load x, y or z");
   } else if (!one_of(name, {"x", "y", "z"})) {
     ignore(reading, element, fmt::format("nodal load on dof {}: no force", quote(name)));
   } else if (force.factor == 0) {
@@ -521,13 +592,14 @@ bool nodal_load(Reading& reading, const XMLElement& element) {
   std::vector<int> nodes = nodes_of(reading, element);
   for (const char* flag : {"relative", "shell_bottom"}) {
     if (!child_bool(reading, element, flag, false)) continue;
-    unsupported(reading, element, fmt::format("nodal load with {} = 1", flag));
+    unsupported(reading, element, fmt::format("nodal load with {} = 1", flag), fmt::format("set {} to 0", flag));
     return true;
   }
   if (value == nullptr) {
     const bool other = element.FirstChildElement("value") != nullptr || element.FirstChildElement("scale") != nullptr;
     if (other)
-      unsupported(reading, element, fmt::format("nodal load without <{}>", vector ? "value" : "scale"));
+      unsupported(reading, element, fmt::format("nodal load without <{}>", vector ? "value" : "scale"),
+                  fmt::format("add <{}>", vector ? "value" : "scale"));
     else
       ignore(reading, element, "nodal load of zero");
     return true;
@@ -535,9 +607,11 @@ bool nodal_load(Reading& reading, const XMLElement& element) {
   const std::string kind = attribute(*value, "type");
   const std::string text = text_of(*value);
   if (!kind.empty() && kind != "const" && kind != "vector") {
-    unsupported(reading, *value, fmt::format("nodal load whose {} is a {}", value->Name(), quote(kind)));
+    unsupported(reading, *value, fmt::format("nodal load whose {} is a {}", value->Name(), quote(kind)),
+                "give a number, with lc=\"ID\" if it changes");
   } else if (!vector && kind.empty() && !expression_variables(text).empty()) {
-    unsupported(reading, *value, fmt::format("nodal load whose scale is {}", quote(trim(text))));
+    unsupported(reading, *value, fmt::format("nodal load whose scale is {}", quote(trim(text))),
+                "give a number, with lc=\"ID\" if it changes");
   } else if (vector) {
     NodalForce load;
     load.nodes = std::move(nodes);
@@ -570,7 +644,7 @@ void read_load(Reading& reading, const XMLElement& element) {
   else if (of_fluid && type.find("FSI") == type.npos)
     ignore(reading, element, what);
   else
-    unsupported(reading, element, what);
+    unsupported(reading, element, what, febio::load_advice(element.Name(), type));
 }
 
 void read_loads(Reading& reading, const XMLElement& section) {
@@ -583,7 +657,8 @@ void read_initial(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string type = attribute(*child, "type");
     if (type.find("prestrain") != type.npos)
-      unsupported(reading, *child, fmt::format("initial {}", quote(type)));
+      unsupported(reading, *child, fmt::format("initial {}", quote(type)),
+                  "take it out: DEA's cartilage starts without stress");
     else
       ignore(reading, *child, "initial conditions");
   }
@@ -592,13 +667,15 @@ void read_initial(Reading& reading, const XMLElement& section) {
 void read_constraint(Reading& reading, const XMLElement& element) {
   const std::string type = attribute(element, "type");
   if (std::string_view(element.Name()) != "constraint") {
-    unsupported(reading, element, fmt::format("<{}> in Constraints", element.Name()));
+    unsupported(reading, element, fmt::format("<{}> in Constraints", element.Name()), "expected <constraint type=>");
   } else if (type.empty()) {
     ignore(reading, element, "constraint without a type: names one given before");
   } else if (type == "symmetry plane") {
     ignore(reading, element, "symmetry plane");
   } else if (!rigid_connector(reading, element, type)) {
-    unsupported(reading, element, fmt::format("constraint {}", quote(type)));
+    const std::string wall = "mesh the wall as rigid shells and give it a sliding contact, or take it out";
+    unsupported(reading, element, fmt::format("constraint {}", quote(type)),
+                type == "rigid_wall" ? wall : febio::word_advice(febio::WordOf::Connector, type));
   }
 }
 

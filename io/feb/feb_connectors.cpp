@@ -38,7 +38,8 @@ void read_spring(Reading& reading, const XMLElement& element) {
   for (const char* name : {"k", "free_length", "insertion_a", "insertion_b"}) {
     const XMLElement* child = element.FirstChildElement(name);
     if (child != nullptr && child->Attribute("lc") != nullptr) {
-      unsupported(reading, *child, fmt::format("rigid spring whose {} follows a load controller", name));
+      unsupported(reading, *child, fmt::format("rigid spring whose {} follows a load controller", name),
+                  "take out its lc: DEA keeps it constant");
     }
   }
   set_place(reading, element, spring);
@@ -75,8 +76,15 @@ void set_axes(Reading& reading, const XMLElement& element, const Direction& firs
               bool any_second, RigidJoint& joint) {
   const Vector3d a = child_vector(reading, element, first.tag, first.fallback);
   Vector3d b = child_vector(reading, element, second.tag, second.fallback);
+  const auto need = [&](const Direction& direction) {
+    if (direction.fallback.norm() > 0 || element.FirstChildElement(direction.tag) != nullptr) return;
+    fail(reading, element,
+         fmt::format("{} without <{}>, which has no default: add it, a direction x,y,z", joint.type, direction.tag));
+  };
+  need(first);
+  if (!any_second) need(second);
   if (!(a.norm() > 0))
-    fail(reading, element, fmt::format("{}: {} is zero, expected a direction", joint.type, first.tag));
+    fail(reading, element, fmt::format("{}: {} is zero, expected a direction x,y,z", joint.type, first.tag));
   const Vector3d e0 = a.normalized();
   if (!(b.norm() > 0) || e0.cross(b.normalized()).norm() < 1e-6) {
     if (!any_second) {
@@ -112,8 +120,8 @@ bool is_lagrange(const XMLElement& element) {
 
 void refuse_lagrange(Reading& reading, const XMLElement& element, const std::string& type, const char* what) {
   if (!is_lagrange(element)) return;
-  unsupported(reading, element,
-              fmt::format("{} with laugon LAGMULT, where FEBio leaves out its {}: choose AUGLAG", type, what));
+  unsupported(reading, element, fmt::format("{} with laugon LAGMULT, where FEBio leaves out its {}", type, what),
+              "choose AUGLAG");
 }
 
 void set_free(Reading& reading, const XMLElement& element, const Free& free, RigidJoint& joint) {
@@ -191,14 +199,14 @@ void set_generic(Reading& reading, const XMLElement& element, RigidJoint& joint)
     turning += joint.motion[i] == Motion::Prescribed ? 1 : 0;
     if (joint.motion[i] == Motion::Prescribed && joint.value[i].controller == 0 &&
         std::abs(joint.value[i].factor) >= std::numbers::pi / 2) {
-      unsupported(reading, element, fmt::format("{} with {} beyond a right angle", joint.type, tag));
+      unsupported(reading, element, fmt::format("{} with {} beyond a right angle", joint.type, tag),
+                  "prescribe less, or use a rigid revolute joint");
     }
   }
   const bool same = (free == 0 && turning <= 1) || (free == 1 && turning == 0) || free == 3;
   if (!same) {
-    unsupported(reading, element,
-                fmt::format("{} with {} free and {} prescribed rotations: no more than one, or three free", joint.type,
-                            free, turning));
+    unsupported(reading, element, fmt::format("{} with {} free and {} prescribed rotations", joint.type, free, turning),
+                "have no more than one of them, or three free");
   }
 }
 
@@ -226,7 +234,8 @@ bool read_joint(Reading& reading, const XMLElement& element, const std::string& 
     set_free(reading, element, {3, "prescribed_rotation", "rotation", "moment"}, joint);
     const XMLElement* torsion = element.FirstChildElement("torsion_stiffness");
     if (torsion != nullptr && (read_double(reading, *torsion) != 0))
-      unsupported(reading, *torsion, "rigid revolute joint with torsion_stiffness");
+      unsupported(reading, *torsion, "rigid revolute joint with torsion_stiffness",
+                  "set it to 0, or give its moment as <moment>");
   } else if (type == "rigid prismatic joint") {
     set_axes(reading, element, {"translation_axis", x}, {"transverse_axis", y}, false, joint);
     set_free(reading, element, {0, "prescribed_translation", "translation", "force"}, joint);
@@ -267,7 +276,7 @@ void check_joints(Reading& reading) {
     }
     if (held[0] && held[1] && held[2]) continue;
     unsupported(reading, joint.origin,
-                "rigid spherical joint with prescribed_rotation, which has global directions, while body_a can rotate: "
+                "rigid spherical joint with prescribed_rotation, which has global directions, while body_a can rotate",
                 "fix body_a's rotations");
   }
 }
@@ -297,7 +306,8 @@ void read_cable(Reading& reading, const XMLElement& element) {
     point.position = child_vector(reading, *child, "position", Vector3d::Zero());
     cable.points.push_back(point);
   }
-  if (cable.points.empty()) fail(reading, element, "rigid_cable without <rigid_cable_point>");
+  if (cable.points.empty())
+    fail(reading, element, "rigid_cable without <rigid_cable_point>: add the points it runs through");
   set_place(reading, element, cable);
   reading.model.rigid_cables.push_back(std::move(cable));
 }
@@ -311,7 +321,7 @@ bool rigid_connector(Reading& reading, const XMLElement& element, const std::str
   } else if (type == "rigid contractile force") {
     read_contractile_force(reading, element);
   } else if (!read_joint(reading, element, type)) {
-    unsupported(reading, element, fmt::format("rigid connector {}", quote(type)));
+    unsupported_word(reading, element, fmt::format("rigid connector {}", quote(type)), febio::WordOf::Connector, type);
   }
   return true;
 }

@@ -61,7 +61,8 @@ void read_material(Reading& reading, const XMLElement& element) {
   for (const Material& other : reading.model.materials) {
     if (other.id == material.id) {
       fail(reading, element,
-           fmt::format("material id {} exists twice: {} and {}", *id, quote(other.name), quote(material.name)));
+           fmt::format("material id {} exists twice: {} and {}; renumber one", *id, quote(other.name),
+                       quote(material.name)));
     }
   }
   const int place = static_cast<int>(reading.model.materials.size());
@@ -86,7 +87,7 @@ void read_material(Reading& reading, const XMLElement& element) {
   set_density(material, tree, reading.model, why);
   if (std::isnan(material.density) && material.rigid && !material.center_of_mass) {
     unsupported(reading, *element.FirstChildElement("density"),
-                fmt::format("rigid body whose density is not one number ({}): give it a center_of_mass", why));
+                fmt::format("rigid body whose density is not one number ({})", why), "give it a center_of_mass");
   }
   reading.model.materials.push_back(std::move(material));
 }

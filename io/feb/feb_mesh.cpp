@@ -88,7 +88,9 @@ void append_nodes(const Reading& reading, const XMLElement& element, int count, 
       fail_list(reading, element, rest);
     }
     const int node = find_node(reading, id);
-    if (node < 0) fail(reading, element, fmt::format("{} uses node {}, which does not exist", what, id));
+    if (node < 0)
+      fail(reading, element,
+           fmt::format("{} uses node {}, which does not exist: mend the number, or add the node", what, id));
     ++found;
     if (count == 0 || found <= count) nodes.push_back(node);
     if (!take_comma(rest)) {
@@ -106,7 +108,8 @@ void count_entries(Reading& reading, const XMLElement& element, std::size_t more
   constexpr std::size_t kMost = 100'000'000;
   reading.set_entries += more;
   if (reading.set_entries > kMost)
-    fail(reading, element, fmt::format("the sets list more than {} nodes or elements", kMost));
+    fail(reading, element,
+         fmt::format("the sets list more than {} nodes or elements: is one listed again and again?", kMost));
 }
 
 /// 1,2,5:9,10:20:2 – `add` gets every id.
@@ -207,8 +210,8 @@ void assign_material(Reading& reading, const XMLElement& element, int domain, co
   }
   if (material < 0) {
     fail(reading, element,
-         fmt::format("<{}> with mat = {}, expected the {} of a material", element.Name(), quote(mat),
-                     by_id ? "name or id" : "name"));
+         fmt::format("<{}> with mat = {}, expected the {} of a material{}", element.Name(), quote(mat),
+                     by_id ? "name or id" : "name", those_there(mat, reading.material_index)));
   }
   reading.model.domains[static_cast<std::size_t>(domain)].material = material;
 }
@@ -336,7 +339,8 @@ void read_element_set(Reading& reading, const XMLElement& section) {
   set.origin = origin_of(reading, section);
   const auto add = [&](const XMLElement& element, int id) {
     if (reading.elements.find(id) < 0) {
-      fail(reading, element, fmt::format("element set {} has element {}, which does not exist", quote(set.name), id));
+      fail(reading, element,
+           fmt::format("element set {} has element {}, which does not exist: take it out", quote(set.name), id));
     }
     set.element_ids.push_back(id);
     count_entries(reading, element, 1);
@@ -373,12 +377,15 @@ void append_face(const Reading& reading, const XMLElement& element, int count, c
                      quote(trim(text_of(element)))));
   }
   const auto place = find_element(reading, id);
-  if (!place) fail(reading, element, fmt::format("{} is on element {}, which does not exist", what, id));
+  if (!place)
+    fail(reading, element,
+         fmt::format("{} is on element {}, which does not exist: mend the number, or add the node", what, id));
   const Domain& domain = reading.model.domains[static_cast<std::size_t>(place->domain)];
   const auto& faces = element_faces(domain.shape);
   if (face < 1 || face > static_cast<int>(faces.size()) ||
       static_cast<int>(faces[static_cast<std::size_t>(face) - 1].size()) != count) {
-    fail(reading, element, fmt::format("{}: element {} has no such face {}", what, id, face));
+    fail(reading, element,
+         fmt::format("{}: element {} has no such face {}, expected 1 to {}", what, id, face, faces.size()));
   }
   const std::size_t first =
       static_cast<std::size_t>(place->index) * static_cast<std::size_t>(nodes_per_element(domain.shape));
@@ -393,7 +400,8 @@ void append_surface(Reading& reading, const XMLElement& element, Surface& surfac
   const int other = find_name(reading.surface_index, name);
   if (other < 0) {
     fail(reading, element,
-         fmt::format("surface {} names {}, expected the name of a Surface above it", quote(surface.name), quote(name)));
+         fmt::format("surface {} names {}, expected the name of a Surface above it{}", quote(surface.name), quote(name),
+                     those_there(name, reading.surface_index)));
   }
   const Surface& added = reading.model.surfaces[static_cast<std::size_t>(other)];
   count_entries(reading, element, added.nodes.size());
@@ -520,7 +528,9 @@ int pair_surface(Reading& reading, const XMLElement& section, const char* new_ta
   const XMLElement* child = section.FirstChildElement(new_tag);
   if (child == nullptr) child = section.FirstChildElement(old_tag);
   if (child == nullptr) {
-    fail(reading, section, fmt::format("surface pair {} without <{}>", quote(attribute(section, "name")), new_tag));
+    fail(reading, section,
+         fmt::format("surface pair {} without <{}>: add it, with the name of a surface",
+                     quote(attribute(section, "name")), new_tag));
   }
   std::string name = attribute(*child, "surface");
   if (name.empty()) name = text_of(*child);
@@ -530,8 +540,8 @@ int pair_surface(Reading& reading, const XMLElement& section, const char* new_ta
     surface = part_list_surface(reading, *child, name);
   } else if (surface < 0) {
     fail(reading, *child,
-         fmt::format("surface pair {} names {}, expected the name of a Surface above it",
-                     quote(attribute(section, "name")), quote(name)));
+         fmt::format("surface pair {} names {}, expected the name of a Surface above it{}",
+                     quote(attribute(section, "name")), quote(name), those_there(name, reading.surface_index)));
   }
   return surface;
 }
@@ -562,7 +572,8 @@ std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement
   const auto domains = reading.domain_index.find(name);
   if (domains == reading.domain_index.end()) {
     fail(reading, element,
-         fmt::format("elem_set = {}, expected the name of an ElementSet or Elements section", quote(name)));
+         fmt::format("elem_set = {}, expected the name of an ElementSet or Elements section{}", quote(name),
+                     those_there(name, reading.element_set_index)));
   }
   for (const int domain : domains->second) {
     const std::size_t count = model.domains[static_cast<std::size_t>(domain)].element_ids.size();
@@ -598,7 +609,8 @@ void read_thickness(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const int lid = read_id(reading, *child, "lid");
     if (lid > static_cast<int>(places.size())) {
-      fail(reading, *child, fmt::format("lid = {}, but the element set has {} elements", lid, places.size()));
+      fail(reading, *child,
+           fmt::format("lid = {}, but the element set has {} elements: mend the number", lid, places.size()));
     }
     set_thickness(reading, *child, places[static_cast<std::size_t>(lid) - 1]);
   }
@@ -701,7 +713,8 @@ void read_element_data(Reading& reading, const XMLElement& section) {
     if (tag == "element") {
       const int id = read_id(reading, *child);
       const auto place = find_element(reading, id);
-      if (!place) fail(reading, *child, fmt::format("ElementData of element {}, which does not exist", id));
+      if (!place)
+        fail(reading, *child, fmt::format("ElementData of element {}, which does not exist: take it out", id));
       read_data(reading, *child, {*place});
     } else if (tag == "elset") {
       read_data(reading, *child, places_of_set(reading, *child, need_attribute(reading, *child, "set")));
@@ -774,7 +787,9 @@ std::string full_name(const Reading& reading, const std::string& name) {
 
 int need_node(const Reading& reading, const XMLElement& element, int id) {
   const int node = find_node(reading, id);
-  if (node < 0) fail(reading, element, fmt::format("<{}> uses node {}, which does not exist", element.Name(), id));
+  if (node < 0)
+    fail(reading, element,
+         fmt::format("<{}> uses node {}, which does not exist: mend the number, or add the node", element.Name(), id));
   return node;
 }
 
@@ -824,7 +839,9 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
       nodes.insert(nodes.end(), first, first + count);
     }
   } else {
-    fail(reading, element, fmt::format("{} names no node set", quote(name)));
+    auto there = reading.node_set_index;
+    for (const NodeRange& range : reading.node_ranges) there.emplace(range.name, 0);
+    fail(reading, element, fmt::format("{} names no node set{}", quote(name), those_there(name, there)));
   }
   count_entries(reading, element, nodes.size());
   // Each node once, in the order of its first appearance.
@@ -885,7 +902,8 @@ void read_mesh_domains(Reading& reading, const XMLElement& section) {
     const auto domains = reading.domain_index.find(name);
     if (domains == reading.domain_index.end()) {
       fail(reading, *child,
-           fmt::format("{} {} names no Elements section: expected the name of one in Mesh", tag, quote(name)));
+           fmt::format("{} {} names no Elements section: expected the name of one in Mesh{}", tag, quote(name),
+                       those_there(name, reading.domain_index)));
     }
     const std::string mat = need_attribute(reading, *child, "mat");
     const XMLElement* thickness = child->FirstChildElement("shell_thickness");

@@ -22,7 +22,9 @@ int surface_of(Reading& reading, const XMLElement& element, const std::string& w
     const std::string name = attribute(element, "set");
     const auto place = reading.surface_index.find(name);
     if (place == reading.surface_index.end()) {
-      fail(reading, element, fmt::format("set = {}, expected the name of a Surface above it", quote(name)));
+      fail(reading, element,
+           fmt::format("set = {}, expected the name of a Surface above it{}", quote(name),
+                       those_there(name, reading.surface_index)));
     }
     return place->second;
   }
@@ -111,7 +113,8 @@ void read_old_contact(Reading& reading, const XMLElement& element) {
   const std::string type = need_attribute(reading, element, "type");
   if (type == "rigid") return read_rigid_nodes(reading, element);
   if (rigid_connector(reading, element, type)) return;
-  if (!febio::contact_kind(type)) return unsupported(reading, element, fmt::format("contact {}", quote(type)));
+  if (!febio::contact_kind(type))
+    return unsupported_word(reading, element, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
   std::string name = attribute(element, "name");
   if (name.empty()) name = fmt::format("contact {}", reading.model.contacts.size() + 1);
   int primary = -1, secondary = -1;
@@ -125,7 +128,8 @@ void read_old_contact(Reading& reading, const XMLElement& element) {
     side = surface_of(reading, *child, name + (master ? " master" : " slave"));
   }
   if (primary < 0 || secondary < 0) {
-    fail(reading, element, fmt::format("contact without <surface type=\"{}\">", primary < 0 ? "slave" : "master"));
+    fail(reading, element,
+         fmt::format("contact without <surface type=\"{}\">: add it", primary < 0 ? "slave" : "master"));
   }
   add_contact(reading, element, primary, secondary);
 }
@@ -148,6 +152,7 @@ void read_old_spring(Reading& reading, const XMLElement& element) {
       material.unsupported = fmt::format("nonlinear spring with {}", material.springs.force->unsupported);
   } else {
     material.unsupported = fmt::format("spring {}", quote(type));
+    material.advice = febio::word_advice(febio::WordOf::DiscreteMaterial, type);
   }
 
   DiscreteSet set;
@@ -157,7 +162,7 @@ void read_old_spring(Reading& reading, const XMLElement& element) {
        child = child->NextSiblingElement("node")) {
     set.pairs.push_back(read_node_pair(reading, *child, fmt::format("spring {}", set.pairs.size() + 1)));
   }
-  if (set.pairs.empty()) fail(reading, element, "spring without <node>n1,n2</node>");
+  if (set.pairs.empty()) fail(reading, element, "spring without <node>n1,n2</node>: add the nodes it joins");
   const int place = static_cast<int>(reading.model.discrete_sets.size());
   if (set.name.empty()) set.name = fmt::format("spring {}", place + 1);
   for (int i = 2; !reading.discrete_set_index.emplace(set.name, place).second; ++i) {

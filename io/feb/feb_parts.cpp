@@ -51,7 +51,8 @@ Eigen::Matrix3d read_rotation(const Reading& reading, const XMLElement& element)
 
 /// Reads the part once more, as this instance of it.
 void add_instance(Reading& reading, const Part& part, Instance& instance) {
-  if (reading.instance != nullptr) fail(reading, *part.element, "a part inside a part");
+  if (reading.instance != nullptr)
+    fail(reading, *part.element, "a part inside a part, expected parts beside each other: move it out");
   const int outer_file = reading.file;
   instance.first_node = reading.nodes.size();
   reading.file = part.file;

@@ -48,18 +48,23 @@ void ignore(Reading& reading, Origin origin, const std::string& what) {
   febio::list_once(reading.model.ignored, reading.ignored_index, what, origin);
 }
 
-void unsupported(Reading& reading, const XMLElement& element, const std::string& what) {
-  unsupported(reading, origin_of(reading, element), what);
+void unsupported(Reading& reading, const XMLElement& element, const std::string& what, const std::string& advice) {
+  unsupported(reading, origin_of(reading, element), what, advice);
 }
 
-void unsupported(Reading& reading, Origin origin, const std::string& what) {
-  febio::list_once(reading.model.unsupported, reading.unsupported_index, what, origin);
+void unsupported(Reading& reading, Origin origin, const std::string& what, const std::string& advice) {
+  febio::list_once(reading.model.unsupported, reading.unsupported_index, what, origin, advice);
+}
+
+void unsupported_word(Reading& reading, const XMLElement& element, const std::string& what, febio::WordOf place,
+                      const std::string& word) {
+  unsupported(reading, element, what, febio::word_advice(place, word));
 }
 
 std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name) {
   const char* text = element.Attribute(name);
   if (text == nullptr || *text == '\0')
-    fail(reading, element, fmt::format("<{}> without attribute {}", element.Name(), name));
+    fail(reading, element, fmt::format("<{}> without attribute {}: add {}=\"...\"", element.Name(), name, name));
   return text;
 }
 
@@ -155,7 +160,9 @@ Vector3d child_vector(Reading& reading, const XMLElement& parent, const char* na
 
 int child_body(const Reading& reading, const XMLElement& element, const char* tag) {
   const XMLElement* child = element.FirstChildElement(tag);
-  if (child == nullptr) fail(reading, element, fmt::format("<{}> without <{}>", element.Name(), tag));
+  if (child == nullptr)
+    fail(reading, element,
+         fmt::format("<{}> without <{}>: add it, with the name of a rigid material", element.Name(), tag));
   return need_rigid(reading, *child, text_of(*child));
 }
 
@@ -177,14 +184,21 @@ int need_rigid(const Reading& reading, const XMLElement& element, const std::str
   for (const std::string& name : {id_or_name, std::string(trim(id_or_name))}) {
     if (index < 0) index = find_material(reading, element, name);
   }
+  const auto bodies = [&] {
+    std::vector<std::string> names;
+    for (const Material& material : model.materials)
+      if (material.rigid) names.push_back(material.name);
+    return did_you_mean(trim(id_or_name), names) + "; rigid bodies: " + name_list(names, trim(id_or_name));
+  };
   if (index < 0) {
     fail(reading, element,
-         fmt::format("{} names no material, expected the id or name of a rigid body", quote(id_or_name)));
+         fmt::format("{} names no material, expected the id or name of a rigid body{}", quote(id_or_name), bodies()));
   }
   const Material& material = model.materials[static_cast<std::size_t>(index)];
   if (!material.rigid) {
     fail(reading, element,
-         fmt::format("material {} is {}, expected a rigid body", quote(material.name), quote(material.type)));
+         fmt::format("material {} is {}, expected a rigid body{}", quote(material.name), quote(material.type),
+                     bodies()));
   }
   return index;
 }

@@ -17,6 +17,7 @@
 
 #include "feb_xml.h"
 #include "joint_model.h"
+#include "names.h"
 
 namespace dea::feb {
 
@@ -81,7 +82,7 @@ struct DiscreteMaterial {
   DiscreteSprings springs;  ///< what the material says of them
   int function = 0;         ///< id of the load curve that is their force, 0: none
   double function_scale = 1.0;
-  std::string unsupported;
+  std::string unsupported, advice;  ///< why it cannot be used, and what to do about it
 };
 
 /// Springs whose force is a load curve, resolved when all is read.
@@ -131,6 +132,13 @@ struct MapUse {
   Origin origin;
 };
 
+/// Nodes whose displacement is prescribed, a place of an unsupported remark: the advice is given when all is read.
+struct MovedNodes {
+  std::size_t remark = 0, place = 0;
+  std::vector<int> nodes;
+  std::string dof;
+};
+
 struct Reading {
   JointModel model;
   const Rules* rules = nullptr;  ///< of the file being read
@@ -160,6 +168,7 @@ struct Reading {
   std::vector<SurfaceMap> surface_maps;
   std::vector<MapUse> map_uses;
   std::vector<FunctionUse> function_uses;
+  std::vector<MovedNodes> moved_nodes;
 
   Control top_control;            ///< of the model; the first step starts from it
   std::vector<Control> controls;  ///< one per step
@@ -177,8 +186,19 @@ Origin origin_of(const Reading& reading, const XMLElement& element);
 void ignore(Reading& reading, const XMLElement& element, const std::string& what);
 void ignore(Reading& reading, Origin origin, const std::string& what);
 /// Changes the mechanics and cannot be taken into account: listed once with a count.
-void unsupported(Reading& reading, const XMLElement& element, const std::string& what);
-void unsupported(Reading& reading, Origin origin, const std::string& what);
+/// `advice`: what to do about it; empty: take it out.
+void unsupported(Reading& reading, const XMLElement& element, const std::string& what, const std::string& advice = {});
+void unsupported(Reading& reading, Origin origin, const std::string& what, const std::string& advice = {});
+/// A type word that DEA does not take.
+void unsupported_word(Reading& reading, const XMLElement& element, const std::string& what, febio::WordOf place,
+                      const std::string& word);
+/// " (did you mean "hip"?); the model has "hip", "knee"" for a name that is not among the keys of `index`.
+template <class Index>
+std::string those_there(const std::string& name, const Index& index) {
+  std::vector<std::string> names;
+  for (const auto& entry : index) names.push_back(entry.first);
+  return did_you_mean(name, names) + "; the model has " + name_list(names, name);
+}
 
 // -- values ----------------------------------------------------------------------------------------
 
@@ -255,6 +275,10 @@ void read_discrete(Reading& reading, const XMLElement& section);
 void add_springs(Reading& reading, const XMLElement& element, const DiscreteMaterial& material, int set);
 /// scale, measure and force of a nonlinear spring.
 void read_nonlinear(Reading& reading, const XMLElement& element, DiscreteMaterial& material);
+/// When every section has been read: motions of one body that another one overrides.
+void remark_double_motion(Reading& reading);
+/// When every section has been read: whose nodes they are that a prescribed displacement moves.
+void advise_moved_nodes(Reading& reading);
 /// When every section has been read: springs whose force is a load curve.
 void resolve_functions(Reading& reading);
 void read_loads(Reading& reading, const XMLElement& section);

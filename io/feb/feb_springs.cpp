@@ -90,6 +90,7 @@ void read_discrete_material(Reading& reading, const XMLElement& element) {
     read_experimental(reading, element, material);
   } else {
     material.unsupported = fmt::format("discrete material {}", quote(type));
+    material.advice = febio::word_advice(febio::WordOf::DiscreteMaterial, type);
   }
   if (material.unsupported.empty() && material.springs.force && !material.springs.force->unsupported.empty()) {
     material.unsupported = fmt::format("{} with {}", type, material.springs.force->unsupported);
@@ -101,7 +102,9 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
   const std::string set_name = need_attribute(reading, element, "discrete_set");
   const auto set = reading.discrete_set_index.find(set_name);
   if (set == reading.discrete_set_index.end()) {
-    fail(reading, element, fmt::format("discrete_set = {}, expected the name of a DiscreteSet", quote(set_name)));
+    fail(reading, element,
+         fmt::format("discrete_set = {}, expected the name of a DiscreteSet{}", quote(set_name),
+                     those_there(set_name, reading.discrete_set_index)));
   }
   const std::string dmat = need_attribute(reading, element, "dmat");
   const auto number = whole_int(dmat);
@@ -113,7 +116,8 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
   const std::string type = attribute(element, "type");
   const DiscreteMaterial& material = reading.discrete_materials[static_cast<std::size_t>(*number) - 1];
   if (!type.empty() && type != "spring") {
-    unsupported(reading, element, fmt::format("discrete elements of type {}", quote(type)));
+    unsupported(reading, element, fmt::format("discrete elements of type {}", quote(type)),
+                "make it type spring, or take it out");
     return;
   }
   add_springs(reading, element, material, set->second);
@@ -123,7 +127,7 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
 
 void add_springs(Reading& reading, const XMLElement& element, const DiscreteMaterial& material, int set) {
   if (!material.unsupported.empty()) {
-    unsupported(reading, element, material.unsupported);
+    unsupported(reading, element, material.unsupported, material.advice);
     return;
   }
   DiscreteSprings springs = material.springs;
@@ -152,7 +156,7 @@ void read_nonlinear(Reading& reading, const XMLElement& element, DiscreteMateria
     }
     material.springs.measure = static_cast<DiscreteSprings::Measure>(word);
   }
-  if (force == nullptr) fail(reading, element, "nonlinear spring without <force>");
+  if (force == nullptr) fail(reading, element, "nonlinear spring without <force>: add it, of type point or math");
   read_force(reading, *force, material);
 }
 
@@ -165,7 +169,8 @@ void resolve_functions(Reading& reading) {
     if (!curve.unsupported.empty() || !curve.expression.empty()) {
       unsupported(reading, springs.origin,
                   fmt::format("springs whose force is load controller {} with {}", curve.id,
-                              curve.unsupported.empty() ? "an expression" : curve.unsupported));
+                              curve.unsupported.empty() ? "an expression" : curve.unsupported),
+                  "give the force as points: <force type=\"point\">");
     }
     springs.force = curve;
     for (auto& point : springs.force->points) point[1] *= use.scale;
@@ -184,7 +189,8 @@ void read_discrete(Reading& reading, const XMLElement& section) {
     else if (tag == "rigid_cable")
       read_cable(reading, *child);
     else
-      unsupported(reading, *child, fmt::format("<{}> in Discrete", tag));
+      unsupported(reading, *child, fmt::format("<{}> in Discrete", tag),
+                  "expected discrete_material, discrete, rigid_axial_force or rigid_cable");
   }
 }
 

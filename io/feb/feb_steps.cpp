@@ -79,7 +79,8 @@ std::vector<double> must_points(JointModel& model, const Control& control, doubl
 /// A controller of type math: an expression in t. Its <var> are numbers of FEBio's model, which are not known here.
 void read_expression(const Reading& reading, const XMLElement& element, LoadController& curve) {
   const XMLElement* math = element.FirstChildElement("math");
-  if (math == nullptr) fail(reading, element, "load controller of type math without <math>");
+  if (math == nullptr)
+    fail(reading, element, "load controller of type math without <math>: add it, an expression in t");
   const std::string text = text_of(*math);
   curve.expression = trim(text);
   std::string fault = expression_fault(curve.expression, {"t"});
@@ -94,7 +95,12 @@ int need_controller(const JointModel& model, int id, Origin origin) {
   for (std::size_t i = 0; i < model.controllers.size(); ++i) {
     if (model.controllers[i].id == id) return static_cast<int>(i);
   }
-  throw InputError(model, origin, fmt::format("lc = {}, but there is no load controller {}", id, id));
+  std::vector<std::string> ids;
+  for (const LoadController& curve : model.controllers) ids.push_back(std::to_string(curve.id));
+  throw InputError(model, origin,
+                   fmt::format("lc = {}, but there is no load controller {}: add it to LoadData, or use one of those "
+                               "there (ids {})",
+                               id, id, name_list(ids)));
 }
 
 void read_curve(const Reading& reading, const XMLElement& element, bool old, LoadController& curve) {
@@ -183,7 +189,7 @@ void finish(Reading& reading) {
     } else if (control.final_time && *control.final_time > 0) {
       step.duration = *control.final_time;
     } else {
-      throw InputError(model, control.origin, "time_steps = -1 without a final_time > 0");
+      throw InputError(model, control.origin, "time_steps = -1 without a final_time > 0: give one of them");
     }
     step.must_points = must_points(model, control, begin, begin + step.duration);
     begin += step.duration;
@@ -194,6 +200,8 @@ void finish(Reading& reading) {
       model, [&](int& controller, Origin origin) { controller = need_controller(model, controller, origin); });
   resolve_functions(reading);
   check_joints(reading);
+  advise_moved_nodes(reading);
+  remark_double_motion(reading);
   febio::refuse_unusable_controllers(model);
   // A named Nodes section is a node set too; FEBio lists it before the others.
   std::vector<NodeSet> named;

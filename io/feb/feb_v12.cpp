@@ -80,7 +80,7 @@ void read_boundary(Reading& reading, const XMLElement& section) {
     } else if (tag == "spring") {
       read_old_spring(reading, *child);
     } else {
-      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag));
+      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag), "expected fix, prescribe, contact or spring");
     }
   }
 }
@@ -110,7 +110,8 @@ void read_body(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const int dof = dof_of(child->Name());
     if (dof < 0) {
-      unsupported(reading, *child, fmt::format("<{}> in rigid_body", child->Name()));
+      unsupported(reading, *child, fmt::format("<{}> in rigid_body", child->Name()),
+                  "expected trans_x, trans_y, trans_z, rot_x, rot_y or rot_z");
       continue;
     }
     const std::string type = need_attribute(reading, *child, "type");
@@ -166,14 +167,14 @@ void read_loads_12(Reading& reading, const XMLElement& section) {
       if (is_zero_load(*child))
         ignore(reading, *child, "body_force of zero");
       else
-        unsupported(reading, *child, "body_force");
+        unsupported(reading, *child, "body_force", febio::load_advice("body_force", ""));
     } else {
       const bool of_fluid = tag == "fluidflux" || tag == "soluteflux" || tag == "concentration" || tag == "heatflux";
       const bool zero = facets_are_zero(*child);
       if (of_fluid || zero)
         ignore(reading, *child, zero ? fmt::format("{} of zero", tag) : std::string(tag));
       else
-        unsupported(reading, *child, std::string(tag));
+        unsupported(reading, *child, std::string(tag), febio::load_advice("surface_load", std::string(tag)));
     }
   }
 }

@@ -14,7 +14,7 @@ void read_boundary(Reading& reading, const XMLElement& section) {
     } else if (tag == "prescribe") {
       read_old_prescribe(reading, *child);
     } else {
-      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag));
+      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag), "expected fix or prescribe");
     }
   }
 }
@@ -24,7 +24,7 @@ void read_contacts(Reading& reading, const XMLElement& section) {
     if (std::string_view(child->Name()) == "contact")
       read_old_contact(reading, *child);
     else
-      unsupported(reading, *child, fmt::format("<{}> in Contact", child->Name()));
+      unsupported(reading, *child, fmt::format("<{}> in Contact", child->Name()), "expected <contact type=>");
   }
 }
 
@@ -54,7 +54,7 @@ void read_discrete_20(Reading& reading, const XMLElement& section) {
     else if (tag == "rigid_axial_force")
       read_axial_force(reading, *child);
     else
-      unsupported(reading, *child, fmt::format("<{}> in Discrete", tag));
+      unsupported(reading, *child, fmt::format("<{}> in Discrete", tag), "expected spring or rigid_axial_force");
   }
 }
 

@@ -20,7 +20,8 @@ void read_boundary(Reading& reading, const XMLElement& section) {
     } else if (tag == "rigid_body") {
       read_rigid_body(reading, *child);
     } else {
-      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag));
+      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag),
+                  "expected fix, prescribe, rigid or rigid_body");
     }
   }
 }
@@ -28,7 +29,7 @@ void read_boundary(Reading& reading, const XMLElement& section) {
 void read_constraints_25(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     if (std::string_view(child->Name()) == "rigid_body")
-      unsupported(reading, *child, "rigid_body in Constraints: move it to Boundary");
+      unsupported(reading, *child, "rigid_body in Constraints", "move it to Boundary");
     else
       read_constraint(reading, *child);
   }

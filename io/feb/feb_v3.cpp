@@ -17,7 +17,8 @@ void read_boundary(Reading& reading, const XMLElement& section) {
       rigid_nodes(reading, *child, child_text(*child, "rb"));
     } else {
       unsupported(reading, *child,
-                  type.empty() ? fmt::format("<{}> in Boundary", child->Name()) : fmt::format("bc {}", quote(type)));
+                  type.empty() ? fmt::format("<{}> in Boundary", child->Name()) : fmt::format("bc {}", quote(type)),
+                  febio::word_advice(febio::WordOf::Boundary, type));
     }
   }
 }
@@ -43,7 +44,8 @@ void read_rigid(Reading& reading, const XMLElement& section) {
     else if (rigid_condition(reading, *child, type) || rigid_connector(reading, *child, type))
       continue;
     else
-      unsupported(reading, *child, fmt::format("{} {}", child->Name(), quote(type)));
+      unsupported_word(reading, *child, fmt::format("{} {}", child->Name(), quote(type)), febio::WordOf::RigidCondition,
+                       type);
   }
 }
 

@@ -36,7 +36,7 @@ void read_boundary(Reading& reading, const XMLElement& section) {
                has(type, "concentration") || has(type, "temperature")) {
       ignore(reading, *child, what);
     } else {
-      unsupported(reading, *child, what);
+      unsupported_word(reading, *child, what, febio::WordOf::Boundary, type);
     }
   }
 }
@@ -45,7 +45,8 @@ void read_rigid(Reading& reading, const XMLElement& section) {
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string type = attribute(*child, "type");
     if (rigid_condition(reading, *child, type) || rigid_connector(reading, *child, type)) continue;
-    unsupported(reading, *child, fmt::format("{} {}", child->Name(), quote(type)));
+    unsupported_word(reading, *child, fmt::format("{} {}", child->Name(), quote(type)), febio::WordOf::RigidCondition,
+                     type);
   }
 }
 

@@ -59,7 +59,8 @@ void read_other_file(Reading& reading, const XMLElement& place, const std::strin
   if (std::find(reading.open_files.begin(), reading.open_files.end(), canonical) != reading.open_files.end()) {
     fail(reading, place, fmt::format("{} includes itself: remove one include", quote(path)));
   }
-  if (++reading.files_read > kMostIncludes) fail(reading, place, fmt::format("more than {} includes", kMostIncludes));
+  if (++reading.files_read > kMostIncludes)
+    fail(reading, place, fmt::format("more than {} includes: does a file include others without end?", kMostIncludes));
   std::unique_ptr<XMLDocument> document = load_xml(path, path);
   const XMLElement& root = need_root(*document, path);
 
@@ -85,7 +86,7 @@ fs::path folder_of_current(const Reading& reading) {
 /// <Include>: a bare name lies beside the model, a path is taken as written; then beside the including file.
 void read_include(Reading& reading, const XMLElement& element) {
   const std::string name(trim(text_of(element)));
-  if (name.empty()) fail(reading, element, "<Include> without a file name");
+  if (name.empty()) fail(reading, element, "<Include> without a file name: give one, or take it out");
   const bool bare = name.find_first_of("/\\") == name.npos;
   const fs::path first = bare ? fs::path(reading.main_folder) / name : fs::path(name);
   read_other_file(reading, element, first_file({first, folder_of_current(reading) / name}),
@@ -105,9 +106,9 @@ void read_from(Reading& reading, const XMLElement& element) {
   read_other_file(reading, element, path, [&](const XMLElement& root) {
     const XMLElement* section = root.FirstChildElement(element.Name());
     if (section == nullptr)
-      throw InputError(
-          path, root.GetLineNum(),
-          fmt::format("no <{}> here, which {} takes from this file", element.Name(), quote(reading.model.files[0])));
+      throw InputError(path, root.GetLineNum(),
+                       fmt::format("no <{}> here, which {} takes from this file: add it, or take out its from",
+                                   element.Name(), quote(reading.model.files[0])));
     read_section(reading, *section);
   });
 }
@@ -140,13 +141,15 @@ void read_module(Reading& reading, const XMLElement& section) {
   JointModel& model = reading.model;
   const std::string type = attribute(section, "type");
   if (reading.step >= 0 && !model.module.empty()) {  // 1.2 and 2.0 have one in each step
-    if (!febio::known_module(type)) unsupported(reading, section, fmt::format("module {}", quote(type)));
+    if (!febio::known_module(type))
+      unsupported_word(reading, section, fmt::format("module {}", quote(type)), febio::WordOf::Module, type);
     return;
   }
   model.module = type;
   const std::string units = child_text(section, "units");
   if (!units.empty()) model.units = trim(units);
-  if (!febio::known_module(model.module)) unsupported(reading, section, fmt::format("module {}", quote(model.module)));
+  if (!febio::known_module(model.module))
+    unsupported_word(reading, section, fmt::format("module {}", quote(type)), febio::WordOf::Module, type);
 }
 
 /// One step: sections read from now on belong to it, even those after its end tag, as in FEBio.
@@ -157,7 +160,8 @@ void read_step(Reading& reading, const XMLElement& section) {
   reading.control().origin = origin_of(reading, section);
   for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const std::string_view tag = child->Name();
-    if (tag == "Step" || tag == "step") fail(reading, *child, "a step inside a step");
+    if (tag == "Step" || tag == "step")
+      fail(reading, *child, "a step inside a step, expected steps one after the other: move it out");
     read_section(reading, *child);
   }
 }
@@ -194,7 +198,16 @@ void read_section(Reading& reading, const XMLElement& section) {
   if (tag == "Include") return read_include(reading, section);
   if (tag == "Step") return read_steps(reading, section);
   if (tag == "Globals" || tag == "Output") return;
-  if (tag == "Rigid") return unsupported(reading, section, "section <Rigid> in a version without one");
+  if (tag == "Rigid")
+    return unsupported(reading, section, "section <Rigid> in a version without one", "save it as 4.0");
+  const std::string name(tag);
+  // FEBio's own, of no use here; else a slip of the keyboard would leave out a whole section.
+  if (tag == "MeshAdaptor" || tag == "Environment" || tag == "Code" || tag == "Parameters")
+    return ignore(reading, section, fmt::format("section <{}>", tag));
+  const std::string meant = nearest_name(
+      name, {"Module", "Control", "Material", "Geometry", "Mesh", "MeshDomains", "MeshData", "Boundary", "Rigid",
+             "Loads", "Contact", "Constraints", "Discrete", "Initial", "LoadData", "Include", "Step"});
+  if (!meant.empty()) fail(reading, section, fmt::format("section <{}> is unknown: did you mean <{}>?", name, meant));
   ignore(reading, section, fmt::format("section <{}>", tag));
 }
 

@@ -553,8 +553,7 @@ TEST_F(ReadFeb, RigidBodiesOf25) {
   EXPECT_EQ(m.rigid_loads.back().value.controller, -1);
   EXPECT_EQ(m.rigid_loads[m.rigid_loads.size() - 2].kind, RigidLoad::Kind::Target);
   ASSERT_EQ(m.unsupported.size(), 2u);
-  EXPECT_EQ(m.unsupported[0].what,
-            "rigid moment with type \"follow\", which FEBio 4 leaves out: remove it, or save as 4.0");
+  EXPECT_EQ(m.unsupported[0].what, "rigid moment with type \"follow\", which FEBio 4 leaves out");
   EXPECT_EQ(m.unsupported[1].what, "section <Rigid> in a version without one");
   ASSERT_EQ(m.ignored.size(), 1u);
   EXPECT_EQ(m.ignored[0].what, "initial velocity of a rigid body");
@@ -799,7 +798,7 @@ TEST_F(ReadFeb, BadIncludesAreRefused) {
             "old.feb:2: version \"1.1\", expected 1.2, 2.0, 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0");
   write("empty.feb", feb("4.0", ""));
   EXPECT_EQ(fault_of(feb("4.0", "<Mesh from=\"empty.feb\"/>")),
-            "empty.feb:2: no <Mesh> here, which \"model.feb\" takes from this file");
+            "empty.feb:2: no <Mesh> here, which \"model.feb\" takes from this file: add it, or take out its from");
 }
 
 // -- refusals ----------------------------------------------------------------------------------------
@@ -843,7 +842,8 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
       {"<density>2<", "<density>-2<", "6: material \"plate\": density = -2, need density >= 0"},
       {"<center_of_mass>0,0,0<", "<center_of_mass>0,0<",
        "6: center_of_mass = \"0,0\", expected three numbers x,y,z of at most 1e30"},
-      {"id=\"2\" name=\"lower\"", "id=\"1\" name=\"lower\"", "7: material id 1 exists twice: \"plate\" and \"lower\""},
+      {"id=\"2\" name=\"lower\"", "id=\"1\" name=\"lower\"",
+       "7: material id 1 exists twice: \"plate\" and \"lower\"; renumber one"},
       {"name=\"lower\"", "name=\"plate\"", "7: material \"plate\" exists twice: rename one"},
       {"<node id=\"2\">", "<node id=\"1\">", "12: node 1 exists twice: renumber one"},
       {"<node id=\"2\">", "<node id=\"x\">", "12: <node> with id = \"x\", expected a positive whole number"},
@@ -860,7 +860,8 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
       {"<node id=\"2\">1,0,0<", "<node id=\"2\">1,0,0,0<", "12: node 2 is \"1,0,0,0\", expected three numbers x,y,z"},
       {"5,6,7,8</elem>", "5,6,7</elem>", "17: hex8 element 1 has 7 nodes, expected 8"},
       {"5,6,7,8</elem>", "5,6,7,8,11</elem>", "17: hex8 element 1 has 9 nodes, expected 8"},
-      {"5,6,7,8</elem>", "5,6,7,9</elem>", "17: hex8 element 1 uses node 9, which does not exist"},
+      {"5,6,7,8</elem>", "5,6,7,9</elem>",
+       "17: hex8 element 1 uses node 9, which does not exist: mend the number, or add the node"},
       {"5,6,7,8</elem>", "5,6,7,q</elem>", "17: <elem> lists \"q\", expected whole numbers and commas"},
       {"<elem id=\"2\">", "<elem id=\"1\">", "18: element 1 exists twice: renumber one"},
       {"type=\"hex8\" name=\"L\"", "type=\"brick\" name=\"L\"",
@@ -869,42 +870,57 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
       {"<quad4 id=\"1\">5,6,7,8<", "<quad4 id=\"1\">5,6,6,8<",
        "20: quad4 facet 1 of surface \"bottom\" has a node twice (\"5,6,6,8\"): repair the mesh"},
       {"<quad4 id=\"1\">5,6,7,8<", "<quad4 id=\"1\">5,6,7,99<",
-       "20: quad4 facet 1 of surface \"bottom\" uses node 99, which does not exist"},
+       "20: quad4 facet 1 of surface \"bottom\" uses node 99, which does not exist: mend the number, or add the node"},
       {"<quad4 id=\"1\">5,6,7,8</quad4>", "<hex8 id=\"1\">1</hex8>",
        "20: <hex8> in surface \"bottom\", expected tri3, tri6, quad4, quad8 or another facet"},
       {"<Surface name=\"top\">", "<Surface name=\"bottom\">", "21: surface \"bottom\" exists twice: rename one"},
-      {"18, 17, 15,\n16", "18, 99", "22: <NodeSet> uses node 99, which does not exist"},
+      {"18, 17, 15,\n16", "18, 99",
+       "22: <NodeSet> uses node 99, which does not exist: mend the number, or add the node"},
       {"1,5:8:3", "8:5", "23: range 8:5:1, expected first:last:step going up"},
-      {"1,5:8:3", "1,5:2000000000", "23: <NodeSet> uses node 9, which does not exist"},
+      {"1,5:8:3", "1,5:2000000000",
+       "23: <NodeSet> uses node 9, which does not exist: mend the number, or add the node"},
       {"<primary>bottom<", "<primary>bottem<",
-       "24: surface pair \"pair\" names \"bottem\", expected the name of a Surface above it"},
-      {"<primary>bottom</primary>", "", "24: surface pair \"pair\" without <primary>"},
+       "24: surface pair \"pair\" names \"bottem\", expected the name of a Surface above it (did you mean "
+       "\"bottom\"?); the model has \"bottom\", \"top\""},
+      {"<primary>bottom</primary>", "",
+       "24: surface pair \"pair\" without <primary>: add it, with the name of a surface"},
       {"<delem>1,18<", "<delem>1<", "25: spring 1 of discrete set \"ligament\" has 1 nodes, expected 2"},
-      {"mat=\"lower\"", "mat=\"2\"", "26: <SolidDomain> with mat = \"2\", expected the name of a material"},
+      {"mat=\"lower\"", "mat=\"2\"",
+       "26: <SolidDomain> with mat = \"2\", expected the name of a material; the model has \"femur\", \"lower\", "
+       "\"plate\", \"upper\""},
       {"SolidDomain name=\"L\"", "SolidDomain name=\"X\"",
-       "26: SolidDomain \"X\" names no Elements section: expected the name of one in Mesh"},
+       "26: SolidDomain \"X\" names no Elements section: expected the name of one in Mesh; the model has \"L\", \"P\", "
+       "\"U\""},
       {"type=\"zero displacement\" node_set=\"side\"", "type=\"zero displacement\" node_set=\"sode\"",
-       "28: \"sode\" names no node set"},
+       "28: \"sode\" names no node set (did you mean \"side\"?); the model has \"all\", \"held\", \"side\""},
       {"<x_dof>1<", "<x_dof>true<", "28: x_dof = \"true\", expected 0 or 1"},
       {"<rb>femur</rb><clamp", "<rb>tibia</rb><clamp",
-       "29: \"tibia\" names no material, expected the id or name of a rigid body"},
-      {"<rb>femur</rb><clamp", "<rb>2</rb><clamp", "29: material \"lower\" is \"neo-Hookean\", expected a rigid body"},
-      {"<rb>plate</rb>", "", "30: <rigid_bc> without <rb>"},
-      {"<body_a>plate<", "<body_a>9<", "31: \"9\" names no material, expected the id or name of a rigid body"},
+       "29: \"tibia\" names no material, expected the id or name of a rigid body; rigid bodies: \"plate\", \"femur\""},
+      {"<rb>femur</rb><clamp", "<rb>2</rb><clamp",
+       "29: material \"lower\" is \"neo-Hookean\", expected a rigid body; rigid bodies: \"plate\", \"femur\""},
+      {"<rb>plate</rb>", "", "30: <rigid_bc> without <rb>: add it, with the name of a rigid material"},
+      {"<body_a>plate<", "<body_a>9<",
+       "31: \"9\" names no material, expected the id or name of a rigid body; rigid bodies: \"plate\", \"femur\""},
       {"surface_pair=\"pair\"", "surface_pair=\"pear\"",
-       "33: surface_pair = \"pear\", expected the name of a SurfacePair"},
+       "33: surface_pair = \"pear\", expected the name of a SurfacePair; the model has \"pair\""},
       {"discrete_set=\"ligament\"", "discrete_set=\"ligamint\"",
-       "37: discrete_set = \"ligamint\", expected the name of a DiscreteSet"},
+       "37: discrete_set = \"ligamint\", expected the name of a DiscreteSet (did you mean \"ligament\"?); the model "
+       "has "
+       "\"ligament\""},
       {"dmat=\"2\"", "dmat=\"3\"", "37: dmat = \"3\", expected the number of one of the 2 discrete materials above it"},
       {"<dof>z</dof>", "<dof>w</dof>", "39: <rigid_bc> with dof \"w\", expected one of x, y, z"},
-      {"<value lc=\"1\">-0.1<", "<value lc=\"7\">-0.1<", "39: lc = 7, but there is no load controller 7"},
+      {"<value lc=\"1\">-0.1<", "<value lc=\"7\">-0.1<",
+       "39: lc = 7, but there is no load controller 7: add it to LoadData, or use one of those there (ids \"1\", "
+       "\"2\")"},
       {"<value lc=\"1\">-0.1<", "<value lc=\"a\">-0.1<",
        "39: value has lc = \"a\", expected the id of a load controller"},
       {"<value lc=\"1\">-0.1<", "<value lc=\"1\">fast<", "39: value = \"fast\", expected a number of at most 1e30"},
-      {"<dtmax lc=\"2\">", "<dtmax lc=\"5\">", "40: lc = 5, but there is no load controller 5"},
+      {"<dtmax lc=\"2\">", "<dtmax lc=\"5\">",
+       "40: lc = 5, but there is no load controller 5: add it to LoadData, or use one of those there (ids \"1\", "
+       "\"2\")"},
       {"<step_size>0.25<", "<step_size>0<", "4: step_size = 0, need step_size > 0"},
       {"<time_steps>4<", "<time_steps>-4<", "4: time_steps = -4, need time_steps >= 0, or -1 with a final_time"},
-      {"<time_steps>10<", "<time_steps>-1<", "40: time_steps = -1 without a final_time > 0"},
+      {"<time_steps>10<", "<time_steps>-1<", "40: time_steps = -1 without a final_time > 0: give one of them"},
       {"<load_type>FOLLOW<", "<load_type>PULL<", "42: load_type = \"PULL\", expected LOAD, FOLLOW or TARGET"},
       {"<point>1,1<", "<point>1<",
        "44: point \"1\" of load controller 1, expected two numbers time,value of at most 1e30"},
@@ -928,7 +944,8 @@ TEST_F(ReadFeb, NestedSetsCannotFillTheMemory) {
   for (int i = 1; i < 40; ++i)
     mesh += fmt::format("<NodeSet name=\"s{0}\"><NodeSet node_set=\"s{1}\"/><NodeSet node_set=\"s{1}\"/></NodeSet>", i,
                         i - 1);
-  EXPECT_EQ(fault_of(mesh_model(mesh)), "model.feb:3: the sets list more than 100000000 nodes or elements");
+  EXPECT_EQ(fault_of(mesh_model(mesh)),
+            "model.feb:3: the sets list more than 100000000 nodes or elements: is one listed again and again?");
 }
 
 const std::string kPart =
@@ -1071,12 +1088,11 @@ TEST_F(ReadFeb, JointsThatCannotBeTakenAreUnsupportedOrRefused) {
       {"rigid revolute joint", "<torsion_stiffness>2</torsion_stiffness>",
        "rigid revolute joint with torsion_stiffness"},
       {"rigid revolute joint", "<laugon>LAGMULT</laugon><moment>2</moment>",
-       "rigid revolute joint with laugon LAGMULT, where FEBio leaves out its moment: choose AUGLAG"},
+       "rigid revolute joint with laugon LAGMULT, where FEBio leaves out its moment"},
       {"rigid spherical joint", "<prescribed_rotation>1</prescribed_rotation><rotation_x>1</rotation_x>",
-       "rigid spherical joint with prescribed_rotation, which has global directions, while body_a can rotate: fix "
-       "body_a's rotations"},
+       "rigid spherical joint with prescribed_rotation, which has global directions, while body_a can rotate"},
       {"generic rigid joint", "<prescribe_Rx>1</prescribe_Rx>",
-       "generic rigid joint with 2 free and 1 prescribed rotations: no more than one, or three free"},
+       "generic rigid joint with 2 free and 1 prescribed rotations"},
       {"generic rigid joint",
        "<prescribe_Rx>2</prescribe_Rx><prescribe_Ry>0</prescribe_Ry><prescribe_Rz>0</prescribe_Rz>",
        "generic rigid joint with prescribe_Rx beyond a right angle"}};
@@ -1090,14 +1106,14 @@ TEST_F(ReadFeb, JointsThatCannotBeTakenAreUnsupportedOrRefused) {
     return text.substr(text.find(' ') + 1);
   };
   EXPECT_EQ(fault_with("rigid cylindrical joint", ""),
-            "rigid cylindrical joint: joint_axis is zero, expected a direction");
+            "rigid cylindrical joint without <joint_axis>, which has no default: add it, a direction x,y,z");
   EXPECT_EQ(fault_with("rigid prismatic joint", "<translation_axis>0,1,0</translation_axis>"),
             "rigid prismatic joint: translation_axis and transverse_axis have the same direction, expected two "
             "different ones");
   EXPECT_EQ(fault_with("rigid revolute joint", "<prescribed_rotation>1</prescribed_rotation><moment>1</moment>"),
             "rigid revolute joint with prescribed_rotation = 1 and a moment of 1, expected one of them");
   EXPECT_EQ(fault_of(model_and("<Rigid><rigid_load type=\"rigid_axial_force\"/></Rigid>")).substr(14),
-            "<rigid_load> without <rbA>");
+            "<rigid_load> without <rbA>: add it, with the name of a rigid material");
 }
 
 TEST_F(ReadFeb, ForcesOnAndBetweenBodies) {
@@ -1222,17 +1238,20 @@ TEST_F(ReadFeb, FaultsOfOldFilesHaveTheirLine) {
     return fault_of(replaced(model, from, to));
   };
   EXPECT_EQ(old(kModel20, "set=\"bottom\"", "set=\"under\""),
-            "model.feb:26: set = \"under\", expected the name of a Surface above it");
+            "model.feb:26: set = \"under\", expected the name of a Surface above it; the model has \"bottom\", \"joint "
+            "master\"");
   EXPECT_EQ(old(kModel20, "<surface type=\"slave\" set=\"bottom\"/>", ""),
-            "model.feb:25: contact without <surface type=\"slave\">");
-  EXPECT_EQ(old(kModel12, ">1,6<", ">1,7<"),
-            "model.feb:25: quad4 facet 1 of surface \"contact 1 slave\": element 1 has no such face 7");
+            "model.feb:25: contact without <surface type=\"slave\">: add it");
+  EXPECT_EQ(
+      old(kModel12, ">1,6<", ">1,7<"),
+      "model.feb:25: quad4 facet 1 of surface \"contact 1 slave\": element 1 has no such face 7, expected 1 to 6");
   EXPECT_EQ(old(kModel12, "<hex8 id=\"7\" mat=\"2\">", "<hex8 id=\"7\" mat=\"9\">"),
             "model.feb:17: <hex8> with mat = \"9\", expected the id of a material");
   EXPECT_EQ(old(kModel12, "<element id=\"2\">", "<element id=\"9\">"),
-            "model.feb:19: ElementData of element 9, which does not exist");
-  EXPECT_EQ(old(kModel12, "rb=\"4\"", "rb=\"2\""),
-            "model.feb:21: material \"lower\" is \"neo-Hookean\", expected a rigid body");
+            "model.feb:19: ElementData of element 9, which does not exist: take it out");
+  EXPECT_EQ(
+      old(kModel12, "rb=\"4\"", "rb=\"2\""),
+      "model.feb:21: material \"lower\" is \"neo-Hookean\", expected a rigid body; rigid bodies: \"plate\", \"femur\"");
 }
 
 TEST_F(ReadFeb, NodesOutOfOrderAreFound) {

@@ -173,7 +173,8 @@ TEST(SettingsXml, RefusalsNameTheLine) {
   EXPECT_EQ(fault("<law>cubic</law>"),
             ":2: <law>: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer");
   EXPECT_EQ(fault("\n<Law>linear</Law>"),
-            ":3: found <Law>, expected one of <contact>, <source>, <springs-at>, <law>, <layer-terms>, "
+            ":3: found <Law> (did you mean \"law\"?), expected one of <contact>, <source>, <springs-at>, <law>, "
+            "<layer-terms>, "
             "<interface-stiffness>, <facets>, <refine>, <rigid>, "
             "<attach>, <bone>, <thickness>, "
             "<E>, <nu>, <free>, <force>, <load-at>, <squash>, <output>, <json>, <csv>, <facets-csv>, <vtu>, <states>");

@@ -150,12 +150,13 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
          "dea: s.xml: <states>: found time 7, expected times from 0 to 1, those of the model");
   expect("none.feb", "",
          "none.feb: no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
-         "\"sliding-elastic\")");
+         "\"sliding-elastic\"), and there is no contact at all: add one, or there is nothing to solve for DEA");
   expect("loose.feb", "",
          "loose.feb: contact \"touch\", surface \"top\": its layer is held by no rigid body (no shared nodes, rigid "
          "node set, "
          "tied contact or nodes fixed in x, y and z); name the body with --attach \"top=BODY\" (bodies: \"base\", "
-         "\"plate\")");
+         "\"plate\"), and the layer's bone surface with --bone \"top=SURFACE\" or its thickness with --thickness "
+         "\"top=VALUE\"");
   expect("pressed.feb", "",
          "pressed.feb: surface_load \"pressure\" is not supported and would change the result: take it out, or use "
          "what DEA "

@@ -1,0 +1,49 @@
+// Distances counted by hand.
+#include "names.h"
+
+#include <gtest/gtest.h>
+
+namespace dea {
+namespace {
+
+TEST(Names, EditDistance) {
+  EXPECT_EQ(edit_distance("hip", "hip"), 0);
+  EXPECT_EQ(edit_distance("hip", "Hip"), 0);   // capitals are small letters
+  EXPECT_EQ(edit_distance("hip", "hop"), 1);   // changed
+  EXPECT_EQ(edit_distance("hip", "hips"), 1);  // added
+  EXPECT_EQ(edit_distance("hip", "ip"), 1);    // left out
+  EXPECT_EQ(edit_distance("run", "rnu"), 1);   // neighbours swapped
+  EXPECT_EQ(edit_distance("", "knee"), 4);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3);
+  EXPECT_EQ(edit_distance("femur", "tibia"), 5);
+  const std::string a(1000, 'a'), b(1000, 'b');
+  EXPECT_EQ(edit_distance(a, b), 100);  // cut
+}
+
+TEST(Names, EditDistanceIsTheSameBothWays) {
+  for (const char* a : {"", "a", "ab", "ba", "abc", "acb", "sliding"})
+    for (const char* b : {"", "b", "ab", "cab", "slidng", "tied"}) EXPECT_EQ(edit_distance(a, b), edit_distance(b, a));
+}
+
+TEST(Names, TheNearestIsASlipOfTheKeyboardOrNothing) {
+  const std::vector<std::string> names = {"sliding-elastic", "sliding-biphasic", "tied-elastic", "run"};
+  EXPECT_EQ(nearest_name("slidng-elastic", names), "sliding-elastic");
+  EXPECT_EQ(nearest_name("rnu", names), "run");
+  EXPECT_EQ(nearest_name("periodic boundary", names), "");
+  EXPECT_EQ(nearest_name("x", names), "");
+  EXPECT_EQ(nearest_name("", names), "");
+  EXPECT_EQ(nearest_name("run", {}), "");
+  EXPECT_EQ(did_you_mean("rnu", names), " (did you mean \"run\"?)");
+  EXPECT_EQ(did_you_mean("bone", names), "");
+}
+
+TEST(Names, ListsAreShortAndOneLine) {
+  EXPECT_EQ(name_list({}), "none");
+  EXPECT_EQ(name_list({"b", "a"}), "\"b\", \"a\"");
+  EXPECT_EQ(name_list({"far", "hop", "hip"}, "hip", 2), "\"hip\", \"hop\", ...");
+  EXPECT_EQ(name_list({"two\nlines"}), "\"two lines\"");
+  EXPECT_EQ(name_list({std::string(100, 'x')}), "\"" + std::string(60, 'x') + "...\"");
+}
+
+}  // namespace
+}  // namespace dea
