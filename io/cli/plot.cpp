@@ -21,9 +21,10 @@ with one scale; colours are in 128 steps. Lines and --smooth are of nodal averag
 node); with --smooth the edge of contact encloses as much area as the facets with pressure do. "mean" is over the area with
 pressure. Grey: no contact, or a value of exactly 0.
 
-Seen from where the surface's mean normal points to, or, where pressure would be out of sight, against the force on it.
---view unrolled is for balls and sockets: Lambert's equal-area map about the fitted sphere's pole, seen from the joint, with
-circles of equal angle from the axis. Panels go file by file, then surface by surface, then state by state.
+Sockets and flat surfaces are seen along their mean normal; balls, and surfaces whose pressure would be out of sight,
+against the force on them. --view unrolled is for balls and sockets: Lambert's equal-area map about the axis of the fitted
+sphere, seen from the joint, with circles of equal angle from the axis. Files lie side by side, further surfaces and states
+below them.
 
 Examples:
   dea plot hip_dea.xplt
@@ -105,15 +106,18 @@ MapOptions map_options(const PlotArguments& a) {
   return o;
 }
 
+/// One per file, then that of --minus.
 std::vector<std::string> labels(const PlotArguments& a) {
   if (a.labels.empty()) {
     std::vector<std::string> names;
     for (const std::string& file : a.files) names.push_back(std::filesystem::path(file).stem().string());
+    if (!a.minus.empty()) names.push_back(std::filesystem::path(a.minus).stem().string());
     return names;
   }
-  if (a.labels.size() != a.files.size())
-    throw UsageError(
-        fmt::format("--label: found {} labels, expected one per file ({})", a.labels.size(), a.files.size()));
+  const std::size_t expected = a.files.size() + (a.minus.empty() ? 0 : 1);
+  if (a.labels.size() != expected)
+    throw UsageError(fmt::format("--label: found {} labels, expected one per file ({}{})", a.labels.size(), expected,
+                                 a.minus.empty() ? "" : ", the last for --minus"));
   return a.labels;
 }
 
@@ -141,7 +145,8 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   once("--at", a.at, "TIME,TIME", "What", "States at these times, a panel each [the last state of each file]");
   once("--states", a.states, "all|last|t1,t2,...", "What", "The same, or all states");
   once("--minus", a.minus, "REF.xplt", "What", "Difference: the files' values minus those of this one");
-  repeated("--label", a.labels, "What", "Title of a file's panels, once per file in their order [file names]");
+  repeated("--label", a.labels, "What",
+           "Title of a file's panels, once per file in their order, then --minus [file names]");
   once("--view", a.view, "x,y,z|unrolled", "View", "Direction from which the surface is seen, or unrolled [its axis]");
   once("--up", a.up, "x,y,z", "View", "What is up in the picture [z, y or x, the first that lies across]");
   c->add_flag("--smooth", a.smooth, "Nodal averages instead of facets as they are")->group("Look");
@@ -174,7 +179,7 @@ int plot_command(const PlotArguments& a) {
 
   std::vector<ResultFile> files, minus;
   for (std::size_t i = 0; i < a.files.size(); ++i) files.push_back(read_result(a.files[i], names[i]));
-  if (!a.minus.empty()) minus.push_back(read_result(a.minus, std::filesystem::path(a.minus).stem().string()));
+  if (!a.minus.empty()) minus.push_back(read_result(a.minus, names.back()));
   check_outputs(inputs, {{"-o", output}});
   MapFigure figure = make_map_figure(files, minus.empty() ? nullptr : &minus.front(), options);
   figure.title = a.title;

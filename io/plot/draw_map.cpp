@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 
@@ -23,6 +25,7 @@ constexpr double kMillimetre = 96.0 / 25.4;  // lengths on paper are in pixels o
 constexpr int kBands = 128;                  // steps of colour: below what the eye tells apart
 constexpr double kText = 15.0, kBold = 15.5, kTitle = 18.0;
 constexpr double kMargin = 16.0, kGap = 22.0, kBarWidth = 17.0;
+constexpr double kLegendLine = 24.0, kAxesRoom = 92.0;
 constexpr double kMostPixels = 20000.0;
 
 struct Paper {
@@ -80,26 +83,41 @@ struct Placing {
   Vector2d operator()(const Vector2d& x) const { return {origin.x() + scale * x.x(), origin.y() - scale * x.y()}; }
 };
 
-/// Adds lines to the path. Rounded to an eighth of a pixel: files stay small.
-void trace(Pen& pen, const Placing& place, const std::vector<Polyline>& lines) {
+double distance_to_chord(const Vector2d& x, const Vector2d& a, const Vector2d& b) {
+  const Vector2d d = b - a;
+  const double t = d.squaredNorm() > 0 ? std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0.0;
+  return (x - a - t * d).norm();
+}
+
+/// Adds lines to the path, without points that a straight line passes within `tolerance` [px] anyway, and rounded to an
+/// eighth of a pixel: files stay small.
+void trace(Pen& pen, const Placing& place, const std::vector<Polyline>& lines, double tolerance = 0.0) {
   for (const Polyline& line : lines) {
-    Vector2d last(1e300, 1e300);
+    std::vector<Vector2d> points;
     for (const Vector2d& point : line.points) {
       const Vector2d p = (8.0 * place(point)).array().round() / 8.0;
-      if (p == last) continue;
-      if (last.x() == 1e300)
-        cairo_move_to(pen.get(), p.x(), p.y());
-      else
-        cairo_line_to(pen.get(), p.x(), p.y());
-      last = p;
+      if (points.empty() || p != points.back()) points.push_back(p);
+    }
+    if (points.empty()) continue;
+    cairo_move_to(pen.get(), points[0].x(), points[0].y());
+    for (std::size_t from = 0, to = 1; to < points.size(); ++to) {
+      if (to + 1 < points.size() && to - from < 50) {
+        bool straight = true;
+        for (std::size_t k = from + 1; k <= to && straight; ++k)
+          straight = distance_to_chord(points[k], points[from], points[to + 1]) <= tolerance;
+        if (straight) continue;
+      }
+      cairo_line_to(pen.get(), points[to].x(), points[to].y());
+      from = to;
     }
     if (line.closed) cairo_close_path(pen.get());
   }
 }
 
-void fill(Pen& pen, const Placing& place, const std::vector<Polyline>& outline, const Rgb& colour) {
+void fill(Pen& pen, const Placing& place, const std::vector<Polyline>& outline, const Rgb& colour,
+          double tolerance = 0.0) {
   if (outline.empty()) return;
-  trace(pen, place, outline);
+  trace(pen, place, outline, tolerance);
   pen.use(colour);
   cairo_fill(pen.get());
 }
@@ -129,7 +147,9 @@ void fill_values(Pen& pen, const Placing& place, const MapFigure& figure, const 
     for (int b = band(figure, start); b <= band(figure, most); ++b) {
       const double level = std::max(start, figure.low + (figure.high - figure.low) * b / kBands);
       const double from = b == band(figure, start) ? start : level;
-      fill(pen, place, region_above(s.mesh, s.projection, valued, panel.points, from), band_colour(figure, b));
+      // The line between two bands can hardly be seen, the edge of contact can.
+      fill(pen, place, region_above(s.mesh, s.projection, valued, panel.points, from), band_colour(figure, b),
+           from == start ? 0.0 : 0.2);
     }
     return;
   }
@@ -171,9 +191,12 @@ void stroke_marker(Pen& pen) {
   pen.stroke(1.6);
 }
 
+/// A triangle that stands on the place.
 void peak_marker(Pen& pen, const Vector2d& p) {
-  cairo_new_sub_path(pen.get());
-  cairo_arc(pen.get(), p.x(), p.y(), 5.0, 0, 2 * kPi);
+  cairo_move_to(pen.get(), p.x(), p.y());
+  cairo_line_to(pen.get(), p.x() - 5.5, p.y() - 10.0);
+  cairo_line_to(pen.get(), p.x() + 5.5, p.y() - 10.0);
+  cairo_close_path(pen.get());
   stroke_marker(pen);
 }
 
@@ -186,34 +209,60 @@ void center_marker(Pen& pen, const Vector2d& p) {
   stroke_marker(pen);
 }
 
-/// Circles of equal angle from the pole of an unrolled map, as far as the surface reaches.
-void draw_angles(Pen& pen, const Placing& place, const MapSurface& s, const Paper& paper) {
+struct Box {
+  Vector2d low = Vector2d::Constant(1e300), high = Vector2d::Constant(-1e300);
+};
+
+Box extent(const MapSurface& s) {
+  Box box;
+  for (int t = 0; t < s.mesh.size(); ++t) {
+    if (s.projection.layer[at(t)] < 0) continue;
+    for (int v : s.mesh.triangles[at(t)]) {
+      box.low = box.low.cwiseMin(s.projection.points[at(v)]);
+      box.high = box.high.cwiseMax(s.projection.points[at(v)]);
+    }
+  }
+  if (!(box.high.x() >= box.low.x())) box.low = box.high = Vector2d::Zero();
+  return box;
+}
+
+/// Circles of equal angle from the pole of an unrolled map, where the surface is.
+void draw_angles(Pen& pen, const Placing& place, const MapSurface& s, const Box& box, const Paper& paper) {
   double reach = 0.0;
   for (int t = 0; t < s.mesh.size(); ++t)
     if (s.projection.layer[at(t)] >= 0)
       for (int v : s.mesh.triangles[at(t)]) reach = std::max(reach, s.projection.points[at(v)].norm());
-  const Vector2d middle = place(Vector2d(0, 0));
-  pen.font(12.0);
+  const Vector2d middle = place(Vector2d(0, 0)), low = place({box.low.x(), box.high.y()}),
+                 high = place({box.high.x(), box.low.y()});
+  pen.font(12.5);
   const double most = 2.0 * std::asin(std::min(1.0, reach / (2.0 * s.view.radius))) * 180.0 / kPi;
   const double step = most > 50 ? 30.0 : most > 25 ? 15.0 : most > 12 ? 5.0 : 2.0;
+  const double dashes[] = {1.0, 4.0};
   for (double angle = step; angle < most + 0.02 * step && angle < 179; angle += step) {
     const double r = 2.0 * s.view.radius * std::sin(0.5 * angle * kPi / 180.0) * place.scale;
-    cairo_new_sub_path(pen.get());
+    cairo_save(pen.get());
+    cairo_rectangle(pen.get(), low.x() - 6, low.y() - 6, high.x() - low.x() + 12, high.y() - low.y() + 12);
+    cairo_clip(pen.get());
     cairo_arc(pen.get(), middle.x(), middle.y(), r, 0, 2 * kPi);
-    const double dashes[] = {1.0, 4.0};
     cairo_set_dash(pen.get(), dashes, 2, 0.0);
     pen.use({1, 1, 1}, 0.6);
     cairo_set_line_width(pen.get(), 2.2);
     cairo_stroke_preserve(pen.get());
     pen.use({0, 0, 0}, 0.9);
     pen.stroke(1.0);
-    cairo_set_dash(pen.get(), nullptr, 0, 0.0);
+    cairo_restore(pen.get());
     const std::string text = fmt::format("{:g}\u00b0", angle);
-    const double w = pen.width(text), x = middle.x() - 0.5 * w, y = middle.y() + r + 4.0;
-    pen.use(paper.background, 0.75);
-    pen.rectangle(x - 2, y - 10.5, w + 4, 13);
-    pen.use(paper.text);
-    pen.text(x, y, text);
+    const double w = pen.width(text);
+    for (int k = 0; k < 24; ++k) {  // below the pole, or the next place to both sides that is on the map
+      const double turn = (k % 2 == 0 ? 1 : -1) * ((k + 1) / 2) * 15.0 * kPi / 180.0;
+      const Vector2d p = middle + r * Vector2d(std::sin(turn), std::cos(turn));
+      if (p.x() < low.x() || p.x() > high.x() || p.y() < low.y() || p.y() > high.y()) continue;
+      pen.use(paper.background, 0.8);
+      pen.rectangle(p.x() - 0.5 * w - 2, p.y() - 7, w + 4, 14);
+      pen.use(paper.text);
+      pen.text(p.x() - 0.5 * w, p.y() + 4.5, text);
+      break;
+    }
   }
 }
 
@@ -240,16 +289,17 @@ void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const M
     pen.use(paper.line);
     pen.stroke(1.0);
   }
-  if (s.view.unrolled) draw_angles(pen, place, s, paper);
+  if (s.view.unrolled) draw_angles(pen, place, s, extent(s), paper);
   if (panel.center_of_pressure) center_marker(pen, place(*panel.center_of_pressure));
   if (panel.peak) peak_marker(pen, place(*panel.peak));
 }
 
 std::string tick_text(double x, double step) {
   const double size = std::max(std::abs(x), step);
-  if (size >= 1e6 || step < 1e-4) return fmt::format("{:.6g}", x);
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
-  return fmt::format("{:.{}f}", x, decimals);
+  const std::string digits =
+      size >= 1e6 || step < 1e-4 ? fmt::format("{:.6g}", std::abs(x)) : fmt::format("{:.{}f}", std::abs(x), decimals);
+  return x < -1e-9 * step ? "\u2212" + digits : digits;
 }
 
 /// Words cut to what there is room for.
@@ -346,23 +396,6 @@ double nice_length(double most) {
   return power;
 }
 
-struct Box {
-  Vector2d low = Vector2d::Constant(1e300), high = Vector2d::Constant(-1e300);
-};
-
-Box extent(const MapSurface& s) {
-  Box box;
-  for (int t = 0; t < s.mesh.size(); ++t) {
-    if (s.projection.layer[at(t)] < 0) continue;
-    for (int v : s.mesh.triangles[at(t)]) {
-      box.low = box.low.cwiseMin(s.projection.points[at(v)]);
-      box.high = box.high.cwiseMax(s.projection.points[at(v)]);
-    }
-  }
-  if (!(box.high.x() >= box.low.x())) box.low = box.high = Vector2d::Zero();
-  return box;
-}
-
 /// Where everything goes [px].
 struct Layout {
   int columns = 1, rows = 1;
@@ -371,7 +404,97 @@ struct Layout {
   double panel_y(int i) const { return top + (i / columns) * (header + map_height + kGap); }
 };
 
-Layout lay_out(const Pen& pen, const MapFigure& figure, const PictureOptions& options) {
+/// One sign of the legend, its middle 8 px to the right of `p`, and what it means.
+struct Entry {
+  std::string text;
+  std::function<void(Pen&, const Vector2d& p)> sign;
+};
+
+/// The legend, from left to right and on in the next line. Draws only if told; returns its lines.
+int legend(Pen& pen, const std::vector<Entry>& entries, const Paper& paper, double left, double x, double y,
+           double right, bool drawn) {
+  int lines = 1;
+  pen.font(kText);
+  for (const Entry& e : entries) {
+    const double width = 23 + pen.width(e.text);
+    if (x + width > right && x > left) {
+      x = left;
+      y += kLegendLine;
+      ++lines;
+    }
+    if (drawn) {
+      e.sign(pen, {x, y});
+      pen.use(paper.text);
+      pen.text(x + 23, y + 0.35 * kText, e.text);
+    }
+    x += width + 22;
+  }
+  return lines;
+}
+
+bool one_view(const MapFigure& figure) {
+  const MapView& view = figure.surfaces.front().view;
+  return std::all_of(figure.surfaces.begin(), figure.surfaces.end(), [&](const MapSurface& s) {
+    return (s.view.toward - view.toward).norm() + (s.view.up - view.up).norm() < 1e-9;
+  });
+}
+
+std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
+  bool peak = false, center = false, nothing = false, away = false;
+  for (const MapPanel& panel : figure.panels) {
+    const MapSurface& s = figure.surfaces[at(panel.surface)];
+    peak = peak || panel.peak;
+    center = center || panel.center_of_pressure;
+    for (double v : panel.facets) nothing = nothing || !std::isfinite(v);
+    for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
+      away = away || (s.projection.back[t] && s.projection.layer[t] >= 0 && s.projection.hidden[t] < 0.99);
+  }
+  const auto square = [&paper](const Rgb& c) {
+    return [&paper, c](Pen& pen, const Vector2d& p) {
+      pen.use(c);
+      pen.rectangle(p.x() + 1, p.y() - 7, 14, 14);
+      cairo_rectangle(pen.get(), p.x() + 1, p.y() - 7, 14, 14);
+      pen.use(paper.line);
+      pen.stroke(0.8);
+    };
+  };
+  std::vector<Entry> entries;
+  if (peak)
+    entries.push_back({figure.map == ColourMap::Diverging ? "largest" : "peak",
+                       [](Pen& pen, const Vector2d& p) { peak_marker(pen, p + Vector2d(8, 5)); }});
+  if (center)
+    entries.push_back(
+        {"centre of pressure", [](Pen& pen, const Vector2d& p) { center_marker(pen, p + Vector2d(8, 0)); }});
+  if (nothing) entries.push_back({figure.pressure ? "no contact" : "no value", square(paper.nothing)});
+  if (away) entries.push_back({"turned away", square(paper.turned_away)});
+  if (figure.surfaces.front().view.unrolled)
+    entries.push_back({"angle from the axis (equal-area map)", [&paper](Pen& pen, const Vector2d& p) {
+                         const double dashes[] = {1.0, 4.0};
+                         cairo_new_sub_path(pen.get());
+                         cairo_arc(pen.get(), p.x() + 8, p.y(), 7, 0, 2 * kPi);
+                         cairo_set_dash(pen.get(), dashes, 2, 0.0);
+                         pen.use(paper.text);
+                         pen.stroke(1.2);
+                         cairo_set_dash(pen.get(), nullptr, 0, 0.0);
+                       }});
+  return entries;
+}
+
+std::string scale_bar_text(const MapFigure& figure, double length) {
+  return fmt::format("{:g}{}", length, figure.length_unit.empty() ? "" : " " + figure.length_unit);
+}
+
+double scale_bar_length(const Layout& l) { return nice_length(std::min(90.0, 0.4 * l.panel_width) / l.scale); }
+
+/// Where the legend begins: right of axes and scale bar.
+double legend_start(const Pen& pen, const MapFigure& figure, const Layout& l) {
+  double x = kMargin + (one_view(figure) ? kAxesRoom : 0.0);
+  if (figure.surfaces.front().view.unrolled) return x;
+  const double length = scale_bar_length(l);
+  return x + length * l.scale + 8 + pen.width(scale_bar_text(figure, length)) + 26;
+}
+
+Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options, const Paper& paper) {
   Layout l;
   const int n = static_cast<int>(figure.panels.size());
   l.columns = figure.columns > 0 && figure.columns <= 6 ? figure.columns
@@ -398,85 +521,45 @@ Layout lay_out(const Pen& pen, const MapFigure& figure, const PictureOptions& op
   }
   constexpr double kRound = 8.0;  // room for markers and labels at the rim
   l.scale = std::min((l.panel_width - 2 * kRound) / most.x(), (1.15 * l.panel_width - 2 * kRound) / most.y());
-  l.map_height = most.y() * l.scale + 2 * kRound + (figure.surfaces.front().view.unrolled ? 10 : 0);
+  l.map_height = most.y() * l.scale + 2 * kRound;
   l.map_height = std::max(l.map_height, l.rows == 1 && !figure.empty ? 110.0 : 30.0);
   l.top = kMargin + (figure.title.empty() ? 0.0 : kTitle + 14);
   l.header = 2 * kText + 14;
-  l.footer = 62;
+  const double start = legend_start(pen, figure, l), left = kMargin + (one_view(figure) ? kAxesRoom : 0.0);
+  const int lines = legend(pen, legend_entries(figure, paper), paper, left, start, 0.0, l.width - kMargin, false);
+  l.footer = std::max(one_view(figure) ? 80.0 : 0.0, 26 + (lines - 1) * kLegendLine + 26.0);
   l.height = std::ceil(l.panel_y(l.rows * l.columns - 1) + l.header + l.map_height + l.footer);
   return l;
 }
 
 void draw_footer(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper) {
   const MapView& view = figure.surfaces.front().view;
-  const bool one_view = std::all_of(figure.surfaces.begin(), figure.surfaces.end(), [&](const MapSurface& s) {
-    return (s.view.toward - view.toward).norm() + (s.view.up - view.up).norm() < 1e-9;
-  });
-  const double y = l.height - 22;
+  const double y = l.height - l.footer + 26;
   double x = kMargin;
-  const double room = l.width - kMargin;
-  if (one_view) {
-    draw_axes(pen, view, paper, x + 34, y - 8);
-    x += 90;
+  if (one_view(figure)) {
+    draw_axes(pen, view, paper, x + 36, l.height - l.footer + 36);
+    x += kAxesRoom;
   }
   pen.font(kText);
+  const double start = legend_start(pen, figure, l);
   if (!view.unrolled) {
-    const double length = nice_length(std::min(90.0, 0.4 * l.panel_width) / l.scale);
-    const double px = length * l.scale;
-    cairo_move_to(pen.get(), x, y - 13);
-    cairo_line_to(pen.get(), x, y - 5);
-    cairo_move_to(pen.get(), x, y - 9);
-    cairo_line_to(pen.get(), x + px, y - 9);
-    cairo_move_to(pen.get(), x + px, y - 13);
-    cairo_line_to(pen.get(), x + px, y - 5);
+    const double length = scale_bar_length(l), px = length * l.scale;
+    cairo_move_to(pen.get(), x, y - 4);
+    cairo_line_to(pen.get(), x, y + 4);
+    cairo_move_to(pen.get(), x, y);
+    cairo_line_to(pen.get(), x + px, y);
+    cairo_move_to(pen.get(), x + px, y - 4);
+    cairo_line_to(pen.get(), x + px, y + 4);
     pen.use(paper.text);
     pen.stroke(1.4);
-    const std::string text = fmt::format("{:g}{}", length, figure.length_unit.empty() ? "" : " " + figure.length_unit);
-    pen.text(x + px + 8, y - 9 + 0.35 * kText, text);
-    x += px + 8 + pen.width(text) + 26;
+    pen.text(x + px + 8, y + 0.35 * kText, scale_bar_text(figure, length));
   }
-  const auto entry = [&](const std::string& text, auto&& symbol) {
-    if (x + 22 + pen.width(text) > room) return;
-    symbol();
-    pen.use(paper.text);
-    pen.text(x + 22, y - 9 + 0.35 * kText, text);
-    x += 22 + pen.width(text) + 24;
-  };
-  bool peak = false, center = false, nothing = false, away = false;
-  for (const MapPanel& panel : figure.panels) {
-    const MapSurface& s = figure.surfaces[at(panel.surface)];
-    peak = peak || panel.peak;
-    center = center || panel.center_of_pressure;
-    for (double v : panel.facets) nothing = nothing || !std::isfinite(v);
-    for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
-      away = away || (s.projection.back[t] && s.projection.layer[t] >= 0 && s.projection.hidden[t] < 0.99);
-  }
-  const auto square = [&](const Rgb& c) {
-    pen.use(c);
-    pen.rectangle(x, y - 16, 14, 14);
-    cairo_rectangle(pen.get(), x, y - 16, 14, 14);
-    pen.use(paper.line);
-    pen.stroke(0.8);
-  };
-  if (peak) entry(figure.map == ColourMap::Diverging ? "largest" : "peak", [&] { peak_marker(pen, {x + 8, y - 9}); });
-  if (center) entry("centre of pressure", [&] { center_marker(pen, {x + 8, y - 9}); });
-  if (nothing) entry(figure.pressure ? "no contact" : "no value", [&] { square(paper.nothing); });
-  if (away) entry("turned away", [&] { square(paper.turned_away); });
-  if (view.unrolled)
-    entry("equal-area map, angle from the axis", [&] {
-      cairo_new_sub_path(pen.get());
-      cairo_arc(pen.get(), x + 8, y - 9, 7, 0, 2 * kPi);
-      const double dashes[] = {1.0, 4.0};
-      cairo_set_dash(pen.get(), dashes, 2, 0.0);
-      pen.use(paper.text);
-      pen.stroke(1.2);
-      cairo_set_dash(pen.get(), nullptr, 0, 0.0);
-    });
+  legend(pen, legend_entries(figure, paper), paper, x, start, y, l.width - kMargin, true);
 }
 
 void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper) {
   pen.use(paper.background);
-  pen.rectangle(0, 0, l.width, l.height);
+  cairo_paint(pen.get());
   if (!figure.title.empty()) {
     pen.font(kTitle, true);
     pen.use(paper.text);
@@ -514,6 +597,16 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
   return CAIRO_STATUS_SUCCESS;
 }
 
+/// Cairo numbers the drawings of a process; a file shall not depend on how many there were before.
+void drop_number(std::string& svg) {
+  const std::string word = "surface";
+  for (std::size_t i = svg.find(word); i != std::string::npos; i = svg.find(word, i + word.size())) {
+    std::size_t end = i + word.size();
+    while (end < svg.size() && std::isdigit(static_cast<unsigned char>(svg[end]))) ++end;
+    svg.erase(i + word.size(), end - i - word.size());
+  }
+}
+
 void require(cairo_status_t status) {
   if (status != CAIRO_STATUS_SUCCESS)
     throw std::runtime_error(std::string("drawing failed: ") + cairo_status_to_string(status));
@@ -530,7 +623,7 @@ std::string picture(const MapFigure& figure, const PictureOptions& options) {
     const SurfaceHolder probe(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1), cairo_surface_destroy);
     Pen pen(probe.get());
     pen.font(kText);
-    layout = lay_out(pen, figure, options);
+    layout = lay_out(pen, figure, options, colours);
   }
   std::string bytes;
   SurfaceHolder surface(nullptr, cairo_surface_destroy);
@@ -571,6 +664,7 @@ std::string picture(const MapFigure& figure, const PictureOptions& options) {
   else
     cairo_surface_finish(surface.get());
   require(cairo_surface_status(surface.get()));
+  if (options.format == PictureFormat::Svg) drop_number(bytes);  // letters are shapes: no word of ours is in it
   return bytes;
 }
 

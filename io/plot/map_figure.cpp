@@ -24,7 +24,14 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 /// Three digits, as on paper.
-std::string number(double x) { return fmt::format("{:.3g}", x == 0.0 ? 0.0 : x); }
+std::string number(double x, bool plus = false) {
+  const double size = std::abs(x);
+  const int before = size > 0 ? static_cast<int>(std::floor(std::log10(size))) : 0;
+  const std::string digits = size > 0 && (before > 5 || before < -4)
+                                 ? fmt::format("{:.2e}", size)
+                                 : fmt::format("{:.{}f}", size, std::clamp(2 - before, 0, 6));
+  return (x < 0 ? "\u2212" : plus && x > 0 ? "+" : "") + digits;
+}
 
 bool is_pressure(const std::string& field) { return field.find("pressure") != std::string::npos; }
 
@@ -187,7 +194,8 @@ std::vector<double> finite(const std::vector<double>& values) {
   return out;
 }
 
-/// Along the surface's axis; where that does not show what it carries, along the carried force.
+/// Into sockets and onto flat surfaces along their axis; onto balls, and where the axis does not show what is carried,
+/// against the force carried.
 Vector3d default_direction(const ResultSurface& surface, const std::vector<double>& load) {
   Vector3d all = Vector3d::Zero(), loaded = Vector3d::Zero();
   double area = 0.0;
@@ -196,16 +204,16 @@ Vector3d default_direction(const ResultSurface& surface, const std::vector<doubl
     loaded += load[at(f)] * surface.area_vectors[at(f)];
     area += surface.facet_areas[at(f)];
   }
-  double carried = 0.0, seen = 0.0;
-  if (all.norm() > 0) {
-    const Vector3d axis = all.normalized();
-    for (int f = 0; f < surface.facets(); ++f) {
-      const double weight = load[at(f)] * surface.facet_areas[at(f)];
-      carried += weight;
-      if (surface.area_vectors[at(f)].dot(axis) > 0.2 * surface.facet_areas[at(f)]) seen += weight;
-    }
+  const SurfaceExtent extent = surface_extent(surface.mesh);
+  double carried = 0.0, seen = 0.0, bulge = 0.0;
+  for (int f = 0; f < surface.facets(); ++f) {
+    const double weight = load[at(f)] * surface.facet_areas[at(f)];
+    carried += weight;
+    if (surface.area_vectors[at(f)].dot(all) > 0.2 * surface.facet_areas[at(f)] * all.norm()) seen += weight;
+    bulge += surface.area_vectors[at(f)].dot(surface.facet_centers[at(f)] - extent.centroid);
   }
-  if (all.norm() > 0.1 * area && seen >= 0.95 * carried) return all;
+  const bool ball = bulge > 0.05 * area * extent.radius_of_gyration;
+  if (!ball && all.norm() > 0.1 * area && seen >= 0.95 * carried) return all;
   if (loaded.norm() > 1e-6 * carried && loaded.norm() > 0) return loaded;
   return all.norm() > 1e-6 * area ? all : Vector3d(Vector3d::UnitZ());
 }
@@ -256,8 +264,8 @@ void mark_peak(const MapFigure& figure, MapPanel& panel) {
 
 void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
   const MapSurface& s = figure.surfaces[at(panel.surface)];
-  const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
-  const std::string area_unit = figure.length_unit.empty() ? "" : " " + figure.length_unit + "\u00b2";
+  const std::string unit = figure.unit.empty() ? "" : fmt::format(" {}", figure.unit);
+  const std::string area_unit = figure.length_unit.empty() ? "" : fmt::format(" {}\u00b2", figure.length_unit);
   const std::vector<double> shown = finite(figure.smooth ? values.vertices : values.facets);
   if (shown.empty() || std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; })) {
     panel.numbers = {figure.pressure ? "no contact" : "no values"};
@@ -275,9 +283,8 @@ void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
     center += s.surface.facet_areas[f] * x * s.surface.facet_centers[f];
   }
   if (figure.map == ColourMap::Diverging) {
-    panel.numbers = {
-        fmt::format("{:+.3g} to {:+.3g}, rms {}{}", *least, *most, number(std::sqrt(squares / area)), unit),
-        fmt::format("{:+.3g} to {:+.3g}{}", *least, *most, unit), fmt::format("{:+.3g} to {:+.3g}", *least, *most)};
+    const std::string range = number(*least, true) + " to " + number(*most, true);
+    panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
     return;
   }
   if (!figure.pressure) {
@@ -394,7 +401,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
   if (minus != nullptr) all.push_back(minus);
   for (const ResultFile* file : all) require_field(*file, o.field);
   choose_units(all, o, figure);
-  figure.quantity = minus != nullptr ? fmt::format("{}, minus {}", o.field, minus->label) : o.field;
+  figure.quantity = minus != nullptr ? "difference of " + o.field : o.field;
 
   const std::vector<Row> rows = choose_states(files, o);
   std::vector<std::string> names = o.surfaces;
@@ -448,10 +455,17 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
           for (double& x : v.facets)
             if (x == 0) x = kNaN;
         }
-        const auto add = [&](const std::string& part) { panel.title += (panel.title.empty() ? "" : ", ") + part; };
-        if (files.size() > 1) add(file.label);
-        if (names.size() > 1 || (files.size() == 1 && rows.size() == 1)) add(name);
-        if (rows.size() > 1 || (files.size() == 1 && names.size() == 1)) add(fmt::format("time {:.6g}", time));
+        const auto add = [&](const std::string& part) {
+          if (!panel.title.empty()) panel.title += ", ";
+          panel.title += part;
+        };
+        if (minus != nullptr)
+          add(fmt::format("{} \u2212 {}", file.label, minus->label));
+        else if (files.size() > 1)
+          add(file.label);
+        const bool alone = files.size() == 1 && minus == nullptr;
+        if (names.size() > 1 || (alone && rows.size() == 1)) add(name);
+        if (rows.size() > 1 || (alone && names.size() == 1)) add(fmt::format("time {:.6g}", time));
         panel.facets = v.facets;
         panel.points = point_values(s.mesh, v.vertices);
         values.push_back(std::move(v));
