@@ -369,7 +369,7 @@ double bar_room(const Pen& pen, const MapFigure& figure) {
   return kBarWidth + 8 + widest + 10 + kText + 4;
 }
 
-/// The global axes as they lie on the map; one that points at the viewer is a dot.
+/// The global axes as they lie on the map, but one that points at the viewer or away.
 void draw_axes(Pen& pen, const MapView& view, const Paper& paper, double x, double y) {
   constexpr double kLength = 24.0;
   pen.font(12.5);
@@ -377,7 +377,7 @@ void draw_axes(Pen& pen, const MapView& view, const Paper& paper, double x, doub
     const Vector3d axis = Vector3d::Unit(k);
     const Vector2d d(view.right.dot(axis), -view.up.dot(axis));
     const std::string name(1, "xyz"[k]);
-    if (d.norm() < 0.12) continue;
+    if (d.norm() < 0.35) continue;
     const double tx = x + kLength * d.x(), ty = y + kLength * d.y();
     cairo_move_to(pen.get(), x, y);
     cairo_line_to(pen.get(), tx, ty);
@@ -460,7 +460,7 @@ std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
   };
   std::vector<Entry> entries;
   if (peak)
-    entries.push_back({figure.map == ColourMap::Diverging ? "largest" : "peak",
+    entries.push_back({figure.pressure && figure.map == ColourMap::Sequential ? "peak" : "largest",
                        [](Pen& pen, const Vector2d& p) { peak_marker(pen, p + Vector2d(8, 5)); }});
   if (center)
     entries.push_back(

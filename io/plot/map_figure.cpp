@@ -351,6 +351,8 @@ void remark_hidden(MapFigure& figure) {
         hidden += s.mesh.areas[at(t)] * (out ? 1.0 : s.projection.hidden[at(t)]);
       }
     }
+    for (MapPanel& panel : figure.panels)  // a mark amid what is not to be seen would mislead
+      if (panel.surface == static_cast<int>(k) && hidden > 0.2 * all) panel.center_of_pressure.reset();
     if (hidden > 0.01 * all)
       figure.remarks.push_back(
           fmt::format("note: surface \"{}\": {:.0f} % of the area with values is turned away or hidden in this view, "
