@@ -377,7 +377,12 @@ void draw_axes(Pen& pen, const MapView& view, const Paper& paper, double x, doub
     const Vector3d axis = Vector3d::Unit(k);
     const Vector2d d(view.right.dot(axis), -view.up.dot(axis));
     const std::string name(1, "xyz"[k]);
-    if (d.norm() < 0.35) continue;
+    bool hidden = d.norm() < 0.12;
+    for (int other = 0; other < 3; ++other) {  // a short one on top of a longer one
+      const Vector2d o(view.right[other], -view.up[other]);
+      hidden = hidden || (d.norm() < 0.5 * o.norm() && d.dot(o) > 0.9 * d.norm() * o.norm());
+    }
+    if (hidden) continue;
     const double tx = x + kLength * d.x(), ty = y + kLength * d.y();
     cairo_move_to(pen.get(), x, y);
     cairo_line_to(pen.get(), tx, ty);
