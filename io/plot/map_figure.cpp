@@ -283,6 +283,15 @@ void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
     center += s.surface.facet_areas[f] * x * s.surface.facet_centers[f];
   }
   if (figure.map == ColourMap::Diverging) {
+    if (figure.smooth) {  // as dea compare has it
+      const std::vector<double> areas = nodal_areas(s.surface);
+      area = squares = 0.0;
+      for (std::size_t i = 0; i < areas.size(); ++i) {
+        if (!std::isfinite(values.vertices[i])) continue;
+        area += areas[i];
+        squares += areas[i] * values.vertices[i] * values.vertices[i];
+      }
+    }
     const std::string range = number(*least, true) + " to " + number(*most, true);
     panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
     return;
