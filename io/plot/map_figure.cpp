@@ -330,7 +330,11 @@ void choose_scale(MapFigure& figure, const MapOptions& o) {
     if (!(figure.high > figure.low) && !o.low) figure.low = std::min(0.0, 2.0 * figure.high);
     if (!(figure.high > figure.low) && !o.high) figure.high = figure.low + 1.0;
   }
-  if (!(figure.high > figure.low))
+  // Two limits that differ in the last digits only are one; and rounding of a constant field is no pattern.
+  const double least_width = 1e-5 * std::max(std::abs(figure.low), std::abs(figure.high));
+  if (!o.low && figure.map == ColourMap::Sequential && figure.high - figure.low < least_width)
+    figure.low = std::min(0.0, 2.0 * figure.high);
+  if (!(figure.high > figure.low) || figure.high - figure.low < least_width)
     throw UsageError(fmt::format("--max {:g}: found no width of the colour scale, expected more than {:g}", figure.high,
                                  figure.low));
   const double tolerance = 1e-6 * (figure.high - figure.low);
@@ -398,7 +402,9 @@ std::vector<double> nice_ticks(double low, double high, int wanted) {
   for (double m : {5.0, 2.0, 1.0})
     if (m * power >= raw * (1 - 1e-9)) step = m * power;
   std::vector<double> ticks;
-  for (double i = std::ceil(low / step - 1e-6); i <= high / step + 1e-6; i += 1.0) ticks.push_back(i * step + 0.0);
+  const double first = std::ceil(low / step - 1e-6);
+  for (int k = 0; k <= 2 * wanted && (first + k) * step <= high + 1e-6 * step; ++k)
+    ticks.push_back((first + k) * step + 0.0);
   return ticks;
 }
 
@@ -509,6 +515,8 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
       s.view = view_from(toward, o.up);
     }
     s.projection = project(s.mesh, s.view, weights);
+    if (s.projection.layers == 0)
+      throw UsageError(fmt::format("--view: surface \"{}\" is seen edge-on, expected a direction across it", s.name));
   }
   for (std::size_t k = 0; k < figure.panels.size(); ++k) {
     MapPanel& panel = figure.panels[k];

@@ -373,6 +373,8 @@ TEST(MapFigure, NiceTicks) {
   ASSERT_EQ(small.size(), 7u);
   EXPECT_NEAR(small[1], -2e-5, 1e-15);
   EXPECT_EQ(small[3], 0.0);
+  EXPECT_LT(nice_ticks(1e17, 1e17 + 64, 6).size(),
+            20u);  // numbers this large have no steps this small: no endless loop
 }
 
 TEST(MapFigure, PanelsScaleAndNumbers) {
@@ -399,6 +401,14 @@ TEST(MapFigure, PanelsScaleAndNumbers) {
   EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[1].title, "time 1");
   o.high = 2;
   EXPECT_TRUE(make_map_figure({a}, nullptr, o).beyond_high);
+}
+
+TEST(MapFigure, RoundingIsNoPattern) {
+  MapOptions o = plain();
+  o.field = "joint space";
+  const MapFigure f = make_map_figure({result_of("a", sheet(3, 1, 3, 1), {{2, 2.0000002, 2}})}, nullptr, o);
+  EXPECT_EQ(f.low, 0);
+  EXPECT_NEAR(f.high, 2, 1e-6);
 }
 
 TEST(MapFigure, SmoothContactHasTheAreaOfTheFacets) {
@@ -631,6 +641,8 @@ TEST_F(Folder, RefusesInOneLine) {
       {{"a.xplt", "--view", "up"}, 2, "--view up: found \"up\", expected a direction x,y,z, or unrolled"},
       {{"a.xplt", "--view", "0,0,0"}, 2, "--view 0,0,0"},
       {{"a.xplt", "--view", "0,0,1", "--up", "0,0,2"}, 2, "is along the view"},
+      {{"flat.xplt", "--view", "1,0,0"}, 2, "is seen edge-on"},
+      {{"a.xplt", "--min", "1e17", "--max", "1.0000000000000002e17"}, 2, "found no width of the colour scale"},
       {{"flat.xplt", "--view", "unrolled"}, 2, "is no part of a sphere"},
       {{"a.xplt", "--max", "0"}, 2, "--max 0"},
       {{"a.xplt", "--max", "many"}, 2, "--max many"},
