@@ -437,7 +437,10 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
   if (count > at(kMostPanels))
     throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer: choose states with --at t1,t2,...",
                                  count, kMostPanels));
-  if (files.size() > 1) figure.columns = static_cast<int>(files.size());
+  if (files.size() > 1)
+    figure.columns = static_cast<int>(files.size());
+  else if (rows.size() > 1 && names.size() > 1)
+    figure.columns = static_cast<int>(names.size());
 
   std::vector<Values> values;
   std::vector<std::pair<std::size_t, std::pair<std::string, int>>> key_of;  // file, surface, mesh -> figure.surfaces
