@@ -112,8 +112,10 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
   AnalysisOptions how;
   how.times = times.points;
   how.wanted = times.wanted;
-  if (options.progress) {
+  if (options.progress || options.on_state) {
     how.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
+      if (options.on_state) options.on_state(s, index, count);
+      if (!options.progress) return;
       options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count,
                                    number_text(s.when.time), name(s.equilibrium.outcome), s.equilibrium.iterations));
     };

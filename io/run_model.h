@@ -18,6 +18,7 @@ struct RunOptions {
   bool compress = false;                                  ///< the plot file
   double seconds_reading = 0.0;                           ///< spent on the model before
   std::function<void(const std::string& line)> progress;  ///< a line per state; may be empty
+  std::function<void(const StateResult&, std::size_t index, std::size_t count)> on_state;  ///< the same, as numbers
 };
 
 struct RunResult {

@@ -66,6 +66,14 @@ struct CompareArguments {
 CLI::App* add_compare(CLI::App& app, CompareArguments& arguments);
 int compare_command(const CompareArguments& arguments);
 
+struct PlotArguments {
+  std::vector<std::string> files, surfaces, labels;
+  std::string output, field, at, states, minus, view, up, contours, low, high, title, width, dpi;
+  bool smooth = false, dark = false, quiet = false;
+};
+CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);
+int plot_command(const PlotArguments& arguments);
+
 /// Version, commit and libraries, a line each.
 std::string version_text();
 

@@ -8,6 +8,7 @@
 #include "compare_files.h"
 #include "error.h"
 #include "output.h"
+#include "progress.h"
 #include "report_compare.h"
 #include "settings_xml.h"
 
@@ -203,9 +204,14 @@ int compare_command(const CompareArguments& a) {
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
 
   std::vector<ResultFile> files;
-  for (std::size_t i = 0; i < a.files.size(); ++i) files.push_back(read_result(a.files[i], labels[i]));
+  Progress progress(progress_style(a.quiet, false));
+  for (std::size_t i = 0; i < a.files.size(); ++i) {
+    files.push_back(read_result(a.files[i], labels[i]));
+    progress.step(fmt::format("{} of {} files read", i + 1, a.files.size()), "", i + 1, a.files.size());
+  }
   check_outputs(inputs, outputs);
   const Comparison comparison = compare_files(files, options);
+  progress.clear();
   if (!a.output.empty()) write_xplt(a.output, make_compare_file(files, options, comparison, a.time_fields, a.compress));
   if (!a.json.empty()) write_text(a.json, json_text(compare_json(comparison)));
   if (!a.csv.empty()) write_text(a.csv, compare_csv(comparison));

@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 
 #include "analysis.h"
 #include "commands.h"
 #include "error.h"
 #include "output.h"
+#include "progress.h"
 #include "read_feb.h"
 #include "refusals.h"
 #include "report_json.h"
@@ -64,19 +64,22 @@ int converge_command(const ConvergeArguments& a) {
   const JointModel model = read_feb(a.model);
   check_outputs(inputs, outputs);
 
-  std::function<void(const ConvergenceRow&)> progress;
-  if (!a.quiet && (a.verbose || stderr_is_terminal())) {
-    progress = [](const ConvergenceRow& r) {
-      log(fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}", r.springs, r.peak, r.mean, r.area,
-                      name(r.outcome)));
-    };
-  }
+  Progress progress(progress_style(a.quiet, a.verbose));
+  double last = seconds();
   std::vector<Convergence> studies;
   try {
-    studies = converge(model, settings, target, max_springs, progress);
+    studies = converge(model, settings, target, max_springs, [&](const ConvergenceRow& r) {
+      const double now = seconds();
+      progress.step(fmt::format("{} springs solved", r.springs),
+                    fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}, {:.2f} s", r.springs, r.peak,
+                                r.mean, r.area, name(r.outcome), now - last),
+                    0, 0);
+      last = now;
+    });
   } catch (const InputError& found) {
     throw all_refusals(model, settings, found, false);
   }
+  progress.clear();
   if (!a.json.empty()) write_text(a.json, json_text(converge_json(model, settings, studies, target, max_springs)));
   if (!a.quiet && a.json != "-") print(converge_text(model, studies, max_springs));
 

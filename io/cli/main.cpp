@@ -26,6 +26,7 @@ Examples:
   dea convert hip.feb                the same joint for FEBio with the plugin, as hip_dea.feb
   dea plugin-build /opt/febio        the plugin for the FEBio that is installed there
   dea compare hip_dea.xplt hip.xplt  how far that is from FEBio's result
+  dea plot hip_dea.xplt              its pressure map as hip_dea.png
   dea run --help                     all options of a command)";
 
 /// A fault is always one line, whatever names it quotes.
@@ -83,12 +84,14 @@ int parse_and_run(int argc, char** argv) {
   ConvergeArguments converge_arguments;
   ConvertArguments convert_arguments;
   CompareArguments compare_arguments;
+  PlotArguments plot_arguments;
   PluginBuildArguments plugin_build_arguments;
   const CLI::App* run_command = add_run(app, run_arguments);
   const CLI::App* info_command = add_info(app, info_arguments);
   const CLI::App* converge_app = add_converge(app, converge_arguments);
   const CLI::App* convert_app = add_convert(app, convert_arguments);
   const CLI::App* compare_app = add_compare(app, compare_arguments);
+  const CLI::App* plot_app = add_plot(app, plot_arguments);
   const CLI::App* plugin_build_app = add_plugin_build(app, plugin_build_arguments);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->get_formatter()->column_width(38);
 
@@ -118,6 +121,7 @@ int parse_and_run(int argc, char** argv) {
   if (converge_app->parsed()) return converge_command(converge_arguments);
   if (convert_app->parsed()) return convert(convert_arguments);
   if (compare_app->parsed()) return compare_command(compare_arguments);
+  if (plot_app->parsed()) return plot_command(plot_arguments);
   if (plugin_build_app->parsed()) return plugin_build(plugin_build_arguments);
   return kWrongUse;
 }

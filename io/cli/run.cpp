@@ -1,9 +1,12 @@
 // `dea run`: every wanted state solved and written.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "commands.h"
 #include "error.h"
 #include "output.h"
+#include "progress.h"
 #include "read_feb.h"
 #include "report_text.h"
 #include "run_model.h"
@@ -51,7 +54,9 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
       ->type_name("FOLDER")
       ->group("Output");
   CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
-  c->add_flag("-v,--verbose", a.verbose, "Print a line per state as it is solved")->excludes(q)->group("Output");
+  c->add_flag("-v,--verbose", a.verbose, "Print a line per state as it is solved: iterations, residual, seconds")
+      ->excludes(q)
+      ->group("Output");
   c->add_option("--states", a.states, "States to write: all, last, or times t1,t2,... [all]")
       ->type_name("all|last|t1,t2,...")
       ->group("Output");
@@ -104,8 +109,22 @@ int run(const RunArguments& a) {
   const JointModel model = read_feb(a.model);
   check_outputs(inputs, outputs);
   options.seconds_reading = seconds() - start;
-  if (!a.quiet && (a.verbose || stderr_is_terminal())) options.progress = log;
+  Progress progress(progress_style(a.quiet, a.verbose));
+  double last = seconds();
+  options.on_state = [&](const StateResult& s, std::size_t index, std::size_t count) {
+    const Equilibrium& e = s.equilibrium;
+    const std::string what = fmt::format("state {} of {}", index + 1, count);
+    const double now = seconds();
+    progress.step(
+        what,
+        fmt::format("{}, time {}: {}, {} iterations, residual {}, {:.2f} s", what, number_text(s.when.time),
+                    name(e.outcome), e.iterations,
+                    std::isfinite(e.residual_force) ? fmt::format("{:.1e}", e.residual_force) : "-", now - last),
+        index + 1, count);
+    last = now;
+  };
   const RunResult result = run_model(model, settings, options);
+  progress.clear();
 
   if (!a.quiet) {
     for (const std::string& line : model_remarks(model, result.analysis.joint)) log(line);

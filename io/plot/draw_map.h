@@ -1,0 +1,21 @@
+// io/plot/draw_map.h – panels on paper: PNG, SVG or PDF, by Cairo. SVG and PDF are lines and areas, no bitmaps.
+#pragma once
+#include <string>
+
+#include "map_figure.h"
+
+namespace dea {
+
+enum class PictureFormat { Png, Svg, Pdf };
+
+struct PictureOptions {
+  PictureFormat format = PictureFormat::Png;
+  double width = 0.0;  ///< [mm]; 0: by the number of panels
+  double dpi = 200.0;  ///< of PNG
+  bool dark = false;
+};
+
+/// The file's bytes; the same for the same figure and fonts. Throws UsageError: too narrow, too many pixels.
+std::string picture(const MapFigure& figure, const PictureOptions& options);
+
+}  // namespace dea

@@ -1,0 +1,537 @@
+#include "map_figure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "error.h"
+#include "settings_xml.h"
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMostPanels = 100;
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ", name);
+  return text.empty() ? "none" : text;
+}
+
+/// Three digits, as on paper.
+std::string number(double x, bool plus = false) {
+  const double size = std::abs(x);
+  const int before = size > 0 ? static_cast<int>(std::floor(std::log10(size))) : 0;
+  const std::string digits = size > 0 && (before > 5 || before < -4)
+                                 ? fmt::format("{:.2e}", size)
+                                 : fmt::format("{:.{}f}", size, std::clamp(2 - before, 0, 6));
+  return (x < 0 ? "\u2212" : plus && x > 0 ? "+" : "") + digits;
+}
+
+bool is_pressure(const std::string& field) { return field.find("pressure") != std::string::npos; }
+
+/// Fields that are 0 where there is no contact; in others 0 stands for "none", as plot files have no undefined values.
+bool zero_without_contact(const std::string& field) {
+  return is_pressure(field) || field.find("overlap") != std::string::npos || field.find("strain") != std::string::npos;
+}
+
+/// Unit of a dimension code of the file format in a system of units as FEBio Studio writes it; empty: unknown.
+std::string unit_of(const std::string& system, const std::string& dimension) {
+  struct System {
+    const char *name, *pressure, *length;
+  };
+  constexpr System kSystems[] = {{"SI", "Pa", "m"},
+                                 {"mm-N-s", "MPa", "mm"},
+                                 {"mm-kg-s", "kPa", "mm"},
+                                 {"um-nN-s", "kPa", "\u00b5m"},
+                                 {"CGS", "dyn/cm\u00b2", "cm"},
+                                 {"mm-g-s", "Pa", "mm"},
+                                 {"mm-mg-s", "mPa", "mm"}};
+  for (const System& s : kSystems) {
+    if (system != s.name) continue;
+    if (dimension == "P") return s.pressure;
+    if (dimension == "L") return s.length;
+  }
+  return "";
+}
+
+void require_field(const ResultFile& file, const std::string& field) {
+  if (find_variable(file.plot, XpltGroup::Surface, field) >= 0) return;
+  std::vector<std::string> scalars;
+  for (const XpltVariable& v : file.plot.variables)
+    if (v.group == XpltGroup::Surface && v.type == XpltType::Float && v.format != XpltFormat::Region)
+      scalars.push_back(v.name);
+  throw InputError(
+      fmt::format("{}: found no surface field \"{}\", expected one of {}", file.path, field, listed(scalars)));
+}
+
+int require_surface(const ResultFile& file, int state, const std::string& name) {
+  const int surface = find_surface(file, state, name);
+  if (surface >= 0) return surface;
+  std::vector<std::string> names;
+  for (const XpltFacets& s : mesh_of(file, state).surfaces) names.push_back(s.name);
+  throw InputError(fmt::format("{}: found no surface \"{}\", expected one of {}", file.path, name, listed(names)));
+}
+
+/// One state of each file.
+using Row = std::vector<int>;
+
+std::vector<Row> choose_states(const std::vector<ResultFile>& files, const MapOptions& o) {
+  std::vector<Row> rows;
+  if (o.states == "last") {
+    Row row;
+    for (const ResultFile& file : files) row.push_back(static_cast<int>(file.plot.states.size()) - 1);
+    return {row};
+  }
+  std::vector<double> times;
+  if (o.states == "all") {
+    for (const XpltState& state : files.front().plot.states) times.push_back(state.time);
+  } else {
+    try {
+      times = parse_numbers(o.states);
+    } catch (const BadValue&) {
+    }
+    if (times.empty())
+      throw UsageError(
+          fmt::format("{}: found \"{}\", expected all, last or times t1,t2,...", o.states_option, o.states));
+  }
+  for (double t : times) {
+    Row row;
+    for (const ResultFile& file : files) row.push_back(find_state(file, t));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// The surfaces that carry the field somewhere, the one with the largest value first.
+std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, const std::vector<Row>& rows,
+                                         const std::string& field) {
+  const ResultFile& first = files.front();
+  std::vector<std::pair<double, std::string>> found;
+  for (const XpltFacets& s : mesh_of(first, rows.front().front()).surfaces) {
+    double most = 0.0;
+    bool carried = false, everywhere = true;
+    for (const Row& row : rows) {
+      for (std::size_t i = 0; i < files.size(); ++i) {
+        const int surface = find_surface(files[i], row[i], s.name);
+        if (surface < 0) {
+          everywhere = false;
+          continue;
+        }
+        const std::vector<double> values = facet_values(files[i], row[i], surface, field);
+        everywhere = everywhere && !values.empty();
+        carried = carried || !values.empty();
+        for (double x : values) most = std::max(most, std::abs(x));
+      }
+    }
+    if (carried && everywhere) found.push_back({most, s.name});
+  }
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<std::string> names;
+  for (const auto& f : found)
+    if (f.first > 0 || names.empty()) names.push_back(f.second);
+  return names;
+}
+
+/// What one panel shows, before it is laid on the map.
+struct Values {
+  std::vector<double> facets, vertices;
+};
+
+Values field_values(const ResultFile& file, int state, const ResultSurface& surface, int index,
+                    const std::string& field) {
+  Values v;
+  v.facets = facet_values(file, state, index, field);
+  if (v.facets.empty())
+    throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {:g}", file.path, surface.name, field,
+                                 file.plot.states[at(state)].time));
+  if (is_pressure(field))
+    for (double& x : v.facets) x = std::max(x, 0.0);  // as everywhere: contact is where pressure is above 0
+  v.vertices = nodal_average(surface, v.facets);
+  if (zero_without_contact(field)) return v;
+  std::vector<double> there;
+  for (double& x : v.facets) {
+    there.push_back(x == 0 ? 0.0 : 1.0);
+    if (x == 0) x = kNaN;
+  }
+  const std::vector<double> share = nodal_average(surface, there);
+  for (std::size_t i = 0; i < share.size(); ++i) v.vertices[i] = share[i] > 0 ? v.vertices[i] / share[i] : kNaN;
+  return v;
+}
+
+/// The state of the reference that belongs to a time.
+int reference_state(const ResultFile& minus, double time, bool last) {
+  if (!last) return find_state(minus, time);
+  return static_cast<int>(minus.plot.states.size()) - 1;
+}
+
+Values difference(const ResultSurface& surface, const Values& a, const ResultSurface& reference, const Values& b) {
+  const NodeMatch match = match_nodes(surface, reference);
+  Values d;
+  const std::vector<double> carried = carry(match, reference, b.vertices);
+  for (std::size_t i = 0; i < carried.size(); ++i)
+    d.vertices.push_back(a.vertices[i] == 0 && carried[i] == 0 ? kNaN : a.vertices[i] - carried[i]);
+  if (match.same_mesh) {
+    for (std::size_t f = 0; f < a.facets.size(); ++f)
+      d.facets.push_back(a.facets[f] == 0 && b.facets[f] == 0 ? kNaN : a.facets[f] - b.facets[f]);
+  } else {
+    const std::vector<double> b_facets = facet_average(surface, carried);
+    for (std::size_t f = 0; f < a.facets.size(); ++f)
+      d.facets.push_back(a.facets[f] == 0 && b_facets[f] == 0 ? kNaN : a.facets[f] - b_facets[f]);
+  }
+  return d;
+}
+
+std::vector<double> finite(const std::vector<double>& values) {
+  std::vector<double> out;
+  for (double x : values)
+    if (std::isfinite(x)) out.push_back(x);
+  return out;
+}
+
+/// Into sockets and onto flat surfaces along their axis; onto balls, and where the axis does not show what is carried,
+/// against the force carried.
+Vector3d default_direction(const ResultSurface& surface, const std::vector<double>& load) {
+  Vector3d all = Vector3d::Zero(), loaded = Vector3d::Zero();
+  double area = 0.0;
+  for (int f = 0; f < surface.facets(); ++f) {
+    all += surface.area_vectors[at(f)];
+    loaded += load[at(f)] * surface.area_vectors[at(f)];
+    area += surface.facet_areas[at(f)];
+  }
+  const SurfaceExtent extent = surface_extent(surface.mesh);
+  double carried = 0.0, seen = 0.0, bulge = 0.0;
+  for (int f = 0; f < surface.facets(); ++f) {
+    const double weight = load[at(f)] * surface.facet_areas[at(f)];
+    carried += weight;
+    if (surface.area_vectors[at(f)].dot(all) > 0.2 * surface.facet_areas[at(f)] * all.norm()) seen += weight;
+    bulge += surface.area_vectors[at(f)].dot(surface.facet_centers[at(f)] - extent.centroid);
+  }
+  const bool ball = bulge > 0.05 * area * extent.radius_of_gyration;
+  if (!ball && all.norm() > 0.1 * area && seen >= 0.95 * carried) return all;
+  if (loaded.norm() > 1e-6 * carried && loaded.norm() > 0) return loaded;
+  return all.norm() > 1e-6 * area ? all : Vector3d(Vector3d::UnitZ());
+}
+
+/// The level of nodal averages above which there is as much area as facets with a value.
+double edge_level(const MapSurface& s, const std::vector<double>& facets, const std::vector<double>& points) {
+  double wanted = 0.0, high = 0.0;
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    if (facets[f] > 0) wanted += s.surface.facet_areas[f];
+  for (double x : points) high = std::max(high, x);
+  double low = 0.0;
+  if (!(high > 0)) return std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (area_above(s.mesh, points, middle) > wanted ? low : high) = middle;
+  }
+  return std::max(high, 1e-12);
+}
+
+bool to_be_seen(const MapSurface& s, int facet) {
+  for (int t = 0; t < s.mesh.size(); ++t)
+    if (s.mesh.facet[at(t)] == facet && s.projection.layer[at(t)] >= 0 && !s.projection.back[at(t)] &&
+        s.projection.hidden[at(t)] < 0.5)
+      return true;
+  return false;
+}
+
+/// Where the largest value (of absolute values, in a difference) is, if it can be seen.
+void mark_peak(const MapFigure& figure, MapPanel& panel) {
+  const MapSurface& s = figure.surfaces[at(panel.surface)];
+  const std::vector<double>& shown = figure.smooth ? panel.points : panel.facets;
+  const auto size = [&](double x) { return figure.map == ColourMap::Diverging ? std::abs(x) : x; };
+  int best = -1;
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    if (std::isfinite(shown[i]) && (best < 0 || size(shown[i]) > size(shown[at(best)]))) best = static_cast<int>(i);
+  if (best < 0 || !(size(shown[at(best)]) > 0)) return;
+  if (!figure.smooth) {
+    if (to_be_seen(s, best)) panel.peak = on_map(s.view, s.surface.facet_centers[at(best)]);
+    return;
+  }
+  for (int t = 0; t < s.mesh.size(); ++t) {
+    const auto& v = s.mesh.triangles[at(t)];
+    if (std::find(v.begin(), v.end(), best) == v.end() || !to_be_seen(s, s.mesh.facet[at(t)])) continue;
+    panel.peak = s.projection.points[at(best)];
+    return;
+  }
+}
+
+void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
+  const MapSurface& s = figure.surfaces[at(panel.surface)];
+  const std::string unit = figure.unit.empty() ? "" : fmt::format(" {}", figure.unit);
+  const std::string area_unit = figure.length_unit.empty() ? "" : fmt::format(" {}\u00b2", figure.length_unit);
+  const std::vector<double> shown = finite(figure.smooth ? values.vertices : values.facets);
+  if (shown.empty() || std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; })) {
+    panel.numbers = {figure.pressure ? "no contact" : "no values"};
+    return;
+  }
+  const auto [least, most] = std::minmax_element(shown.begin(), shown.end());
+  double area = 0.0, sum = 0.0, squares = 0.0;
+  Vector3d center = Vector3d::Zero();
+  for (std::size_t f = 0; f < values.facets.size(); ++f) {
+    const double x = values.facets[f];
+    if (!std::isfinite(x)) continue;
+    area += s.surface.facet_areas[f];
+    sum += s.surface.facet_areas[f] * x;
+    squares += s.surface.facet_areas[f] * x * x;
+    center += s.surface.facet_areas[f] * x * s.surface.facet_centers[f];
+  }
+  if (figure.map == ColourMap::Diverging) {
+    if (figure.smooth) {  // as dea compare has it
+      const std::vector<double> areas = nodal_areas(s.surface);
+      area = squares = 0.0;
+      for (std::size_t i = 0; i < areas.size(); ++i) {
+        if (!std::isfinite(values.vertices[i])) continue;
+        area += areas[i];
+        squares += areas[i] * values.vertices[i] * values.vertices[i];
+      }
+    }
+    const std::string range = number(*least, true) + " to " + number(*most, true);
+    panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
+    return;
+  }
+  if (!figure.pressure) {
+    panel.numbers = {fmt::format("{} to {}, mean {}{}", number(*least), number(*most), number(sum / area), unit),
+                     fmt::format("{} to {}{}", number(*least), number(*most), unit)};
+    return;
+  }
+  panel.numbers = {
+      fmt::format("peak {}, mean {}{}, area {:.4g}{}", number(*most), number(sum / area), unit, area, area_unit),
+      fmt::format("peak {}, mean {}{}", number(*most), number(sum / area), unit),
+      fmt::format("peak {}{}", number(*most), unit), fmt::format("peak {}", number(*most))};
+  if (sum > 0) panel.center_of_pressure = on_map(s.view, center / sum);
+}
+
+void choose_scale(MapFigure& figure, const MapOptions& o) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const MapPanel& panel : figure.panels) {
+    for (double x : finite(figure.smooth ? panel.points : panel.facets)) {
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+  }
+  const double least = low, most = high;
+  figure.empty = !(most >= least) || (least == 0 && most == 0);
+  if (figure.empty) {
+    figure.low = o.low.value_or(0.0);
+    figure.high = o.high.value_or(figure.low + 1.0);
+  } else if (figure.map == ColourMap::Diverging) {
+    figure.high = o.high.value_or(std::max(std::abs(least), std::abs(most)));
+    figure.low = -figure.high;
+  } else {
+    figure.high = o.high.value_or(most);
+    figure.low = o.low.value_or(least < 0 || (!figure.pressure && least > 0.5 * most) ? least : 0.0);
+    if (!(figure.high > figure.low) && !o.low) figure.low = std::min(0.0, 2.0 * figure.high);
+    if (!(figure.high > figure.low) && !o.high) figure.high = figure.low + 1.0;
+  }
+  // Two limits that differ in the last digits only are one; and rounding of a constant field is no pattern.
+  const double least_width = 1e-5 * std::max(std::abs(figure.low), std::abs(figure.high));
+  if (!o.low && figure.map == ColourMap::Sequential && figure.high - figure.low < least_width)
+    figure.low = std::min(0.0, 2.0 * figure.high);
+  if (!(figure.high > figure.low) || figure.high - figure.low < least_width)
+    throw UsageError(fmt::format("--max {:g}: found no width of the colour scale, expected more than {:g}", figure.high,
+                                 figure.low));
+  const double tolerance = 1e-6 * (figure.high - figure.low);
+  figure.beyond_low = !figure.empty && least < figure.low - tolerance;
+  figure.beyond_high = !figure.empty && most > figure.high + tolerance;
+  figure.ticks = nice_ticks(figure.low, figure.high, 6);
+  if (o.contours) {
+    figure.contours = *o.contours;
+  } else {
+    for (double t : figure.ticks)
+      if (t != 0 && t > figure.low && t < figure.high) figure.contours.push_back(t);
+  }
+}
+
+/// How much of what a panel shows is out of sight.
+void remark_hidden(MapFigure& figure) {
+  for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
+    const MapSurface& s = figure.surfaces[k];
+    double all = 0.0, hidden = 0.0;
+    for (const MapPanel& panel : figure.panels) {
+      if (panel.surface != static_cast<int>(k)) continue;
+      for (int t = 0; t < s.mesh.size(); ++t) {
+        const double x = panel.facets[at(s.mesh.facet[at(t)])];
+        if (!std::isfinite(x)) continue;
+        all += s.mesh.areas[at(t)];
+        const bool out = s.projection.layer[at(t)] < 0 || s.projection.back[at(t)];
+        hidden += s.mesh.areas[at(t)] * (out ? 1.0 : s.projection.hidden[at(t)]);
+      }
+    }
+    for (MapPanel& panel : figure.panels)  // a mark amid what is not to be seen would mislead
+      if (panel.surface == static_cast<int>(k) && hidden > 0.2 * all) panel.center_of_pressure.reset();
+    if (hidden > 0.01 * all)
+      figure.remarks.push_back(
+          fmt::format("note: surface \"{}\": {:.0f} % of the area with values is turned away or hidden in this view, "
+                      "choose another with --view x,y,z or --view unrolled",
+                      s.name, std::max(1.0, 100.0 * hidden / all)));
+    if (s.projection.from_behind)
+      figure.remarks.push_back(fmt::format("note: surface \"{}\" is seen from its bone's side", s.name));
+  }
+  std::sort(figure.remarks.begin(), figure.remarks.end());
+  figure.remarks.erase(std::unique(figure.remarks.begin(), figure.remarks.end()), figure.remarks.end());
+}
+
+void choose_units(const std::vector<const ResultFile*>& files, const MapOptions& o, MapFigure& figure) {
+  std::string system;
+  for (const ResultFile* file : files) {
+    if (system.empty()) system = file->plot.units;
+    if (!file->plot.units.empty() && file->plot.units != system)
+      throw InputError(
+          fmt::format("{}: found units {}, expected {} as in the files before", file->path, file->plot.units, system));
+  }
+  const ResultFile& first = *files.front();
+  std::string dimension = first.plot.variables[at(find_variable(first.plot, XpltGroup::Surface, o.field))].units;
+  if (dimension.empty() && is_pressure(o.field)) dimension = "P";
+  figure.unit = unit_of(system, dimension);
+  figure.length_unit = unit_of(system, "L");
+}
+
+}  // namespace
+
+std::vector<double> nice_ticks(double low, double high, int wanted) {
+  const double raw = (high - low) / wanted;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  double step = 10.0 * power;
+  for (double m : {5.0, 2.0, 1.0})
+    if (m * power >= raw * (1 - 1e-9)) step = m * power;
+  std::vector<double> ticks;
+  const double first = std::ceil(low / step - 1e-6);
+  for (int k = 0; k <= 2 * wanted && (first + k) * step <= high + 1e-6 * step; ++k)
+    ticks.push_back((first + k) * step + 0.0);
+  return ticks;
+}
+
+MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o) {
+  MapFigure figure;
+  figure.smooth = o.smooth;
+  figure.pressure = is_pressure(o.field);
+  figure.map = minus != nullptr ? ColourMap::Diverging : ColourMap::Sequential;
+  std::vector<const ResultFile*> all;
+  for (const ResultFile& file : files) all.push_back(&file);
+  if (minus != nullptr) all.push_back(minus);
+  for (const ResultFile* file : all) require_field(*file, o.field);
+  choose_units(all, o, figure);
+  figure.quantity = minus != nullptr ? "difference of " + o.field : o.field;
+
+  const std::vector<Row> rows = choose_states(files, o);
+  std::vector<std::string> names = o.surfaces;
+  if (names.empty()) {
+    const std::vector<std::string> loaded = loaded_surfaces(files, rows, o.field);
+    if (loaded.empty())
+      throw InputError(fmt::format("{}: found no surface{} with \"{}\"", files.front().path,
+                                   files.size() > 1 ? " of this and the other files" : "", o.field));
+    names = {loaded.front()};
+    if (loaded.size() > 1)
+      figure.remarks.push_back(fmt::format("note: shown is surface \"{}\"; there are values on {} too (--surface NAME)",
+                                           loaded.front(),
+                                           listed(std::vector<std::string>(loaded.begin() + 1, loaded.end()))));
+  }
+  const std::size_t count = rows.size() * names.size() * files.size();
+  if (count > at(kMostPanels))
+    throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer: choose states with --at t1,t2,...",
+                                 count, kMostPanels));
+  if (files.size() > 1)
+    figure.columns = static_cast<int>(files.size());
+  else if (rows.size() > 1 && names.size() > 1)
+    figure.columns = static_cast<int>(names.size());
+
+  std::vector<Values> values;
+  std::vector<std::pair<std::size_t, std::pair<std::string, int>>> key_of;  // file, surface, mesh -> figure.surfaces
+  for (const Row& row : rows) {
+    for (const std::string& name : names) {
+      for (std::size_t i = 0; i < files.size(); ++i) {
+        const ResultFile& file = files[i];
+        const int index = require_surface(file, row[i], name);
+        const std::pair<std::size_t, std::pair<std::string, int>> key = {i, {name, file.plot.states[at(row[i])].mesh}};
+        const auto known = std::find(key_of.begin(), key_of.end(), key);
+        MapPanel panel;
+        panel.surface = static_cast<int>(known - key_of.begin());
+        if (known == key_of.end()) {
+          key_of.push_back(key);
+          MapSurface s;
+          s.name = name;
+          s.surface = result_surface(file, row[i], index);
+          if (s.surface.mesh.size() == 0)
+            throw InputError(fmt::format("{}: surface \"{}\" has no area", file.path, name));
+          s.mesh = make_map_mesh(s.surface);
+          figure.surfaces.push_back(std::move(s));
+        }
+        const MapSurface& s = figure.surfaces[at(panel.surface)];
+        Values v = field_values(file, row[i], s.surface, index, o.field);
+        const double time = file.plot.states[at(row[i])].time;
+        if (minus != nullptr) {
+          const int state = reference_state(*minus, time, o.states == "last");
+          const int other = require_surface(*minus, state, name);
+          const ResultSurface reference = result_surface(*minus, state, other);
+          v = difference(s.surface, v, reference, field_values(*minus, state, reference, other, o.field));
+        } else {
+          for (double& x : v.facets)
+            if (x == 0) x = kNaN;
+        }
+        const auto add = [&](const std::string& part) {
+          if (!panel.title.empty()) panel.title += ", ";
+          panel.title += part;
+        };
+        if (minus != nullptr)
+          add(fmt::format("{} \u2212 {}", file.label, minus->label));
+        else if (files.size() > 1)
+          add(file.label);
+        const bool alone = files.size() == 1 && minus == nullptr;
+        if (names.size() > 1 || (alone && rows.size() == 1)) add(name);
+        if (rows.size() > 1 || (alone && names.size() == 1)) add(fmt::format("time {:.6g}", time));
+        panel.facets = v.facets;
+        panel.points = point_values(s.mesh, v.vertices);
+        values.push_back(std::move(v));
+        figure.panels.push_back(std::move(panel));
+      }
+    }
+  }
+
+  // One view for a surface in all files and states, found in the first.
+  for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
+    MapSurface& s = figure.surfaces[k];
+    const auto same = std::find_if(figure.surfaces.begin(), figure.surfaces.end(),
+                                   [&](const MapSurface& other) { return other.name == s.name; });
+    std::vector<double> load(at(s.surface.facets()), 0.0), weights(s.mesh.triangles.size(), 0.0);
+    for (const MapPanel& panel : figure.panels)
+      for (std::size_t f = 0; panel.surface == static_cast<int>(k) && f < load.size(); ++f)
+        if (std::isfinite(panel.facets[f])) load[f] += std::abs(panel.facets[f]);
+    for (std::size_t t = 0; t < weights.size(); ++t) weights[t] = s.mesh.areas[t] * load[at(s.mesh.facet[t])];
+    if (&*same != &s) {
+      s.view = same->view;
+    } else if (o.unrolled) {
+      if (!unroll(s.surface, o.up, s.view))
+        throw UsageError(fmt::format("--view unrolled: surface \"{}\" of {} is no part of a sphere; use --view x,y,z",
+                                     s.name, files.front().path));
+    } else {
+      const Vector3d toward = o.toward ? *o.toward : default_direction(s.surface, load);
+      if (o.up.norm() > 0 && !(o.up.normalized().cross(toward.normalized()).norm() > 1e-3))
+        throw UsageError(fmt::format("--up {:g},{:g},{:g}: is along the view, expected a direction across it", o.up[0],
+                                     o.up[1], o.up[2]));
+      s.view = view_from(toward, o.up);
+    }
+    s.projection = project(s.mesh, s.view, weights);
+    if (s.projection.layers == 0)
+      throw UsageError(fmt::format("--view: surface \"{}\" is seen edge-on, expected a direction across it", s.name));
+  }
+  for (std::size_t k = 0; k < figure.panels.size(); ++k) {
+    MapPanel& panel = figure.panels[k];
+    const MapSurface& s = figure.surfaces[at(panel.surface)];
+    panel.edge = figure.map == ColourMap::Sequential && figure.pressure ? edge_level(s, panel.facets, panel.points)
+                                                                        : -std::numeric_limits<double>::infinity();
+    describe(figure, values[k], panel);
+    mark_peak(figure, panel);
+  }
+  choose_scale(figure, o);
+  remark_hidden(figure);
+  return figure;
+}
+
+}  // namespace dea

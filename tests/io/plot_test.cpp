@@ -1,0 +1,688 @@
+// Maps of results: geometry on paper with answers on paper, colours in the picture, and the program `dea plot`.
+#include <cairo.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <map>
+
+#include "draw_map.h"
+#include "error.h"
+#include "map_figure.h"
+#include "map_geometry.h"
+#include "program.h"
+
+namespace dea {
+namespace {
+
+namespace fs = std::filesystem;
+using test::file_text;
+using test::Finished;
+using test::run_program;
+using test::TemporaryFolder;
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Facets by their nodes, and a field of one value per facet.
+struct Patch {
+  std::vector<Vector3d> nodes;
+  std::vector<std::vector<int>> facets;
+};
+
+/// n x m quads of the rectangle a x b, normals up, put into space by `place`.
+Patch sheet(
+    int n, int m, double a, double b,
+    const std::function<Vector3d(double, double)>& place = [](double x, double y) { return Vector3d(x, y, 0); }) {
+  Patch p;
+  for (int j = 0; j <= m; ++j)
+    for (int i = 0; i <= n; ++i) p.nodes.push_back(place(a * i / n, b * j / m));
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int k = i + (n + 1) * j;
+      p.facets.push_back({k, k + 1, k + n + 2, k + n + 1});
+    }
+  return p;
+}
+
+/// Cap of a sphere about the z axis as quads, triangles at the pole; outward normals unless a socket.
+Patch cap(double radius, double degrees, int rings, int spokes, bool socket) {
+  Patch p;
+  p.nodes.push_back({0, 0, radius});
+  for (int i = 1; i <= rings; ++i)
+    for (int k = 0; k < spokes; ++k) {
+      const double t = degrees * kPi / 180 * i / rings, f = 2 * kPi * k / spokes;
+      p.nodes.push_back(radius * Vector3d(std::sin(t) * std::cos(f), std::sin(t) * std::sin(f), std::cos(t)));
+    }
+  const auto node = [&](int i, int k) { return 1 + (i - 1) * spokes + k % spokes; };
+  for (int k = 0; k < spokes; ++k) p.facets.push_back({0, node(1, k), node(1, k + 1)});
+  for (int i = 1; i < rings; ++i)
+    for (int k = 0; k < spokes; ++k)
+      p.facets.push_back({node(i, k), node(i + 1, k), node(i + 1, k + 1), node(i, k + 1)});
+  if (socket)
+    for (auto& f : p.facets) std::reverse(f.begin(), f.end());
+  return p;
+}
+
+ResultSurface surface_of(const Patch& p) {
+  std::vector<int> begin = {0}, nodes;
+  for (const auto& f : p.facets) {
+    nodes.insert(nodes.end(), f.begin(), f.end());
+    begin.push_back(static_cast<int>(nodes.size()));
+  }
+  return make_result_surface("surface", begin, nodes, p.nodes);
+}
+
+/// A file with one surface, "contact pressure" per facet and state, and the same field under another name.
+ResultFile result_of(const std::string& label, const Patch& p, const std::vector<std::vector<double>>& pressures,
+                     const std::string& units = "") {
+  XpltFile file;
+  file.software = "test";
+  file.units = units;
+  XpltMesh mesh;
+  for (const Vector3d& x : p.nodes) {
+    mesh.node_ids.push_back(static_cast<int>(mesh.node_ids.size()) + 1);
+    for (int k = 0; k < 3; ++k) mesh.coordinates.push_back(static_cast<float>(x[k]));
+  }
+  mesh.parts = {"shell"};
+  XpltDomain domain;
+  domain.element_type = 3;
+  domain.name = "shell";
+  XpltFacets facets;
+  facets.name = "surface";
+  for (const auto& f : p.facets) {
+    facets.nodes.insert(facets.nodes.end(), f.begin(), f.end());
+    facets.begin.push_back(static_cast<int>(facets.nodes.size()));
+    facets.max_nodes = std::max(facets.max_nodes, static_cast<int>(f.size()));
+    domain.element_ids.push_back(static_cast<int>(domain.element_ids.size()) + 1);
+    for (std::size_t k = 0; k < 4; ++k) domain.nodes.push_back(f[std::min(k, f.size() - 1)]);
+  }
+  mesh.domains = {domain};
+  XpltFacets bare = facets;
+  bare.name = "bare";
+  mesh.surfaces = {facets, bare};
+  file.meshes = {mesh};
+  for (const char* name : {"contact pressure", "joint space"}) {
+    XpltVariable v;
+    v.group = XpltGroup::Surface;
+    v.format = XpltFormat::Item;
+    v.name = name;
+    file.variables.push_back(v);
+  }
+  XpltVariable vector;
+  vector.group = XpltGroup::Surface;
+  vector.type = XpltType::Vec3;
+  vector.format = XpltFormat::Item;
+  vector.name = "contact traction";
+  file.variables.push_back(vector);
+  for (std::size_t s = 0; s < pressures.size(); ++s) {
+    XpltState state;
+    state.time = static_cast<float>(s);
+    std::vector<float> values(pressures[s].begin(), pressures[s].end());
+    state.variables = {{{1, values}}, {{1, values}}, {{1, std::vector<float>(3 * values.size(), 1.0f)}}};
+    file.states.push_back(state);
+  }
+  return {label + ".xplt", label, file};
+}
+
+double enclosed(const std::vector<Polyline>& lines) {
+  double area = 0.0;
+  for (const Polyline& line : lines) {
+    EXPECT_TRUE(line.closed);
+    for (std::size_t i = 0; i < line.points.size(); ++i) {
+      const Vector2d &a = line.points[i], &b = line.points[(i + 1) % line.points.size()];
+      area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+    }
+  }
+  return area;
+}
+
+double length(const Polyline& line) {
+  double sum = 0.0;
+  for (std::size_t i = 1; i < line.points.size(); ++i) sum += (line.points[i] - line.points[i - 1]).norm();
+  return sum;
+}
+
+struct Pixels {
+  int width = 0, height = 0;
+  std::vector<std::array<int, 3>> rgb;
+  const std::array<int, 3>& at(int x, int y) const {
+    return rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+  }
+};
+
+Pixels read_png(const std::string& bytes) {
+  struct Source {
+    const std::string* bytes;
+    std::size_t done;
+  } source = {&bytes, 0};
+  const auto read = [](void* from, unsigned char* to, unsigned int n) {
+    Source& s = *static_cast<Source*>(from);
+    if (s.done + n > s.bytes->size()) return CAIRO_STATUS_READ_ERROR;
+    std::memcpy(to, s.bytes->data() + s.done, n);
+    s.done += n;
+    return CAIRO_STATUS_SUCCESS;
+  };
+  cairo_surface_t* image = cairo_image_surface_create_from_png_stream(read, &source);
+  EXPECT_EQ(cairo_surface_status(image), CAIRO_STATUS_SUCCESS);
+  Pixels p;
+  p.width = cairo_image_surface_get_width(image);
+  p.height = cairo_image_surface_get_height(image);
+  for (int y = 0; y < p.height; ++y) {
+    const unsigned char* row = cairo_image_surface_get_data(image) + y * cairo_image_surface_get_stride(image);
+    for (int x = 0; x < p.width; ++x) p.rgb.push_back({row[4 * x + 2], row[4 * x + 1], row[4 * x]});
+  }
+  cairo_surface_destroy(image);
+  return p;
+}
+
+/// The colour in which a fraction of the scale is drawn: the middle of its step of 1/128.
+std::array<int, 3> drawn(ColourMap map, double fraction) {
+  const Rgb c = colour(map, (std::floor(fraction * 128) + 0.5) / 128);
+  return {static_cast<int>(std::lround(255 * c.r)), static_cast<int>(std::lround(255 * c.g)),
+          static_cast<int>(std::lround(255 * c.b))};
+}
+
+bool alike(const std::array<int, 3>& a, const std::array<int, 3>& b) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (std::abs(a[k] - b[k]) > 1) return false;
+  return true;
+}
+
+/// Number and middle of the pixels of a colour, left of the colour bar (at 96 dpi).
+struct Found {
+  int count = 0;
+  double x = 0.0, y = 0.0;
+};
+Found find(const Pixels& p, const std::array<int, 3>& rgb) {
+  Found f;
+  for (int y = 0; y < p.height; ++y)
+    for (int x = 0; x < p.width - 90; ++x)
+      if (alike(p.at(x, y), rgb)) {
+        ++f.count;
+        f.x += x;
+        f.y += y;
+      }
+  f.x /= std::max(1, f.count);
+  f.y /= std::max(1, f.count);
+  return f;
+}
+
+MapOptions plain() {
+  MapOptions o;
+  o.contours = std::vector<double>{};
+  return o;
+}
+
+std::string png(const MapFigure& figure) { return picture(figure, {PictureFormat::Png, 100, 96, false}); }
+
+TEST(MapGeometry, HemisphereAlongItsAxisIsADisc) {
+  for (bool socket : {false, true}) {
+    const Patch p = cap(20, 90, 24, 64, socket);
+    const ResultSurface s = surface_of(p);
+    const MapMesh mesh = make_map_mesh(s);
+    const MapView view = view_from({0, 0, socket ? -1.0 : 1.0}, {0, 1, 0});
+    EXPECT_NEAR((view.right.cross(view.up) - view.toward).norm(), 0, 1e-15);
+    EXPECT_NEAR((view.up - Vector3d(0, 1, 0)).norm(), 0, 1e-15);
+    const Projection q = project(mesh, view, std::vector<double>(mesh.triangles.size(), 0.0));
+    EXPECT_EQ(q.layers, 1);
+    EXPECT_FALSE(q.from_behind);
+    for (std::size_t i = 0; i < s.mesh.vertices.size(); ++i) {
+      EXPECT_NEAR(q.points[i].x(), (socket ? -1 : 1) * s.mesh.vertices[i].x(), 1e-12);
+      EXPECT_NEAR(q.points[i].y(), s.mesh.vertices[i].y(), 1e-12);
+    }
+    for (std::size_t t = 0; t < q.layer.size(); ++t) {
+      EXPECT_EQ(q.layer[t], 0);
+      EXPECT_EQ(q.back[t], 0);
+      EXPECT_EQ(q.hidden[t], 0.0);
+    }
+    // The outline is the regular polygon of the rim's nodes.
+    const std::vector<Polyline> edge = outline(mesh, q, TriangleMask(mesh.triangles.size(), 1));
+    ASSERT_EQ(edge.size(), 1u);
+    EXPECT_EQ(edge[0].points.size(), 64u);
+    EXPECT_NEAR(std::abs(enclosed(edge)), 32 * 400 * std::sin(2 * kPi / 64), 1e-9);
+  }
+}
+
+TEST(MapGeometry, SidewaysHemisphereHidesItsFarHalf) {
+  const MapMesh mesh = make_map_mesh(surface_of(cap(20, 90, 24, 64, false)));
+  const Projection q =
+      project(mesh, view_from({1, 0.013, 0}, {0, 0, 1}), std::vector<double>(mesh.triangles.size(), 0.0));
+  EXPECT_EQ(q.layers, 2);
+  double hidden = 0.0;
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto i = static_cast<std::size_t>(t);
+    if (q.layer[i] < 0) continue;
+    const double x = mesh.points[static_cast<std::size_t>(mesh.triangles[i][0])].x();
+    if (std::abs(x) > 2) {
+      EXPECT_EQ(q.back[i], x < 0) << x;
+    }
+    if (x > 2) {
+      EXPECT_EQ(q.hidden[i], 0.0);
+    }
+    if (x < -2) hidden = std::max(hidden, 1.0 - q.hidden[i]);
+  }
+  EXPECT_LT(hidden, 1e-9);
+}
+
+TEST(MapGeometry, UnrolledAnglesAndAreasAreExact) {
+  for (bool socket : {false, true}) {
+    for (double degrees : {40.0, 90.0, 130.0}) {
+      const Patch p = cap(25, degrees, 40, 120, socket);
+      const ResultSurface s = surface_of(p);
+      MapView view;
+      ASSERT_TRUE(unroll(s, {0, 1, 0}, view));
+      EXPECT_NEAR(view.radius, 25, 0.02);
+      EXPECT_NEAR((view.pole - Vector3d(0, 0, 1)).norm(), 0, 1e-9);
+      EXPECT_NEAR((view.toward - Vector3d(0, 0, socket ? -1 : 1)).norm(), 0, 1e-9);
+      view.radius = 25;
+      view.center.setZero();
+      for (double t : {0.0, 10.0, 60.0, 90.0, 120.0}) {
+        const double a = t * kPi / 180;
+        const Vector2d m = on_map(view, 25 * Vector3d(0, std::sin(a), std::cos(a)));
+        EXPECT_NEAR(m.x(), 0, 1e-9);
+        EXPECT_NEAR(m.y(), 50 * std::sin(0.5 * a), 1e-9);
+      }
+      const MapMesh mesh = make_map_mesh(s);
+      const Projection q = project(mesh, view, std::vector<double>(mesh.triangles.size(), 0.0));
+      const double area = std::abs(enclosed(outline(mesh, q, TriangleMask(mesh.triangles.size(), 1))));
+      EXPECT_NEAR(area / (2 * kPi * 625 * (1 - std::cos(degrees * kPi / 180))), 1, 1e-3);
+    }
+  }
+  MapView view;
+  EXPECT_FALSE(unroll(surface_of(sheet(4, 4, 1, 1)), {0, 0, 0}, view));
+  // A box's corner is no sphere.
+  EXPECT_FALSE(
+      unroll(surface_of(sheet(8, 2, 2, 1,
+                              [](double x, double y) { return x < 1 ? Vector3d(x, y, 0) : Vector3d(1, y, 1 - x); })),
+             {0, 0, 0}, view));
+}
+
+TEST(MapGeometry, ContourOfALinearFieldIsAStraightLine) {
+  const Patch p = sheet(7, 5, 7, 5);
+  const ResultSurface s = surface_of(p);
+  const MapMesh mesh = make_map_mesh(s);
+  const Projection q = project(mesh, view_from({0, 0, 1}, {0, 1, 0}), std::vector<double>(mesh.triangles.size(), 0.0));
+  const TriangleMask all(mesh.triangles.size(), 1);
+  std::vector<double> values;
+  for (const Vector3d& x : s.mesh.vertices) values.push_back(x.x() + 0.5 * x.y());
+  values = point_values(mesh, values);
+  for (double level : {1.3, 2.0, 4.75, 8.1}) {
+    const std::vector<Polyline> lines = contour(mesh, q, all, values, level);
+    ASSERT_EQ(lines.size(), 1u) << level;
+    // From where x + y/2 = level enters the rectangle to where it leaves.
+    const double y0 = std::max(0.0, 2 * (level - 7)), y1 = std::min(5.0, 2 * level);
+    for (const Polyline& line : {lines[0], smoothed(lines[0])}) {
+      EXPECT_FALSE(line.closed);
+      EXPECT_NEAR(length(line), (y1 - y0) * std::sqrt(1.25), 1e-12);
+      for (const Vector2d& x : line.points) EXPECT_NEAR(x.x() + 0.5 * x.y(), level, 1e-12);
+    }
+    const double below = 0.5 * (2 * level) * level - (level > 2.5 ? (level - 2.5) * (level - 2.5) : 0) -
+                         (level > 7 ? (level - 7) * (level - 7) : 0);
+    EXPECT_NEAR(enclosed(region_above(mesh, q, all, values, level)), 35 - below, 1e-12) << level;
+    EXPECT_NEAR(area_above(mesh, values, level), 35 - below, 1e-12) << level;
+  }
+}
+
+TEST(MapGeometry, ContourOfAHillIsOneClosedLine) {
+  const Patch p = sheet(40, 40, 2, 2);
+  const ResultSurface s = surface_of(p);
+  const MapMesh mesh = make_map_mesh(s);
+  const Projection q = project(mesh, view_from({0, 0, 1}, {0, 1, 0}), std::vector<double>(mesh.triangles.size(), 0.0));
+  std::vector<double> values;
+  for (const Vector3d& x : s.mesh.vertices) values.push_back(1 - (x - Vector3d(1, 1, 0)).squaredNorm());
+  const std::vector<Polyline> lines =
+      contour(mesh, q, TriangleMask(mesh.triangles.size(), 1), point_values(mesh, values), 0.5);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(lines[0].closed);
+  EXPECT_NEAR(enclosed(lines), kPi * 0.5, 0.005);  // the higher side on the left
+  EXPECT_NEAR(enclosed({smoothed(lines[0])}), kPi * 0.5, 0.005);
+}
+
+TEST(MapGeometry, EveryFacetShapeCoversItsArea) {
+  // The unit square as 4 triangles, 1 quad, quadratic ones, and a quad with a node twice.
+  const std::vector<Vector3d> nodes = {{0, 0, 0},   {1, 0, 0},   {1, 1, 0},   {0, 1, 0},    {0.5, 0, 0},
+                                       {1, 0.5, 0}, {0.5, 1, 0}, {0, 0.5, 0}, {0.5, 0.5, 0}};
+  const std::vector<std::vector<std::vector<int>>> shapes = {{{0, 1, 2}, {0, 2, 3}},
+                                                             {{0, 1, 2, 3}},
+                                                             {{0, 1, 2, 3, 4, 5, 6, 7}},
+                                                             {{0, 1, 2, 3, 4, 5, 6, 7, 8}},
+                                                             {{0, 1, 2, 4, 5, 8}, {0, 2, 3, 8, 6, 7}},
+                                                             {{0, 1, 2, 2}, {0, 2, 3}}};
+  for (const auto& facets : shapes) {
+    const MapMesh mesh = make_map_mesh(surface_of({nodes, facets}));
+    const Projection q =
+        project(mesh, view_from({0, 0, 1}, {0, 1, 0}), std::vector<double>(mesh.triangles.size(), 0.0));
+    const std::vector<Polyline> edge = outline(mesh, q, TriangleMask(mesh.triangles.size(), 1));
+    EXPECT_EQ(edge.size(), 1u);
+    EXPECT_NEAR(enclosed(edge), 1, 1e-12);
+    for (const Patch& p : {Patch{nodes, facets}}) {
+      const MapFigure f = make_map_figure({result_of("a", p, {std::vector<double>(facets.size(), 3.0)})}, nullptr, {});
+      EXPECT_EQ(f.high, 3.0);
+    }
+  }
+}
+
+TEST(MapFigure, NiceTicks) {
+  EXPECT_EQ(nice_ticks(0, 6.7, 6), (std::vector<double>{0, 2, 4, 6}));
+  EXPECT_EQ(nice_ticks(0, 5, 6), (std::vector<double>{0, 1, 2, 3, 4, 5}));
+  const std::vector<double> small = nice_ticks(-3e-5, 3e-5, 6);
+  ASSERT_EQ(small.size(), 7u);
+  EXPECT_NEAR(small[1], -2e-5, 1e-15);
+  EXPECT_EQ(small[3], 0.0);
+  EXPECT_LT(nice_ticks(1e17, 1e17 + 64, 6).size(),
+            20u);  // numbers this large have no steps this small: no endless loop
+}
+
+TEST(MapFigure, PanelsScaleAndNumbers) {
+  const Patch p = sheet(4, 1, 4, 1);
+  const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 1, 3, 0}}, "mm-N-s");
+  const ResultFile b = result_of("b", p, {{0, 0, 0, 0}, {0, 2, 8, 0}}, "mm-N-s");
+  const MapFigure f = make_map_figure({a, b}, nullptr, plain());
+  ASSERT_EQ(f.panels.size(), 2u);
+  EXPECT_EQ(f.low, 0);
+  EXPECT_EQ(f.high, 8);
+  EXPECT_EQ(f.unit, "MPa");
+  EXPECT_EQ(f.length_unit, "mm");
+  EXPECT_EQ(f.panels[0].title, "a");
+  EXPECT_EQ(f.panels[0].numbers[0], "peak 3.00, mean 2.00 MPa, area 2 mm\u00b2");
+  EXPECT_EQ(f.panels[1].numbers[0], "peak 8.00, mean 5.00 MPa, area 2 mm\u00b2");
+  ASSERT_TRUE(f.panels[0].center_of_pressure);
+  EXPECT_NEAR(f.panels[0].center_of_pressure->x(), (1 * 1.5 + 3 * 2.5) / 4, 1e-6);
+  EXPECT_NEAR(f.panels[0].peak->x(), 2.5, 1e-6);
+  EXPECT_TRUE(std::isnan(f.panels[0].facets[0]));
+
+  MapOptions o = plain();
+  o.states = "all";
+  EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[0].numbers[0], "no contact");
+  EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[1].title, "time 1");
+  o.high = 2;
+  EXPECT_TRUE(make_map_figure({a}, nullptr, o).beyond_high);
+}
+
+TEST(MapFigure, RoundingIsNoPattern) {
+  MapOptions o = plain();
+  o.field = "joint space";
+  const MapFigure f = make_map_figure({result_of("a", sheet(3, 1, 3, 1), {{2, 2.0000002, 2}})}, nullptr, o);
+  EXPECT_EQ(f.low, 0);
+  EXPECT_NEAR(f.high, 2, 1e-6);
+}
+
+TEST(MapFigure, SmoothContactHasTheAreaOfTheFacets) {
+  const Patch p = sheet(20, 20, 10, 10);
+  std::vector<double> pressure;
+  double area = 0.0;
+  for (int j = 0; j < 20; ++j)
+    for (int i = 0; i < 20; ++i) {
+      pressure.push_back(std::max(0.0, 6 - 0.5 * ((i - 9.5) * (i - 9.5) + (j - 9.5) * (j - 9.5)) / 4));
+      area += pressure.back() > 0 ? 0.25 : 0.0;
+    }
+  MapOptions o = plain();
+  o.smooth = true;
+  const MapFigure f = make_map_figure({result_of("a", p, {pressure})}, nullptr, o);
+  EXPECT_NEAR(area_above(f.surfaces[0].mesh, f.panels[0].points, f.panels[0].edge), area, 1e-6 * area);
+}
+
+TEST(MapFigure, Differences) {
+  const Patch p = sheet(4, 1, 4, 1);
+  const ResultFile a = result_of("a", p, {{0, 1, 3, 0}}), b = result_of("b", p, {{0, 2, 2.5, 1}});
+  const MapFigure f = make_map_figure({a}, &b, plain());
+  EXPECT_EQ(f.map, ColourMap::Diverging);
+  EXPECT_EQ(f.low, -1);
+  EXPECT_EQ(f.high, 1);
+  EXPECT_TRUE(std::isnan(f.panels[0].facets[0]));
+  EXPECT_EQ(std::vector<double>(f.panels[0].facets.begin() + 1, f.panels[0].facets.end()),
+            (std::vector<double>{-1, 0.5, -1}));
+  // On another mesh: nodal values carried over; two constants differ by a constant.
+  const Patch fine = sheet(9, 3, 4, 1);
+  const ResultFile c = result_of("c", fine, {std::vector<double>(27, 2.0)}), d = result_of("d", p, {{5, 5, 5, 5}});
+  const MapFigure carried = make_map_figure({d}, &c, plain());
+  for (double x : carried.panels[0].facets) EXPECT_NEAR(x, 3.0, 1e-6);
+}
+
+TEST(MapFigure, ZeroIsNoValueOfAJointSpace) {
+  const Patch p = sheet(3, 1, 3, 1);
+  MapOptions o = plain();
+  o.field = "joint space";
+  o.smooth = true;
+  const MapFigure f = make_map_figure({result_of("a", p, {{0, 2, 4}})}, nullptr, o);
+  const auto point = [&](double x) {
+    for (std::size_t i = 0; i < f.surfaces[0].mesh.points.size(); ++i)
+      if ((f.surfaces[0].mesh.points[i] - Vector3d(x, 0, 0)).norm() < 1e-6) return f.panels[0].points[i];
+    return -1.0;
+  };
+  EXPECT_TRUE(std::isnan(point(0)));
+  EXPECT_EQ(point(1), 2);  // not (0 + 2) / 2
+  EXPECT_EQ(point(2), 3);
+}
+
+TEST(Picture, AValueHasItsColourAtItsPlace) {
+  const Patch p = sheet(4, 2, 4, 2);
+  MapOptions o = plain();
+  o.high = 8;
+  o.up = {0, 1, 0};
+  const MapFigure f = make_map_figure({result_of("a", p, {{1, 4, 0, 0, 0, 0, 0, 7}})}, nullptr, o);
+  const Pixels image = read_png(png(f));
+  const Found one = find(image, drawn(ColourMap::Sequential, 1.0 / 8)),
+              four = find(image, drawn(ColourMap::Sequential, 0.5));
+  const Found seven = find(image, drawn(ColourMap::Sequential, 7.0 / 8));
+  ASSERT_GT(one.count, 1000);
+  const double side = std::sqrt(one.count);
+  // Facet (0, 0) is below left, (1, 0) beside it, (3, 1) above right (with the mark of the peak on it).
+  EXPECT_NEAR(four.x - one.x, side, 0.06 * side);
+  EXPECT_NEAR(four.y - one.y, 0, 0.06 * side);
+  EXPECT_NEAR(seven.x - one.x, 3 * side, 0.15 * side);
+  EXPECT_NEAR(one.y - seven.y, side, 0.2 * side);
+  EXPECT_GT(find(image, {227, 227, 230}).count, 4 * one.count);  // five facets without contact, some under marks
+
+  // A difference of 0 is the middle of the other map.
+  const ResultFile a = result_of("a", p, {{1, 1, 1, 1, 1, 1, 1, 1}}), b = result_of("b", p, {{1, 1, 1, 1, 1, 1, 1, 2}});
+  const Pixels other = read_png(png(make_map_figure({a}, &b, plain())));
+  EXPECT_GT(find(other, drawn(ColourMap::Diverging, 0.5)).count, 5000);
+}
+
+TEST(Picture, FacetsBehindOthersDoNotShow) {
+  // A wide sheet below with pressure 7, a narrow one 1 above it with pressure 2; drawn in either order of facets.
+  for (bool swapped : {false, true}) {
+    Patch p;
+    p.nodes = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 1, 1}, {3, 1, 1}, {3, 3, 1}, {1, 3, 1}};
+    p.facets = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+    std::vector<double> pressure = {7, 2};
+    if (swapped) {
+      std::swap(p.facets[0], p.facets[1]);
+      std::swap(pressure[0], pressure[1]);
+    }
+    MapOptions o = plain();
+    o.high = 8;
+    const MapFigure f = make_map_figure({result_of("a", p, {pressure})}, nullptr, o);
+    const Pixels image = read_png(png(f));
+    const int low = find(image, drawn(ColourMap::Sequential, 7.0 / 8)).count,
+              high = find(image, drawn(ColourMap::Sequential, 2.0 / 8)).count;
+    EXPECT_NEAR(static_cast<double>(low) / high, 3.0, 0.15);
+    ASSERT_EQ(f.remarks.size(), 1u);
+    EXPECT_NE(f.remarks[0].find("20 % of the area"), std::string::npos) << f.remarks[0];
+  }
+}
+
+TEST(Picture, NoLightBetweenFacets) {
+  // Seen askew, so that all edges are slanted: no pixel inside is lighter than the lightest facet.
+  const Patch p = sheet(12, 12, 12, 12);
+  std::vector<double> pressure;
+  for (int i = 0; i < 144; ++i) pressure.push_back(i * 7 % 5 == 0 ? 1.0 : 0.2);
+  for (bool smooth : {false, true}) {
+    MapOptions o = plain();
+    o.high = 4;
+    o.smooth = smooth;
+    o.up = {1, 3, 0};
+    const MapFigure f = make_map_figure({result_of("a", p, {pressure})}, nullptr, o);
+    const Pixels image = read_png(png(f));
+    const Found middle = find(image, drawn(ColourMap::Sequential, smooth ? 0.08 : 0.05));
+    ASSERT_GT(middle.count, 20);
+    // The map is the widest thing left of the bar; a disc about its middle holds facets (and two marks) only.
+    const Found dark = find(image, drawn(ColourMap::Sequential, 0.05));
+    int light = 0, inside = 0;
+    const int cx = static_cast<int>(dark.count > 0 ? dark.x : middle.x),
+              cy = static_cast<int>(dark.count > 0 ? dark.y : middle.y);
+    for (int y = cy - 60; y <= cy + 60; ++y)
+      for (int x = cx - 60; x <= cx + 60; ++x) {
+        const auto& c = image.at(x, y);
+        ++inside;
+        if (c[0] > 110) ++light;  // both colours are dark violet and blue; marks are white and small
+      }
+    EXPECT_LT(light, 260) << inside;  // two marks of some 100 white pixels
+  }
+}
+
+TEST(Picture, VectorsWithoutBitmapsAndTheSameEveryTime) {
+  const Patch p = cap(20, 80, 16, 48, true);
+  std::vector<double> pressure;
+  for (std::size_t f = 0; f < p.facets.size(); ++f)  // falls to all sides from a place off the pole
+    pressure.push_back(
+        std::max(0.0, 5 - 0.2 * (p.nodes[static_cast<std::size_t>(p.facets[f][0])] - Vector3d(8, 0, 18)).norm() *
+                              (1 + 0.1 * std::sin(static_cast<double>(f)))));
+  for (bool smooth : {false, true}) {
+    for (bool unrolled : {false, true}) {
+      MapOptions o;
+      o.smooth = smooth;
+      o.unrolled = unrolled;
+      const MapFigure f = make_map_figure({result_of("a", p, {pressure})}, nullptr, o);
+      for (PictureFormat format : {PictureFormat::Png, PictureFormat::Svg, PictureFormat::Pdf}) {
+        const std::string once = picture(f, {format, 0, 100, false});
+        EXPECT_TRUE(once == picture(f, {format, 0, 100, false}));
+        EXPECT_FALSE(once == picture(f, {format, 0, 100, true}));
+        if (format == PictureFormat::Svg) {
+          EXPECT_EQ(once.find("nan"), std::string::npos);
+          EXPECT_EQ(once.find("inf"), std::string::npos);
+          EXPECT_EQ(once.find("<image"), std::string::npos);
+          EXPECT_LT(once.size(), 700000u);
+        }
+        if (format == PictureFormat::Pdf) {
+          EXPECT_NE(once.find("20000101000000Z"), std::string::npos);
+          EXPECT_EQ(once.find("/Subtype /Image"), std::string::npos);
+        }
+      }
+    }
+  }
+}
+
+/// A folder with plot files, and the program.
+struct Folder : ::testing::Test {
+  TemporaryFolder folder;
+  void SetUp() override {
+    const Patch p = cap(20, 80, 8, 24, true);
+    const std::vector<double> some(p.facets.size(), 2.0), none(p.facets.size(), 0.0);
+    write_xplt((folder.path / "a.xplt").string(), result_of("a", p, {none, some}, "mm-N-s").plot);
+    write_xplt((folder.path / "b.xplt").string(), result_of("b", p, {none, some, some}).plot);
+    write_xplt((folder.path / "si.xplt").string(), result_of("si", p, {none, some}, "SI").plot);
+    write_xplt((folder.path / "flat.xplt").string(), result_of("f", sheet(2, 2, 1, 1), {{1, 2, 3, 4}}).plot);
+    ResultFile bad = result_of("n", sheet(2, 2, 1, 1), {{1, 2, 3, 4}});
+    write_xplt((folder.path / "zero.xplt").string(), result_of("z", p, {none}).plot);
+    std::ofstream(folder.path / "text.xplt") << "no plot file";
+  }
+  Finished plot(std::vector<std::string> words) {
+    words.insert(words.begin(), {DEA_PROGRAM, "plot"});
+    return run_program(folder.path, words, 30);
+  }
+};
+
+TEST_F(Folder, WritesWhatIsAskedFor) {
+  struct Case {
+    std::vector<std::string> words;
+    std::string file, start;
+  };
+  const std::vector<Case> cases = {
+      {{"a.xplt"}, "a.png", "\x89PNG"},
+      {{"a.xplt", "-o", "map.svg"}, "map.svg", "<?xml"},
+      {{"a.xplt", "b.xplt", "-o", "MAP.PDF", "--label", "x", "--label", "y"}, "MAP.PDF", "%PDF"},
+      {{"a.xplt", "--states", "all", "-o", "all.png", "--smooth", "--dark"}, "all.png", "\x89PNG"},
+      {{"a.xplt", "--at", "0,1", "-o", "at.png", "--view", "unrolled", "--up", "1,0,0"}, "at.png", "\x89PNG"},
+      {{"a.xplt", "--minus", "b.xplt", "--at", "1", "-o", "d.png"}, "d.png", "\x89PNG"},
+      {{"a.xplt", "--view", "0,1,0", "-o", "side.png", "--dpi", "50", "--width", "80"}, "side.png", "\x89PNG"},
+      {{"zero.xplt", "-o", "z.svg"}, "z.svg", "<?xml"},
+      {{"flat.xplt", "--field", "joint space", "--min", "1", "--max", "3", "-o", "f.svg"}, "f.svg", "<?xml"},
+      {{"flat.xplt", "--contours", "1.5,2.5", "--title", "A very long title that does not fit on paper", "-o", "t.svg",
+        "--width", "60"},
+       "t.svg",
+       "<?xml"}};
+  for (const Case& c : cases) {
+    const Finished f = plot(c.words);
+    EXPECT_EQ(f.code, 0) << f.err;
+    EXPECT_EQ(f.out, "");
+    EXPECT_EQ(file_text(folder.path / c.file).substr(0, 4), c.start.substr(0, 4)) << c.file;
+  }
+  const Finished quiet = plot({"a.xplt", "-q", "--view", "0,1,0", "-o", "q.png"});
+  EXPECT_EQ(quiet.code, 0);
+  EXPECT_EQ(quiet.err, "");
+}
+
+TEST_F(Folder, RefusesInOneLine) {
+  struct Case {
+    std::vector<std::string> words;
+    int code;
+    std::string said;
+  };
+  const std::vector<Case> cases = {
+      {{"none.xplt"}, 3, "none.xplt"},
+      {{"text.xplt"}, 3, "text.xplt"},
+      {{"a.xplt", "--field", "strain"}, 3, "found no surface field \"strain\", expected one of \"contact pressure\""},
+      {{"a.xplt", "--field", "contact traction"}, 3, "not one number per facet"},
+      {{"a.xplt", "--surface", "socket"}, 3, "found no surface \"socket\", expected one of \"surface\", \"bare\""},
+      {{"a.xplt", "--surface", "bare"}, 3, "has no \"contact pressure\" at time 1"},
+      {{"a.xplt", "--at", "3"}, 3, "found no state at time 3, expected one of 0, 1"},
+      {{"a.xplt", "--minus", "b.xplt", "--at", "2"}, 3, "a.xplt: found no state at time 2"},
+      {{"a.xplt", "si.xplt"}, 3, "found units SI, expected mm-N-s"},
+      {{"a.xplt", "--at", "soon"}, 2, "--at soon: found \"soon\", expected all, last or times"},
+      {{"a.xplt", "--at", "1", "--states", "all"}, 2, "expected one of them"},
+      {{"a.xplt", "-o", "map.jpg"}, 2, "ends in .png, .svg or .pdf"},
+      {{"a.xplt", "-o", "-"}, 2, "-o -"},
+      {{"a.xplt", "--view", "up"}, 2, "--view up: found \"up\", expected a direction x,y,z, or unrolled"},
+      {{"a.xplt", "--view", "0,0,0"}, 2, "--view 0,0,0"},
+      {{"a.xplt", "--view", "0,0,1", "--up", "0,0,2"}, 2, "is along the view"},
+      {{"flat.xplt", "--view", "1,0,0"}, 2, "is seen edge-on"},
+      {{"a.xplt", "--min", "1e17", "--max", "1.0000000000000002e17"}, 2, "found no width of the colour scale"},
+      {{"flat.xplt", "--view", "unrolled"}, 2, "is no part of a sphere"},
+      {{"a.xplt", "--max", "0"}, 2, "--max 0"},
+      {{"a.xplt", "--max", "many"}, 2, "--max many"},
+      {{"a.xplt", "--max", "1", "--min", "2"}, 2, "expected more than --min 2"},
+      {{"a.xplt", "--minus", "b.xplt", "--max", "-1"}, 2, "expected a difference above 0"},
+      {{"a.xplt", "--width", "5"}, 2, "expected a number from 20 to 2000"},
+      {{"a.xplt", "--width", "21"}, 2, "--width 21: found"},
+      {{"a.xplt", "--dpi", "1e9"}, 2, "--dpi 1e9"},
+      {{"a.xplt", "--dpi", "2400", "--width", "2000"}, 2, "less --dpi or --width"},
+      {{"a.xplt", "--dpi", "100", "-o", "a.svg"}, 2, "belongs to PNG"},
+      {{"a.xplt", "--contours", "many"}, 2, "--contours many"},
+      {{"a.xplt", "--label", "x", "--label", "y"}, 2, "found 2 labels, expected one per file (1)"},
+      {{"a.xplt", "-o", "nowhere/map.png"}, 4, "there is no folder nowhere"},
+  };
+  std::size_t before = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path)) ++before;
+  for (const Case& c : cases) {
+    const Finished f = plot(c.words);
+    EXPECT_EQ(f.code, c.code) << f.err;
+    EXPECT_NE(f.err.find(c.said), std::string::npos) << c.said << "\n" << f.err;
+    EXPECT_EQ(std::count(f.err.begin(), f.err.end(), '\n'), 1) << f.err;
+    EXPECT_EQ(f.out, "");
+  }
+  std::size_t after = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path)) ++after;
+  EXPECT_EQ(after, before);
+}
+
+TEST(PlotOfFebio, HipBesideItselfIsSmall) {
+  const std::string path = std::string(DEA_REFERENCE_DIR) + "/hip_walking_febio_penalty20.xplt";
+  if (!fs::exists(path)) GTEST_SKIP() << "no reference results";
+  const ResultFile hip = read_result(path, "FEBio");
+  for (bool smooth : {false, true}) {
+    MapOptions o;
+    o.smooth = smooth;
+    const MapFigure f = make_map_figure({hip, hip}, nullptr, o);
+    EXPECT_LT(picture(f, {PictureFormat::Svg, 0, 200, false}).size(), 1000000u);
+    EXPECT_LT(picture(f, {PictureFormat::Pdf, 0, 200, false}).size(), 500000u);
+  }
+}
+
+}  // namespace
+}  // namespace dea

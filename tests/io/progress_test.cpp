@@ -1,0 +1,84 @@
+// The progress line: when it is written, what it says, and that nothing of it is left behind.
+#include "progress.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+namespace dea {
+namespace {
+
+/// A clock that is set, and all that was written.
+struct Watch {
+  double now = 10.0;
+  std::string text;
+  Progress start(ProgressStyle style) {
+    return Progress(
+        style, [this](const std::string& s) { text += s; }, [this] { return now; });
+  }
+};
+
+TEST(Progress, BarComesLateAndGoes) {
+  Watch w;
+  {
+    Progress p = w.start(ProgressStyle::Bar);
+    w.now = 10.4;
+    p.step("state 1 of 8", "long", 1, 8);
+    EXPECT_EQ(w.text, "");  // a command that takes half a second needs no bar
+    w.now = 12.0;
+    p.step("state 2 of 8", "long", 2, 8);
+    EXPECT_EQ(w.text, "\r\033[K[######..................] state 2 of 8, about 6 s left");
+    w.now = 12.05;
+    p.step("state 3 of 8", "long", 3, 8);
+    EXPECT_EQ(w.text.find("state 3"), std::string::npos);
+    w.now = 400;
+    p.step("state 4 of 8", "long", 4, 8);
+    EXPECT_NE(w.text.find("\r\033[K[############............] state 4 of 8, about 7 min left"), std::string::npos);
+    EXPECT_EQ(w.text.find('\n'), std::string::npos);
+  }
+  EXPECT_EQ(w.text.substr(w.text.size() - 4), "\r\033[K");  // also when a fault ends the command
+}
+
+TEST(Progress, NothingToClearWithoutBar) {
+  Watch w;
+  {
+    Progress p = w.start(ProgressStyle::Bar);
+    p.step("state 1 of 2", "long", 1, 2);
+    p.clear();
+  }
+  EXPECT_EQ(w.text, "");
+}
+
+TEST(Progress, BarClearedOnceByAFault) {
+  Watch w;
+  try {
+    Progress p = w.start(ProgressStyle::Bar);
+    w.now = 11;
+    p.step("1024 springs solved", "long", 0, 0);
+    EXPECT_EQ(w.text, "\r\033[K1024 springs solved");
+    throw 1;
+  } catch (int) {
+    w.text += "message";
+  }
+  EXPECT_EQ(w.text, "\r\033[K1024 springs solved\r\033[Kmessage");
+}
+
+TEST(Progress, LinesElsewhereEveryTwoSeconds) {
+  Watch w;
+  Progress p = w.start(ProgressStyle::Lines);
+  for (std::size_t i = 1; i <= 50; ++i) {
+    w.now += 0.125;
+    p.step(fmt::format("state {} of 50", i), "long", i, 50);
+  }
+  EXPECT_EQ(w.text, "state 16 of 50, about 5 s left\nstate 32 of 50, about 3 s left\nstate 48 of 50, about 1 s left\n");
+}
+
+TEST(Progress, EveryStepOrNone) {
+  Watch w;
+  Progress every = w.start(ProgressStyle::Every), none = w.start(ProgressStyle::Quiet);
+  every.step("state 1 of 2", "state 1 of 2, time 0: Prescribed", 1, 2);
+  none.step("state 2 of 2", "hidden", 2, 2);
+  EXPECT_EQ(w.text, "state 1 of 2, time 0: Prescribed\n");
+}
+
+}  // namespace
+}  // namespace dea
