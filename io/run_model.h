@@ -5,6 +5,7 @@
 
 #include "analysis.h"
 #include "report_json.h"
+#include "xplt.h"
 
 namespace dea {
 
@@ -18,6 +19,7 @@ struct RunOptions {
   bool compress = false;                                  ///< the plot file
   double seconds_reading = 0.0;                           ///< spent on the model before
   std::function<void(const std::string& line)> progress;  ///< a line per state; may be empty
+  std::function<void(const Analysis&, XpltFile&&)> also;  ///< what else to make of the written plot file; may be empty
 };
 
 struct RunResult {
