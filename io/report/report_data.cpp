@@ -277,7 +277,7 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
   return s;
 }
 
-/// Triangles of faces that belong to one element only, and of shells.
+/// Triangles of faces that belong to one solid element only, and of shells.
 ReportContext make_context(const XpltMesh& mesh) {
   ReportContext context;
   std::unordered_map<int, ElementShape> shapes;
@@ -290,6 +290,7 @@ ReportContext make_context(const XpltMesh& mesh) {
   struct Face {
     std::vector<int> nodes;
     int part = 0, times = 0;
+    bool shell = false;
   };
   std::map<std::vector<int>, Face> faces;  // by sorted corners
   for (const XpltDomain& domain : mesh.domains) {
@@ -302,15 +303,15 @@ ReportContext make_context(const XpltMesh& mesh) {
         Face face;
         for (int k : local) face.nodes.push_back(domain.nodes[at(e * n + k)]);
         face.part = domain.part - 1;
+        face.shell = element_faces(shape->second).size() == 1;
         std::vector<int> key(face.nodes.begin(), face.nodes.begin() + facet_corners(static_cast<int>(local.size())));
         std::sort(key.begin(), key.end());
-        key.push_back(face.part);  // bone and cartilage are shown apart
         Face& known = faces[key];
-        if (known.times++ == 0) {
-          const int times = known.times;
+        face.times = known.times + (face.shell ? 0 : 1);
+        if (known.nodes.empty() || (face.shell && !known.shell))
           known = std::move(face);
-          known.times = times;
-        }
+        else
+          known.times = face.times;
       }
     }
   }
@@ -318,7 +319,7 @@ ReportContext make_context(const XpltMesh& mesh) {
   std::size_t count = 0;
   for (const auto& entry : faces) {
     const Face& face = entry.second;
-    if (face.times > 1) continue;
+    if (face.times > 1 && !face.shell) continue;
     const bool finite = std::all_of(face.nodes.begin(), face.nodes.end(), [&](int i) { return positions[at(i)].allFinite(); });
     if (!finite) continue;
     for (const auto& t : split_facet(face.nodes.data(), static_cast<int>(face.nodes.size()), positions)) {

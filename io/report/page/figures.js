@@ -12,6 +12,7 @@ const Figures = (() => {
   }
   const compared = () => Report.kind === "compare";
   const labels = () => Report.results.map((r) => r.label);
+  const labelled = (i) => labels()[i] + (Format.unit("pressure") ? ` [${Format.unit("pressure")}]` : "");
   const resultStyle = (i, ink) => style(i, Report.results.length, ink, compared());
 
   const ruler = document.createElement("canvas").getContext("2d");
@@ -155,7 +156,7 @@ const Figures = (() => {
       return values ? Data.carried(s, i, Data.nodalAverage(s.meshes[i], values)) : null;
     });
     const most = Math.max(1e-12, ...nodal.filter(Boolean).map((v) => v.reduce((a, x) => (x > a ? x : a), 0)));
-    const columns = Math.min(last, Math.max(1, Math.floor(width / 300))), each = (width - 22 * (columns - 1)) / columns;
+    const columns = Math.min(last, Math.max(1, Math.floor(width / 280))), each = (width - 22 * (columns - 1)) / columns;
     const side = Math.min(each, 430), rows = Math.ceil(last / columns), high = side + 34;
     const root = svg("svg", { xmlns: svgns, width, height: rows * high, viewBox: `0 0 ${width} ${rows * high}`, "font-family": fontFamily, "font-size": 13, fill: ink.ink, role: "img" });
     for (let i = 0; i < last; ++i) {
@@ -175,8 +176,8 @@ const Figures = (() => {
         color: many ? { type: "log", range: [ink.line, colour] } : undefined,
         marks: [
           Plot.gridX({ ...grid(ink), ticks: 5 }), Plot.gridY({ ...grid(ink), ticks: 5 }),
-          Plot.axisX({ ...axis, ticks: 5, label: cut(Format.axis(labels()[last], "pressure"), 13, side - 80), tickFormat: tick }),
-          Plot.axisY({ ...axisY, label: cut(Format.axis(labels()[i], "pressure"), 13, side - 70), tickFormat: tick }),
+          Plot.axisX({ ...axis, ticks: 5, label: cut(labelled(last), 13, side - 80), tickFormat: tick }),
+          Plot.axisY({ ...axisY, label: cut(labelled(i), 13, side - 70), tickFormat: tick }),
           many ? Plot.dot(points, Plot.hexbin({ fill: "count" }, { x: (p) => p[0], y: (p) => p[1], binWidth: 6, symbol: "hexagon", r: 3.4, stroke: null }))
                : Plot.dot(points, { x: (p) => p[0], y: (p) => p[1], r: 1.7, fill: colour, fillOpacity: 0.5 }),
           Plot.link([0], { x1: 0, y1: 0, x2: most, y2: most, stroke: ink.soft, strokeDasharray: "4,4" }),
@@ -273,7 +274,7 @@ const Figures = (() => {
     if (compared()) {
       out.now.push({ id: "box", title: "Pressure distribution", build: box,
         caption: (s) => `Nodes with pressure, weighted by area: box 25 to 75 %, line median, diamond mean, whiskers 5 and 95 %, dot peak. ${where(s)}, ${at(s)}.` });
-      out.now.push({ id: "scatter", title: "Node by node", build: scatter, wide: Report.results.length > 2,
+      out.now.push({ id: "scatter", title: "Node by node", build: scatter, wide: Report.results.length > 3,
         caption: (s) => `Nodal pressure of each result over that of ${labels()[labels().length - 1]}, where either is above 0. Dashed: identity; solid: least-squares line. r and slope weighted by nodal area. ${s.surface.about.title}, ${at(s)}.` });
       if (several) {
         const when = (s) => s.surface.about.regions.length > 1;

@@ -7,7 +7,7 @@ const Page = (() => {
   const maps = new Maps();
   const quantities = {
     pressure: { title: "contact pressure", dimension: "pressure", none: "none", noneText: "no contact", shown: (x) => x > 0 },
-    space: { title: "joint space", dimension: "length", none: "overlap", noneText: "overlapping", shown: (x) => x >= 0 },
+    space: { title: "joint space", dimension: "length", none: "overlap", noneText: "overlapping", floor: 0, shown: () => true },
     thickness: { title: "cartilage thickness", dimension: "length", none: "none", noneText: "", shown: () => true },
     gap: { title: "penetration (contact gap)", dimension: "length", none: "none", noneText: "none", shown: (x) => x > 0 }
   };
@@ -96,7 +96,7 @@ const Page = (() => {
       make("button", { id: "play", text: "▶", title: "Play (space)", "aria-label": "Play", onclick: () => play(!playing) }),
       make("input", { id: "slider", type: "range", min: "0", max: String(Report.frames.length - 1), step: "1", value: String(state.frame), "aria-label": "State", oninput: (e) => setFrame(Number(e.target.value)) }),
       make("output", { id: "now" })));
-    if (Report.frames.length < 2) { $("play").disabled = true; $("slider").disabled = true; }
+    if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; }
     section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration. Ring: peak; cross: centre of pressure." }));
     if (Report.context_note) section.append(make("p", { class: "keys", text: Report.context_note }));
   }
@@ -160,7 +160,7 @@ const Page = (() => {
   // One scale per quantity, for all its panels.
   function scaleOf(q) {
     const s = state.surface, about = quantities[q];
-    const scale = { map: "sequential", least: 0, most: 0, level: 0, none: about.none, noneText: about.noneText, title: Format.axis(about.title, about.dimension) };
+    const scale = { map: "sequential", least: 0, most: 0, level: 0, none: about.none, noneText: about.noneText, floor: about.floor, title: Format.axis(about.title, about.dimension) };
     const consider = (x) => { if (x !== null && x > scale.most) scale.most = x; };
     if (q === "pressure") {
       const kind = state.smooth ? "nodes" : "facets";
@@ -303,8 +303,8 @@ const Page = (() => {
 
   // Below each map: what is under the pointer in all of them, or the numbers of the whole surface.
   function line(...parts) {
-    const out = [];
-    parts.forEach((p) => { if (p) out.push(...(out.length ? [" · "] : []), p); });
+    const out = [], shown = parts.filter(Boolean);
+    shown.forEach((p, i) => out.push(make("span", {}, p, i + 1 < shown.length ? " ·" : null), " "));
     return out;
   }
   const bold = (text) => make("b", { text });

@@ -66,7 +66,7 @@ class Maps {
       side: THREE.DoubleSide,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
       uniforms: { table: { value: null }, least: { value: 0 }, most: { value: 1 }, none: { value: new THREE.Vector3() },
-        gone: { value: new THREE.Vector3() }, level: { value: 0 } },
+        gone: { value: new THREE.Vector3() }, level: { value: 0 }, floor_: { value: 0 } },
       vertexShader: `
         attribute float value; attribute float shown;
         varying float v; varying float s; varying vec3 n;
@@ -75,7 +75,7 @@ class Maps {
           gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
         }`,
       fragmentShader: `
-        uniform sampler2D table; uniform float least, most, level; uniform vec3 none, gone;
+        uniform sampler2D table; uniform float least, most, level, floor_; uniform vec3 none, gone;
         varying float v; varying float s; varying vec3 n;
         void main() {
           float f = clamp((v - least) / (most - least), 0.0, 1.0);
@@ -86,7 +86,7 @@ class Maps {
             float far = smoothstep(0.45, 0.25, w);  // lines closer than a few pixels would only be a smear
             c = mix(c, c * 0.45, (1.0 - smoothstep(0.4, 1.3, d)) * far * step(0.5, abs(q)));
           }
-          if (s <= 0.0) c = none;
+          if (s <= 0.0 || v < floor_) c = none;
           if (s < -1.5) c = gone;
           float facing = abs(normalize(n).z);
           gl_FragColor = vec4(c * (0.74 + 0.26 * facing), 1.0);
@@ -104,13 +104,14 @@ class Maps {
       polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2,
       uniforms: { colour: { value: new THREE.Vector3() } },
       vertexShader: `
-        varying vec3 n;
-        void main() { n = normalMatrix * normal; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`,
+        varying vec3 x;
+        void main() { vec4 p = modelViewMatrix * vec4(position, 1.0); x = p.xyz; gl_Position = projectionMatrix * p; }`,
       fragmentShader: `
-        uniform vec3 colour; varying vec3 n;
+        uniform vec3 colour; varying vec3 x;
         void main() {
-          float edge = 1.0 - abs(normalize(n).z);
-          float a = 0.012 + 0.13 * edge * edge * edge;
+          // the faces' own normals: shells and layers share nodes, averages there mean nothing
+          float edge = 1.0 - abs(normalize(cross(dFdx(x), dFdy(x))).z);
+          float a = 0.006 + 0.16 * edge * edge * edge;
           gl_FragColor = vec4(colour * a, a);
         }`
     });
@@ -246,7 +247,6 @@ class Maps {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(x, 3));
     geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(t.buffer, t.byteOffset, t.length), 1));
-    geometry.computeVertexNormals();
     this.veil = new THREE.Mesh(geometry, this.veilMaterial);
     this.veil.frustumCulled = false;
     this.veil.renderOrder = 3;
@@ -274,6 +274,7 @@ class Maps {
     u.least.value = scale.least;
     u.most.value = scale.most;
     u.level.value = this.options.contours && !panel.what.facets ? scale.level : 0;
+    u.floor_.value = scale.floor === undefined ? -1e30 : scale.floor;
     u.none.value.set(...rgb(ink[scale.none]));
     u.gone.value.set(...rgb(ink.gone));
     const line = rgb(ink.rim);
@@ -507,7 +508,7 @@ function drawBar(c, x, y, width, k, scale, ink) {
   const font = getComputedStyle(document.body).fontFamily, height = 15, top = 24;
   c.font = `14px ${font}`;
   const swatchText = scale.noneText ? c.measureText(scale.noneText).width : 0;
-  const left = 2, swatch = scale.noneText ? 34 : 0, gap = scale.noneText ? Math.max(14, swatchText - swatch + 16) : 0;
+  const left = 2, swatch = scale.noneText ? 34 : 0, gap = scale.noneText ? Math.max(22, swatchText - swatch + 30) : 0;
   const from = left + swatch + gap, to = width - 26, span = Math.max(40, to - from);
   c.fillStyle = ink.ink; c.textAlign = "left"; c.textBaseline = "alphabetic";
   c.fillText(scale.title, from, 15, width - from);
