@@ -123,8 +123,7 @@ int run(const RunArguments& a) {
       for (const NamedPath& p : inputs) paths.push_back(p.path);
       for (const NamedPath& p : outputs) paths.push_back(p.path);
       const ResultFile result{options.output, std::filesystem::path(a.model).stem().string(), std::move(plot)};
-      write_report(a.report,
-                   run_report(model, analysis, result, info_text(model, settings, check), a.words, paths));
+      write_report(a.report, run_report(model, analysis, result, info_text(model, settings, check), a.words, paths));
     };
   }
   const RunResult result = run_model(model, settings, options);

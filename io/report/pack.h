@@ -26,9 +26,9 @@ PackedArray pack_floats(const std::vector<float>& values);
 
 /// One code of 16 bits per value:
 ///     value = least + code * (most - least) / 65534,   65535: undefined (NaN)
-/// so values come back within half a step, (most - least) / 131068, but for those above `least` by less than half a step:
-/// they get code 1, not 0, because what is pressed must not look as if it were not; they come back within a step. All
-/// values must be NaN or finite.
+/// so values come back within half a step, (most - least) / 131068, but for those above `least` by less than half a
+/// step: they get code 1, not 0, because what is pressed must not look as if it were not; they come back within a step.
+/// All values must be NaN or finite.
 struct Codes {
   std::vector<std::uint16_t> codes;
   double least = 0.0, most = 0.0;

@@ -40,25 +40,35 @@ bool same_surface(const ResultFile& file, int state, const std::string& name, in
          mesh_of(file, state).coordinates == mesh_of(file, compared).coordinates;
 }
 
+/// Equal, and undefined at the same places.
+bool same_values(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+           return x == y || (std::isnan(x) && std::isnan(y));
+         });
+}
+
 /// A scalar field of a surface in all states; none: no state has it, or it cannot be shown (a warning says why).
+/// `undefined`: values that are not finite are gaps of the map, otherwise refused.
 std::optional<ReportField> read_field(const ResultFile& file, const std::vector<int>& surfaces,
-                                      const std::string& field, std::vector<std::string>& warnings) {
+                                      const std::string& field, bool undefined, std::vector<std::string>& warnings) {
   ReportField out;
   bool any = false;
   try {
     for (std::size_t s = 0; s < surfaces.size(); ++s) {
       out.states.push_back(surfaces[s] < 0 ? std::vector<double>()
-                                           : facet_values(file, static_cast<int>(s), surfaces[s], field));
+                                           : facet_values(file, static_cast<int>(s), surfaces[s], field, undefined));
       any = any || !out.states.back().empty();
     }
   } catch (const InputError& e) {
+    if (!undefined) throw;
     warnings.push_back(fmt::format("warning: \"{}\" is left out of the report: {}", field, e.what()));
     return std::nullopt;
   }
   if (!any) return std::nullopt;
   const std::vector<double>& first = out.states.front();
-  out.fixed = !first.empty() && std::all_of(out.states.begin(), out.states.end(),
-                                            [&](const std::vector<double>& values) { return values == first; });
+  out.fixed =
+      !first.empty() && std::all_of(out.states.begin(), out.states.end(),
+                                    [&](const std::vector<double>& values) { return same_values(values, first); });
   if (out.fixed) out.states.resize(1);
   return out;
 }
@@ -66,7 +76,7 @@ std::optional<ReportField> read_field(const ResultFile& file, const std::vector<
 bool nothing_but_zeros(const ReportField& field) {
   for (const std::vector<double>& values : field.states)
     for (double x : values)
-      if (x != 0) return false;
+      if (x != 0 && !std::isnan(x)) return false;
   return true;
 }
 
@@ -75,9 +85,7 @@ ReportPattern pattern(const std::vector<double>& a, const std::vector<double>& b
   ReportPattern out;
   out.difference = pattern_difference(a, b, areas, {0.0});
   double total = 0.0, mean_a = 0.0, mean_b = 0.0, ab = 0.0, bb = 0.0;
-  const auto counts = [&](std::size_t i) {
-    return !std::isnan(a[i]) && areas[i] > 0 && (a[i] > 0 || b[i] > 0);
-  };
+  const auto counts = [&](std::size_t i) { return !std::isnan(a[i]) && areas[i] > 0 && (a[i] > 0 || b[i] > 0); };
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (!counts(i)) continue;
     total += areas[i];
@@ -197,13 +205,12 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
     const int surface = find_surface(files[i], compared[i], names[i]);
     own.push_back(result_surface(files[i], compared[i], surface));
     for (int k = 0; k < static_cast<int>(files[i].plot.states.size()); ++k)
-      in_state[i].push_back(same_surface(files[i], k, names[i], compared[i], surface)
-                                ? find_surface(files[i], k, names[i])
-                                : -1);
-    s.pressure.push_back(read_field(files[i], in_state[i], "contact pressure", warnings));
-    s.thickness.push_back(read_field(files[i], in_state[i], "cartilage thickness", warnings));
-    s.space.push_back(read_field(files[i], in_state[i], "joint space", warnings));
-    s.gap.push_back(read_field(files[i], in_state[i], "contact gap", warnings));
+      in_state[i].push_back(
+          same_surface(files[i], k, names[i], compared[i], surface) ? find_surface(files[i], k, names[i]) : -1);
+    s.pressure.push_back(read_field(files[i], in_state[i], "contact pressure", false, warnings));
+    s.thickness.push_back(read_field(files[i], in_state[i], "cartilage thickness", true, warnings));
+    s.space.push_back(read_field(files[i], in_state[i], "joint space", true, warnings));
+    s.gap.push_back(read_field(files[i], in_state[i], "contact gap", true, warnings));
     if (s.gap.back() && nothing_but_zeros(*s.gap.back())) s.gap.back().reset();
   }
 
@@ -233,7 +240,6 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
   const auto values = [&](std::size_t i, std::size_t k) {
     SurfaceValues v;
     if (s.pressure[i]) v.pressure = s.pressure[i]->states[s.pressure[i]->fixed ? 0 : k];
-    if (s.gap[i]) v.gap = s.gap[i]->states[s.gap[i]->fixed ? 0 : k];
     return v;
   };
   s.measures.resize(n);
@@ -320,7 +326,8 @@ ReportContext make_context(const XpltMesh& mesh) {
   for (const auto& entry : faces) {
     const Face& face = entry.second;
     if (face.times > 1 && !face.shell) continue;
-    const bool finite = std::all_of(face.nodes.begin(), face.nodes.end(), [&](int i) { return positions[at(i)].allFinite(); });
+    const bool finite =
+        std::all_of(face.nodes.begin(), face.nodes.end(), [&](int i) { return positions[at(i)].allFinite(); });
     if (!finite) continue;
     for (const auto& t : split_facet(face.nodes.data(), static_cast<int>(face.nodes.size()), positions)) {
       triangles[at(face.part)].push_back(t);
@@ -390,13 +397,13 @@ std::vector<ReportChart> run_charts(const Analysis& analysis) {
   std::vector<ReportChart> charts;
   charts.push_back(contact_chart(analysis, "Contact force", "Resultant of each contact.", "force", "force",
                                  [](const ContactStatistics& s) { return s.force.norm(); }));
-  charts.push_back(contact_chart(analysis, "Peak pressure", "Largest pressure of a spring.", "peak pressure", "pressure",
-                                 [](const ContactStatistics& s) { return s.peak; }));
+  charts.push_back(contact_chart(analysis, "Peak pressure", "Largest pressure of a spring.", "peak pressure",
+                                 "pressure", [](const ContactStatistics& s) { return s.peak; }));
   charts.push_back(contact_chart(analysis, "Mean pressure", "Over the springs that carry, weighted by area.",
                                  "mean pressure", "pressure", [](const ContactStatistics& s) { return s.mean; }));
-  charts.push_back(contact_chart(
-      analysis, "Contact area", "Of the springs that carry.", "contact area", "area",
-      [](const ContactStatistics& s) { return s.springs_active > 0 ? s.contact_area : 0.0; }));
+  charts.push_back(
+      contact_chart(analysis, "Contact area", "Of the springs that carry.", "contact area", "area",
+                    [](const ContactStatistics& s) { return s.springs_active > 0 ? s.contact_area : 0.0; }));
 
   const std::vector<int> bodies = reported_bodies(joint);
   const auto body_chart = [&](const std::string& title, const std::string& caption, const std::string& quantity,
@@ -429,8 +436,7 @@ std::vector<ReportChart> run_charts(const Analysis& analysis) {
     springs.names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
     springs.values.emplace_back();
     for (const StateResult& s : analysis.states)
-      springs.values.back().push_back(
-          l < s.equilibrium.ligament_force.size() ? s.equilibrium.ligament_force[l] : kNaN);
+      springs.values.back().push_back(l < s.equilibrium.ligament_force.size() ? s.equilibrium.ligament_force[l] : kNaN);
   }
   for (std::size_t c = 0; c < joint.cables.size(); ++c) {
     const std::string name = joint.cables[c].name.empty() ? "(unnamed)" : joint.cables[c].name;
@@ -454,7 +460,8 @@ std::vector<ReportChart> run_charts(const Analysis& analysis) {
     const double r = s.equilibrium.residual_force / s.equilibrium.load;
     balance.values.front().push_back(std::isfinite(r) && r > 0 ? r : kNaN);
   }
-  if (std::any_of(balance.values.front().begin(), balance.values.front().end(), [](double x) { return !std::isnan(x); }))
+  if (std::any_of(balance.values.front().begin(), balance.values.front().end(),
+                  [](double x) { return !std::isnan(x); }))
     charts.push_back(std::move(balance));
   return charts;
 }
@@ -467,10 +474,10 @@ ReportUnits report_units(const std::string& name) {
   struct System {
     const char *name, *length, *force, *pressure;
   };
-  static constexpr System kSystems[] = {
-      {"SI", "m", "N", "Pa"},          {"mm-N-s", "mm", "N", "MPa"},  {"mm-kg-s", "mm", "mN", "kPa"},
-      {"um-nN-s", "µm", "nN", "kPa"},  {"CGS", "cm", "dyn", "dyn/cm²"}, {"mm-g-s", "mm", "µN", "Pa"},
-      {"mm-mg-s", "mm", "nN", "mPa"}};
+  static constexpr System kSystems[] = {{"SI", "m", "N", "Pa"},          {"mm-N-s", "mm", "N", "MPa"},
+                                        {"mm-kg-s", "mm", "mN", "kPa"},  {"um-nN-s", "µm", "nN", "kPa"},
+                                        {"CGS", "cm", "dyn", "dyn/cm²"}, {"mm-g-s", "mm", "µN", "Pa"},
+                                        {"mm-mg-s", "mm", "nN", "mPa"}};
   for (const System& s : kSystems) {
     if (name != s.name) continue;
     u.length = s.length;

@@ -36,7 +36,7 @@ struct ReportField {
 
 /// What one result says of a surface in one state.
 struct ReportMeasures {
-  bool known = false;  ///< false: the state has no pressure on it, or another mesh
+  bool known = false;      ///< false: the state has no pressure on it, or another mesh
   SurfaceMeasures values;  ///< thresholds: 0 only
 };
 
@@ -54,15 +54,15 @@ struct ReportCarry {
 
 struct ReportSurface {
   std::string title;
-  std::string note;                     ///< why it stands last
-  std::vector<std::string> names;       ///< one per result
-  std::vector<ResultSurface> geometry;  ///< one per result; the reference's own where meshes are the same
-  std::vector<std::vector<std::int32_t>> node_ids;     ///< per result and vertex
-  std::vector<char> same_mesh;                         ///< per result: as the reference's
-  std::vector<std::optional<ReportCarry>> carry;       ///< per result; none: same mesh
-  std::vector<std::optional<ReportField>> pressure, thickness, space, gap;  ///< one per result
-  std::vector<std::string> regions;                             ///< "" first: the whole surface
-  std::vector<std::vector<std::vector<ReportMeasures>>> measures;  ///< result, state, region
+  std::string note;                                 ///< why it stands last
+  std::vector<std::string> names;                   ///< one per result
+  std::vector<ResultSurface> geometry;              ///< one per result; the reference's own where meshes are the same
+  std::vector<std::vector<std::int32_t>> node_ids;  ///< per result and vertex
+  std::vector<char> same_mesh;                      ///< per result: as the reference's
+  std::vector<std::optional<ReportCarry>> carry;    ///< per result; none: same mesh
+  std::vector<std::optional<ReportField>> pressure, thickness, space, gap;       ///< one per result
+  std::vector<std::string> regions;                                              ///< "" first: the whole surface
+  std::vector<std::vector<std::vector<ReportMeasures>>> measures;                ///< result, state, region
   std::vector<std::vector<std::vector<std::optional<ReportPattern>>>> patterns;  ///< frame, region, result
   std::vector<double> bins;                                                      ///< of the profile: edges [degrees]
   std::vector<std::vector<std::vector<double>>> profiles;                        ///< frame, result, bin
@@ -89,11 +89,11 @@ struct ReportChart {
 
 /// Outside of the first result's elements, coarse enough to be drawn as a veil.
 struct ReportContext {
-  std::vector<float> vertices;           ///< 3 each
-  std::vector<std::int32_t> triangles;   ///< 3 each
-  std::vector<std::string> parts;        ///< materials
-  std::vector<std::int32_t> begin = {0}; ///< per part + 1: range of its triangles
-  std::string note;                      ///< why there is none
+  std::vector<float> vertices;            ///< 3 each
+  std::vector<std::int32_t> triangles;    ///< 3 each
+  std::vector<std::string> parts;         ///< materials
+  std::vector<std::int32_t> begin = {0};  ///< per part + 1: range of its triangles
+  std::string note;                       ///< why there is none
 };
 
 struct ReportText {

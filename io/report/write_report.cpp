@@ -88,9 +88,9 @@ Json short_number(double x) {
 }
 
 Json distribution_json(const Distribution& d) {
-  return {{"area", short_number(d.area)}, {"peak", short_number(d.peak)}, {"p99", short_number(d.p99)},
-          {"mean", short_number(d.mean)}, {"p5", short_number(d.p5)},     {"p25", short_number(d.p25)},
-          {"median", short_number(d.median)}, {"p75", short_number(d.p75)}, {"p95", short_number(d.p95)}};
+  return {{"area", short_number(d.area)},     {"peak", short_number(d.peak)}, {"p99", short_number(d.p99)},
+          {"mean", short_number(d.mean)},     {"p5", short_number(d.p5)},     {"p25", short_number(d.p25)},
+          {"median", short_number(d.median)}, {"p75", short_number(d.p75)},   {"p95", short_number(d.p95)}};
 }
 
 Json measures_json(const ReportMeasures& m) {
@@ -209,7 +209,8 @@ Json report_json(const ReportData& data, Arrays& arrays) {
                 {"area", data.units.area}};
   j["exact"] = exact;
   j["results"] = list_json(data.results, [](const ReportResult& r) -> Json {
-    return {{"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, short_number)}};
+    return {
+        {"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, short_number)}};
   });
   j["frames"] = list_json(data.frames, [](const ReportFrame& f) -> Json {
     return {{"time", short_number(f.time)}, {"states", f.states}};
@@ -228,7 +229,9 @@ Json report_json(const ReportData& data, Arrays& arrays) {
   j["context_note"] = data.context.note;
   j["charts"] = list_json(data.charts, chart_json);
   j["tables"] = list_json(data.tables, table_json);
-  j["texts"] = list_json(data.texts, [](const ReportText& t) -> Json { return {{"title", t.title}, {"text", t.text}}; });
+  j["texts"] = list_json(data.texts, [](const ReportText& t) -> Json {
+    return {{"title", t.title}, {"text", t.text}};
+  });
   j["warnings"] = data.warnings;
   j["colours"] = {{"sequential", table_hex(ColourMap::Sequential)}, {"diverging", table_hex(ColourMap::Diverging)}};
   return j;
@@ -271,10 +274,17 @@ std::string report_html(const ReportData& data) {
   Arrays arrays;
   const std::string json = script_json(report_json(data, arrays));
   const std::string title = escaped(data.title);
-  const std::map<std::string_view, std::string_view> parts = {
-      {"title", title},           {"style", page::style()}, {"three", page::three()},     {"plot", page::plot()},
-      {"data_js", page::data()},  {"scene", page::scene()}, {"figures", page::figures()}, {"main", page::main()},
-      {"licences", page::licences()}, {"report", json},     {"arrays", arrays.html}};
+  const std::map<std::string_view, std::string_view> parts = {{"title", title},
+                                                              {"style", page::style()},
+                                                              {"three", page::three()},
+                                                              {"plot", page::plot()},
+                                                              {"data_js", page::data()},
+                                                              {"scene", page::scene()},
+                                                              {"figures", page::figures()},
+                                                              {"main", page::main()},
+                                                              {"licences", page::licences()},
+                                                              {"report", json},
+                                                              {"arrays", arrays.html}};
   // One pass: what has been put in is not looked through again.
   const std::string_view frame = page::html();
   std::string out;
