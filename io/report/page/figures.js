@@ -85,11 +85,11 @@ const Figures = (() => {
     const chart = Plot.plot({
       ...base(width, 270, ink),
       x: { label: x, grid: false, domain: extent(points.map((p) => p.t)) },
-      y: logarithmic ? { type: "log" } : { nice: true, zero, ...(any ? {} : { domain: [0, 1] }) },
+      y: logarithmic ? { type: "log", domain: decades(points.map((p) => p.y)) } : { nice: true, zero, ...(any ? {} : { domain: [0, 1] }) },
       marks: [
         Plot.gridY({ ...grid(ink), ticks: logarithmic ? 4 : 5 }),
         Plot.axisX({ ...axis, label: x, ticks: Math.max(3, Math.floor(width / 90)), tickFormat: tick }),
-        Plot.axisY({ ...axisY, label: Format.axis(quantity, dimension), tickFormat: logarithmic ? (v) => v.toExponential(0).replace("-", "−") : tick }),
+        Plot.axisY({ ...axisY, label: Format.axis(quantity, dimension), tickFormat: logarithmic ? powerOfTen : tick }),
         logarithmic ? null : Plot.ruleY([0], { stroke: ink.soft }),
         known(now) ? Plot.ruleX([now], { stroke: ink.soft, strokeDasharray: "2,3" }) : null,
         ...series.map((s, i) => Plot.line(points.filter((p) => p.i === i), { x: "t", y: "y", stroke: s.colour, strokeWidth: 1.9, strokeDasharray: s.dash })),
@@ -97,6 +97,17 @@ const Figures = (() => {
       ]
     });
     return withLegend(chart, series.length > 1 ? series : [], ink, width);
+  }
+
+  function decades(values) {
+    const [least, most] = extent(values.filter((x) => x > 0).map(Math.log10));
+    return [10 ** Math.floor(least), 10 ** Math.max(Math.ceil(most), Math.floor(least) + 1)];
+  }
+  // Only whole powers are named.
+  function powerOfTen(x) {
+    const power = Math.round(Math.log10(x));
+    if (Math.abs(x / 10 ** power - 1) > 1e-6) return "";
+    return "10" + String(power).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
   }
 
   function extent(values) {
@@ -189,8 +200,8 @@ const Figures = (() => {
       const x = (i % columns) * (each + 22), y = Math.floor(i / columns) * high;
       chart.setAttribute("x", x);
       chart.setAttribute("y", y + 24);
-      const words = pattern ? `r = ${Format.number(pattern.r, 3)},  slope ${Format.number(pattern.slope, 3)},  rms ${Format.with(pattern.rms, "pressure", 3)}` : "no values at this time";
-      root.append(svg("text", { x: x + 62, y: y + 15, "font-weight": 600 }, cut(words, 13, side - 64)));
+      const words = pattern ? `r = ${Format.number(pattern.r, 3)}, slope ${Format.number(pattern.slope, 3)}` : "no values at this time";
+      root.append(svg("text", { x: x + 62, y: y + 15, "font-weight": 600 }, cut(words, 14, side - 64)));
       root.append(chart);
     }
     return root;
