@@ -195,11 +195,11 @@ def picking_tells_the_files_numbers(b, pages):
     last = b.run("return Report.frames.length - 1")
     b.run("Page.setFrame(arguments[0])", last)
     settle(b)
-    rows = {}
+    rows, surface = {}, b.run("return Report.surfaces[0].title")
     for i, name in enumerate(("layer", "linear")):
         with open(pages[name + "_facets"], newline="") as file:
             for row in csv.DictReader(file):
-                if row["surface"] == b.run("return Report.surfaces[0].title") and float(row["time"]) == 2:
+                if row["surface"] == surface and float(row["time"]) == 2:
                     rows[i, int(row["facet"])] = row
     true(len(rows) > 1000, "facets of the CSV")
     pressed = 0
