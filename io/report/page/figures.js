@@ -81,15 +81,20 @@ const Figures = (() => {
       const alone = (k === 0 || !known(s.values[k - 1])) && (k + 1 === s.values.length || !known(s.values[k + 1]));
       if (known(s.values[k]) && (alone || s.times.length <= 30)) dots.push({ i, t, y });
     }));
-    const any = points.some((p) => !Number.isNaN(p.y));
+    const any = points.some((p) => !Number.isNaN(p.y)), powers = [];
+    const ends = logarithmic ? decades(points.map((p) => p.y)) : null;
+    if (ends) {
+      const from = Math.round(Math.log10(ends[0])), to = Math.round(Math.log10(ends[1])), step = Math.ceil((to - from) / 5);
+      for (let k = from; k <= to; k += step) powers.push(10 ** k);
+    }
     const chart = Plot.plot({
-      ...base(width, 270, ink),
+      ...base(width, 270, ink), marginLeft: logarithmic ? 78 : 62,
       x: { label: x, grid: false, domain: extent(points.map((p) => p.t)) },
-      y: logarithmic ? { type: "log", domain: decades(points.map((p) => p.y)) } : { nice: true, zero, ...(any ? {} : { domain: [0, 1] }) },
+      y: logarithmic ? { type: "log", domain: ends } : { nice: true, zero, ...(any ? {} : { domain: [0, 1] }) },
       marks: [
-        Plot.gridY({ ...grid(ink), ticks: logarithmic ? 4 : 5 }),
+        Plot.gridY({ ...grid(ink), ticks: logarithmic ? powers : 5 }),
         Plot.axisX({ ...axis, label: x, ticks: Math.max(3, Math.floor(width / 90)), tickFormat: tick }),
-        Plot.axisY({ ...axisY, label: Format.axis(quantity, dimension), tickFormat: logarithmic ? powerOfTen : tick }),
+        Plot.axisY({ ...axisY, ...(logarithmic ? { labelOffset: 70, ticks: powers } : {}), label: Format.axis(quantity, dimension), tickFormat: logarithmic ? powerOfTen : tick }),
         logarithmic ? null : Plot.ruleY([0], { stroke: ink.soft }),
         known(now) ? Plot.ruleX([now], { stroke: ink.soft, strokeDasharray: "2,3" }) : null,
         ...series.map((s, i) => Plot.line(points.filter((p) => p.i === i), { x: "t", y: "y", stroke: s.colour, strokeWidth: 1.9, strokeDasharray: s.dash })),
@@ -103,10 +108,8 @@ const Figures = (() => {
     const [least, most] = extent(values.filter((x) => x > 0).map(Math.log10));
     return [10 ** Math.floor(least), 10 ** Math.max(Math.ceil(most), Math.floor(least) + 1)];
   }
-  // Only whole powers are named.
   function powerOfTen(x) {
     const power = Math.round(Math.log10(x));
-    if (Math.abs(x / 10 ** power - 1) > 1e-6) return "";
     return "10" + String(power).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
   }
 
@@ -282,9 +285,10 @@ const Figures = (() => {
     const out = { now: [], time: [] };
     if (!Report.surfaces.length) return out;
     const several = Report.surfaces.some((s) => s.regions.length > 1);
-    if (compared()) {
+    if (compared() || Report.results[0].times.length === 1)
       out.now.push({ id: "box", title: "Pressure distribution", build: box,
         caption: (s) => `Nodes with pressure, weighted by area: box 25 to 75 %, line median, diamond mean, whiskers 5 and 95 %, dot peak. ${where(s)}, ${at(s)}.` });
+    if (compared()) {
       out.now.push({ id: "scatter", title: "Node by node", build: scatter, wide: Report.results.length > 3,
         caption: (s) => `Nodal pressure of each result over that of ${labels()[labels().length - 1]}, where either is above 0. Dashed: identity; solid: least-squares line. r and slope weighted by nodal area. ${s.surface.about.title}, ${at(s)}.` });
       if (several) {

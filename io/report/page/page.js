@@ -7,7 +7,7 @@ const Page = (() => {
   const maps = new Maps();
   const quantities = {
     pressure: { title: "contact pressure", dimension: "pressure", none: "none", noneText: "no contact", shown: (x) => x > 0 },
-    space: { title: "joint space", dimension: "length", none: "overlap", noneText: "overlapping", floor: 0, shown: () => true },
+    space: { title: "joint space", dimension: "length", none: "none", noneText: "", shown: () => true },
     thickness: { title: "cartilage thickness", dimension: "length", none: "none", noneText: "", shown: () => true },
     gap: { title: "penetration (contact gap)", dimension: "length", none: "none", noneText: "none", shown: (x) => x > 0 }
   };
@@ -88,7 +88,7 @@ const Page = (() => {
     controls.append(select("range", "Scale", [["all", "all states"], ["state", "this state"]], "all", (v) => { state.range = v; update(); }),
       make("label", {}, "up to", make("input", { id: "most", type: "number", min: "0", step: "any", placeholder: "auto", onchange: (e) => { const x = Number(e.target.value); state.most = x > 0 ? x : null; update(); } })),
       make("button", { id: "reset", text: "reset view", onclick: resetView }),
-      make("span", { class: "save" }, make("button", { id: "save-maps", text: "save PNG", onclick: saveMaps })));
+      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles and colours, on white", onclick: saveMaps }));
     section.append(controls);
     if (maps.fault) section.append(make("p", { class: "fault", id: "nowebgl", text: maps.fault }));
     section.append(make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }));
@@ -96,7 +96,7 @@ const Page = (() => {
       make("button", { id: "play", text: "▶", title: "Play (space)", "aria-label": "Play", onclick: () => play(!playing) }),
       make("input", { id: "slider", type: "range", min: "0", max: String(Report.frames.length - 1), step: "1", value: String(state.frame), "aria-label": "State", oninput: (e) => setFrame(Number(e.target.value)) }),
       make("output", { id: "now" })));
-    if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; }
+    if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; $("time").style.position = "static"; }
     section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration. Ring: peak; cross: centre of pressure." }));
     if (Report.context_note) section.append(make("p", { class: "keys", text: Report.context_note }));
   }
@@ -116,6 +116,7 @@ const Page = (() => {
     const wanted = compared ? results.map((r, i) => ({ result: i, quantity: state.quantity })) : available().filter((q) => s.fields[q][0]).map((q) => ({ result: 0, quantity: q }));
     if (compared) wanted.push({ difference: true, quantity: state.quantity });
     host.style.setProperty("--least", wanted.length > 4 ? "250px" : wanted.length === 4 ? "285px" : "300px");
+    host.style.setProperty("--count", String(Math.min(4, wanted.length)));  // on paper
     host.replaceChildren();
     panels = wanted.map((w, i) => {
       const p = { ...w, canvas: make("canvas", { id: "map" + i, tabindex: "0", role: "img" }), readout: make("div", { class: "readout", id: "readout" + i }), marks: [] };
@@ -160,7 +161,7 @@ const Page = (() => {
   // One scale per quantity, for all its panels.
   function scaleOf(q) {
     const s = state.surface, about = quantities[q];
-    const scale = { map: "sequential", least: 0, most: 0, level: 0, none: about.none, noneText: about.noneText, floor: about.floor, title: Format.axis(about.title, about.dimension) };
+    const scale = { map: "sequential", least: 0, most: 0, level: 0, none: about.none, noneText: about.noneText, title: Format.axis(about.title, about.dimension) };
     const consider = (x) => { if (x !== null && x > scale.most) scale.most = x; };
     if (q === "pressure") {
       const kind = state.smooth ? "nodes" : "facets";
@@ -173,15 +174,16 @@ const Page = (() => {
       all.sort((a, b) => a - b);
       if (all.length) {
         scale.most = q === "space" ? all[Math.floor(0.95 * (all.length - 1))] : all[all.length - 1];
-        if (q === "thickness") { const step = niceStep(Math.max(scale.most - all[0], 1e-3 * scale.most), 6); scale.least = Math.max(0, Math.floor(all[0] / step) * step); }
-        if (q === "space" && !(all[0] < 0)) scale.noneText = "";
+        const step = niceStep(Math.max(scale.most - all[0], 1e-3 * Math.abs(scale.most)), q === "space" ? 12 : 6), least = Math.floor(all[0] / step) * step;
+        if (q === "thickness") scale.least = Math.max(0, least);
+        if (q === "space" && least < 0) { scale.least = least; scale.title += ", below 0: overlap"; }
       }
     }
     if (!(scale.most > scale.least)) scale.most = scale.least + (scale.most > 0 ? 0.01 * scale.most : 1);
     const step = niceStep(scale.most - scale.least, 40);
     scale.most = Math.ceil(scale.most / step - 1e-9) * step;
     if (state.most !== null && q === (compared ? state.quantity : "pressure") && state.most > scale.least) scale.most = state.most;
-    scale.level = niceStep(scale.most - scale.least, 7);
+    scale.level = niceStep(scale.most - scale.least, 8);
     return scale;
   }
 
@@ -269,7 +271,7 @@ const Page = (() => {
     readouts();
     const frame = Report.frames[state.frame];
     $("slider").value = String(state.frame);
-    $("now").textContent = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}   (${state.frame + 1} of ${Report.frames.length})`;
+    $("now").textContent = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}` + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
     drawFigures();
   }
 
@@ -409,7 +411,7 @@ const Page = (() => {
       if (box.top > window.innerHeight + 200 || box.bottom < -200) waiting.push(f);
       else drawFigure(f);
     }
-    if (waiting.length) later = setTimeout(() => waiting.forEach(drawFigure), 120);
+    if (waiting.length) later = setTimeout(() => waiting.forEach(drawFigure), playing ? 600 : 120);
   }
   function drawFigure(f) {
     const width = Math.floor(Math.min(f.plot.clientWidth || 600, f.wide ? 1100 : 720));

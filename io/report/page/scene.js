@@ -18,9 +18,9 @@ const Colours = (() => {
   }
   const ink = {
     light: { paper: "#ffffff", panel: "#f6f6f4", ink: "#1d1f21", soft: "#5c6166", line: "#d9dadb", none: "#d8d2c6", gone: "#f0efec",
-      overlap: "#b5473c", veil: [0.36, 0.34, 0.30], rim: "#4a4a48", series: ["#0072b2", "#d55e00", "#009e73", "#a0549a", "#56b4e9", "#b8860b", "#6b4e2e"], reference: "#2b2b2b" },
+      veil: [0.36, 0.34, 0.30], rim: "#4a4a48", series: ["#0072b2", "#d55e00", "#009e73", "#a0549a", "#56b4e9", "#b8860b", "#6b4e2e"], reference: "#2b2b2b" },
     dark: { paper: "#16181a", panel: "#1e2123", ink: "#e6e6e3", soft: "#a3a8ac", line: "#3a3f43", none: "#8d887e", gone: "#33373a",
-      overlap: "#e0705f", veil: [0.80, 0.78, 0.72], rim: "#c9c7c2", series: ["#56b4e9", "#f0883e", "#2fc69a", "#d990cf", "#8ed0f5", "#e6c14a", "#c4a484"], reference: "#f0efea" }
+      veil: [0.80, 0.78, 0.72], rim: "#c9c7c2", series: ["#56b4e9", "#f0883e", "#2fc69a", "#d990cf", "#8ed0f5", "#e6c14a", "#c4a484"], reference: "#f0efea" }
   };
   return { tables, css, ink };
 })();
@@ -66,7 +66,7 @@ class Maps {
       side: THREE.DoubleSide,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
       uniforms: { table: { value: null }, least: { value: 0 }, most: { value: 1 }, none: { value: new THREE.Vector3() },
-        gone: { value: new THREE.Vector3() }, level: { value: 0 }, floor_: { value: 0 } },
+        gone: { value: new THREE.Vector3() }, level: { value: 0 }, zero: { value: 0 } },
       vertexShader: `
         attribute float value; attribute float shown;
         varying float v; varying float s; varying vec3 n;
@@ -75,7 +75,7 @@ class Maps {
           gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
         }`,
       fragmentShader: `
-        uniform sampler2D table; uniform float least, most, level, floor_; uniform vec3 none, gone;
+        uniform sampler2D table; uniform float least, most, level, zero; uniform vec3 none, gone;
         varying float v; varying float s; varying vec3 n;
         void main() {
           float f = clamp((v - least) / (most - least), 0.0, 1.0);
@@ -84,12 +84,12 @@ class Maps {
             float q = v / level, w = max(fwidth(q), 1e-6);
             float d = abs(fract(q - 0.5) - 0.5) / w;
             float far = smoothstep(0.45, 0.25, w);  // lines closer than a few pixels would only be a smear
-            c = mix(c, c * 0.45, (1.0 - smoothstep(0.4, 1.3, d)) * far * step(0.5, abs(q)));
+            c = mix(c, c * 0.45, (1.0 - smoothstep(0.4, 1.3, d)) * far * max(zero, step(0.5, abs(q))));
           }
-          if (s <= 0.0 || v < floor_) c = none;
+          if (s <= 0.0) c = none;
           if (s < -1.5) c = gone;
           float facing = abs(normalize(n).z);
-          gl_FragColor = vec4(c * (0.74 + 0.26 * facing), 1.0);
+          gl_FragColor = vec4(c * (0.80 + 0.20 * facing), 1.0);
         }`
     });
     this.lineMaterial = new THREE.ShaderMaterial({
@@ -274,7 +274,7 @@ class Maps {
     u.least.value = scale.least;
     u.most.value = scale.most;
     u.level.value = this.options.contours && !panel.what.facets ? scale.level : 0;
-    u.floor_.value = scale.floor === undefined ? -1e30 : scale.floor;
+    u.zero.value = scale.map === "sequential" && scale.least < 0 ? 1 : 0;
     u.none.value.set(...rgb(ink[scale.none]));
     u.gone.value.set(...rgb(ink.gone));
     const line = rgb(ink.rim);
@@ -509,7 +509,7 @@ function drawBar(c, x, y, width, k, scale, ink) {
   c.font = `14px ${font}`;
   const swatchText = scale.noneText ? c.measureText(scale.noneText).width : 0;
   const left = 2, swatch = scale.noneText ? 34 : 0, gap = scale.noneText ? Math.max(22, swatchText - swatch + 30) : 0;
-  const from = left + swatch + gap, to = width - 26, span = Math.max(40, to - from);
+  const from = left + swatch + gap + (swatch ? 0 : 14), to = width - 26, span = Math.max(40, to - from);
   c.fillStyle = ink.ink; c.textAlign = "left"; c.textBaseline = "alphabetic";
   c.fillText(scale.title, from, 15, width - from);
   if (swatch) {
