@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report_text.h"
 #include "version.h"
 
 namespace dea {
@@ -73,7 +72,9 @@ std::vector<Quantity> table_quantities(const ComparedRegion& region, const std::
   return out;
 }
 
-std::string region_text(const Comparison& c, const ComparedRegion& region) {
+/// `title`: of the first of the two.
+void add_region_tables(const Comparison& c, const ComparedRegion& region, const std::string& title,
+                       std::vector<TitledTable>& tables) {
   const std::size_t n = c.labels.size();
   Table table;
   table.headings = {""};
@@ -105,7 +106,7 @@ std::string region_text(const Comparison& c, const ComparedRegion& region) {
   add_time("exposure, mean", &TimeMeasures::mean_exposure);
   add_time("dose, largest", &TimeMeasures::max_dose);
   add_time("dose, mean", &TimeMeasures::mean_dose);
-  std::string text = table_text(table);
+  tables.push_back({title, std::move(table)});
 
   Table patterns;
   patterns.headings = {fmt::format("against {}", c.labels.back()), "correlation", "rms", "mean", "largest"};
@@ -127,10 +128,10 @@ std::string region_text(const Comparison& c, const ComparedRegion& region) {
                                     : "-");
     patterns.rows.push_back(std::move(row));
   }
-  return text + "\n" + table_text(patterns);
+  tables.push_back({"", std::move(patterns)});
 }
 
-std::string profile_text(const Comparison& c, const ComparedSurface& surface) {
+TitledTable profile_table(const Comparison& c, const ComparedSurface& surface) {
   Table table;
   table.headings = {"degrees"};
   table.left = "r";
@@ -149,9 +150,9 @@ std::string profile_text(const Comparison& c, const ComparedSurface& surface) {
     }
     table.rows.push_back(std::move(row));
   }
-  return fmt::format("mean pressure against the angle from {} about {}\n", vector_text(surface.axis),
-                     vector_text(surface.center)) +
-         table_text(table);
+  return {fmt::format("mean pressure against the angle from {} about {}", vector_text(surface.axis),
+                      vector_text(surface.center)),
+          std::move(table)};
 }
 
 std::string surface_title(const ComparedSurface& s) {
@@ -299,33 +300,29 @@ std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface&
 
 }  // namespace
 
-std::string compare_text(const Comparison& c) {
-  std::string text =
-      c.units.empty() ? "units: the files' own (they name none)\n" : fmt::format("units: the files', {}\n", c.units);
-  for (std::size_t i = 0; i < c.labels.size(); ++i)
-    text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], number_text(c.times[i]),
-                        i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
+std::vector<TitledTable> compare_tables(const Comparison& c) {
+  std::vector<TitledTable> tables;
   for (const ComparedSurface& surface : c.surfaces) {
     if (!surface.asked_for) {
-      text += fmt::format(
-          "\nsurface {}: not every file has pressure on it (--surface \"{}\" shows the numbers; JSON and CSV have "
-          "them)\n",
-          surface_title(surface), surface.names.front());
+      tables.push_back(
+          {fmt::format("surface {}: not every file has pressure on it (--surface \"{}\" shows the numbers; "
+                       "JSON and CSV have them)",
+                       surface_title(surface), surface.names.front()),
+           {}});
       continue;
     }
     std::string how;
     for (std::size_t i = 0; i + 1 < c.labels.size(); ++i)
       if (!surface.same_mesh[i]) how += fmt::format("; {} projected onto the mesh of {}", c.labels[i], c.labels.back());
-    for (const ComparedRegion& region : surface.regions) {
-      text += fmt::format("\nsurface {}{}{}\n", surface_title(surface),
-                          region.name.empty() ? std::string() : fmt::format(", region {}", region.name),
-                          region.name.empty() ? how : "");
-      text += region_text(c, region);
-    }
-    if (!surface.profiles.empty()) text += "\n" + profile_text(c, surface);
+    for (const ComparedRegion& region : surface.regions)
+      add_region_tables(c, region,
+                        fmt::format("surface {}{}{}", surface_title(surface),
+                                    region.name.empty() ? std::string() : fmt::format(", region {}", region.name),
+                                    region.name.empty() ? how : ""),
+                        tables);
+    if (!surface.profiles.empty()) tables.push_back(profile_table(c, surface));
   }
-  if (c.bodies.empty()) return text;
-  text += "\n";
+  if (c.bodies.empty()) return tables;
   Table bodies;
   bodies.headings = {"body"};
   for (const std::string& label : c.labels) bodies.headings.push_back(fmt::format("position {}", label));
@@ -343,7 +340,17 @@ std::string compare_text(const Comparison& c) {
     }
     bodies.rows.push_back(std::move(row));
   }
-  return text + table_text(bodies);
+  tables.push_back({"", std::move(bodies)});
+  return tables;
+}
+
+std::string compare_text(const Comparison& c) {
+  std::string text =
+      c.units.empty() ? "units: the files' own (they name none)\n" : fmt::format("units: the files', {}\n", c.units);
+  for (std::size_t i = 0; i < c.labels.size(); ++i)
+    text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], number_text(c.times[i]),
+                        i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
+  return text + tables_text(compare_tables(c));
 }
 
 Json compare_json(const Comparison& c) {

@@ -4,9 +4,13 @@
 
 #include "compare_files.h"
 #include "report_json.h"
+#include "report_text.h"
 
 namespace dea {
 
+/// Per surface and region the numbers and the patterns' differences; profiles; bodies.
+std::vector<TitledTable> compare_tables(const Comparison& comparison);
+/// Units and files, then these tables.
 std::string compare_text(const Comparison& comparison);
 Json compare_json(const Comparison& comparison);
 /// One line per surface, region and file, under a line of names; the reference's differences are empty.

@@ -111,6 +111,16 @@ std::string table_text(const Table& table) {
   return text;
 }
 
+std::string tables_text(const std::vector<TitledTable>& tables) {
+  std::string text;
+  for (const TitledTable& t : tables) {
+    text += "\n";
+    if (!t.title.empty()) text += t.title + "\n";
+    if (!t.table.headings.empty()) text += table_text(t.table);
+  }
+  return text;
+}
+
 std::vector<int> reported_bodies(const Joint& joint) {
   std::vector<int> bodies;
   for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
@@ -141,9 +151,9 @@ std::string laws_text(const Joint& joint) {
   return text;
 }
 
-std::string run_text(const JointModel& model, const Analysis& analysis) {
+std::vector<TitledTable> run_tables(const JointModel&, const Analysis& analysis) {
   const Joint& joint = analysis.joint;
-  std::string text = units_text(model) + "\n" + laws_text(joint) + "\n";
+  std::vector<TitledTable> tables;
   Table contacts;
   contacts.headings = {"time", "contact", "outcome", "springs", "of",         "peak",    "p99",
                        "mean", "median",  "area",    "force",   "iterations", "residual"};
@@ -158,14 +168,10 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
            fmt::format("{}", state.equilibrium.iterations), residual_number(state.equilibrium.residual_force)});
     }
   }
-  text += table_text(contacts);
-  if (analysis.states.empty()) return text;
+  tables.push_back({"", std::move(contacts)});
+  if (analysis.states.empty()) return tables;
 
   const StateResult& last = analysis.states.back();
-  text += fmt::format(
-      "\nbodies at time {}: motion of the centre of mass, rotation vector, force and moment on the body by what loads "
-      "and holds it\n",
-      number_text(last.when.time));
   Table bodies;
   bodies.headings = {"body", "translation", "rotation", "force", "moment"};
   bodies.left = "lllll";
@@ -185,9 +191,12 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
                            vector_text(without_rounding(reaction.head<3>(), strongest)),
                            vector_text(without_rounding(reaction.tail<3>(), std::max(strongest, turning)))});
   }
-  text += table_text(bodies);
+  tables.push_back(
+      {fmt::format("bodies at time {}: motion of the centre of mass, rotation vector, force and moment on the body by "
+                   "what loads and holds it",
+                   number_text(last.when.time)),
+       std::move(bodies)});
   if (!joint.ligaments.empty() || !joint.cables.empty()) {
-    text += "\n";
     Table ligaments;
     ligaments.headings = {joint.cables.empty() ? "spring between bodies" : "spring or cable between bodies", "tension"};
     ligaments.left = "lr";
@@ -197,10 +206,9 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
     for (std::size_t c = 0; c < joint.cables.size() && c < last.equilibrium.cable_force.size(); ++c)
       ligaments.rows.push_back({joint.cables[c].name.empty() ? "(unnamed)" : joint.cables[c].name,
                                 number_text(last.equilibrium.cable_force[c])});
-    text += table_text(ligaments);
+    tables.push_back({"", std::move(ligaments)});
   }
   if (!last.equilibrium.connector_force.empty()) {
-    text += "\njoints: force and moment on the second body at the joint, motion along and about the joint's axes\n";
     Table joints;
     joints.headings = {"joint", "bodies", "force", "moment", "translation", "rotation"};
     joints.left = "llllll";
@@ -220,9 +228,15 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
                              vector_text(without_rounding(motion.head<3>(), std::max(reach, 1.0))),
                              vector_text(without_rounding(motion.tail<3>(), 1.0))});
     }
-    text += table_text(joints);
+    tables.push_back(
+        {"joints: force and moment on the second body at the joint, motion along and about the joint's axes",
+         std::move(joints)});
   }
-  return text;
+  return tables;
+}
+
+std::string run_text(const JointModel& model, const Analysis& analysis) {
+  return units_text(model) + "\n" + laws_text(analysis.joint) + tables_text(run_tables(model, analysis));
 }
 
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint) {

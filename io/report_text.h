@@ -15,7 +15,17 @@ struct Table {
 };
 std::string table_text(const Table& table);
 
+/// A table and what stands over it; no headings: only the title.
+struct TitledTable {
+  std::string title;
+  Table table;
+};
+/// Each after an empty line.
+std::string tables_text(const std::vector<TitledTable>& tables);
+
 /// The states' contacts, then bodies and ligaments in the last state.
+std::vector<TitledTable> run_tables(const JointModel& model, const Analysis& analysis);
+/// Units and laws, then these tables.
 std::string run_text(const JointModel& model, const Analysis& analysis);
 
 /// What was concluded, left out or is doubtful, a line each, each once: "note: ...", "ignored: ...", "warning: ...".

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <unordered_map>
 #include <unordered_set>
@@ -96,7 +97,8 @@ ResultSurface result_surface(const ResultFile& result, int state, int surface) {
   return make_result_surface(facets.name, facets.begin, facets.nodes, positions);
 }
 
-std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field) {
+std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field,
+                                 bool undefined) {
   const int index = find_variable(result.plot, XpltGroup::Surface, field);
   if (index < 0) return {};
   const XpltVariable& variable = result.plot.variables[at(index)];
@@ -106,12 +108,14 @@ std::vector<double> facet_values(const ResultFile& result, int state, int surfac
     if (variable.type != XpltType::Float || variable.format == XpltFormat::Region)
       throw InputError(fmt::format("{}: \"{}\" is not one number per facet or node", result.path, field));
     for (float x : region.values)
-      if (!std::isfinite(x))
+      if (!std::isfinite(x) && !undefined)
         throw InputError(fmt::format("{}: surface \"{}\", time {:g}: \"{}\" is not a number somewhere", result.path,
                                      facets.name, result.plot.states[at(state)].time, field));
     std::vector<double> values;
     if (variable.format == XpltFormat::Item) {
       values.assign(region.values.begin(), region.values.end());
+      for (double& x : values)
+        if (!std::isfinite(x)) x = std::numeric_limits<double>::quiet_NaN();
       return values;
     }
     std::unordered_map<int, int> place;  // per node: values per node come in order of first appearance
@@ -124,7 +128,7 @@ std::vector<double> facet_values(const ResultFile& result, int state, int surfac
                                                              : place[facets.nodes[at(facets.begin[at(f)] + k)]];
         sum += region.values[at(slot)];
       }
-      values.push_back(sum / n);
+      values.push_back(std::isfinite(sum) ? sum / n : std::numeric_limits<double>::quiet_NaN());
     }
     return values;
   }

@@ -30,8 +30,10 @@ int find_surface(const ResultFile& result, int state, const std::string& name);
 ResultSurface result_surface(const ResultFile& result, int state, int surface);
 
 /// A scalar surface field as one value per facet (values per node or slot: their mean); empty: the surface has none in
-/// this state. Throws InputError for values that are not finite and for fields that are no scalars.
-std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field);
+/// this state. Throws InputError for values that are not finite (`undefined`: they become NaN) and for fields that are
+/// no scalars.
+std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field,
+                                 bool undefined = false);
 
 /// Rigid bodies by the names of their materials: position from `rigid position` or else the body's axes, rotation from
 /// the axes.

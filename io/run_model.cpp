@@ -133,7 +133,7 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
   result.timings.solve = result.analysis.seconds_solve;
 
   const double write_start = seconds();
-  const XpltFile plot = make_plot_file(model, result.analysis, options.compress);
+  XpltFile plot = make_plot_file(model, result.analysis, options.compress);
   write_xplt(options.output, plot);
   if (!options.vtu.empty()) write_vtu(options.vtu, plot);
   result.timings.write = seconds() - write_start;
@@ -142,6 +142,7 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
     write_text(options.json, json_text(run_json(model, settings, result.analysis, result.timings)));
   if (!options.csv.empty()) write_text(options.csv, run_csv(model, result.analysis));
   if (!options.facets_csv.empty()) write_text(options.facets_csv, facets_csv(model, result.analysis));
+  if (options.also) options.also(result.analysis, std::move(plot));
   return result;
 }
 

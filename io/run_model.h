@@ -5,6 +5,7 @@
 
 #include "analysis.h"
 #include "report_json.h"
+#include "xplt.h"
 
 namespace dea {
 
@@ -19,6 +20,7 @@ struct RunOptions {
   double seconds_reading = 0.0;                           ///< spent on the model before
   std::function<void(const std::string& line)> progress;  ///< a line per state; may be empty
   std::function<void(const StateResult&, std::size_t index, std::size_t count)> on_state;  ///< the same, as numbers
+  std::function<void(const Analysis&, XpltFile&&)> also;  ///< what else to make of the written plot file; may be empty
 };
 
 struct RunResult {

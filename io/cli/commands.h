@@ -12,7 +12,8 @@ namespace dea {
 enum ExitCode { kSolved = 0, kNoSolution = 1, kWrongUse = 2, kInputRefused = 3, kCannotWrite = 4, kInternalError = 70 };
 
 struct RunArguments {
-  std::string model, output, json, csv, facets_csv, vtu;
+  std::vector<std::string> words;  ///< the command line, for the report
+  std::string model, output, json, csv, facets_csv, vtu, report;
   bool quiet = false, verbose = false;
   SettingsArguments settings;
   std::string times_from, states;  ///< states: empty: all
@@ -57,10 +58,11 @@ CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& arguments);
 int plugin_build(const PluginBuildArguments& arguments);
 
 struct CompareArguments {
+  std::vector<std::string> words;  ///< the command line, for the report
   std::vector<std::string> files, labels, surfaces, thresholds, regions;
   std::string at, dose_above, up, anterior, axis, center, bin;
   bool profile = false;
-  std::string output, json, csv;
+  std::string output, json, csv, report;
   bool time_fields = false, compress = false, quiet = false;
 };
 CLI::App* add_compare(CLI::App& app, CompareArguments& arguments);

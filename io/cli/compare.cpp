@@ -11,6 +11,7 @@
 #include "progress.h"
 #include "report_compare.h"
 #include "settings_xml.h"
+#include "write_report.h"
 
 namespace dea {
 
@@ -36,6 +37,7 @@ models have no time but their steps'. Files with different states are only as eq
 Examples:
   dea compare hip_dea.xplt hip.xplt
   dea compare articular.xplt bone.xplt hip.xplt --label articular --label bone --label FEBio --json hip.json
+  dea compare layer.xplt linear.xplt fea.xplt --report maps.html
   dea compare a.xplt b.xplt --surface "socket=acetabulum" --at 1 -o both.xplt
   dea compare a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 0,1,0 --csv - > thirds.csv
   dea compare ball_dea.xplt ball.xplt --profile --axis 0,0,1 --center 0,0,0 --bin 2)";
@@ -179,6 +181,8 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   once("--bin", a.bin, "DEGREES", "Regions and profiles", "Width of the profile's bins [5]");
   once("-o", a.output, "both.xplt", "Output",
        "Plot file with all pressures and their differences on the first file's mesh, at the times all files have");
+  once("--report", a.report, "FILE.html", "Output",
+       "Also write a page for any browser: maps side by side, differences, box plots, scatter, curves, tables");
   c->add_flag("--time-fields", a.time_fields, "In -o also peak, exposure and dose up to each state")->group("Output");
   c->add_flag("--compress", a.compress, "Compress the plot file (zlib)")->group("Output");
   once("--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
@@ -202,6 +206,8 @@ int compare_command(const CompareArguments& a) {
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  if (a.report == "-") throw UsageError("--report -: the page cannot go to standard output, give it a name");
+  if (!a.report.empty()) outputs.push_back({"--report", a.report});
 
   std::vector<ResultFile> files;
   Progress progress(progress_style(a.quiet, false));
@@ -215,6 +221,7 @@ int compare_command(const CompareArguments& a) {
   if (!a.output.empty()) write_xplt(a.output, make_compare_file(files, options, comparison, a.time_fields, a.compress));
   if (!a.json.empty()) write_text(a.json, json_text(compare_json(comparison)));
   if (!a.csv.empty()) write_text(a.csv, compare_csv(comparison));
+  if (!a.report.empty()) write_report(a.report, compare_report(files, options, comparison, a.words));
   if (a.quiet) return kSolved;
   for (const std::string& line : comparison.warnings) log(line);
   if (a.json != "-" && a.csv != "-") print(compare_text(comparison));

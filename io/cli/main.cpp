@@ -86,6 +86,7 @@ int parse_and_run(int argc, char** argv) {
   CompareArguments compare_arguments;
   PlotArguments plot_arguments;
   PluginBuildArguments plugin_build_arguments;
+  run_arguments.words = compare_arguments.words = {argv, argv + argc};
   const CLI::App* run_command = add_run(app, run_arguments);
   const CLI::App* info_command = add_info(app, info_arguments);
   const CLI::App* converge_app = add_converge(app, converge_arguments);

@@ -2,15 +2,18 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "commands.h"
 #include "error.h"
 #include "output.h"
 #include "progress.h"
 #include "read_feb.h"
+#include "report_info.h"
 #include "report_text.h"
 #include "run_model.h"
 #include "settings_xml.h"
+#include "write_report.h"
 
 namespace dea {
 
@@ -28,6 +31,7 @@ Examples:
   dea run hip.feb -o walking.xplt --json walking.json --states last
   dea run hip.feb --force femur=-432,262,-1834 --load-at femur=sphere-center --law neo-Hookean
   dea run hip.feb --times-from hip.xplt --csv - -q > walking.csv
+  dea run hip.feb --report hip.html && xdg-open hip.html
   dea run hip.feb --vtu hip_paraview && paraview hip_paraview/results.pvd
   dea run hip.feb --states last --facets-csv facets.csv)";
 
@@ -49,6 +53,9 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
        "Also write CSV, a line per state, contact and facet: pressure, joint space, overlap; \"-\" to standard "
        "output")
       ->type_name("FILE|-")
+      ->group("Output");
+  c->add_option("--report", a.report, "Also write a page for any browser: maps, curves, tables, what was recognised")
+      ->type_name("FILE.html")
       ->group("Output");
   c->add_option("--vtu", a.vtu, "Also write files for ParaView into this folder: open its results.pvd")
       ->type_name("FOLDER")
@@ -95,6 +102,7 @@ int run(const RunArguments& a) {
     options.states = file.states;
     options.states_option = fmt::format("{}: <states>", a.settings.file);
   }
+  if (a.report == "-") throw UsageError("--report -: the page cannot go to standard output, give it a name");
   if (options.output == "-")
     throw UsageError(fmt::format("{} -: the plot file cannot go to standard output, give it a name", output_option));
   std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs = {{output_option, options.output}};
@@ -104,6 +112,7 @@ int run(const RunArguments& a) {
   if (!options.csv.empty()) outputs.push_back({a.csv.empty() ? "<csv>" : "--csv", options.csv});
   if (!options.facets_csv.empty())
     outputs.push_back({a.facets_csv.empty() ? "<facets-csv>" : "--facets-csv", options.facets_csv});
+  if (!a.report.empty()) outputs.push_back({"--report", a.report});
   if (!options.vtu.empty()) outputs.push_back({a.vtu.empty() ? "<vtu>" : "--vtu", options.vtu, true});
 
   const JointModel model = read_feb(a.model);
@@ -123,6 +132,17 @@ int run(const RunArguments& a) {
         index + 1, count);
     last = now;
   };
+  if (!a.report.empty()) {
+    options.also = [&](const Analysis& analysis, XpltFile&& plot) {
+      JointCheck check;
+      check_joint(model, settings, check);
+      std::vector<std::string> paths;
+      for (const NamedPath& p : inputs) paths.push_back(p.path);
+      for (const NamedPath& p : outputs) paths.push_back(p.path);
+      const ResultFile result{options.output, std::filesystem::path(a.model).stem().string(), std::move(plot)};
+      write_report(a.report, run_report(model, analysis, result, info_text(model, settings, check), a.words, paths));
+    };
+  }
   const RunResult result = run_model(model, settings, options);
   progress.clear();
 

@@ -1,0 +1,533 @@
+// Maps: one WebGL renderer draws every panel in turn, each is copied into a canvas of its own. One camera for all, so
+// they are linked. Nothing is drawn unless something has changed.
+"use strict";
+
+const Colours = (() => {
+  function table(text) {
+    const out = new Uint8Array(256 * 4);
+    for (let i = 0; i < 256; ++i) {
+      for (let k = 0; k < 3; ++k) out[4 * i + k] = parseInt(text.substr(6 * i + 2 * k, 2), 16);
+      out[4 * i + 3] = 255;
+    }
+    return out;
+  }
+  const tables = { sequential: table(Report.colours.sequential), diverging: table(Report.colours.diverging) };
+  function css(map, fraction) {
+    const i = 4 * Math.round(255 * Math.min(1, Math.max(0, fraction))), t = tables[map];
+    return `rgb(${t[i]},${t[i + 1]},${t[i + 2]})`;
+  }
+  const ink = {
+    light: { paper: "#ffffff", panel: "#f6f6f4", ink: "#1d1f21", soft: "#5c6166", line: "#d9dadb", none: "#d8d2c6", gone: "#f0efec",
+      veil: [0.36, 0.34, 0.30], rim: "#4a4a48", series: ["#0072b2", "#d55e00", "#009e73", "#a0549a", "#56b4e9", "#b8860b", "#6b4e2e"], reference: "#2b2b2b" },
+    dark: { paper: "#16181a", panel: "#1e2123", ink: "#e6e6e3", soft: "#a3a8ac", line: "#3a3f43", none: "#8d887e", gone: "#33373a",
+      veil: [0.80, 0.78, 0.72], rim: "#c9c7c2", series: ["#56b4e9", "#f0883e", "#2fc69a", "#d990cf", "#8ed0f5", "#e6c14a", "#c4a484"], reference: "#f0efea" }
+  };
+  return { tables, css, ink };
+})();
+
+function rgb(text) {
+  return [1, 3, 5].map((i) => parseInt(text.substr(i, 2), 16) / 255);
+}
+
+class Maps {
+  constructor() {
+    this.panels = [];
+    this.theme = "light";
+    this.geometries = new Map();
+    this.options = { lines: false, contours: true, veil: true, marks: true, smooth: true };
+    this.version = 0;  // of the camera
+    this.orientation = new THREE.Quaternion();
+    this.target = new THREE.Vector3();
+    this.zoom = 1;
+    this.radius = 1;
+    this.drawn = 0;
+    this.fault = "";
+    try {
+      this.canvas = document.createElement("canvas");
+      const context = this.canvas.getContext("webgl2", { antialias: true, alpha: true, preserveDrawingBuffer: false });
+      if (!context) throw new Error("no WebGL 2");
+      this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, context, antialias: true, alpha: true });
+      this.renderer.outputColorSpace = "srgb-linear";  // colours of the table go to the screen as they are
+      this.renderer.setPixelRatio(1);
+      this.canvas.addEventListener("webglcontextrestored", () => this.request());
+    } catch (error) {
+      this.fault = "This browser has no WebGL 2: the maps are left out, figures and tables are below.";
+      return;
+    }
+    this.camera = new THREE.OrthographicCamera();
+    this.textures = {};
+    for (const [name, table] of Object.entries(Colours.tables)) {
+      const t = new THREE.DataTexture(table, 256, 1, THREE.RGBAFormat, THREE.UnsignedByteType);
+      t.minFilter = t.magFilter = THREE.LinearFilter;
+      t.needsUpdate = true;
+      this.textures[name] = t;
+    }
+    this.material = new THREE.ShaderMaterial({
+      side: THREE.DoubleSide,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+      uniforms: { table: { value: null }, least: { value: 0 }, most: { value: 1 }, none: { value: new THREE.Vector3() },
+        gone: { value: new THREE.Vector3() }, level: { value: 0 }, zero: { value: 0 } },
+      vertexShader: `
+        attribute float value; attribute float shown;
+        varying float v; varying float s; varying vec3 n;
+        void main() {
+          v = value; s = shown; n = normalMatrix * normal;
+          gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+        }`,
+      fragmentShader: `
+        uniform sampler2D table; uniform float least, most, level, zero; uniform vec3 none, gone;
+        varying float v; varying float s; varying vec3 n;
+        void main() {
+          float f = clamp((v - least) / (most - least), 0.0, 1.0);
+          vec3 c = texture2D(table, vec2((f * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+          if (level > 0.0 && s > 0.0) {
+            float q = v / level, w = max(fwidth(q), 1e-6);
+            float d = abs(fract(q - 0.5) - 0.5) / w;
+            float far = smoothstep(0.45, 0.25, w);  // lines closer than a few pixels would only be a smear
+            c = mix(c, c * 0.45, (1.0 - smoothstep(0.4, 1.3, d)) * far * max(zero, step(0.5, abs(q))));
+          }
+          if (s <= 0.0) c = none;
+          if (s < -1.5) c = gone;
+          float facing = abs(normalize(n).z);
+          gl_FragColor = vec4(c * (0.80 + 0.20 * facing), 1.0);
+        }`
+    });
+    this.lineMaterial = new THREE.ShaderMaterial({
+      transparent: true, depthWrite: false,
+      uniforms: { colour: { value: new THREE.Vector4() } },
+      vertexShader: "void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
+      fragmentShader: "uniform vec4 colour; void main() { gl_FragColor = colour; }"
+    });
+    this.rimMaterial = this.lineMaterial.clone();
+    this.veilMaterial = new THREE.ShaderMaterial({
+      transparent: true, depthWrite: false, side: THREE.DoubleSide,
+      polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 2,
+      uniforms: { colour: { value: new THREE.Vector3() } },
+      vertexShader: `
+        varying vec3 x;
+        void main() { vec4 p = modelViewMatrix * vec4(position, 1.0); x = p.xyz; gl_Position = projectionMatrix * p; }`,
+      fragmentShader: `
+        uniform vec3 colour; varying vec3 x;
+        void main() {
+          // the faces' own normals: shells and layers share nodes, averages there mean nothing
+          float edge = 1.0 - abs(normalize(cross(dFdx(x), dFdy(x))).z);
+          float a = 0.006 + 0.16 * edge * edge * edge;
+          gl_FragColor = vec4(colour * a, a);
+        }`
+    });
+    for (const m of [this.veilMaterial, this.lineMaterial, this.rimMaterial]) {
+      m.premultipliedAlpha = true;
+    }
+    this.scene = new THREE.Scene();
+    this.observer = new IntersectionObserver((entries) => {
+      for (const e of entries) {
+        const panel = this.panels.find((p) => p.canvas === e.target);
+        if (panel) panel.visible = e.isIntersecting;
+      }
+      this.request();
+    }, { rootMargin: "200px" });
+    this.sizes = new ResizeObserver(() => this.request());
+  }
+
+  setView(view) {
+    const axis = new THREE.Vector3(...view.axis).normalize(), up = new THREE.Vector3(...view.up).normalize();
+    const right = new THREE.Vector3().crossVectors(up, axis).normalize();
+    up.crossVectors(axis, right);
+    this.orientation.setFromRotationMatrix(new THREE.Matrix4().makeBasis(right, up, axis));
+    this.target.set(...view.center);
+    this.radius = view.radius;
+    this.zoom = 1;
+    this.moved();
+  }
+
+  moved() { ++this.version; this.request(); }
+
+  // Asks for one drawing soon.
+  request() {
+    if (this.fault || this.pending) return;
+    this.pending = requestAnimationFrame(() => { this.pending = 0; this.draw(); });
+  }
+
+  setPanels(panels) {
+    if (this.fault) return;
+    for (const p of this.panels) { this.observer.unobserve(p.canvas); this.sizes.unobserve(p.canvas); }
+    this.panels = panels;
+    for (const p of panels) {
+      p.visible = true;
+      this.observer.observe(p.canvas);
+      this.sizes.observe(p.canvas);
+      if (!p.wired) this.wire(p);
+    }
+    this.request();
+  }
+
+  // ---- geometry: corners of triangles, each with a value of its own ----
+  geometry(m) {
+    if (this.geometries.has(m)) return this.geometries.get(m);
+    const n = m.triangles.length, positions = new Float32Array(3 * n), normals = new Float32Array(3 * n);
+    const around = new Float64Array(m.vertices.length), x = m.vertices;
+    for (let t = 0; t < n; t += 3) {
+      const a = 3 * m.triangles[t], b = 3 * m.triangles[t + 1], c = 3 * m.triangles[t + 2];
+      const ux = x[b] - x[a], uy = x[b + 1] - x[a + 1], uz = x[b + 2] - x[a + 2];
+      const vx = x[c] - x[a], vy = x[c + 1] - x[a + 1], vz = x[c + 2] - x[a + 2];
+      const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+      for (const v of [a, b, c]) { around[v] += nx; around[v + 1] += ny; around[v + 2] += nz; }
+    }
+    for (let k = 0; k < n; ++k) {
+      const v = 3 * m.triangles[k], size = Math.hypot(around[v], around[v + 1], around[v + 2]) || 1;
+      for (let i = 0; i < 3; ++i) { positions[3 * k + i] = x[v + i]; normals[3 * k + i] = around[v + i] / size; }
+    }
+    // outlines of facets, and edges that only one facet has
+    const edges = new Map(), lines = [], rim = [];
+    for (let f = 0; f < m.facetCount; ++f) {
+      const begin = m.begin[f], count = m.begin[f + 1] - begin;
+      const corners = [3, 6, 7, 10].includes(count) ? 3 : 4, middles = count >= corners * 2 && count !== 10;
+      for (let k = 0; k < corners; ++k) {
+        const a = m.corner[begin + k], b = m.corner[begin + (k + 1) % corners];
+        if (a < 0 || b < 0 || a === b) continue;
+        const mid = middles ? m.corner[begin + corners + k] : -1;
+        const key = a < b ? a * m.vertexCount + b : b * m.vertexCount + a;
+        const path = mid >= 0 ? [a, mid, mid, b] : [a, b];
+        if (!edges.has(key)) edges.set(key, [0, path]);
+        edges.get(key)[0] += 1;
+      }
+    }
+    for (const [times, path] of edges.values()) for (const v of path) {
+      lines.push(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
+      if (times === 1) rim.push(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
+    }
+    const line = (points, material) => {
+      const g = new THREE.BufferGeometry();
+      g.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
+      const object = new THREE.LineSegments(g, material);
+      object.frustumCulled = false;
+      return object;
+    };
+    const out = { positions: new THREE.BufferAttribute(positions, 3), normals: new THREE.BufferAttribute(normals, 3),
+      lines: line(lines, this.lineMaterial), rim: line(rim, this.rimMaterial), projected: null, version: -1 };
+    this.geometries.set(m, out);
+    return out;
+  }
+
+  // Colours of one panel. `what`: { mesh, facets (Float32Array per facet) or vertices (per vertex), shown(x) -> 1 shown,
+  // 0 "none" colour; both may be NaN }, scale: { map, least, most, level, none }.
+  paint(panel, what) {
+    panel.what = what;
+    if (this.fault) return;
+    const m = what.mesh, g = this.geometry(m), n = m.triangles.length;
+    if (!panel.object || panel.mesh !== m) {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", g.positions);
+      geometry.setAttribute("normal", g.normals);
+      panel.values = new THREE.BufferAttribute(new Float32Array(n), 1);
+      panel.shown = new THREE.BufferAttribute(new Float32Array(n), 1);
+      geometry.setAttribute("value", panel.values);
+      geometry.setAttribute("shown", panel.shown);
+      if (panel.object) panel.object.geometry.deleteAttribute("position"), panel.object.geometry.dispose();
+      panel.object = new THREE.Mesh(geometry, this.material);
+      panel.object.frustumCulled = false;
+      panel.mesh = m;
+    }
+    const values = panel.values.array, shown = panel.shown.array;
+    const source = what.facets || what.vertices;
+    for (let k = 0; k < n; ++k) {
+      const i = what.facets ? m.facet[(k / 3) | 0] : m.triangles[k];
+      const x = source ? source[i] : NaN;
+      if (Number.isNaN(x)) { values[k] = 0; shown[k] = -1000; continue; }
+      values[k] = x;
+      shown[k] = what.shown(x, i) ? 1 : 0;
+    }
+    panel.values.needsUpdate = panel.shown.needsUpdate = true;
+    this.request();
+  }
+
+  async setVeil(about) {
+    if (this.fault || !about) return;
+    const x = await Data.array(about.vertices), t = await Data.array(about.triangles);
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(x, 3));
+    geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(t.buffer, t.byteOffset, t.length), 1));
+    this.veil = new THREE.Mesh(geometry, this.veilMaterial);
+    this.veil.frustumCulled = false;
+    this.veil.renderOrder = 3;
+    this.request();
+  }
+
+  // ---- drawing ----
+  aim(width, height, outset = 1.06) {
+    const half = this.radius * outset / this.zoom, wide = Math.max(1, width / height), tall = Math.max(1, height / width);
+    const c = this.camera;
+    c.left = -half * wide; c.right = half * wide; c.top = half * tall; c.bottom = -half * tall;
+    const reach = 40 * this.radius;
+    c.near = 0; c.far = 2 * reach;
+    c.position.set(0, 0, reach).applyQuaternion(this.orientation).add(this.target);
+    c.quaternion.copy(this.orientation);
+    c.updateProjectionMatrix();
+    c.updateMatrixWorld();
+    return 2 * half * wide / width;  // length per pixel
+  }
+
+  render(panel, width, height, ink) {
+    if (this.canvas.width !== width || this.canvas.height !== height) this.renderer.setSize(width, height, false);
+    const u = this.material.uniforms, scale = panel.what.scale;
+    u.table.value = this.textures[scale.map];
+    u.least.value = scale.least;
+    u.most.value = scale.most;
+    u.level.value = this.options.contours && !panel.what.facets ? scale.level : 0;
+    u.zero.value = scale.map === "sequential" && scale.least < 0 ? 1 : 0;
+    u.none.value.set(...rgb(ink[scale.none]));
+    u.gone.value.set(...rgb(ink.gone));
+    const line = rgb(ink.rim);
+    this.lineMaterial.uniforms.colour.value.set(...line.map((c) => 0.28 * c), 0.28);
+    this.rimMaterial.uniforms.colour.value.set(...line.map((c) => 0.8 * c), 0.8);
+    this.veilMaterial.uniforms.colour.value.set(...ink.veil);
+    const g = this.geometry(panel.mesh);
+    this.scene.clear();
+    this.scene.add(panel.object, g.rim);
+    if (this.options.lines) this.scene.add(g.lines);
+    if (this.options.veil && this.veil) this.scene.add(this.veil);
+    this.renderer.setClearColor(0x000000, 0);
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  // Onto any 2-D context at (x, y); `k`: pixels per CSS pixel.
+  drawPanel(panel, context, x, y, width, height, k, ink) {
+    const length = this.aim(width, height);
+    context.fillStyle = ink.panel;
+    context.fillRect(x, y, width, height);
+    this.render(panel, width, height, ink);
+    context.drawImage(this.canvas, x, y, width, height);
+    context.save();
+    context.translate(x, y);
+    this.overlay(panel, context, width, height, k, length, ink);
+    context.restore();
+  }
+
+  draw() {
+    if (this.fault) return;
+    const ink = Colours.ink[this.theme], k = Math.min(2, window.devicePixelRatio || 1);
+    for (const panel of this.panels) {
+      if (!panel.visible || !panel.what) continue;
+      const width = Math.round(panel.canvas.clientWidth * k), height = Math.round(panel.canvas.clientHeight * k);
+      if (!(width > 0 && height > 0)) continue;
+      if (panel.canvas.width !== width || panel.canvas.height !== height) {
+        panel.canvas.width = width;
+        panel.canvas.height = height;
+      }
+      this.drawPanel(panel, panel.canvas.getContext("2d"), 0, 0, width, height, k, ink);
+    }
+    ++this.drawn;
+  }
+
+  toScreen(point, width, height) {
+    const v = new THREE.Vector3(...point).project(this.camera);
+    return [(v.x + 1) / 2 * width, (1 - v.y) / 2 * height];
+  }
+
+  overlay(panel, c, width, height, k, length, ink) {
+    c.font = `${13 * k}px ${getComputedStyle(document.body).fontFamily}`;
+    c.lineCap = "round";
+    const halo = (draw) => {
+      c.strokeStyle = ink.paper; c.lineWidth = 4 * k; draw();
+      c.strokeStyle = ink.ink; c.lineWidth = 1.6 * k; draw();
+    };
+    if (this.options.marks) for (const mark of panel.marks || []) {
+      const [px, py] = this.toScreen(mark.at, width, height), r = 6 * k;
+      halo(() => {
+        c.beginPath();
+        if (mark.kind === "center") { c.moveTo(px - r, py); c.lineTo(px + r, py); c.moveTo(px, py - r); c.lineTo(px, py + r); }
+        else c.arc(px, py, r * 0.8, 0, 2 * Math.PI);
+        c.stroke();
+      });
+    }
+    if (this.hover && panel.hit) {
+      const [px, py] = this.toScreen(panel.hit.point, width, height), r = 9 * k;
+      halo(() => {
+        c.beginPath();
+        for (const [a, b] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) { c.moveTo(px + a * r * 0.45, py + b * r * 0.45); c.lineTo(px + a * r * 1.3, py + b * r * 1.3); }
+        c.stroke();
+      });
+    }
+    // a ruler and where the axes point
+    const step = niceStep(width * length / 3.2, 1), bar = step / length, bx = 12 * k, by = height - 12 * k;
+    c.strokeStyle = ink.soft; c.lineWidth = 1.5 * k;
+    c.beginPath(); c.moveTo(bx, by - 3 * k); c.lineTo(bx, by); c.lineTo(bx + bar, by); c.lineTo(bx + bar, by - 3 * k); c.stroke();
+    c.fillStyle = ink.soft; c.textAlign = "left"; c.textBaseline = "bottom";
+    c.fillText(Format.short(step) + (Report.units.length ? " " + Report.units.length : ""), bx + 1 * k, by - 5 * k);
+    const ox = width - 34 * k, oy = height - 32 * k, inverse = this.orientation.clone().invert();
+    const axes = [["x", 1, 0, 0], ["y", 0, 1, 0], ["z", 0, 0, 1]].map(([name, ...d]) => [name, new THREE.Vector3(...d).applyQuaternion(inverse)]);
+    axes.sort((a, b) => a[1].z - b[1].z);
+    c.textAlign = "center"; c.textBaseline = "middle";
+    for (const [name, d] of axes) {
+      const flat = Math.hypot(d.x, d.y);
+      c.globalAlpha = d.z < -0.3 ? 0.5 : 1;
+      c.strokeStyle = ink.soft; c.fillStyle = ink.soft; c.lineWidth = 1.4 * k;
+      c.beginPath(); c.moveTo(ox, oy); c.lineTo(ox + 15 * k * d.x, oy - 15 * k * d.y); c.stroke();
+      if (flat > 0.25) c.fillText(name, ox + 23 * k * d.x * (0.6 + 0.4 / flat) , oy - 23 * k * d.y * (0.6 + 0.4 / flat));
+    }
+    c.globalAlpha = 1;
+    if (panel.message) {
+      c.fillStyle = ink.ink; c.textAlign = "center"; c.textBaseline = "middle";
+      c.font = `${14 * k}px ${getComputedStyle(document.body).fontFamily}`;
+      const w = c.measureText(panel.message).width + 20 * k;
+      c.globalAlpha = 0.9; c.fillStyle = ink.paper; c.fillRect(width / 2 - w / 2, height / 2 - 14 * k, w, 28 * k);
+      c.globalAlpha = 1; c.fillStyle = ink.ink; c.fillText(panel.message, width / 2, height / 2, width - 10 * k);
+    }
+  }
+
+  // ---- picking: triangles under the pointer, nearest to the viewer ----
+  projected(m) {
+    const g = this.geometry(m);
+    if (g.version === this.version && g.projected) return g.projected;
+    const out = g.projected || new Float32Array(m.vertices.length), q = this.orientation.clone().invert();
+    const e = new THREE.Matrix4().makeRotationFromQuaternion(q).elements, o = this.target, x = m.vertices;
+    for (let i = 0; i < x.length; i += 3) {
+      const a = x[i] - o.x, b = x[i + 1] - o.y, c = x[i + 2] - o.z;
+      for (let k = 0; k < 3; ++k) out[i + k] = e[k] * a + e[4 + k] * b + e[8 + k] * c;
+    }
+    g.projected = out;
+    g.version = this.version;
+    return out;
+  }
+
+  // `px`, `py`: in the camera's frame, lengths from the target. { triangle, facet, weights, point } or null.
+  hit(m, px, py) {
+    const p = this.projected(m), t = m.triangles;
+    let best = null, nearest = -Infinity;
+    for (let k = 0; k < t.length; k += 3) {
+      const a = 3 * t[k], b = 3 * t[k + 1], c = 3 * t[k + 2];
+      const ax = p[a] - px, ay = p[a + 1] - py, bx = p[b] - px, by = p[b + 1] - py, cx = p[c] - px, cy = p[c + 1] - py;
+      const wc = ax * by - ay * bx, wa = bx * cy - by * cx, wb = cx * ay - cy * ax, sum = wa + wb + wc;
+      if (sum === 0 || wa * sum < 0 || wb * sum < 0 || wc * sum < 0) continue;
+      const depth = (wa * p[a + 2] + wb * p[b + 2] + wc * p[c + 2]) / sum;
+      if (depth <= nearest) continue;
+      nearest = depth;
+      best = { triangle: k / 3, facet: m.facet[k / 3], weights: [wa / sum, wb / sum, wc / sum] };
+    }
+    if (best === null) return null;
+    const corners = [0, 1, 2].map((i) => t[3 * best.triangle + i]);
+    best.point = [0, 1, 2].map((i) => corners.reduce((s, v, k) => s + best.weights[k] * m.vertices[3 * v + i], 0));
+    best.vertex = corners[best.weights.indexOf(Math.max(...best.weights))];
+    return best;
+  }
+
+  // The place under the pointer in every panel: they share camera and frame.
+  pick(x, y, width, height) {
+    const length = this.aim(width, height);
+    const px = (x - width / 2) * length, py = (height / 2 - y) * length, known = new Map();
+    this.hover = true;
+    for (const panel of this.panels) {
+      if (!panel.mesh) continue;
+      if (!known.has(panel.mesh)) known.set(panel.mesh, this.hit(panel.mesh, px, py));
+      panel.hit = known.get(panel.mesh);
+    }
+    if (this.onpick) this.onpick();
+    this.request();
+  }
+
+  unpick() {
+    this.hover = false;
+    for (const panel of this.panels) panel.hit = null;
+    if (this.onpick) this.onpick();
+    this.request();
+  }
+
+  // ---- mouse, touch, wheel ----
+  turn(dx, dy) {
+    const q = new THREE.Quaternion();
+    this.orientation.multiply(q.setFromAxisAngle(new THREE.Vector3(0, 1, 0), -dx));
+    this.orientation.multiply(q.setFromAxisAngle(new THREE.Vector3(1, 0, 0), -dy)).normalize();
+    this.moved();
+  }
+
+  shift(dx, dy) {
+    this.target.add(new THREE.Vector3(-dx, dy, 0).applyQuaternion(this.orientation));
+    this.moved();
+  }
+
+  enlarge(factor) {
+    this.zoom = Math.min(50, Math.max(0.2, this.zoom * factor));
+    this.moved();
+  }
+
+  wire(panel) {
+    panel.wired = true;
+    const canvas = panel.canvas, pointers = new Map();
+    let spread = 0;
+    canvas.addEventListener("pointerdown", (e) => {
+      pointers.set(e.pointerId, [e.offsetX, e.offsetY]);
+      try { canvas.setPointerCapture(e.pointerId); } catch (error) { /* a pointer that is gone already */ }
+      if (pointers.size === 2) spread = this.spread(pointers);
+    });
+    canvas.addEventListener("pointermove", (e) => {
+      if (!pointers.has(e.pointerId)) {
+        this.pick(e.offsetX, e.offsetY, canvas.clientWidth, canvas.clientHeight);
+        return;
+      }
+      const [x, y] = pointers.get(e.pointerId), dx = e.offsetX - x, dy = e.offsetY - y;
+      pointers.set(e.pointerId, [e.offsetX, e.offsetY]);
+      if (pointers.size === 2) {
+        const now = this.spread(pointers);
+        if (spread > 0 && now > 0) this.enlarge(now / spread);
+        spread = now;
+      }
+      if (pointers.size === 2 || e.shiftKey || e.buttons === 2 || e.buttons === 4) {
+        const length = this.aim(canvas.clientWidth, canvas.clientHeight) / pointers.size;
+        this.shift(dx * length, dy * length);
+      } else {
+        this.turn(dx * 0.008, dy * 0.008);
+      }
+    });
+    for (const end of ["pointerup", "pointercancel"])
+      canvas.addEventListener(end, (e) => {
+        pointers.delete(e.pointerId);
+        if (e.pointerType === "touch" && pointers.size === 0) this.pick(e.offsetX, e.offsetY, canvas.clientWidth, canvas.clientHeight);
+      });
+    canvas.addEventListener("pointerleave", () => { if (pointers.size === 0) this.unpick(); });
+    canvas.addEventListener("contextmenu", (e) => e.preventDefault());
+    canvas.addEventListener("dblclick", () => this.onreset && this.onreset());
+    // the wheel belongs to the page until Ctrl is held or the map was clicked
+    canvas.addEventListener("wheel", (e) => {
+      if (!e.ctrlKey && !e.metaKey && document.activeElement !== canvas) return;
+      e.preventDefault();
+      this.enlarge(Math.exp(-0.0015 * e.deltaY));
+    }, { passive: false });
+  }
+
+  spread(pointers) {
+    const [a, b] = [...pointers.values()];
+    return Math.hypot(a[0] - b[0], a[1] - b[1]);
+  }
+}
+
+// A colour bar on a 2-D context, `width` x 76 CSS pixels at scale k.
+function drawBar(c, x, y, width, k, scale, ink) {
+  c.save();
+  c.translate(x, y);
+  c.scale(k, k);
+  const font = getComputedStyle(document.body).fontFamily, height = 15, top = 24;
+  c.font = `14px ${font}`;
+  const swatchText = scale.noneText ? c.measureText(scale.noneText).width : 0;
+  const left = 2, swatch = scale.noneText ? 34 : 0, gap = scale.noneText ? Math.max(22, swatchText - swatch + 30) : 0;
+  const from = left + swatch + gap + (swatch ? 0 : 14), to = width - 26, span = Math.max(40, to - from);
+  c.fillStyle = ink.ink; c.textAlign = "left"; c.textBaseline = "alphabetic";
+  c.fillText(scale.title, from, 15, width - from);
+  if (swatch) {
+    c.fillStyle = ink[scale.none];
+    c.fillRect(left, top, swatch, height);
+    c.fillStyle = ink.soft;
+    c.fillText(scale.noneText, left, top + height + 19);
+  }
+  for (let i = 0; i < 256; ++i) {
+    c.fillStyle = Colours.css(scale.map, i / 255);
+    c.fillRect(from + i * span / 256, top, span / 256 + 0.6, height);
+  }
+  const step = niceStep(scale.most - scale.least, Math.max(2, Math.min(7, Math.floor(span / 64))));
+  c.strokeStyle = ink.soft; c.fillStyle = ink.soft; c.textAlign = "center"; c.lineWidth = 1;
+  for (let i = Math.ceil(scale.least / step - 1e-9); i * step <= scale.most + 1e-9 * step; ++i) {
+    const value = i * step, px = from + span * (value - scale.least) / (scale.most - scale.least);
+    c.beginPath(); c.moveTo(px, top + height); c.lineTo(px, top + height + 4); c.stroke();
+    c.fillText(Format.short(value), px, top + height + 19);
+  }
+  c.restore();
+}

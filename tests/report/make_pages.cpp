@@ -1,0 +1,20 @@
+// make_pages awkward|large OUT.html: pages of made-up results, for report_test.py.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <string>
+
+#include "synthetic.h"
+#include "write_report.h"
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  const std::string what = argv[1];
+  const std::vector<dea::ResultFile> files =
+      what == "large" ? dea::test::large_results(224, 50) : dea::test::awkward_results();
+  const auto start = std::chrono::steady_clock::now();
+  const dea::CompareOptions options;
+  dea::write_report(argv[2],
+                    dea::compare_report(files, options, dea::compare_files(files, options), {"dea", "compare"}));
+  fmt::print("{:.2f} s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}

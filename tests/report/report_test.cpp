@@ -1,0 +1,439 @@
+// The page's writer: what is packed comes back, names stay names, numbers are those of compare, files stay whole.
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "pack.h"
+#include "program.h"
+#include "synthetic.h"
+#include "write_report.h"
+
+namespace dea {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+// ---- a reader of packed arrays that shares nothing with the writer ----
+
+std::string from_base64(const std::string& text) {
+  std::string out;
+  unsigned bits = 0;
+  int held = 0;
+  for (char c : text) {
+    if (c == '=') break;
+    unsigned digit = 0;
+    if (c >= 'A' && c <= 'Z')
+      digit = static_cast<unsigned>(c - 'A');
+    else if (c >= 'a' && c <= 'z')
+      digit = static_cast<unsigned>(c - 'a') + 26;
+    else if (c >= '0' && c <= '9')
+      digit = static_cast<unsigned>(c - '0') + 52;
+    else if (c == '+')
+      digit = 62;
+    else if (c == '/')
+      digit = 63;
+    else
+      throw std::runtime_error("not base64");
+    bits = bits << 6 | digit;
+    held += 6;
+    if (held >= 8) {
+      held -= 8;
+      out += static_cast<char>(bits >> held & 0xffu);
+    }
+  }
+  return out;
+}
+
+std::vector<std::uint32_t> words(const std::string& base64, std::size_t count, int bytes, bool delta) {
+  const std::string packed = from_base64(base64);
+  std::string planes(count * static_cast<std::size_t>(bytes), '\0');
+  uLongf size = static_cast<uLongf>(planes.size());
+  if (uncompress(reinterpret_cast<Bytef*>(planes.data()), &size, reinterpret_cast<const Bytef*>(packed.data()),
+                 static_cast<uLong>(packed.size())) != Z_OK ||
+      size != planes.size())
+    throw std::runtime_error("does not inflate to its size");
+  std::vector<std::uint32_t> out;
+  const std::uint32_t mask = bytes == 2 ? 0xffffu : 0xffffffffu;
+  std::uint32_t before = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint32_t word = 0;
+    for (int k = 0; k < bytes; ++k)
+      word |= static_cast<std::uint32_t>(static_cast<unsigned char>(planes[static_cast<std::size_t>(k) * count + i]))
+              << (8 * k);
+    before = delta ? (before + word) & mask : word;
+    out.push_back(before);
+  }
+  return out;
+}
+
+std::vector<std::uint32_t> words(const PackedArray& a) { return words(a.base64, a.count, a.bytes, a.delta); }
+
+float as_float(std::uint32_t word) {
+  float x = 0;
+  std::memcpy(&x, &word, sizeof x);
+  return x;
+}
+
+/// A page taken apart.
+struct PageParts {
+  std::string html;
+  Json report;
+
+  explicit PageParts(const std::string& text) : html(text) {
+    const std::string begin = "<script type=\"application/json\" id=\"report\">";
+    const std::size_t at = html.find(begin) + begin.size();
+    report = Json::parse(html.substr(at, html.find("</script>", at) - at));
+  }
+  std::vector<std::uint32_t> array(const Json& about) const {
+    const std::string begin = "<script type=\"text/plain\" id=\"array" + std::to_string(about["id"].get<int>()) + "\">";
+    const std::size_t at = html.find(begin);
+    if (at == std::string::npos) throw std::runtime_error("no such array");
+    const std::size_t from = at + begin.size();
+    return words(html.substr(from, html.find("</script>", from) - from), about["count"], about["bytes"],
+                 about["delta"]);
+  }
+};
+
+std::string page_of(const std::vector<ResultFile>& files, const CompareOptions& options = {}) {
+  return report_html(compare_report(files, options, compare_files(files, options), {"dea", "compare"}));
+}
+
+std::size_t times_in(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (std::size_t i = text.find(what); i != std::string::npos; i = text.find(what, i + 1)) ++n;
+  return n;
+}
+
+// ---- packing ----
+
+TEST(ReportPack, IntegersComeBack) {
+  std::mt19937 random(1);
+  std::vector<std::int32_t> values = {-1, 0, 2147483647, -2147483647 - 1, 5, 5, -1};
+  for (int i = 0; i < 5000; ++i) values.push_back(static_cast<std::int32_t>(random()));
+  const std::vector<std::uint32_t> back = words(pack_integers(values));
+  ASSERT_EQ(back.size(), values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) ASSERT_EQ(static_cast<std::int32_t>(back[i]), values[i]) << i;
+  EXPECT_TRUE(words(pack_integers({})).empty());
+}
+
+TEST(ReportPack, FloatsComeBackToTheBit) {
+  std::vector<float> values = {0.0f, -0.0f, 1.5f, -3e38f, 1e-40f, std::numeric_limits<float>::quiet_NaN()};
+  const std::vector<std::uint32_t> back = words(pack_floats(values));
+  ASSERT_EQ(back.size(), values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, &values[i], sizeof word);
+    EXPECT_EQ(back[i], word) << i;
+  }
+  EXPECT_TRUE(std::isnan(as_float(back.back())));
+}
+
+TEST(ReportPack, CodesKeepWithinHalfAStep) {
+  std::mt19937 random(2);
+  for (const double range : {1e-30, 1.0, 7.3, 1e30, std::numeric_limits<double>::max()}) {
+    for (const double offset : {0.0, -0.5, -1.0}) {
+      std::uniform_real_distribution<double> uniform(0.0, 1.0);
+      std::vector<double> values = {offset * range, (1 + offset) * range};
+      for (int i = 0; i < 4000; ++i) values.push_back((uniform(random) + offset) * range);
+      const Codes codes = quantise(values);
+      const double step = codes.most / 65534.0 - codes.least / 65534.0;
+      ASSERT_TRUE(std::isfinite(step));
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        const bool lifted = values[i] > codes.least && values[i] < codes.least + 0.5 * step;
+        ASSERT_LE(std::abs(restore(codes, i) - values[i]), (lifted ? 1.0 : 0.5001) * step) << range << " " << i;
+      }
+      const std::vector<std::uint32_t> back = words(pack_codes(codes.codes));
+      for (std::size_t i = 0; i < values.size(); ++i) ASSERT_EQ(back[i], codes.codes[i]);
+    }
+  }
+}
+
+TEST(ReportPack, NoPressureStaysNoneAndLittlePressureStaysSome) {
+  const Codes codes = quantise({0.0, 1e-9, 5.0, std::nan(""), 0.0});
+  EXPECT_EQ(restore(codes, 0), 0.0);
+  EXPECT_GT(restore(codes, 1), 0.0);
+  EXPECT_DOUBLE_EQ(restore(codes, 2), 5.0);
+  EXPECT_TRUE(std::isnan(restore(codes, 3)));
+  EXPECT_EQ(restore(codes, 4), 0.0);
+}
+
+TEST(ReportPack, ConstantsAndNothingButUndefined) {
+  const Codes constant = quantise({2.5, 2.5});
+  EXPECT_EQ(restore(constant, 0), 2.5);
+  EXPECT_EQ(restore(constant, 1), 2.5);
+  const Codes undefined = quantise({std::nan(""), std::nan("")});
+  EXPECT_TRUE(std::isnan(restore(undefined, 0)));
+  EXPECT_EQ(undefined.least, 0.0);
+  EXPECT_TRUE(quantise({}).codes.empty());
+}
+
+// ---- the page ----
+
+TEST(ReportPage, NamesAreNeverMarkup) {
+  const PageParts page(page_of(test::awkward_results()));
+  EXPECT_EQ(page.html.find("<b>"), std::string::npos);
+  EXPECT_EQ(page.html.find("<i>mesh"), std::string::npos);
+  EXPECT_EQ(page.html.find("<img"), std::string::npos);
+  EXPECT_NE(page.html.find("<title>&lt;/script&gt;&lt;b&gt;&amp;"), std::string::npos);
+  EXPECT_EQ(times_in(page.html, "</script>"), times_in(page.html, "<script"));
+  // the names themselves are all there; the byte that is no UTF-8 has become the sign for that
+  EXPECT_EQ(page.report["results"][0]["label"], "</script><b>&\"'\xc3\xa9\xef\xbf\xbd");
+  EXPECT_EQ(page.report["surfaces"][0]["title"], "</script><b>&\"'\xc3\xa9\xef\xbf\xbd");
+  EXPECT_EQ(page.report["context"]["parts"][0], "<img src=x onerror=alert(1)>");
+}
+
+TEST(ReportPage, HoldsTheFilesNumbersExactlyWhenFew) {
+  const std::vector<ResultFile> files = test::awkward_results();
+  const PageParts page(page_of(files));
+  ASSERT_EQ(page.report["exact"], true);
+  const Json& surface = page.report["surfaces"][0];
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Json& field = surface["fields"]["pressure"][i];
+    const std::vector<std::uint32_t> back = page.array(field["values"]);
+    std::size_t at = 0;
+    for (const XpltState& state : files[i].plot.states)
+      for (float x : state.variables[0][0].values) ASSERT_EQ(as_float(back.at(at++)), x);
+    EXPECT_EQ(at, back.size());
+  }
+  // undefined joint space stays undefined
+  const std::vector<std::uint32_t> space = page.array(surface["fields"]["space"][0]["values"]);
+  std::size_t undefined = 0, at = 0;
+  for (const XpltState& state : files[0].plot.states)
+    for (float x : state.variables[1][0].values) {
+      ASSERT_EQ(std::isnan(as_float(space.at(at))), std::isnan(x));
+      undefined += std::isnan(as_float(space.at(at++)));
+    }
+  EXPECT_GT(undefined, 100u);
+  EXPECT_TRUE(surface["fields"]["space"][1].is_null());
+}
+
+TEST(ReportPage, NumbersAreThoseOfCompare) {
+  const std::vector<ResultFile> files = test::awkward_results();
+  CompareOptions options;
+  options.profile = true;
+  options.at = 0.5;
+  const Comparison c = compare_files(files, options);
+  const ReportData data = compare_report(files, options, c, {"dea"});
+  const PageParts page(report_html(data));
+  const ComparedSurface& compared = c.surfaces[0];
+  const Json& surface = page.report["surfaces"][0];
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Json& m = surface["measures"][i][static_cast<std::size_t>(c.states[i])][0];
+    const SurfaceMeasures& expected = compared.regions[0].results[i];
+    EXPECT_NEAR(m["nodes"]["peak"].get<double>(), expected.nodes[0].peak, 1e-8);
+    EXPECT_NEAR(m["nodes"]["p25"].get<double>(), expected.nodes[0].p25, 1e-8);
+    EXPECT_NEAR(m["facets"]["mean"].get<double>(), expected.facets[0].mean, 1e-8);
+    EXPECT_NEAR(m["nodes"]["area"].get<double>(), expected.nodes[0].area, 1e-6);
+    EXPECT_NEAR(m["force"].get<double>(), expected.resultant.norm(), 1e-6);
+  }
+  const std::size_t frame = page.report["frame"];
+  EXPECT_EQ(page.report["frames"][frame]["time"], 0.5);
+  for (std::size_t i = 0; i + 1 < files.size(); ++i) {
+    const Json& p = surface["patterns"][frame][0][i];
+    EXPECT_NEAR(p["r"].get<double>(), compared.regions[0].differences[i].correlation, 1e-8);
+    EXPECT_NEAR(p["rms"].get<double>(), compared.regions[0].differences[i].rms, 1e-8);
+    EXPECT_NEAR(p["largest"].get<double>(), compared.regions[0].differences[i].largest, 1e-8);
+  }
+  EXPECT_TRUE(surface["patterns"][frame][0][2].is_null());
+  for (std::size_t b = 0; b < compared.profiles[0].size(); ++b) {
+    const Json& mean = surface["profiles"][frame][0][b];
+    if (std::isnan(compared.profiles[0][b].mean))
+      EXPECT_TRUE(mean.is_null());
+    else
+      EXPECT_NEAR(mean.get<double>(), compared.profiles[0][b].mean, 1e-8);
+  }
+  // without contact nothing is defined but the area, and nothing is 0 that is not
+  const Json& none = surface["measures"][0][0][0];
+  EXPECT_TRUE(none["nodes"]["peak"].is_null());
+  EXPECT_TRUE(none["center"][0].is_null());
+  EXPECT_EQ(none["nodes"]["area"], 0.0);
+}
+
+TEST(ReportPage, CarriesValuesToTheReferencesNodesAsCompareDoes) {
+  const std::vector<ResultFile> files = test::awkward_results();
+  const Comparison c = compare_files(files, {});
+  const ReportData data = compare_report(files, {}, c, {"dea"});
+  const ReportSurface& s = data.surfaces[0];
+  ASSERT_FALSE(s.carry[0]);  // the reference's own mesh
+  ASSERT_TRUE(s.carry[1]);
+  const std::vector<double> nodal = nodal_average(s.geometry[1], s.pressure[1]->states.back());
+  const std::vector<double> expected = carry(match_nodes(s.geometry[2], s.geometry[1]), s.geometry[1], nodal);
+  for (std::size_t v = 0; v < expected.size(); ++v) {
+    double sum = 0.0;
+    for (std::size_t k = 3 * v; k < 3 * v + 3; ++k) {
+      ASSERT_GE(s.carry[1]->vertices[k], 0);
+      sum += s.carry[1]->weights[k] * nodal[static_cast<std::size_t>(s.carry[1]->vertices[k])];
+    }
+    ASSERT_NEAR(sum, expected[v], 1e-6);
+  }
+}
+
+TEST(ReportPage, SlopeOfAMultiple) {
+  test::Dome dome;
+  const test::Field b = test::wandering(4.0, 6.0, 0.2);
+  const test::Field a = [b](double x, double y, double t) { return 2.5 * b(x, y, t); };
+  const std::vector<ResultFile> files = {
+      test::make_dome_result("a.xplt", "a", dome, {0.0, 1.0}, {{"contact pressure", a}}),
+      test::make_dome_result("b.xplt", "b", dome, {0.0, 1.0}, {{"contact pressure", b}})};
+  const ReportData data = compare_report(files, {}, compare_files(files, {}), {"dea"});
+  const ReportPattern& p = *data.surfaces[0].patterns[1][0][0];
+  EXPECT_NEAR(p.slope, 2.5, 1e-5);
+  EXPECT_NEAR(p.intercept, 0.0, 1e-4);
+  EXPECT_NEAR(p.difference.correlation, 1.0, 1e-9);
+  EXPECT_TRUE(std::isnan(data.surfaces[0].patterns[0][0][0]->slope));  // nothing touches
+}
+
+TEST(ReportPage, FramesPairTimes) {
+  const ReportData data =
+      compare_report(test::awkward_results(), {}, compare_files(test::awkward_results(), {}), {"dea"});
+  ASSERT_EQ(data.frames.size(), 4u);  // the second result has no state at 0.75
+  EXPECT_EQ(data.frames[3].states, (std::vector<int>{4, 3, 4}));
+  EXPECT_EQ(data.frame, 3);
+  test::Dome dome;
+  const auto at = [&](const char* name, const std::vector<double>& times) {
+    return test::make_dome_result(name, name, dome, times, {{"contact pressure", test::wandering(5, 6, 0)}});
+  };
+  const std::vector<ResultFile> apart = {at("a", {0.4}), at("b", {0.2, 0.5})};
+  const ReportData other = compare_report(apart, {}, compare_files(apart, {}), {"dea"});
+  ASSERT_EQ(other.frames.size(), 4u);  // each time by itself, then the compared states
+  EXPECT_EQ(other.frames[0].states, (std::vector<int>{-1, 0}));
+  EXPECT_EQ(other.frames[1].states, (std::vector<int>{0, -1}));
+  EXPECT_TRUE(std::isnan(other.frames[3].time));
+  EXPECT_EQ(other.frames[3].states, (std::vector<int>{0, 1}));
+  EXPECT_EQ(other.frame, 3);
+}
+
+TEST(ReportPage, SaysNothingOfFoldersAndIsTheSameTwice) {
+  const std::vector<ResultFile> files = test::awkward_results();
+  std::vector<std::string> words = {"/opt/bin/dea",        "compare",   "--report",
+                                    "/root/secret/r.html", "--surface", "a=/b c"};
+  for (const ResultFile& f : files) words.push_back(f.path);
+  Comparison c = compare_files(files, {});
+  c.warnings.push_back("warning: /some/where/first.xplt: something");
+  const std::string page = report_html(compare_report(files, {}, c, words));
+  EXPECT_EQ(page.find("/some/where"), std::string::npos);
+  EXPECT_EQ(page.find("secret"), std::string::npos);
+  const PageParts parts(page);
+  EXPECT_EQ(parts.report["command"],
+            "dea compare --report r.html --surface 'a=/b c' first.xplt second.xplt third.xplt");
+  EXPECT_EQ(parts.report["warnings"].back(), "warning: first.xplt: something");
+  EXPECT_EQ(page, report_html(compare_report(files, {}, c, words)));
+}
+
+TEST(ReportPage, UnitsOnlyWhereTheFilesNameThem) {
+  EXPECT_EQ(report_units("mm-N-s").pressure, "MPa");
+  EXPECT_EQ(report_units("SI").area, "m²");
+  EXPECT_EQ(report_units("").pressure, "");
+  EXPECT_EQ(report_units("furlongs").length, "");
+}
+
+TEST(ReportPage, FiftyThousandFacetsAndFiftyStatesStayBelowThirtyMegabytes) {
+  const std::vector<ResultFile> files = test::large_results(224, 50);
+  ASSERT_GE(files[0].plot.meshes[0].surfaces[0].size(), 50000);
+  const PageParts page(page_of(files));
+  EXPECT_LT(page.html.size(), 30u * 1000 * 1000);
+  EXPECT_GT(page.html.size(), 1000u * 1000);
+  RecordProperty("megabytes", std::to_string(page.html.size() / 1e6));
+  ASSERT_EQ(page.report["exact"], false);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Json& field = page.report["surfaces"][0]["fields"]["pressure"][i];
+    const std::vector<std::uint32_t> codes = page.array(field["values"]);
+    const std::size_t n = field["facets"];
+    ASSERT_EQ(codes.size(), 50 * n);
+    for (std::size_t s = 0; s < 50; s += 7) {
+      const double least = field["ranges"][s][0], most = field["ranges"][s][1];
+      const std::vector<float>& values = files[i].plot.states[s].variables[0][0].values;
+      for (std::size_t f = 0; f < n; f += 3) {
+        const double code = codes[s * n + f], x = least * (1 - code / 65534) + most * code / 65534;
+        ASSERT_LE(std::abs(x - values[f]), (most - least) / 65534) << s << " " << f;
+        ASSERT_EQ(x > 0, values[f] > 0);
+      }
+    }
+  }
+}
+
+TEST(ReportPage, LibrariesCannotEndTheirScript) {
+  int files = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(DEA_VENDOR_DIR)) {
+    const std::string name = entry.path().filename().string();
+    if (name.find(".min.js") == std::string::npos && name.find(".txt") == std::string::npos) continue;
+    ++files;
+    const std::string text = test::file_text(entry.path());
+    EXPECT_EQ(text.find("</script"), std::string::npos) << name;
+    EXPECT_EQ(text.find("<!--"), std::string::npos) << name;
+  }
+  EXPECT_EQ(files, 3);
+}
+
+// ---- the program ----
+
+test::Finished dea_in(const fs::path& folder, std::vector<std::string> words) {
+  words.insert(words.begin(), DEA_PROGRAM);
+  return test::run_program(folder, words, 60);
+}
+
+TEST(ReportProgram, RunAndCompareWriteAPage) {
+  const test::TemporaryFolder folder;
+  const std::string model = std::string(DEA_SAMPLES_DIR) + "/hip/hip_walking.feb";
+  test::Finished f = dea_in(folder.path, {"run", model, "-o", "a.xplt", "--report", "run.html", "-q"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  EXPECT_TRUE(f.out.empty());
+  const PageParts run(test::file_text(folder.path / "run.html"));
+  EXPECT_EQ(run.report["kind"], "run");
+  EXPECT_EQ(run.report["title"], "hip_walking");
+  EXPECT_EQ(run.report["command"], "dea run hip_walking.feb -o a.xplt --report run.html -q");
+  EXPECT_EQ(run.html.find(DEA_SAMPLES_DIR), std::string::npos);
+  EXPECT_NE(run.report["texts"][0]["text"].get<std::string>().find("springs on pelvis"), std::string::npos);
+  EXPECT_EQ(run.report["surfaces"].size(), 2u);
+  EXPECT_EQ(run.report["tables"][0]["headings"][0], "time");
+  EXPECT_EQ(run.report["results"][0]["times"].size(), 23u);
+  ASSERT_EQ(dea_in(folder.path, {"run", model, "-o", "b.xplt", "--law", "linear", "-q"}).code, 0);
+  f = dea_in(folder.path, {"compare", "a.xplt", "b.xplt", "--report", "c.html"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  EXPECT_NE(f.out.find("peak, nodes"), std::string::npos);
+  const PageParts compare(test::file_text(folder.path / "c.html"));
+  EXPECT_EQ(compare.report["title"], "a against b");
+  EXPECT_EQ(compare.report["frames"].size(), 23u);
+}
+
+TEST(ReportProgram, RefusesAndLeavesNothing) {
+  const test::TemporaryFolder folder;
+  const std::string model = std::string(DEA_SAMPLES_DIR) + "/hip/hip_walking.feb";
+  ASSERT_EQ(dea_in(folder.path, {"run", model, "-o", "a.xplt", "--states", "last", "-q"}).code, 0);
+  const std::vector<std::string> base = {"compare", "a.xplt", "a.xplt", "-q", "--report"};
+  const auto with = [&](const std::string& path) {
+    std::vector<std::string> words = base;
+    words.push_back(path);
+    return dea_in(folder.path, words);
+  };
+  test::Finished f = with("nowhere/r.html");
+  EXPECT_EQ(f.code, 4);
+  EXPECT_EQ(f.err, "dea: cannot write nowhere/r.html: there is no folder nowhere\n");
+  f = with("-");
+  EXPECT_EQ(f.code, 2);
+  EXPECT_EQ(f.err, "dea: --report -: the page cannot go to standard output, give it a name\n");
+  f = with("a.xplt");
+  EXPECT_EQ(f.code, 2);
+  f = with(".");
+  EXPECT_EQ(f.code, 4);
+  f = dea_in(folder.path, {"run", model, "-o", "b.xplt", "--report", "b.xplt", "-q"});
+  EXPECT_EQ(f.code, 2);
+  f = dea_in(folder.path, {"run", model, "-o", "b.xplt", "--report", "-", "-q"});
+  EXPECT_EQ(f.code, 2);
+  EXPECT_FALSE(fs::exists(folder.path / "b.xplt"));
+  f = with("/dev/full");
+  EXPECT_EQ(f.code, 4) << f.err;
+  std::size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(folder.path)) files += entry.path().filename() != "a.xplt";
+  EXPECT_EQ(files, 0u);
+}
+
+}  // namespace
+}  // namespace dea
