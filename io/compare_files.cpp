@@ -406,6 +406,18 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
           fmt::format("warning: the last state of {} is at time {:g}, that of {} at {:g}; --at T compares at one time",
                       files.front().label, c.times.front(), file.label, c.times.back()));
   }
+  for (std::size_t i = 0; i + 1 < files.size(); ++i) {
+    const int n = c.states[i] + 1, reference = c.states.back() + 1;
+    if (n == 1 || reference == 1) continue;  // no sums over time
+    bool same = n == reference;
+    for (int s = 0; same && s < n; ++s)
+      same = same_time(files[i].plot.states[at(s)].time, files.back().plot.states[at(s)].time);
+    if (!same)
+      c.warnings.push_back(fmt::format(
+          "warning: up to the compared state {} has {} states and {} has {}, at other times: peaks and "
+          "integrals over time are not of the same moments; `dea run --times-from` solves at a file's times",
+          c.labels[i], n, c.labels.back(), reference));
+  }
   for (const std::vector<std::string>& names : choose_surfaces(files, c.states, options, c.warnings))
     c.surfaces.push_back(compare_surface(files, c.states, names, options, c.thresholds, c.warnings));
   for (ComparedSurface& surface : c.surfaces)

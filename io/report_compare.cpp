@@ -90,7 +90,10 @@ void add_region_tables(const Comparison& c, const ComparedRegion& region, const 
   const auto add = [&](const Quantity& q) {
     std::vector<std::string> row = {q.name};
     for (double x : q.values) row.push_back(short_number(x));
-    for (std::size_t i = 0; i + 1 < n; ++i) row.push_back(percent(percent_difference(q.values[i], q.values.back())));
+    // a contact without penetration is another contact, not one with 100 % less
+    const bool zero_is_none = q.name.rfind("penetration", 0) == 0;
+    for (std::size_t i = 0; i + 1 < n; ++i)
+      row.push_back(zero_is_none && q.values[i] == 0 ? "-" : percent(percent_difference(q.values[i], q.values.back())));
     table.rows.push_back(std::move(row));
   };
   for (const Quantity& q : table_quantities(region, c.thresholds)) add(q);

@@ -26,7 +26,7 @@ bool solved(Outcome outcome);
 struct EquilibriumOptions {
   double tolerance = 1e-9;  ///< unbalanced / applied force; far below the error of any mesh, and Newton gets there
   int max_iterations = 60;  ///< a stop for loads that no contact can carry
-  int max_casts = 1000;     ///< poses tried for one load case; solved ones need some ten, seldom a hundred
+  int max_casts = 500;      ///< poses tried for one load case; solved ones need some ten, seldom a hundred
 };
 
 /// The beds of all contacts of a joint, and lengths that scale its unknowns.

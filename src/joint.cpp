@@ -1136,6 +1136,14 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
           fmt::format("surface \"{}\" lies on rigid shells and looked away from its partner: turned round",
                       model.surfaces[at(layer.surface)].name));
     }
+    for (const Layer& layer : pair.layers) {
+      const double thickness = layer.mean_thickness(), size = surface_extent(layer.articular).radius_of_gyration;
+      if (thickness > 0.5 * size)
+        joint.findings.push_back(fmt::format(
+            "surface \"{}\": cartilage of mean thickness {:.3g} is no thin layer on a surface whose radius of "
+            "gyration is {:.3g}; springs and the layer law suppose one: check --thickness or --bone",
+            model.surfaces[at(layer.surface)].name, thickness, size));
+    }
     if (!settings.source.empty()) {
       const int body = joint.find_body(model, settings.source);
       if (pair.layers[0].body == body) pair.source = 0;

@@ -148,8 +148,9 @@ TEST(CompareFiles, StatesPairByTimeAndPosesFollow) {
                                          named("b", make_file(4, {0, 1}, hill))};
   const Comparison last = compare_files(files, {});
   EXPECT_EQ(last.times, (std::vector<double>{2, 1}));
-  ASSERT_EQ(last.warnings.size(), 1u);
+  ASSERT_EQ(last.warnings.size(), 2u);
   EXPECT_NE(last.warnings[0].find("the last state of a is at time 2, that of b at 1"), std::string::npos);
+  EXPECT_NE(last.warnings[1].find("a has 3 states and b has 2, at other times: peaks"), std::string::npos);
   const PoseDifference& d = *last.bodies[0].differences[0];
   EXPECT_EQ(d.translation, Vector3d(0, 0, -0.25));
   EXPECT_NEAR((*d.rotation - Vector3d(0, 0, 0.1)).norm(), 0,

@@ -1,4 +1,5 @@
 // Contacts of type dea inside febio4, against `dea run` on the model they were converted from.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -300,16 +301,40 @@ TEST(ContactDea, ALoadThatOpensTheJoint) {
   EXPECT_LE(compare(folder.path / "converted.xplt", folder.path / "run.xplt").position, 1e-5);
 }
 
-/// A joint that `dea run` does not know stays in a converted file: FEBio solves it together with the contact.
-TEST(ContactDea, ConvertLeavesJointsToFebio) {
-  const TemporaryFolder folder;
-  std::string text = file_text(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb");
-  replace(text, "<rigid_connector ", kHinge);
-  write(folder.path / "m.feb", text);
-  EXPECT_EQ(run_program(folder.path, {DEA_PROGRAM, "run", "m.feb"}, 60).code, 0);
-  convert(folder.path, "m.feb", "converted.feb");
-  EXPECT_NE(file_text(folder.path / "converted.feb").find("rigid revolute joint"), std::string::npos);
-  EXPECT_EQ(solve(folder.path, "converted.feb").code, 0);
+/// FEBio holds joints by penalties and multipliers, `dea run` exactly: the same pose within the gap FEBio is given.
+TEST(ContactDea, JointsAgreeWithFebio) {
+  struct Case {
+    const char *type, *frame;
+  };
+  const Case cases[] = {
+      {"rigid spherical joint", ""},
+      {"rigid revolute joint", "<rotation_axis>0,1,0.2</rotation_axis><transverse_axis>1,0,0</transverse_axis>"},
+      {"rigid prismatic joint", "<translation_axis>0.1,0,1</translation_axis><transverse_axis>0,1,0</transverse_axis>"},
+      {"rigid cylindrical joint", "<joint_axis>0.1,0,1</joint_axis><transverse_axis>0,1,0</transverse_axis>"},
+      {"rigid planar joint", "<rotation_axis>0,1,0</rotation_axis><translation_axis_1>1,0,0</translation_axis_1>"},
+      {"rigid lock", "<first_axis>1,0,0</first_axis><second_axis>0,1,0</second_axis>"},
+  };
+  for (const Case& c : cases) {
+    const TemporaryFolder folder;
+    std::string text = file_text(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb");
+    replace(text, "<rigid_connector ",
+            fmt::format("<rigid_connector name=\"joint\" type=\"{}\"><tolerance>0</tolerance><gaptol>1e-6</gaptol>"
+                        "<angtol>1e-7</angtol><force_penalty>1e4</force_penalty><moment_penalty>1e6</moment_penalty>"
+                        "<auto_penalty>0</auto_penalty><body_a>tibia</body_a><body_b>femur</body_b>"
+                        "<joint_origin>12,0,10</joint_origin>{}<maxaug>200</maxaug></rigid_connector>\n"
+                        "<rigid_connector ",
+                        c.type, c.frame));
+    write(folder.path / "m.feb", text);
+    convert(folder.path, "m.feb", "converted.feb");
+    const Finished f = solve(folder.path, "converted.feb");
+    ASSERT_EQ(f.code, 0) << c.type << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
+    const Finished run =
+        run_program(folder.path, {DEA_PROGRAM, "run", "m.feb", "-o", "run.xplt", "--times-from", "converted.xplt"}, 60);
+    ASSERT_EQ(run.code, 0) << c.type << run.out << run.err;
+    const Agreement a = compare(folder.path / "converted.xplt", folder.path / "run.xplt");
+    std::cout << c.type << ": position within " << a.position << ", pressure within " << a.pressure << "\n";
+    EXPECT_LE(a.position, 2e-5) << c.type;
+  }
 }
 
 /// FEBio goes on from a dump file without Init.

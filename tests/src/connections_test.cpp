@@ -207,6 +207,49 @@ TEST(BodyForces, SlopeOfACurveThatBendsOrJumps) {
   }
 }
 
+/// A plate 5 above a layer, free along z, on a spring from a node of the base to the node of the plate above it.
+JointModel plate_on_expression(const std::string& expression, double load) {
+  JointModel model = test::flat_plates(1, 10.0, 2.0, 5.0);
+  test::fix(model, 2, {true, true, false, true, true, true});
+  test::force(model, 2, {0, 0, load});
+  DiscreteSet set;
+  set.name = "spring";
+  for (std::size_t a = 0; a < model.nodes.size() && set.pairs.empty(); ++a)
+    for (std::size_t b = 0; b < model.nodes.size(); ++b)
+      if ((model.nodes[b] - model.nodes[a] - Vector3d(0, 0, 7)).norm() < 1e-12)
+        set.pairs.push_back({static_cast<int>(a), static_cast<int>(b)});
+  EXPECT_EQ(set.pairs.size(), 1u);
+  model.discrete_sets.push_back(set);
+  DiscreteSprings springs;
+  springs.set = 0;
+  springs.name = "log";
+  springs.force.emplace().expression = expression;
+  springs.force->variable = "x";
+  springs.origin = {0, 12};
+  model.discrete_springs.push_back(springs);
+  return model;
+}
+
+// T = k ln(1 + x/d) carries -F at x = d (exp(-F/k) - 1). Newton's first step, -F d/k = -2d, goes where T has no value.
+TEST(Ligaments, StepsKeepToWhereAnExpressionHasAValue) {
+  const StateResult state = analyse(plate_on_expression("30*ln(1+x/0.1)", -60), test::linear()).states.back();
+  EXPECT_EQ(state.equilibrium.outcome, Outcome::Balanced) << state.equilibrium.message;
+  EXPECT_NEAR(state.equilibrium.poses[1].center.z(), 0.1 * (std::exp(-2.0) - 1), 1e-9);
+  EXPECT_NEAR(state.equilibrium.ligament_force[0], -60, 1e-6);
+}
+
+TEST(Ligaments, ExpressionWithoutAValueAtTheStartIsNamed) {
+  try {
+    analyse(plate_on_expression("30*ln(x)", -60), test::linear());
+    FAIL() << "taken";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "test.feb:12: spring \"log\" at time 0: its force \"30*ln(x)\" has no finite value at x = 0 (length 7, "
+        "free length 7); write it for every length, such as with max(x, 0)");
+  }
+}
+
 // ---- connectors -----------------------------------------------------------------------------------------------------
 
 const std::array<Motion, 6> kHeld = {};
@@ -460,6 +503,47 @@ TEST(Joints, LoopOfHingesHasRedundantConditions) {
   EXPECT_NEAR(upper[2], -fz, 1e-6);
 }
 
+// Bars of length 10 and weight W, pinned to each other and at both ends to the ground: a chain that hangs. The pull
+// across it, H, is the same in every pin, the upright part falls by W from pin to pin, and moments about a bar's pin
+// give its slope: tan = (V at its one end + V at its other)/2 / H.
+TEST(Joints, LongChainsHang) {
+  for (const int bars : {4, 12, 40}) {
+    JointModel model = test::flat_plates(2, kSize, kThick, 0.0);
+    test::fix(model, 2, {true, true, true, true, true, true});
+    const double W = 2, length = 10;
+    // from an arc of three quarters of a half circle, symmetric
+    const auto slope_of = [&](int i) { return 0.75 * test::kPi / 2 * (2.0 * (i + 0.5) / bars - 1); };
+    Vector3d pin(100, 0, 0);
+    int before = 1;
+    std::vector<int> bar;
+    for (int i = 0; i < bars; ++i) {
+      const Vector3d along = length * Vector3d(std::cos(slope_of(i)), 0, std::sin(slope_of(i)));
+      bar.push_back(add_bone(model, "bar " + std::to_string(i + 1), pin + along / 2));
+      join(model, before, bar.back(), pin, held_but({4}));
+      test::force(model, bar.back(), {0, 0, -W});
+      pin += along;
+      before = bar.back();
+    }
+    join(model, before, 1, pin, held_but({4}));
+    const StateResult state = last_state(model);
+    expect_balanced(state, W * bars, 1e-6);
+    const auto& force = state.equilibrium.connector_force;  // on the right one of each pair
+    ASSERT_EQ(force.size(), static_cast<std::size_t>(bars) + 1);
+    const double H = force[0][0];
+    EXPECT_LT(H, 0);
+    for (int i = 0; i < bars; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      EXPECT_NEAR(force[k][0], H, 1e-6 * W * bars) << bars << " bars, pin " << i;
+      EXPECT_NEAR(force[k][2] - force[k + 1][2], W, 1e-6 * W * bars) << bars << " bars, pin " << i;
+      EXPECT_NEAR(force[k][2], W * (bars / 2.0 - i), 1e-5 * W * bars) << bars << " bars, pin " << i << ": symmetric";
+      const auto body = static_cast<std::size_t>(bar[k] - 1);
+      const Vector3d along =
+          state.equilibrium.poses[body].rotation * Vector3d(std::cos(slope_of(i)), 0, std::sin(slope_of(i)));
+      EXPECT_NEAR(along.z() / along.x(), 0.5 * (force[k][2] + force[k + 1][2]) / H, 1e-5) << bars << " bars, bar " << i;
+    }
+  }
+}
+
 TEST(Joints, ContradictionIsAnOutcomeThatNamesTheJoint) {
   JointModel model = test::flat_plates(4, kSize, kThick, 0.1);
   const int bone = add_bone(model, "bone", {20, 0, 0});
@@ -710,7 +794,8 @@ TEST(HardLoads, OverloadEndsBeyondTheStrainLimit) {
   JointModel model = test::concentric_spheres(16, 2e5);
   const StateResult state = last_state(model);
   EXPECT_EQ(state.equilibrium.outcome, Outcome::BeyondStrainLimit) << state.equilibrium.message;
-  EXPECT_NE(state.equilibrium.message.find("of the load is not carried"), std::string::npos) << state.equilibrium.message;
+  EXPECT_NE(state.equilibrium.message.find("of the load is not carried"), std::string::npos)
+      << state.equilibrium.message;
 }
 
 // Deep in the socket, then pulled out sideways: no pressures of a hemisphere can hold the ball.
