@@ -1,4 +1,4 @@
-// make_pages awkward|large OUT.html: pages of made-up results, for report_test.py.
+// make_pages awkward|large|hard OUT.html: pages of made-up results, for report_test.py.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   if (argc != 3) return 2;
   const std::string what = argv[1];
   const std::vector<dea::ResultFile> files =
-      what == "large" ? dea::test::large_results(224, 50) : dea::test::awkward_results();
+      what != "awkward" ? dea::test::large_results(224, 50, what == "hard") : dea::test::awkward_results();
   const auto start = std::chrono::steady_clock::now();
   const dea::CompareOptions options;
   dea::write_report(argv[2],

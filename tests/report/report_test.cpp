@@ -335,7 +335,7 @@ TEST(ReportPage, UnitsOnlyWhereTheFilesNameThem) {
 }
 
 TEST(ReportPage, FiftyThousandFacetsAndFiftyStatesStayBelowThirtyMegabytes) {
-  const std::vector<ResultFile> files = test::large_results(224, 50);
+  const std::vector<ResultFile> files = test::large_results(224, 50, true);
   ASSERT_GE(files[0].plot.meshes[0].surfaces[0].size(), 50000);
   const PageParts page(page_of(files));
   EXPECT_LT(page.html.size(), 30u * 1000 * 1000);

@@ -119,20 +119,21 @@ inline std::vector<double> steps(int count) {
   return times;
 }
 
-/// Three results of n x n facets.
-inline std::vector<ResultFile> large_results(int n, int states) {
+/// Three results of n x n facets. `hard`: pressure everywhere and noise in all of it, the hardest to pack.
+inline std::vector<ResultFile> large_results(int n, int states, bool hard = false) {
+  const double wider = hard ? 10.0 : 1.0, noise = hard ? 0.3 : 0.0;
   Dome dome;
   dome.n = n;
   const std::vector<double> times = steps(states);
   return {make_dome_result("layer.xplt", "layer", dome, times,
-                           {{"contact pressure", wandering(6.0, 6.0, 0.0)},
+                           {{"contact pressure", wandering(6.0, 6.0 * wider, noise)},
                             {"joint space", gap_field()},
                             {"cartilage thickness", thickness_field()}}),
           make_dome_result("linear.xplt", "linear", dome, times,
-                           {{"contact pressure", wandering(7.0, 5.5, 0.0)},
+                           {{"contact pressure", wandering(7.0, 5.5 * wider, noise)},
                             {"joint space", gap_field()},
                             {"cartilage thickness", thickness_field()}}),
-          make_dome_result("fea.xplt", "FEA", dome, times, {{"contact pressure", wandering(5.5, 6.2, 0.3)}})};
+          make_dome_result("fea.xplt", "FEA", dome, times, {{"contact pressure", wandering(5.5, 6.2 * wider, 0.3)}})};
 }
 
 /// Names that would be markup, fields that are undefined somewhere, meshes that differ, a state that one lacks.

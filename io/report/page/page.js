@@ -378,6 +378,7 @@ const Page = (() => {
     $("play").setAttribute("aria-label", on ? "Pause" : "Play");
     if (!on) return;
     const step = () => {
+      maps.hurry();
       setFrame((state.frame + 1) % Report.frames.length);
       playing = setTimeout(step, state.frame === Report.frames.length - 1 ? 1100 : 320);
     };
@@ -428,6 +429,7 @@ const Page = (() => {
     const perRow = width > 1000 ? 2 : 1, barRows = Math.ceil(state.bars.length / perRow);
     const height = 2 * pad + rows * (side + headHeight) + (rows - 1) * gap + barRows * (barHeight + 6) + 8;
     const canvas = document.createElement("canvas"), c = canvas.getContext("2d");
+    maps.plain = false;
     canvas.width = Math.round(width * k);
     canvas.height = Math.round(height * k);
     c.fillStyle = ink.paper;

@@ -285,7 +285,7 @@ class Maps {
     this.scene.clear();
     this.scene.add(panel.object, g.rim);
     if (this.options.lines) this.scene.add(g.lines);
-    if (this.options.veil && this.veil) this.scene.add(this.veil);
+    if (this.options.veil && this.veil && !this.plain) this.scene.add(this.veil);
     this.renderer.setClearColor(0x000000, 0);
     this.renderer.render(this.scene, this.camera);
   }
@@ -303,8 +303,19 @@ class Maps {
     context.restore();
   }
 
+  // Called while something moves: where drawing is slow, the veil comes back when it has come to rest.
+  hurry() {
+    this.rest = performance.now() + 250;
+  }
+
   draw() {
     if (this.fault) return;
+    const start = performance.now(), moving = this.slow && start < (this.rest || 0);
+    this.plain = moving;
+    if (moving) {
+      clearTimeout(this.later);
+      this.later = setTimeout(() => this.request(), 300);
+    }
     const ink = Colours.ink[this.theme], k = Math.min(2, window.devicePixelRatio || 1);
     for (const panel of this.panels) {
       if (!panel.visible || !panel.what) continue;
@@ -317,6 +328,12 @@ class Maps {
       this.drawPanel(panel, panel.canvas.getContext("2d"), 0, 0, width, height, k, ink);
     }
     ++this.drawn;
+    if (!moving && this.veil && this.options.veil && (this.measured = (this.measured || 0) + 1) <= 4) {
+      // drawing goes on after the commands are given: wait for one pixel, a few times, to know how long it takes
+      const gl = this.renderer.getContext();
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+      if (this.measured > 1) this.slow = performance.now() - start > 120;  // the first one builds shaders
+    }
   }
 
   toScreen(point, width, height) {
@@ -434,6 +451,7 @@ class Maps {
 
   // ---- mouse, touch, wheel ----
   turn(dx, dy) {
+    this.hurry();
     const q = new THREE.Quaternion();
     this.orientation.multiply(q.setFromAxisAngle(new THREE.Vector3(0, 1, 0), -dx));
     this.orientation.multiply(q.setFromAxisAngle(new THREE.Vector3(1, 0, 0), -dy)).normalize();
@@ -441,11 +459,13 @@ class Maps {
   }
 
   shift(dx, dy) {
+    this.hurry();
     this.target.add(new THREE.Vector3(-dx, dy, 0).applyQuaternion(this.orientation));
     this.moved();
   }
 
   enlarge(factor) {
+    this.hurry();
     this.zoom = Math.min(50, Math.max(0.2, this.zoom * factor));
     this.moved();
   }
