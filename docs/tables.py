@@ -82,7 +82,7 @@ def against_febio(dea, folder):
         if folder and os.path.exists(model):
             models.append((name.replace("_", ", "), model, [], "ball", "socket_articulating", [("penalty 30", febio(name + "_febio"))]))
 
-    print("\n| model | | peak | p99 | mean, p > 0.1 | area, p > 0.1 | area, p > 0.5 | r | rms | Dice | bone moved by |")
+    print("\n| model | | peak | p99, p > 0.1 | mean, p > 0.1 | area, p > 0.1 | area, p > 0.5 | r | rms | Dice | bone moved by |")
     print("|---" * 11 + "|")
     for title, model, options, body, surface, references in models:
         with tempfile.TemporaryDirectory() as temporary:

@@ -188,7 +188,7 @@ TimeMeasures time_measures(const TimeSums& sums, std::size_t states, const std::
     m.mean_exposure /= area;
     m.mean_dose /= area;
   }
-  if (states < 2) m.max_exposure = m.mean_exposure = m.max_dose = m.mean_dose = kNaN;
+  if (states < 2) m = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};  // one state is no history
   return m;
 }
 

@@ -23,7 +23,7 @@ struct CompareOptions {
   std::optional<Vector3d> axis, center;  ///< of profile and thirds; none: the reference surface's own
 };
 
-/// What the places of a region have borne up to the compared state, of nodal averages. Integrals of one state: NaN.
+/// What the places of a region have borne up to the compared state, of nodal averages. Of one state: NaN.
 struct TimeMeasures {
   double max_peak = 0.0, mean_peak = 0.0;  ///< mean: area-weighted over nodes that ever had pressure
   double max_exposure = 0.0, mean_exposure = 0.0;
