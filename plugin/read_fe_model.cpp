@@ -707,6 +707,7 @@ void read_contacts(Reading& reading) {
       continue;
     }
     contact.name = fe.GetName();
+    if (contact.name.empty()) contact.name = fmt::format("contact {}", reading.model.contacts.size() + 1);
     contact.kind = *kind;
     if (FEParam* distance = fe.GetParameter("max_distance")) contact.max_distance = number_of(*distance).value_or(0.0);
     contact.ignored = ignored_parameters(reading, fe, contact.type);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <unordered_map>
@@ -1137,12 +1138,13 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
                       model.surfaces[at(layer.surface)].name));
     }
     for (const Layer& layer : pair.layers) {
-      const double thickness = layer.mean_thickness(), size = surface_extent(layer.articular).radius_of_gyration;
-      if (thickness > 0.5 * size)
+      const double thickness = layer.mean_thickness(),
+                   radius = std::sqrt(surface_extent(layer.articular).area / std::numbers::pi);
+      if (thickness > radius)
         joint.findings.push_back(fmt::format(
-            "surface \"{}\": cartilage of mean thickness {:.3g} is no thin layer on a surface whose radius of "
-            "gyration is {:.3g}; springs and the layer law suppose one: check --thickness or --bone",
-            model.surfaces[at(layer.surface)].name, thickness, size));
+            "surface \"{}\": cartilage of mean thickness {:.3g} is no thin layer on a surface as large as a "
+            "circle of radius {:.3g}; springs and the layer law suppose one: check --thickness or --bone",
+            model.surfaces[at(layer.surface)].name, thickness, radius));
     }
     if (!settings.source.empty()) {
       const int body = joint.find_body(model, settings.source);

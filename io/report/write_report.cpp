@@ -6,6 +6,7 @@
 #include <map>
 
 #include "colour_map.h"
+#include "encoded_text.h"
 #include "output.h"
 #include "pack.h"
 #include "page.h"
@@ -251,21 +252,9 @@ std::string script_json(const Json& j) {
   return out;
 }
 
-/// Text between tags.
-std::string escaped(const std::string& text) {
-  const std::string quoted = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);  // makes it UTF-8
-  std::string out;
-  for (char c : Json::parse(quoted).get<std::string>()) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += c;
-  }
-  return out;
+std::string utf8(const std::string& text) {
+  const std::string quoted = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json::parse(quoted).get<std::string>();
 }
 
 }  // namespace
@@ -273,7 +262,7 @@ std::string escaped(const std::string& text) {
 std::string report_html(const ReportData& data) {
   Arrays arrays;
   const std::string json = script_json(report_json(data, arrays));
-  const std::string title = escaped(data.title);
+  const std::string title = escaped(utf8(data.title));
   const std::map<std::string_view, std::string_view> parts = {{"title", title},
                                                               {"style", page::style()},
                                                               {"three", page::three()},
