@@ -1,6 +1,7 @@
 #include "encoded_text.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace dea {
 
@@ -15,6 +16,11 @@ std::string base64(const std::string& bytes) {
     for (std::size_t k = 0; k < 4; ++k) out += k <= n ? kDigits[word >> (18 - 6 * k) & 63u] : '=';
   }
   return out;
+}
+
+std::string utf8(const std::string& text) {
+  using nlohmann::json;
+  return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
 }
 
 std::string escaped(const std::string& text) {

@@ -310,6 +310,13 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
                  "warning: at time {} nothing loads a free body and nothing touches: there is no contact to look at; "
                  "give a load with --force BODY=x,y,z",
                  number_text(last.when.time)));
+  const bool ever = std::any_of(analysis.states.begin(), analysis.states.end(), [](const StateResult& state) {
+    return std::any_of(state.statistics.begin(), state.statistics.end(),
+                       [](const ContactStatistics& s) { return s.springs_active > 0; });
+  });
+  if (!ever && last.equilibrium.outcome == Outcome::Prescribed)
+    add_once(lines,
+             "warning: the surfaces touch in no state: the motions that are prescribed bring them nowhere together");
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const int active = last.statistics[c].springs_active;
     if (active < 20 && last.fields[c].sides[1 - joint.contacts[c].source].contact_area > 0)

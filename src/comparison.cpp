@@ -201,6 +201,7 @@ NodeMatch match_nodes(const ResultSurface& onto, const ResultSurface& from) {
   for (std::size_t v = 0; v < match.points.size(); ++v) {
     const SurfacePoint point = caster.closest(onto.mesh.vertices[v]);
     total += areas[v];
+    if (point.triangle < 0) continue;  // beyond single precision
     if ((position(from.mesh, point) - onto.mesh.vertices[v]).norm() > reach) continue;
     match.points[v] = point;
     covered += areas[v];

@@ -66,6 +66,7 @@ struct Problem {
   VectorXd scale;         // per free dof: 1 for translations, length for rotations
   VectorXd offset;        // per dof: part of the load held back (continuation)
   int casts = 0;
+  std::string undefined;  // why a step was refused, if a ligament's force had no value where it led
   ConnectorGroups connectors;
   bool joined() const { return !connectors.groups.empty(); }
 };
@@ -193,12 +194,15 @@ Sparse scaled_stiffness(const Problem& problem, const Evaluation& e) {
 }
 
 /// Poses after a small motion of the unknowns; connectors closed again. Nothing: they cannot be.
-std::optional<std::vector<Pose>> moved(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+std::optional<std::vector<Pose>> moved(Problem& problem, const Evaluation& e, const VectorXd& motion) {
   std::vector<Pose> result = e.poses;
   move_bodies(result, on_all_dofs(problem, e, motion));
   if (problem.joined() && !close_connectors(problem.joint, problem.conditions, problem.connectors, result))
     return std::nullopt;
-  if (!undefined_force(problem.joint, problem.conditions, result).empty()) return std::nullopt;
+  if (std::string fault = undefined_force(problem.joint, problem.conditions, result); !fault.empty()) {
+    problem.undefined = std::move(fault);
+    return std::nullopt;
+  }
   return result;
 }
 
@@ -758,8 +762,9 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     }
     if (moved_on) continue;
     if (!to_one_spring(e, size, solution))
-      solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations and no step lowers it",
-                                     size / e.load, solution.iterations);
+      solution.message = fmt::format(
+          "unbalanced force is {:.2e} of the load after {} iterations and no step lowers it{}", size / e.load,
+          solution.iterations, problem.undefined.empty() ? "" : "; steps were refused: " + problem.undefined);
     break;
   }
   solution.directions =
@@ -966,7 +971,7 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
 }
 
 Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions) {
-  Problem problem{joint, beds, conditions, {}, {}, {}, 0, {}};
+  Problem problem{joint, beds, conditions, {}, {}, {}, 0, {}, {}};
   problem.offset = VectorXd::Zero(6 * static_cast<Eigen::Index>(joint.bodies.size()));
   return problem;
 }

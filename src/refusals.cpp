@@ -31,6 +31,13 @@ std::string no_rigid_body(const JointModel& model, const Settings& settings) {
   if (std::find(rigid.begin(), rigid.end(), 1) != rigid.end()) return "";
   std::vector<std::string> names;
   for (const Material& m : model.materials) names.push_back(m.name);
+  if (names.size() == 1)  // it is the cartilage's, or there is none
+    return where(model, {0, 0}) +
+           fmt::format(
+               "no rigid body in the model, whose only material is {}; DEA presses cartilage between two bones, which "
+               "are "
+               "rigid bodies: add them to the model, each with a material of type \"rigid body\"",
+               name_list(names));
   return where(model, {0, 0}) +
          fmt::format(
              "no rigid body in the model; DEA needs the bones as rigid bodies, and cartilage on them: give a bone a "

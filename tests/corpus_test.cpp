@@ -35,7 +35,7 @@ struct Reason {
 // No contact, or contacts that fasten.
 const Reason kNoContact = {"no sliding contact in the model; DEA needs one", "there is no contact at all: add one"};
 const Reason kFastened = {"no sliding contact in the model; DEA needs one", "change its type if they are to slide"};
-const Reason kNoBody = {"no rigid body in the model; DEA needs", "--rigid \"MATERIAL\""};
+const Reason kNoBody = {"no rigid body in the model", "material of type \"rigid body\""};
 const Reason kModule = {"module \"fluid-FSI\" is not supported", "DEA reads \"solid\", \"biphasic\""};
 // Nodes that are moved one by one, where DEA moves bodies.
 const Reason kMovedNodes = {"prescribed displacement of nodes (", "prescribe the motion of the body that holds these"};

@@ -12,6 +12,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "encoded_text.h"
 #include "error.h"
 
 namespace dea {
@@ -56,12 +57,12 @@ class Pen {
   }
   double width(const std::string& text) const {
     cairo_text_extents_t e;
-    cairo_text_extents(get(), text.c_str(), &e);
+    cairo_text_extents(get(), utf8(text).c_str(), &e);
     return e.x_advance;
   }
   void text(double x, double y, const std::string& text) {
     cairo_move_to(get(), x, y);
-    cairo_show_text(get(), text.c_str());
+    cairo_show_text(get(), utf8(text).c_str());
   }
   void rectangle(double x, double y, double w, double h) {
     cairo_rectangle(get(), x, y, w, h);

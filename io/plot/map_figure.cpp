@@ -33,11 +33,19 @@ std::string number(double x, bool plus = false) {
   return (x < 0 ? "\u2212" : plus && x > 0 ? "+" : "") + digits;
 }
 
-bool is_pressure(const std::string& field) { return field.find("pressure") != std::string::npos; }
+/// Pressures between surfaces, never below 0; not every field with such a name is one (`pressure gap`).
+bool is_pressure(const std::string& field) {
+  return field == "contact pressure" || field.rfind("contact pressure ", 0) == 0 || field == "nodal contact pressure" ||
+         field.rfind("peak pressure", 0) == 0;
+}
+
+/// Fields of `dea compare -o` that are differences.
+bool is_difference(const std::string& field) { return field.find("difference") != std::string::npos; }
 
 /// Fields that are 0 where there is no contact; in others 0 stands for "none", as plot files have no undefined values.
 bool zero_without_contact(const std::string& field) {
-  return is_pressure(field) || field.find("overlap") != std::string::npos || field.find("strain") != std::string::npos;
+  return is_pressure(field) || is_difference(field) || field.find("overlap") != std::string::npos ||
+         field.find("strain") != std::string::npos;
 }
 
 /// Unit of a dimension code of the file format in a system of units as FEBio Studio writes it; empty: unknown.
@@ -90,7 +98,12 @@ std::vector<Row> choose_states(const std::vector<ResultFile>& files, const MapOp
   }
   std::vector<double> times;
   if (o.states == "all") {
-    for (const XpltState& state : files.front().plot.states) times.push_back(state.time);
+    const std::vector<XpltState>& states = files.front().plot.states;
+    if (files.size() == 1) {  // a file may have two states at one time
+      for (int i = 0; i < static_cast<int>(states.size()); ++i) rows.push_back({i});
+      return rows;
+    }
+    for (const XpltState& state : states) times.push_back(state.time);
   } else {
     try {
       times = parse_numbers(o.states);
@@ -144,13 +157,13 @@ struct Values {
 };
 
 Values field_values(const ResultFile& file, int state, const ResultSurface& surface, int index,
-                    const std::string& field) {
+                    const std::string& field, bool clamped) {
   Values v;
   v.facets = facet_values(file, state, index, field);
   if (v.facets.empty())
     throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {:g}", file.path, surface.name, field,
                                  file.plot.states[at(state)].time));
-  if (is_pressure(field))
+  if (clamped && is_pressure(field))
     for (double& x : v.facets) x = std::max(x, 0.0);  // as everywhere: contact is where pressure is above 0
   v.vertices = nodal_average(surface, v.facets);
   if (zero_without_contact(field)) return v;
@@ -170,8 +183,8 @@ int reference_state(const ResultFile& minus, double time, bool last) {
   return static_cast<int>(minus.plot.states.size()) - 1;
 }
 
-Values difference(const ResultSurface& surface, const Values& a, const ResultSurface& reference, const Values& b) {
-  const NodeMatch match = match_nodes(surface, reference);
+Values difference(const NodeMatch& match, const ResultSurface& surface, const Values& a, const ResultSurface& reference,
+                  const Values& b) {
   Values d;
   const std::vector<double> carried = carry(match, reference, b.vertices);
   for (std::size_t i = 0; i < carried.size(); ++i)
@@ -267,7 +280,9 @@ void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
   const std::string unit = figure.unit.empty() ? "" : fmt::format(" {}", figure.unit);
   const std::string area_unit = figure.length_unit.empty() ? "" : fmt::format(" {}\u00b2", figure.length_unit);
   const std::vector<double> shown = finite(figure.smooth ? values.vertices : values.facets);
-  if (shown.empty() || std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; })) {
+  // where two results agree exactly a difference of 0 is the answer
+  const bool zero = std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; });
+  if (shown.empty() || (zero && figure.map == ColourMap::Sequential)) {
     panel.numbers = {figure.pressure ? "no contact" : "no values"};
     return;
   }
@@ -317,12 +332,13 @@ void choose_scale(MapFigure& figure, const MapOptions& o) {
     }
   }
   const double least = low, most = high;
-  figure.empty = !(most >= least) || (least == 0 && most == 0);
+  const bool zero = least == 0 && most == 0;
+  figure.empty = !(most >= least) || (zero && figure.map == ColourMap::Sequential);
   if (figure.empty) {
     figure.low = o.low.value_or(0.0);
     figure.high = o.high.value_or(figure.low + 1.0);
   } else if (figure.map == ColourMap::Diverging) {
-    figure.high = o.high.value_or(std::max(std::abs(least), std::abs(most)));
+    figure.high = o.high.value_or(zero ? 1.0 : std::max(std::abs(least), std::abs(most)));
     figure.low = -figure.high;
   } else {
     figure.high = o.high.value_or(most);
@@ -412,7 +428,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
   MapFigure figure;
   figure.smooth = o.smooth;
   figure.pressure = is_pressure(o.field);
-  figure.map = minus != nullptr ? ColourMap::Diverging : ColourMap::Sequential;
+  figure.map = minus != nullptr || is_difference(o.field) ? ColourMap::Diverging : ColourMap::Sequential;
   std::vector<const ResultFile*> all;
   for (const ResultFile& file : files) all.push_back(&file);
   if (minus != nullptr) all.push_back(minus);
@@ -464,13 +480,31 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
           figure.surfaces.push_back(std::move(s));
         }
         const MapSurface& s = figure.surfaces[at(panel.surface)];
-        Values v = field_values(file, row[i], s.surface, index, o.field);
+        Values v = field_values(file, row[i], s.surface, index, o.field, minus == nullptr);
         const double time = file.plot.states[at(row[i])].time;
+        bool same_times = true;
+        for (std::size_t k = 0; k < files.size(); ++k)
+          same_times = same_times && same_time(files[k].plot.states[at(row[k])].time, time);
         if (minus != nullptr) {
           const int state = reference_state(*minus, time, o.states == "last");
           const int other = require_surface(*minus, state, name);
           const ResultSurface reference = result_surface(*minus, state, other);
-          v = difference(s.surface, v, reference, field_values(*minus, state, reference, other, o.field));
+          const NodeMatch match = match_nodes(s.surface, reference);
+          if (!(match.covered > 0))
+            throw InputError(
+                fmt::format("{}: surface \"{}\" lies nowhere on that of {}", file.path, name, minus->path));
+          if (match.covered < 0.99)
+            figure.remarks.push_back(fmt::format(
+                "warning: surface \"{}\" of {} covers only {:.1f} % of that of {}; grey: no difference there", name,
+                minus->label, 100 * match.covered, file.label));
+          v = difference(match, s.surface, v, reference, field_values(*minus, state, reference, other, o.field, false));
+          const double taken = minus->plot.states[at(state)].time;
+          if (!same_time(taken, time)) {
+            same_times = false;
+            figure.remarks.push_back(
+                fmt::format("warning: {} is shown at time {:g}, {} at {:g}; --at T compares at one time", file.label,
+                            time, minus->label, taken));
+          }
         } else {
           for (double& x : v.facets)
             if (x == 0) x = kNaN;
@@ -485,7 +519,9 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
           add(file.label);
         const bool alone = files.size() == 1 && minus == nullptr;
         if (names.size() > 1 || (alone && rows.size() == 1)) add(name);
-        if (rows.size() > 1 || (alone && names.size() == 1)) add(fmt::format("time {:.6g}", time));
+        if (!same_times && minus == nullptr)
+          figure.remarks.push_back("warning: the files' last states are at different times; --at T shows one time");
+        if (rows.size() > 1 || !same_times || (alone && names.size() == 1)) add(fmt::format("time {:.6g}", time));
         panel.facets = v.facets;
         panel.points = point_values(s.mesh, v.vertices);
         values.push_back(std::move(v));
@@ -524,8 +560,9 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
   for (std::size_t k = 0; k < figure.panels.size(); ++k) {
     MapPanel& panel = figure.panels[k];
     const MapSurface& s = figure.surfaces[at(panel.surface)];
-    panel.edge = figure.map == ColourMap::Sequential && figure.pressure ? edge_level(s, panel.facets, panel.points)
-                                                                        : -std::numeric_limits<double>::infinity();
+    panel.edge = figure.map == ColourMap::Sequential && zero_without_contact(o.field)
+                     ? edge_level(s, panel.facets, panel.points)
+                     : -std::numeric_limits<double>::infinity();
     describe(figure, values[k], panel);
     mark_peak(figure, panel);
   }

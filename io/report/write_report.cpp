@@ -252,11 +252,6 @@ std::string script_json(const Json& j) {
   return out;
 }
 
-std::string utf8(const std::string& text) {
-  const std::string quoted = Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-  return Json::parse(quoted).get<std::string>();
-}
-
 }  // namespace
 
 std::string report_html(const ReportData& data) {
