@@ -443,6 +443,46 @@ TEST(MapFigure, Differences) {
   for (double x : carried.panels[0].facets) EXPECT_NEAR(x, 3.0, 1e-6);
 }
 
+TEST(MapFigure, ResultsThatAgreeHaveADifferenceOfZero) {
+  const Patch p = sheet(3, 1, 3, 1);
+  const ResultFile a = result_of("a", p, {{0, 1, 3}});
+  const MapFigure f = make_map_figure({a}, &a, plain());
+  EXPECT_FALSE(f.empty);
+  EXPECT_EQ(f.panels[0].facets[1], 0);
+  EXPECT_EQ(f.low, -1);
+  EXPECT_EQ(f.panels[0].numbers[0].rfind("0.00 to 0.00, rms 0.00", 0), 0u) << f.panels[0].numbers[0];
+}
+
+TEST(MapFigure, SignedFieldsKeepTheirSign) {
+  const Patch p = sheet(3, 1, 3, 1);
+  for (const char* name : {"pressure difference", "pressure gap"}) {
+    ResultFile a = result_of("a", p, {{-2, 1, 3}});
+    for (XpltVariable& v : a.plot.variables)
+      if (v.name == "contact pressure") v.name = name;
+    MapOptions o = plain();
+    o.field = name;
+    const MapFigure f = make_map_figure({a}, nullptr, o);
+    EXPECT_EQ(f.panels[0].facets[0], -2) << name;
+    EXPECT_EQ(f.map, name == std::string("pressure gap") ? ColourMap::Sequential : ColourMap::Diverging);
+  }
+}
+
+TEST(MapFigure, OtherTimesAndPlacesAreSaid) {
+  const Patch p = sheet(3, 1, 3, 1);
+  const ResultFile a = result_of("a", p, {{1, 1, 3}, {2, 2, 2}}), b = result_of("b", p, {{1, 1, 3}});
+  const MapFigure beside = make_map_figure({a, b}, nullptr, plain());
+  ASSERT_FALSE(beside.remarks.empty());
+  EXPECT_NE(beside.remarks.back().find("different times"), std::string::npos);
+  EXPECT_NE(beside.panels[0].title.find("time"), std::string::npos);
+  const MapFigure minus = make_map_figure({a}, &b, plain());
+  ASSERT_FALSE(minus.remarks.empty());
+  EXPECT_NE(minus.remarks.back().find("--at T"), std::string::npos);
+  Patch far = p;
+  for (Vector3d& x : far.nodes) x += Vector3d(1e3, 0, 0);
+  const ResultFile away = result_of("far", far, {{1, 1, 3}});
+  EXPECT_THROW(make_map_figure({b}, &away, plain()), InputError);
+}
+
 TEST(MapFigure, ZeroIsNoValueOfAJointSpace) {
   const Patch p = sheet(3, 1, 3, 1);
   MapOptions o = plain();
