@@ -98,7 +98,7 @@ const Page = (() => {
       make("output", { id: "now" })));
     if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; $("time").style.position = "static"; }
     section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration. Ring: peak; cross: centre of pressure." }));
-    section.append(make("p", { class: "keys", id: "kinds", text: "Springs, facets and nodes: the springs are where dea run works out the pressure, and its table and curves count them one by one; a facet of the maps has the force of all its springs over its area, those that carry nothing included, and a node the average of the facets around it, so that peaks fall and areas grow from springs to facets to nodes. With “smooth” contact ends where it encloses as much area as the facets with pressure." }));
+    section.append(make("p", { class: "keys", id: "kinds", text: "Springs are where dea run works out the pressure, its table and curves count them one by one; a facet has the force of all its springs over its whole area (on the surface without springs: pressure carried over), and a node the average of the facets around it: peaks fall and contact areas grow from springs to facets to nodes. With “smooth” the edge of contact encloses as much area as the facets with pressure do." }));
     if (Report.context_note) section.append(make("p", { class: "keys", text: Report.context_note }));
   }
 
