@@ -565,9 +565,12 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
   const place = (value) => from + span * (value - scale.least) / (scale.most - scale.least);
   if (contours && scale.lines) {
     const first = Math.ceil(scale.least / scale.level + 1e-6), last = Math.floor(scale.most / scale.level - 1e-6);
-    c.fillStyle = "rgba(0,0,0,0.55)";  // as dark as on the maps
-    for (let i = first; i <= last; ++i)
-      if (i !== 0 || (scale.map === "sequential" && scale.least < 0)) c.fillRect(place(i * scale.level) - 0.65, top, 1.3, height);
+    for (let i = first; i <= last; ++i) {
+      if (i === 0 && !(scale.map === "sequential" && scale.least < 0)) continue;
+      const [r, g, b] = Colours.css(scale.map, (i * scale.level - scale.least) / (scale.most - scale.least)).match(/\d+/g);
+      c.fillStyle = 0.3 * r + 0.59 * g + 0.11 * b < 120 ? "rgba(255,255,255,0.75)" : "rgba(0,0,0,0.65)";
+      c.fillRect(place(i * scale.level) - 0.7, top, 1.4, height);
+    }
   }
   const arrow = (base, tip, fraction) => {
     c.fillStyle = Colours.css(scale.map, fraction);
