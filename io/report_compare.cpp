@@ -144,7 +144,15 @@ TitledTable profile_table(const Comparison& c, const ComparedSurface& surface) {
   }
   std::size_t bins = 0;
   for (const auto& profile : surface.profiles) bins = std::max(bins, profile.size());
-  for (std::size_t b = 0; b < bins; ++b) {
+  // bins before the first facet and behind the last one say nothing
+  const auto empty = [&](std::size_t b) {
+    return std::all_of(surface.profiles.begin(), surface.profiles.end(),
+                       [&](const auto& profile) { return b >= profile.size() || std::isnan(profile[b].mean); });
+  };
+  while (bins > 0 && empty(bins - 1)) --bins;
+  std::size_t first = 0;
+  while (first < bins && empty(first)) ++first;
+  for (std::size_t b = first; b < bins; ++b) {
     std::vector<std::string> row;
     for (const auto& profile : surface.profiles) {
       if (row.empty()) row.push_back("");

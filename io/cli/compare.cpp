@@ -206,7 +206,7 @@ int compare_command(const CompareArguments& a) {
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
-  if (a.report == "-") throw UsageError("--report -: the page cannot go to standard output, give it a name");
+  require_page_name(a.report);
   if (!a.report.empty()) outputs.push_back({"--report", a.report});
 
   std::vector<ResultFile> files;

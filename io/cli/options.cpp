@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
 #include "error.h"
 #include "settings_xml.h"
 
@@ -136,6 +140,17 @@ double number_argument(const char* option, const std::string& text) {
   } catch (const BadValue& e) {
     throw UsageError(fmt::format("--{} {}: {}", option, text, e.what()));
   }
+}
+
+void require_page_name(const std::string& path) {
+  if (path.empty()) return;
+  if (path == "-") throw UsageError("--report -: the page cannot go to standard output, give it a name");
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".html" && extension != ".htm")
+    throw UsageError(
+        fmt::format("--report {}: found \"{}\", expected a name that ends in .html or .htm", path, extension));
 }
 
 }  // namespace dea

@@ -102,7 +102,7 @@ int run(const RunArguments& a) {
     options.states = file.states;
     options.states_option = fmt::format("{}: <states>", a.settings.file);
   }
-  if (a.report == "-") throw UsageError("--report -: the page cannot go to standard output, give it a name");
+  require_page_name(a.report);
   if (options.output == "-")
     throw UsageError(fmt::format("{} -: the plot file cannot go to standard output, give it a name", output_option));
   std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs = {{output_option, options.output}};

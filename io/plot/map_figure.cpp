@@ -207,45 +207,6 @@ std::vector<double> finite(const std::vector<double>& values) {
   return out;
 }
 
-/// Into sockets and onto flat surfaces along their axis; onto balls, and where the axis does not show what is carried,
-/// against the force carried.
-Vector3d default_direction(const ResultSurface& surface, const std::vector<double>& load) {
-  Vector3d all = Vector3d::Zero(), loaded = Vector3d::Zero();
-  double area = 0.0;
-  for (int f = 0; f < surface.facets(); ++f) {
-    all += surface.area_vectors[at(f)];
-    loaded += load[at(f)] * surface.area_vectors[at(f)];
-    area += surface.facet_areas[at(f)];
-  }
-  const SurfaceExtent extent = surface_extent(surface.mesh);
-  double carried = 0.0, seen = 0.0, bulge = 0.0;
-  for (int f = 0; f < surface.facets(); ++f) {
-    const double weight = load[at(f)] * surface.facet_areas[at(f)];
-    carried += weight;
-    if (surface.area_vectors[at(f)].dot(all) > 0.2 * surface.facet_areas[at(f)] * all.norm()) seen += weight;
-    bulge += surface.area_vectors[at(f)].dot(surface.facet_centers[at(f)] - extent.centroid);
-  }
-  const bool ball = bulge > 0.05 * area * extent.radius_of_gyration;
-  if (!ball && all.norm() > 0.1 * area && seen >= 0.95 * carried) return all;
-  if (loaded.norm() > 1e-6 * carried && loaded.norm() > 0) return loaded;
-  return all.norm() > 1e-6 * area ? all : Vector3d(Vector3d::UnitZ());
-}
-
-/// The level of nodal averages above which there is as much area as facets with a value.
-double edge_level(const MapSurface& s, const std::vector<double>& facets, const std::vector<double>& points) {
-  double wanted = 0.0, high = 0.0;
-  for (std::size_t f = 0; f < facets.size(); ++f)
-    if (facets[f] > 0) wanted += s.surface.facet_areas[f];
-  for (double x : points) high = std::max(high, x);
-  double low = 0.0;
-  if (!(high > 0)) return std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (area_above(s.mesh, points, middle) > wanted ? low : high) = middle;
-  }
-  return std::max(high, 1e-12);
-}
-
 bool to_be_seen(const MapSurface& s, int facet) {
   for (int t = 0; t < s.mesh.size(); ++t)
     if (s.mesh.facet[at(t)] == facet && s.projection.layer[at(t)] >= 0 && !s.projection.back[at(t)] &&
@@ -561,7 +522,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
     MapPanel& panel = figure.panels[k];
     const MapSurface& s = figure.surfaces[at(panel.surface)];
     panel.edge = figure.map == ColourMap::Sequential && zero_without_contact(o.field)
-                     ? edge_level(s, panel.facets, panel.points)
+                     ? edge_level(s.mesh, panel.facets, panel.points)
                      : -std::numeric_limits<double>::infinity();
     describe(figure, values[k], panel);
     mark_peak(figure, panel);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -328,6 +329,28 @@ std::vector<double> point_values(const MapMesh& mesh, const std::vector<double>&
   return values;
 }
 
+Vector3d default_direction(const ResultSurface& surface, const std::vector<double>& load) {
+  Vector3d all = Vector3d::Zero(), loaded = Vector3d::Zero();
+  double area = 0.0;
+  for (int f = 0; f < surface.facets(); ++f) {
+    all += surface.area_vectors[at(f)];
+    loaded += load[at(f)] * surface.area_vectors[at(f)];
+    area += surface.facet_areas[at(f)];
+  }
+  const SurfaceExtent extent = surface_extent(surface.mesh);
+  double carried = 0.0, seen = 0.0, bulge = 0.0;
+  for (int f = 0; f < surface.facets(); ++f) {
+    const double weight = load[at(f)] * surface.facet_areas[at(f)];
+    carried += weight;
+    if (surface.area_vectors[at(f)].dot(all) > 0.2 * surface.facet_areas[at(f)] * all.norm()) seen += weight;
+    bulge += surface.area_vectors[at(f)].dot(surface.facet_centers[at(f)] - extent.centroid);
+  }
+  const bool ball = bulge > 0.05 * area * extent.radius_of_gyration;
+  if (!ball && all.norm() > 0.1 * area && seen >= 0.95 * carried) return all;
+  if (loaded.norm() > 1e-6 * carried && loaded.norm() > 0) return loaded;
+  return all.norm() > 1e-6 * area ? all : Vector3d(Vector3d::UnitZ());
+}
+
 MapView view_from(const Vector3d& toward, const Vector3d& up) {
   MapView view;
   view.toward = toward.normalized();
@@ -483,23 +506,66 @@ Polyline smoothed(const Polyline& line) {
   return now;
 }
 
+namespace {
+
+/// The part of a triangle's area where the linear interpolation of its corners' values is `level` or more.
+double share_above(const MapMesh& mesh, const std::vector<double>& values, int t, double level) {
+  const auto& v = mesh.triangles[at(t)];
+  std::array<double, 3> x = {values[at(v[0])] - level, values[at(v[1])] - level, values[at(v[2])] - level};
+  std::sort(x.begin(), x.end());
+  if (!std::isfinite(x[0]) || !std::isfinite(x[2]) || x[2] < 0) return 0.0;
+  if (x[1] < 0) return x[2] / (x[2] - x[1]) * x[2] / (x[2] - x[0]);
+  if (x[0] < 0) return 1.0 - x[0] / (x[0] - x[1]) * x[0] / (x[0] - x[2]);
+  return 1.0;
+}
+
+}  // namespace
+
 double area_above(const MapMesh& mesh, const std::vector<double>& values, double level) {
   double area = 0.0;
+  for (int t = 0; t < mesh.size(); ++t) area += share_above(mesh, values, t, level) * mesh.areas[at(t)];
+  return area;
+}
+
+double edge_level(const MapMesh& mesh, const std::vector<double>& facets, const std::vector<double>& points) {
+  constexpr double kLeast = 1e-12;
+  double wanted = 0.0, low = 0.0, high = 0.0;
+  bool everywhere = true;
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (facets[at(mesh.facet[at(t)])] > 0)
+      wanted += mesh.areas[at(t)];
+    else
+      everywhere = false;
+  }
+  for (double x : points) high = std::max(high, x);
+  if (!(high > 0)) return std::numeric_limits<double>::infinity();
+  if (everywhere) return kLeast;
+  // Only triangles with values to both sides of the level are looked at again.
+  struct Cut {
+    int triangle;
+    double least, most;
+  };
+  std::vector<Cut> cut;
   for (int t = 0; t < mesh.size(); ++t) {
     const auto& v = mesh.triangles[at(t)];
-    std::array<double, 3> x = {values[at(v[0])] - level, values[at(v[1])] - level, values[at(v[2])] - level};
-    std::sort(x.begin(), x.end());
-    if (!std::isfinite(x[0]) || !std::isfinite(x[2])) continue;
-    double share = 1.0;
-    if (x[2] < 0)
-      share = 0.0;
-    else if (x[1] < 0)
-      share = x[2] / (x[2] - x[1]) * x[2] / (x[2] - x[0]);
-    else if (x[0] < 0)
-      share = 1.0 - x[0] / (x[0] - x[1]) * x[0] / (x[0] - x[2]);
-    area += share * mesh.areas[at(t)];
+    const double a = points[at(v[0])], b = points[at(v[1])], c = points[at(v[2])];
+    const Cut x = {t, std::min({a, b, c}), std::max({a, b, c})};
+    if (std::isfinite(a + b + c) && x.most > 0) cut.push_back(x);
   }
-  return area;
+  double whole = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    double area = whole;
+    for (const Cut& x : cut) area += share_above(mesh, points, x.triangle, middle) * mesh.areas[at(x.triangle)];
+    (area > wanted ? low : high) = middle;
+    cut.erase(std::remove_if(cut.begin(), cut.end(),
+                             [&](const Cut& x) {
+                               if (x.least >= high) whole += mesh.areas[at(x.triangle)];
+                               return x.least >= high || x.most < low;
+                             }),
+              cut.end());
+  }
+  return std::max(high, kLeast);
 }
 
 }  // namespace dea

@@ -33,6 +33,9 @@ struct MapView {
   Vector3d center = Vector3d::Zero(), pole = Vector3d::UnitZ();
   double radius = 1.0;
 };
+/// From where a surface is seen first. Sockets and flat surfaces along their mean normal; balls, and surfaces of which
+/// more than a twentieth of the load would be out of sight, against the force they carry. `load`: per facet, 0 or more.
+Vector3d default_direction(const ResultSurface& surface, const std::vector<double>& load);
 /// `up`: any direction across `toward`; along it, or zero: the global z, y or x axis, the first that is across enough.
 MapView view_from(const Vector3d& toward, const Vector3d& up);
 /// False if the surface is no part of a sphere: radius over 10 radii of gyration, or 10 % of the radius off it (rms).
@@ -78,5 +81,10 @@ Polyline smoothed(const Polyline& line);
 
 /// Area where the linear interpolation is `level` or more, of all triangles with finite values.
 double area_above(const MapMesh& mesh, const std::vector<double>& values, double level);
+
+/// The edge of what nodal averages smear over the facets around: the level of point values above which there is as much
+/// area as the facets with a value above 0 have. Infinite: no point is above 0. Above 0 else. `facets`: per facet of
+/// the surface; `points`: per point of the map.
+double edge_level(const MapMesh& mesh, const std::vector<double>& facets, const std::vector<double>& points);
 
 }  // namespace dea

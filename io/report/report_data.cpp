@@ -11,6 +11,7 @@
 
 #include "element_faces.h"
 #include "error.h"
+#include "map_geometry.h"
 #include "report_compare.h"
 
 namespace dea {
@@ -116,22 +117,18 @@ ReportCarry make_carry(const NodeMatch& match, const ResultSurface& from) {
   return carry;
 }
 
-/// The axis of the world that is most upright on the screen when looking along `axis`.
-Vector3d upright(const Vector3d& axis) {
-  const Vector3d up = std::abs(axis.z()) < 0.8 ? Vector3d::UnitZ() : Vector3d::UnitY();
-  return (up - up.dot(axis) * axis).normalized();
-}
-
-/// What to look at first: the whole surface, from where its normals point.
-void place_camera(ReportSurface& s, const CompareOptions& options) {
+/// What to look at first: the whole surface, as dea plot shows the first result's.
+void place_camera(ReportSurface& s, const ResultSurface& first, int state, const CompareOptions& options) {
   const ResultSurface& g = s.geometry.back();
-  const Vector3d normal = surface_frame(g).axis;
-  s.axis = normal.norm() > 0 ? normal : Vector3d::UnitZ();
-  s.up = upright(s.axis);
-  if (options.thirds) {
-    const Vector3d up = options.up - options.up.dot(s.axis) * s.axis;
-    if (up.norm() > 1e-3 * options.up.norm()) s.up = up.normalized();
+  std::vector<double> load(at(first.facets()), 0.0);
+  if (s.pressure.front()) {
+    const ReportField& field = *s.pressure.front();
+    const std::vector<double>& pressure = field.states[field.fixed ? 0 : at(state)];
+    for (std::size_t f = 0; f < pressure.size(); ++f) load[f] = std::max(pressure[f], 0.0);
   }
+  const MapView view = view_from(default_direction(first, load), options.thirds ? options.up : Vector3d(0, 0, 0));
+  s.axis = view.toward;
+  s.up = view.up;
   Vector3d least = Vector3d::Constant(std::numeric_limits<double>::infinity()), most = -least;
   for (const Vector3d& x : g.mesh.vertices) {
     least = least.cwiseMin(x);
@@ -229,7 +226,18 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
   s.title = names.front();
   for (std::size_t i = 1; i < n; ++i)
     if (names[i] != names.front()) s.title += " = " + names[i];
-  place_camera(s, options);
+  place_camera(s, own.front(), compared.front(), options);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!s.pressure[i]) continue;
+    ReportField& field = *s.pressure[i];
+    const MapMesh mesh = make_map_mesh(own[i]);
+    field.edges.resize(field.states.size());
+    tbb::parallel_for(std::size_t{0}, field.states.size(), [&](std::size_t k) {
+      const std::vector<double>& p = field.states[k];
+      field.edges[k] = p.empty() ? std::numeric_limits<double>::infinity()
+                                 : edge_level(mesh, p, point_values(mesh, nodal_average(own[i], p)));
+    });
+  }
 
   s.regions = {""};
   s.regions.insert(s.regions.end(), options.regions.begin(), options.regions.end());

@@ -32,6 +32,8 @@ struct ReportResult {
 struct ReportField {
   bool fixed = false;
   std::vector<std::vector<double>> states;
+  std::vector<double>
+      edges;  ///< per entry of `states`: edge_level of its nodal averages; infinite: none; pressure only
 };
 
 /// What one result says of a surface in one state.

@@ -52,8 +52,8 @@ Json mesh_json(const ResultSurface& s, const std::vector<std::int32_t>& node_ids
           {"areas", arrays.add(pack_floats({s.facet_areas.begin(), s.facet_areas.end()}))}};
 }
 
-/// null; or { fixed, ranges: per state [least, most] (null: exact) or null where the state has none, values: array of
-/// the states that have any, one after the other }.
+/// null; or { fixed, ranges: per state [least, most] (null: exact) or null where the state has none, edges: per state
+/// or empty, values: array of the states that have any, one after the other }.
 Json field_json(const std::optional<ReportField>& field, bool exact, Arrays& arrays) {
   if (!field) return nullptr;
   Json j;
@@ -77,6 +77,8 @@ Json field_json(const std::optional<ReportField>& field, bool exact, Arrays& arr
       all_codes.insert(all_codes.end(), codes.codes.begin(), codes.codes.end());
     }
   }
+  j["edges"] = Json::array();
+  for (double x : field->edges) j["edges"].push_back(json_number(x));
   j["exact"] = exact;
   j["values"] = arrays.add(exact ? pack_floats(floats) : pack_codes(all_codes));
   return j;

@@ -466,6 +466,18 @@ TEST_F(CompareCommand, ThirdsInJson) {
   }
 }
 
+TEST_F(CompareCommand, ProfileTableHasNoEmptyBinsAtItsEnds) {
+  const std::string words = "a.xplt b.xplt --profile --axis -1,0,0 --center 0,0,0.1 --bin 30";
+  const test::Finished table = compare(words);
+  ASSERT_EQ(table.code, 0) << table.err;
+  EXPECT_EQ(table.out.find("60 - 90"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("90 - 120"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("150 - 180"), std::string::npos) << table.out;
+  const test::Finished f = compare(words + " --json -");
+  const Json profile = Json::parse(f.out)["surfaces"][0]["profile"]["results"];
+  EXPECT_EQ(profile[0]["bins"].size(), 6u);
+}
+
 TEST_F(CompareCommand, ProfileInJson) {
   const test::Finished f = compare("a.xplt b.xplt --profile --axis 1,0,0 --center 0,0,0.1 --bin 30 --json -");
   ASSERT_EQ(f.code, 0) << f.err;

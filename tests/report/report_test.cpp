@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "map_figure.h"
+#include "map_geometry.h"
 #include "pack.h"
 #include "program.h"
 #include "synthetic.h"
@@ -256,6 +258,47 @@ TEST(ReportPage, NumbersAreThoseOfCompare) {
   EXPECT_EQ(none["nodes"]["area"], 0.0);
 }
 
+TEST(ReportPage, EdgesEncloseTheFacetsAreaAndTheViewIsThePictures) {
+  const std::vector<ResultFile> files = test::awkward_results();
+  const Comparison c = compare_files(files, {});
+  const ReportData data = compare_report(files, {}, c, {"dea"});
+  const PageParts page(report_html(data));
+  const Json& surface = page.report["surfaces"][0];
+  int compared = 0;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const ReportField& field = *data.surfaces[0].pressure[i];
+    const ResultSurface own = result_surface(files[i], 0, 0);
+    const MapMesh mesh = make_map_mesh(own);
+    ASSERT_EQ(surface["fields"]["pressure"][i]["edges"].size(), field.states.size());
+    for (std::size_t k = 0; k < field.states.size(); ++k) {
+      const Json& edge = surface["fields"]["pressure"][i]["edges"][k];
+      double area = 0.0;
+      for (int t = 0; t < mesh.size(); ++t) {
+        const auto j = static_cast<std::size_t>(t);
+        if (field.states[k][static_cast<std::size_t>(mesh.facet[j])] > 0) area += mesh.areas[j];
+      }
+      if (area == 0) {
+        EXPECT_TRUE(edge.is_null());
+        continue;
+      }
+      const std::vector<double> points = point_values(mesh, nodal_average(own, field.states[k]));
+      EXPECT_NEAR(area_above(mesh, points, edge.get<double>()), area, 1e-6 * area);
+      EXPECT_GT(area_above(mesh, points, 1e-9), 1.05 * area);  // what averages would claim
+      ++compared;
+    }
+  }
+  EXPECT_GE(compared, 9);
+  EXPECT_TRUE(surface["fields"]["space"][0]["edges"].empty());
+
+  MapOptions o;
+  o.surfaces = {c.surfaces[0].names[0]};
+  const MapView view = make_map_figure({files[0]}, nullptr, o).surfaces[0].view;
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(surface["view"]["axis"][static_cast<std::size_t>(k)].get<double>(), view.toward[k], 1e-12);
+    EXPECT_NEAR(surface["view"]["up"][static_cast<std::size_t>(k)].get<double>(), view.up[k], 1e-12);
+  }
+}
+
 TEST(ReportPage, CarriesValuesToTheReferencesNodesAsCompareDoes) {
   const std::vector<ResultFile> files = test::awkward_results();
   const Comparison c = compare_files(files, {});
@@ -419,17 +462,28 @@ TEST(ReportProgram, RefusesAndLeavesNothing) {
   f = with("-");
   EXPECT_EQ(f.code, 2);
   EXPECT_EQ(f.err, "dea: --report -: the page cannot go to standard output, give it a name\n");
-  f = with("a.xplt");
-  EXPECT_EQ(f.code, 2);
-  f = with(".");
-  EXPECT_EQ(f.code, 4);
+  for (const char* name : {"a.xplt", "report.jpg", "report", "html", ".html", "."}) {
+    f = with(name);
+    EXPECT_EQ(f.code, 2) << name;
+    EXPECT_NE(f.err.find("expected a name that ends in .html or .htm"), std::string::npos) << f.err;
+  }
+  EXPECT_EQ(with("report.jpg").err,
+            "dea: --report report.jpg: found \".jpg\", expected a name that ends in .html or .htm\n");
+  EXPECT_EQ(dea_in(folder.path, {"run", model, "-o", "b.xplt", "--report", "b.pdf", "-q"}).code, 2);
+  fs::create_directory(folder.path / "folder.html");
+  EXPECT_EQ(with("folder.html").code, 4);
+  fs::remove(folder.path / "folder.html");
   f = dea_in(folder.path, {"run", model, "-o", "b.xplt", "--report", "b.xplt", "-q"});
   EXPECT_EQ(f.code, 2);
   f = dea_in(folder.path, {"run", model, "-o", "b.xplt", "--report", "-", "-q"});
   EXPECT_EQ(f.code, 2);
   EXPECT_FALSE(fs::exists(folder.path / "b.xplt"));
-  f = with("/dev/full");
+  fs::create_symlink("/dev/full", folder.path / "full.html");
+  f = with("full.html");
   EXPECT_EQ(f.code, 4) << f.err;
+  fs::remove(folder.path / "full.html");
+  EXPECT_EQ(with("small.HTM").code, 0);
+  fs::remove(folder.path / "small.HTM");
   std::size_t files = 0;
   for (const auto& entry : fs::directory_iterator(folder.path)) files += entry.path().filename() != "a.xplt";
   EXPECT_EQ(files, 0u);

@@ -174,6 +174,84 @@ def slider_moves_the_state(b, pages):
 
 
 @check
+def captions_follow_the_map(b, pages):
+    ready(b, pages["compare"])
+    for kind in ("facets", "nodes"):
+        b.click("#facets" if kind == "facets" else "#smooth")
+        for i in (0, 1):
+            known = b.run("return Page.state.surface.about.measures[arguments[0]].at(-1)[0][arguments[1]]", i, kind)
+            b.run("Page.setFrame(Report.frames.length - 1)")
+            text = b.run("return document.getElementById('readout' + arguments[0]).innerText", i)
+            true(text.startswith(kind + ": peak"), f"{kind}: below the map stands {text}")
+            for word in ("peak", "mean", "area"):
+                found = float(re.search(word + r" ([0-9.]+)", text).group(1))
+                true(abs(found - known[word]) <= 0.005 * known[word], f"{kind}, {word}: {found}, computed {known[word]}")
+
+
+COLOURED = """
+  Page.maps.draw();
+  return Page.panels.slice(0, arguments[0]).map((p) => {
+    const d = p.canvas.getContext("2d").getImageData(0, 0, p.canvas.width, p.canvas.height).data;
+    let n = 0;
+    for (let i = 0; i < d.length; i += 4) {
+      const most = Math.max(d[i], d[i + 1], d[i + 2]), least = Math.min(d[i], d[i + 1], d[i + 2]);
+      if (most - least > 0.3 * most) ++n;
+    }
+    return n;
+  })"""
+
+
+@check
+def smooth_contact_is_no_larger_than_the_facets(b, pages):
+    for name, count in (("knee", 1), ("three", 3)):
+        ready(b, pages[name])
+        for toggle in ("contours", "marks", "veil"):
+            b.click("#" + toggle)
+        smooth = b.run(COLOURED, count)
+        b.click("#facets")
+        facets = b.run(COLOURED, count)
+        for i, (p, q) in enumerate(zip(smooth, facets)):
+            true(q > 500, f"{name}, map {i}: {q} pixels with colour")
+            true(abs(p / q - 1) < 0.04, f"{name}, map {i}: {p} pixels with colour when smooth, {q} of facets")
+
+
+@check
+def joint_space_is_scaled_by_all_states(b, pages):
+    ready(b, pages["compare"])
+    b.run("const s = document.getElementById('quantity'); s.value = 'space'; s.dispatchEvent(new Event('change'))")
+    b.wait("Page.panels[0].quantity === 'space'", 20, "joint space")
+    wanted = """
+      const all = [];
+      Page.state.surface.fields.space.forEach((f, i) => {
+        const states = arguments[0] ? Report.results[i].times.map((t, k) => k) : [Report.frames[Page.state.frame].states[i]];
+        for (const k of states) for (const x of f.state(k)) if (!Number.isNaN(x)) all.push(x);
+      });
+      all.sort((a, c) => a - c);
+      return [all[Math.floor(0.95 * (all.length - 1))], all.at(-1)]"""
+    scales = []
+    for every in (True, False):
+        b.run("const s = document.getElementById('range'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))",
+              "all" if every else "state")
+        scale = b.run("return Page.panels[0].what.scale")
+        p95, most = b.run(wanted, every)
+        true(p95 <= scale["most"] * 1.000001 <= 1.08 * p95, f"scale to {scale['most']}, 95th percentile {p95}")
+        same(scale["beyondMost"], most > scale["most"], "arrow at the bar's end")
+        scales.append(scale["most"])
+    true(scales[0] != scales[1], "one state has the scale of all")
+
+
+@check
+def profile_begins_and_ends_with_facets(b, pages):
+    ready(b, pages["three"])
+    found = b.run("""
+      const s = Page.state.surface.about, all = s.profiles[Page.state.frame];
+      return [s.bins.length - 1, all.map(p => p.filter(x => x !== null).length).reduce((a, c) => a + c, 0),
+        document.querySelectorAll('#figure-profile svg circle').length]""")
+    true(found[2] > 5, "points of the profile")
+    same(found[2], found[1], "points of the profile, bins with facets")
+
+
+@check
 def play_plays(b, pages):
     ready(b, pages["compare"])
     b.run("document.getElementById('slider').focus(); Page.setFrame(0)")
@@ -410,6 +488,20 @@ def words_do_not_overlap(b, pages):
               }
               return out""")
             same(found, [], f"{name} at {width}: words on words")
+            near = b.run("""
+              const out = [];
+              for (const svg of document.querySelectorAll('figure svg svg')) {
+                const title = svg.querySelector('[aria-label="y-axis label"] text');
+                if (!title) continue;
+                for (const t of svg.querySelectorAll('[aria-label="y-axis tick label"] text')) {
+                  const d = t.getBoundingClientRect().left - title.getBoundingClientRect().right;
+                  if (d < 4) out.push(svg.closest('figure').id + ': ' + title.textContent + ' / ' + t.textContent + ', ' + d);
+                }
+                out.titles = (out.titles || 0) + 1;
+              }
+              return [out, out.titles || 0]""")
+            same(near[0], [], f"{name} at {width}: titles of axes at ticks")
+            true(near[1] > 2, f"{name} at {width}: titles of axes")
     b.size(1400, 1000)
 
 

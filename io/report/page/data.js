@@ -54,6 +54,11 @@ const Data = (() => {
       for (const range of about.ranges) this.place.push(range === null ? -1 : n++);
       this.last = [-1, null];
     }
+    // Level of nodal averages where contact ends (io/plot/map_geometry.h, edge_level); null: the field has none.
+    edge(k) {
+      const s = this.about.fixed ? 0 : k;
+      return this.about.edges.length && this.place[s] >= 0 ? this.about.edges[s] ?? Infinity : null;
+    }
     // Float32Array per facet, or null: this state has none.
     state(k) {
       if (k < 0) return null;
@@ -84,9 +89,44 @@ const Data = (() => {
       for (const key of Object.keys(about)) m[key] = await array(about[key]);
       m.vertexCount = m.vertices.length / 3;
       m.facetCount = m.begin.length - 1;
+      m.map = mapMesh(m);
       meshes.set(index, m);
     }
     return meshes.get(index);
+  }
+
+  // Triangles of smooth maps, the same as dea plot's: quads cut into four about their middle (make_map_mesh). Points
+  // are the vertices, then the middles.
+  function mapMesh(m) {
+    const quads = [], of = (f) => m.corner.subarray(m.begin[f], m.begin[f + 1]), whole = new Uint8Array(m.facetCount);
+    for (let f = 0; f < m.facetCount; ++f) {
+      const v = of(f);
+      if (v.length === 4 && Math.min(...v) >= 0 && new Set(v).size === 4) { whole[f] = 1; quads.push(f); }
+    }
+    const points = new Float32Array(m.vertices.length + 3 * quads.length), triangles = [], facet = [], middles = [];
+    points.set(m.vertices);
+    quads.forEach((f, q) => {
+      const v = of(f), middle = m.vertexCount + q;
+      for (let k = 0; k < 4; ++k) {
+        for (let c = 0; c < 3; ++c) points[3 * middle + c] += m.vertices[3 * v[k] + c] / 4;
+        triangles.push(v[k], v[(k + 1) % 4], middle);
+        facet.push(f);
+        middles.push(v[k]);
+      }
+    });
+    for (let t = 0; t < m.facet.length; ++t) {
+      if (whole[m.facet[t]]) continue;
+      triangles.push(...m.triangles.subarray(3 * t, 3 * t + 3));
+      facet.push(m.facet[t]);
+    }
+    return { points, triangles: Int32Array.from(triangles), facet: Int32Array.from(facet), middles: Int32Array.from(middles) };
+  }
+  // Values per vertex -> per point; a middle has the mean of its corners.
+  function pointValues(m, values) {
+    const n = m.vertexCount, c = m.map.middles, out = new Float64Array(n + c.length / 4);
+    out.set(values);
+    for (let q = 0; 4 * q < c.length; ++q) out[n + q] = (values[c[4 * q]] + values[c[4 * q + 1]] + values[c[4 * q + 2]] + values[c[4 * q + 3]]) / 4;
+    return out;
   }
 
   // Everything of one surface: a mesh per result, its fields, how to carry values to the reference's nodes.
@@ -135,7 +175,7 @@ const Data = (() => {
     return out;
   }
 
-  return { array, surface, nodalAverage, carried };
+  return { array, surface, nodalAverage, carried, pointValues };
 })();
 
 // Numbers as people write them.

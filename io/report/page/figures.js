@@ -68,6 +68,14 @@ const Figures = (() => {
   const grid = (ink) => ({ stroke: ink.line, strokeOpacity: 1 });
   const axis = { labelAnchor: "center", labelArrow: "none", tickSize: 4, tickPadding: 4, labelOffset: 38 };
   const axisY = { labelAnchor: "center", labelArrow: "none", tickSize: 4, tickPadding: 4, labelOffset: 52, ticks: 5 };
+  // build(margin) -> chart, with as much room left of the axis as the ticks need beside the title.
+  function fitted(build) {
+    const chart = build(62);
+    const ticks = [...chart.querySelectorAll('[aria-label="y-axis tick label"] text')].map((t) => textWidth(t.textContent, 13));
+    const margin = Math.ceil(Math.max(0, ...ticks)) + 38;
+    return margin > 62 ? build(margin) : chart;
+  }
+  const axisAt = (margin) => ({ ...axisY, labelOffset: margin - 10 });
   const known = (x) => x !== null && x !== undefined && !Number.isNaN(x);
   const tick = (x) => Format.short(x, 6);
 
@@ -87,20 +95,20 @@ const Figures = (() => {
       const from = Math.round(Math.log10(ends[0])), to = Math.round(Math.log10(ends[1])), step = Math.ceil((to - from) / 5);
       for (let k = from; k <= to; k += step) powers.push(10 ** k);
     }
-    const chart = Plot.plot({
-      ...base(width, 270, ink), marginLeft: logarithmic ? 78 : 62,
+    const chart = fitted((margin) => Plot.plot({
+      ...base(width, 270, ink), marginLeft: logarithmic ? 78 : margin,
       x: { label: x, grid: false, domain: extent(points.map((p) => p.t)) },
       y: logarithmic ? { type: "log", domain: ends } : { nice: true, zero, ...(any ? {} : { domain: [0, 1] }) },
       marks: [
         Plot.gridY({ ...grid(ink), ticks: logarithmic ? powers : 5 }),
         Plot.axisX({ ...axis, label: x, ticks: Math.max(3, Math.floor(width / 90)), tickFormat: tick }),
-        Plot.axisY({ ...axisY, ...(logarithmic ? { labelOffset: 70, ticks: powers } : {}), label: Format.axis(quantity, dimension), tickFormat: logarithmic ? powerOfTen : tick }),
+        Plot.axisY({ ...axisAt(margin), ...(logarithmic ? { labelOffset: 70, ticks: powers } : {}), label: Format.axis(quantity, dimension), tickFormat: logarithmic ? powerOfTen : tick }),
         logarithmic ? null : Plot.ruleY([0], { stroke: ink.soft }),
         known(now) ? Plot.ruleX([now], { stroke: ink.soft, strokeDasharray: "2,3" }) : null,
         ...series.map((s, i) => Plot.line(points.filter((p) => p.i === i), { x: "t", y: "y", stroke: s.colour, strokeWidth: 1.9, strokeDasharray: s.dash })),
         Plot.dot(dots, { x: "t", y: "y", fill: (d) => series[d.i].colour, r: 2.3, title: (d) => `${series[d.i].name}, ${x} ${tick(d.t)}: ${Format.with(d.y, dimension)}` })
       ]
-    });
+    }));
     return withLegend(chart, series.length > 1 ? series : [], ink, width);
   }
 
@@ -184,20 +192,20 @@ const Figures = (() => {
         if (pattern.slope > 0) { xs[0] = Math.max(0, -pattern.intercept / pattern.slope); xs[1] = Math.min(most, (most - pattern.intercept) / pattern.slope); }
         if (xs[1] > xs[0]) line.push({ x1: xs[0], y1: at(xs[0]), x2: xs[1], y2: at(xs[1]) });
       }
-      const chart = Plot.plot({
-        ...base(side, side, ink), marginRight: 8, marginTop: 8,
+      const chart = fitted((margin) => Plot.plot({
+        ...base(side, side, ink), marginLeft: margin, marginRight: 8, marginTop: 8,
         x: { domain: [0, most] }, y: { domain: [0, most] },
         color: many ? { type: "log", range: [ink.line, colour] } : undefined,
         marks: [
           Plot.gridX({ ...grid(ink), ticks: 5 }), Plot.gridY({ ...grid(ink), ticks: 5 }),
           Plot.axisX({ ...axis, ticks: 5, label: cut(labelled(last), 13, side - 80), tickFormat: tick }),
-          Plot.axisY({ ...axisY, label: cut(labelled(i), 13, side - 70), tickFormat: tick }),
+          Plot.axisY({ ...axisAt(margin), label: cut(labelled(i), 13, side - 70), tickFormat: tick }),
           many ? Plot.dot(points, Plot.hexbin({ fill: "count" }, { x: (p) => p[0], y: (p) => p[1], binWidth: 6, symbol: "hexagon", r: 3.4, stroke: null }))
                : Plot.dot(points, { x: (p) => p[0], y: (p) => p[1], r: 1.7, fill: colour, fillOpacity: 0.5 }),
           Plot.link([0], { x1: 0, y1: 0, x2: most, y2: most, stroke: ink.soft, strokeDasharray: "4,4" }),
           Plot.link(line, { x1: "x1", y1: "y1", x2: "x2", y2: "y2", stroke: ink.ink, strokeWidth: 1.4 })
         ]
-      });
+      }));
       chart.removeAttribute("class");
       for (const old of chart.querySelectorAll("style")) old.remove();
       const x = (i % columns) * (each + 22), y = Math.floor(i / columns) * high;
@@ -220,28 +228,33 @@ const Figures = (() => {
         rows.push({ fx: String(r), x: String(i), i, y: known(value) ? value : NaN });
       }));
       const band = (width - 76) / names.length;
-      const chart = Plot.plot({
-        ...base(width, 260, ink),
+      const chart = fitted((margin) => Plot.plot({
+        ...base(width, 260, ink), marginLeft: margin,
         fx: { domain: names.map((n, r) => String(r)), padding: 0.2, label: null, axis: null },
         x: { axis: null, domain: Report.results.map((r, i) => String(i)), padding: 0.08 },
         y: { zero: true, nice: true },
         marks: [
           Plot.gridY({ ...grid(ink), ticks: 5 }),
           Plot.axisFx ? Plot.axisFx({ anchor: "bottom", tickSize: 0, label: null, tickFormat: (r) => cut(names[Number(r)], 13, band) }) : null,
-          Plot.axisY({ ...axisY, label: Format.axis(quantity, dimension), tickFormat: tick }),
+          Plot.axisY({ ...axisAt(margin), label: Format.axis(quantity, dimension), tickFormat: tick }),
           Plot.barY(rows, { fx: "fx", x: "x", y: "y", fill: (d) => resultStyle(d.i, ink).colour, title: (d) => Format.with(d.y, dimension) }),
           Plot.ruleY([0], { stroke: ink.soft })
         ]
-      });
+      }));
       return withLegend(chart, Report.results.map((r, i) => ({ name: r.label, box: true, colour: resultStyle(i, ink).colour })), ink, width);
     };
   }
 
   function profile(state, width, ink) {
-    const about = state.surface.about, bins = about.bins;
+    const about = state.surface.about, bins = about.bins, all = about.profiles[state.frame];
+    const filled = (b) => all.some((p) => p && known(p[b]));
+    let from = 0, to = bins.length - 1;  // bins before the first facet and behind the last one say nothing
+    while (to > 0 && !filled(to - 1)) --to;
+    while (from < to && !filled(from)) ++from;
+    const places = Array.from({ length: to - from }, (x, k) => from + k);
     const series = Report.results.map((r, i) => ({
-      name: r.label, ...resultStyle(i, ink), times: bins.slice(0, -1).map((x, b) => (x + bins[b + 1]) / 2),
-      values: bins.slice(0, -1).map((x, b) => { const p = about.profiles[state.frame][i]; return p && b < p.length ? p[b] : null; })
+      name: r.label, ...resultStyle(i, ink), times: places.map((b) => (bins[b] + bins[b + 1]) / 2),
+      values: places.map((b) => (all[i] && known(all[i][b]) ? all[i][b] : null))
     }));
     return curves({ series, quantity: "mean pressure", dimension: "pressure", x: "angle from the axis [°]", now: null }, width, ink);
   }
@@ -254,13 +267,13 @@ const Figures = (() => {
       return { t, p5: or(d.p5), p25: or(d.p25), median: or(d.median), p75: or(d.p75), p95: or(d.p95), peak: or(d.peak) };
     });
     const c = ink.series[0], any = rows.some((d) => !Number.isNaN(d.median));
-    const chart = Plot.plot({
-      ...base(width, 270, ink),
+    const chart = fitted((margin) => Plot.plot({
+      ...base(width, 270, ink), marginLeft: margin,
       x: { domain: extent(rows.map((d) => d.t)) }, y: { zero: true, nice: true, ...(any ? {} : { domain: [0, 1] }) },
       marks: [
         Plot.gridY({ ...grid(ink), ticks: 5 }),
         Plot.axisX({ ...axis, label: "time", ticks: Math.max(3, Math.floor(width / 90)), tickFormat: tick }),
-        Plot.axisY({ ...axisY, label: Format.axis("pressure", "pressure"), tickFormat: tick }),
+        Plot.axisY({ ...axisAt(margin), label: Format.axis("pressure", "pressure"), tickFormat: tick }),
         Plot.areaY(rows, { x: "t", y1: "p5", y2: "p95", fill: c, fillOpacity: 0.18 }),
         Plot.areaY(rows, { x: "t", y1: "p25", y2: "p75", fill: c, fillOpacity: 0.35 }),
         Plot.line(rows, { x: "t", y: "median", stroke: c, strokeWidth: 2.2 }),
@@ -269,7 +282,7 @@ const Figures = (() => {
         Plot.ruleY([0], { stroke: ink.soft }),
         known(nowOf(state)) ? Plot.ruleX([nowOf(state)], { stroke: ink.soft, strokeDasharray: "2,3" }) : null
       ]
-    });
+    }));
     return withLegend(chart, [{ name: "median", colour: c }, { name: "peak", colour: c, dash: "3,3" }], ink, width);
   }
 

@@ -81,7 +81,7 @@ const Page = (() => {
       make("button", { id: "smooth", text: "smooth", title: "Area-weighted averages at the nodes", "aria-pressed": "true", onclick: () => setSmooth(true) }),
       make("button", { id: "facets", text: "facets", title: "The facets' own values", "aria-pressed": "false", onclick: () => setSmooth(false) })));
     controls.append(make("span", { class: "group", role: "group" },
-      toggle("contours", "contours", true, (on) => { maps.options.contours = on; maps.request(); }),
+      toggle("contours", "contours", true, (on) => { maps.options.contours = on; update(); }),
       toggle("marks", "marks", true, (on) => { maps.options.marks = on; maps.request(); }),
       toggle("lines", "mesh", false, (on) => { maps.options.lines = on; maps.request(); }),
       Report.context ? toggle("veil", "rest of the model", true, (on) => { maps.options.veil = on; maps.request(); }) : null));
@@ -98,6 +98,7 @@ const Page = (() => {
       make("output", { id: "now" })));
     if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; $("time").style.position = "static"; }
     section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration. Ring: peak; cross: centre of pressure." }));
+    section.append(make("p", { class: "keys", id: "kinds", text: "Springs are where dea run works out the pressure, its table and curves count them one by one; a facet has the force of all its springs over its whole area (on the surface without springs: pressure carried over), and a node the average of the facets around it: peaks fall and contact areas grow from springs to facets to nodes. With “smooth” the edge of contact encloses as much area as the facets with pressure do." }));
     if (Report.context_note) section.append(make("p", { class: "keys", text: Report.context_note }));
   }
 
@@ -143,6 +144,8 @@ const Page = (() => {
   }
 
   const values = (q, i) => { const f = state.surface.fields[q][i]; return f ? f.state(Report.frames[state.frame].states[i]) : null; };
+  const edge = (q, i) => { const f = state.surface.fields[q][i]; return f ? f.edge(Report.frames[state.frame].states[i]) : null; };
+  const above = (list, level) => Float64Array.from(list, (x) => (Number.isNaN(x) ? -1 : x - level));
   const nodalCache = new Map();
   function nodal(q, i) {
     const key = [state.surface.index, q, i, Report.frames[state.frame].states[i]].join();
@@ -162,19 +165,19 @@ const Page = (() => {
   function scaleOf(q) {
     const s = state.surface, about = quantities[q];
     const scale = { map: "sequential", least: 0, most: 0, level: 0, none: about.none, noneText: about.noneText, title: Format.axis(about.title, about.dimension) };
+    let highest = 0;
     const consider = (x) => { if (x !== null && x > scale.most) scale.most = x; };
     if (q === "pressure") {
       const kind = state.smooth ? "nodes" : "facets";
       if (state.range === "state") results.forEach((r, i) => { const m = measures(i); if (m) consider(m[kind].peak); });
       else for (const result of s.about.measures) for (const m of result) if (m[0]) consider(m[0][kind].peak);
+      highest = scale.most;
     } else {
-      // of the compared states, unless this state was asked for; the widest gaps at rims are of no interest
-      const frame = Report.frames[state.range === "state" ? state.frame : Report.frame], all = [];
-      results.forEach((r, i) => { const f = s.fields[q][i], v = f && f.state(frame.states[i]); if (v) for (const x of v) if (!Number.isNaN(x)) all.push(x); });
-      all.sort((a, b) => a - b);
-      if (all.length) {
-        scale.most = q === "space" ? all[Math.floor(0.95 * (all.length - 1))] : all[all.length - 1];
-        const step = niceStep(Math.max(scale.most - all[0], 1e-3 * Math.abs(scale.most)), q === "space" ? 12 : 6), least = Math.floor(all[0] / step) * step;
+      const range = rangeOf(q);
+      if (range) {
+        highest = range.most;
+        scale.most = q === "space" ? range.p95 : range.most;  // the widest gaps at rims are of no interest
+        const step = niceStep(Math.max(scale.most - range.least, 1e-3 * Math.abs(scale.most)), q === "space" ? 12 : 6), least = Math.floor(range.least / step) * step;
         if (q === "thickness") scale.least = Math.max(0, least);
         if (q === "space" && least < 0) { scale.least = least; scale.title += ", below 0: overlap"; }
       }
@@ -184,7 +187,37 @@ const Page = (() => {
     scale.most = Math.ceil(scale.most / step - 1e-9) * step;
     if (state.most !== null && q === (compared ? state.quantity : "pressure") && state.most > scale.least) scale.most = state.most;
     scale.level = niceStep(scale.most - scale.least, 8);
+    scale.beyondMost = beyond(highest, scale);
     return scale;
+  }
+  const beyond = (x, scale) => x > scale.most + 1e-6 * (scale.most - scale.least);
+
+  // Least, most and 95th percentile of the facets of all results, in the state shown or in all states.
+  const ranges = new Map();
+  function rangeOf(q) {
+    const s = state.surface, one = state.range === "state", key = [s.index, q, one ? state.frame : "all"].join();
+    if (ranges.has(key)) return ranges.get(key);
+    const lists = [];
+    s.fields[q].forEach((f, i) => {
+      if (!f) return;
+      for (const k of one ? [Report.frames[state.frame].states[i]] : f.about.fixed ? [0] : results[i].times.keys()) {
+        const v = f.state(k);
+        if (v) lists.push(v);
+      }
+    });
+    const count = lists.reduce((n, v) => n + v.length, 0), stride = Math.ceil(count / 1e6);  // more do not move a percentile
+    const sample = new Float32Array(Math.ceil(count / stride));
+    let least = Infinity, most = -Infinity, seen = 0, n = 0;
+    for (const v of lists) for (const x of v) {
+      if (Number.isNaN(x)) continue;
+      if (x < least) least = x;
+      if (x > most) most = x;
+      if (seen++ % stride === 0) sample[n++] = x;
+    }
+    const out = seen ? { least, most, p95: sample.subarray(0, n).sort()[Math.floor(0.95 * (n - 1))] } : null;
+    if (ranges.size > 200) ranges.clear();
+    ranges.set(key, out);
+    return out;
   }
 
   function differenceOf(q) {
@@ -202,7 +235,7 @@ const Page = (() => {
     } else {
       const na = same ? nodal(q, i) : Data.carried(s, i, nodal(q, i)), nb = nodal(q, j);
       out.vertices = na.map((x, k) => x - nb[k]);
-      if (q === "pressure") out.shown = (x, k) => na[k] > 0 || nb[k] > 0;
+      if (q === "pressure") out.over = [above(na, edge(q, i)), above(nb, edge(q, j))];
     }
     return out;
   }
@@ -218,8 +251,8 @@ const Page = (() => {
       if (!differenceRange.has(key)) {
         const now = state.frame;
         let m = 0;
-        // of 50 states every one costs time: some, and the compared one
-        const stride = Math.max(1, Math.floor(Report.frames.length / 12));
+        // many states of large meshes would cost seconds: a dozen, and the compared one
+        const stride = Report.frames.length * state.surface.meshes[j].facetCount < 5e5 ? 1 : Math.max(1, Math.floor(Report.frames.length / 12));
         for (let f = Report.frames.length - 1; f >= 0; --f) {
           if (f % stride && f !== Report.frame) continue;
           state.frame = f;
@@ -232,7 +265,8 @@ const Page = (() => {
     }
     const step = niceStep(most || 1, 40);
     most = most > 0 ? Math.ceil(most / step - 1e-9) * step : 1;
-    return { map: "diverging", least: -most, most, level: niceStep(2 * most, 9), none: "none", noneText: q === "pressure" ? "no contact" : "",
+    const cut = largest(what) > most * (1 + 1e-6);
+    return { map: "diverging", least: -most, most, level: niceStep(2 * most, 9), beyondMost: cut, beyondLeast: cut, none: "none", noneText: q === "pressure" ? "no contact" : "",
       title: Format.axis(`difference of ${about.title}`, about.dimension) };
   }
 
@@ -255,7 +289,11 @@ const Page = (() => {
         const v = values(p.quantity, p.result), q = quantities[p.quantity];
         what = { mesh: s.meshes[p.result], facets: null, vertices: null, shown: q.shown };
         if (!v) p.message = Report.frames[state.frame].states[p.result] < 0 ? "no state at this time" : `no ${q.title} in this file`;
-        else if (state.smooth) what.vertices = nodal(p.quantity, p.result);
+        else if (state.smooth) {
+          what.vertices = nodal(p.quantity, p.result);
+          const level = edge(p.quantity, p.result);
+          if (level !== null) what.over = [above(what.vertices, level)];
+        }
         else what.facets = v;
         if (v && p.quantity === "pressure") {
           const m = measures(p.result), peak = peakPlace(what);
@@ -264,6 +302,7 @@ const Page = (() => {
         }
       }
       what.scale = scale;
+      if (what.vertices) scale.lines = true;
       maps.paint(p, what);
       p.canvas.setAttribute("aria-label", `${p.title()}: ${scale.title}`);
     }
@@ -299,7 +338,7 @@ const Page = (() => {
       canvas.height = Math.round(76 * k);
       canvas.setAttribute("role", "img");
       canvas.setAttribute("aria-label", `Colours of ${scale.title}: ${Format.short(scale.least)} to ${Format.short(scale.most)}`);
-      drawBar(canvas.getContext("2d"), 0, 0, width, k, scale, ink);
+      drawBar(canvas.getContext("2d"), 0, 0, width, k, scale, ink, maps.options.contours);
     });
   }
 
@@ -334,10 +373,10 @@ const Page = (() => {
       if (p.quantity === "pressure" && !p.message) {
         if (p.difference) {
           const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
-          if (pattern) words = line(`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`);
+          if (pattern) words = line(`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`, "nodes");
         } else {
-          const d = measures(p.result);
-          if (d) words = line(`peak ${Format.with(d.nodes.peak, "pressure", 3)}`, `mean ${Format.with(d.nodes.mean, "pressure", 3)}`, `area ${Format.with(d.nodes.area, "area", 4)}`, `force ${Format.with(d.force, "force", 4)}`);
+          const d = measures(p.result), kind = state.smooth ? "nodes" : "facets", of = d && d[kind];
+          if (d) words = line(`${kind}: peak ${Format.with(of.peak, "pressure", 3)}`, `mean ${Format.with(of.mean, "pressure", 3)}`, `area ${Format.with(of.area, "area", 4)}`, `force ${Format.with(d.force, "force", 4)}`);
         }
       }
       p.readout.replaceChildren(...words);
@@ -446,7 +485,7 @@ const Page = (() => {
     });
     state.bars.forEach((scale, i) => {
       const each = Math.min(700, (width - 2 * pad - (perRow - 1) * 30) / perRow);
-      drawBar(c, (pad + (i % perRow) * (each + 30)) * k, (height - pad - (barRows - Math.floor(i / perRow)) * (barHeight + 6)) * k, each, k, scale, ink);
+      drawBar(c, (pad + (i % perRow) * (each + 30)) * k, (height - pad - (barRows - Math.floor(i / perRow)) * (barHeight + 6)) * k, each, k, scale, ink, maps.options.contours);
     });
     Figures.save(await new Promise((done) => canvas.toBlob(done, "image/png")), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
     maps.request();

@@ -68,25 +68,26 @@ class Maps {
       uniforms: { table: { value: null }, least: { value: 0 }, most: { value: 1 }, none: { value: new THREE.Vector3() },
         gone: { value: new THREE.Vector3() }, level: { value: 0 }, zero: { value: 0 } },
       vertexShader: `
-        attribute float value; attribute float shown;
-        varying float v; varying float s; varying vec3 n;
+        attribute float value; attribute float shown; attribute vec2 over;
+        varying float v; varying float s; varying vec2 o; varying vec3 n;
         void main() {
-          v = value; s = shown; n = normalMatrix * normal;
+          v = value; s = shown; o = over; n = normalMatrix * normal;
           gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
         }`,
       fragmentShader: `
         uniform sampler2D table; uniform float least, most, level, zero; uniform vec3 none, gone;
-        varying float v; varying float s; varying vec3 n;
+        varying float v; varying float s; varying vec2 o; varying vec3 n;
         void main() {
           float f = clamp((v - least) / (most - least), 0.0, 1.0);
           vec3 c = texture2D(table, vec2((f * 255.0 + 0.5) / 256.0, 0.5)).rgb;
-          if (level > 0.0 && s > 0.0) {
+          if (level > 0.0) {
             float q = v / level, w = max(fwidth(q), 1e-6);
             float d = abs(fract(q - 0.5) - 0.5) / w;
             float far = smoothstep(0.45, 0.25, w);  // lines closer than a few pixels would only be a smear
             c = mix(c, c * 0.45, (1.0 - smoothstep(0.4, 1.3, d)) * far * max(zero, step(0.5, abs(q))));
           }
-          if (s <= 0.0) c = none;
+          float e = max(o.x, o.y), px = fwidth(e);  // cut within the triangle
+          c = mix(none, c, px > 1e-6 ? clamp(e / px + 0.5, 0.0, 1.0) : step(0.0, e));
           if (s < -1.5) c = gone;
           float facing = abs(normalize(n).z);
           gl_FragColor = vec4(c * (0.80 + 0.20 * facing), 1.0);
@@ -164,19 +165,27 @@ class Maps {
   // ---- geometry: corners of triangles, each with a value of its own ----
   geometry(m) {
     if (this.geometries.has(m)) return this.geometries.get(m);
-    const n = m.triangles.length, positions = new Float32Array(3 * n), normals = new Float32Array(3 * n);
     const around = new Float64Array(m.vertices.length), x = m.vertices;
-    for (let t = 0; t < n; t += 3) {
+    for (let t = 0; t < m.triangles.length; t += 3) {
       const a = 3 * m.triangles[t], b = 3 * m.triangles[t + 1], c = 3 * m.triangles[t + 2];
       const ux = x[b] - x[a], uy = x[b + 1] - x[a + 1], uz = x[b + 2] - x[a + 2];
       const vx = x[c] - x[a], vy = x[c + 1] - x[a + 1], vz = x[c + 2] - x[a + 2];
       const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
       for (const v of [a, b, c]) { around[v] += nx; around[v + 1] += ny; around[v + 2] += nz; }
     }
-    for (let k = 0; k < n; ++k) {
-      const v = 3 * m.triangles[k], size = Math.hypot(around[v], around[v + 1], around[v + 2]) || 1;
-      for (let i = 0; i < 3; ++i) { positions[3 * k + i] = x[v + i]; normals[3 * k + i] = around[v + i] / size; }
-    }
+    // corners of `triangles` among `points`; the middles of quads have the mean of their corners' normals
+    const spread = (points, triangles) => {
+      const n = triangles.length, normals = new Float64Array(points.length), c = m.map.middles;
+      normals.set(around);
+      for (let i = 0; i < c.length && points.length > x.length; ++i)
+        for (let k = 0; k < 3; ++k) normals[x.length + 3 * (i >> 2) + k] += around[3 * c[i] + k];
+      const at = new Float32Array(3 * n), across = new Float32Array(3 * n);
+      for (let k = 0; k < n; ++k) {
+        const v = 3 * triangles[k], size = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
+        for (let i = 0; i < 3; ++i) { at[3 * k + i] = points[v + i]; across[3 * k + i] = normals[v + i] / size; }
+      }
+      return { positions: new THREE.BufferAttribute(at, 3), normals: new THREE.BufferAttribute(across, 3) };
+    };
     // outlines of facets, and edges that only one facet has
     const edges = new Map(), lines = [], rim = [];
     for (let f = 0; f < m.facetCount; ++f) {
@@ -203,22 +212,26 @@ class Maps {
       object.frustumCulled = false;
       return object;
     };
-    const out = { positions: new THREE.BufferAttribute(positions, 3), normals: new THREE.BufferAttribute(normals, 3),
-      lines: line(lines, this.lineMaterial), rim: line(rim, this.rimMaterial), projected: null, version: -1 };
+    const made = [null, null];
+    const corners = (smooth) => made[+smooth] || (made[+smooth] = smooth ? spread(m.map.points, m.map.triangles) : spread(x, m.triangles));
+    const out = { corners, lines: line(lines, this.lineMaterial), rim: line(rim, this.rimMaterial), projected: null, version: -1 };
     this.geometries.set(m, out);
     return out;
   }
 
-  // Colours of one panel. `what`: { mesh, facets (Float32Array per facet) or vertices (per vertex), shown(x) -> 1 shown,
-  // 0 "none" colour; both may be NaN }, scale: { map, least, most, level, none }.
+  // Colours of one panel. `what`: { mesh, facets (per facet) or vertices (per vertex), may be NaN; shown(x, i): of facets,
+  // and of vertices without `over`: whether it has the scale's colour, else that of "none"; over: lists per vertex, where
+  // one of them is 0 or more, interpolated, the scale's colours are shown }, scale: { map, least, most, level, none }.
   paint(panel, what) {
     panel.what = what;
     if (this.fault) return;
-    const m = what.mesh, g = this.geometry(m), n = m.triangles.length;
-    if (!panel.object || panel.mesh !== m) {
-      const geometry = new THREE.BufferGeometry();
+    const m = what.mesh, smooth = !!what.vertices, triangles = smooth ? m.map.triangles : m.triangles, n = triangles.length;
+    if (!panel.object || panel.mesh !== m || panel.smooth !== smooth) {
+      const geometry = new THREE.BufferGeometry(), g = this.geometry(m).corners(smooth);
       geometry.setAttribute("position", g.positions);
       geometry.setAttribute("normal", g.normals);
+      panel.over = new THREE.BufferAttribute(new Float32Array(2 * n), 2);
+      geometry.setAttribute("over", panel.over);
       panel.values = new THREE.BufferAttribute(new Float32Array(n), 1);
       panel.shown = new THREE.BufferAttribute(new Float32Array(n), 1);
       geometry.setAttribute("value", panel.values);
@@ -227,17 +240,23 @@ class Maps {
       panel.object = new THREE.Mesh(geometry, this.material);
       panel.object.frustumCulled = false;
       panel.mesh = m;
+      panel.smooth = smooth;
     }
-    const values = panel.values.array, shown = panel.shown.array;
-    const source = what.facets || what.vertices;
+    const values = panel.values.array, shown = panel.shown.array, over = panel.over.array;
+    const source = smooth ? Data.pointValues(m, what.vertices) : what.facets;
+    // a small number to either side stays one: on the graphics card they are of 4 bytes
+    const size = (list) => { let s = 0; for (const x of list) if (Math.abs(x) > s && x < Infinity) s = Math.abs(x); return s || 1; };
+    const edges = smooth && what.over ? what.over.map((list) => { const s = size(list); return Data.pointValues(m, list.map((x) => Math.max(-1, x / s))); }) : null;
     for (let k = 0; k < n; ++k) {
-      const i = what.facets ? m.facet[(k / 3) | 0] : m.triangles[k];
+      const i = smooth ? triangles[k] : m.facet[(k / 3) | 0];
       const x = source ? source[i] : NaN;
       if (Number.isNaN(x)) { values[k] = 0; shown[k] = -1000; continue; }
       values[k] = x;
-      shown[k] = what.shown(x, i) ? 1 : 0;
+      shown[k] = 1;
+      if (edges) { over[2 * k] = edges[0][i]; over[2 * k + 1] = edges[edges.length - 1][i]; }
+      else over[2 * k] = over[2 * k + 1] = what.shown(x, i) ? 1 : -1;
     }
-    panel.values.needsUpdate = panel.shown.needsUpdate = true;
+    panel.values.needsUpdate = panel.shown.needsUpdate = panel.over.needsUpdate = true;
     this.request();
   }
 
@@ -521,7 +540,8 @@ class Maps {
 }
 
 // A colour bar on a 2-D context, `width` x 76 CSS pixels at scale k.
-function drawBar(c, x, y, width, k, scale, ink) {
+// `contours`: whether the maps have lines of equal value.
+function drawBar(c, x, y, width, k, scale, ink, contours) {
   c.save();
   c.translate(x, y);
   c.scale(k, k);
@@ -542,10 +562,26 @@ function drawBar(c, x, y, width, k, scale, ink) {
     c.fillStyle = Colours.css(scale.map, i / 255);
     c.fillRect(from + i * span / 256, top, span / 256 + 0.6, height);
   }
+  const place = (value) => from + span * (value - scale.least) / (scale.most - scale.least);
+  if (contours && scale.lines) {
+    const first = Math.ceil(scale.least / scale.level + 1e-6), last = Math.floor(scale.most / scale.level - 1e-6);
+    for (let i = first; i <= last; ++i) {
+      if (i === 0 && !(scale.map === "sequential" && scale.least < 0)) continue;
+      const [r, g, b] = Colours.css(scale.map, (i * scale.level - scale.least) / (scale.most - scale.least)).match(/\d+/g);
+      c.fillStyle = 0.3 * r + 0.59 * g + 0.11 * b < 120 ? "rgba(255,255,255,0.75)" : "rgba(0,0,0,0.65)";
+      c.fillRect(place(i * scale.level) - 0.7, top, 1.4, height);
+    }
+  }
+  const arrow = (base, tip, fraction) => {
+    c.fillStyle = Colours.css(scale.map, fraction);
+    c.beginPath(); c.moveTo(base, top); c.lineTo(base, top + height); c.lineTo(tip, top + height / 2); c.fill();
+  };
+  if (scale.beyondMost) arrow(from + span, from + span + 12, 1);
+  if (scale.beyondLeast) arrow(from, from - 12, 0);
   const step = niceStep(scale.most - scale.least, Math.max(2, Math.min(7, Math.floor(span / 64))));
   c.strokeStyle = ink.soft; c.fillStyle = ink.soft; c.textAlign = "center"; c.lineWidth = 1;
   for (let i = Math.ceil(scale.least / step - 1e-9); i * step <= scale.most + 1e-9 * step; ++i) {
-    const value = i * step, px = from + span * (value - scale.least) / (scale.most - scale.least);
+    const value = i * step, px = place(value);
     c.beginPath(); c.moveTo(px, top + height); c.lineTo(px, top + height + 4); c.stroke();
     c.fillText(Format.short(value), px, top + height + 19);
   }
