@@ -696,6 +696,28 @@ TEST(BadInput, Misspelt) {
   EXPECT_NE(f.err.find("\"rnu\" is no command (did you mean \"run\"?)"), std::string::npos) << f.err;
 }
 
+// Model and result taken for each other.
+TEST(BadInput, APlotFileIsNoModel) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "hip.xplt", std::ios::binary) << std::string("BEF\0\0\0\0\1", 8);
+  std::ofstream(folder.path / "hip.feb") << kModel;
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"run", "hip.xplt"}, "hip.xplt: this is a plot file, expected a FEBio model (.feb): dea plot and dea compare"},
+      {{"info", "hip.xplt"}, "hip.xplt: this is a plot file"},
+      {{"hip.xplt"}, "\"hip.xplt\" is no command (did you mean \"dea plot hip.xplt\"?)"},
+      {{"compare", "hip.feb", "hip.xplt"},
+       "hip.feb: this is a FEBio model, not a plot file: \"dea run hip.feb\" writes hip_dea.xplt, take that"},
+  };
+  for (const auto& c : cases) {
+    std::vector<std::string> words = c.first;
+    words.insert(words.begin(), DEA_PROGRAM);
+    const test::Finished f = test::run_program(folder.path, words, kLimit);
+    EXPECT_EQ(f.code, words.size() == 2 ? 2 : 3);
+    EXPECT_NE(f.err.find(c.second), std::string::npos) << f.err;
+    EXPECT_EQ(std::count(f.err.begin(), f.err.end(), '\n'), 1) << f.err;
+  }
+}
+
 // All that is wrong is told at once, the most basic first, and by both commands.
 TEST(BadInput, SeveralReasons) {
   std::string text = edited({{"<Rigid>",

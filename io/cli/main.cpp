@@ -46,10 +46,23 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-' || argv[1][0] == '\0') return "";
   const std::string word = argv[1];
   if (std::find(names.begin(), names.end(), word) != names.end()) return "";
-  const bool model = word.size() > 4 && word.compare(word.size() - 4, 4, ".feb") == 0;
+  const auto ends = [&](const std::string& end) {
+    return word.size() > end.size() && word.compare(word.size() - end.size(), end.size(), end) == 0;
+  };
+  const char* reader = ends(".feb") ? "run" : ends(".xplt") ? "plot" : "";
   return fmt::format("\"{}\" is no command{}; commands are {}", word,
-                     model ? fmt::format(" (did you mean \"dea run {}\"?)", word) : did_you_mean(word, names),
+                     *reader ? fmt::format(" (did you mean \"dea {} {}\"?)", reader, word) : did_you_mean(word, names),
                      name_list(names));
+}
+
+/// "--unrolled": the option one of whose words this is: " (did you mean --view unrolled?)"; "": none.
+std::string value_for_option(const CLI::App& command, const std::string& word) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string words = "|" + option->get_type_name() + "|";
+    if (word.size() > 2 && words.find("|" + word.substr(2) + "|") != std::string::npos && !option->get_lnames().empty())
+      return fmt::format(" (did you mean --{} {}?)", option->get_lnames().front(), word.substr(2));
+  }
+  return "";
 }
 
 /// "--lwa": the options on the command line that the command does not have, and those that may have been meant.
@@ -62,7 +75,9 @@ std::string unknown_options(const CLI::App& command, int argc, char** argv) {
     const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
     if (word.rfind("--", 0) != 0 || word.size() < 3 || std::find(names.begin(), names.end(), word) != names.end())
       continue;
-    text += fmt::format("{}no option {}{}", text.empty() ? "" : ", ", word, did_you_mean(word, names));
+    const std::string value = value_for_option(command, word);
+    text += fmt::format("{}no option {}{}", text.empty() ? "" : ", ", word,
+                        value.empty() ? did_you_mean(word, names) : value);
   }
   return text;
 }
@@ -72,6 +87,16 @@ std::string more_text(const InputError& e) {
   return e.others.empty() ? ""
                           : fmt::format(" (and {} more reason{}: dea info lists them)", e.others.size(),
                                         e.others.size() > 1 ? "s" : "");
+}
+
+/// "dea help" and "dea help run" as "dea --help" and "dea run --help".
+std::vector<std::string> help_words(int argc, char** argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  if (argc < 2 || words[1] != "help") return words;
+  words.erase(words.begin() + 1);
+  words.resize(std::min<std::size_t>(words.size(), 2));
+  words.push_back("--help");
+  return words;
 }
 
 int parse_and_run(int argc, char** argv) {
@@ -110,8 +135,10 @@ int parse_and_run(int argc, char** argv) {
     const std::string command = chosen.empty() ? "dea" : "dea " + chosen.front()->get_name();
     std::string fault = e.what();
     if (chosen.empty() && argc < 2) fault = "no command is given, expected for example dea run MODEL.feb";
-    if (!chosen.empty() && e.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
-      const std::string unknown = unknown_options(*chosen.front(), argc, argv);
+    const int code = e.get_exit_code();  // of two faults, a misspelt option is what is to be mended first
+    if (code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+        code == static_cast<int>(CLI::ExitCodes::RequiredError)) {
+      const std::string unknown = unknown_options(chosen.empty() ? app : *chosen.front(), argc, argv);
       if (!unknown.empty()) fault = unknown;
     }
     return refuse(command + ": ", fmt::format("{} ({} --help lists the options)", fault, command), kWrongUse);
@@ -132,7 +159,11 @@ int parse_and_run(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails the write, like a full disk, and is reported
   try {
-    return parse_and_run(argc, argv);
+    std::vector<std::string> words = help_words(argc, argv);
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    return parse_and_run(static_cast<int>(words.size()), pointers.data());
   } catch (const UsageError& e) {
     return refuse("dea: ", e.what(), kWrongUse);
   } catch (const InputError& e) {

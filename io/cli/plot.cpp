@@ -18,13 +18,14 @@ namespace {
 constexpr const char* kFooter = R"(
 Files may be ours or FEBio's, compressed or not. Facets are drawn as they are, in the reference configuration, all panels
 with one scale; colours are in 128 steps. Lines and --smooth are of nodal averages (area-weighted, of the facets around each
-node); with --smooth the edge of contact encloses as much area as the facets with pressure do. "mean" is over the area with
-pressure. Grey: no contact, or a value of exactly 0.
+node); with --smooth the edge of contact encloses as much area as the facets with pressure do. Numbers are of facets, with
+--smooth of nodes, as in the rows of `dea compare`; "mean" is over the area with pressure. Grey: no contact, or a value of
+exactly 0.
 
 Sockets and flat surfaces are seen along their mean normal; balls, and surfaces whose pressure would be out of sight,
 against the force on them. --view unrolled is for balls and sockets: Lambert's equal-area map about the axis of the fitted
 sphere, seen from the joint, with circles of equal angle from the axis. Files lie side by side, further surfaces and states
-below them.
+below them; --columns 1 stacks all panels.
 
 Examples:
   dea plot hip_dea.xplt
@@ -140,7 +141,8 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   c->add_option("FILES", a.files, "Plot files (.xplt), a panel each")->required()->type_name("");
   once("-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
   c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
-  repeated("--surface", a.surfaces, "What", "Surface to draw; may be repeated [the one with the highest value]");
+  repeated("--surface", a.surfaces, "What",
+           "Surface to draw; may be repeated [the one with the highest pressure anywhere]");
   once("--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");
   once("--at", a.at, "TIME,TIME", "What", "States at these times, a panel each [the last state of each file]");
   once("--states", a.states, "all|last|t1,t2,...", "What", "The same, or all states");
@@ -151,10 +153,12 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   once("--up", a.up, "x,y,z", "View", "What is up in the picture [z, y or x, the first that lies across]");
   c->add_flag("--smooth", a.smooth, "Nodal averages instead of facets as they are")->group("Look");
   once("--contours", a.contours, "none|v1,v2,...", "Look", "Lines of equal value [at the colour bar's numbers]");
-  once("--max", a.high, "VALUE", "Look", "Upper end of the colours [the largest value]");
+  once("--max", a.high, "VALUE", "Look",
+       "Upper end of the colours [the largest value; joint space: what 95 % lie below]");
   once("--min", a.low, "VALUE", "Look", "Lower end of the colours [0, or the least value]");
   once("--title", a.title, "TEXT", "Look", "Title above all panels");
   once("--width", a.width, "MM", "Look", "Width on paper; letters keep their size [130 to 230, by the panels]");
+  once("--columns", a.columns, "N", "Look", "Panels side by side [as many as there are files, or as fit]");
   once("--dpi", a.dpi, "DPI", "Look", "Pixels per inch of a PNG [200]");
   c->add_flag("--dark", a.dark, "Dark paper")->group("Look");
   return c;
@@ -170,6 +174,7 @@ int plot_command(const PlotArguments& a) {
   look.format = format_of(output);
   look.dark = a.dark;
   if (!a.width.empty()) look.width = number_option("width", a.width, 20, 2000);
+  if (!a.columns.empty()) look.columns = count_argument("columns", a.columns, 1, 100);
   if (!a.dpi.empty()) look.dpi = number_option("dpi", a.dpi, 20, 2400);
   if (!a.dpi.empty() && look.format != PictureFormat::Png)
     throw UsageError(fmt::format("--dpi {}: belongs to PNG; {} has no pixels", a.dpi, output));

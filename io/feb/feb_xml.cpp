@@ -72,6 +72,9 @@ std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string
   if (start.rfind("\xFF\xFE", 0) == 0 || start.rfind("\xFE\xFF", 0) == 0) {
     throw InputError(name, 1, "this is text in UTF-16, expected UTF-8: save it with that encoding");
   }
+  if (start.rfind(std::string("BEF\0", 4), 0) == 0 || start.rfind(std::string("\0FEB", 4), 0) == 0) {
+    throw InputError(name + ": this is a plot file, expected a FEBio model (.feb): dea plot and dea compare show it");
+  }
   if (start.rfind("\xEF\xBB\xBF", 0) == 0) start.erase(0, 3);  // byte order mark
   if (start.rfind("<?xml", 0) != 0) {
     for (char& c : start)

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <functional>
@@ -25,7 +26,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kMillimetre = 96.0 / 25.4;  // lengths on paper are in pixels of 1/96 inch, as in SVG
 constexpr int kBands = 128;                  // steps of colour: below what the eye tells apart
 constexpr double kText = 15.0, kBold = 15.5, kTitle = 18.0;
-constexpr double kMargin = 16.0, kGap = 22.0, kBarWidth = 17.0;
+constexpr double kMargin = 16.0, kGap = 22.0, kBarWidth = 17.0, kBarLine = 18.0;
 constexpr double kLegendLine = 24.0, kAxesRoom = 92.0;
 constexpr double kMostPixels = 20000.0;
 
@@ -184,36 +185,54 @@ void draw_contours(Pen& pen, const Placing& place, const MapFigure& figure, cons
 }
 
 /// Black on white, or white on black: to be seen on every colour.
-void stroke_marker(Pen& pen) {
+void stroke_marker(Pen& pen, double size) {
   pen.use({1, 1, 1});
-  cairo_set_line_width(pen.get(), 4.0);
+  cairo_set_line_width(pen.get(), 4.0 * size);
   cairo_stroke_preserve(pen.get());
   pen.use({0, 0, 0});
-  pen.stroke(1.6);
+  pen.stroke(1.6 * size);
 }
 
 /// A triangle that stands on the place.
-void peak_marker(Pen& pen, const Vector2d& p) {
+void peak_marker(Pen& pen, const Vector2d& p, double size) {
   cairo_move_to(pen.get(), p.x(), p.y());
-  cairo_line_to(pen.get(), p.x() - 5.5, p.y() - 10.0);
-  cairo_line_to(pen.get(), p.x() + 5.5, p.y() - 10.0);
+  cairo_line_to(pen.get(), p.x() - 5.5 * size, p.y() - 10.0 * size);
+  cairo_line_to(pen.get(), p.x() + 5.5 * size, p.y() - 10.0 * size);
   cairo_close_path(pen.get());
-  stroke_marker(pen);
+  stroke_marker(pen, size);
 }
 
-void center_marker(Pen& pen, const Vector2d& p) {
-  constexpr double a = 6.0;
+void center_marker(Pen& pen, const Vector2d& p, double size) {
+  const double a = 6.0 * size;
   cairo_move_to(pen.get(), p.x() - a, p.y());
   cairo_line_to(pen.get(), p.x() + a, p.y());
   cairo_move_to(pen.get(), p.x(), p.y() - a);
   cairo_line_to(pen.get(), p.x(), p.y() + a);
-  stroke_marker(pen);
+  stroke_marker(pen, size);
 }
 
 struct Box {
   Vector2d low = Vector2d::Constant(1e300), high = Vector2d::Constant(-1e300);
 };
 
+/// Angles from the pole of an unrolled map at which there are circles.
+std::vector<double> angle_circles(const MapSurface& s) {
+  double reach = 0.0;
+  for (int t = 0; t < s.mesh.size(); ++t)
+    if (s.projection.layer[at(t)] >= 0)
+      for (int v : s.mesh.triangles[at(t)]) reach = std::max(reach, s.projection.points[at(v)].norm());
+  const double most = 2.0 * std::asin(std::min(1.0, reach / (2.0 * s.view.radius))) * 180.0 / kPi;
+  const double step = most > 50 ? 30.0 : most > 25 ? 15.0 : most > 12 ? 5.0 : 2.0;
+  std::vector<double> angles;
+  for (double angle = step; angle < most + 0.02 * step && angle < 179; angle += step) angles.push_back(angle);
+  return angles;
+}
+
+double circle_radius(const MapSurface& s, double degrees) {
+  return 2.0 * s.view.radius * std::sin(0.5 * degrees * kPi / 180.0);
+}
+
+/// Of the surface on the map, and of the circles about its pole.
 Box extent(const MapSurface& s) {
   Box box;
   for (int t = 0; t < s.mesh.size(); ++t) {
@@ -224,26 +243,54 @@ Box extent(const MapSurface& s) {
     }
   }
   if (!(box.high.x() >= box.low.x())) box.low = box.high = Vector2d::Zero();
+  if (s.view.unrolled) {
+    const std::vector<double> angles = angle_circles(s);
+    const double r = angles.empty() ? 0.0 : circle_radius(s, angles.back());
+    box.low = box.low.cwiseMin(Vector2d(-r, -r));
+    box.high = box.high.cwiseMax(Vector2d(r, r));
+  }
   return box;
 }
 
-/// Circles of equal angle from the pole of an unrolled map, where the surface is.
-void draw_angles(Pen& pen, const Placing& place, const MapSurface& s, const Box& box, const Paper& paper) {
-  double reach = 0.0;
-  for (int t = 0; t < s.mesh.size(); ++t)
-    if (s.projection.layer[at(t)] >= 0)
-      for (int v : s.mesh.triangles[at(t)]) reach = std::max(reach, s.projection.points[at(v)].norm());
+bool touches(const std::array<Vector2d, 3>& triangle, const Vector2d& low, const Vector2d& high) {
+  Vector2d a = triangle[0], b = triangle[0];
+  for (const Vector2d& p : triangle) {
+    a = a.cwiseMin(p);
+    b = b.cwiseMax(p);
+  }
+  if ((a.array() > high.array()).any() || (b.array() < low.array()).any()) return false;
+  for (int k = 0; k < 3; ++k) {  // an edge with the whole box beyond it
+    const Vector2d p = triangle[at(k)], d = triangle[at((k + 1) % 3)] - p, q = triangle[at((k + 2) % 3)] - p;
+    const double inside = d.x() * q.y() - d.y() * q.x() < 0 ? -1.0 : 1.0;
+    bool beyond = true;
+    for (const Vector2d& corner : {low, high, Vector2d(low.x(), high.y()), Vector2d(high.x(), low.y())})
+      beyond = beyond && inside * (d.x() * (corner - p).y() - d.y() * (corner - p).x()) < 0;
+    if (beyond) return false;
+  }
+  return true;
+}
+
+/// Circles of equal angle from the pole of an unrolled map, each with its angle: where there are no values, if
+/// possible.
+void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const MapSurface& s, const Box& box,
+                 const Paper& paper) {
   const Vector2d middle = place(Vector2d(0, 0)), low = place({box.low.x(), box.high.y()}),
                  high = place({box.high.x(), box.low.y()});
   pen.font(12.5);
-  const double most = 2.0 * std::asin(std::min(1.0, reach / (2.0 * s.view.radius))) * 180.0 / kPi;
-  const double step = most > 50 ? 30.0 : most > 25 ? 15.0 : most > 12 ? 5.0 : 2.0;
   const double dashes[] = {1.0, 4.0};
-  for (double angle = step; angle < most + 0.02 * step && angle < 179; angle += step) {
-    const double r = 2.0 * s.view.radius * std::sin(0.5 * angle * kPi / 180.0) * place.scale;
-    cairo_save(pen.get());
-    cairo_rectangle(pen.get(), low.x() - 6, low.y() - 6, high.x() - low.x() + 12, high.y() - low.y() + 12);
-    cairo_clip(pen.get());
+  std::vector<std::array<Vector2d, 3>> valued;  // on paper
+  for (int t = 0; t < s.mesh.size(); ++t) {
+    if (s.projection.layer[at(t)] < 0 || !std::isfinite(panel.facets[at(s.mesh.facet[at(t)])])) continue;
+    const auto corner = [&](std::size_t k) { return place(s.projection.points[at(s.mesh.triangles[at(t)][k])]); };
+    valued.push_back({corner(0), corner(1), corner(2)});
+  }
+  std::vector<Box> taken;
+  const auto take = [&](const Vector2d& p, double r) { taken.push_back({p - Vector2d(r, r), p + Vector2d(r, r)}); };
+  if (panel.peak) take(place(*panel.peak) - Vector2d(0, 5), 8);
+  if (panel.center_of_pressure) take(place(*panel.center_of_pressure), 8);
+  for (double angle : angle_circles(s)) {
+    const double r = circle_radius(s, angle) * place.scale;
+    cairo_new_sub_path(pen.get());
     cairo_arc(pen.get(), middle.x(), middle.y(), r, 0, 2 * kPi);
     cairo_set_dash(pen.get(), dashes, 2, 0.0);
     pen.use({1, 1, 1}, 0.6);
@@ -251,23 +298,41 @@ void draw_angles(Pen& pen, const Placing& place, const MapSurface& s, const Box&
     cairo_stroke_preserve(pen.get());
     pen.use({0, 0, 0}, 0.9);
     pen.stroke(1.0);
-    cairo_restore(pen.get());
+    cairo_set_dash(pen.get(), nullptr, 0, 0.0);
+  }
+  for (double angle : angle_circles(s)) {
+    const double r = circle_radius(s, angle) * place.scale;
     const std::string text = fmt::format("{:g}\u00b0", angle);
-    const double w = pen.width(text);
-    for (int k = 0; k < 24; ++k) {  // below the pole, or the next place to both sides that is on the map
-      const double turn = (k % 2 == 0 ? 1 : -1) * ((k + 1) / 2) * 15.0 * kPi / 180.0;
+    const Vector2d half(0.5 * pen.width(text) + 2, 7);
+    std::size_t least = static_cast<std::size_t>(-1);
+    Vector2d best = middle + r * Vector2d(0, 1);
+    for (int k = 0; k < 48 && least > 0; ++k) {  // below the pole, or the next place to both sides
+      const double turn = (k % 2 == 0 ? 1 : -1) * ((k + 1) / 2) * 7.5 * kPi / 180.0;
       const Vector2d p = middle + r * Vector2d(std::sin(turn), std::cos(turn));
-      if (p.x() < low.x() || p.x() > high.x() || p.y() < low.y() || p.y() > high.y()) continue;
-      pen.use(paper.background, 0.8);
-      pen.rectangle(p.x() - 0.5 * w - 2, p.y() - 7, w + 4, 14);
-      pen.use(paper.text);
-      pen.text(p.x() - 0.5 * w, p.y() + 4.5, text);
-      break;
+      if (p.x() < low.x() - 1 || p.x() > high.x() + 1 || p.y() < low.y() - 1 || p.y() > high.y() + 1) continue;
+      std::size_t covered = 0;
+      for (const auto& triangle : valued) covered += touches(triangle, p - half, p + half) ? 1 : 0;
+      for (const Box& b : taken)
+        if (((p + half).array() > b.low.array()).all() && ((p - half).array() < b.high.array()).all())
+          covered += 1000000;
+      if (covered >= least) continue;
+      least = covered;
+      best = p;
     }
+    taken.push_back({best - half, best + half});
+    cairo_move_to(pen.get(), best.x() - half.x() + 2, best.y() + 4.5);
+    cairo_text_path(pen.get(), text.c_str());
+    pen.use(paper.background, 0.85);
+    cairo_set_line_width(pen.get(), 3.5);
+    cairo_stroke_preserve(pen.get());
+    pen.use(paper.text);
+    cairo_fill(pen.get());
   }
 }
 
-void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const MapPanel& panel, const Paper& paper) {
+/// `marks`: their size, 1 on a map of usual size.
+void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const MapPanel& panel, const Paper& paper,
+                double marks) {
   const MapSurface& s = figure.surfaces[at(panel.surface)];
   for (int layer = 0; layer < s.projection.layers; ++layer) {
     const TriangleMask all = layer_triangles(s.mesh, s.projection, layer);
@@ -290,9 +355,9 @@ void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const M
     pen.use(paper.line);
     pen.stroke(1.0);
   }
-  if (s.view.unrolled) draw_angles(pen, place, s, extent(s), paper);
-  if (panel.center_of_pressure) center_marker(pen, place(*panel.center_of_pressure));
-  if (panel.peak) peak_marker(pen, place(*panel.peak));
+  if (s.view.unrolled) draw_angles(pen, place, panel, s, extent(s), paper);
+  if (panel.center_of_pressure) center_marker(pen, place(*panel.center_of_pressure), marks);
+  if (panel.peak) peak_marker(pen, place(*panel.peak), marks);
 }
 
 std::string tick_text(double x, double step) {
@@ -303,19 +368,70 @@ std::string tick_text(double x, double step) {
   return x < -1e-9 * step ? "\u2212" + digits : digits;
 }
 
-/// Words cut to what there is room for.
-std::string fitted(const Pen& pen, std::string text, double room) {
-  if (pen.width(text) <= room) return text;
-  while (!text.empty() && pen.width(text + "\u2026") > room) {
-    text.pop_back();
-    while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xC0) == 0x80) text.pop_back();
-    if (!text.empty() && static_cast<unsigned char>(text.back()) >= 0xC0) text.pop_back();
-  }
-  return text + "\u2026";
+/// Where the letters of a text begin, and its end.
+std::vector<std::size_t> letters(const std::string& text) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) starts.push_back(i);
+  starts.push_back(text.size());
+  return starts;
 }
 
-/// Colour bar with its ticks to the right; arrows where values go on beyond its ends.
-void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, double y, double height) {
+/// Words cut in their middle to what there is room for; `kept` at their end stays.
+std::string fitted(const Pen& pen, const std::string& text, double room, const std::string& kept = "") {
+  if (pen.width(text) <= room) return text;
+  const std::string lead = text.substr(0, text.size() - kept.size());
+  const std::vector<std::size_t> at_letter = letters(lead);
+  const std::size_t n = at_letter.size() - 1,
+                    ends = kept.empty() ? 0 : std::min<std::size_t>(n, 2);  // the ", " before what is kept
+  for (std::size_t left = n - ends; left-- > 1;) {
+    const std::size_t front = (left + 1) / 2, back = left / 2;
+    std::string cut = lead.substr(0, at_letter[front]);
+    cut.append("\u2026").append(lead, at_letter[n - ends - back]).append(kept);
+    if (pen.width(cut) <= room) return cut;
+  }
+  return kept.empty() ? "\u2026" : kept;
+}
+
+/// Words in `lines` lines of about the same length.
+std::vector<std::string> broken(const Pen& pen, const std::string& text, int lines) {
+  std::vector<std::string> words(1), out(1);
+  for (char c : text) {
+    if (c == ' ')
+      words.emplace_back();
+    else
+      words.back() += c;
+  }
+  const double each = pen.width(text) / lines;
+  for (const std::string& word : words) {
+    const std::string longer = out.back().empty() ? word : out.back() + " " + word;
+    const bool full = !out.back().empty() && pen.width(longer) - 0.5 * pen.width(word) > each;
+    if (full && static_cast<int>(out.size()) < lines)
+      out.push_back(word);
+    else
+      out.back() = longer;
+  }
+  return out;
+}
+
+std::string bar_title(const MapFigure& figure) {
+  return figure.quantity + (figure.unit.empty() ? "" : " [" + figure.unit + "]");
+}
+
+/// Lines of the bar's title that are no longer than `room`; four, if they are all longer.
+std::vector<std::string> bar_title_lines(const Pen& pen, const MapFigure& figure, double room) {
+  std::vector<std::string> lines;
+  for (int n = 1; n <= 4; ++n) {
+    lines = broken(pen, bar_title(figure), n);
+    if (std::all_of(lines.begin(), lines.end(), [&](const std::string& s) { return pen.width(s) <= room; })) break;
+  }
+  return lines;
+}
+
+/// Colour bar with its ticks to the right; arrows where values go on beyond its ends. The title has room from `top` to
+/// `bottom`.
+void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, double y, double height, double top,
+              double bottom) {
   const double each = height / kBands;
   for (int b = 0; b < kBands; ++b) {  // each reaches down to the end, so that there are no seams
     pen.use(band_colour(figure, kBands - 1 - b));
@@ -354,20 +470,28 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
     pen.text(x + kBarWidth + 8, ty + 0.35 * kText, text);
     widest = std::max(widest, pen.width(text));
   }
-  const std::string quantity = figure.quantity + (figure.unit.empty() ? "" : " [" + figure.unit + "]");
-  const std::string text = fitted(pen, quantity, height + 24);
-  cairo_save(pen.get());
-  cairo_translate(pen.get(), x + kBarWidth + 8 + widest + 10 + 0.75 * kText, y + 0.5 * height);
-  cairo_rotate(pen.get(), -0.5 * kPi);
-  pen.text(-0.5 * pen.width(text), 0, text);
-  cairo_restore(pen.get());
+  const std::vector<std::string> lines = bar_title_lines(pen, figure, bottom - top);
+  double longest = 1e-9;
+  for (const std::string& line : lines) longest = std::max(longest, pen.width(line));
+  const double shrink = std::min(1.0, (bottom - top) / longest);
+  const double middle = std::clamp(y + 0.5 * height, top + 0.5 * shrink * longest, bottom - 0.5 * shrink * longest);
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    cairo_save(pen.get());
+    cairo_translate(pen.get(), x + kBarWidth + 8 + widest + 10 + 0.75 * kText + static_cast<double>(k) * kBarLine,
+                    middle);
+    cairo_rotate(pen.get(), -0.5 * kPi);
+    pen.font(kText * shrink);
+    pen.text(-0.5 * pen.width(lines[k]), 0, lines[k]);
+    cairo_restore(pen.get());
+  }
+  pen.font(kText);
 }
 
-double bar_room(const Pen& pen, const MapFigure& figure) {
+double bar_room(const Pen& pen, const MapFigure& figure, std::size_t lines) {
   double widest = 0.0;
   const double step = figure.ticks.size() > 1 ? figure.ticks[1] - figure.ticks[0] : 1.0;
   for (double tick : figure.ticks) widest = std::max(widest, pen.width(tick_text(tick, step)));
-  return kBarWidth + 8 + widest + 10 + kText + 4;
+  return kBarWidth + 8 + widest + 10 + kText + 4 + static_cast<double>(lines - 1) * kBarLine;
 }
 
 /// The global axes as they lie on the map, but one that points at the viewer or away.
@@ -467,10 +591,10 @@ std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
   std::vector<Entry> entries;
   if (peak)
     entries.push_back({figure.pressure && figure.map == ColourMap::Sequential ? "peak" : "largest",
-                       [](Pen& pen, const Vector2d& p) { peak_marker(pen, p + Vector2d(8, 5)); }});
+                       [](Pen& pen, const Vector2d& p) { peak_marker(pen, p + Vector2d(8, 5), 1.0); }});
   if (center)
     entries.push_back(
-        {"centre of pressure", [](Pen& pen, const Vector2d& p) { center_marker(pen, p + Vector2d(8, 0)); }});
+        {"centre of pressure", [](Pen& pen, const Vector2d& p) { center_marker(pen, p + Vector2d(8, 0), 1.0); }});
   if (nothing) entries.push_back({figure.pressure ? "no contact" : "no value", square(paper.nothing)});
   if (away) entries.push_back({"turned away", square(paper.turned_away)});
   if (figure.surfaces.front().view.unrolled)
@@ -500,20 +624,31 @@ double legend_start(const Pen& pen, const MapFigure& figure, const Layout& l) {
   return x + length * l.scale + 8 + pen.width(scale_bar_text(figure, length)) + 26;
 }
 
-Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options, const Paper& paper) {
+/// `bar_lines`: of the bar's title.
+Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options, const Paper& paper,
+               std::size_t bar_lines) {
   Layout l;
   const int n = static_cast<int>(figure.panels.size());
   l.columns = figure.columns > 0 && figure.columns <= 6 ? figure.columns
               : n <= 4                                  ? (n == 4 ? 2 : n)
                                                         : std::min(6, static_cast<int>(std::ceil(std::sqrt(1.4 * n))));
-  l.rows = (n + l.columns - 1) / l.columns;
-  l.bar = figure.empty ? 0.0 : kGap + bar_room(pen, figure);
+  if (options.columns > 0) l.columns = std::min(n, options.columns);
+  l.bar = figure.empty ? 0.0 : kGap + bar_room(pen, figure, bar_lines);
   const double widths[] = {130, 190, 230};
   const double millimetres = options.width > 0 ? options.width
                              : l.columns <= 3  ? widths[l.columns - 1]
                                                : 64.0 * l.columns + 30;
   l.width = std::round(millimetres * kMillimetre);
-  l.panel_width = (l.width - 2 * kMargin - l.bar - (l.columns - 1) * kGap) / l.columns;
+  const auto panel_width = [&](int columns) {
+    return (l.width - 2 * kMargin - l.bar - (columns - 1) * kGap) / columns;
+  };
+  const int wanted = l.columns;
+  // Fewer side by side where there is little room; a row of files stays whole, or is cut into equal parts.
+  while (options.columns <= 0 && l.columns > 1 &&
+         (panel_width(l.columns) < 120.0 || (figure.columns > 0 && wanted % l.columns != 0)))
+    --l.columns;
+  l.rows = (n + l.columns - 1) / l.columns;
+  l.panel_width = panel_width(l.columns);
   if (!(l.panel_width >= 60))
     throw UsageError(
         fmt::format("--width {:g}: found {:.0f} mm for each of {} panels side by side, expected 16 mm or more: about "
@@ -577,7 +712,9 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
     const double x = l.panel_x(i), y = l.panel_y(i);
     pen.font(kBold, true);
     pen.use(paper.text);
-    pen.text(x, y + kBold - 2, fitted(pen, panel.title, l.panel_width + 0.5 * kGap));
+    const double room = l.panel_width + 0.5 * kGap;
+    if (pen.width(panel.when) > room) pen.font(kBold * room / pen.width(panel.when), true);
+    pen.text(x, y + kBold - 2, fitted(pen, panel.title, room, panel.when));
     pen.font(kText);
     pen.use(paper.faint);
     const auto line = std::find_if(panel.numbers.begin(), panel.numbers.end(),
@@ -588,12 +725,12 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
     const Vector2d middle = 0.5 * (box.low + box.high);
     place.origin = {x + 0.5 * l.panel_width - l.scale * middle.x(),
                     y + l.header + 0.5 * l.map_height + l.scale * middle.y()};
-    draw_panel(pen, place, figure, panel, paper);
+    draw_panel(pen, place, figure, panel, paper, std::clamp(std::min(l.panel_width, l.map_height) / 220.0, 0.45, 1.0));
   }
   if (!figure.empty) {
     const double height = std::min(l.map_height - 16, 300.0);
     draw_bar(pen, figure, paper, l.width - kMargin - l.bar + kGap, l.top + l.header + 0.5 * (l.map_height - height),
-             height);
+             height, l.top, l.height - l.footer);
   }
   draw_footer(pen, figure, l, paper);
 }
@@ -629,7 +766,14 @@ std::string picture(const MapFigure& figure, const PictureOptions& options) {
     const SurfaceHolder probe(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1), cairo_surface_destroy);
     Pen pen(probe.get());
     pen.font(kText);
-    layout = lay_out(pen, figure, options, colours);
+    std::size_t lines = 1;
+    for (int k = 0; k < 4; ++k) {  // a longer title of the bar takes of the maps' room
+      layout = lay_out(pen, figure, options, colours, lines);
+      const std::size_t needed =
+          figure.empty ? 1 : bar_title_lines(pen, figure, layout.height - layout.footer - layout.top).size();
+      if (needed <= lines) break;
+      lines = needed;
+    }
   }
   std::string bytes;
   SurfaceHolder surface(nullptr, cairo_surface_destroy);

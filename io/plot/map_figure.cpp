@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "error.h"
+#include "names.h"
 #include "settings_xml.h"
 
 namespace dea {
@@ -68,14 +69,24 @@ std::string unit_of(const std::string& system, const std::string& dimension) {
   return "";
 }
 
+/// " (did you mean "socket"?)": the name that is near, or else the only one that holds the word.
+std::string meant(const std::string& word, const std::vector<std::string>& names) {
+  const std::string near = did_you_mean(word, names);
+  if (!near.empty() || word.empty()) return near;
+  std::vector<std::string> holders;
+  for (const std::string& name : names)
+    if (name.find(word) != std::string::npos) holders.push_back(name);
+  return holders.size() == 1 ? fmt::format(" (did you mean \"{}\"?)", holders.front()) : "";
+}
+
 void require_field(const ResultFile& file, const std::string& field) {
   if (find_variable(file.plot, XpltGroup::Surface, field) >= 0) return;
   std::vector<std::string> scalars;
   for (const XpltVariable& v : file.plot.variables)
     if (v.group == XpltGroup::Surface && v.type == XpltType::Float && v.format != XpltFormat::Region)
       scalars.push_back(v.name);
-  throw InputError(
-      fmt::format("{}: found no surface field \"{}\", expected one of {}", file.path, field, listed(scalars)));
+  throw InputError(fmt::format("{}: found no surface field \"{}\"{}, expected one of {}", file.path, field,
+                               meant(field, scalars), listed(scalars)));
 }
 
 int require_surface(const ResultFile& file, int state, const std::string& name) {
@@ -83,7 +94,8 @@ int require_surface(const ResultFile& file, int state, const std::string& name) 
   if (surface >= 0) return surface;
   std::vector<std::string> names;
   for (const XpltFacets& s : mesh_of(file, state).surfaces) names.push_back(s.name);
-  throw InputError(fmt::format("{}: found no surface \"{}\", expected one of {}", file.path, name, listed(names)));
+  throw InputError(fmt::format("{}: found no surface \"{}\"{}, expected one of {}", file.path, name, meant(name, names),
+                               listed(names)));
 }
 
 /// One state of each file.
@@ -121,11 +133,31 @@ std::vector<Row> choose_states(const std::vector<ResultFile>& files, const MapOp
   return rows;
 }
 
-/// The surfaces that carry the field somewhere, the one with the largest value first.
+constexpr const char* kPressure = "contact pressure";
+
+/// The largest value of a field on a surface in any state; 0 where it has none.
+double largest_ever(const ResultFile& file, const std::string& surface, const std::string& field) {
+  double most = 0.0;
+  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+    const int index = find_surface(file, state, surface);
+    if (index < 0) continue;
+    for (double x : facet_values(file, state, index, field, true))
+      if (std::isfinite(x)) most = std::max(most, x);
+  }
+  return most;
+}
+
+/// The surfaces that carry the field in all files. First the one with the highest pressure anywhere in the first file,
+/// whatever is asked for: pictures of other fields and times are of the same surface. Then those with values. Files
+/// without pressure: as they come, FEBio's primary surface first.
 std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, const std::vector<Row>& rows,
                                          const std::string& field) {
+  struct Found {
+    double pressure, most;
+    std::string name;
+  };
   const ResultFile& first = files.front();
-  std::vector<std::pair<double, std::string>> found;
+  std::vector<Found> found;
   for (const XpltFacets& s : mesh_of(first, rows.front().front()).surfaces) {
     double most = 0.0;
     bool carried = false, everywhere = true;
@@ -142,13 +174,40 @@ std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, c
         for (double x : values) most = std::max(most, std::abs(x));
       }
     }
-    if (carried && everywhere) found.push_back({most, s.name});
+    if (carried && everywhere) found.push_back({largest_ever(first, s.name, kPressure), most, s.name});
   }
-  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.pressure > b.pressure; });
   std::vector<std::string> names;
-  for (const auto& f : found)
-    if (f.first > 0 || names.empty()) names.push_back(f.second);
+  for (const Found& f : found)
+    if (f.most > 0 || names.empty()) names.push_back(f.name);
   return names;
+}
+
+/// The value that 95 % of a surface's area stays below, in all states together.
+double most_of_area_below(const ResultFile& file, const std::string& surface, const std::string& field) {
+  std::vector<std::pair<double, double>> found;  // value, area
+  double area = 0.0;
+  ResultSurface s;
+  int mesh = -1;
+  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+    const int index = find_surface(file, state, surface);
+    if (index < 0) continue;
+    if (file.plot.states[at(state)].mesh != mesh) s = result_surface(file, state, index);
+    mesh = file.plot.states[at(state)].mesh;
+    const std::vector<double> values = facet_values(file, state, index, field, true);
+    for (std::size_t f = 0; f < values.size(); ++f) {
+      if (values[f] == 0 || !std::isfinite(values[f])) continue;
+      found.push_back({values[f], s.facet_areas[f]});
+      area += s.facet_areas[f];
+    }
+  }
+  std::sort(found.begin(), found.end());
+  double below = 0.0;
+  for (const auto& f : found) {
+    below += f.second;
+    if (below >= 0.95 * area) return f.first;
+  }
+  return 0.0;
 }
 
 /// What one panel shows, before it is laid on the map.
@@ -240,7 +299,11 @@ void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
   const MapSurface& s = figure.surfaces[at(panel.surface)];
   const std::string unit = figure.unit.empty() ? "" : fmt::format(" {}", figure.unit);
   const std::string area_unit = figure.length_unit.empty() ? "" : fmt::format(" {}\u00b2", figure.length_unit);
-  const std::vector<double> shown = finite(figure.smooth ? values.vertices : values.facets);
+  // All of nodes or all of facets, as dea compare has them in its rows.
+  const std::vector<double>& of = figure.smooth ? values.vertices : values.facets;
+  const std::vector<double> areas = figure.smooth ? nodal_areas(s.surface) : s.surface.facet_areas;
+  const char* where = figure.smooth ? "nodes" : "facets";
+  const std::vector<double> shown = finite(of);
   // where two results agree exactly a difference of 0 is the answer
   const bool zero = std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; });
   if (shown.empty() || (zero && figure.map == ColourMap::Sequential)) {
@@ -250,41 +313,38 @@ void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
   const auto [least, most] = std::minmax_element(shown.begin(), shown.end());
   double area = 0.0, sum = 0.0, squares = 0.0;
   Vector3d center = Vector3d::Zero();
-  for (std::size_t f = 0; f < values.facets.size(); ++f) {
-    const double x = values.facets[f];
-    if (!std::isfinite(x)) continue;
-    area += s.surface.facet_areas[f];
-    sum += s.surface.facet_areas[f] * x;
-    squares += s.surface.facet_areas[f] * x * x;
-    center += s.surface.facet_areas[f] * x * s.surface.facet_centers[f];
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    if (!std::isfinite(of[i]) || (figure.pressure && figure.map == ColourMap::Sequential && !(of[i] > 0))) continue;
+    area += areas[i];
+    sum += areas[i] * of[i];
+    squares += areas[i] * of[i] * of[i];
   }
   if (figure.map == ColourMap::Diverging) {
-    if (figure.smooth) {  // as dea compare has it
-      const std::vector<double> areas = nodal_areas(s.surface);
-      area = squares = 0.0;
-      for (std::size_t i = 0; i < areas.size(); ++i) {
-        if (!std::isfinite(values.vertices[i])) continue;
-        area += areas[i];
-        squares += areas[i] * values.vertices[i] * values.vertices[i];
-      }
-    }
-    const std::string range = number(*least, true) + " to " + number(*most, true);
+    const std::string range = fmt::format("{}: {} to {}", where, number(*least, true), number(*most, true));
     panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
     return;
   }
   if (!figure.pressure) {
-    panel.numbers = {fmt::format("{} to {}, mean {}{}", number(*least), number(*most), number(sum / area), unit),
-                     fmt::format("{} to {}{}", number(*least), number(*most), unit)};
+    const std::string range = fmt::format("{}: {} to {}", where, number(*least), number(*most));
+    panel.numbers = {fmt::format("{}, mean {}{}", range, number(sum / area), unit), range + unit, range};
     return;
   }
-  panel.numbers = {
-      fmt::format("peak {}, mean {}{}, area {:.4g}{}", number(*most), number(sum / area), unit, area, area_unit),
-      fmt::format("peak {}, mean {}{}", number(*most), number(sum / area), unit),
-      fmt::format("peak {}{}", number(*most), unit), fmt::format("peak {}", number(*most))};
-  if (sum > 0) panel.center_of_pressure = on_map(s.view, center / sum);
+  const std::string peak = fmt::format("{}: peak {}", where, number(*most)),
+                    means = fmt::format("{}, mean {}{}", peak, number(sum / area), unit);
+  panel.numbers = {fmt::format("{}, area {:.4g}{}", means, area, area_unit), means, peak + unit, peak,
+                   fmt::format("peak {}", number(*most))};
+  double force = 0.0;
+  for (std::size_t f = 0; f < values.facets.size(); ++f) {
+    if (!std::isfinite(values.facets[f])) continue;
+    const double weight = s.surface.facet_areas[f] * values.facets[f];
+    force += weight;
+    center += weight * s.surface.facet_centers[f];
+  }
+  if (force > 0) panel.center_of_pressure = on_map(s.view, center / force);
 }
 
-void choose_scale(MapFigure& figure, const MapOptions& o) {
+/// `usual`: the upper end where the largest value means little; 0: it is the end.
+void choose_scale(MapFigure& figure, const MapOptions& o, double usual) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const MapPanel& panel : figure.panels) {
     for (double x : finite(figure.smooth ? panel.points : panel.facets)) {
@@ -302,7 +362,7 @@ void choose_scale(MapFigure& figure, const MapOptions& o) {
     figure.high = o.high.value_or(zero ? 1.0 : std::max(std::abs(least), std::abs(most)));
     figure.low = -figure.high;
   } else {
-    figure.high = o.high.value_or(most);
+    figure.high = o.high.value_or(usual > 0 && usual > o.low.value_or(0.0) ? usual : most);
     figure.low = o.low.value_or(least < 0 || (!figure.pressure && least > 0.5 * most) ? least : 0.0);
     if (!(figure.high > figure.low) && !o.low) figure.low = std::min(0.0, 2.0 * figure.high);
     if (!(figure.high > figure.low) && !o.high) figure.high = figure.low + 1.0;
@@ -355,6 +415,37 @@ void remark_hidden(MapFigure& figure) {
   figure.remarks.erase(std::unique(figure.remarks.begin(), figure.remarks.end()), figure.remarks.end());
 }
 
+/// Results that are cut off; and surfaces without pressure in one of them, which look as if nothing touched them.
+/// Returns, per file, the surfaces that have none.
+std::vector<std::vector<std::string>> remark_files(const std::vector<const ResultFile*>& files,
+                                                   const std::vector<std::string>& names, const MapOptions& o,
+                                                   MapFigure& figure) {
+  std::vector<std::vector<std::string>> without(files.size());
+  for (const ResultFile* file : files)
+    if (file->plot.truncated)
+      figure.remarks.push_back(
+          fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file->path,
+                      file->plot.states.back().time));
+  if (!is_pressure(o.field)) return without;
+  for (const std::string& name : names) {
+    std::vector<char> pressed;
+    for (const ResultFile* file : files) pressed.push_back(largest_ever(*file, name, o.field) > 0);
+    if (std::find(pressed.begin(), pressed.end(), 1) == pressed.end()) continue;
+    std::string unpressed;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (pressed[i]) continue;
+      without[i].push_back(name);
+      unpressed += fmt::format("{}{}", unpressed.empty() ? "" : ", ", files[i]->label);
+    }
+    if (!unpressed.empty())
+      figure.remarks.push_back(
+          fmt::format("note: surface \"{}\" has no pressure anywhere in {}; FEBio computes a contact's pressure on its "
+                      "primary surface only, unless told otherwise",
+                      name, unpressed));
+  }
+  return without;
+}
+
 void choose_units(const std::vector<const ResultFile*>& files, const MapOptions& o, MapFigure& figure) {
   std::string system;
   for (const ResultFile* file : files) {
@@ -365,7 +456,7 @@ void choose_units(const std::vector<const ResultFile*>& files, const MapOptions&
   }
   const ResultFile& first = *files.front();
   std::string dimension = first.plot.variables[at(find_variable(first.plot, XpltGroup::Surface, o.field))].units;
-  if (dimension.empty() && is_pressure(o.field)) dimension = "P";
+  if (dimension.empty() && is_pressure(o.field)) dimension.assign(1, 'P');
   figure.unit = unit_of(system, dimension);
   figure.length_unit = unit_of(system, "L");
 }
@@ -410,6 +501,10 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
                                            loaded.front(),
                                            listed(std::vector<std::string>(loaded.begin() + 1, loaded.end()))));
   }
+  const std::vector<std::vector<std::string>> without = remark_files(all, names, o, figure);
+  const auto has_none = [&](std::size_t file, const std::string& name) {
+    return std::find(without[file].begin(), without[file].end(), name) != without[file].end();
+  };
   const std::size_t count = rows.size() * names.size() * files.size();
   if (count > at(kMostPanels))
     throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer: choose states with --at t1,t2,...",
@@ -420,6 +515,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
     figure.columns = static_cast<int>(names.size());
 
   std::vector<Values> values;
+  std::vector<std::string> nothing_there;  // per panel: what stands in place of numbers
   std::vector<std::pair<std::size_t, std::pair<std::string, int>>> key_of;  // file, surface, mesh -> figure.surfaces
   for (const Row& row : rows) {
     for (const std::string& name : names) {
@@ -482,7 +578,14 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
         if (names.size() > 1 || (alone && rows.size() == 1)) add(name);
         if (!same_times && minus == nullptr)
           figure.remarks.push_back("warning: the files' last states are at different times; --at T shows one time");
-        if (rows.size() > 1 || !same_times || (alone && names.size() == 1)) add(fmt::format("time {:.6g}", time));
+        if (rows.size() > 1 || !same_times || (alone && names.size() == 1)) {
+          add("");
+          panel.when = fmt::format("time {:.6g}", time);
+          panel.title += panel.when;
+        }
+        nothing_there.push_back(has_none(i, name) ? "no pressure in this file" : "");
+        if (minus != nullptr && (has_none(i, name) || has_none(files.size(), name)))
+          nothing_there.back() = "no pressure in " + (has_none(i, name) ? file : *minus).label;
         panel.facets = v.facets;
         panel.points = point_values(s.mesh, v.vertices);
         values.push_back(std::move(v));
@@ -525,9 +628,15 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
                      ? edge_level(s.mesh, panel.facets, panel.points)
                      : -std::numeric_limits<double>::infinity();
     describe(figure, values[k], panel);
+    if (!nothing_there[k].empty()) panel.numbers = {nothing_there[k]};
     mark_peak(figure, panel);
   }
-  choose_scale(figure, o);
+  // Joint space is also there where nothing faces, as the closest distance: the edge of a ball must not set the scale.
+  double usual = 0.0;
+  if (o.field == "joint space" && minus == nullptr)
+    for (const ResultFile& file : files)
+      for (const std::string& name : names) usual = std::max(usual, most_of_area_below(file, name, o.field));
+  choose_scale(figure, o, usual);
   remark_hidden(figure);
   return figure;
 }

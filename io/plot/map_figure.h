@@ -12,7 +12,7 @@ namespace dea {
 
 struct MapOptions {
   std::string field = "contact pressure";
-  std::vector<std::string> surfaces;  ///< empty: the one with the highest value
+  std::vector<std::string> surfaces;  ///< empty: the one with the highest pressure in the first file
   std::string states = "last";        ///< all, last, or times t1,t2,...
   std::string states_option;          ///< how the user calls it, for messages: "--at 1,2"
   std::optional<Vector3d> toward;     ///< seen from there; none: along the surface's axis
@@ -34,6 +34,7 @@ struct MapSurface {
 
 struct MapPanel {
   std::string title;
+  std::string when;                  ///< the end of the title that is never cut
   std::vector<std::string> numbers;  ///< a line of numbers, and shorter ones for narrow panels
   int surface = 0;                   ///< index into MapFigure::surfaces
   std::vector<double> facets;        ///< NaN: nothing there (no contact)
@@ -54,7 +55,7 @@ struct MapFigure {
   bool beyond_low = false, beyond_high = false;  ///< values outside the scale exist
   std::vector<double> ticks, contours;
   std::string quantity, unit, length_unit;  ///< units: empty if the files name none
-  std::vector<std::string> remarks;         ///< for the user: what is not to be seen
+  std::vector<std::string> remarks;         ///< for the user: what is not to be seen, what is cut off or missing
 };
 
 /// `minus`: the result to take away, on the same surface; nullptr: none. Throws InputError: no such field, surface or

@@ -740,6 +740,7 @@ void read_mesh_or_state(const Chunk& chunk, XpltFile& file) {
 
 std::string bytes_of_file(const std::string& path) {
   const auto fail_reading = [&](int error) {
+    if (error == ENOENT || error == ENOTDIR) throw InputError(path + ": no such file: check the path");
     throw InputError(fmt::format("{}: {}", path, std::generic_category().message(error != 0 ? error : EIO)));
   };
   std::error_code ignored;
@@ -763,12 +764,24 @@ std::string bytes_of_file(const std::string& path) {
   return bytes;
 }
 
+// The wrong one of a pair is named easily: of a model, what makes a plot file of it.
+void refuse_model(const std::string& bytes, const std::string& name) {
+  constexpr std::size_t kStart = 1 << 16;  // comments come before the root
+  if (bytes.substr(0, kStart).find("<febio_spec") == std::string::npos) return;
+  std::filesystem::path plot = name;
+  if (plot.extension() == ".feb") plot.replace_extension();
+  plot += "_dea.xplt";
+  throw InputError(fmt::format("{}: this is a FEBio model, not a plot file: \"dea run {}\" writes {}, take that", name,
+                               name, plot.string()));
+}
+
 }  // namespace
 
 XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
   Source source;
   source.name = &name;
   source.bytes = &bytes;
+  refuse_model(bytes, name);
   if (bytes.size() < 4) fail(source, 0, "not an FEBio plot file (too short)");
   source.swapped = u32_at(source, 0) != kMagic;
   if (u32_at(source, 0) != kMagic) fail(source, 0, "not an FEBio plot file");

@@ -393,11 +393,20 @@ TEST_F(Cli, StatesAndTimesFrom) {
   EXPECT_EQ(no_fea.err.rfind("flat.feb", 0), 0u) << no_fea.err;
 }
 
+TEST_F(Cli, HelpIsACommandToo) {
+  EXPECT_EQ(dea({"help"}).code, 0);
+  EXPECT_EQ(dea({"help"}).out, dea({"--help"}).out);
+  EXPECT_EQ(dea({"help", "plot"}).out, dea({"plot", "--help"}).out);
+  EXPECT_EQ(dea({"help", "plto"}).code, 2);
+}
+
 TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
   write_model();
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{}, "dea: no command is given, expected for example dea run MODEL.feb (dea --help lists the options)\n"},
       {{"run"}, "dea run: MODEL is required (dea run --help lists the options)\n"},
+      {{"--hepl"}, "dea: no option --hepl (did you mean \"--help\"?) (dea --help lists the options)\n"},
+      {{"run", "--hlp"}, "dea run: no option --hlp (did you mean \"--help\"?) (dea run --help lists the options)\n"},
       {{"run", "flat.feb", "--speed"}, "dea run: no option --speed (dea run --help lists the options)\n"},
       {{"run", "flat.feb", "--law", "cubic"},
        "dea: --law cubic: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer\n"},

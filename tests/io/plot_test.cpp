@@ -388,8 +388,8 @@ TEST(MapFigure, PanelsScaleAndNumbers) {
   EXPECT_EQ(f.unit, "MPa");
   EXPECT_EQ(f.length_unit, "mm");
   EXPECT_EQ(f.panels[0].title, "a");
-  EXPECT_EQ(f.panels[0].numbers[0], "peak 3.00, mean 2.00 MPa, area 2 mm\u00b2");
-  EXPECT_EQ(f.panels[1].numbers[0], "peak 8.00, mean 5.00 MPa, area 2 mm\u00b2");
+  EXPECT_EQ(f.panels[0].numbers[0], "facets: peak 3.00, mean 2.00 MPa, area 2 mm\u00b2");
+  EXPECT_EQ(f.panels[1].numbers[0], "facets: peak 8.00, mean 5.00 MPa, area 2 mm\u00b2");
   ASSERT_TRUE(f.panels[0].center_of_pressure);
   EXPECT_NEAR(f.panels[0].center_of_pressure->x(), (1 * 1.5 + 3 * 2.5) / 4, 1e-6);
   EXPECT_NEAR(f.panels[0].peak->x(), 2.5, 1e-6);
@@ -401,6 +401,74 @@ TEST(MapFigure, PanelsScaleAndNumbers) {
   EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[1].title, "time 1");
   o.high = 2;
   EXPECT_TRUE(make_map_figure({a}, nullptr, o).beyond_high);
+}
+
+TEST(MapFigure, NumbersAreOfNodesWhenNodesAreDrawn) {
+  // Pressures 0 1 3 0 along x: nodal averages 0 0.5 2 1.5 0, of nodes with areas 0.5 1 1 1 0.5.
+  const Patch p = sheet(4, 1, 4, 1);
+  const ResultFile a = result_of("a", p, {{0, 1, 3, 0}}, "mm-N-s");
+  MapOptions o = plain();
+  o.smooth = true;
+  EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[0].numbers[0], "nodes: peak 2.00, mean 1.33 MPa, area 3 mm\u00b2");
+  const ResultFile c = result_of("c", p, {{0, 0, 2, 0}});
+  EXPECT_EQ(make_map_figure({a}, &c, o).panels[0].numbers[1].substr(0, 6), "nodes:");
+  EXPECT_EQ(make_map_figure({a}, &c, plain()).panels[0].numbers[0], "facets: +1.00 to +1.00, rms 1.00 MPa");
+}
+
+TEST(MapFigure, AFileWithoutPressureIsNoJointWithoutContact) {
+  const Patch p = sheet(4, 1, 4, 1);
+  const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 1, 3, 0}}), b = result_of("b", p, {{0, 0, 0, 0}});
+  const MapFigure f = make_map_figure({a, b}, nullptr, plain());
+  EXPECT_EQ(f.panels[1].numbers, std::vector<std::string>{"no pressure in this file"});
+  ASSERT_EQ(f.remarks.size(), 1u);
+  EXPECT_EQ(f.remarks[0].find("note: surface \"surface\" has no pressure anywhere in b; FEBio"), 0u) << f.remarks[0];
+  EXPECT_EQ(make_map_figure({a}, &b, plain()).panels[0].numbers[0], "no pressure in b");
+  // At a time without contact, in a file that has pressure at another.
+  MapOptions o = plain();
+  o.states = "0";
+  EXPECT_EQ(make_map_figure({a, a}, nullptr, o).panels[0].numbers[0], "no contact");
+  EXPECT_TRUE(make_map_figure({a, a}, nullptr, o).remarks.empty());
+}
+
+TEST(MapFigure, CutOffFilesAreSaid) {
+  ResultFile a = result_of("a", sheet(2, 1, 2, 1), {{1, 2}});
+  a.plot.truncated = true;
+  const MapFigure f = make_map_figure({a}, nullptr, plain());
+  ASSERT_EQ(f.remarks.size(), 1u);
+  EXPECT_EQ(f.remarks[0], "warning: a.xplt: the last state is cut off and left out; the one before is at time 0");
+}
+
+TEST(MapFigure, OneSurfaceForAllFieldsAndTimes) {
+  // "bare" has the higher pressure, but not in state 0, and the smaller joint space.
+  ResultFile a = result_of("a", sheet(2, 1, 2, 1), {{1, 2}, {1, 2}});
+  a.plot.states[0].variables[0].push_back({2, {0, 0}});
+  a.plot.states[1].variables[0].push_back({2, {0, 5}});
+  for (XpltState& s : a.plot.states) s.variables[1].push_back({2, {0.5f, 0.25f}});
+  for (const char* field : {"contact pressure", "joint space"}) {
+    for (const char* states : {"0", "last", "all"}) {
+      MapOptions o = plain();
+      o.field = field;
+      o.states = states;
+      EXPECT_EQ(make_map_figure({a}, nullptr, o).surfaces[0].name, "bare") << field << states;
+    }
+  }
+}
+
+TEST(MapFigure, JointSpaceThatFacesNothingDoesNotSetTheScale) {
+  std::vector<double> space(100, 1.0);
+  for (std::size_t i = 0; i < 4; ++i) space[i] = 50;
+  space[50] = 2;
+  MapOptions o = plain();
+  o.field = "joint space";
+  const ResultFile a = result_of("a", sheet(100, 1, 100, 1), {space, std::vector<double>(100, 0.5)});
+  for (const char* states : {"0", "1"}) {  // one scale for all states
+    o.states = states;
+    const MapFigure f = make_map_figure({a}, nullptr, o);
+    EXPECT_EQ(f.high, 1);
+    EXPECT_EQ(f.beyond_high, std::string(states) == "0");
+  }
+  o.high = 60;
+  EXPECT_EQ(make_map_figure({a}, nullptr, o).high, 60);
 }
 
 TEST(MapFigure, RoundingIsNoPattern) {
@@ -608,6 +676,31 @@ TEST(Picture, VectorsWithoutBitmapsAndTheSameEveryTime) {
   }
 }
 
+TEST(Picture, ColumnsAreAsWishedOrAsFit) {
+  const ResultFile a = result_of("a", sheet(4, 4, 1, 1), {std::vector<double>(16, 1.0)});
+  const MapFigure f = make_map_figure({a, a, a}, nullptr, plain());
+  const auto size = [&](double width, int columns) {
+    PictureOptions o = {PictureFormat::Png, width, 96, false};
+    o.columns = columns;
+    const Pixels p = read_png(picture(f, o));
+    return Vector2d(p.width, p.height);
+  };
+  EXPECT_LT(size(230, 0).y(), size(230, 0).x());
+  EXPECT_GT(size(130, 1).y(), 2 * size(130, 1).x());
+  EXPECT_GT(size(80, 0).y(), 2 * size(80, 0).x());  // one below the other by itself
+  EXPECT_THROW(size(70, 3), UsageError);
+}
+
+TEST(Picture, TitlesOfTheBarHaveRoom) {
+  // A low map: the title of its bar is broken, not cut: the picture with the whole of it differs from that of a part.
+  const Patch p = sheet(40, 4, 40, 4);
+  MapFigure f = make_map_figure({result_of("a", p, {std::vector<double>(160, 1.0)})}, nullptr, plain());
+  f.quantity = "difference of a field with a long name";
+  const std::string whole = png(f);
+  f.quantity = "difference of a field with a long one";
+  EXPECT_FALSE(png(f) == whole);
+}
+
 /// A folder with plot files, and the program.
 struct Folder : ::testing::Test {
   TemporaryFolder folder;
@@ -621,6 +714,7 @@ struct Folder : ::testing::Test {
     ResultFile bad = result_of("n", sheet(2, 2, 1, 1), {{1, 2, 3, 4}});
     write_xplt((folder.path / "zero.xplt").string(), result_of("z", p, {none}).plot);
     std::ofstream(folder.path / "text.xplt") << "no plot file";
+    std::ofstream(folder.path / "hip.feb") << "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n</febio_spec>\n";
   }
   Finished plot(std::vector<std::string> words) {
     words.insert(words.begin(), {DEA_PROGRAM, "plot"});
@@ -665,7 +759,16 @@ TEST_F(Folder, RefusesInOneLine) {
     std::string said;
   };
   const std::vector<Case> cases = {
-      {{"none.xplt"}, 3, "none.xplt"},
+      {{"none.xplt"}, 3, "none.xplt: no such file: check the path"},
+      {{"hip.feb"}, 3, "hip.feb: this is a FEBio model, not a plot file: \"dea run hip.feb\" writes hip_dea.xplt"},
+      {{"a.xplt", "--minus", "hip.feb"}, 3, "hip.feb: this is a FEBio model"},
+      {{"a.xplt", "--surface", "surfcae"}, 3, "(did you mean \"surface\"?)"},
+      {{"a.xplt", "--surface", "surf"}, 3, "(did you mean \"surface\"?)"},
+      {{"a.xplt", "--field", "contact presure"}, 3, "(did you mean \"contact pressure\"?)"},
+      {{"a.xplt", "--unrolled"}, 2, "no option --unrolled (did you mean --view unrolled?)"},
+      {{"--unrolled"}, 2, "no option --unrolled (did you mean --view unrolled?)"},
+      {{"--hlp"}, 2, "dea plot: no option --hlp (did you mean \"--help\"?)"},
+      {{"a.xplt", "--columns", "0"}, 2, "--columns 0"},
       {{"text.xplt"}, 3, "text.xplt"},
       {{"a.xplt", "--field", "strain"}, 3, "found no surface field \"strain\", expected one of \"contact pressure\""},
       {{"a.xplt", "--field", "contact traction"}, 3, "not one number per facet"},

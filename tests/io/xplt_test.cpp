@@ -491,6 +491,9 @@ TEST(XpltRead, FaultsNamePlaceAndReason) {
   };
   EXPECT_EQ(fault(""), "hip.xplt: byte 0: not an FEBio plot file (too short)");
   EXPECT_EQ(fault("<?xml version"), "hip.xplt: byte 0: not an FEBio plot file");
+  EXPECT_EQ(
+      fault("<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">"),
+      "hip.xplt: this is a FEBio model, not a plot file: \"dea run hip.xplt\" writes hip.xplt_dea.xplt, take that");
   EXPECT_EQ(fault(with(28, 0x05)),
             "hip.xplt: byte 28: plot file version 0x5, need 0x30 to 0x35 (written by FEBio 1 or 2?)");
   EXPECT_EQ(fault(with(28, 0x36)), "hip.xplt: byte 28: plot file version 0x36, need 0x30 to 0x35");
@@ -527,7 +530,7 @@ TEST(XpltRead, FaultsNamePlaceAndReason) {
     }
     return std::string("no fault");
   };
-  EXPECT_EQ(file_fault(folder / "none.xplt"), folder / "none.xplt: No such file or directory");
+  EXPECT_EQ(file_fault(folder / "none.xplt"), folder / "none.xplt: no such file: check the path");
   EXPECT_EQ(file_fault(folder.path.string()), folder.path.string() + ": Is a directory");
 }
 
