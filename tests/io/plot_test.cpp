@@ -417,7 +417,8 @@ TEST(MapFigure, NumbersAreOfNodesWhenNodesAreDrawn) {
 
 TEST(MapFigure, AFileWithoutPressureIsNoJointWithoutContact) {
   const Patch p = sheet(4, 1, 4, 1);
-  const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 1, 3, 0}}), b = result_of("b", p, {{0, 0, 0, 0}});
+  const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 1, 3, 0}}),
+                   b = result_of("b", p, {{0, 0, 0, 0}, {0, 0, 0, 0}});
   const MapFigure f = make_map_figure({a, b}, nullptr, plain());
   EXPECT_EQ(f.panels[1].numbers, std::vector<std::string>{"no pressure in this file"});
   ASSERT_EQ(f.remarks.size(), 1u);
@@ -518,7 +519,7 @@ TEST(MapFigure, ResultsThatAgreeHaveADifferenceOfZero) {
   EXPECT_FALSE(f.empty);
   EXPECT_EQ(f.panels[0].facets[1], 0);
   EXPECT_EQ(f.low, -1);
-  EXPECT_EQ(f.panels[0].numbers[0].rfind("0.00 to 0.00, rms 0.00", 0), 0u) << f.panels[0].numbers[0];
+  EXPECT_EQ(f.panels[0].numbers[0].rfind("facets: 0.00 to 0.00, rms 0.00", 0), 0u) << f.panels[0].numbers[0];
 }
 
 TEST(MapFigure, SignedFieldsKeepTheirSign) {
