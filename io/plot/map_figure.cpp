@@ -9,6 +9,7 @@
 #include "error.h"
 #include "names.h"
 #include "settings_xml.h"
+#include "unit_names.h"
 
 namespace dea {
 
@@ -47,26 +48,6 @@ bool is_difference(const std::string& field) { return field.find("difference") !
 bool zero_without_contact(const std::string& field) {
   return is_pressure(field) || is_difference(field) || field.find("overlap") != std::string::npos ||
          field.find("strain") != std::string::npos;
-}
-
-/// Unit of a dimension code of the file format in a system of units as FEBio Studio writes it; empty: unknown.
-std::string unit_of(const std::string& system, const std::string& dimension) {
-  struct System {
-    const char *name, *pressure, *length;
-  };
-  constexpr System kSystems[] = {{"SI", "Pa", "m"},
-                                 {"mm-N-s", "MPa", "mm"},
-                                 {"mm-kg-s", "kPa", "mm"},
-                                 {"um-nN-s", "kPa", "\u00b5m"},
-                                 {"CGS", "dyn/cm\u00b2", "cm"},
-                                 {"mm-g-s", "Pa", "mm"},
-                                 {"mm-mg-s", "mPa", "mm"}};
-  for (const System& s : kSystems) {
-    if (system != s.name) continue;
-    if (dimension == "P") return s.pressure;
-    if (dimension == "L") return s.length;
-  }
-  return "";
 }
 
 /// " (did you mean "socket"?)": the name that is near, or else the only one that holds the word.
@@ -457,8 +438,9 @@ void choose_units(const std::vector<const ResultFile*>& files, const MapOptions&
   const ResultFile& first = *files.front();
   std::string dimension = first.plot.variables[at(find_variable(first.plot, XpltGroup::Surface, o.field))].units;
   if (dimension.empty() && is_pressure(o.field)) dimension.assign(1, 'P');
-  figure.unit = unit_of(system, dimension);
-  figure.length_unit = unit_of(system, "L");
+  const UnitNames units = unit_names(system);
+  figure.unit = dimension == "P" ? units.pressure : dimension == "L" ? units.length : "";
+  figure.length_unit = units.length;
 }
 
 }  // namespace

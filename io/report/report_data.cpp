@@ -476,26 +476,6 @@ std::vector<ReportChart> run_charts(const Analysis& analysis) {
 
 }  // namespace
 
-ReportUnits report_units(const std::string& name) {
-  ReportUnits u;
-  u.name = name;
-  struct System {
-    const char *name, *length, *force, *pressure;
-  };
-  static constexpr System kSystems[] = {{"SI", "m", "N", "Pa"},          {"mm-N-s", "mm", "N", "MPa"},
-                                        {"mm-kg-s", "mm", "mN", "kPa"},  {"um-nN-s", "µm", "nN", "kPa"},
-                                        {"CGS", "cm", "dyn", "dyn/cm²"}, {"mm-g-s", "mm", "µN", "Pa"},
-                                        {"mm-mg-s", "mm", "nN", "mPa"}};
-  for (const System& s : kSystems) {
-    if (name != s.name) continue;
-    u.length = s.length;
-    u.force = s.force;
-    u.pressure = s.pressure;
-    u.area = u.length + "²";
-  }
-  return u;
-}
-
 std::string without_folders(std::string text, const std::vector<std::string>& files) {
   for (const std::string& path : files)
     if (path.find('/') != std::string::npos) replace_all(text, path, file_name(path));
@@ -533,7 +513,7 @@ ReportData compare_report(const std::vector<ResultFile>& files, const CompareOpt
     data.title += fmt::format("{}{}", i == 0 ? "" : i + 2 == files.size() ? " and " : ", ", files[i].label);
   data.title += " against " + files.back().label;
   data.command = command_text(words, comparison.paths);
-  data.units = report_units(comparison.units);
+  data.units = unit_names(comparison.units);
   add_results(files, data);
   make_frames(files, comparison.states, data);
   data.warnings = comparison.warnings;
@@ -555,7 +535,7 @@ ReportData run_report(const JointModel& model, const Analysis& analysis, const R
   data.kind = "run";
   data.title = plot.label;
   data.command = command_text(words, paths);
-  data.units = report_units(plot.plot.units);
+  data.units = unit_names(plot.plot.units);
   const std::vector<ResultFile> files = {plot};
   add_results(files, data);
   data.warnings = model_remarks(model, analysis.joint);

@@ -12,16 +12,9 @@
 #include "compare_files.h"
 #include "report_text.h"
 #include "result_file.h"
+#include "unit_names.h"
 
 namespace dea {
-
-/// Words for axes. Empty: the files name no units, and the page claims none.
-struct ReportUnits {
-  std::string name;  ///< as the file has it
-  std::string length, force, pressure, area;
-};
-/// Of FEBio's unit systems ("mm-N-s": mm, N, MPa); others: the name alone.
-ReportUnits report_units(const std::string& name);
 
 struct ReportResult {
   std::string label, file, software;  ///< file: without its folder
@@ -106,7 +99,7 @@ struct ReportData {
   std::string kind;  ///< "run", "compare"
   std::string title;
   std::string command;
-  ReportUnits units;
+  UnitNames units;                    ///< words for axes
   std::vector<ReportResult> results;  ///< compare: the last one is the reference
   std::vector<ReportFrame> frames;
   int frame = 0;  ///< shown first

@@ -205,7 +205,7 @@ Json report_json(const ReportData& data, Arrays& arrays) {
   j["title"] = data.title;
   j["program"] = fmt::format("FEBioDEA {} ({})", kVersion, kCommit);
   j["command"] = data.command;
-  j["units"] = {{"name", data.units.name},
+  j["units"] = {{"name", data.units.system},
                 {"length", data.units.length},
                 {"force", data.units.force},
                 {"pressure", data.units.pressure},

@@ -371,10 +371,10 @@ TEST(ReportPage, SaysNothingOfFoldersAndIsTheSameTwice) {
 }
 
 TEST(ReportPage, UnitsOnlyWhereTheFilesNameThem) {
-  EXPECT_EQ(report_units("mm-N-s").pressure, "MPa");
-  EXPECT_EQ(report_units("SI").area, "m²");
-  EXPECT_EQ(report_units("").pressure, "");
-  EXPECT_EQ(report_units("furlongs").length, "");
+  EXPECT_EQ(unit_names("mm-N-s").pressure, "MPa");
+  EXPECT_EQ(unit_names("SI").area, "m²");
+  EXPECT_EQ(unit_names("").pressure, "");
+  EXPECT_EQ(unit_names("furlongs").length, "");
 }
 
 TEST(ReportPage, FiftyThousandFacetsAndFiftyStatesStayBelowThirtyMegabytes) {
