@@ -41,6 +41,8 @@ class Maps {
     this.zoom = 1;
     this.radius = 1;
     this.drawn = 0;
+    this.plain = false;    // drawn without the veil, for speed
+    this.loading = false;  // the veil
     this.fault = "";
     try {
       this.canvas = document.createElement("canvas");
@@ -138,10 +140,14 @@ class Maps {
     this.target.set(...view.center);
     this.radius = view.radius;
     this.zoom = 1;
+    this.rest = 0;  // a view that is set is no motion: drawn whole at once
     this.moved();
   }
 
   moved() { ++this.version; this.request(); }
+
+  // Whether what is on the screen stays as it is: nothing waits to be drawn, loaded or drawn again whole.
+  get settled() { return !this.pending && !this.plain && !this.loading; }
 
   // Asks for one drawing soon.
   request() {
@@ -262,7 +268,9 @@ class Maps {
 
   async setVeil(about) {
     if (this.fault || !about) return;
+    this.loading = true;
     const x = await Data.array(about.vertices), t = await Data.array(about.triangles);
+    this.loading = false;
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(x, 3));
     geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(t.buffer, t.byteOffset, t.length), 1));
