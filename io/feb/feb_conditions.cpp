@@ -53,13 +53,8 @@ std::vector<int> nodes_of(Reading& reading, const XMLElement& element) {
     if (element.Attribute(name) != nullptr) return need_node_set(reading, element, attribute(element, name));
   }
   std::vector<int> nodes;
-  for (const XMLElement* child = element.FirstChildElement("node"); child != nullptr;
-       child = child->NextSiblingElement("node")) {
-    const auto id = whole_int(need_attribute(reading, *child, "id"));
-    if (!id)
-      fail(reading, *child,
-           fmt::format("<node> with id = {}, expected a whole number", quote(attribute(*child, "id"))));
-    nodes.push_back(need_node(reading, *child, *id));
+  for (const XMLElement& child : children(element, "node")) {
+    nodes.push_back(need_listed_node(reading, child));
   }
   if (nodes.empty())
     fail(reading, element,
@@ -385,20 +380,20 @@ void read_rigid_body(Reading& reading, const XMLElement& section) {
   const std::string name = name_of(section);
   RigidFixed fixed{material, {}, reading.step, name, origin_of(reading, section)};
   bool any_fixed = false;
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(section)) {
+    const std::string_view tag = child.Name();
     if (tag == "fixed") {
-      fixed.dofs[static_cast<std::size_t>(rigid_dof(reading, *child))] = any_fixed = true;
+      fixed.dofs[static_cast<std::size_t>(rigid_dof(reading, child))] = any_fixed = true;
     } else if (tag == "prescribed") {
-      reading.model.rigid_prescribed.push_back({material, rigid_dof(reading, *child), read_scaled(reading, *child),
-                                                attribute(*child, "type") == "relative", reading.step, name,
-                                                origin_of(reading, *child)});
+      reading.model.rigid_prescribed.push_back({material, rigid_dof(reading, child), read_scaled(reading, child),
+                                                attribute(child, "type") == "relative", reading.step, name,
+                                                origin_of(reading, child)});
     } else if (tag == "force") {
-      add_body_load(reading, *child, material, name);
+      add_body_load(reading, child, material, name);
     } else if (tag == "initial_velocity" || tag == "initial_angular_velocity") {
-      ignore(reading, *child, "initial velocity of a rigid body");
+      ignore(reading, child, "initial velocity of a rigid body");
     } else {
-      unsupported(reading, *child, fmt::format("<{}> in rigid_body", tag),
+      unsupported(reading, child, fmt::format("<{}> in rigid_body", tag),
                   "expected fixed, prescribed, force or initial_velocity");
     }
   }
@@ -472,20 +467,20 @@ bool read_dea_layer(Reading& reading, const XMLElement& element, DeaContact& dea
 /// A contact of type dea: the spring bed, stated in the model.
 DeaContact read_dea(Reading& reading, const XMLElement& element) {
   DeaContact dea;
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(element)) {
+    const std::string_view tag = child.Name();
     if (tag == "law") {
-      dea.law = static_cast<Law>(need_word(reading, *child, {"linear", "logarithmic", "neo-Hookean", "layer"}));
+      dea.law = static_cast<Law>(need_word(reading, child, {"linear", "logarithmic", "neo-Hookean", "layer"}));
     } else if (tag == "facets") {
-      dea.facets = static_cast<Facets>(need_word(reading, *child, {"curved", "flat"}));
+      dea.facets = static_cast<Facets>(need_word(reading, child, {"curved", "flat"}));
     } else if (tag == "source") {
-      dea.source = need_word(reading, *child, {"primary", "secondary"});
+      dea.source = need_word(reading, child, {"primary", "secondary"});
     } else if (tag == "refine") {
-      const int refine = read_int(reading, *child);
-      if (refine < 1 || refine > 1000) fail(reading, *child, fmt::format("refine = {}, need 1 to 1000", refine));
+      const int refine = read_int(reading, child);
+      if (refine < 1 || refine > 1000) fail(reading, child, fmt::format("refine = {}, need 1 to 1000", refine));
       dea.refine = refine;
-    } else if (!read_dea_layer(reading, *child, dea)) {
-      fail(reading, *child,
+    } else if (!read_dea_layer(reading, child, dea)) {
+      fail(reading, child,
            fmt::format("<{}> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness with "
                        "primary_ or secondary_ before",
                        tag));
@@ -523,25 +518,25 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
 }
 
 void read_contact(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::string_view(child->Name()) != "contact") {
-      unsupported(reading, *child, fmt::format("<{}> in Contact", child->Name()),
+  for (const XMLElement& child : children(section)) {
+    if (std::string_view(child.Name()) != "contact") {
+      unsupported(reading, child, fmt::format("<{}> in Contact", child.Name()),
                   "expected <contact type= surface_pair=>");
       continue;
     }
-    const std::string type = need_attribute(reading, *child, "type");
+    const std::string type = need_attribute(reading, child, "type");
     if (!febio::contact_kind(type)) {
-      unsupported_word(reading, *child, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
+      unsupported_word(reading, child, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
       continue;
     }
-    const std::string pair_name = need_attribute(reading, *child, "surface_pair");
+    const std::string pair_name = need_attribute(reading, child, "surface_pair");
     const auto pair = reading.surface_pairs.find(pair_name);
     if (pair == reading.surface_pairs.end()) {
-      fail(reading, *child,
+      fail(reading, child,
            fmt::format("surface_pair = {}, expected the name of a SurfacePair{}", quote(pair_name),
                        those_there(pair_name, reading.surface_pairs)));
     }
-    add_contact(reading, *child, pair->second.primary, pair->second.secondary);
+    add_contact(reading, child, pair->second.primary, pair->second.secondary);
   }
 }
 
@@ -549,10 +544,10 @@ void read_contact(Reading& reading, const XMLElement& section) {
 
 bool is_zero_load(const XMLElement& element) {
   bool found = false;
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (!one_of(child->Name(), {"pressure", "scale", "traction", "value", "force", "x", "y", "z"})) continue;
+  for (const XMLElement& child : children(element)) {
+    if (!one_of(child.Name(), {"pressure", "scale", "traction", "value", "force", "x", "y", "z"})) continue;
     found = true;
-    const std::string text = text_of(*child);
+    const std::string text = text_of(child);
     for (const std::string& word : split_words(text)) {
       const auto number = whole_double(word);
       if (!number || *number != 0.0) return false;
@@ -648,19 +643,19 @@ void read_load(Reading& reading, const XMLElement& element) {
 }
 
 void read_loads(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    read_load(reading, *child);
+  for (const XMLElement& child : children(section)) {
+    read_load(reading, child);
   }
 }
 
 void read_initial(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string type = attribute(*child, "type");
+  for (const XMLElement& child : children(section)) {
+    const std::string type = attribute(child, "type");
     if (type.find("prestrain") != type.npos)
-      unsupported(reading, *child, fmt::format("initial {}", quote(type)),
+      unsupported(reading, child, fmt::format("initial {}", quote(type)),
                   "take it out: DEA's cartilage starts without stress");
     else
-      ignore(reading, *child, "initial conditions");
+      ignore(reading, child, "initial conditions");
   }
 }
 
@@ -680,8 +675,8 @@ void read_constraint(Reading& reading, const XMLElement& element) {
 }
 
 void read_constraints(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    read_constraint(reading, *child);
+  for (const XMLElement& child : children(section)) {
+    read_constraint(reading, child);
   }
 }
 

@@ -299,11 +299,10 @@ void read_cable(Reading& reading, const XMLElement& element) {
   cable.direction = child_vector(reading, element, "force_direction", Vector3d(0, 0, -1));
   if (!(cable.direction.norm() > 0)) fail(reading, element, "force_direction is zero, expected a direction");
   cable.direction.normalize();
-  for (const XMLElement* child = element.FirstChildElement("rigid_cable_point"); child != nullptr;
-       child = child->NextSiblingElement("rigid_cable_point")) {
+  for (const XMLElement& child : children(element, "rigid_cable_point")) {
     RigidCable::Point point;
-    point.material = child_body(reading, *child, "rigid_body_id");
-    point.position = child_vector(reading, *child, "position", Vector3d::Zero());
+    point.material = child_body(reading, child, "rigid_body_id");
+    point.position = child_vector(reading, child, "position", Vector3d::Zero());
     cable.points.push_back(point);
   }
   if (cable.points.empty())

@@ -42,9 +42,9 @@ MaterialTree read_tree(const Reading& reading, const XMLElement& element) {
   tree.tag = element.Name();
   tree.type = element.Attribute("type") != nullptr ? attribute(element, "type") : tree.tag;
   tree.origin = origin_of(reading, element);
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    tree.parts.push_back(read_tree(reading, *child));
-    tree.constants.emplace(child->Name(), read_constant(reading, *child));  // the first of several
+  for (const XMLElement& child : children(element)) {
+    tree.parts.push_back(read_tree(reading, child));
+    tree.constants.emplace(child.Name(), read_constant(reading, child));  // the first of several
   }
   return tree;
 }
@@ -95,13 +95,8 @@ void read_material(Reading& reading, const XMLElement& element) {
 }  // namespace
 
 void read_materials(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::string_view(child->Name()) == "material") {
-      read_material(reading, *child);
-    } else {
-      ignore(reading, *child, fmt::format("<{}> in Material", child->Name()));
-    }
-  }
+  static constexpr TagReader readers[] = {{"material", read_material}};
+  read_children(reading, section, readers, pass_over);
 }
 
 }  // namespace dea::feb

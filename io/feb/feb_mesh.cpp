@@ -167,28 +167,27 @@ void read_nodes(Reading& reading, const XMLElement& section) {
   JointModel& model = reading.model;
   const int begin = reading.nodes.size();
   Instance* instance = reading.instance;
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::strcmp(child->Name(), "node") != 0) {
-      ignore(reading, *child, fmt::format("<{}> in Nodes", child->Name()));
+  for (const XMLElement& child : children(section)) {
+    if (std::strcmp(child.Name(), "node") != 0) {
+      ignore(reading, child, fmt::format("<{}> in Nodes", child.Name()));
       continue;
     }
-    const int id = read_id(reading, *child);
+    const int id = read_id(reading, child);
     const bool is_new = instance == nullptr
                             ? reading.nodes.add(id)
-                            : instance->nodes.add(id) && reading.nodes.add(free_id(reading, *child, reading.nodes, id));
-    if (!is_new) fail(reading, *child, fmt::format("node {} exists twice: renumber one", id));
+                            : instance->nodes.add(id) && reading.nodes.add(free_id(reading, child, reading.nodes, id));
+    if (!is_new) fail(reading, child, fmt::format("node {} exists twice: renumber one", id));
     std::string store;
-    std::string_view rest = text_of(*child, store);
+    std::string_view rest = text_of(child, store);
     Vector3d x;
     for (int i = 0; i < 3; ++i) {
       const Number found = (i == 0 || take_comma(rest)) ? take_double(rest, x[i]) : Number::None;
       if (found == Number::Ok) continue;
       const char* expected = found == Number::None ? "three numbers x,y,z" : "numbers of at most 1e30";
-      fail(reading, *child, fmt::format("node {} is {}, expected {}", id, quote(trim(text_of(*child))), expected));
+      fail(reading, child, fmt::format("node {} is {}, expected {}", id, quote(trim(text_of(child))), expected));
     }
     if (!trim(rest).empty()) {
-      fail(reading, *child,
-           fmt::format("node {} is {}, expected three numbers x,y,z", id, quote(trim(text_of(*child)))));
+      fail(reading, child, fmt::format("node {} is {}, expected three numbers x,y,z", id, quote(trim(text_of(child)))));
     }
     if (instance != nullptr) x = instance->turn * instance->scale.cwiseProduct(x) + instance->translation;
     model.nodes.push_back(x);
@@ -254,15 +253,15 @@ void read_elements(Reading& reading, const XMLElement& section) {
   domain.shape = *shape;
   domain.origin = origin_of(reading, section);
   reading.first_element.push_back(reading.elements.size());
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::strcmp(child->Name(), "elem") != 0 && std::strcmp(child->Name(), "e") != 0) {
-      ignore(reading, *child, fmt::format("<{}> in Elements", child->Name()));
+  for (const XMLElement& child : children(section)) {
+    if (std::strcmp(child.Name(), "elem") != 0 && std::strcmp(child.Name(), "e") != 0) {
+      ignore(reading, child, fmt::format("<{}> in Elements", child.Name()));
       continue;
     }
-    int id = read_id(reading, *child);
-    if (reading.instance != nullptr) id = free_id(reading, *child, reading.elements, id);
-    if (!reading.elements.add(id)) fail(reading, *child, fmt::format("element {} exists twice: renumber one", id));
-    append_element(reading, *child, type, id, domain);
+    int id = read_id(reading, child);
+    if (reading.instance != nullptr) id = free_id(reading, child, reading.elements, id);
+    if (!reading.elements.add(id)) fail(reading, child, fmt::format("element {} exists twice: renumber one", id));
+    append_element(reading, child, type, id, domain);
   }
   if (!domain.name.empty()) {
     auto& same_name = reading.domain_index[domain.name];
@@ -307,18 +306,18 @@ void read_node_set(Reading& reading, const XMLElement& section) {
   if (is_leaf(section)) {
     read_ranges(reading, section, [&](int id) { append_node_id(reading, section, id, set.nodes); });
   }
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(section)) {
+    const std::string_view tag = child.Name();
     if (tag == "n" || tag == "node") {
-      append_node_id(reading, *child, read_id(reading, *child), set.nodes);
+      append_node_id(reading, child, read_id(reading, child), set.nodes);
     } else if (tag == "node_list") {
-      read_ranges(reading, *child, [&](int id) { append_node_id(reading, *child, id, set.nodes); });
+      read_ranges(reading, child, [&](int id) { append_node_id(reading, child, id, set.nodes); });
     } else if (tag == "NodeSet") {
-      const std::string other = attribute(*child, child->Attribute("node_set") != nullptr ? "node_set" : "set");
-      const std::vector<int> nodes = need_node_set(reading, *child, other);
+      const std::string other = attribute(child, child.Attribute("node_set") != nullptr ? "node_set" : "set");
+      const std::vector<int> nodes = need_node_set(reading, child, other);
       set.nodes.insert(set.nodes.end(), nodes.begin(), nodes.end());
     } else {
-      ignore(reading, *child, fmt::format("<{}> in NodeSet", tag));
+      ignore(reading, child, fmt::format("<{}> in NodeSet", tag));
     }
   }
   // FEBio Studio wrote some sets of 2.5 twice. The same nodes: no harm. Others: a fault where the name is used.
@@ -346,8 +345,8 @@ void read_element_set(Reading& reading, const XMLElement& section) {
     count_entries(reading, element, 1);
   };
   if (is_leaf(section)) read_ranges(reading, section, [&](int id) { add(section, id); });
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    add(*child, read_id(reading, *child));
+  for (const XMLElement& child : children(section)) {
+    add(child, read_id(reading, child));
   }
   add_name(reading, section, reading.element_set_index, set.name, static_cast<int>(reading.model.element_sets.size()),
            "element set");
@@ -412,28 +411,32 @@ void append_surface(Reading& reading, const XMLElement& element, Surface& surfac
 
 }  // namespace
 
+void read_named_surface(Reading& reading, const XMLElement& section) {
+  read_surface(reading, section, full_name(reading, need_attribute(reading, section, "name")));
+}
+
 int read_surface(Reading& reading, const XMLElement& section, const std::string& name, bool element_faces) {
   Surface surface;
   surface.name = name;
   surface.origin = origin_of(reading, section);
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::strcmp(child->Name(), "Surface") == 0) {
-      append_surface(reading, *child, surface);
+  for (const XMLElement& child : children(section)) {
+    if (std::strcmp(child.Name(), "Surface") == 0) {
+      append_surface(reading, child, surface);
       continue;
     }
-    const int count = facet_nodes(child->Name());
+    const int count = facet_nodes(child.Name());
     if (count == 0) {
-      fail(reading, *child,
-           fmt::format("<{}> in surface {}, expected tri3, tri6, quad4, quad8 or another facet", child->Name(),
+      fail(reading, child,
+           fmt::format("<{}> in surface {}, expected tri3, tri6, quad4, quad8 or another facet", child.Name(),
                        quote(surface.name)));
     }
     const std::string what =
-        fmt::format("{} facet {} of surface {}", child->Name(), surface.size() + 1, quote(surface.name));
+        fmt::format("{} facet {} of surface {}", child.Name(), surface.size() + 1, quote(surface.name));
     if (element_faces)
-      append_face(reading, *child, count, what, surface.nodes);
+      append_face(reading, child, count, what, surface.nodes);
     else
-      append_nodes(reading, *child, count, what, surface.nodes);
-    check_facet(reading, *child, surface, count, what);
+      append_nodes(reading, child, count, what, surface.nodes);
+    check_facet(reading, child, surface, count, what);
     surface.begin.push_back(static_cast<int>(surface.nodes.size()));
   }
   const int place = static_cast<int>(reading.model.surfaces.size());
@@ -447,8 +450,8 @@ namespace {
 void read_edge(Reading& reading, const XMLElement& section) {
   const std::string name = need_attribute(reading, section, "name");
   std::vector<int> nodes;
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    append_nodes(reading, *child, 0, fmt::format("edge {}", quote(name)), nodes);
+  for (const XMLElement& child : children(section)) {
+    append_nodes(reading, child, 0, fmt::format("edge {}", quote(name)), nodes);
   }
   if (!reading.edges.emplace(name, std::move(nodes)).second) {
     fail(reading, section, fmt::format("edge {} exists twice: rename one", quote(name)));
@@ -459,9 +462,9 @@ void read_discrete_set(Reading& reading, const XMLElement& section) {
   DiscreteSet set;
   set.name = need_attribute(reading, section, "name");
   set.origin = origin_of(reading, section);
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
+  for (const XMLElement& child : children(section)) {
     set.pairs.push_back(read_node_pair(
-        reading, *child, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name))));
+        reading, child, fmt::format("spring {} of discrete set {}", set.pairs.size() + 1, quote(set.name))));
   }
   add_name(reading, section, reading.discrete_set_index, set.name, static_cast<int>(reading.model.discrete_sets.size()),
            "discrete set");
@@ -606,25 +609,25 @@ void read_thickness(Reading& reading, const XMLElement& section) {
   if (is_leaf(section)) {
     for (const ElementPlace& place : places) set_thickness(reading, section, place);
   }
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const int lid = read_id(reading, *child, "lid");
+  for (const XMLElement& child : children(section)) {
+    const int lid = read_id(reading, child, "lid");
     if (lid > static_cast<int>(places.size())) {
-      fail(reading, *child,
+      fail(reading, child,
            fmt::format("lid = {}, but the element set has {} elements: mend the number", lid, places.size()));
     }
-    set_thickness(reading, *child, places[static_cast<std::size_t>(lid) - 1]);
+    set_thickness(reading, child, places[static_cast<std::size_t>(lid) - 1]);
   }
 }
 
 /// Data of the elements at these places: only thickness matters, not fibres and axes.
 void read_data(Reading& reading, const XMLElement& element, const std::vector<ElementPlace>& places) {
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::strcmp(child->Name(), "thickness") != 0) continue;
+  for (const XMLElement& child : children(element)) {
+    if (std::strcmp(child.Name(), "thickness") != 0) continue;
     for (const ElementPlace& place : places) {
       if (is_shell(reading.model.domains[static_cast<std::size_t>(place.domain)].shape)) {
-        set_thickness(reading, *child, place);
+        set_thickness(reading, child, place);
       } else {
-        ignore(reading, *child, "thickness of an element that is no shell");
+        ignore(reading, child, "thickness of an element that is no shell");
       }
     }
   }
@@ -691,10 +694,11 @@ void read_surface_map(Reading& reading, const XMLElement& section, const std::st
     }
     map.values.assign(surface.nodes.size(), 0.0);
     std::vector<char> seen(static_cast<std::size_t>(surface.size()), 0);
-    for (const XMLElement* child = section.FirstChildElement(); child != nullptr && map.fault.empty();
-         child = child->NextSiblingElement()) {
-      map.fault = read_face(*child, surface, largest, seen, map.values);
-      if (!map.fault.empty()) map.fault_origin = origin_of(reading, *child);
+    for (const XMLElement& child : children(section)) {
+      map.fault = read_face(child, surface, largest, seen, map.values);
+      if (map.fault.empty()) continue;
+      map.fault_origin = origin_of(reading, child);
+      break;
     }
     const auto missing = std::find(seen.begin(), seen.end(), 0);
     if (map.fault.empty() && missing != seen.end()) {
@@ -708,18 +712,17 @@ void read_surface_map(Reading& reading, const XMLElement& section, const std::st
 }  // namespace
 
 void read_element_data(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(section)) {
+    const std::string_view tag = child.Name();
     if (tag == "element") {
-      const int id = read_id(reading, *child);
+      const int id = read_id(reading, child);
       const auto place = find_element(reading, id);
-      if (!place)
-        fail(reading, *child, fmt::format("ElementData of element {}, which does not exist: take it out", id));
-      read_data(reading, *child, {*place});
+      if (!place) fail(reading, child, fmt::format("ElementData of element {}, which does not exist: take it out", id));
+      read_data(reading, child, {*place});
     } else if (tag == "elset") {
-      read_data(reading, *child, places_of_set(reading, *child, need_attribute(reading, *child, "set")));
+      read_data(reading, child, places_of_set(reading, child, need_attribute(reading, child, "set")));
     } else {
-      ignore(reading, *child, fmt::format("<{}> in ElementData", tag));
+      ignore(reading, child, fmt::format("<{}> in ElementData", tag));
     }
   }
 }
@@ -793,6 +796,14 @@ int need_node(const Reading& reading, const XMLElement& element, int id) {
   return node;
 }
 
+int need_listed_node(const Reading& reading, const XMLElement& element) {
+  const std::string text = need_attribute(reading, element, "id");
+  const auto id = whole_int(text);
+  if (!id)
+    fail(reading, element, fmt::format("<{}> with id = {}, expected a whole number", element.Name(), quote(text)));
+  return need_node(reading, element, *id);
+}
+
 std::vector<int> need_node_set(Reading& reading, const XMLElement& element, const std::string& name) {
   const JointModel& model = reading.model;
   const int set = find_name(reading.node_set_index, name);
@@ -857,58 +868,43 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
 }
 
 void read_mesh(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "Nodes") {
-      read_nodes(reading, *child);
-    } else if (tag == "Elements") {
-      read_elements(reading, *child);
-    } else if (tag == "NodeSet") {
-      read_node_set(reading, *child);
-    } else if (tag == "ElementSet") {
-      read_element_set(reading, *child);
-    } else if (tag == "Surface") {
-      read_surface(reading, *child, need_attribute(reading, *child, "name"));
-    } else if (tag == "Edge") {
-      read_edge(reading, *child);
-    } else if (tag == "DiscreteSet") {
-      read_discrete_set(reading, *child);
-    } else if (tag == "PartList") {
-      read_part_list(reading, *child);
-    } else if (tag == "SurfacePair") {
-      read_surface_pair(reading, *child);
-    } else if (tag == "ElementData") {
-      read_element_data(reading, *child);
-    } else if (tag == "NodeSetSet" || tag == "NodeSetPair") {
-      continue;  // for constraints, which name it
-    } else if (tag == "Part") {
-      read_part(reading, *child);
-    } else if (tag == "Instance") {
-      read_instance(reading, *child);
-    } else {
-      ignore(reading, *child, fmt::format("<{}> in {}", tag, section.Name()));
-    }
-  }
+  static constexpr SectionReader named_elsewhere = [](Reading&, const XMLElement&) {
+  };  // by the constraints they are for
+  static constexpr TagReader readers[] = {{"Nodes", read_nodes},
+                                          {"Elements", read_elements},
+                                          {"NodeSet", read_node_set},
+                                          {"ElementSet", read_element_set},
+                                          {"Surface", read_named_surface},
+                                          {"Edge", read_edge},
+                                          {"DiscreteSet", read_discrete_set},
+                                          {"PartList", read_part_list},
+                                          {"SurfacePair", read_surface_pair},
+                                          {"ElementData", read_element_data},
+                                          {"NodeSetSet", named_elsewhere},
+                                          {"NodeSetPair", named_elsewhere},
+                                          {"Part", read_part},
+                                          {"Instance", read_instance}};
+  read_children(reading, section, readers, pass_over);
 }
 
 void read_mesh_domains(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(section)) {
+    const std::string_view tag = child.Name();
     if (tag.size() < 6 || tag.substr(tag.size() - 6) != "Domain") {
-      ignore(reading, *child, fmt::format("<{}> in MeshDomains", tag));
+      ignore(reading, child, fmt::format("<{}> in MeshDomains", tag));
       continue;
     }
-    const std::string name = need_attribute(reading, *child, "name");
+    const std::string name = need_attribute(reading, child, "name");
     const auto domains = reading.domain_index.find(name);
     if (domains == reading.domain_index.end()) {
-      fail(reading, *child,
+      fail(reading, child,
            fmt::format("{} {} names no Elements section: expected the name of one in Mesh{}", tag, quote(name),
                        those_there(name, reading.domain_index)));
     }
-    const std::string mat = need_attribute(reading, *child, "mat");
-    const XMLElement* thickness = child->FirstChildElement("shell_thickness");
+    const std::string mat = need_attribute(reading, child, "mat");
+    const XMLElement* thickness = child.FirstChildElement("shell_thickness");
     for (const int index : domains->second) {
-      assign_material(reading, *child, index, mat, false);
+      assign_material(reading, child, index, mat, false);
       Domain& domain = reading.model.domains[static_cast<std::size_t>(index)];
       if (thickness == nullptr || !is_shell(domain.shape)) continue;
       const double value = read_double(reading, *thickness);
@@ -918,14 +914,14 @@ void read_mesh_domains(Reading& reading, const XMLElement& section) {
 }
 
 void read_mesh_data(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string variable = attribute(*child, child->Attribute("var") != nullptr ? "var" : "type");
-    if (std::strcmp(child->Name(), "ElementData") == 0 && variable == "shell thickness") {
-      read_thickness(reading, *child);
-    } else if (std::strcmp(child->Name(), "SurfaceData") == 0 && child->Attribute("name") != nullptr) {
-      read_surface_map(reading, *child, fmt::format("{} {}", child->Name(), quote(variable)));
+  for (const XMLElement& child : children(section)) {
+    const std::string variable = attribute(child, child.Attribute("var") != nullptr ? "var" : "type");
+    if (std::strcmp(child.Name(), "ElementData") == 0 && variable == "shell thickness") {
+      read_thickness(reading, child);
+    } else if (std::strcmp(child.Name(), "SurfaceData") == 0 && child.Attribute("name") != nullptr) {
+      read_surface_map(reading, child, fmt::format("{} {}", child.Name(), quote(variable)));
     } else {
-      ignore(reading, *child, fmt::format("{} {}", child->Name(), quote(variable)));
+      ignore(reading, child, fmt::format("{} {}", child.Name(), quote(variable)));
     }
   }
 }

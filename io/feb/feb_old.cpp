@@ -39,23 +39,18 @@ int surface_of(Reading& reading, const XMLElement& element, const std::string& w
 void read_rigid_nodes(Reading& reading, const XMLElement& element) {
   std::vector<RigidNodes> runs;
   std::string body;
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string rb = need_attribute(reading, *child, "rb");
+  for (const XMLElement& child : children(element)) {
+    const std::string rb = need_attribute(reading, child, "rb");
     if (runs.empty() || rb != body) {
       RigidNodes rigid;
-      rigid.material = need_rigid(reading, *child, rb);
+      rigid.material = need_rigid(reading, child, rb);
       rigid.step = reading.step;
       rigid.name = attribute(element, "name");
-      rigid.origin = origin_of(reading, *child);
+      rigid.origin = origin_of(reading, child);
       runs.push_back(std::move(rigid));
       body = rb;
     }
-    const auto id = whole_int(need_attribute(reading, *child, "id"));
-    if (!id) {
-      fail(reading, *child,
-           fmt::format("<node> with id = {}, expected a whole number", quote(attribute(*child, "id"))));
-    }
-    runs.back().nodes.push_back(need_node(reading, *child, *id));
+    runs.back().nodes.push_back(need_listed_node(reading, child));
   }
   for (RigidNodes& rigid : runs) reading.model.rigid_nodes.push_back(std::move(rigid));
 }
@@ -75,20 +70,14 @@ std::vector<NodeValues> node_values(Reading& reading, const XMLElement& element,
   std::map<std::tuple<std::string, int, double>, std::size_t> index;
   const std::string bc = attribute(element, "bc");
   const int lc = read_lc(reading, element);
-  for (const XMLElement* child = element.FirstChildElement("node"); child != nullptr;
-       child = child->NextSiblingElement("node")) {
-    const auto id = whole_int(need_attribute(reading, *child, "id"));
-    if (!id) {
-      fail(reading, *child,
-           fmt::format("<node> with id = {}, expected a whole number", quote(attribute(*child, "id"))));
-    }
+  for (const XMLElement& child : children(element, "node")) {
     NodeValues group;
-    group.dof = child->Attribute("bc") != nullptr ? attribute(*child, "bc") : bc;
-    if (group.dof.empty()) need_attribute(reading, *child, "bc");
-    group.controller = child->Attribute("lc") != nullptr ? read_lc(reading, *child) : lc;
-    group.value = trim(text_of(*child)).empty() ? usual : read_double(reading, *child);
-    group.element = child;
-    const int node = need_node(reading, *child, *id);
+    group.dof = child.Attribute("bc") != nullptr ? attribute(child, "bc") : bc;
+    if (group.dof.empty()) need_attribute(reading, child, "bc");
+    group.controller = child.Attribute("lc") != nullptr ? read_lc(reading, child) : lc;
+    group.value = trim(text_of(child)).empty() ? usual : read_double(reading, child);
+    group.element = &child;
+    const int node = need_listed_node(reading, child);
     const auto [place, is_new] =
         index.try_emplace(std::make_tuple(group.dof, group.controller, group.value), groups.size());
     if (is_new) groups.push_back(std::move(group));
@@ -118,14 +107,13 @@ void read_old_contact(Reading& reading, const XMLElement& element) {
   std::string name = attribute(element, "name");
   if (name.empty()) name = fmt::format("contact {}", reading.model.contacts.size() + 1);
   int primary = -1, secondary = -1;
-  for (const XMLElement* child = element.FirstChildElement("surface"); child != nullptr;
-       child = child->NextSiblingElement("surface")) {
-    const bool master = need_attribute(reading, *child, "type") == "master";
+  for (const XMLElement& child : children(element, "surface")) {
+    const bool master = need_attribute(reading, child, "type") == "master";
     int& side = master ? secondary : primary;
     if (side >= 0) {
-      fail(reading, *child, fmt::format("contact with two {} surfaces, expected one", master ? "master" : "slave"));
+      fail(reading, child, fmt::format("contact with two {} surfaces, expected one", master ? "master" : "slave"));
     }
-    side = surface_of(reading, *child, name + (master ? " master" : " slave"));
+    side = surface_of(reading, child, name + (master ? " master" : " slave"));
   }
   if (primary < 0 || secondary < 0) {
     fail(reading, element,
@@ -158,9 +146,8 @@ void read_old_spring(Reading& reading, const XMLElement& element) {
   DiscreteSet set;
   set.name = attribute(element, "name");
   set.origin = origin_of(reading, element);
-  for (const XMLElement* child = element.FirstChildElement("node"); child != nullptr;
-       child = child->NextSiblingElement("node")) {
-    set.pairs.push_back(read_node_pair(reading, *child, fmt::format("spring {}", set.pairs.size() + 1)));
+  for (const XMLElement& child : children(element, "node")) {
+    set.pairs.push_back(read_node_pair(reading, child, fmt::format("spring {}", set.pairs.size() + 1)));
   }
   if (set.pairs.empty()) fail(reading, element, "spring without <node>n1,n2</node>: add the nodes it joins");
   const int place = static_cast<int>(reading.model.discrete_sets.size());

@@ -57,21 +57,9 @@ void add_instance(Reading& reading, const Part& part, Instance& instance) {
   instance.first_node = reading.nodes.size();
   reading.file = part.file;
   reading.instance = &instance;
-  for (const XMLElement* child = part.element->FirstChildElement(); child != nullptr;
-       child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "Nodes") {
-      read_nodes(reading, *child);
-    } else if (tag == "Elements") {
-      read_elements(reading, *child);
-    } else if (tag == "NodeSet") {
-      read_node_set(reading, *child);
-    } else if (tag == "Surface") {
-      read_surface(reading, *child, full_name(reading, need_attribute(reading, *child, "name")));
-    } else {
-      ignore(reading, *child, fmt::format("<{}> in Part", tag));
-    }
-  }
+  static constexpr TagReader readers[] = {
+      {"Nodes", read_nodes}, {"Elements", read_elements}, {"NodeSet", read_node_set}, {"Surface", read_named_surface}};
+  read_children(reading, *part.element, readers, pass_over);
   reading.instance = nullptr;
   reading.file = outer_file;
 }
@@ -106,21 +94,21 @@ void read_instance(Reading& reading, const XMLElement& element) {
   }
   Instance instance;
   instance.prefix = (element.Attribute("name") != nullptr ? attribute(element, "name") : name) + ".";
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(element)) {
+    const std::string_view tag = child.Name();
     if (tag == "translate") {
-      instance.translation = read_vector(reading, *child);
+      instance.translation = read_vector(reading, child);
     } else if (tag == "rotate") {
-      instance.turn = read_rotation(reading, *child);
+      instance.turn = read_rotation(reading, child);
     } else if (tag == "scale") {
-      instance.scale = read_vector(reading, *child);
+      instance.scale = read_vector(reading, child);
       if (!(instance.scale.array() > 0).all()) {
-        fail(reading, *child, fmt::format("scale = {}, need three factors > 0", quote(trim(text_of(*child)))));
+        fail(reading, child, fmt::format("scale = {}, need three factors > 0", quote(trim(text_of(child)))));
       }
     } else if (tag == "Elements") {
-      instance.materials[need_attribute(reading, *child, "name")] = need_attribute(reading, *child, "mat");
+      instance.materials[need_attribute(reading, child, "name")] = need_attribute(reading, child, "mat");
     } else {
-      fail(reading, *child, fmt::format("<{}> in Instance, expected translate, rotate, scale or Elements", tag));
+      fail(reading, child, fmt::format("<{}> in Instance, expected translate, rotate, scale or Elements", tag));
     }
   }
   add_instance(reading, part->second, instance);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "error.h"
 
@@ -59,6 +60,47 @@ void unsupported(Reading& reading, Origin origin, const std::string& what, const
 void unsupported_word(Reading& reading, const XMLElement& element, const std::string& what, febio::WordOf place,
                       const std::string& word) {
   unsupported(reading, element, what, febio::word_advice(place, word));
+}
+
+bool read_child(Reading& reading, const XMLElement& child, std::span<const TagReader> readers) {
+  const auto reader = std::find_if(readers.begin(), readers.end(),
+                                   [&](const TagReader& r) { return std::strcmp(r.tag, child.Name()) == 0; });
+  if (reader == readers.end()) return false;
+  reader->read(reading, child);
+  return true;
+}
+
+namespace {
+
+/// "fix, prescribe or rigid"
+std::string tags_of(std::span<const TagReader> readers) {
+  std::string text;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    if (i > 0) text += i + 1 < readers.size() ? ", " : " or ";
+    text += readers[i].tag;
+  }
+  return text;
+}
+
+}  // namespace
+
+void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers,
+                   SectionReader others) {
+  for (const XMLElement& child : children(section)) {
+    if (!read_child(reading, child, readers)) others(reading, child);
+  }
+}
+
+void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers) {
+  for (const XMLElement& child : children(section)) {
+    if (!read_child(reading, child, readers))
+      unsupported(reading, child, fmt::format("<{}> in {}", child.Name(), section.Name()),
+                  "expected " + tags_of(readers));
+  }
+}
+
+void pass_over(Reading& reading, const XMLElement& child) {
+  ignore(reading, child, fmt::format("<{}> in {}", child.Name(), child.Parent()->Value()));
 }
 
 std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name) {

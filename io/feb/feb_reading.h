@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -23,6 +24,12 @@ namespace dea::feb {
 
 struct Reading;
 using SectionReader = void (*)(Reading&, const XMLElement& section);
+
+/// What reads the elements of one tag.
+struct TagReader {
+  const char* tag;
+  SectionReader read;
+};
 
 /// What differs between the versions.
 struct Rules {
@@ -192,6 +199,15 @@ void unsupported(Reading& reading, Origin origin, const std::string& what, const
 /// A type word that DEA does not take.
 void unsupported_word(Reading& reading, const XMLElement& element, const std::string& what, febio::WordOf place,
                       const std::string& word);
+/// The element by the reader of its tag; false: there is none.
+bool read_child(Reading& reading, const XMLElement& element, std::span<const TagReader> readers);
+/// Each child of a section by the reader of its tag; children of no tag in the table by `others`.
+void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers,
+                   SectionReader others);
+/// The same; a child of no tag in the table is unsupported, with the tags that are expected.
+void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers);
+/// A child that does not change the joint: ignored.
+void pass_over(Reading& reading, const XMLElement& child);
 /// " (did you mean "hip"?); the model has "hip", "knee"" for a name that is not among the keys of `index`.
 template <class Index>
 std::string those_there(const std::string& name, const Index& index) {
@@ -233,6 +249,8 @@ int find_node(const Reading& reading, int id);
 std::string full_name(const Reading& reading, const std::string& name);
 /// Index of the node with this id, or a fault.
 int need_node(const Reading& reading, const XMLElement& element, int id);
+/// Index of the node that a <node id=""> names, or a fault.
+int need_listed_node(const Reading& reading, const XMLElement& element);
 /// Nodes of a node set, of a named Nodes section or of an implicit set ("@surface:NAME").
 std::vector<int> need_node_set(Reading& reading, const XMLElement& element, const std::string& name);
 /// Index of the material of this name, -1: none; a fault if several have it.
@@ -254,6 +272,8 @@ void read_elements(Reading& reading, const XMLElement& section);
 void read_node_set(Reading& reading, const XMLElement& section);
 /// The facets of a surface, under that name; those of other surfaces it lists too. Its index.
 int read_surface(Reading& reading, const XMLElement& section, const std::string& name, bool element_faces = false);
+/// A surface under its own name, within an instance with the instance's prefix.
+void read_named_surface(Reading& reading, const XMLElement& section);
 std::optional<ElementShape> shape_of(const std::string& type);
 /// Appends an element's nodes; `what` makes its name for a message.
 void append_element(const Reading& reading, const XMLElement& element, const std::string& type, int id, Domain& domain);

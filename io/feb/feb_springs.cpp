@@ -178,20 +178,11 @@ void resolve_functions(Reading& reading) {
 }
 
 void read_discrete(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "discrete_material")
-      read_discrete_material(reading, *child);
-    else if (tag == "discrete")
-      read_discrete_springs(reading, *child);
-    else if (tag == "rigid_axial_force")
-      read_axial_force(reading, *child);
-    else if (tag == "rigid_cable")
-      read_cable(reading, *child);
-    else
-      unsupported(reading, *child, fmt::format("<{}> in Discrete", tag),
-                  "expected discrete_material, discrete, rigid_axial_force or rigid_cable");
-  }
+  static constexpr TagReader readers[] = {{"discrete_material", read_discrete_material},
+                                          {"discrete", read_discrete_springs},
+                                          {"rigid_axial_force", read_axial_force},
+                                          {"rigid_cable", read_cable}};
+  read_children(reading, section, readers);
 }
 
 }  // namespace dea::feb

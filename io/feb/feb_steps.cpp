@@ -23,13 +23,13 @@ void read_analysis(Reading& reading, const XMLElement& element) {
 
 /// Points of a curve: children of any name, "t,v".
 void read_points(const Reading& reading, const XMLElement& element, LoadController& curve) {
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string text = text_of(*child);
+  for (const XMLElement& child : children(element)) {
+    const std::string text = text_of(child);
     std::string_view rest = text;
     std::array<double, 2> point = {0, 0};
     if (take_double(rest, point[0]) != Number::Ok || !take_comma(rest) || take_double(rest, point[1]) != Number::Ok ||
         !trim(rest).empty()) {
-      fail(reading, *child,
+      fail(reading, child,
            fmt::format("point {} of load controller {}, expected two numbers time,value of at most 1e30",
                        quote(trim(text)), curve.id));
     }
@@ -119,24 +119,24 @@ void read_curve(const Reading& reading, const XMLElement& element, bool old, Loa
 void read_control(Reading& reading, const XMLElement& section) {
   Control& control = reading.control();
   control.origin = origin_of(reading, section);
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(section)) {
+    const std::string_view tag = child.Name();
     if (tag == "time_steps") {
-      control.time_steps = read_double(reading, *child);
+      control.time_steps = read_double(reading, child);
       if (control.time_steps != -1 && !(control.time_steps >= 0)) {
-        fail(reading, *child,
+        fail(reading, child,
              fmt::format("time_steps = {:g}, need time_steps >= 0, or -1 with a final_time", control.time_steps));
       }
     } else if (tag == "step_size") {
-      control.step_size = read_double(reading, *child);
+      control.step_size = read_double(reading, child);
       if (!(control.step_size > 0))
-        fail(reading, *child, fmt::format("step_size = {:g}, need step_size > 0", control.step_size));
+        fail(reading, child, fmt::format("step_size = {:g}, need step_size > 0", control.step_size));
     } else if (tag == "final_time") {
-      control.final_time = read_double(reading, *child);
+      control.final_time = read_double(reading, child);
     } else if (tag == "analysis") {
-      read_analysis(reading, *child);
+      read_analysis(reading, child);
     } else if (tag == "time_stepper") {
-      const XMLElement* dtmax = child->FirstChildElement("dtmax");
+      const XMLElement* dtmax = child.FirstChildElement("dtmax");
       if (dtmax == nullptr) continue;
       control.dtmax_controller = read_lc(reading, *dtmax);
       control.dtmax_origin = origin_of(reading, *dtmax);
@@ -145,31 +145,31 @@ void read_control(Reading& reading, const XMLElement& section) {
 }
 
 void read_load_data(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(section)) {
+    const std::string_view tag = child.Name();
     if (tag != "loadcurve" && tag != "load_controller") {
-      ignore(reading, *child, fmt::format("<{}> in LoadData", tag));
+      ignore(reading, child, fmt::format("<{}> in LoadData", tag));
       continue;
     }
     LoadController curve;
-    const auto id = whole_int(need_attribute(reading, *child, "id"));
+    const auto id = whole_int(need_attribute(reading, child, "id"));
     if (!id || *id < 1)
-      fail(reading, *child,
-           fmt::format("<{}> with id = {}, expected a positive whole number", tag, quote(attribute(*child, "id"))));
+      fail(reading, child,
+           fmt::format("<{}> with id = {}, expected a positive whole number", tag, quote(attribute(child, "id"))));
     curve.id = *id;
-    curve.name = attribute(*child, "name");
-    curve.origin = origin_of(reading, *child);
-    const std::string type = attribute(*child, "type");
+    curve.name = attribute(child, "name");
+    curve.origin = origin_of(reading, child);
+    const std::string type = attribute(child, "type");
     if (tag == "loadcurve" || type.empty() || type == "loadcurve") {
-      read_curve(reading, *child, tag == "loadcurve", curve);
+      read_curve(reading, child, tag == "loadcurve", curve);
     } else if (type == "math") {
-      read_expression(reading, *child, curve);
+      read_expression(reading, child, curve);
     } else {
       curve.unsupported = fmt::format("type {}", quote(type));
     }
     for (const LoadController& other : reading.model.controllers) {
       if (other.id == curve.id)
-        fail(reading, *child, fmt::format("load controller {} exists twice: renumber one", curve.id));
+        fail(reading, child, fmt::format("load controller {} exists twice: renumber one", curve.id));
     }
     reading.model.controllers.push_back(std::move(curve));
   }

@@ -16,22 +16,22 @@ void read_mixed_elements(Reading& reading, const XMLElement& section) {
   for (std::size_t i = 0; i < model.domains.size(); ++i) {
     domains[{model.domains[i].material, model.domains[i].shape}] = static_cast<int>(i);
   }
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string type = child->Name();
+  for (const XMLElement& child : children(section)) {
+    const std::string type = child.Name();
     const auto shape = shape_of(type);
     if (!shape) {
-      fail(reading, *child,
+      fail(reading, child,
            fmt::format("element type {} is unknown, expected one like hex8, tet4, tet10, penta6, quad4, tri3",
                        quote(type)));
     }
-    const std::string mat = need_attribute(reading, *child, "mat");
+    const std::string mat = need_attribute(reading, child, "mat");
     const auto id = whole_int(mat);
     int material = -1;
     for (std::size_t i = 0; i < model.materials.size() && id; ++i) {
       if (model.materials[i].id == *id) material = static_cast<int>(i);
     }
     if (material < 0) {
-      fail(reading, *child, fmt::format("<{}> with mat = {}, expected the id of a material", type, quote(mat)));
+      fail(reading, child, fmt::format("<{}> with mat = {}, expected the id of a material", type, quote(mat)));
     }
     const auto [place, is_new] =
         domains.try_emplace(std::make_pair(material, *shape), static_cast<int>(model.domains.size()));
@@ -39,7 +39,7 @@ void read_mixed_elements(Reading& reading, const XMLElement& section) {
       Domain domain;
       domain.shape = *shape;
       domain.material = material;
-      domain.origin = origin_of(reading, *child);
+      domain.origin = origin_of(reading, child);
       model.domains.push_back(std::move(domain));
       reading.first_element.push_back(reading.elements.size());
     }
@@ -47,42 +47,24 @@ void read_mixed_elements(Reading& reading, const XMLElement& section) {
     const int number = reading.elements.size() + 1;
     reading.elements.add(number);
     reading.element_places.push_back({place->second, static_cast<int>(domain.element_ids.size())});
-    append_element(reading, *child, type, number, domain);
+    append_element(reading, child, type, number, domain);
   }
 }
 
 void read_geometry(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "Nodes") {
-      read_nodes(reading, *child);
-    } else if (tag == "Elements") {
-      read_mixed_elements(reading, *child);
-    } else if (tag == "ElementData") {
-      read_element_data(reading, *child);
-    } else if (tag == "NodeSet") {
-      read_node_set(reading, *child);
-    } else {
-      ignore(reading, *child, fmt::format("<{}> in Geometry", tag));
-    }
-  }
+  static constexpr TagReader readers[] = {{"Nodes", read_nodes},
+                                          {"Elements", read_mixed_elements},
+                                          {"ElementData", read_element_data},
+                                          {"NodeSet", read_node_set}};
+  read_children(reading, section, readers, pass_over);
 }
 
 void read_boundary(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "fix") {
-      read_old_fix(reading, *child);
-    } else if (tag == "prescribe") {
-      read_old_prescribe(reading, *child);
-    } else if (tag == "contact") {
-      read_old_contact(reading, *child);
-    } else if (tag == "spring") {
-      read_old_spring(reading, *child);
-    } else {
-      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag), "expected fix, prescribe, contact or spring");
-    }
-  }
+  static constexpr TagReader readers[] = {{"fix", read_old_fix},
+                                          {"prescribe", read_old_prescribe},
+                                          {"contact", read_old_contact},
+                                          {"spring", read_old_spring}};
+  read_children(reading, section, readers);
 }
 
 /// trans_x, rot_z: the dof; -1: another tag.
@@ -107,82 +89,90 @@ void read_body(Reading& reading, const XMLElement& section) {
   const std::string name = attribute(section, "name");
   RigidFixed fixed{material, {}, reading.step, name, origin_of(reading, section)};
   bool any_fixed = false;
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const int dof = dof_of(child->Name());
+  for (const XMLElement& child : children(section)) {
+    const int dof = dof_of(child.Name());
     if (dof < 0) {
-      unsupported(reading, *child, fmt::format("<{}> in rigid_body", child->Name()),
+      unsupported(reading, child, fmt::format("<{}> in rigid_body", child.Name()),
                   "expected trans_x, trans_y, trans_z, rot_x, rot_y or rot_z");
       continue;
     }
-    const std::string type = need_attribute(reading, *child, "type");
+    const std::string type = need_attribute(reading, child, "type");
     if (type == "fixed") {
       fixed.dofs[static_cast<std::size_t>(dof)] = any_fixed = true;
     } else if (type == "prescribed") {
-      reading.model.rigid_prescribed.push_back({material, dof, read_scaled(reading, *child),
-                                                is_relative(reading, *child), reading.step, name,
-                                                origin_of(reading, *child)});
+      reading.model.rigid_prescribed.push_back({material, dof, read_scaled(reading, child), is_relative(reading, child),
+                                                reading.step, name, origin_of(reading, child)});
     } else if (type == "force") {
       RigidLoad load;
       load.material = material;
       load.dof = dof;
-      load.value = read_scaled(reading, *child);
+      load.value = read_scaled(reading, child);
       load.step = reading.step;
       load.name = name;
-      load.origin = origin_of(reading, *child);
+      load.origin = origin_of(reading, child);
       reading.model.rigid_loads.push_back(std::move(load));
     } else {
-      fail(reading, *child,
-           fmt::format("{} with type {}, expected fixed, prescribed or force", child->Name(), quote(type)));
+      fail(reading, child,
+           fmt::format("{} with type {}, expected fixed, prescribed or force", child.Name(), quote(type)));
     }
   }
   if (any_fixed) reading.model.rigid_fixed.push_back(std::move(fixed));
 }
 
 void read_constraints_12(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::string_view(child->Name()) == "rigid_body")
-      read_body(reading, *child);
-    else
-      read_constraint(reading, *child);
-  }
+  static constexpr TagReader readers[] = {{"rigid_body", read_body}};
+  read_children(reading, section, readers, read_constraint);
 }
 
 /// Loads on facets: <quad4 scale="">; without `scale` they are 1.
 bool facets_are_zero(const XMLElement& element) {
-  for (const XMLElement* child = element.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const auto scale = whole_double(attribute(*child, "scale"));
+  for (const XMLElement& child : children(element)) {
+    const auto scale = whole_double(attribute(child, "scale"));
     if (!scale || *scale != 0.0) return false;
   }
   return true;
 }
 
+void read_body_force(Reading& reading, const XMLElement& element) {
+  if (is_zero_load(element))
+    ignore(reading, element, "body_force of zero");
+  else
+    unsupported(reading, element, "body_force", febio::load_advice("body_force", ""));
+}
+
+/// A load on the facets listed inside.
+void read_surface_load(Reading& reading, const XMLElement& element) {
+  const std::string tag = element.Name();
+  const bool of_fluid = tag == "fluidflux" || tag == "soluteflux" || tag == "concentration" || tag == "heatflux";
+  if (facets_are_zero(element))
+    ignore(reading, element, tag + " of zero");
+  else if (of_fluid)
+    ignore(reading, element, tag);
+  else
+    unsupported(reading, element, tag, febio::load_advice("surface_load", tag));
+}
+
 void read_loads_12(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "force") {
-      read_old_nodal_force(reading, *child);
-    } else if (tag == "heat_source") {
-      ignore(reading, *child, "heat_source");
-    } else if (tag == "body_force") {
-      if (is_zero_load(*child))
-        ignore(reading, *child, "body_force of zero");
-      else
-        unsupported(reading, *child, "body_force", febio::load_advice("body_force", ""));
-    } else {
-      const bool of_fluid = tag == "fluidflux" || tag == "soluteflux" || tag == "concentration" || tag == "heatflux";
-      const bool zero = facets_are_zero(*child);
-      if (of_fluid || zero)
-        ignore(reading, *child, zero ? fmt::format("{} of zero", tag) : std::string(tag));
-      else
-        unsupported(reading, *child, std::string(tag), febio::load_advice("surface_load", std::string(tag)));
-    }
-  }
+  static constexpr SectionReader heat = [](Reading& r, const XMLElement& e) { ignore(r, e, "heat_source"); };
+  static constexpr TagReader readers[] = {
+      {"force", read_old_nodal_force}, {"heat_source", heat}, {"body_force", read_body_force}};
+  read_children(reading, section, readers, read_surface_load);
 }
 
 }  // namespace
 
-const Rules kRules12{"1.2",         true,          false,        read_geometry,
-                     read_boundary, nullptr,       read_contact, read_constraints_12,
-                     read_loads_12, read_discrete, true};
+const Rules kRules12{
+    .version = "1.2",
+    .nested_k_adds = true,
+    .unique_materials = false,
+    .mesh = read_geometry,
+    .boundary = read_boundary,
+    .rigid = nullptr,
+    .contact = read_contact,
+    .constraints = read_constraints_12,
+    .loads = read_loads_12,
+    .discrete = read_discrete,
+    .tag_per_step = true,
+};
 
 }  // namespace dea::feb

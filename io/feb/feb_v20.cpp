@@ -7,64 +7,44 @@ namespace dea::feb {
 namespace {
 
 void read_boundary(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "fix") {
-      read_old_fix(reading, *child);
-    } else if (tag == "prescribe") {
-      read_old_prescribe(reading, *child);
-    } else {
-      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag), "expected fix or prescribe");
-    }
-  }
+  static constexpr TagReader readers[] = {{"fix", read_old_fix}, {"prescribe", read_old_prescribe}};
+  read_children(reading, section, readers);
 }
 
 void read_contacts(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::string_view(child->Name()) == "contact")
-      read_old_contact(reading, *child);
-    else
-      unsupported(reading, *child, fmt::format("<{}> in Contact", child->Name()), "expected <contact type=>");
-  }
+  static constexpr TagReader readers[] = {{"contact", read_old_contact}};
+  read_children(reading, section, readers);
 }
 
 void read_constraints_20(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::string_view(child->Name()) == "rigid_body")
-      read_rigid_body(reading, *child);
-    else
-      read_constraint(reading, *child);
-  }
+  static constexpr TagReader readers[] = {{"rigid_body", read_rigid_body}};
+  read_children(reading, section, readers, read_constraint);
 }
 
 void read_loads_20(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::string_view(child->Name()) == "nodal_load")
-      read_old_nodal_force(reading, *child);
-    else
-      read_load(reading, *child);
-  }
+  static constexpr TagReader readers[] = {{"nodal_load", read_old_nodal_force}};
+  read_children(reading, section, readers, read_load);
 }
 
 void read_discrete_20(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "spring")
-      read_old_spring(reading, *child);
-    else if (tag == "rigid_axial_force")
-      read_axial_force(reading, *child);
-    else
-      unsupported(reading, *child, fmt::format("<{}> in Discrete", tag), "expected spring or rigid_axial_force");
-  }
+  static constexpr TagReader readers[] = {{"spring", read_old_spring}, {"rigid_axial_force", read_axial_force}};
+  read_children(reading, section, readers);
 }
 
 }  // namespace
 
-const Rules kRules20{"2.0",         true,
-                     false,         read_mesh,
-                     read_boundary, nullptr,
-                     read_contacts, read_constraints_20,
-                     read_loads_20, read_discrete_20,
-                     true};
+const Rules kRules20{
+    .version = "2.0",
+    .nested_k_adds = true,
+    .unique_materials = false,
+    .mesh = read_mesh,
+    .boundary = read_boundary,
+    .rigid = nullptr,
+    .contact = read_contacts,
+    .constraints = read_constraints_20,
+    .loads = read_loads_20,
+    .discrete = read_discrete_20,
+    .tag_per_step = true,
+};
 
 }  // namespace dea::feb

@@ -6,39 +6,51 @@
 namespace dea::feb {
 namespace {
 
+void read_fixed_nodes(Reading& reading, const XMLElement& element) {
+  fix_nodes(reading, element, need_attribute(reading, element, "bc"));
+}
+
+void read_prescribed_nodes(Reading& reading, const XMLElement& element) {
+  const XMLElement* scale = element.FirstChildElement("scale");
+  prescribe_nodes(reading, element, need_attribute(reading, element, "bc"),
+                  scale != nullptr ? scale : element.FirstChildElement("value"));
+}
+
+void read_rigid_nodes(Reading& reading, const XMLElement& element) {
+  rigid_nodes(reading, element, need_attribute(reading, element, "rb"));
+}
+
 void read_boundary(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
-    if (tag == "fix") {
-      fix_nodes(reading, *child, need_attribute(reading, *child, "bc"));
-    } else if (tag == "prescribe") {
-      const XMLElement* scale = child->FirstChildElement("scale");
-      prescribe_nodes(reading, *child, need_attribute(reading, *child, "bc"),
-                      scale != nullptr ? scale : child->FirstChildElement("value"));
-    } else if (tag == "rigid") {
-      rigid_nodes(reading, *child, need_attribute(reading, *child, "rb"));
-    } else if (tag == "rigid_body") {
-      read_rigid_body(reading, *child);
-    } else {
-      unsupported(reading, *child, fmt::format("<{}> in Boundary", tag),
-                  "expected fix, prescribe, rigid or rigid_body");
-    }
-  }
+  static constexpr TagReader readers[] = {{"fix", read_fixed_nodes},
+                                          {"prescribe", read_prescribed_nodes},
+                                          {"rigid", read_rigid_nodes},
+                                          {"rigid_body", read_rigid_body}};
+  read_children(reading, section, readers);
+}
+
+void refuse_rigid_body(Reading& reading, const XMLElement& element) {
+  unsupported(reading, element, "rigid_body in Constraints", "move it to Boundary");
 }
 
 void read_constraints_25(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::string_view(child->Name()) == "rigid_body")
-      unsupported(reading, *child, "rigid_body in Constraints", "move it to Boundary");
-    else
-      read_constraint(reading, *child);
-  }
+  static constexpr TagReader readers[] = {{"rigid_body", refuse_rigid_body}};
+  read_children(reading, section, readers, read_constraint);
 }
 
 }  // namespace
 
-const Rules kRules25{"2.5",         true,          true,         read_mesh,
-                     read_boundary, nullptr,       read_contact, read_constraints_25,
-                     read_loads,    read_discrete, true};
+const Rules kRules25{
+    .version = "2.5",
+    .nested_k_adds = true,
+    .unique_materials = true,
+    .mesh = read_mesh,
+    .boundary = read_boundary,
+    .rigid = nullptr,
+    .contact = read_contact,
+    .constraints = read_constraints_25,
+    .loads = read_loads,
+    .discrete = read_discrete,
+    .tag_per_step = true,
+};
 
 }  // namespace dea::feb

@@ -7,17 +7,17 @@ namespace dea::feb {
 namespace {
 
 void read_boundary(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string type = attribute(*child, "type");
+  for (const XMLElement& child : children(section)) {
+    const std::string type = attribute(child, "type");
     if (type == "fix") {
-      fix_nodes(reading, *child, child_text(*child, "dofs"));
+      fix_nodes(reading, child, child_text(child, "dofs"));
     } else if (type == "prescribe") {
-      prescribe_nodes(reading, *child, child_text(*child, "dof"), child->FirstChildElement("scale"));
+      prescribe_nodes(reading, child, child_text(child, "dof"), child.FirstChildElement("scale"));
     } else if (type == "rigid") {
-      rigid_nodes(reading, *child, child_text(*child, "rb"));
+      rigid_nodes(reading, child, child_text(child, "rb"));
     } else {
-      unsupported(reading, *child,
-                  type.empty() ? fmt::format("<{}> in Boundary", child->Name()) : fmt::format("bc {}", quote(type)),
+      unsupported(reading, child,
+                  type.empty() ? fmt::format("<{}> in Boundary", child.Name()) : fmt::format("bc {}", quote(type)),
                   febio::word_advice(febio::WordOf::Boundary, type));
     }
   }
@@ -37,22 +37,32 @@ void read_fix(Reading& reading, const XMLElement& element) {
 }
 
 void read_rigid(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string type = attribute(*child, "type");
+  for (const XMLElement& child : children(section)) {
+    const std::string type = attribute(child, "type");
     if (type == "fix")
-      read_fix(reading, *child);
-    else if (rigid_condition(reading, *child, type) || rigid_connector(reading, *child, type))
+      read_fix(reading, child);
+    else if (rigid_condition(reading, child, type) || rigid_connector(reading, child, type))
       continue;
     else
-      unsupported_word(reading, *child, fmt::format("{} {}", child->Name(), quote(type)), febio::WordOf::RigidCondition,
+      unsupported_word(reading, child, fmt::format("{} {}", child.Name(), quote(type)), febio::WordOf::RigidCondition,
                        type);
   }
 }
 
 }  // namespace
 
-const Rules kRules30{"3.0",         false,         true,         read_mesh,
-                     read_boundary, read_rigid,    read_contact, read_constraints,
-                     read_loads,    read_discrete, false};
+const Rules kRules30{
+    .version = "3.0",
+    .nested_k_adds = false,
+    .unique_materials = true,
+    .mesh = read_mesh,
+    .boundary = read_boundary,
+    .rigid = read_rigid,
+    .contact = read_contact,
+    .constraints = read_constraints,
+    .loads = read_loads,
+    .discrete = read_discrete,
+    .tag_per_step = false,
+};
 
 }  // namespace dea::feb

@@ -22,38 +22,48 @@ void read_zero_displacement(Reading& reading, const XMLElement& element) {
 }
 
 void read_boundary(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string type = attribute(*child, "type");
+  for (const XMLElement& child : children(section)) {
+    const std::string type = attribute(child, "type");
     const std::string what =
-        type.empty() ? fmt::format("<{}> in Boundary", child->Name()) : fmt::format("bc {}", quote(type));
+        type.empty() ? fmt::format("<{}> in Boundary", child.Name()) : fmt::format("bc {}", quote(type));
     if (type == "zero displacement") {
-      read_zero_displacement(reading, *child);
+      read_zero_displacement(reading, child);
     } else if (type == "prescribed displacement") {
-      prescribe_nodes(reading, *child, child_text(*child, "dof"), child->FirstChildElement("value"));
+      prescribe_nodes(reading, child, child_text(child, "dof"), child.FirstChildElement("value"));
     } else if (type == "rigid") {
-      rigid_nodes(reading, *child, child_text(*child, "rb"));
+      rigid_nodes(reading, child, child_text(child, "rb"));
     } else if (type == "zero rotation" || type == "zero shell displacement" || has(type, "fluid") ||
                has(type, "concentration") || has(type, "temperature")) {
-      ignore(reading, *child, what);
+      ignore(reading, child, what);
     } else {
-      unsupported_word(reading, *child, what, febio::WordOf::Boundary, type);
+      unsupported_word(reading, child, what, febio::WordOf::Boundary, type);
     }
   }
 }
 
 void read_rigid(Reading& reading, const XMLElement& section) {
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string type = attribute(*child, "type");
-    if (rigid_condition(reading, *child, type) || rigid_connector(reading, *child, type)) continue;
-    unsupported_word(reading, *child, fmt::format("{} {}", child->Name(), quote(type)), febio::WordOf::RigidCondition,
+  for (const XMLElement& child : children(section)) {
+    const std::string type = attribute(child, "type");
+    if (rigid_condition(reading, child, type) || rigid_connector(reading, child, type)) continue;
+    unsupported_word(reading, child, fmt::format("{} {}", child.Name(), quote(type)), febio::WordOf::RigidCondition,
                      type);
   }
 }
 
 }  // namespace
 
-const Rules kRules40{"4.0",         false,         true,         read_mesh,
-                     read_boundary, read_rigid,    read_contact, read_constraints,
-                     read_loads,    read_discrete, false};
+const Rules kRules40{
+    .version = "4.0",
+    .nested_k_adds = false,
+    .unique_materials = true,
+    .mesh = read_mesh,
+    .boundary = read_boundary,
+    .rigid = read_rigid,
+    .contact = read_contact,
+    .constraints = read_constraints,
+    .loads = read_loads,
+    .discrete = read_discrete,
+    .tag_per_step = false,
+};
 
 }  // namespace dea::feb

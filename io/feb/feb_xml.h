@@ -22,6 +22,30 @@ std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string
 
 using febio::quote;
 
+/// The child elements of an element in the order of the file, or those of one name:
+/// for (const XMLElement& child : children(element, "node")).
+class Children {
+ public:
+  struct Iterator {
+    const XMLElement* element;
+    const char* name;
+    const XMLElement& operator*() const { return *element; }
+    Iterator& operator++() {
+      element = element->NextSiblingElement(name);
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return element != other.element; }
+  };
+  Children(const XMLElement& parent, const char* name) : first_(parent.FirstChildElement(name)), name_(name) {}
+  Iterator begin() const { return {first_, name_}; }
+  Iterator end() const { return {nullptr, name_}; }
+
+ private:
+  const XMLElement* first_;
+  const char* name_;
+};
+inline Children children(const XMLElement& parent, const char* name = nullptr) { return {parent, name}; }
+
 /// The element's text without its children; comments skipped. `store` is used when it is in pieces.
 std::string_view text_of(const XMLElement& element, std::string& store);
 std::string text_of(const XMLElement& element);

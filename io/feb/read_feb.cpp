@@ -92,9 +92,8 @@ void read_include(Reading& reading, const XMLElement& element) {
   read_other_file(reading, element, first_file({first, folder_of_current(reading) / name}),
                   [&](const XMLElement& root) {
                     reading.rules = need_rules(root, reading.model.files[static_cast<std::size_t>(reading.file)]);
-                    for (const XMLElement* section = root.FirstChildElement(); section != nullptr;
-                         section = section->NextSiblingElement()) {
-                      read_section(reading, *section);
+                    for (const XMLElement& section : children(root)) {
+                      read_section(reading, section);
                     }
                   });
 }
@@ -158,11 +157,11 @@ void read_step(Reading& reading, const XMLElement& section) {
   reading.step = static_cast<int>(reading.controls.size()) - 1;
   reading.control().name = attribute(section, "name");
   reading.control().origin = origin_of(reading, section);
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    const std::string_view tag = child->Name();
+  for (const XMLElement& child : children(section)) {
+    const std::string_view tag = child.Name();
     if (tag == "Step" || tag == "step")
-      fail(reading, *child, "a step inside a step, expected steps one after the other: move it out");
-    read_section(reading, *child);
+      fail(reading, child, "a step inside a step, expected steps one after the other: move it out");
+    read_section(reading, child);
   }
 }
 
@@ -170,45 +169,66 @@ void read_steps(Reading& reading, const XMLElement& section) {
   const bool one_step = section.FirstChildElement("step") == nullptr;
   if (one_step && (reading.rules->tag_per_step || !is_leaf(section))) read_step(reading, section);
   if (one_step) return;
-  for (const XMLElement* child = section.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
-    if (std::strcmp(child->Name(), "step") == 0)
-      read_step(reading, *child);
+  for (const XMLElement& child : children(section)) {
+    if (std::strcmp(child.Name(), "step") == 0)
+      read_step(reading, child);
     else
-      ignore(reading, *child, fmt::format("<{}> in Step", child->Name()));
+      ignore(reading, child, fmt::format("<{}> in Step", child.Name()));
   }
 }
 
+void pass_over_section(Reading& reading, const XMLElement& section) {
+  ignore(reading, section, fmt::format("section <{}>", section.Name()));
+}
+
+void read_rigid(Reading& reading, const XMLElement& section) {
+  if (reading.rules->rigid != nullptr) return reading.rules->rigid(reading, section);
+  unsupported(reading, section, "section <Rigid> in a version without one", "save it as 4.0");
+}
+
+/// A section whose meaning depends on the version.
+template <SectionReader Rules::*Section>
+void by_version(Reading& reading, const XMLElement& section) {
+  (reading.rules->*Section)(reading, section);
+}
+
+constexpr SectionReader kInSilence = [](Reading&, const XMLElement&) {};
+
+constexpr TagReader kSections[] = {{"Module", read_module},
+                                   {"Control", read_control},
+                                   {"Material", read_materials},
+                                   {"Geometry", by_version<&Rules::mesh>},
+                                   {"Mesh", by_version<&Rules::mesh>},
+                                   {"MeshDomains", read_mesh_domains},
+                                   {"MeshData", read_mesh_data},
+                                   {"Boundary", by_version<&Rules::boundary>},
+                                   {"Rigid", read_rigid},
+                                   {"Loads", by_version<&Rules::loads>},
+                                   {"Contact", by_version<&Rules::contact>},
+                                   {"Constraints", by_version<&Rules::constraints>},
+                                   {"Discrete", by_version<&Rules::discrete>},
+                                   {"Initial", read_initial},
+                                   {"LoadData", read_load_data},
+                                   {"Include", read_include},
+                                   {"Step", read_steps},
+                                   {"Globals", kInSilence},
+                                   {"Output", kInSilence},
+                                   // FEBio's own, of no use here
+                                   {"MeshAdaptor", pass_over_section},
+                                   {"Environment", pass_over_section},
+                                   {"Code", pass_over_section},
+                                   {"Parameters", pass_over_section}};
+
 void read_section(Reading& reading, const XMLElement& section) {
   if (section.Attribute("from") != nullptr) return read_from(reading, section);
-  const std::string_view tag = section.Name();
-  if (tag == "Module") return read_module(reading, section);
-  if (tag == "Control") return read_control(reading, section);
-  if (tag == "Material") return read_materials(reading, section);
-  if (tag == "Geometry" || tag == "Mesh") return reading.rules->mesh(reading, section);
-  if (tag == "MeshDomains") return read_mesh_domains(reading, section);
-  if (tag == "MeshData") return read_mesh_data(reading, section);
-  if (tag == "Boundary") return reading.rules->boundary(reading, section);
-  if (tag == "Rigid" && reading.rules->rigid != nullptr) return reading.rules->rigid(reading, section);
-  if (tag == "Loads") return reading.rules->loads(reading, section);
-  if (tag == "Contact") return reading.rules->contact(reading, section);
-  if (tag == "Constraints") return reading.rules->constraints(reading, section);
-  if (tag == "Discrete") return reading.rules->discrete(reading, section);
-  if (tag == "Initial") return read_initial(reading, section);
-  if (tag == "LoadData") return read_load_data(reading, section);
-  if (tag == "Include") return read_include(reading, section);
-  if (tag == "Step") return read_steps(reading, section);
-  if (tag == "Globals" || tag == "Output") return;
-  if (tag == "Rigid")
-    return unsupported(reading, section, "section <Rigid> in a version without one", "save it as 4.0");
-  const std::string name(tag);
-  // FEBio's own, of no use here; else a slip of the keyboard would leave out a whole section.
-  if (tag == "MeshAdaptor" || tag == "Environment" || tag == "Code" || tag == "Parameters")
-    return ignore(reading, section, fmt::format("section <{}>", tag));
-  const std::string meant = nearest_name(
-      name, {"Module", "Control", "Material", "Geometry", "Mesh", "MeshDomains", "MeshData", "Boundary", "Rigid",
-             "Loads", "Contact", "Constraints", "Discrete", "Initial", "LoadData", "Include", "Step"});
-  if (!meant.empty()) fail(reading, section, fmt::format("section <{}> is unknown: did you mean <{}>?", name, meant));
-  ignore(reading, section, fmt::format("section <{}>", tag));
+  if (read_child(reading, section, kSections)) return;
+  // A slip of the keyboard would leave out a whole section.
+  std::vector<std::string> names;
+  for (const TagReader& known : kSections) names.push_back(known.tag);
+  const std::string meant = nearest_name(section.Name(), names);
+  if (!meant.empty())
+    fail(reading, section, fmt::format("section <{}> is unknown: did you mean <{}>?", section.Name(), meant));
+  pass_over_section(reading, section);
 }
 
 }  // namespace
@@ -225,9 +245,8 @@ JointModel read_feb(const std::string& path) {
   std::error_code error;
   reading.open_files = {fs::weakly_canonical(path, error).string()};
   reading.main_folder = fs::path(path).parent_path().string();
-  for (const XMLElement* section = root.FirstChildElement(); section != nullptr;
-       section = section->NextSiblingElement()) {
-    read_section(reading, *section);
+  for (const XMLElement& section : children(root)) {
+    read_section(reading, section);
   }
   finish(reading);
   return std::move(reading.model);
