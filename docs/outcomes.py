@@ -17,7 +17,7 @@ import tempfile
 REASONS = [  # (row of the table, what the line of the refusal says)
     ("no sliding contact", r"no sliding contact"),
     ("no rigid body", r"no rigid body in the model"),
-    ("nodes moved one by one (prescribed displacement)", r"prescribed displacement of nodes"),
+    ("nodes that move, but not as a bone", r"so it is no bone|prescribed displacement of nodes"),
     ("module of another kind", r"module \""),
     ("other loads and conditions that DEA does not have", r"is not supported and would change the result"),
     ("contact on deformable shells", r"lies on deformable shells"),

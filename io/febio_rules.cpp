@@ -140,14 +140,24 @@ std::string quote(std::string_view text) {
   return result + "\"";
 }
 
-Remark& list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
-                  const std::string& advice) {
+void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
+               const std::string& advice) {
   const auto [place, is_new] = index.places.try_emplace(what, remarks.size());
   if (is_new)
     remarks.push_back({what, 1, origin, advice});
   else
     ++remarks[place->second].count;
-  return remarks[place->second];
+}
+
+std::vector<int> rigid_material_of_nodes(const JointModel& model) {
+  std::vector<int> material(model.nodes.size(), -1);
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (const int node : set.nodes) material[static_cast<std::size_t>(node)] = set.material;
+  for (const Domain& domain : model.domains) {
+    if (domain.material < 0 || !model.materials[static_cast<std::size_t>(domain.material)].rigid) continue;
+    for (const int node : domain.nodes) material[static_cast<std::size_t>(node)] = domain.material;
+  }
+  return material;
 }
 
 bool known_module(const std::string& m) {

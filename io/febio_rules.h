@@ -20,8 +20,8 @@ struct RemarkIndex {
   std::unordered_map<std::string, std::size_t> places;
 };
 /// `advice`: what to do about it (Remark::advice). Its remark.
-Remark& list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
-                  const std::string& advice = {});
+void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
+               const std::string& advice = {});
 
 /// Modules whose mechanics are those of a solid (drained); "" is FEBio's default, solid.
 bool known_module(const std::string& module);
@@ -66,6 +66,7 @@ std::vector<double> must_points(const LoadController& curve, double begin, doubl
 template <class F>
 void for_each_controller(JointModel& model, F f) {
   for (auto& c : model.rigid_prescribed) f(c.value.controller, c.origin);
+  for (auto& c : model.prescribed_nodes) f(c.value.controller, c.origin);
   for (auto& c : model.rigid_loads) f(c.value.controller, c.origin);
   for (auto& c : model.rigid_followers) f(c.controller, c.origin);
   for (auto& c : model.rigid_axial_forces) f(c.force.controller, c.origin);
@@ -76,6 +77,8 @@ void for_each_controller(JointModel& model, F f) {
   for (auto& c : model.nodal_forces) f(c.controller, c.origin);
   for (auto& c : model.discrete_springs) f(c.scale.controller, c.origin);
 }
+/// Per node the rigid material that has it, by an element or a rigid node set; -1: none.
+std::vector<int> rigid_material_of_nodes(const JointModel& model);
 /// Lists as unsupported every use of a controller that cannot be evaluated.
 void refuse_unusable_controllers(JointModel& model);
 

@@ -93,6 +93,11 @@ std::string bodies_text(const JointModel& model, const JointCheck& check) {
       text += "  ground: never moves\n";
       continue;
     }
+    if (!body.moved_by.empty()) {
+      text += fmt::format("  {}: nodes that are moved together, a bone that the model leaves out; middle {}\n",
+                          body.name, vector_text(body.center_of_mass));
+      continue;
+    }
     std::string materials;
     for (int m : body.materials) materials += (materials.empty() ? "" : ", ") + quoted(model.materials[at(m)].name);
     text += fmt::format("  {}: material{} {}; centre of mass {} ({}); mass {}\n", body.name,
@@ -377,11 +382,8 @@ std::string info_text(const JointModel& model, const Settings& settings, const J
   if (!remarks.empty() || !model.unsupported.empty()) text += "\nremarks\n";
   for (const std::string& line : remarks) text += "  " + line + "\n";
   for (const Remark& r : model.unsupported) {
-    for (const Remark::Place& place : r.places)
-      text += fmt::format("  not supported: {}{}{}\n", where(model, place.origin), r.what, place.found);
-    if (r.places.empty())
-      text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), r.what,
-                          r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
+    text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), r.what,
+                        r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
   }
   if (!check.errors.empty()) text += "\nwhy dea run refuses this model\n";
   for (const std::string& line : check.errors) text += "  " + line + "\n";
@@ -414,6 +416,7 @@ nlohmann::ordered_json info_json(const JointModel& model, const Settings& settin
       item["center_given"] = body.center_given;
       item["mass"] = json_number(body.mass);
       item["ground"] = body.ground;
+      item["moved_nodes"] = !body.moved_by.empty();
       j["bodies"].push_back(item);
     }
     for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {

@@ -33,39 +33,91 @@ double finite_value(const JointModel& model, const Scaled& scaled, double time, 
                                time, scaled.controller >= 0 ? model.controllers[at(scaled.controller)].id : 0));
 }
 
-/// Dofs of a bone taken as rigid by the user that its fixed nodes leave no freedom. With the constraints' rows
-/// (e_k, d x e_k / length), d the node's arm: every dof whose unit vector is in their span.
-void hold_by_fixed_nodes(const JointModel& model, const Joint& joint, int body, int step, BodyConditions& conditions) {
+/// What fixed and prescribed nodes make of a bone that the user takes as rigid. Each is a row (e_k, d x e_k / length)
+/// of conditions on its motion, d the node's arm: every dof whose unit vector is in their span has no freedom left.
+/// Prescribed nodes must move the bone without turning it.
+void hold_by_nodes(const JointModel& model, const Joint& joint, int body, int step, double time,
+                   BodyConditions& conditions) {
   const Body& b = joint.bodies[at(body)];
   const bool by_user =
       std::any_of(b.materials.begin(), b.materials.end(), [&](int m) { return !model.materials[at(m)].rigid; });
   if (!by_user) return;  // FEBio ignores fixed nodes of its own rigid bodies
-  double length = 0.0;
-  const auto each_node = [&](const auto& use) {
-    for (const FixedNodes& f : model.fixed_nodes) {
-      if (f.step >= 0 && f.step != step) continue;
-      for (int node : f.nodes)
-        if (joint.node_body[at(node)] == body) use(f, Vector3d(model.nodes[at(node)] - b.center_of_mass));
-    }
+  struct Row {
+    int component;
+    Vector3d arm;
+    double value;
   };
-  each_node([&](const FixedNodes&, const Vector3d& arm) { length = std::max(length, arm.norm()); });
-  Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
-  each_node([&](const FixedNodes& f, const Vector3d& arm) {
-    for (int k = 0; k < 3; ++k) {
-      if (!f.xyz[at(k)]) continue;
-      Vector6 row;
-      row << Vector3d::Unit(k), arm.cross(Vector3d::Unit(k)) / (length > 0 ? length : 1.0);
-      gram += row * row.transpose();
+  std::vector<Row> rows;
+  double length = 0.0;
+  const auto add = [&](const std::vector<int>& nodes, int component, double value) {
+    bool any = false;
+    for (int node : nodes) {
+      if (joint.node_body[at(node)] != body) continue;
+      rows.push_back({component, model.nodes[at(node)] - b.center_of_mass, value});
+      length = std::max(length, rows.back().arm.norm());
+      any = true;
     }
-  });
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(gram);
+    return any;
+  };
+  const auto acts = [&](int condition_step) { return condition_step < 0 || condition_step == step; };
+  for (const FixedNodes& f : model.fixed_nodes)
+    for (int k = 0; k < 3; ++k)
+      if (acts(f.step) && f.xyz[at(k)]) add(f.nodes, k, 0.0);
+  const PrescribedNodes* mover = nullptr;
+  bool agree = true;
+  for (const PrescribedNodes& p : model.prescribed_nodes) {
+    if (!acts(p.step) || !add(p.nodes, p.component, finite_value(model, p.value, time, p.origin))) continue;
+    agree = agree && (mover == nullptr || mover->relative == p.relative);
+    mover = &p;
+  }
+
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  Matrix6 gram = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
+  double largest = 0.0;
+  const auto condition = [&](const Row& r) {
+    Vector6 row;
+    row << Vector3d::Unit(r.component), r.arm.cross(Vector3d::Unit(r.component)) / (length > 0 ? length : 1.0);
+    return row;
+  };
+  for (const Row& r : rows) {
+    const Vector6 row = condition(r);
+    gram += row * row.transpose();
+    right += row * r.value;
+    largest = std::max(largest, std::abs(r.value));
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(gram);
   const double least = 1e-8 * eigen.eigenvalues()[5];  // rounding is 1e-16, the smallest real lever squared far more
+  int conditions_held = 0, dofs_held = 0;
+  Vector6 motion = Vector6::Zero();  // the smallest that satisfies the conditions; rotations times length
+  for (int i = 0; i < 6; ++i) {
+    if (eigen.eigenvalues()[i] <= least) continue;
+    ++conditions_held;
+    motion += eigen.eigenvectors().col(i) * (eigen.eigenvectors().col(i).dot(right) / eigen.eigenvalues()[i]);
+  }
   for (int dof = 0; dof < kDofs; ++dof) {
     double free_part = 0.0;
     for (int i = 0; i < 6; ++i)
       if (eigen.eigenvalues()[i] <= least) free_part += std::pow(eigen.eigenvectors()(dof, i), 2);
-    if (free_part < 1e-6) conditions.dofs[at(dof)] = DofState::Held;
+    if (free_part >= 1e-6) continue;
+    ++dofs_held;
+    conditions.dofs[at(dof)] = DofState::Held;
+    if (dof < 3 && mover != nullptr) {
+      conditions.dofs[at(dof)] = DofState::Prescribed;
+      conditions.value[dof] = motion[dof];
+      conditions.relative[at(dof)] = mover->relative && mover->step >= 0;
+    }
   }
+  if (mover == nullptr) return;
+  agree = agree && conditions_held == dofs_held && motion.tail<3>().norm() <= 1e-6 * largest;
+  for (const Row& r : rows) agree = agree && std::abs(condition(r).dot(motion) - r.value) <= 1e-6 * largest;
+  if (!agree)
+    throw InputError(
+        model, mover->origin,
+        fmt::format("prescribed displacement \"{}\": at time {:g} its nodes move bone \"{}\" otherwise than by a "
+                    "translation along x, y or z, which DEA cannot follow; make the bone a rigid body of the model and "
+                    "prescribe its motion",
+                    mover->name, time, b.name));
 }
 
 }  // namespace
@@ -117,11 +169,22 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
     for (std::size_t k = 0; k < kDofs; ++k)
       if (f.dofs[k]) c.bodies[at(b)].dofs[k] = DofState::Held;
   }
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
-    if (!joint.bodies[b].ground) hold_by_fixed_nodes(model, joint, static_cast<int>(b), step, c.bodies[b]);
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    if (!joint.bodies[b].ground) hold_by_nodes(model, joint, static_cast<int>(b), step, time, c.bodies[b]);
+    if (!joint.bodies[b].moved_by.empty()) c.bodies[b].dofs.fill(DofState::Held);
+    for (int i : joint.bodies[b].moved_by) {
+      const PrescribedNodes& p = model.prescribed_nodes[at(i)];
+      if (!active(p.step)) continue;
+      c.bodies[b].dofs[at(p.component)] = DofState::Prescribed;
+      c.bodies[b].value[p.component] = finite_value(model, p.value, time, p.origin);
+      c.bodies[b].relative[at(p.component)] = p.relative && p.step >= 0;
+    }
+  }
   for (const auto& entry : settings.free) {
     const int b = joint.find_body(model, entry.first);
-    for (std::size_t k = 0; k < kDofs; ++k) c.bodies[at(b)].dofs[k] = entry.second[k] ? DofState::Free : DofState::Held;
+    for (std::size_t k = 0; k < kDofs; ++k)
+      if (c.bodies[at(b)].dofs[k] != DofState::Prescribed)
+        c.bodies[at(b)].dofs[k] = entry.second[k] ? DofState::Free : DofState::Held;
   }
   for (const RigidPrescribed& p : model.rigid_prescribed) {
     const int b = body_of(joint, p.material);

@@ -13,6 +13,7 @@
 #include "bodies.h"
 #include "element_faces.h"
 #include "error.h"
+#include "moved_nodes.h"
 #include "names.h"
 #include "ray_caster.h"
 #include "refusals.h"
@@ -70,6 +71,7 @@ struct Recognition {
   std::vector<std::vector<int>> node_holders;      // per node: all bodies that hold it
   std::vector<char> fixed;                         // per node: held by the ground in x, y and z
   std::vector<unsigned char> mirror;               // per node: held by the ground in some of x, y, z, not in all
+  std::vector<int> moved;                          // per node: body of nodes that are moved together, -1: none
 };
 
 int surface_index(const JointModel& model, const std::string& name) {
@@ -206,6 +208,32 @@ int body_of_surface_nodes(const Recognition& r, const Surface& s) {
   return body;
 }
 
+/// Bodies of moved nodes, before the ground.
+void find_moved_bodies(Recognition& r, std::vector<std::string>& findings, std::vector<std::string>& faults) {
+  const JointModel& model = r.model;
+  r.moved.assign(model.nodes.size(), -1);
+  std::vector<int> body = r.bodies.of_node;
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (int node : set.nodes) body[at(node)] = r.bodies.of_material[at(set.material)];
+  for (const MovedNodes& moved : find_moved_nodes(model, body, faults)) {
+    Body found;
+    found.name = moved.name;
+    const auto taken = [&](const std::string& name) {
+      return std::any_of(r.bodies.bodies.begin(), r.bodies.bodies.end(),
+                         [&](const Body& other) { return other.name == name; });
+    };
+    for (int i = 2; taken(found.name); ++i) found.name = fmt::format("{} ({})", moved.name, i);
+    found.moved_by = moved.conditions;
+    for (int node : moved.nodes)
+      found.center_of_mass += model.nodes[at(node)] / static_cast<double>(moved.nodes.size());
+    const int index = r.bodies.ground();
+    for (int node : moved.nodes) r.moved[at(node)] = index;
+    findings.push_back(fmt::format("{} nodes are moved together (\"{}\"): taken as a bone that the model leaves out",
+                                   moved.nodes.size(), found.name));
+    r.bodies.bodies.insert(r.bodies.bodies.end() - 1, std::move(found));
+  }
+}
+
 void find_holders(Recognition& r) {
   const JointModel& model = r.model;
   r.node_holders.resize(model.nodes.size());
@@ -236,6 +264,12 @@ void find_holders(Recognition& r) {
     }
     r.fixed[i] = 1;
     hold(r, static_cast<int>(i), r.bodies.ground(), "nodes fixed in x, y and z");
+  }
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    if (r.moved[i] < 0) continue;
+    r.mirror[i] = 0;
+    hold(r, static_cast<int>(i), r.moved[i],
+         fmt::format("nodes moved together by \"{}\"", r.bodies.bodies[at(r.moved[i])].name));
   }
 
   // Tied contacts: a surface takes the body of the one it is tied to. Passes, for layers tied to layers: each decides
@@ -342,6 +376,22 @@ CarriedSurface carry(const Recognition& r, int surface) {
     out.begin.push_back(static_cast<int>(out.nodes.size()));
   }
   return out;
+}
+
+/// Deformable shells on the facets of a layer of solid elements: their names, quoted.
+std::string coating(const Recognition& r, const Layer& layer) {
+  std::set<std::string> names;
+  const Surface& s = r.model.surfaces[at(layer.surface)];
+  for (int f = 0; f < s.size() && layer.material >= 0; ++f) {
+    const int first = s.begin[at(f)], count = s.begin[at(f) + 1] - first;
+    const std::vector<ElementFace>* faces = find_face(r, s.nodes.data() + first, count);
+    if (faces == nullptr) continue;
+    for (const ElementFace& face : *faces) {
+      const Domain& d = r.model.domains[at(face.domain)];
+      if (is_shell(d.shape) && d.material >= 0 && !r.rigid[at(d.material)]) names.insert("\"" + d.name + "\"");
+    }
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string surface_override(const std::map<std::string, std::string>& values, const std::string& surface) {
@@ -1038,14 +1088,15 @@ int Joint::find_body(const JointModel& model, const std::string& name) const {
 }
 
 Joint make_joint(const JointModel& model, const Settings& settings) {
-  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}};
+  Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}, {}};
   find_faces(r);
   find_layer_domains(r);
   r.bodies = find_bodies(model, r.rigid, r.layer_domains);
   find_regions(r);
-  find_holders(r);
-
   Joint joint;
+  std::vector<std::string> faults;  // all are told at once
+  find_moved_bodies(r, joint.findings, faults);
+  find_holders(r);
   joint.bodies = r.bodies.bodies;
   check_names(model, settings, joint);
   for (const RigidNodes& set : model.rigid_nodes)
@@ -1059,7 +1110,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
   // Contact pairs.
   bool named = settings.contact.empty();
   int sliding = 0;
-  std::vector<std::string> names, faults;  // faults of all layers are told at once
+  std::vector<std::string> names;
   for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
     const Contact& c = model.contacts[at(i)];
     if (c.kind != Contact::Kind::Sliding) continue;
@@ -1138,6 +1189,11 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
                       model.surfaces[at(layer.surface)].name));
     }
     for (const Layer& layer : pair.layers) {
+      const std::string shells = coating(r, layer);
+      if (!shells.empty())
+        joint.findings.push_back(fmt::format(
+            "surface \"{}\": deformable shells {} cover its cartilage; their stiffness and thickness are left out",
+            model.surfaces[at(layer.surface)].name, shells));
       const double thickness = layer.mean_thickness(),
                    radius = std::sqrt(surface_extent(layer.articular).area / std::numbers::pi);
       if (thickness > radius)
@@ -1183,7 +1239,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       for (int node : layer.region_nodes)
         if (r.bodies.of_node[at(node)] < 0) joint.node_body[at(node)] = layer.body;
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
-    if (joint.node_body[i] < 0 && r.fixed[i]) joint.node_body[i] = r.bodies.ground();
+    if (joint.node_body[i] < 0) joint.node_body[i] = r.fixed[i] ? r.bodies.ground() : r.moved[i];
 
   find_connections(r, joint);
   return joint;

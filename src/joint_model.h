@@ -276,6 +276,17 @@ struct FixedNodes {
   Origin origin;
 };
 
+/// Nodes whose displacement is given in one component. None of them is a rigid body's (FEBio refuses that).
+struct PrescribedNodes {
+  std::vector<int> nodes;
+  int component = 0;      ///< 0 x, 1 y, 2 z (global)
+  Scaled value;           ///< displacement, for all nodes alike
+  bool relative = false;  ///< from the position at the start of the step instead of the reference position
+  int step = -1;
+  std::string name;  ///< of the condition; else of its node set
+  Origin origin;
+};
+
 /// Nodes that move with a rigid body.
 struct RigidNodes {
   int material = -1;
@@ -327,17 +338,10 @@ struct Step {
 
 /// Something the file has and we do not use, listed once with how often it occurs.
 struct Remark {
-  /// One occurrence that has something to say of its own.
-  struct Place {
-    Origin origin;
-    std::string found;   ///< added to `what`: " z of node set \"top\""
-    std::string advice;  ///< what to do here; empty: the remark's
-  };
   std::string what;
   int count = 1;
-  Origin origin;                   ///< first occurrence
-  std::string advice = {};         ///< what to do about it, for what is unsupported; empty: take it out
-  std::vector<Place> places = {};  ///< the first occurrences; empty: they have nothing to say of their own
+  Origin origin;            ///< first occurrence
+  std::string advice = {};  ///< what to do about it, for what is unsupported; empty: take it out
 };
 
 struct JointModel {
@@ -366,6 +370,7 @@ struct JointModel {
   std::vector<RigidSpring> rigid_springs;
   std::vector<DiscreteSprings> discrete_springs;
   std::vector<FixedNodes> fixed_nodes;
+  std::vector<PrescribedNodes> prescribed_nodes;
   std::vector<RigidNodes> rigid_nodes;
   std::vector<Contact> contacts;
   std::vector<LoadController> controllers;

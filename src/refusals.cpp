@@ -25,10 +25,10 @@ void add(std::vector<std::string>& lines, const InputError& error) {
   for (const std::string& other : error.others) add_once(lines, other);
 }
 
-/// No rigid body, where nothing else than --rigid could give one: empty if there is one.
+/// No rigid body, where nothing else than --rigid could give one: empty if there is one, or nodes that are moved.
 std::string no_rigid_body(const JointModel& model, const Settings& settings) {
   const std::vector<char> rigid = rigid_materials(model, settings);
-  if (std::find(rigid.begin(), rigid.end(), 1) != rigid.end()) return "";
+  if (std::find(rigid.begin(), rigid.end(), 1) != rigid.end() || !model.prescribed_nodes.empty()) return "";
   std::vector<std::string> names;
   for (const Material& m : model.materials) names.push_back(m.name);
   if (names.size() == 1)  // it is the cartilage's, or there is none
@@ -71,26 +71,15 @@ std::string no_sliding_contact(const JointModel& model) {
              tied ? ", which fastens surfaces: change its type if they are to slide" : "");
 }
 
-std::vector<std::string> unsupported_lines(const JointModel& model, const Remark& r) {
-  const std::string effect = " is not supported and would change the result: ";
-  const std::string advice = r.advice.empty() ? "take it out, or use what DEA supports (docs/formats.md)" : r.advice;
-  std::vector<std::string> lines;
-  for (const Remark::Place& place : r.places)
-    lines.push_back(where(model, place.origin) + r.what + place.found + effect +
-                    (place.advice.empty() ? advice : place.advice));
-  const int listed = static_cast<int>(lines.size());
-  if (listed == 0)
-    lines.push_back(where(model, r.origin) + r.what + (r.count > 1 ? fmt::format(" ({} times)", r.count) : "") +
-                    effect + advice);
-  else if (r.count > listed)
-    lines.push_back(fmt::format("{}{} {} more times", where(model, {0, 0}), r.what, r.count - listed));
-  return lines;
+std::string unsupported_line(const JointModel& model, const Remark& r) {
+  return fmt::format("{}{}{} is not supported and would change the result: {}", where(model, r.origin), r.what,
+                     r.count > 1 ? fmt::format(" ({} times)", r.count) : "",
+                     r.advice.empty() ? "take it out, or use what DEA supports (docs/formats.md)" : r.advice);
 }
 
 void refuse_unsupported(const JointModel& model) {
   std::vector<std::string> lines;
-  for (const Remark& r : model.unsupported)
-    for (const std::string& line : unsupported_lines(model, r)) lines.push_back(line);
+  for (const Remark& r : model.unsupported) lines.push_back(unsupported_line(model, r));
   if (lines.empty()) return;
   InputError error(lines.front());
   error.others.assign(lines.begin() + 1, lines.end());

@@ -547,6 +547,17 @@ TEST(BadInput, Joints) {
                 3,
                 "<Surface name=\"top\"",
                 {"held by 2 bodies", "\"base\"", "\"plate\"", "--attach \"top=BODY\""}},
+           Case{"no rigid body at all",
+                edited({{"type=\"rigid body\"><density>1</density><center_of_mass>0,0,-2</center_of_mass>",
+                         "type=\"neo-Hookean\"><E>1</E><v>0</v>"},
+                        {"type=\"rigid body\"><density>1</density><center_of_mass>0,0,1</center_of_mass>",
+                         "type=\"neo-Hookean\"><E>1</E><v>0</v>"},
+                        {kModel.substr(kModel.find("<Rigid>"), kModel.find("</Rigid>") + 8 - kModel.find("<Rigid>")),
+                         ""}}),
+                3,
+                "",
+                {"model.feb: no rigid body in the model", "material of type \"rigid body\"", "--rigid \"MATERIAL\"",
+                 "\"cartilage\", \"base\", \"plate\""}},
            Case{"deformable bone",
                 deformable_bone(false),
                 3,
@@ -585,8 +596,7 @@ TEST(BadInput, Unsupported) {
                      "lc=\"1\">0.1</value>\n</bc>\n</Boundary>"),
                 3,
                 "<bc type",
-                {"prescribed displacement of nodes", "z of node set \"corner\"", "not supported", "rigid bodies only",
-                 "rigid_bc of type rigid_displacement"}},
+                {"prescribed displacement \"corner\": node 5 is moved in z and free in x and y", "DEA moves bones"}},
            Case{"rigid cable",
                 with("</Rigid>", "<rigid_load name=\"cable\" type=\"rigid_cable\">\n<force>1</force>\n</rigid_load>"),
                 3,
@@ -722,8 +732,7 @@ TEST(BadInput, APlotFileIsNoModel) {
 TEST(BadInput, SeveralReasons) {
   std::string text = edited({{"<Rigid>",
                               "<Boundary>\n<bc name=\"push\" type=\"prescribed displacement\" node_set=\"corner\">\n"
-                              "<dof>z</dof>\n<value>0.1</value>\n</bc>\n<bc name=\"pull\" type=\"prescribed "
-                              "displacement\" node_set=\"corner\">\n<dof>x</dof>\n<value>0.1</value>\n</bc>\n"
+                              "<dof>z</dof>\n<value>0.1*X</value>\n</bc>\n<bc type=\"linear constraint\"/>\n"
                               "</Boundary>\n<Rigid>"},
                              {"type=\"sliding-elastic\"", "type=\"tied-elastic\""},
                              {"<time_steps>2<", "<time_steps>20000<"}});
@@ -735,7 +744,7 @@ TEST(BadInput, SeveralReasons) {
   EXPECT_EQ(run.err, info.err);
   EXPECT_NE(run.err.find("found \"touch\" of type tied-elastic, which fastens surfaces"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("(and 3 more reasons: dea info lists them)"), std::string::npos) << run.err;
-  for (const char* what : {"bc \"push\": z of node set", "bc \"pull\": x of node set", "20000 time steps"})
+  for (const char* what : {"nodes that differs from node to node", "bc \"linear constraint\"", "20000 time steps"})
     EXPECT_NE(info.out.find(what), std::string::npos) << info.out;
 }
 
@@ -749,7 +758,7 @@ TEST(BadInput, MovedNodesOfARigidBodyNameIt) {
                "\n</bc>\n</Boundary>\n<Rigid>"}}),
          3,
          "<bc type",
-         {"nodes of rigid body \"plate\": prescribe the motion of that body instead"}});
+         {"of rigid body \"plate\"", "prescribe the motion of that body (rigid_bc of type rigid_displacement)"}});
 }
 
 TEST(Solved, TwoMotionsOfOneDofAreRemarkedAndTheLastOneCounts) {

@@ -256,6 +256,17 @@ bool strip(const std::vector<char>& was_rigid, const std::vector<char>& is_rigid
   return nodes.empty();
 }
 
+/// FEBio moves no nodes of rigid bodies.
+void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartilage) {
+  for (const PrescribedNodes& p : model.prescribed_nodes)
+    if (std::any_of(p.nodes.begin(), p.nodes.end(), [&](int node) { return cartilage[at(node)] >= 0; }))
+      throw InputError(model, p.origin,
+                       fmt::format("prescribed displacement \"{}\" moves nodes of cartilage that the conversion makes "
+                                   "rigid, and FEBio moves no nodes of rigid bodies: make the bone behind them a rigid "
+                                   "body and prescribe its motion (`dea run` solves the model as it is)",
+                                   p.name));
+}
+
 void convert_conditions(const JointModel& model, ConversionPlan& plan) {
   std::vector<char> was_rigid(model.nodes.size(), 0);
   for (const Domain& d : model.domains)
@@ -408,6 +419,7 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
   const std::vector<char> rigid = rigid_materials(model, settings);
   const Bodies bodies = find_bodies(model, rigid);
   const std::vector<int> cartilage = cartilage_nodes(model, plan);
+  refuse_moved_nodes(model, cartilage);
   std::vector<int> home = home_materials(model, plan);
   convert_contacts(model, plan);
   add_ground(model, plan, home, cartilage);

@@ -319,6 +319,8 @@ std::vector<NodeCondition> write_node_sets(Writer& w) {
   };
   keep(w.model.rigid_nodes, w.plan.rigid_nodes_gone, false, "rigid node set");
   keep(w.model.fixed_nodes, w.plan.fixed_nodes_gone, true, "fixed nodes");
+  for (const PrescribedNodes& p : w.model.prescribed_nodes)
+    drop(w, fmt::format("prescribed displacement \"{}\"", p.name));
   return conditions;
 }
 

@@ -99,37 +99,51 @@ void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dof
   reading.model.fixed_nodes.push_back(std::move(fixed));
 }
 
-void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const XMLElement* value) {
-  const auto number = value == nullptr ? std::nullopt : whole_double(text_of(*value));
-  const bool plain = value != nullptr && (value->Attribute("type") == nullptr || attribute(*value, "type") == "const");
-  const bool zero = plain && number && *number == 0.0;
-  prescribe_nodes(reading, element, dof, zero ? 0.0 : 1.0, nodes_of(reading, element));
+namespace {
+
+bool is_relative(const Reading& reading, const XMLElement& element) {
+  return attribute(element, "type") == "relative" || child_bool(reading, element, "relative", false);
 }
 
-void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, double value,
-                     std::vector<int> nodes) {
+std::string node_set_name(const XMLElement& element) {
+  const std::string set = attribute(element, "node_set");
+  return set.empty() ? attribute(element, "set") : set;
+}
+
+}  // namespace
+
+void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const XMLElement* value) {
+  if (value != nullptr && !whole_double(text_of(*value))) {  // a map or an expression of the place
+    unsupported(reading, element, "prescribed displacement of nodes that differs from node to node",
+                "DEA moves rigid bodies only: prescribe the motion of the body that holds these nodes");
+    return;
+  }
+  const Scaled number = value == nullptr ? Scaled{} : read_scaled(reading, *value);
+  prescribe_nodes(reading, element, dof, number, is_relative(reading, element), nodes_of(reading, element));
+}
+
+void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const Scaled& value,
+                     bool relative, std::vector<int> nodes) {
   const std::string name(trim(dof));
   if (one_of(name, {"u", "v", "w", "sx", "sy", "sz"})) {
     unsupported(reading, element, fmt::format("prescribed shell dof {}", quote(name)),
                 "take it out: DEA has no deformable shells, take their material as rigid with --rigid");
   } else if (!one_of(name, {"x", "y", "z"})) {
     ignore(reading, element, fmt::format("prescribed dof {}: no displacement", quote(name)));
-  } else if (value == 0.0) {
+  } else if (value.factor == 0.0 && !relative) {
     fix_nodes(reading, element, name, std::move(nodes));
   } else {
-    Remark& remark = febio::list_once(reading.model.unsupported, reading.unsupported_index,
-                                      "prescribed displacement of nodes", origin_of(reading, element));
-    constexpr std::size_t kMostPlaces = 20;
-    if (remark.places.size() >= kMostPlaces) return;
-    const std::size_t index = static_cast<std::size_t>(&remark - reading.model.unsupported.data());
-    reading.moved_nodes.push_back({index, remark.places.size(), std::move(nodes), name});
-    const std::string called = name_of(element);
-    std::string set = attribute(element, "node_set");
-    if (set.empty()) set = attribute(element, "set");
-    remark.places.push_back({origin_of(reading, element),
-                             fmt::format(" ({}{} of {})", called.empty() ? "" : fmt::format("bc {}: ", quote(called)),
-                                         name, set.empty() ? "the nodes listed here" : "node set " + quote(set)),
-                             ""});
+    PrescribedNodes prescribed;
+    prescribed.nodes = std::move(nodes);
+    prescribed.component = name[0] - 'x';
+    prescribed.value = value;
+    prescribed.relative = relative;
+    prescribed.step = reading.step;
+    prescribed.name = name_of(element);
+    if (prescribed.name.empty()) prescribed.name = node_set_name(element);
+    if (prescribed.name.empty()) prescribed.name = "moved nodes";
+    prescribed.origin = origin_of(reading, element);
+    reading.model.prescribed_nodes.push_back(std::move(prescribed));
   }
 }
 
@@ -149,36 +163,35 @@ void remark_double_motion(Reading& reading) {
   }
 }
 
-void advise_moved_nodes(Reading& reading) {
+void refuse_moved_rigid_nodes(Reading& reading) {
   JointModel& model = reading.model;
-  if (reading.moved_nodes.empty()) return;
-  std::vector<int> body(model.nodes.size(), -1);  // rigid material
-  for (const RigidNodes& set : model.rigid_nodes)
-    for (const int node : set.nodes) body[static_cast<std::size_t>(node)] = set.material;
-  for (const Domain& domain : model.domains) {
-    if (domain.material < 0 || !model.materials[static_cast<std::size_t>(domain.material)].rigid) continue;
-    for (const int node : domain.nodes) body[static_cast<std::size_t>(node)] = domain.material;
-  }
+  std::vector<PrescribedNodes>& all = model.prescribed_nodes;
+  if (all.empty()) return;
+  const std::vector<int> body = febio::rigid_material_of_nodes(model);
   const std::string_view version = model.version;
-  for (const MovedNodes& moved : reading.moved_nodes) {
-    const int first = moved.nodes.empty() ? -1 : body[static_cast<std::size_t>(moved.nodes.front())];
-    const bool of_one = first >= 0 && std::all_of(moved.nodes.begin(), moved.nodes.end(), [&](int node) {
-                          return body[static_cast<std::size_t>(node)] == first;
-                        });
-    const std::string how =
-        version == "4.0"   ? "rigid_bc of type rigid_displacement"
-        : version == "3.0" ? "rigid_constraint of type prescribe"
-        : version == "1.2" ? fmt::format("<trans_{} type=\"prescribed\"> of its rigid_body in Constraints", moved.dof)
-                           : fmt::format("<prescribed bc=\"{}\"> of its rigid_body in {}", moved.dof,
-                                         version == "2.5" ? "Boundary" : "Constraints");
-    model.unsupported[moved.remark].places[moved.place].advice =
-        of_one ? fmt::format("they are nodes of rigid body {}: prescribe the motion of that body instead ({})",
-                             quote(model.materials[static_cast<std::size_t>(first)].name), how)
-               : fmt::format(
-                     "DEA moves rigid bodies only: prescribe the motion of the body that holds these nodes "
-                     "instead ({}); if none does, make the part behind them a rigid body",
-                     how);
+  for (const PrescribedNodes& p : all) {
+    const auto node =
+        std::find_if(p.nodes.begin(), p.nodes.end(), [&](int n) { return body[static_cast<std::size_t>(n)] >= 0; });
+    if (node == p.nodes.end()) continue;
+    const char dof = static_cast<char>('x' + p.component);
+    const std::string how = version == "4.0"   ? "rigid_bc of type rigid_displacement"
+                            : version == "3.0" ? "rigid_constraint of type prescribe"
+                            : version == "1.2"
+                                ? fmt::format("<trans_{} type=\"prescribed\"> of its rigid_body in Constraints", dof)
+                                : fmt::format("<prescribed bc=\"{}\"> of its rigid_body in {}", dof,
+                                              version == "2.5" ? "Boundary" : "Constraints");
+    const Material& material = model.materials[static_cast<std::size_t>(body[static_cast<std::size_t>(*node)])];
+    unsupported(reading, p.origin,
+                fmt::format("prescribed displacement {} of node {} of rigid body {}", quote(p.name),
+                            model.node_ids[static_cast<std::size_t>(*node)], quote(material.name)),
+                fmt::format("FEBio refuses it too: prescribe the motion of that body ({})", how));
   }
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const PrescribedNodes& p) {
+                             return std::any_of(p.nodes.begin(), p.nodes.end(),
+                                                [&](int n) { return body[static_cast<std::size_t>(n)] >= 0; });
+                           }),
+            all.end());
 }
 
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body) {

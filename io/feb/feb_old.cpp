@@ -168,14 +168,16 @@ void read_old_fix(Reading& reading, const XMLElement& element) {
 }
 
 void read_old_prescribe(Reading& reading, const XMLElement& element) {
-  const bool listed = element.FirstChildElement("node") != nullptr;
-  if (!listed) {
-    prescribe_nodes(reading, element, need_attribute(reading, element, "bc"), value_of_all(reading, element),
+  const bool relative = attribute(element, "type") == "relative";
+  if (element.FirstChildElement("node") == nullptr) {
+    const Scaled value = {value_of_all(reading, element), read_lc(reading, element)};
+    prescribe_nodes(reading, element, need_attribute(reading, element, "bc"), value, relative,
                     nodes_of(reading, element));
     return;
   }
   for (NodeValues& group : node_values(reading, element, value_of_all(reading, element))) {
-    prescribe_nodes(reading, *group.element, group.dof, group.value, std::move(group.nodes));
+    prescribe_nodes(reading, *group.element, group.dof, {group.value, group.controller}, relative,
+                    std::move(group.nodes));
   }
 }
 

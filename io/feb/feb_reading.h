@@ -139,13 +139,6 @@ struct MapUse {
   Origin origin;
 };
 
-/// Nodes whose displacement is prescribed, a place of an unsupported remark: the advice is given when all is read.
-struct MovedNodes {
-  std::size_t remark = 0, place = 0;
-  std::vector<int> nodes;
-  std::string dof;
-};
-
 struct Reading {
   JointModel model;
   const Rules* rules = nullptr;  ///< of the file being read
@@ -175,7 +168,6 @@ struct Reading {
   std::vector<SurfaceMap> surface_maps;
   std::vector<MapUse> map_uses;
   std::vector<FunctionUse> function_uses;
-  std::vector<MovedNodes> moved_nodes;
 
   Control top_control;            ///< of the model; the first step starts from it
   std::vector<Control> controls;  ///< one per step
@@ -297,8 +289,8 @@ void add_springs(Reading& reading, const XMLElement& element, const DiscreteMate
 void read_nonlinear(Reading& reading, const XMLElement& element, DiscreteMaterial& material);
 /// When every section has been read: motions of one body that another one overrides.
 void remark_double_motion(Reading& reading);
-/// When every section has been read: whose nodes they are that a prescribed displacement moves.
-void advise_moved_nodes(Reading& reading);
+/// When every section has been read: a rigid body's nodes cannot be moved one by one.
+void refuse_moved_rigid_nodes(Reading& reading);
 /// When every section has been read: springs whose force is a load curve.
 void resolve_functions(Reading& reading);
 void read_loads(Reading& reading, const XMLElement& section);
@@ -314,10 +306,10 @@ void read_load_data(Reading& reading, const XMLElement& section);
 /// Holds nodes in the listed dofs ("x,y,z" or "xyz"); others than displacements are ignored.
 void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dofs);
 void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dofs, std::vector<int> nodes);
-/// A prescribed nodal dof: zero is a fixed node, anything else is unsupported.
+/// A prescribed nodal dof: zero is a fixed node.
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const XMLElement* value);
-void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, double value,
-                     std::vector<int> nodes);
+void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const Scaled& value,
+                     bool relative, std::vector<int> nodes);
 /// Nodes of the element's `node_set` move with a body.
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body);
 /// fixed, prescribed, force and initial_velocity of a body (2.0, 2.5).

@@ -200,7 +200,6 @@ void finish(Reading& reading) {
       model, [&](int& controller, Origin origin) { controller = need_controller(model, controller, origin); });
   resolve_functions(reading);
   check_joints(reading);
-  advise_moved_nodes(reading);
   remark_double_motion(reading);
   febio::refuse_unusable_controllers(model);
   // A named Nodes section is a node set too; FEBio lists it before the others.
@@ -214,6 +213,7 @@ void finish(Reading& reading) {
   }
   model.node_sets.insert(model.node_sets.begin(), named.begin(), named.end());
   model.node_ids = reading.nodes.take();
+  refuse_moved_rigid_nodes(reading);
 }
 
 }  // namespace dea::feb

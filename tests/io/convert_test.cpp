@@ -494,6 +494,16 @@ TEST(Convert, EveryModelOfTheCorpusThatRunsIsTheSameJoint) {
         continue;
       }
       SCOPED_TRACE(entry.path().string());
+      if (!model.prescribed_nodes.empty()) {  // a bone that the model leaves out has no material to make rigid
+        try {
+          convert(folder.path, entry.path().string(), settings);
+          ADD_FAILURE() << "converted";
+        } catch (const InputError& error) {
+          EXPECT_NE(std::string(error.what()).find("FEBio moves no nodes of rigid bodies"), std::string::npos)
+              << error.what();
+        }
+        continue;
+      }
       const Converted c = convert(folder.path, entry.path().string(), settings);
       EXPECT_EQ(c.conversion.edited, std::string(version) == "v4.0");
       expect_same(before, analyse(c.model, {}, options));

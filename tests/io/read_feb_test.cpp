@@ -328,7 +328,7 @@ Facts facts_of(const JointModel& m) {
     facts["springs"].insert(fmt::format("{:g} {} {}", s.stiffness, s.tension_only, pairs));
   }
   // Old formats list nodes where others name sets, so one set may be several lists.
-  std::map<std::string, std::vector<int>> held, carried;
+  std::map<std::string, std::vector<int>> held, carried, moved;
   const auto append = [](std::vector<int>& to, const std::vector<int>& from) {
     to.insert(to.end(), from.begin(), from.end());
   };
@@ -337,8 +337,11 @@ Facts facts_of(const JointModel& m) {
       if (f.xyz[i]) append(held[fmt::format("{} step {}", "xyz"[i], f.step)], f.nodes);
     }
   }
+  for (const PrescribedNodes& p : m.prescribed_nodes)
+    append(moved[fmt::format("{} {} {} step {}", "xyz"[p.component], curve(p.value), p.relative, p.step)], p.nodes);
   for (const RigidNodes& r : m.rigid_nodes) append(carried[fmt::format("{} step {}", r.material, r.step)], r.nodes);
   for (const auto& nodes : held) facts["fixed"].insert(nodes.first + ": " + sorted(nodes.second));
+  for (const auto& nodes : moved) facts["moved nodes"].insert(nodes.first + ": " + sorted(nodes.second));
   for (const auto& nodes : carried) facts["rigid nodes"].insert(nodes.first + ": " + sorted(nodes.second));
   for (const Contact& c : m.contacts) {
     facts["contacts"].insert(fmt::format("{} {:g} step {}: {} | {}", static_cast<int>(c.kind), c.max_distance, c.step,
@@ -691,8 +694,8 @@ TEST_F(ReadFeb, WhatChangesTheMechanicsIsListedAsUnsupported) {
        "contact \"periodic boundary\""},
       {R"(<Contact><contact type="rigid_wall" surface="top"/></Contact>)", "contact \"rigid_wall\""},
       {R"(<Constraints><constraint type="volume" surface="top"/></Constraints>)", "constraint \"volume\""},
-      {R"(<Boundary><bc type="prescribed displacement" node_set="side"><dof>z</dof><value lc="1">0.1</value></bc></Boundary>)",
-       "prescribed displacement of nodes"},
+      {R"(<Boundary><bc type="prescribed displacement" node_set="side"><dof>z</dof><value lc="1">0.1*X</value></bc></Boundary>)",
+       "prescribed displacement of nodes that differs from node to node"},
       {R"(<Boundary><bc type="linear constraint"/></Boundary>)", "bc \"linear constraint\""},
       {R"(<Loads><nodal_load type="nodal_load" node_set="side"><dof>x</dof><scale>2*X</scale></nodal_load></Loads>)",
        "nodal load whose scale is \"2*X\""},
@@ -757,6 +760,48 @@ TEST_F(ReadFeb, DofsOfFixedNodesMayBeJoinedButFluidVelocitiesAreNoDisplacement) 
         << c.first;
   }
   EXPECT_TRUE(read(replaced(kModel25, "bc=\"x,z\"", "bc=\"wx,wy,p\"")).fixed_nodes.empty());
+}
+
+TEST_F(ReadFeb, PrescribedDisplacementOfNodesInAllVersions) {
+  struct Case {
+    const std::string& model;
+    const char* condition;
+  };
+  const Case cases[] = {
+      {kModel40,
+       R"(<bc name="up" type="prescribed displacement" node_set="@surface:bottom"><dof>y</dof><value lc="1">0.2</value><relative>1</relative></bc>)"},
+      {kModel30,
+       R"(<bc name="up" type="prescribe" node_set="@surface:bottom"><dof>y</dof><scale lc="1">0.2</scale><relative>1</relative></bc>)"},
+      {kModel25,
+       R"(<prescribe name="up" bc="y" node_set="@surface:bottom"><scale lc="1">0.2</scale><relative>1</relative></prescribe>)"},
+      {kModel20,
+       R"(<prescribe name="up" bc="y" lc="1" scale="0.2" type="relative"><node id="5"/><node id="6"/><node id="7"/><node id="8"/></prescribe>)"},
+      {kModel12,
+       R"(<prescribe name="up" type="relative"><node id="5" bc="y" lc="1">0.2</node><node id="6" bc="y" lc="1">0.2</node><node id="7" bc="y" lc="1">0.2</node><node id="8" bc="y" lc="1">0.2</node></prescribe>)"},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.condition);
+    const JointModel m =
+        read(replaced(c.model, "</febio_spec>", fmt::format("<Boundary>{}</Boundary></febio_spec>", c.condition)));
+    ASSERT_EQ(m.prescribed_nodes.size(), 1u);
+    const PrescribedNodes& p = m.prescribed_nodes[0];
+    EXPECT_EQ(p.component, 1);
+    EXPECT_EQ(p.value.factor, 0.2);
+    EXPECT_EQ(p.value.controller, 0);
+    EXPECT_TRUE(p.relative);
+    EXPECT_EQ(p.step, 1);  // sections behind a step belong to it
+    EXPECT_EQ(p.nodes, (std::vector<int>{4, 5, 6, 7}));
+    EXPECT_TRUE(m.unsupported.empty());
+  }
+  // nodes of a rigid body, by its elements or by a rigid node set
+  for (const char* set : {"side", "held"}) {
+    const JointModel m = read(model_and(fmt::format(
+        R"(<Boundary><bc type="prescribed displacement" node_set="{}"><dof>y</dof><value>0.2</value></bc></Boundary>)",
+        set)));
+    EXPECT_TRUE(m.prescribed_nodes.empty());
+    ASSERT_EQ(m.unsupported.size(), 1u);
+    EXPECT_NE(m.unsupported[0].what.find(" of rigid body \""), std::string::npos) << m.unsupported[0].what;
+  }
 }
 
 TEST_F(ReadFeb, ZeroPrescribedDisplacementHoldsTheNodes) {

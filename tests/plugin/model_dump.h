@@ -63,6 +63,9 @@ inline std::string dump(const JointModel& m) {
                      vector_dump(s.insertion_a), vector_dump(s.insertion_b), s.k, s.free_length, s.step);
   for (const DiscreteSprings& s : m.discrete_springs)
     t += fmt::format("discrete_springs {} {} {} step {}\n", s.set, s.stiffness, s.tension_only, s.step);
+  for (const PrescribedNodes& p : m.prescribed_nodes)
+    t += fmt::format("prescribed_nodes{} {} {} {} step {}\n", list(p.nodes), p.component, scaled(p.value), p.relative,
+                     p.step);
   for (const FixedNodes& f : m.fixed_nodes)
     t += fmt::format("fixed_nodes{} {} step {}\n", list(f.nodes), list(f.xyz), f.step);
   for (const RigidNodes& r : m.rigid_nodes)
