@@ -1,0 +1,209 @@
+// tests/plugin/connected_models.h – small models of 4.0 with one load, joint or spring each.
+#pragma once
+#include <fmt/format.h>
+
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "febio_runs.h"
+
+namespace dea::test {
+
+/// `block`'s model of 4.0, pressed by a force, with more in Rigid, as other sections, in LoadData and in the mesh.
+struct Extra {
+  std::string rigid = {}, sections = {}, controllers = {}, mesh = {};
+  std::string held = "Rx Ry Ru Rv Rw";  ///< motions of the plate that are fixed
+};
+
+inline std::string pressed_model(const Extra& extra) {
+  Parts p;
+  p.more_mesh = extra.mesh;
+  p.motion =
+      R"(<rigid_load name="press" type="rigid_force"><rb>plate</rb><dof>Rz</dof><value lc="1">-6</value></rigid_load>
+)" + extra.rigid;
+  p.more = extra.sections;
+  std::string text = model_40(false, p);
+  const std::string all = "<Rx_dof>1</Rx_dof><Ry_dof>1</Ry_dof><Ru_dof>1</Ru_dof><Rv_dof>1</Rv_dof><Rw_dof>1</Rw_dof>";
+  std::string held;
+  std::istringstream words(extra.held);
+  for (std::string word; words >> word;) held += fmt::format("<{0}_dof>1</{0}_dof>", word);
+  text.replace(text.find("<rb>plate</rb>" + all) + 14, all.size(), held);
+  const std::string end = "</LoadData>";
+  text.insert(text.find(end), extra.controllers);
+  return text;
+}
+
+/// Every kind of load, joint, spring and controller that `dea run` takes, by what it is. Each is one that can be
+/// solved.
+inline std::vector<std::pair<std::string, std::string>> connected_models() {
+  std::vector<std::pair<std::string, std::string>> models;
+  const auto add = [&](const std::string& name, const Extra& extra) {
+    models.emplace_back(name, pressed_model(extra));
+  };
+  const auto connector = [](const std::string& type, const std::string& inside) {
+    return fmt::format(
+        "<rigid_connector name=\"the {0}\" "
+        "type=\"{0}\"><body_a>base</body_a><body_b>plate</body_b>{1}</rigid_connector>\n",
+        type, inside);
+  };
+  const auto load = [](const std::string& type, const std::string& inside) {
+    return fmt::format("<rigid_load name=\"the {0}\" type=\"{0}\">{1}</rigid_load>\n", type, inside);
+  };
+  const std::string math =
+      R"(<load_controller id="2" name="wave" type="math"><math> 1+0.3*sin(3*t) </math></load_controller>)";
+  const std::string spring = "<insertion_a>0.5,0,-2</insertion_a><insertion_b>0.5,0.2,1</insertion_b>";
+
+  // joints
+  const std::string origin = "<joint_origin>1,1,1</joint_origin>";
+  add("prismatic", {connector("rigid prismatic joint",
+                              origin + "<translation_axis>0,0,2</translation_axis>"
+                                       "<transverse_axis>1,1,0</transverse_axis><force lc=\"1\">0.5</force>"),
+                    "", "", "", "Rw"});
+  add("revolute", {connector("rigid revolute joint",
+                             "<joint_origin>-1,1.5,0.1</joint_origin>"
+                             "<rotation_axis>0,1,0</rotation_axis><transverse_axis>1,0,0.5</transverse_axis>"
+                             "<moment lc=\"1\">0.3</moment>"),
+                   "", "", "", "Ry"});
+  add("revolute_turned", {connector("rigid revolute joint",
+                                    "<joint_origin>-4,1.5,0.1</joint_origin>"
+                                    "<rotation_axis>0,1,0</rotation_axis><transverse_axis>1,0,0.5</transverse_axis>"
+                                    "<prescribed_rotation>1</prescribed_rotation><rotation lc=\"1\">0.05</rotation>"),
+                          "", "", "", "Ry"});
+  add("cylindrical",
+      {connector("rigid cylindrical joint",
+                 origin + "<joint_axis>0,0,1</joint_axis>"
+                          "<transverse_axis>1,0,0</transverse_axis><prescribed_rotation>1</prescribed_rotation>"
+                          "<rotation lc=\"1\">0.1</rotation>"),
+       "", "", "", ""});
+  add("planar",
+      {connector("rigid planar joint",
+                 origin + "<rotation_axis>1,0,0</rotation_axis>"
+                          "<translation_axis_1>0,1,0</translation_axis_1><prescribed_rotation>1</prescribed_rotation>"
+                          "<prescribed_translation_1>1</prescribed_translation_1>"
+                          "<translation_1 lc=\"1\">0.1</translation_1>"),
+       "", "", "", ""});
+  add("lock", {connector("rigid lock", origin + "<first_axis>1,0,0</first_axis><second_axis>0,1,0</second_axis>"), "",
+               "", "", ""});
+  add("spherical", {connector("rigid spherical joint",
+                              "<joint_origin>1,1,3</joint_origin>"
+                              "<moment_x lc=\"1\">0.1</moment_x><moment_y>0.2</moment_y>"),
+                    "", "", "", "Rw"});
+  add("spherical_turned",
+      {connector("rigid spherical joint",
+                 "<joint_origin>1,1,-6</joint_origin>"
+                 "<prescribed_rotation>1</prescribed_rotation><rotation_x lc=\"1\">0.02</rotation_x>"),
+       "", "", "", ""});
+  add("old_joint", {connector("rigid joint", "<joint>1,1,3</joint><penalty>1</penalty>"), "", "", "", "Rw"});
+  add("generic", {connector("generic rigid joint",
+                            "<joint>1,1,1</joint><prescribe_x>0</prescribe_x>"
+                            "<prescribe_y lc=\"1\">0.1</prescribe_y><prescribe_Rx>0</prescribe_Rx>"
+                            "<prescribe_Ry>0</prescribe_Ry><prescribe_Rz lc=\"1\">0.1</prescribe_Rz>"),
+                  "", "", "", ""});
+
+  // muscles, cables, springs between bodies
+  add("muscle", {connector("rigid contractile force", spring + "<f0 lc=\"2\">3</f0>"), "", math});
+  const std::string axial = "<rbA>base</rbA><rbB>plate</rbB><ra>1,1,-2</ra><rb>1.2,0.5,0</rb><force lc=\"1\">4</force>";
+  add("axial_force", {load("rigid_axial_force", axial)});
+  add("axial_force_from_centers", {load("rigid_axial_force", axial + "<relative>1</relative>")});
+  add("axial_force_in_discrete", {"", "<Discrete><rigid_axial_force>" + axial + "</rigid_axial_force></Discrete>"});
+  const std::string cable =
+      "<force lc=\"1\">2</force><force_direction>1,0,-3</force_direction>"
+      "<rigid_cable_point><rigid_body_id>plate</rigid_body_id><position>1,1,2</position></rigid_cable_point>"
+      "<rigid_cable_point><rigid_body_id>plate</rigid_body_id><position>3,1,1</position></rigid_cable_point>"
+      "<rigid_cable_point><rigid_body_id>base</rigid_body_id><position>3,1,-3</position></rigid_cable_point>";
+  add("cable", {load("rigid_cable", cable + "<relative>0</relative>")});
+  add("cable_from_centers", {load("rigid_cable", cable)});
+  add("cable_in_discrete", {"", "<Discrete><rigid_cable>" + cable + "</rigid_cable></Discrete>"});
+  add("rigid_spring",
+      {connector("rigid spring", spring + "<k>3</k><free_length>2</free_length>"), "", "", "", "Ru Rw"});
+
+  // loads
+  const std::string center = "<rb>plate</rb><dof>Rz</dof>";
+  add("target", {load("rigid_force", center + "<value>-9</value><load_type>TARGET</load_type>")});
+  add("follow", {load("rigid_force", center + "<value lc=\"2\">-2</value><load_type>FOLLOW</load_type>"), "", math, "",
+                 "Rx Ry Rw"});
+  add("relative", {load("rigid_force", center + "<value lc=\"1\">-2</value><relative>1</relative>")});
+  add("moments", {load("rigid_moment", "<rb>plate</rb><dof>Ru</dof><value lc=\"1\">1</value>") +
+                      load("rigid_moment", "<rb>plate</rb><dof>Rv</dof><value>-1</value><load_type>TARGET</load_type>"),
+                  "", "", "", "Rx Ry Rw"});
+  add("follower_force", {load("rigid_follower_force",
+                              "<rb>plate</rb><insertion>1,1.3,0</insertion>"
+                              "<force lc=\"1\">0,0.1,-2</force>"),
+                         "", "", "", "Rx Ry Rw"});
+  add("follower_force_from_center", {load("rigid_follower_force",
+                                          "<rb>plate</rb><insertion>0.4,0.3,0</insertion>"
+                                          "<force>0,0,-2</force><relative>1</relative>"),
+                                     "", "", "", "Rx Ry Rw"});
+  add("follower_moment",
+      {load("rigid_follower_moment", "<rb>plate</rb><moment lc=\"1\">1,0.2,0</moment>"), "", "", "", "Rx Ry Rw"});
+  const std::string corner = "<NodeSet name=\"corner\">22,21</NodeSet>";
+  add("nodal_load", {"",
+                     R"(<Loads><nodal_load name="one" type="nodal_load" node_set="corner"><dof>z</dof>)"
+                     R"(<scale lc="1">-1</scale></nodal_load></Loads>)",
+                     "", corner, "Rx Ry Rw"});
+  add("nodal_force", {"",
+                      R"(<Loads><nodal_load name="all" type="nodal_force" node_set="corner">)"
+                      R"(<value lc="1">0.1,0,-1</value></nodal_load></Loads>)",
+                      "", corner, "Rx Ry Rw"});
+
+  // motions
+  const auto motion = [](const std::string& type, const std::string& inside) {
+    return fmt::format("<rigid_bc name=\"move\" type=\"{}\"><rb>plate</rb>{}</rigid_bc>\n", type, inside);
+  };
+  add("euler_angles", {motion("rigid_euler_angles", "<Ex>1</Ex><Ey>-2</Ey><Ez>5</Ez>"), "", "", "", "Rx Ry"});
+  add("euler_angle", {motion("rigid_euler_angles", "<Ex>0</Ex><Ey lc=\"1\">-2</Ey><Ez>0</Ez>"), "", "", "", "Rx Ry"});
+  add("rotation_vector", {motion("rigid_rotation_vector", "<vx lc=\"1\">0.02</vx><vy>0</vy><vz lc=\"2\">0.1</vz>"), "",
+                          math, "", "Rx Ry"});
+  const auto step = [&](int id, const std::string& inside) {
+    return fmt::format(
+        "<step id=\"{0}\" name=\"step{0}\">{1}<Rigid>{2}</Rigid></step>", id,
+        "<Control><time_steps>2</time_steps><step_size>0.5</step_size><solver type=\"solid\"/></Control>", inside);
+  };
+  add("steps",
+      {"",
+       "<Step>" + step(1, motion("rigid_displacement", "<dof>x</dof><value lc=\"1\">0.3</value>")) +
+           step(2, motion("rigid_displacement", "<dof>x</dof><value lc=\"1\">0.1</value><relative>1</relative>") +
+                       connector("rigid contractile force", spring + "<f0>3</f0>") +
+                       load("rigid_force", center + "<value>-3</value><relative>1</relative>")) +
+           step(3, motion("rigid_displacement", "<dof>x</dof><value>0.2</value>") +
+                       load("rigid_force", center + "<value>-5</value><load_type>TARGET</load_type>")) +
+           "</Step>",
+       "", "", "Ry Ru Rv Rw"});
+
+  // springs between nodes
+  const std::string set = "<DiscreteSet name=\"strings\"><delem>1,19</delem><delem>3,20</delem></DiscreteSet>";
+  const auto springs = [&](const std::string& name, const std::string& material) {
+    add("springs_" + name, {"",
+                            fmt::format("<Discrete><discrete_material id=\"1\" name=\"s\" {}</discrete_material>"
+                                        "<discrete dmat=\"1\" discrete_set=\"strings\"/></Discrete>",
+                                        material),
+                            math, set, "Rx Ry Rw"});
+  };
+  springs("linear", "type=\"linear spring\"><E>3</E>");
+  springs("tension_only", "type=\"tension-only linear spring\"><E>3</E>");
+  springs("experimental", "type=\"experimental spring\"><E>3</E><sM>0.5</sM><sm>0.2</sm>");
+  const std::string points = "<points><pt>-1,-1</pt><pt>0,0</pt><pt>0.1,0.5</pt><pt>1,3</pt></points>";
+  springs("points",
+          "type=\"nonlinear spring\"><force type=\"point\"><interpolate>SMOOTH</interpolate>"
+          "<extend>EXTRAPOLATE</extend>" +
+              points + "</force>");
+  springs("strain",
+          "type=\"nonlinear spring\"><scale lc=\"2\">2</scale><measure>strain</measure>"
+          "<force type=\"point\">" +
+              points + "</force>");
+  springs("math",
+          "type=\"nonlinear spring\"><measure>stretch</measure><force type=\"math\"><math>x^2-1</math></force>");
+  springs("ramp",
+          "type=\"nonlinear spring\"><force type=\"linear ramp\"><slope>2</slope><intercept>0.1</intercept></force>");
+  springs("constant", "type=\"nonlinear spring\"><force type=\"const\"><value>0.2</value></force>");
+  springs("curve", "type=\"nonlinear spring\"><force lc=\"1\">2.5</force>");
+  add("materials", {"", "", "", "", "Rx Ry Ru Rv Rw"});
+  std::string& text = models.back().second;
+  const std::string number = "<E>10</E>";
+  text.replace(text.find(number), number.size(), "<E type=\"math\">2*(3+2)</E>");
+  return models;
+}
+
+}  // namespace dea::test
