@@ -334,6 +334,43 @@ void fix_nodes(Reading& reading, FENodalBC& condition, const std::array<bool, 3>
   add(reading, condition, reading.model.fixed_nodes, FixedNodes{nodes_of(reading, condition), xyz, -1, {}, {}});
 }
 
+/// The rigid material that all these nodes belong to; -1: none.
+int body_of_nodes(const Reading& reading, const std::vector<int>& nodes) {
+  const JointModel& model = reading.model;
+  std::vector<int> body(model.nodes.size(), -1);
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (const int node : set.nodes) body[static_cast<std::size_t>(node)] = set.material;
+  for (const Domain& domain : model.domains) {
+    if (domain.material < 0 || !model.materials[static_cast<std::size_t>(domain.material)].rigid) continue;
+    for (const int node : domain.nodes) body[static_cast<std::size_t>(node)] = domain.material;
+  }
+  const int first = nodes.empty() ? -1 : body[static_cast<std::size_t>(nodes.front())];
+  return std::all_of(nodes.begin(), nodes.end(),
+                     [&](int node) { return body[static_cast<std::size_t>(node)] == first; })
+             ? first
+             : -1;
+}
+
+/// Nodes that are moved one by one, where DEA moves bodies.
+void refuse_moved_nodes(Reading& reading, FENodalBC& condition, const char* dof) {
+  Remark& remark = febio::list_once(reading.model.unsupported, reading.unsupported_index,
+                                    "prescribed displacement of nodes", kNowhere);
+  constexpr std::size_t kMostPlaces = 20;
+  if (remark.places.size() >= kMostPlaces) return;
+  const int body = body_of_nodes(reading, nodes_of(reading, condition));
+  const std::string name = condition.GetName(), set = condition.GetNodeSet()->GetName();
+  remark.places.push_back(
+      {kNowhere,
+       fmt::format(" ({}{} of {})", name.empty() ? "" : fmt::format("bc {}: ", quote(name)), dof,
+                   set.empty() ? "a list of nodes" : "node set " + quote(set)),
+       body >= 0
+           ? fmt::format("they are nodes of rigid body {}: prescribe the motion of that body instead (rigid_bc of "
+                         "type rigid_displacement)",
+                         quote(reading.model.materials[static_cast<std::size_t>(body)].name))
+           : "DEA moves rigid bodies only: prescribe the motion of the body that holds these nodes instead "
+             "(rigid_bc of type rigid_displacement); if none does, make the part behind them a rigid body"});
+}
+
 void prescribe_nodes(Reading& reading, FENodalBC& condition, const char* value) {
   const int dof = need_int(reading, condition, "dof");
   const int place = xyz_of(reading, dof);
@@ -349,7 +386,16 @@ void prescribe_nodes(Reading& reading, FENodalBC& condition, const char* value) 
     xyz[static_cast<std::size_t>(place)] = true;
     fix_nodes(reading, condition, xyz);
   } else {
-    unsupported(reading, "prescribed displacement of nodes");
+    refuse_moved_nodes(reading, condition, kDofNames[place]);
+  }
+}
+
+void read_rigid_nodes(Reading& reading) {
+  for (int i = 0; i < reading.fem.BoundaryConditions(); ++i) {
+    auto* nodal = dynamic_cast<FENodalBC*>(reading.fem.BoundaryCondition(i));
+    if (nodal == nullptr || type_of(*nodal) != "rigid") continue;
+    add(reading, *nodal, reading.model.rigid_nodes,
+        RigidNodes{body_of(reading, *nodal), nodes_of(reading, *nodal), -1, {}, {}});
   }
 }
 
@@ -378,8 +424,7 @@ void read_boundary(Reading& reading) {
     } else if (type == "prescribe" && nodal != nullptr) {
       prescribe_nodes(reading, *nodal, "scale");
     } else if (type == "rigid" && nodal != nullptr) {
-      add(reading, fe, reading.model.rigid_nodes,
-          RigidNodes{body_of(reading, fe), nodes_of(reading, *nodal), -1, {}, {}});
+      continue;  // read_rigid_nodes
     } else if (type == "zero rotation" || type == "zero shell displacement" || has(type, "fluid") ||
                has(type, "concentration") || has(type, "temperature")) {
       ignore(reading, fmt::format("bc {}", quote(type)));
@@ -388,7 +433,7 @@ void read_boundary(Reading& reading) {
     }
   }
   if (reading.fem.GetLinearConstraintManager().LinearConstraints() > 0)
-    unsupported(reading, "bc \"linear constraint\"");
+    unsupported(reading, "bc \"linear constraint\"", febio::word_advice(febio::WordOf::Boundary, "linear constraint"));
 }
 
 // -- rigid bodies ------------------------------------------------------------------------------------
@@ -599,6 +644,7 @@ JointModel read_fe_model(FEModel& fem) {
   read_mesh(reading);
   read_controllers(reading);
   read_steps(reading);
+  read_rigid_nodes(reading);
   read_boundary(reading);
   read_rigid_conditions(reading);
   read_loads(reading);

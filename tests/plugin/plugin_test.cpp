@@ -108,6 +108,24 @@ TEST(Plugin, EveryLoadJointAndSpringAsDeaRunSolvesIt) {
   }
 }
 
+/// A refusal without the line and without the count of other reasons, which FEBio's model and log have no room for.
+std::string without_place(const std::string& line) {
+  const std::string text = std::regex_replace(line, std::regex(R"(\.feb:\d+:)"), ".feb:");
+  return std::regex_replace(text, std::regex(R"( \(and \d+ more reasons?: dea info lists them\)|\n)"), "");
+}
+
+TEST(Plugin, WhatDeaRunRefusesIsRefusedWithTheSameWords) {
+  const TemporaryFolder folder;
+  for (const auto& [name, text] : refused_models()) {
+    write(folder.path / (name + ".feb"), text);
+    const Finished cli = run_program(folder.path, {DEA_PROGRAM, "run", name + ".feb"}, 60);
+    const Finished task = febio(folder.path, name + ".feb", "dea");
+    EXPECT_EQ(cli.code, 3) << name << cli.out;
+    EXPECT_EQ(task.code, 1) << name << task.out;
+    EXPECT_EQ(errors_of(task.out), std::vector<std::string>{without_place(cli.err)}) << name << task.err;
+  }
+}
+
 TEST(Plugin, SettingsHoldForTheTask) {
   const TemporaryFolder folder;
   write(folder.path / "m.feb", model_40(false));
@@ -174,6 +192,42 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
       "pressed.feb: surface_load \"pressure\" is not supported and would change the result: surfaces carry the "
       "pressure of contact only; give the load to the rigid body behind them as a force (rigid force of the file, or "
       "--force BODY=x,y,z), and take this one out");
+}
+
+TEST(Plugin, WhatIsToldOtherwiseThanByDeaRun) {
+  const TemporaryFolder folder;
+  const auto expect_text = [&](const std::string& text, const std::string& fault) {
+    write(folder.path / "m.feb", text);
+    EXPECT_EQ(run_program(folder.path, {DEA_PROGRAM, "run", "m.feb"}, 60).code, 3);
+    const Finished task = febio(folder.path, "m.feb", "dea");
+    EXPECT_EQ(task.code, 1);
+    EXPECT_EQ(errors_of(task.out), std::vector<std::string>{"m.feb: " + fault});
+  };
+  const auto expect = [&](const Extra& extra, const std::string& fault) { expect_text(pressed_model(extra), fault); };
+  const std::string effect = " is not supported and would change the result: ";
+  Extra strings = springs("type=\"linear spring\"><E>3</E>");
+  strings.mesh.replace(strings.mesh.find(",19"), 3, ",30");
+  std::string text = pressed_model(strings);  // with a gap: FEBio does not notice numbers above the last one
+  text = std::regex_replace(text, std::regex("<node id=\"22\">"), "<node id=\"40\">");
+  text = std::regex_replace(text, std::regex("19,20,21,22"), "19,20,21,40");
+  expect_text(text, "discrete set \"strings\" uses a node that does not exist: mend the number, or add the node");
+  expect(springs("type=\"experimental spring\"><E>3</E><sM>0</sM><sm>1</sm>"),
+         "experimental spring with E = 3, sM = 0, sm = 1, where E >= 0, sM > 0 and sm > 0" + effect +
+             "take it out, or use what DEA supports (docs/formats.md)");
+  expect({connector("rigid revolute joint", "<rotation_axis>0,0,0</rotation_axis>")},
+         "rigid revolute joint whose rotation_axis is zero" + effect + "give it a direction x,y,z");
+  expect({connector("rigid prismatic joint",
+                    "<translation_axis>1,2,0</translation_axis><transverse_axis>2,4,0</transverse_axis>")},
+         "rigid prismatic joint whose translation_axis and transverse_axis have the same direction" + effect +
+             "give two different ones");
+  expect({rigid_load("rigid_cable",
+                     "<force>1</force><force_direction>0,0,0</force_direction><rigid_cable_point><rigid_body_id>plate"
+                     "</rigid_body_id><position>1,1,1</position></rigid_cable_point>")},
+         "rigid_cable whose force_direction is zero" + effect + "give it a direction");
+  expect({connector("rigid cylindrical joint",
+                    "<joint_axis>0,0,1</joint_axis><prescribed_rotation>1"
+                    "</prescribed_rotation><rotation>1</rotation><moment>2</moment>")},
+         "rigid cylindrical joint with prescribed_rotation = 1 and a moment of 2, expected one of them");
 }
 
 TEST(Plugin, NoMemoryFaults) {
@@ -280,6 +334,26 @@ TEST(ReadFeModel, TheSameAsTheFileBeforeAndInInit) {
       EXPECT_EQ(difference_of(dump(read_feb(model.string())), from_model), "") << model.filename() << " " << task;
     }
   }
+}
+
+/// FEBio knows a constraint by its name in the steps that name it again.
+TEST(ReadFeModel, ConstraintsNamedAgainInLaterSteps) {
+  const TemporaryFolder folder;
+  std::string text = model_25(false);
+  const std::string control = "<Control><time_steps>2</time_steps><step_size>0.5</step_size></Control>";
+  const std::string own =
+      R"(<constraint name="s" type="rigid spring"><body_a>2</body_a><body_b>3</body_b><k>2</k></constraint>)";
+  const auto step = [&](const std::string& inside) {
+    return "<Step>" + control + "<Constraints>" + inside + "</Constraints></Step>\n";
+  };
+  const std::string again = R"(<constraint name="s"/>)", damper = R"(<constraint type="rigid damper"/>)";
+  text.insert(text.find("</febio_spec>"), step(own) + step(damper) + step(again));
+  write(folder.path / "m.feb", text);
+  std::vector<std::string> found;
+  for (const std::string& line : lines_of(febio_dump(folder.path, "m.feb", "dea_dump")))
+    if (line.rfind("rigid_spring", 0) == 0) found.push_back(line);
+  const std::string spring = "rigid_spring s 1 2 (0,0,0) (0,0,0) 2 0 step ";
+  EXPECT_EQ(found, (std::vector<std::string>{spring + "0", spring + "2"}));
 }
 
 TEST(ReadFeModel, CorpusTheSameAsTheFiles) {
