@@ -647,8 +647,8 @@ JointModel read_fe_model(FEModel& fem) {
   read_rigid_nodes(reading);
   read_boundary(reading);
   read_rigid_conditions(reading);
+  read_constraints(reading);  // before loads, as most files have it: FEBio does not keep the order of the two
   read_loads(reading);
-  read_constraints(reading);
   read_contacts(reading);
   read_discrete(reading);
   if (fem.MeshAdaptors() > 0) ignore(reading, "mesh adaptors");

@@ -60,6 +60,55 @@ inline Extra springs(const std::string& material) {
           "<DiscreteSet name=\"strings\"><delem>1,19</delem><delem>3,20</delem></DiscreteSet>", "Rx Ry Rw"};
 }
 
+/// Loads, joints and springs as version 3.0 says them.
+inline std::string connected_30() {
+  std::string text = model_30(false);
+  const auto put = [&](const std::string& before, const std::string& more) { text.insert(text.find(before), more); };
+  put("<SurfacePair",
+      "<NodeSet name=\"corner\"><n id=\"22\"/><n id=\"21\"/></NodeSet><DiscreteSet name=\"strings\">"
+      "<delem>1,19</delem></DiscreteSet>");
+  const std::string fixed = "<dofs>Rx,Ry,Ru,Rv,Rw</dofs>";
+  text.replace(text.find(fixed), fixed.size(), "<dofs>Rx,Rv,Rw</dofs>");
+  const std::string down = "<rigid_constraint name=\"c\" type=\"prescribe\"><rb>plate</rb><dof>Rz</dof>";
+  text.replace(text.find(down), text.find("</Rigid>") - text.find(down), R"(
+<rigid_constraint name="c" type="force"><rb>3</rb><dof>Rz</dof><value lc="1">-6</value></rigid_constraint>
+<rigid_constraint name="d" type="force"><rb>3</rb><dof>Rz</dof><value>-2</value><load_type>2</load_type></rigid_constraint>
+<rigid_constraint name="e" type="force"><rb>3</rb><dof>Ru</dof><value lc="1">0.3</value></rigid_constraint>
+<rigid_constraint name="f" type="follower force"><rb>3</rb><insertion>1,1.3,0</insertion><force lc="1">0,0.1,-1</force></rigid_constraint>
+<rigid_constraint name="g" type="follower moment"><rb>3</rb><moment lc="1">0.1,0,0</moment></rigid_constraint>
+<rigid_connector name="m" type="rigid contractile force"><body_a>2</body_a><body_b>3</body_b><f0 lc="1">3</f0><insertion_a>1,1,-2</insertion_a><insertion_b>1,1,0.1</insertion_b></rigid_connector>
+<rigid_connector name="p" type="rigid planar joint"><body_a>2</body_a><body_b>3</body_b><joint_origin>1,1,1</joint_origin><rotation_axis>1,0,0</rotation_axis><translation_axis_1>0,1,0</translation_axis_1><prescribed_translation_1>1</prescribed_translation_1><translation_1 lc="1">0.1</translation_1></rigid_connector>
+)");
+  put("<LoadData>",
+      R"(<Loads><nodal_load name="n" type="nodal_load" node_set="corner"><dof>z</dof><scale lc="1">-0.5</scale></nodal_load></Loads>
+<Discrete><discrete_material id="1" name="s" type="nonlinear spring"><scale>2</scale><force lc="1">2.5</force></discrete_material>
+<discrete dmat="1" discrete_set="strings"/><rigid_axial_force><rbA>2</rbA><rbB>3</rbB><ra>1,1,-2</ra><rb>1.2,0.5,0</rb><force lc="1">1</force></rigid_axial_force></Discrete>
+)");
+  return text;
+}
+
+/// The same as version 2.5 says them.
+inline std::string connected_25() {
+  std::string text = model_25(false);
+  const auto put = [&](const std::string& before, const std::string& more) { text.insert(text.find(before), more); };
+  put("<SurfacePair",
+      "<NodeSet name=\"corner\"><node id=\"22\"/><node id=\"21\"/></NodeSet><DiscreteSet name=\"strings\">"
+      "<delem>1,19</delem></DiscreteSet>");
+  const std::string fixed = R"(<rigid_body mat="3"><fixed bc="x"/><fixed bc="y"/><fixed bc="Rx"/><fixed bc="Ry"/>)";
+  text.replace(text.find(fixed), fixed.size(), R"(<rigid_body mat="3"><fixed bc="x"/><fixed bc="Ry"/>
+<force bc="z" lc="1">-6</force><force bc="z" type="ramp">-2</force><force bc="z" lc="1" type="follow">-1</force><force bc="Rx" lc="1">0.3</force>
+)");
+  const std::string down = R"(<prescribed bc="z" lc="1">-0.3</prescribed>)";
+  text.replace(text.find(down), down.size(), "");
+  put("<LoadData>", R"(<Loads><nodal_load bc="z" node_set="corner"><scale lc="1">-0.5</scale></nodal_load></Loads>
+<Constraints><constraint name="m" type="rigid contractile force"><body_a>2</body_a><body_b>3</body_b><f0 lc="1">3</f0><insertion_a>1,1,-2</insertion_a><insertion_b>1,1,0.1</insertion_b></constraint>
+<constraint name="p" type="rigid planar joint"><body_a>2</body_a><body_b>3</body_b><joint_origin>1,1,1</joint_origin><rotation_axis>1,0,0</rotation_axis><translation_axis_1>0,1,0</translation_axis_1><prescribed_translation_1>1</prescribed_translation_1><translation_1 lc="1">0.1</translation_1></constraint></Constraints>
+<Discrete><discrete_material id="1" name="s" type="nonlinear spring"><scale>2</scale><force lc="1">2.5</force></discrete_material>
+<discrete dmat="1" discrete_set="strings"/><rigid_axial_force><rbA>2</rbA><rbB>3</rbB><ra>1,1,-2</ra><rb>1.2,0.5,0</rb><force lc="1">1</force></rigid_axial_force></Discrete>
+)");
+  return text;
+}
+
 /// Every kind of load, joint, spring and controller that `dea run` takes, by what it is. Each is one that can be
 /// solved.
 inline std::vector<std::pair<std::string, std::string>> connected_models() {
@@ -211,6 +260,8 @@ inline std::vector<std::pair<std::string, std::string>> connected_models() {
       "type=\"nonlinear spring\"><force type=\"linear ramp\"><slope>2</slope><intercept>0.1</intercept></force>");
   add_springs("constant", "type=\"nonlinear spring\"><force type=\"const\"><value>0.2</value></force>");
   add_springs("curve", "type=\"nonlinear spring\"><force lc=\"1\">2.5</force>");
+  models.emplace_back("version_25", connected_25());
+  models.emplace_back("version_30", connected_30());
   add("materials", {"", "", "", "", "Rx Ry Ru Rv Rw"});
   std::string& text = models.back().second;
   const std::string number = "<E>10</E>";
