@@ -51,8 +51,8 @@ void read_spring(Reading& reading, FERigidConnector& fe) {
 void read_contractile_force(Reading& reading, FERigidConnector& fe) {
   RigidAxialForce pull;
   set_bodies(reading, fe, pull.material_a, pull.material_b);
-  pull.point_a = need_vector(reading, fe, "insertion_a");
-  pull.point_b = need_vector(reading, fe, "insertion_b");
+  pull.point_a = constant_vector(reading, fe, "insertion_a");
+  pull.point_b = constant_vector(reading, fe, "insertion_b");
   pull.force = need_scaled(reading, fe, "f0");
   add(reading, fe, reading.model.rigid_axial_forces, std::move(pull));
 }
@@ -63,8 +63,8 @@ void read_contractile_force(Reading& reading, FERigidConnector& fe) {
 /// joint does not need the second direction, so it may be anything.
 void set_axes(Reading& reading, FECoreBase& fe, const char* first, const char* second, bool any_second,
               RigidJoint& joint) {
-  const Vector3d a = need_vector(reading, fe, first);
-  Vector3d b = need_vector(reading, fe, second);
+  const Vector3d a = constant_vector(reading, fe, first);
+  Vector3d b = constant_vector(reading, fe, second);
   if (!(a.norm() > 0)) {
     unsupported(reading, fmt::format("{} whose {} is zero", joint.type, first), "give it a direction x,y,z");
     return;
@@ -179,7 +179,7 @@ bool read_joint(Reading& reading, FERigidConnector& fe) {
                      "rigid cylindrical joint", "rigid planar joint", "rigid lock"}))
     return false;
   set_bodies(reading, fe, joint.material_a, joint.material_b);
-  joint.joint_origin = need_vector(reading, fe, old || generic ? "joint" : "joint_origin");
+  joint.joint_origin = constant_vector(reading, fe, old || generic ? "joint" : "joint_origin");
   if (old) {
     for (std::size_t i = 3; i < 6; ++i) joint.motion[i] = Motion::Free;
   } else if (generic) {

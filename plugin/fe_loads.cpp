@@ -42,28 +42,20 @@ void read_follower(Reading& reading, FEModelLoad& fe, bool moment) {
   follower.value = need_vector(reading, fe, what);
   follower.controller = controller_of(reading, need_parameter(reading, fe, what));
   if (!moment) {
-    follower.insertion = need_vector(reading, fe, "insertion");
+    follower.insertion = constant_vector(reading, fe, "insertion");
     follower.from_center = flag(fe, "relative");
   }
   add(reading, fe, reading.model.rigid_followers, std::move(follower));
-}
-
-/// Places on bodies must not move.
-void refuse_controller(Reading& reading, FECoreBase& fe, const char* name) {
-  if (controller_of(reading, need_parameter(reading, fe, name)) < 0) return;
-  unsupported(reading, fmt::format("{} whose {} follows a load controller", type_of(fe), name),
-              "take out its lc: DEA keeps it constant");
 }
 
 void read_axial_force(Reading& reading, FEModelLoad& fe) {
   RigidAxialForce pull;
   pull.material_a = renamed_body_of(reading, fe, "rbA");
   pull.material_b = renamed_body_of(reading, fe, "rbB");
-  pull.point_a = need_vector(reading, fe, "ra");
-  pull.point_b = need_vector(reading, fe, "rb");
+  pull.point_a = constant_vector(reading, fe, "ra");
+  pull.point_b = constant_vector(reading, fe, "rb");
   pull.from_centers = flag(fe, "relative");
   pull.force = need_scaled(reading, fe, "force");
-  for (const char* name : {"ra", "rb"}) refuse_controller(reading, fe, name);
   add(reading, fe, reading.model.rigid_axial_forces, std::move(pull));
 }
 
@@ -71,8 +63,7 @@ void read_cable(Reading& reading, FEModelLoad& fe) {
   RigidCable cable;
   cable.from_centers = flag(fe, "relative");
   cable.force = need_scaled(reading, fe, "force");
-  cable.direction = need_vector(reading, fe, "force_direction");
-  refuse_controller(reading, fe, "force_direction");
+  cable.direction = constant_vector(reading, fe, "force_direction");
   if (!(cable.direction.norm() > 0)) {
     unsupported(reading, "rigid_cable whose force_direction is zero", "give it a direction");
     return;
@@ -81,8 +72,8 @@ void read_cable(Reading& reading, FEModelLoad& fe) {
   FEProperty* points = fe.FindProperty("rigid_cable_point");
   for (int i = 0; points != nullptr && i < points->size(); ++i) {
     FECoreBase& point = *points->get(i);
-    refuse_controller(reading, point, "position");
-    cable.points.push_back({renamed_body_of(reading, point, "rigid_body_id"), need_vector(reading, point, "position")});
+    cable.points.push_back(
+        {renamed_body_of(reading, point, "rigid_body_id"), constant_vector(reading, point, "position")});
   }
   if (cable.points.empty()) {
     unsupported(reading, "rigid_cable without <rigid_cable_point>", "add the points it runs through");

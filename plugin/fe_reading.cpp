@@ -83,6 +83,12 @@ Vector3d need_vector(const Reading& reading, FECoreBase& object, const char* nam
   fail(reading, fmt::format("{}: {} is not one vector", quote(type_of(object)), name));
 }
 
+Vector3d constant_vector(Reading& reading, FECoreBase& object, const char* name) {
+  if (controller_of(reading, need_parameter(reading, object, name)) >= 0)
+    unsupported(reading, fmt::format("{} that follows a load controller", name));
+  return need_vector(reading, object, name);
+}
+
 bool flag(FECoreBase& object, const char* name) {
   const FEParam* parameter = object.GetParameter(name);
   return parameter != nullptr && number_of(*parameter).value_or(0.0) != 0.0;

@@ -56,6 +56,8 @@ std::optional<double> number_of(const FEParam& parameter);
 double need_number(const Reading& reading, FECoreBase& object, const char* name);
 int need_int(const Reading& reading, FECoreBase& object, const char* name);
 Vector3d need_vector(const Reading& reading, FECoreBase& object, const char* name);
+/// A vector that DEA keeps constant: one that follows a load controller is unsupported.
+Vector3d constant_vector(Reading& reading, FECoreBase& object, const char* name);
 Scaled need_scaled(Reading& reading, FECoreBase& object, const char* name);
 /// False also if there is no such parameter.
 bool flag(FECoreBase& object, const char* name);

@@ -448,6 +448,19 @@ void add_prescribed(Reading& reading, FEStepComponent& fe, int dof, const Scaled
   add(reading, fe, reading.model.rigid_prescribed, std::move(motion));
 }
 
+void remark_double_motion(Reading& reading) {
+  std::map<std::pair<int, int>, const RigidPrescribed*> before;  // of a material and dof
+  for (const RigidPrescribed& motion : reading.model.rigid_prescribed) {
+    const RigidPrescribed*& other = before[{motion.material, motion.dof}];
+    if (other != nullptr && (other->step == motion.step || other->step < 0)) {
+      ignore(reading, fmt::format("prescribed {} of {}: it is prescribed again, and the last one counts, as in FEBio",
+                                  kDofNames[motion.dof],
+                                  quote(reading.model.materials[static_cast<std::size_t>(motion.material)].name)));
+    }
+    other = &motion;
+  }
+}
+
 /// Euler angles [degrees]: x, then y, then z about the fixed axes. As a rotation vector if they are constant; a single
 /// angle may follow a load controller.
 void read_euler_angles(Reading& reading, FEStepComponent& fe) {
@@ -653,6 +666,7 @@ JointModel read_fe_model(FEModel& fem) {
   read_discrete(reading);
   if (fem.MeshAdaptors() > 0) ignore(reading, "mesh adaptors");
   check_joints(reading);
+  remark_double_motion(reading);
   febio::refuse_unusable_controllers(model);
   return std::move(reading.model);
 }

@@ -297,6 +297,13 @@ inline std::vector<std::pair<std::string, std::string>> refused_models() {
   add("generic_far", joint("generic rigid joint",
                            "<joint>1,1,1</joint><prescribe_Rx>2</prescribe_Rx>"
                            "<prescribe_Ry>0</prescribe_Ry><prescribe_Rz>0</prescribe_Rz>"));
+  add("moving_joint", joint("rigid lock",
+                            "<joint_origin lc=\"1\">1,1,1</joint_origin><first_axis>1,0,0</first_axis>"
+                            "<second_axis>0,1,0</second_axis>"));
+  add("moving_muscle", joint("rigid contractile force", "<insertion_a lc=\"1\">1,1,1</insertion_a><f0>1</f0>"));
+  add("moving_cable", {rigid_load("rigid_cable",
+                                  "<force>1</force><rigid_cable_point><rigid_body_id>plate"
+                                  "</rigid_body_id><position lc=\"1\">1,1,1</position></rigid_cable_point>")});
   add("changing_spring", joint("rigid spring", "<k lc=\"1\">3</k>"));
   add("follower_moment", {rigid_load("rigid_moment",
                                      "<rb>plate</rb><dof>Ru</dof><value>1</value>"

@@ -273,6 +273,23 @@ TEST(Plugin, WhatIsToldOtherwiseThanByDeaRun) {
          "rigid cylindrical joint with prescribed_rotation = 1 and a moment of 2, expected one of them");
 }
 
+TEST(Plugin, AMotionPrescribedTwiceIsNoted) {
+  const TemporaryFolder folder;
+  Extra extra;
+  for (const char* value : {"0.1", "0.2"})
+    extra.rigid += plate_motion("rigid_displacement", fmt::format("<dof>x</dof><value>{}</value>", value));
+  extra.held = "Ry Ru Rv Rw";
+  write(folder.path / "m.feb", pressed_model(extra));
+  write(folder.path / "s.xml", "<febiodea_settings version=\"1\"><json>m.json</json></febiodea_settings>");
+  const Finished task = febio(folder.path, "m.feb", "dea", "s.xml");
+  EXPECT_EQ(task.code, 0) << task.out;
+  const Json result = Json::parse(file_text(folder.path / "m.json"));
+  const std::string note =
+      "ignored: m.feb: prescribed x of \"plate\": it is prescribed again, and the last one counts, as in FEBio";
+  EXPECT_NE(result["findings"].dump().find(Json(note).dump()), std::string::npos) << result["findings"];
+  EXPECT_DOUBLE_EQ(result["states"].back()["bodies"]["plate"]["translation"][0].get<double>(), 0.2);
+}
+
 TEST(Plugin, NoMemoryFaults) {
   const std::string valgrind = DEA_VALGRIND;
   if (valgrind.find("NOTFOUND") != valgrind.npos) GTEST_SKIP() << "no valgrind";
@@ -280,11 +297,15 @@ TEST(Plugin, NoMemoryFaults) {
   write(folder.path / "linear.feb", model_40(false));
   write(folder.path / "quadratic.feb", model_30(true));
   write(folder.path / "rich.feb", rich_model());
+  write(folder.path / "connected.feb", connected_30());
   write(folder.path / "good.xml",
         "<febiodea_settings version=\"1\"><json>j.json</json><csv>c.csv</csv></febiodea_settings>");
   write(folder.path / "bad.xml", "<febiodea_settings version=\"1\"><law>cubic</law></febiodea_settings>");
-  const std::pair<const char*, const char*> runs[] = {
-      {"linear.feb", "good.xml"}, {"quadratic.feb", "good.xml"}, {"rich.feb", "good.xml"}, {"linear.feb", "bad.xml"}};
+  const std::pair<const char*, const char*> runs[] = {{"linear.feb", "good.xml"},
+                                                      {"quadratic.feb", "good.xml"},
+                                                      {"rich.feb", "good.xml"},
+                                                      {"connected.feb", "good.xml"},
+                                                      {"linear.feb", "bad.xml"}};
   for (const auto& r : runs) {
     run_program(
         folder.path,
@@ -379,8 +400,8 @@ TEST(ReadFeModel, TheSameAsTheFileBeforeAndInInit) {
   }
 }
 
-/// FEBio knows a constraint by its name in the steps that name it again.
-TEST(ReadFeModel, ConstraintsNamedAgainInLaterSteps) {
+/// FEBio knows a constraint by its name in the steps that name it again, and a section Discrete of no step.
+TEST(ReadFeModel, StepsAreThoseOfFebio) {
   const TemporaryFolder folder;
   std::string text = model_25(false);
   const std::string control = "<Control><time_steps>2</time_steps><step_size>0.5</step_size></Control>";
@@ -391,10 +412,16 @@ TEST(ReadFeModel, ConstraintsNamedAgainInLaterSteps) {
   };
   const std::string again = R"(<constraint name="s"/>)", damper = R"(<constraint type="rigid damper"/>)";
   text.insert(text.find("</febio_spec>"), step(own) + step(damper) + step(again));
+  text.insert(
+      text.find("</febio_spec>"),
+      "<Discrete><rigid_axial_force><rbA>2</rbA><rbB>3</rbB><force lc=\"1\">1</force></rigid_axial_force></Discrete>");
   write(folder.path / "m.feb", text);
-  std::vector<std::string> found;
-  for (const std::string& line : lines_of(febio_dump(folder.path, "m.feb", "dea_dump")))
+  std::vector<std::string> found, pulls;
+  for (const std::string& line : lines_of(febio_dump(folder.path, "m.feb", "dea_dump"))) {
     if (line.rfind("rigid_spring", 0) == 0) found.push_back(line);
+    if (line.rfind("rigid_axial_force", 0) == 0) pulls.push_back(line);
+  }
+  EXPECT_EQ(pulls, std::vector<std::string>{"rigid_axial_force  1 2 (0,0,0) (0,0,0) false 1*f0 step -1"});
   const std::string spring = "rigid_spring s 1 2 (0,0,0) (0,0,0) 2 0 step ";
   EXPECT_EQ(found, (std::vector<std::string>{spring + "0", spring + "2"}));
 }
