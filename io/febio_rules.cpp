@@ -160,6 +160,35 @@ std::vector<int> rigid_material_of_nodes(const JointModel& model) {
   return material;
 }
 
+void refuse_moved_rigid_nodes(JointModel& model, RemarkIndex& unsupported) {
+  std::vector<PrescribedNodes>& all = model.prescribed_nodes;
+  if (all.empty()) return;
+  const std::vector<int> body = rigid_material_of_nodes(model);
+  const auto rigid_node = [&](const PrescribedNodes& p) {
+    return std::find_if(p.nodes.begin(), p.nodes.end(), [&](int n) { return body[static_cast<std::size_t>(n)] >= 0; });
+  };
+  const std::string_view version = model.version;
+  for (const PrescribedNodes& p : all) {
+    const auto node = rigid_node(p);
+    if (node == p.nodes.end()) continue;
+    const char dof = static_cast<char>('x' + p.component);
+    const std::string how =
+        version == "3.0"                       ? "rigid_constraint of type prescribe"
+        : version == "2.5" || version == "2.0" ? fmt::format("<prescribed bc=\"{}\"> of its rigid_body in {}", dof,
+                                                             version == "2.5" ? "Boundary" : "Constraints")
+        : version == "1.2" ? fmt::format("<trans_{} type=\"prescribed\"> of its rigid_body in Constraints", dof)
+                           : "rigid_bc of type rigid_displacement";
+    const Material& material = model.materials[static_cast<std::size_t>(body[static_cast<std::size_t>(*node)])];
+    list_once(model.unsupported, unsupported,
+              fmt::format("prescribed displacement {} of node {} of rigid body {}", quote(p.name),
+                          model.node_ids[static_cast<std::size_t>(*node)], quote(material.name)),
+              p.origin, fmt::format("FEBio refuses it too: prescribe the motion of that body ({})", how));
+  }
+  all.erase(
+      std::remove_if(all.begin(), all.end(), [&](const PrescribedNodes& p) { return rigid_node(p) != p.nodes.end(); }),
+      all.end());
+}
+
 bool known_module(const std::string& m) {
   return m.empty() || m.find("solid") != m.npos || m == "biphasic" || m == "solute" || m == "multiphasic";
 }

@@ -79,6 +79,13 @@ void for_each_controller(JointModel& model, F f) {
 }
 /// Per node the rigid material that has it, by an element or a rigid node set; -1: none.
 std::vector<int> rigid_material_of_nodes(const JointModel& model);
+/// Displacements of nodes that differ from node to node: what they are called, and what to do about them.
+inline constexpr const char* kMovedApart = "prescribed displacement of nodes that differs from node to node";
+inline constexpr const char* kMovedApartAdvice =
+    "DEA moves rigid bodies only: prescribe the motion of the body that holds these nodes";
+/// Takes the prescribed displacements out that move nodes of rigid bodies, and lists them as unsupported: FEBio refuses
+/// them.
+void refuse_moved_rigid_nodes(JointModel& model, RemarkIndex& unsupported);
 /// Lists as unsupported every use of a controller that cannot be evaluated.
 void refuse_unusable_controllers(JointModel& model);
 

@@ -1,21 +1,16 @@
 #include "read_fe_model.h"
 
 #include <FEBioLib/FEBioModel.h>
-#include <FEBioMech/FEMechModel.h>
-#include <FEBioMech/FERigidBody.h>
-#include <FEBioMech/FERigidConnector.h>
 #include <FEBioMech/RigidBC.h>
 #include <FECore/FEAnalysis.h>
 #include <FECore/FEBodyLoad.h>
 #include <FECore/FEBoundaryCondition.h>
-#include <FECore/FEDiscreteDomain.h>
 #include <FECore/FEDiscreteMaterial.h>
 #include <FECore/FEDiscreteSet.h>
 #include <FECore/FEFacetSet.h>
 #include <FECore/FEInitialCondition.h>
 #include <FECore/FELinearConstraintManager.h>
 #include <FECore/FELoadCurve.h>
-#include <FECore/FEMaterial.h>
 #include <FECore/FEMesh.h>
 #include <FECore/FEModelLoad.h>
 #include <FECore/FEModelParam.h>
@@ -29,145 +24,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "dea_contact.h"
 #include "error.h"
+#include "fe_reading.h"
 #include "febio_material.h"
-#include "febio_rules.h"
+#include "load_curve.h"
 
 namespace dea {
 
 namespace {
 
-using febio::quote;
-
-constexpr Origin kNowhere = {0, 0};
-
-/// What is known while FEBio's model is read.
-struct Reading {
-  FEMechModel& fem;
-  JointModel model;
-  std::map<const FEMaterial*, int> materials;      ///< index into JointModel::materials
-  std::map<const FEFacetSet*, int> surfaces;       ///< index into JointModel::surfaces
-  std::map<const FEStepComponent*, int> step_of;   ///< of what is active in one step only
-  std::set<const FEStepComponent*> several_steps;  ///< active in more than one step
-  febio::RemarkIndex ignored_index, unsupported_index;
-};
-
-void ignore(Reading& reading, const std::string& what) {
-  febio::list_once(reading.model.ignored, reading.ignored_index, what, kNowhere);
-}
-
-void unsupported(Reading& reading, const std::string& what) {
-  febio::list_once(reading.model.unsupported, reading.unsupported_index, what, kNowhere);
-}
-
-[[noreturn]] void fail(const Reading& reading, const std::string& fault) {
-  throw InputError(reading.model, kNowhere, fault);
-}
-
-Vector3d vector_of(const vec3d& v) { return {v.x, v.y, v.z}; }
-
-std::string type_of(FECoreBase& object) {
-  const char* type = object.GetTypeStr();
-  return type == nullptr ? "" : type;
-}
-
-bool one_of(const std::string& word, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(), [&](const char* candidate) { return word == candidate; });
-}
-
-bool has(const std::string& text, const char* word) { return text.find(word) != text.npos; }
-
-// -- parameters --------------------------------------------------------------------------------------
-
-/// Index of the load controller a parameter follows; -1: none.
-int controller_of(Reading& reading, FEParam& parameter) {
-  FELoadController* controller = reading.fem.GetLoadController(&parameter);
-  return controller == nullptr ? -1 : controller->GetID();
-}
-
-FEParam& need_parameter(const Reading& reading, FECoreBase& object, const char* name) {
-  FEParam* parameter = object.GetParameter(name);
-  if (parameter == nullptr) fail(reading, fmt::format("{} without parameter {}", quote(type_of(object)), name));
-  return *parameter;
-}
-
-/// A parameter that is one number now; nothing for a map, an expression, a vector.
-std::optional<double> number_of(const FEParam& parameter) {
-  switch (parameter.type()) {
-    case FE_PARAM_INT:
-      return parameter.value<int>();
-    case FE_PARAM_BOOL:
-      return parameter.value<bool>() ? 1.0 : 0.0;
-    case FE_PARAM_DOUBLE:
-      return parameter.value<double>();
-    case FE_PARAM_DOUBLE_MAPPED: {
-      const auto& mapped = parameter.value<FEParamDouble>();
-      if (mapped.isConst()) return mapped.constValue();
-      return std::nullopt;
-    }
-    default:
-      return std::nullopt;
-  }
-}
-
-double need_number(const Reading& reading, FECoreBase& object, const char* name) {
-  const auto number = number_of(need_parameter(reading, object, name));
-  if (!number) fail(reading, fmt::format("{}: {} is not one number", quote(type_of(object)), name));
-  return *number;
-}
-
-int need_int(const Reading& reading, FECoreBase& object, const char* name) {
-  return static_cast<int>(need_number(reading, object, name));
-}
-
-/// False also if there is no such parameter.
-bool flag(FECoreBase& object, const char* name) {
-  const FEParam* parameter = object.GetParameter(name);
-  return parameter != nullptr && number_of(*parameter).value_or(0.0) != 0.0;
-}
-
-Scaled need_scaled(Reading& reading, FECoreBase& object, const char* name) {
-  return {need_number(reading, object, name), controller_of(reading, need_parameter(reading, object, name))};
-}
-
-/// Whether a load's vector or number is zero, whatever its load controller.
-bool is_zero(FEParam& parameter) {
-  if (parameter.type() == FE_PARAM_VEC3D) return parameter.value<vec3d>().norm2() == 0.0;
-  if (parameter.type() == FE_PARAM_VEC3D_MAPPED) {
-    auto& mapped = parameter.value<FEParamVec3>();
-    return mapped.isConst() && mapped.constValue().norm2() == 0.0;
-  }
-  const auto number = number_of(parameter);
-  return number && *number == 0.0;
-}
-
-/// The rigid material with this 1-based number, as rigid conditions name it.
-int need_rigid(const Reading& reading, FECoreBase& object, int id) {
-  FEModel& fem = reading.fem;
-  FEMaterial* material = id >= 1 && id <= fem.Materials() ? fem.GetMaterial(id - 1) : nullptr;
-  const auto place = reading.materials.find(material);
-  if (place == reading.materials.end() || !reading.model.materials[static_cast<std::size_t>(place->second)].rigid) {
-    fail(reading, fmt::format("{} is on material {}, expected a rigid body", quote(type_of(object)), id));
-  }
-  return place->second;
-}
-
-int body_of(const Reading& reading, FECoreBase& object) {
-  return need_rigid(reading, object, need_int(reading, object, "rb"));
-}
-
-int step_of(Reading& reading, FEStepComponent& component) {
-  const auto place = reading.step_of.find(&component);
-  if (place == reading.step_of.end()) return -1;
-  if (reading.several_steps.count(&component) > 0)
-    unsupported(reading, fmt::format("{} of several steps", quote(type_of(component))));
-  return place->second;
-}
+using namespace fe;
 
 // -- mesh --------------------------------------------------------------------------------------------
 
@@ -217,6 +90,14 @@ std::optional<ElementShape> shape_of(int shape) {
   }
 }
 
+/// FEBio keeps numbers of nodes that do not exist where it looks at them only as it solves.
+void need_nodes(const Reading& reading, const char* what, const std::string& name, const std::vector<int>& nodes) {
+  const int count = static_cast<int>(reading.model.nodes.size());
+  if (std::all_of(nodes.begin(), nodes.end(), [&](int node) { return node >= 0 && node < count; })) return;
+  fail(reading,
+       fmt::format("{} {} uses a node that does not exist: mend the number, or add the node", what, quote(name)));
+}
+
 void read_domain(Reading& reading, FEDomain& fe) {
   if (fe.Elements() == 0) return;
   const auto shape = shape_of(fe.ElementRef(0).Shape());
@@ -241,6 +122,7 @@ void read_domain(Reading& reading, FEDomain& fe) {
     thick = thick || std::any_of(shell->m_h0.begin(), shell->m_h0.end(), [](double h) { return h != 0.0; });
   }
   if (!thick) domain.shell_thickness.clear();  // FEBio has 0 where none is given
+  need_nodes(reading, "domain", domain.name, domain.nodes);
   reading.model.domains.push_back(std::move(domain));
 }
 
@@ -265,6 +147,7 @@ void read_mesh(Reading& reading) {
       surface.nodes.insert(surface.nodes.end(), face.node, face.node + face.Nodes());
       surface.begin.push_back(static_cast<int>(surface.nodes.size()));
     }
+    need_nodes(reading, "surface", surface.name, surface.nodes);
     reading.surfaces.emplace(&set, static_cast<int>(model.surfaces.size()));
     model.surfaces.push_back(std::move(surface));
   }
@@ -273,6 +156,7 @@ void read_mesh(Reading& reading) {
     NodeSet set;
     set.name = fe.GetName();
     for (int k = 0; k < fe.Size(); ++k) set.nodes.push_back(fe[k]);
+    need_nodes(reading, "node set", set.name, set.nodes);
     model.node_sets.push_back(std::move(set));
   }
   for (int i = 0; i < mesh.ElementSets(); ++i) {
@@ -284,13 +168,25 @@ void read_mesh(Reading& reading) {
     const FEDiscreteSet& fe = mesh.DiscreteSet(i);
     DiscreteSet set;
     set.name = fe.GetName();
-    for (int k = 0; k < fe.size(); ++k) set.pairs.push_back({fe.Element(k).n0, fe.Element(k).n1});
+    for (int k = 0; k < fe.size(); ++k) {
+      need_nodes(reading, "discrete set", set.name, {fe.Element(k).n0, fe.Element(k).n1});
+      set.pairs.push_back({fe.Element(k).n0, fe.Element(k).n1});
+    }
     model.discrete_sets.push_back(std::move(set));
   }
   if (mesh.DataMaps() > 0 || reading.fem.MeshDataGenerators() > 0) ignore(reading, "mesh data");
 }
 
 // -- materials ---------------------------------------------------------------------------------------
+
+/// Value of an expression without variables.
+void set_constant(MaterialTree::Constant& constant, const char* name, const std::string& expression) {
+  try {
+    constant.value = constant_value(expression);
+  } catch (const InputError& error) {
+    constant.why = fmt::format("{}: {}", name, error.what());
+  }
+}
 
 MaterialTree tree_of(Reading& reading, FECoreBase& material) {
   MaterialTree tree;
@@ -306,8 +202,12 @@ MaterialTree tree_of(Reading& reading, FECoreBase& material) {
     } else if (const auto number = number_of(parameter)) {
       constant.value = *number;
     } else if (parameter.type() == FE_PARAM_DOUBLE_MAPPED) {
-      FEScalarValuator* value = parameter.value<FEParamDouble>().valuator();
-      constant.why = fmt::format("{} is a {}, not one number", name, quote(value == nullptr ? "map" : type_of(*value)));
+      FEScalarValuator* values = parameter.value<FEParamDouble>().valuator();
+      const std::string kind = kind_of(parameter), text = kind == "math" ? text_of(*values, "math") : "";
+      if (!text.empty() && expression_fault(text, {}).empty())
+        set_constant(constant, name, text);
+      else
+        constant.why = fmt::format("{} is a {}, not one number", name, quote(kind));
     } else {
       continue;  // vectors and texts: no constants of elasticity
     }
@@ -347,8 +247,8 @@ void read_materials(Reading& reading) {
     std::string why;
     set_density(material, tree, model, why);
     if (std::isnan(material.density) && material.rigid && !material.center_of_mass)
-      unsupported(reading,
-                  fmt::format("rigid body whose density is not one number ({}): give it a center_of_mass", why));
+      unsupported(reading, fmt::format("rigid body whose density is not one number ({})", why),
+                  "give it a center_of_mass");
     reading.materials.emplace(fe, static_cast<int>(model.materials.size()));
     model.materials.push_back(std::move(material));
   }
@@ -356,27 +256,27 @@ void read_materials(Reading& reading) {
 
 // -- steps and load controllers ----------------------------------------------------------------------
 
+/// A controller of type math: an expression in t. Its <var> are numbers of FEBio's model, which change as it is solved.
+void set_expression(Reading& reading, FECoreBase& fe, LoadController& controller) {
+  controller.expression = text_of(fe, "math");
+  std::string fault = expression_fault(controller.expression, {"t"});
+  if (!need_parameter(reading, fe, "var").value<std::vector<std::string>>().empty())
+    fault = "a <var>, a number of FEBio's model";
+  if (!fault.empty()) controller.unsupported = fmt::format("expression {}: {}", quote(controller.expression), fault);
+}
+
 void read_controllers(Reading& reading) {
   for (int i = 0; i < reading.fem.LoadControllers(); ++i) {
     FELoadController& fe = *reading.fem.GetLoadController(i);
     LoadController controller;
     controller.id = i + 1;
     controller.name = fe.GetName();
-    if (const auto* curve = dynamic_cast<const FELoadCurve*>(&fe)) {
-      const int interpolate = curve->GetInterpolation(), extend = curve->GetExtendMode();
-      if (interpolate >= 0 && interpolate < static_cast<int>(febio::kInterpolateWords.size()))
-        febio::set_interpolate(controller, interpolate);
-      else
-        controller.unsupported = fmt::format("interpolation {}", interpolate);
-      if (extend >= 0 && extend < static_cast<int>(febio::kExtendWords.size()))
-        controller.extend = static_cast<LoadController::Extend>(extend);
-      else
-        controller.unsupported = fmt::format("extend {}", extend);
-      for (const vec2d& point : curve->GetPoints()) controller.points.push_back({point.x(), point.y()});
-      febio::check_times(controller);
-    } else {
+    if (const auto* curve = dynamic_cast<const FELoadCurve*>(&fe))
+      set_curve(controller, curve->GetInterpolation(), curve->GetExtendMode(), curve->GetPoints());
+    else if (type_of(fe) == "math")
+      set_expression(reading, fe, controller);
+    else
       controller.unsupported = fmt::format("type {}", quote(type_of(fe)));
-    }
     reading.model.controllers.push_back(std::move(controller));
   }
 }
@@ -402,17 +302,17 @@ void read_steps(Reading& reading) {
     if (curve >= 0 && curve < static_cast<int>(model.controllers.size())) {
       const LoadController& controller = model.controllers[static_cast<std::size_t>(curve)];
       step.must_points = febio::must_points(controller, begin, begin + step.duration);
-      if (controller.points.empty() && !controller.unsupported.empty())
+      if (controller.points.empty() && (!controller.unsupported.empty() || !controller.expression.empty()))
         ignore(reading, fmt::format("dtmax: load controller {} with {} gives no must points", controller.id,
-                                    controller.unsupported));
+                                    controller.unsupported.empty() ? "an expression" : controller.unsupported));
     }
     const std::string remark = febio::analysis_remark(model.module, fe.m_nanalysis == 1);
     if (!remark.empty()) ignore(reading, remark);
     begin += step.duration;
     model.steps.push_back(std::move(step));
     for (int k = 0; k < fe.StepComponents(); ++k) {
-      const FEStepComponent* component = fe.GetStepComponent(k);
-      if (reading.step_of.emplace(component, i).first->second != i) reading.several_steps.insert(component);
+      std::vector<int>& steps = reading.steps_of[fe.GetStepComponent(k)];
+      if (steps.empty() || steps.back() != i) steps.push_back(i);
     }
   }
   if (model.steps.empty()) model.steps.push_back({"", 1.0, 0.1, {}, kNowhere});  // FEBio's defaults
@@ -431,20 +331,7 @@ std::vector<int> nodes_of(const Reading& reading, FENodalBC& condition) {
 /// Holds the nodes of a condition in x, y, z as flagged.
 void fix_nodes(Reading& reading, FENodalBC& condition, const std::array<bool, 3>& xyz) {
   if (!xyz[0] && !xyz[1] && !xyz[2]) return;
-  reading.model.fixed_nodes.push_back(
-      {nodes_of(reading, condition), xyz, step_of(reading, condition), condition.GetName(), kNowhere});
-}
-
-/// 0, 1, 2 for x, y, z; -1: another degree of freedom.
-int xyz_of(Reading& reading, int dof) {
-  for (int i = 0; i < 3; ++i)
-    if (dof == reading.fem.GetDOFIndex(kDofNames[i])) return i;
-  return -1;
-}
-
-std::string dof_name(Reading& reading, int dof) {
-  const char* name = reading.fem.GetDOFS().GetDOFName(dof);
-  return name == nullptr ? fmt::format("{}", dof) : name;
+  add(reading, condition, reading.model.fixed_nodes, FixedNodes{nodes_of(reading, condition), xyz, -1, {}, {}});
 }
 
 void prescribe_nodes(Reading& reading, FENodalBC& condition, const char* value) {
@@ -453,15 +340,35 @@ void prescribe_nodes(Reading& reading, FENodalBC& condition, const char* value) 
   if (place < 0) {
     const std::string name = dof_name(reading, dof);
     if (one_of(name, {"u", "v", "w", "sx", "sy", "sz"}))
-      unsupported(reading, fmt::format("prescribed shell dof {}", quote(name)));
+      unsupported(reading, fmt::format("prescribed shell dof {}", quote(name)),
+                  "take it out: DEA has no deformable shells, take their material as rigid with --rigid");
     else
       ignore(reading, fmt::format("prescribed dof {}: no displacement", quote(name)));
-  } else if (is_zero(need_parameter(reading, condition, value))) {
+  } else if (is_zero(need_parameter(reading, condition, value)) && !flag(condition, "relative")) {
     std::array<bool, 3> xyz = {};
     xyz[static_cast<std::size_t>(place)] = true;
     fix_nodes(reading, condition, xyz);
+  } else if (!number_of(need_parameter(reading, condition, value))) {  // a map or an expression of the place
+    unsupported(reading, febio::kMovedApart, febio::kMovedApartAdvice);
   } else {
-    unsupported(reading, "prescribed displacement of nodes");
+    PrescribedNodes prescribed;
+    prescribed.nodes = nodes_of(reading, condition);
+    prescribed.component = place;
+    prescribed.value = need_scaled(reading, condition, value);
+    prescribed.relative = flag(condition, "relative");
+    const std::string set = condition.GetNodeSet()->GetName();
+    add(reading, condition, reading.model.prescribed_nodes, prescribed);
+    for (PrescribedNodes& p : reading.model.prescribed_nodes)
+      if (p.name.empty()) p.name = set.empty() ? "moved nodes" : set;
+  }
+}
+
+void read_rigid_nodes(Reading& reading) {
+  for (int i = 0; i < reading.fem.BoundaryConditions(); ++i) {
+    auto* nodal = dynamic_cast<FENodalBC*>(reading.fem.BoundaryCondition(i));
+    if (nodal == nullptr || type_of(*nodal) != "rigid") continue;
+    add(reading, *nodal, reading.model.rigid_nodes,
+        RigidNodes{body_of(reading, *nodal), nodes_of(reading, *nodal), -1, {}, {}});
   }
 }
 
@@ -490,25 +397,69 @@ void read_boundary(Reading& reading) {
     } else if (type == "prescribe" && nodal != nullptr) {
       prescribe_nodes(reading, *nodal, "scale");
     } else if (type == "rigid" && nodal != nullptr) {
-      reading.model.rigid_nodes.push_back(
-          {body_of(reading, fe), nodes_of(reading, *nodal), step_of(reading, fe), fe.GetName(), kNowhere});
+      continue;  // read_rigid_nodes
     } else if (type == "zero rotation" || type == "zero shell displacement" || has(type, "fluid") ||
                has(type, "concentration") || has(type, "temperature")) {
       ignore(reading, fmt::format("bc {}", quote(type)));
     } else {
-      unsupported(reading, fmt::format("bc {}", quote(type)));
+      unsupported(reading, fmt::format("bc {}", quote(type)), febio::word_advice(febio::WordOf::Boundary, type));
     }
   }
   if (reading.fem.GetLinearConstraintManager().LinearConstraints() > 0)
-    unsupported(reading, "bc \"linear constraint\"");
+    unsupported(reading, "bc \"linear constraint\"", febio::word_advice(febio::WordOf::Boundary, "linear constraint"));
 }
 
 // -- rigid bodies ------------------------------------------------------------------------------------
 
-void add_prescribed(Reading& reading, FEStepComponent& fe, int dof, const char* value) {
+void add_prescribed(Reading& reading, FEStepComponent& fe, int dof, const Scaled& value) {
   if (dof < 0 || dof >= kDofs) fail(reading, fmt::format("{} without a dof", quote(type_of(fe))));
-  reading.model.rigid_prescribed.push_back({body_of(reading, fe), dof, need_scaled(reading, fe, value),
-                                            flag(fe, "relative"), step_of(reading, fe), fe.GetName(), kNowhere});
+  RigidPrescribed motion;
+  motion.material = body_of(reading, fe);
+  motion.dof = dof;
+  motion.value = value;
+  motion.relative = flag(fe, "relative");
+  add(reading, fe, reading.model.rigid_prescribed, std::move(motion));
+}
+
+void remark_double_motion(Reading& reading) {
+  std::map<std::pair<int, int>, const RigidPrescribed*> before;  // of a material and dof
+  for (const RigidPrescribed& motion : reading.model.rigid_prescribed) {
+    const RigidPrescribed*& other = before[{motion.material, motion.dof}];
+    if (other != nullptr && (other->step == motion.step || other->step < 0)) {
+      ignore(reading, fmt::format("prescribed {} of {}: it is prescribed again, and the last one counts, as in FEBio",
+                                  kDofNames[motion.dof],
+                                  quote(reading.model.materials[static_cast<std::size_t>(motion.material)].name)));
+    }
+    other = &motion;
+  }
+}
+
+/// Euler angles [degrees]: x, then y, then z about the fixed axes. As a rotation vector if they are constant; a single
+/// angle may follow a load controller.
+void read_euler_angles(Reading& reading, FEStepComponent& fe) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  std::array<Scaled, 3> angles;
+  int turning = 0, steered = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    angles[i] = need_scaled(reading, fe, std::array{"Ex", "Ey", "Ez"}[i]);
+    if (angles[i].factor == 0) angles[i].controller = -1;
+    angles[i].factor *= kDegree;
+    turning += angles[i].factor != 0 ? 1 : 0;
+    steered += angles[i].controller >= 0 ? 1 : 0;
+  }
+  if (turning > 1 && steered > 0) {
+    unsupported(reading, "rigid_euler_angles of which several turn and one follows a load controller",
+                "give rigid_rotation_vector, or let one angle alone turn");
+    return;
+  }
+  if (turning > 1) {
+    const Eigen::Quaterniond q = Eigen::AngleAxisd(angles[2].factor, Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(angles[1].factor, Vector3d::UnitY()) *
+                                 Eigen::AngleAxisd(angles[0].factor, Vector3d::UnitX());
+    const Eigen::AngleAxisd turn(q);
+    for (int i = 0; i < 3; ++i) angles[static_cast<std::size_t>(i)].factor = turn.angle() * turn.axis()[i];
+  }
+  for (std::size_t i = 0; i < 3; ++i) add_prescribed(reading, fe, 3 + static_cast<int>(i), angles[i]);
 }
 
 /// Place of the dof among kDofNames; -1: none of them.
@@ -527,8 +478,6 @@ void read_rigid_conditions(Reading& reading) {
     if (type == "rigid_fixed" || type == "rigid_fixed_old") {
       RigidFixed fixed;
       fixed.material = body_of(reading, fe);
-      fixed.step = step_of(reading, fe);
-      fixed.name = fe.GetName();
       if (type == "rigid_fixed") {
         for (std::size_t k = 0; k < kDofs; ++k) fixed.dofs[k] = flag(fe, kFlags[k]);
       } else {
@@ -537,42 +486,21 @@ void read_rigid_conditions(Reading& reading) {
           fixed.dofs[static_cast<std::size_t>(dof)] = true;
         }
       }
-      reading.model.rigid_fixed.push_back(std::move(fixed));
+      add(reading, fe, reading.model.rigid_fixed, std::move(fixed));
     } else if (type == "rigid_prescribed_old") {
-      add_prescribed(reading, fe, need_int(reading, fe, "dof"), "value");
+      add_prescribed(reading, fe, need_int(reading, fe, "dof"), need_scaled(reading, fe, "value"));
     } else if (type == "rigid_displacement" || type == "rigid_rotation") {
-      add_prescribed(reading, fe, rigid_dof_of(reading, fe), "value");
+      add_prescribed(reading, fe, rigid_dof_of(reading, fe), need_scaled(reading, fe, "value"));
     } else if (type == "rigid_rotation_vector") {
-      add_prescribed(reading, fe, 3, "vx");
-      add_prescribed(reading, fe, 4, "vy");
-      add_prescribed(reading, fe, 5, "vz");
+      add_prescribed(reading, fe, 3, need_scaled(reading, fe, "vx"));
+      add_prescribed(reading, fe, 4, need_scaled(reading, fe, "vy"));
+      add_prescribed(reading, fe, 5, need_scaled(reading, fe, "vz"));
+    } else if (type == "rigid_euler_angles") {
+      read_euler_angles(reading, fe);
     } else {
-      unsupported(reading, fmt::format("rigid_bc {}", quote(type)));
+      unsupported(reading, fmt::format("rigid_bc {}", quote(type)),
+                  febio::word_advice(febio::WordOf::RigidCondition, type));
     }
-  }
-}
-
-void add_rigid_load(Reading& reading, FEModelLoad& fe, bool moment) {
-  const char* what = moment ? "rigid moment" : "rigid force";
-  const int load_type = need_int(reading, fe, "load_type");
-  const int dof = need_int(reading, fe, "dof");
-  if (dof < 0 || dof > 2) fail(reading, fmt::format("{} without a dof", what));
-  if (load_type == 2) {
-    unsupported(reading, fmt::format("{} with load_type TARGET", what));
-  } else if (load_type == 1 && moment) {
-    unsupported(reading, "rigid moment with load_type FOLLOW");
-  } else if (flag(fe, "relative")) {
-    unsupported(reading, fmt::format("{} with relative = 1", what));
-  } else {
-    RigidLoad load;
-    load.material = body_of(reading, fe);
-    load.dof = moment ? 3 + dof : dof;
-    load.value = need_scaled(reading, fe, "value");
-    load.kind = load_type == 1 ? RigidLoad::Kind::Follower : RigidLoad::Kind::Dead;
-    load.step = step_of(reading, fe);
-    load.name = fe.GetName();
-    load.origin = kNowhere;
-    reading.model.rigid_loads.push_back(std::move(load));
   }
 }
 
@@ -594,10 +522,7 @@ void read_loads(Reading& reading) {
   for (int i = 0; i < reading.fem.ModelLoads(); ++i) {
     FEModelLoad& fe = *reading.fem.ModelLoad(i);
     const std::string type = type_of(fe);
-    if (type == "rigid_force" || type == "rigid_moment") {
-      add_rigid_load(reading, fe, type == "rigid_moment");
-      continue;
-    }
+    if (read_rigid_load(reading, fe)) continue;
     const char* section = dynamic_cast<FESurfaceLoad*>(&fe) != nullptr ? "surface_load"
                           : dynamic_cast<FENodalLoad*>(&fe) != nullptr ? "nodal_load"
                           : dynamic_cast<FEBodyLoad*>(&fe) != nullptr  ? "body_load"
@@ -611,64 +536,32 @@ void read_loads(Reading& reading) {
     else if (of_fluid && !has(type, "FSI"))
       ignore(reading, what);
     else
-      unsupported(reading, what);
+      unsupported(reading, what, febio::load_advice(section, type));
   }
   for (int i = 0; i < reading.fem.InitialConditions(); ++i) {
     const std::string type = type_of(*reading.fem.InitialCondition(i));
     if (has(type, "prestrain"))
-      unsupported(reading, fmt::format("initial {}", quote(type)));
+      unsupported(reading, fmt::format("initial {}", quote(type)),
+                  "take it out: DEA's cartilage starts without stress");
     else
       ignore(reading, "initial conditions");
   }
-}
-
-/// FEBio's Init turns a connector's material numbers into bodies; the pointers, protected, tell that it has been
-/// called.
-struct Connected : FERigidConnector {
-  static FERigidBody* a(FERigidConnector& c) { return c.*&Connected::m_rbA; }
-  static FERigidBody* b(FERigidConnector& c) { return c.*&Connected::m_rbB; }
-};
-
-int connected_material(const Reading& reading, FERigidConnector& connector, FERigidBody* body, const char* name) {
-  return need_rigid(reading, connector, body == nullptr ? need_int(reading, connector, name) : body->m_mat + 1);
-}
-
-void read_rigid_spring(Reading& reading, FERigidConnector& fe) {
-  RigidSpring spring;
-  spring.material_a = connected_material(reading, fe, Connected::a(fe), "body_a");
-  spring.material_b = connected_material(reading, fe, Connected::b(fe), "body_b");
-  spring.insertion_a = vector_of(need_parameter(reading, fe, "insertion_a").value<vec3d>());
-  spring.insertion_b = vector_of(need_parameter(reading, fe, "insertion_b").value<vec3d>());
-  spring.k = need_number(reading, fe, "k");
-  spring.free_length = need_number(reading, fe, "free_length");
-  for (const char* name : {"k", "free_length", "insertion_a", "insertion_b"}) {
-    if (controller_of(reading, need_parameter(reading, fe, name)) >= 0)
-      unsupported(reading, fmt::format("rigid spring whose {} follows a load controller", name));
-  }
-  spring.step = step_of(reading, fe);
-  spring.name = fe.GetName();
-  reading.model.rigid_springs.push_back(std::move(spring));
 }
 
 void read_constraints(Reading& reading) {
   for (int i = 0; i < reading.fem.NonlinearConstraints(); ++i) {
     FENLConstraint& fe = *reading.fem.NonlinearConstraint(i);
     const std::string type = type_of(fe);
-    auto* connector = dynamic_cast<FERigidConnector*>(&fe);
-    if (type == "rigid spring" && connector != nullptr)
-      read_rigid_spring(reading, *connector);
-    else if (febio::is_damper(type))
-      ignore(reading, fmt::format("{}: statics has no velocity", type));
-    else if (type.rfind("rigid ", 0) == 0 || type == "generic rigid joint")
-      unsupported(reading, fmt::format("rigid connector {}", quote(type)));
-    else if (type == "symmetry plane")
+    if (read_connector(reading, fe)) continue;
+    if (type == "symmetry plane")
       ignore(reading, "symmetry plane");
     else
-      unsupported(reading, fmt::format("constraint {}", quote(type)));
+      unsupported(reading, fmt::format("constraint {}", quote(type)),
+                  febio::word_advice(febio::WordOf::Connector, type));
   }
 }
 
-// -- contact and springs -----------------------------------------------------------------------------
+// -- contact ------------------------------------------------------------------------------------------
 
 /// The facet set a contact's surface was built from; -1: none.
 int surface_index(const Reading& reading, FESurface* surface) {
@@ -696,7 +589,8 @@ void read_contacts(Reading& reading) {
     contact.type = type_of(fe);
     const auto kind = febio::contact_kind(contact.type);
     if (!kind) {
-      unsupported(reading, fmt::format("contact {}", quote(contact.type)));
+      unsupported(reading, fmt::format("contact {}", quote(contact.type)),
+                  febio::word_advice(febio::WordOf::Contact, contact.type));
       continue;
     }
     contact.primary = surface_index(reading, fe.GetPrimarySurface());
@@ -712,47 +606,8 @@ void read_contacts(Reading& reading) {
     if (FEParam* distance = fe.GetParameter("max_distance")) contact.max_distance = number_of(*distance).value_or(0.0);
     contact.ignored = ignored_parameters(reading, fe, contact.type);
     if (auto* own = dynamic_cast<FEDeaContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
-    contact.step = step_of(reading, fe);
+    contact.step = steps_of(reading, fe).front();  // a contact is of one step, or of all
     reading.model.contacts.push_back(std::move(contact));
-  }
-}
-
-/// Index of the discrete set a domain of springs was made from; a new one if there is none.
-int discrete_set_of(Reading& reading, FEDomain& fe) {
-  auto& sets = reading.model.discrete_sets;
-  for (std::size_t i = 0; i < sets.size(); ++i)
-    if (sets[i].name == fe.GetName()) return static_cast<int>(i);
-  DiscreteSet set;
-  set.name = fe.GetName();
-  for (int i = 0; i < fe.Elements(); ++i) set.pairs.push_back({fe.ElementRef(i).m_node[0], fe.ElementRef(i).m_node[1]});
-  sets.push_back(std::move(set));
-  return static_cast<int>(sets.size()) - 1;
-}
-
-void read_discrete(Reading& reading) {
-  FEMesh& mesh = reading.fem.GetMesh();
-  for (int i = 0; i < mesh.Domains(); ++i) {
-    FEDomain& fe = mesh.Domain(i);
-    if (fe.Class() != FE_DOMAIN_DISCRETE) continue;
-    FEMaterial* material = fe.GetMaterial();
-    const std::string type = material == nullptr ? "" : type_of(*material);
-    if (type != "linear spring" && type != "tension-only linear spring") {
-      unsupported(reading, fmt::format("discrete material {}", quote(type)));
-      continue;
-    }
-    FEParam& E = need_parameter(reading, *material, "E");
-    const auto stiffness = number_of(E);
-    if (!stiffness || controller_of(reading, E) >= 0) {
-      unsupported(reading, "spring whose E is not one number");
-      continue;
-    }
-    DiscreteSprings springs;
-    springs.set = discrete_set_of(reading, fe);
-    springs.stiffness = *stiffness;
-    springs.tension_only = type != "linear spring";
-    springs.name = fe.GetName();
-    springs.origin = kNowhere;
-    reading.model.discrete_springs.push_back(std::move(springs));
   }
 }
 
@@ -762,24 +617,30 @@ JointModel read_fe_model(FEModel& fem) {
   auto* mechanics = dynamic_cast<FEMechModel*>(&fem);
   if (mechanics == nullptr) throw InputError("a model without mechanics");
   auto* febio_model = dynamic_cast<FEBioModel*>(&fem);
-  Reading reading{*mechanics, {}, {}, {}, {}, {}, {}, {}};
+  Reading reading{*mechanics, mechanics->RigidBodies() > 0, {}, {}, {}, {}, {}, {}};
   JointModel& model = reading.model;
   model.files = {febio_model != nullptr ? febio_model->GetInputFileName() : std::string("model")};
   model.module = fem.GetModuleName();
   if (fem.GetUnits() != nullptr) model.units = fem.GetUnits();
-  if (!febio::known_module(model.module)) unsupported(reading, fmt::format("module {}", quote(model.module)));
+  if (!febio::known_module(model.module))
+    unsupported(reading, fmt::format("module {}", quote(model.module)),
+                febio::word_advice(febio::WordOf::Module, model.module));
 
   read_materials(reading);
   read_mesh(reading);
   read_controllers(reading);
   read_steps(reading);
+  read_rigid_nodes(reading);
   read_boundary(reading);
   read_rigid_conditions(reading);
+  read_constraints(reading);  // before loads, as most files have it: FEBio does not keep the order of the two
   read_loads(reading);
-  read_constraints(reading);
   read_contacts(reading);
   read_discrete(reading);
   if (fem.MeshAdaptors() > 0) ignore(reading, "mesh adaptors");
+  check_joints(reading);
+  remark_double_motion(reading);
+  febio::refuse_moved_rigid_nodes(model, reading.unsupported_index);
   febio::refuse_unusable_controllers(model);
   return std::move(reading.model);
 }

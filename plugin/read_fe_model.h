@@ -7,8 +7,9 @@ class FEModel;
 namespace dea {
 
 /// Before FEModel::Init, or from the Init of a component of the model; not after: values that follow a load controller
-/// are then no longer those of the file. Origins: file 0, the name of the input file; no lines. Not in FEBio's model:
-/// the version of the file, names of steps. Throws InputError for a model that FEBio itself would refuse later.
+/// are then no longer those of the file. Origins: file 0, the name of the input file; no lines. Not in FEBio's model
+/// (plugin/README.md): the version of the file, some names, the order of unlike things. Throws InputError for a model
+/// that FEBio itself would refuse later.
 JointModel read_fe_model(FEModel& fem);
 
 }  // namespace dea

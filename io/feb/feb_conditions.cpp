@@ -114,8 +114,7 @@ std::string node_set_name(const XMLElement& element) {
 
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const XMLElement* value) {
   if (value != nullptr && !whole_double(text_of(*value))) {  // a map or an expression of the place
-    unsupported(reading, element, "prescribed displacement of nodes that differs from node to node",
-                "DEA moves rigid bodies only: prescribe the motion of the body that holds these nodes");
+    unsupported(reading, element, febio::kMovedApart, febio::kMovedApartAdvice);
     return;
   }
   const Scaled number = value == nullptr ? Scaled{} : read_scaled(reading, *value);
@@ -161,37 +160,6 @@ void remark_double_motion(Reading& reading) {
     }
     other = &motion;
   }
-}
-
-void refuse_moved_rigid_nodes(Reading& reading) {
-  JointModel& model = reading.model;
-  std::vector<PrescribedNodes>& all = model.prescribed_nodes;
-  if (all.empty()) return;
-  const std::vector<int> body = febio::rigid_material_of_nodes(model);
-  const std::string_view version = model.version;
-  for (const PrescribedNodes& p : all) {
-    const auto node =
-        std::find_if(p.nodes.begin(), p.nodes.end(), [&](int n) { return body[static_cast<std::size_t>(n)] >= 0; });
-    if (node == p.nodes.end()) continue;
-    const char dof = static_cast<char>('x' + p.component);
-    const std::string how = version == "4.0"   ? "rigid_bc of type rigid_displacement"
-                            : version == "3.0" ? "rigid_constraint of type prescribe"
-                            : version == "1.2"
-                                ? fmt::format("<trans_{} type=\"prescribed\"> of its rigid_body in Constraints", dof)
-                                : fmt::format("<prescribed bc=\"{}\"> of its rigid_body in {}", dof,
-                                              version == "2.5" ? "Boundary" : "Constraints");
-    const Material& material = model.materials[static_cast<std::size_t>(body[static_cast<std::size_t>(*node)])];
-    unsupported(reading, p.origin,
-                fmt::format("prescribed displacement {} of node {} of rigid body {}", quote(p.name),
-                            model.node_ids[static_cast<std::size_t>(*node)], quote(material.name)),
-                fmt::format("FEBio refuses it too: prescribe the motion of that body ({})", how));
-  }
-  all.erase(std::remove_if(all.begin(), all.end(),
-                           [&](const PrescribedNodes& p) {
-                             return std::any_of(p.nodes.begin(), p.nodes.end(),
-                                                [&](int n) { return body[static_cast<std::size_t>(n)] >= 0; });
-                           }),
-            all.end());
 }
 
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body) {

@@ -289,8 +289,6 @@ void add_springs(Reading& reading, const XMLElement& element, const DiscreteMate
 void read_nonlinear(Reading& reading, const XMLElement& element, DiscreteMaterial& material);
 /// When every section has been read: motions of one body that another one overrides.
 void remark_double_motion(Reading& reading);
-/// When every section has been read: a rigid body's nodes cannot be moved one by one.
-void refuse_moved_rigid_nodes(Reading& reading);
 /// When every section has been read: springs whose force is a load curve.
 void resolve_functions(Reading& reading);
 void read_loads(Reading& reading, const XMLElement& section);

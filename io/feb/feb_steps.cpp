@@ -213,7 +213,7 @@ void finish(Reading& reading) {
   }
   model.node_sets.insert(model.node_sets.begin(), named.begin(), named.end());
   model.node_ids = reading.nodes.take();
-  refuse_moved_rigid_nodes(reading);
+  febio::refuse_moved_rigid_nodes(model, reading.unsupported_index);
 }
 
 }  // namespace dea::feb
