@@ -645,8 +645,9 @@ void read_constraint(Reading& reading, const XMLElement& element) {
   if (std::string_view(element.Name()) != "constraint") {
     unsupported(reading, element, fmt::format("<{}> in Constraints", element.Name()), "expected <constraint type=>");
   } else if (type.empty()) {
-    ignore(reading, element, "constraint without a type: names one given before");
+    name_connector_again(reading, element);
   } else if (type == "symmetry plane") {
+    reading.connector_names.insert(attribute(element, "name"));
     ignore(reading, element, "symmetry plane");
   } else if (!rigid_connector(reading, element, type)) {
     const std::string wall = "mesh the wall as rigid shells and give it a sliding contact, or take it out";

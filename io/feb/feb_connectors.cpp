@@ -311,7 +311,30 @@ void read_cable(Reading& reading, const XMLElement& element) {
   reading.model.rigid_cables.push_back(std::move(cable));
 }
 
+void name_connector_again(Reading& reading, const XMLElement& element) {
+  const std::string name = need_attribute(reading, element, "name");
+  if (reading.connector_names.count(name) == 0)
+    fail(reading, element,
+         fmt::format("<constraint name={}> without a type, expected the name of a constraint above it", quote(name)));
+  if (reading.step < 0) return;
+  const auto in_this_step = [&](auto& list) {
+    const auto last = std::find_if(list.rbegin(), list.rend(), [&](const auto& c) { return c.name == name; });
+    if (last == list.rend() || last->step == reading.step) return;
+    if (last->step < 0) {  // of all steps until a step names it
+      last->step = reading.step;
+      return;
+    }
+    auto again = *last;
+    again.step = reading.step;
+    list.push_back(std::move(again));
+  };
+  in_this_step(reading.model.rigid_springs);
+  in_this_step(reading.model.rigid_joints);
+  in_this_step(reading.model.rigid_axial_forces);
+}
+
 bool rigid_connector(Reading& reading, const XMLElement& element, const std::string& type) {
+  reading.connector_names.insert(attribute(element, "name"));
   if (type.rfind("rigid ", 0) != 0 && type != "generic rigid joint") return false;
   if (febio::is_damper(type)) {
     ignore(reading, element, fmt::format("{}: statics has no velocity", type));

@@ -164,6 +164,7 @@ struct Reading {
   std::set<std::string> ambiguous_materials;                   ///< names of several materials
   std::size_t set_entries = 0;                                 ///< nodes and elements listed by sets so far
   std::map<std::string, SurfacePair, std::less<>> surface_pairs;
+  std::set<std::string> connector_names;  ///< read so far, of any kind
   std::vector<DiscreteMaterial> discrete_materials;
   std::vector<SurfaceMap> surface_maps;
   std::vector<MapUse> map_uses;
@@ -316,6 +317,9 @@ void read_rigid_body(Reading& reading, const XMLElement& section);
 bool rigid_condition(Reading& reading, const XMLElement& element, const std::string& type);
 /// Any rigid connector of any version; false: not one.
 bool rigid_connector(Reading& reading, const XMLElement& element, const std::string& type);
+/// A constraint without a type: the one of this name acts in this step too; one given outside steps only where steps
+/// name it, as in FEBio.
+void name_connector_again(Reading& reading, const XMLElement& element);
 /// When every section has been read: joints whose directions only agree with FEBio's if a body does not turn.
 void check_joints(Reading& reading);
 void read_axial_force(Reading& reading, const XMLElement& element);

@@ -192,6 +192,14 @@ void by_version(Reading& reading, const XMLElement& section) {
   (reading.rules->*Section)(reading, section);
 }
 
+/// What the section Discrete adds is no part of a step: it acts in all.
+void read_discrete_section(Reading& reading, const XMLElement& section) {
+  const int step = reading.step;
+  reading.step = -1;
+  reading.rules->discrete(reading, section);
+  reading.step = step;
+}
+
 constexpr SectionReader kInSilence = [](Reading&, const XMLElement&) {};
 
 constexpr TagReader kSections[] = {{"Module", read_module},
@@ -206,7 +214,7 @@ constexpr TagReader kSections[] = {{"Module", read_module},
                                    {"Loads", by_version<&Rules::loads>},
                                    {"Contact", by_version<&Rules::contact>},
                                    {"Constraints", by_version<&Rules::constraints>},
-                                   {"Discrete", by_version<&Rules::discrete>},
+                                   {"Discrete", read_discrete_section},
                                    {"Initial", read_initial},
                                    {"LoadData", read_load_data},
                                    {"Include", read_include},

@@ -1204,6 +1204,27 @@ TEST_F(ReadFeb, ForcesOnAndBetweenBodies) {
 }
 
 // 90 degrees about x, then 90 about z, is 120 degrees about (1,1,1).
+TEST_F(ReadFeb, ConstraintsActWhereStepsNameThem) {
+  const auto with = [&](const std::string& sections) {
+    return read(replaced(kModel25, "</febio_spec>", sections + "</febio_spec>"));
+  };
+  const auto steps_of = [](const JointModel& m) {
+    std::vector<int> steps;
+    for (const RigidSpring& s : m.rigid_springs) steps.push_back(s.step);
+    return steps;
+  };
+  const std::string again = R"(<Constraints><constraint name="c"/></Constraints>)";  // given outside steps
+  EXPECT_EQ(steps_of(with("")), (std::vector<int>{-1}));
+  EXPECT_EQ(steps_of(with("<Step>" + again + "</Step>")), (std::vector<int>{2}));
+  EXPECT_EQ(steps_of(with("<Step>" + again + again + "</Step><Step>" + again + "</Step>")), (std::vector<int>{2, 3}));
+  EXPECT_THROW(with(R"(<Step><Constraints><constraint name="d"/></Constraints></Step>)"), InputError);
+  // a section Discrete behind steps acts in all
+  const JointModel m = with(
+      R"(<Discrete><rigid_axial_force><rbA>1</rbA><rbB>4</rbB><force lc="1">1</force></rigid_axial_force></Discrete>)");
+  ASSERT_EQ(m.rigid_axial_forces.size(), 1u);
+  EXPECT_EQ(m.rigid_axial_forces[0].step, -1);
+}
+
 TEST_F(ReadFeb, EulerAnglesBecomeARotationVector) {
   const auto angles = [&](const char* inside) {
     const JointModel m = read(model_and(

@@ -400,7 +400,7 @@ TEST(ReadFeModel, TheSameAsTheFileBeforeAndInInit) {
   }
 }
 
-/// FEBio knows a constraint by its name in the steps that name it again, and a section Discrete of no step.
+/// A constraint acts in the steps that name it again, a section Discrete in all.
 TEST(ReadFeModel, StepsAreThoseOfFebio) {
   const TemporaryFolder folder;
   std::string text = model_25(false);
@@ -424,6 +424,18 @@ TEST(ReadFeModel, StepsAreThoseOfFebio) {
   EXPECT_EQ(pulls, std::vector<std::string>{"rigid_axial_force  1 2 (0,0,0) (0,0,0) false 1*f0 step -1"});
   const std::string spring = "rigid_spring s 1 2 (0,0,0) (0,0,0) 2 0 step ";
   EXPECT_EQ(found, (std::vector<std::string>{spring + "0", spring + "2"}));
+  EXPECT_EQ(
+      difference_of(dump(read_feb((folder.path / "m.feb").string())), febio_dump(folder.path, "m.feb", "dea_dump")),
+      "");
+  // outside of steps it acts in all, unless a step names it
+  text = model_25(false);
+  text.insert(text.find("</febio_spec>"),
+              "<Constraints>" + own + "</Constraints>" + step("") + step(again) + step("") + step(again));
+  write(folder.path / "m.feb", text);
+  const std::string from_file = dump(read_feb((folder.path / "m.feb").string()));
+  EXPECT_NE(from_file.find(spring + "1\n"), std::string::npos) << from_file;
+  EXPECT_NE(from_file.find(spring + "3\n"), std::string::npos) << from_file;
+  EXPECT_EQ(difference_of(from_file, febio_dump(folder.path, "m.feb", "dea_dump")), "");
 }
 
 TEST(ReadFeModel, CorpusTheSameAsTheFiles) {
