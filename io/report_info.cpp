@@ -333,13 +333,14 @@ void check_joint(const JointModel& model, const Settings& settings, JointCheck& 
     check.joint = make_joint(model, settings);
     check_contacts(model, check);
     check.recognised = true;
-    check.times = model_times(model);
+    check.times = model_times(model, true);
+    if (very_many_time_steps(model)) check.joint.findings.push_back(thinned_note(model, check.times.size()));
     for (const LoadController& c : model.controllers)
       if (!c.unsupported.empty()) refuse_unsupported(model);  // if it is used: the steps need its value
     check_steps(model, settings, check);
     refuse_unsupported(model);
   } catch (const InputError& found) {
-    const InputError all = all_refusals(model, settings, found);
+    const InputError all = all_refusals(model, settings, found, false);
     check.errors = all.others;
     check.errors.insert(check.errors.begin(), all.what());
   }

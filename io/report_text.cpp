@@ -239,6 +239,13 @@ std::string run_text(const JointModel& model, const Analysis& analysis) {
   return units_text(model) + "\n" + laws_text(analysis.joint) + tables_text(run_tables(model, analysis));
 }
 
+std::string thinned_note(const JointModel& model, std::size_t solved) {
+  return fmt::format(
+      "of the model's {:.0f} time steps {} are solved, evenly chosen besides ends of steps and must points: each is an "
+      "equilibrium of its own; others with --states t1,t2,...",
+      count_time_steps(model), solved);
+}
+
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint) {
   std::vector<std::string> lines;
   for (const Remark& r : model.ignored)

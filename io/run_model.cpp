@@ -66,12 +66,13 @@ Times choose_times(const JointModel& model, const std::string& states, const std
   Times times;
   std::vector<double> fea;
   times.points = times_from.empty() ? model_times(model, states != "all") : fea_times(model, times_from, fea);
-  if (states == "all" && times_from.empty()) {
+  const bool all = states == "all" || states.empty();
+  if (all && times_from.empty()) {
     times.wanted.assign(times.points.size(), 1);
     return times;
   }
   std::vector<double> chosen;
-  if (states == "all" || states == "last") {
+  if (all || states == "last") {
     chosen = fea;
     if (fea.empty())
       for (const TimePoint& p : times.points) chosen.push_back(p.time);
@@ -121,10 +122,12 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
     };
   }
   result.analysis = analyse(model, settings, how);
-  double steps = 0.0;
-  for (const Step& step : model.steps) steps += step.step_size > 0 ? step.duration / step.step_size : 1.0;
-  if (options.states != "all" && options.times_from.empty() && steps > 2.0 * static_cast<double>(times.points.size()) &&
-      times.points.back().time >= 0.5 * step_starts(model).back())
+  const double steps = count_time_steps(model);
+  if (options.states.empty() && options.times_from.empty() && very_many_time_steps(model))
+    result.analysis.joint.findings.push_back(thinned_note(model, times.points.size()));
+  else if (!options.states.empty() && options.states != "all" && options.times_from.empty() &&
+           steps > 2.0 * static_cast<double>(times.points.size()) &&
+           times.points.back().time >= 0.5 * step_starts(model).back())
     result.analysis.joint.findings.push_back(
         fmt::format("of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an "
                     "equilibrium of its own",

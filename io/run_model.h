@@ -10,10 +10,10 @@
 namespace dea {
 
 struct RunOptions {
-  std::string output;                                     ///< plot file
-  std::string json, csv, facets_csv;                      ///< "" none, "-" standard output
-  std::string vtu;                                        ///< folder of the files for ParaView; "" none
-  std::string states = "all";                             ///< all, last, or times t1,t2,...
+  std::string output;                 ///< plot file
+  std::string json, csv, facets_csv;  ///< "" none, "-" standard output
+  std::string vtu;                    ///< folder of the files for ParaView; "" none
+  std::string states;  ///< all, last, or times t1,t2,...; empty: all, or about 1000 of them where there are very many
   std::string states_option;                              ///< how the user calls it, for messages: "--states last"
   std::string times_from;                                 ///< FEA result whose times to take; "" the model's
   bool compress = false;                                  ///< the plot file

@@ -267,22 +267,33 @@ std::vector<double> step_starts(const JointModel& model) {
   return starts;
 }
 
+namespace {
+
+// Far beyond what anyone looks at; each costs a solution and room in the plot file.
+constexpr double kMostStates = 10000, kThinned = 1000;
+
+}  // namespace
+
+double count_time_steps(const JointModel& model) {
+  double count = 0.0;
+  for (const Step& step : model.steps) count += step.step_size > 0 ? step.duration / step.step_size : 1.0;
+  return count;
+}
+
+bool very_many_time_steps(const JointModel& model) { return !(count_time_steps(model) <= kMostStates * (1 + 1e-9)); }
+
 std::vector<TimePoint> model_times(const JointModel& model, bool thin) {
-  // Far beyond what anyone looks at; each costs a solution and room in the plot file.
-  constexpr double kMostStates = 10000, kThinned = 1000;
   std::vector<TimePoint> times = {{0.0, 0}};
   const std::vector<double> starts = step_starts(model);
-  double states = 0.0;
-  for (const Step& step : model.steps) {
-    states += step.step_size > 0 ? step.duration / step.step_size : 1.0;
-    if (!(states <= kMostStates * (1 + 1e-9)) && !thin)
-      throw InputError(model, step.origin,
-                       fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
-                                   "needs no small steps before it), or choose the states: --states last, --states "
-                                   "t1,t2,...",
-                                   states, kMostStates));
-  }
-  const double stride = states > kMostStates ? std::ceil(states / kThinned) : 1.0;
+  const double states = count_time_steps(model);
+  const bool very_many = very_many_time_steps(model);
+  if (very_many && !thin)
+    throw InputError(model, model.steps.front().origin,
+                     fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
+                                 "needs no small steps before it), or choose the states: --states last, --states "
+                                 "t1,t2,...",
+                                 states, kMostStates));
+  const double stride = very_many ? std::ceil(states / kThinned) : 1.0;
   if (!(starts.back() > 0)) {
     throw InputError(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
                      "the model ends at time 0, so there is nothing to solve: need time_steps > 0 and step_size > 0");

@@ -73,8 +73,12 @@ struct TimePoint {
   int step = 0;
 };
 /// More than 10000 are refused (InputError), or, if `thin`, reduced evenly to about 1000 besides ends of steps and must
-/// points, for who looks at a few of them only.
+/// points.
 std::vector<TimePoint> model_times(const JointModel& model, bool thin = false);
+
+/// How many time steps the model has, and whether that is more than 10000.
+double count_time_steps(const JointModel& model);
+bool very_many_time_steps(const JointModel& model);
 
 /// Start time of each step, and the end of the last.
 std::vector<double> step_starts(const JointModel& model);

@@ -64,7 +64,8 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   c->add_flag("-v,--verbose", a.verbose, "Print a line per state as it is solved: iterations, residual, seconds")
       ->excludes(q)
       ->group("Output");
-  c->add_option("--states", a.states, "States to write: all, last, or times t1,t2,... [all]")
+  c->add_option("--states", a.states,
+                "States to write: all, last, or times t1,t2,... [all; about 1000 where there are more than 10000]")
       ->type_name("all|last|t1,t2,...")
       ->group("Output");
   c->add_option("--times-from", a.times_from, "Take the times of this FEA result instead of the model's")
