@@ -123,6 +123,21 @@ Json list_json(const List& list, Get get) {
   return j;
 }
 
+/// [low, high, step, least, most]; null: there are no values.
+Json scale_json(const ReportScale& s) {
+  if (s.range.empty()) return nullptr;
+  return {short_number(s.scale.low), short_number(s.scale.high), short_number(s.scale.step),
+          short_number(s.range.least), short_number(s.range.most)};
+}
+
+Json scales_json(const ReportScales& s) {
+  return {{"all", scale_json(s.all)}, {"frames", list_json(s.frames, scale_json)}};
+}
+
+Json quantity_json(const ReportQuantity& q) {
+  return {{"field", q.field}, {"pair", {q.a, q.b}}, {"nodes", scales_json(q.nodes)}, {"facets", scales_json(q.facets)}};
+}
+
 Json surface_json(const ReportSurface& s, bool exact, Json& meshes, Arrays& arrays) {
   Json j;
   j["title"] = s.title;
@@ -148,6 +163,8 @@ Json surface_json(const ReportSurface& s, bool exact, Json& meshes, Arrays& arra
                  {"space", list_json(s.space, field)},
                  {"thickness", list_json(s.thickness, field)},
                  {"gap", list_json(s.gap, field)}};
+  j["scales"] = list_json(s.scales, quantity_json);
+  j["differences"] = list_json(s.differences, quantity_json);
   j["regions"] = s.regions;
   j["measures"] = list_json(s.measures, [](const auto& result) {
     return list_json(result, [](const auto& state) { return list_json(state, measures_json); });
@@ -184,6 +201,13 @@ Json chart_json(const ReportChart& c) {
 std::string table_hex(ColourMap map) {
   std::string out;
   for (const auto& rgb : colour_table(map)) out += fmt::format("{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+  return out;
+}
+
+/// A letter per colour of the table: w, b: lines on it are white, black.
+std::string table_lines(ColourMap map) {
+  std::string out;
+  for (int i = 0; i < 256; ++i) out += white_line(colour(map, i / 255.0)) ? 'w' : 'b';
   return out;
 }
 
@@ -236,7 +260,9 @@ Json report_json(const ReportData& data, Arrays& arrays) {
     return {{"title", t.title}, {"text", t.text}};
   });
   j["warnings"] = data.warnings;
+  j["steps"] = {{"count", kScaleSteps}, {"multiples", kScaleMultiples}};
   j["colours"] = {{"sequential", table_hex(ColourMap::Sequential)}, {"diverging", table_hex(ColourMap::Diverging)}};
+  j["lines"] = {{"sequential", table_lines(ColourMap::Sequential)}, {"diverging", table_lines(ColourMap::Diverging)}};
   return j;
 }
 

@@ -6,11 +6,13 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "map_figure.h"
 #include "map_geometry.h"
+#include "map_scale.h"
 #include "pack.h"
 #include "program.h"
 #include "synthetic.h"
@@ -297,6 +299,68 @@ TEST(ReportPage, EdgesEncloseTheFacetsAreaAndTheViewIsThePictures) {
     EXPECT_NEAR(surface["view"]["axis"][static_cast<std::size_t>(k)].get<double>(), view.toward[k], 1e-12);
     EXPECT_NEAR(surface["view"]["up"][static_cast<std::size_t>(k)].get<double>(), view.up[k], 1e-12);
   }
+}
+
+/// Ends, lines and largest value of a picture as the page has them.
+void expect_scale_of(const MapFigure& figure, const ReportScale& page, const std::string& what) {
+  EXPECT_DOUBLE_EQ(page.scale.low, figure.low) << what;
+  EXPECT_DOUBLE_EQ(page.scale.high, figure.high) << what;
+  EXPECT_EQ(scale_lines(page.scale, figure.map), figure.contours) << what;
+}
+
+TEST(ReportPage, ScalesAreThoseOfPictures) {
+  const std::vector<ResultFile> files = test::large_results(14, 5);
+  CompareOptions options;
+  const ReportData data = compare_report(files, options, compare_files(files, options), {"dea", "compare"});
+  ASSERT_EQ(data.surfaces.size(), 1u);
+  const ReportSurface& s = data.surfaces.front();
+  const std::map<std::string, std::string> fields = {
+      {"pressure", "contact pressure"}, {"space", "joint space"}, {"thickness", "cartilage thickness"}};
+  ASSERT_EQ(s.scales.size(), 3u);
+  ASSERT_EQ(data.frames.size(), 5u);
+  for (const bool smooth : {true, false}) {
+    for (const ReportQuantity& q : s.scales) {
+      const ReportScales& scales = smooth ? q.nodes : q.facets;
+      MapOptions o;
+      o.smooth = smooth;
+      o.field = fields.at(q.field);
+      std::vector<ResultFile> with = files;
+      if (q.field != "pressure") with.pop_back();  // FEA has none of the others
+      expect_scale_of(make_map_figure(with, nullptr, o), scales.all, q.field);
+      o.scale_of_shown = true;
+      ASSERT_EQ(scales.frames.size(), 5u);
+      for (std::size_t f = 1; f < 5; ++f) {  // nothing presses in state 0
+        o.states = std::to_string(data.frames[f].time);
+        expect_scale_of(make_map_figure(with, nullptr, o), scales.frames[f], q.field + " at " + o.states);
+      }
+    }
+    int compared = 0;
+    for (const ReportQuantity& q : s.differences) {
+      MapOptions o;
+      o.smooth = smooth;
+      o.field = fields.at(q.field);
+      const auto file = [&](int i) { return files[static_cast<std::size_t>(i)]; };
+      const ResultFile minus = file(q.b);
+      if (q.field == "thickness") continue;  // the same in both
+      expect_scale_of(make_map_figure({file(q.a)}, &minus, o), (smooth ? q.nodes : q.facets).all,
+                      "difference of " + q.field);
+      ++compared;
+    }
+    EXPECT_EQ(compared, 4);  // pressure: three pairs, joint space: one
+  }
+}
+
+TEST(ReportPage, DifferencesAreOfTimesThatBothHave) {
+  std::vector<ResultFile> files = test::large_results(14, 5);
+  files.erase(files.begin() + 1);
+  files.back().plot.states.erase(files.back().plot.states.begin(), files.back().plot.states.end() - 1);
+  const ReportData data = compare_report(files, {}, compare_files(files, {}), {"dea"});
+  ASSERT_EQ(data.frames.size(), 5u);
+  const ReportQuantity& q = data.surfaces.front().differences.front();
+  MapOptions o;
+  expect_scale_of(make_map_figure({files[0]}, &files[1], o), q.facets.all, "one time");
+  for (std::size_t f = 0; f < 4; ++f) EXPECT_TRUE(q.nodes.frames[f].range.empty()) << f;
+  EXPECT_FALSE(q.nodes.frames[4].range.empty());
 }
 
 TEST(ReportPage, CarriesValuesToTheReferencesNodesAsCompareDoes) {
