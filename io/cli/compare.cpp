@@ -206,7 +206,7 @@ int compare_command(const CompareArguments& a) {
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
-  require_page_name(a.report);
+  require_page_name("--report", a.report);
   if (!a.report.empty()) outputs.push_back({"--report", a.report});
 
   std::vector<ResultFile> files;

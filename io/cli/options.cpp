@@ -142,15 +142,4 @@ double number_argument(const char* option, const std::string& text) {
   }
 }
 
-void require_page_name(const std::string& path) {
-  if (path.empty()) return;
-  if (path == "-") throw UsageError("--report -: the page cannot go to standard output, give it a name");
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension != ".html" && extension != ".htm")
-    throw UsageError(
-        fmt::format("--report {}: found \"{}\", expected a name that ends in .html or .htm", path, extension));
-}
-
 }  // namespace dea

@@ -32,7 +32,5 @@ std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
 /// Numbers of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
 int count_argument(const char* option, const std::string& text, int least, int most);
 double number_argument(const char* option, const std::string& text);
-/// Of --report; empty: none is wanted. Throws UsageError.
-void require_page_name(const std::string& path);
 
 }  // namespace dea

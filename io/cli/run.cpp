@@ -2,14 +2,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "commands.h"
 #include "error.h"
 #include "output.h"
 #include "progress.h"
 #include "read_feb.h"
-#include "report_info.h"
 #include "report_text.h"
 #include "run_model.h"
 #include "settings_xml.h"
@@ -103,7 +101,9 @@ int run(const RunArguments& a) {
     options.states = file.states;
     options.states_option = fmt::format("{}: <states>", a.settings.file);
   }
-  require_page_name(a.report);
+  const std::string report = first(a.report, file.report);
+  const char* report_option = a.report.empty() ? "<report>" : "--report";
+  require_page_name(report_option, report);
   if (options.output == "-")
     throw UsageError(fmt::format("{} -: the plot file cannot go to standard output, give it a name", output_option));
   std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs = {{output_option, options.output}};
@@ -113,7 +113,7 @@ int run(const RunArguments& a) {
   if (!options.csv.empty()) outputs.push_back({a.csv.empty() ? "<csv>" : "--csv", options.csv});
   if (!options.facets_csv.empty())
     outputs.push_back({a.facets_csv.empty() ? "<facets-csv>" : "--facets-csv", options.facets_csv});
-  if (!a.report.empty()) outputs.push_back({"--report", a.report});
+  if (!report.empty()) outputs.push_back({report_option, report});
   if (!options.vtu.empty()) outputs.push_back({a.vtu.empty() ? "<vtu>" : "--vtu", options.vtu, true});
 
   const JointModel model = read_feb(a.model);
@@ -133,15 +133,12 @@ int run(const RunArguments& a) {
         index + 1, count);
     last = now;
   };
-  if (!a.report.empty()) {
+  if (!report.empty()) {
     options.also = [&](const Analysis& analysis, XpltFile&& plot) {
-      JointCheck check;
-      check_joint(model, settings, check);
       std::vector<std::string> paths;
       for (const NamedPath& p : inputs) paths.push_back(p.path);
       for (const NamedPath& p : outputs) paths.push_back(p.path);
-      const ResultFile result{options.output, std::filesystem::path(a.model).stem().string(), std::move(plot)};
-      write_report(a.report, run_report(model, analysis, result, info_text(model, settings, check), a.words, paths));
+      write_run_report(report, model, settings, analysis, std::move(plot), a.model, options.output, a.words, paths);
     };
   }
   const RunResult result = run_model(model, settings, options);

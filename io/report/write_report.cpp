@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <map>
 
 #include "colour_map.h"
 #include "encoded_text.h"
+#include "error.h"
 #include "output.h"
 #include "pack.h"
 #include "page.h"
+#include "report_info.h"
 #include "report_json.h"
 #include "version.h"
 
@@ -322,5 +327,26 @@ std::string report_html(const ReportData& data) {
 }
 
 void write_report(const std::string& path, const ReportData& data) { write_text(path, report_html(data)); }
+
+void write_run_report(const std::string& path, const JointModel& model, const Settings& settings,
+                      const Analysis& analysis, XpltFile&& plot, const std::string& model_path,
+                      const std::string& output, const std::vector<std::string>& words,
+                      const std::vector<std::string>& paths) {
+  JointCheck check;
+  check_joint(model, settings, check);
+  const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(plot)};
+  write_report(path, run_report(model, analysis, result, info_text(model, settings, check), words, paths));
+}
+
+void require_page_name(const std::string& option, const std::string& path) {
+  if (path.empty()) return;
+  if (path == "-") throw UsageError(fmt::format("{} -: the page cannot go to standard output, give it a name", option));
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".html" && extension != ".htm")
+    throw UsageError(
+        fmt::format("{} {}: found \"{}\", expected a name that ends in .html or .htm", option, path, extension));
+}
 
 }  // namespace dea

@@ -510,6 +510,36 @@ TEST(ReportProgram, RunAndCompareWriteAPage) {
   EXPECT_EQ(compare.report["frames"].size(), 23u);
 }
 
+TEST(ReportProgram, TheSettingsFileMayNameThePage) {
+  const test::TemporaryFolder folder;
+  const std::string model = std::string(DEA_SAMPLES_DIR) + "/hip/hip_walking.feb";
+  const auto run = [&](const std::string& elements, std::vector<std::string> more = {}) {
+    std::ofstream(folder.path / "s.xml") << "<febiodea_settings version=\"1\">\n<law>linear</law>" << elements
+                                         << "</febiodea_settings>";
+    std::vector<std::string> words = {"run", model, "-o", "a.xplt", "--states", "last", "-q", "--settings", "s.xml"};
+    words.insert(words.end(), more.begin(), more.end());
+    return dea_in(folder.path, words);
+  };
+  test::Finished f = run("<report>a b.html</report>");
+  ASSERT_EQ(f.code, 0) << f.err;
+  const PageParts page(test::file_text(folder.path / "a b.html"));
+  EXPECT_EQ(page.report["title"], "hip_walking");
+  fs::remove(folder.path / "a b.html");
+  ASSERT_EQ(run("<report>a b.html</report>", {"--report", "typed.html"}).code, 0);
+  EXPECT_TRUE(fs::exists(folder.path / "typed.html"));
+  EXPECT_FALSE(fs::exists(folder.path / "a b.html"));
+  fs::remove(folder.path / "a.xplt");
+  f = run("<report>page.pdf</report>");
+  EXPECT_EQ(f.code, 2);
+  EXPECT_EQ(f.err, "dea: <report> page.pdf: found \".pdf\", expected a name that ends in .html or .htm\n");
+  f = run("<report>p.html</report>", {"--json", "p.html"});
+  EXPECT_EQ(f.code, 2);
+  EXPECT_EQ(f.err, "dea: <report> p.html: is the file of --json too\n");
+  f = run("<report>nowhere/p.html</report>");
+  EXPECT_EQ(f.code, 4);
+  EXPECT_FALSE(fs::exists(folder.path / "a.xplt"));
+}
+
 TEST(ReportProgram, RefusesAndLeavesNothing) {
   const test::TemporaryFolder folder;
   const std::string model = std::string(DEA_SAMPLES_DIR) + "/hip/hip_walking.feb";
