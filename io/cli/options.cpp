@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 
 #include "error.h"
@@ -141,5 +142,22 @@ double number_argument(const char* option, const std::string& text) {
     throw UsageError(fmt::format("--{} {}: {}", option, text, e.what()));
   }
 }
+
+void show_activity(Progress& progress, const Activity& a) {
+  if (a.stage != Activity::Stage::State) {
+    const std::string what = a.stage == Activity::Stage::Joint ? "joint and thickness" : "springs and layers";
+    progress.now(what, "", what);
+    return;
+  }
+  std::string within, details;
+  if (a.search.iterations > 0 && std::isfinite(a.search.residual)) {
+    within = fmt::format("iteration {}, unbalanced {:.0e}", a.search.iterations, a.search.residual);
+    details = fmt::format("  iteration {}, pose {}: unbalanced {:.1e} of the load before", a.search.iterations,
+                          a.search.casts, a.search.residual);
+  }
+  progress.now(fmt::format("state {} of {}", a.index + 1, a.count), within, details, a.index, a.count);
+}
+
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 }  // namespace dea

@@ -59,7 +59,8 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
       ->type_name("FOLDER")
       ->group("Output");
   CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
-  c->add_flag("-v,--verbose", a.verbose, "Print a line per state as it is solved: iterations, residual, seconds")
+  c->add_flag("-v,--verbose", a.verbose,
+              "Print what is begun, every iteration, and a line per state: iterations, residual, seconds")
       ->excludes(q)
       ->group("Output");
   c->add_option("--states", a.states,
@@ -116,11 +117,15 @@ int run(const RunArguments& a) {
   if (!report.empty()) outputs.push_back({report_option, report});
   if (!options.vtu.empty()) outputs.push_back({a.vtu.empty() ? "<vtu>" : "--vtu", options.vtu, true});
 
+  Progress progress(progress_style(a.quiet, a.verbose));
+  const auto begin = [&](const std::string& what) { progress.now(what, "", what); };
+  begin("reading " + file_name(a.model));
   const JointModel model = read_feb(a.model);
   check_outputs(inputs, outputs);
   options.seconds_reading = seconds() - start;
-  Progress progress(progress_style(a.quiet, a.verbose));
   double last = seconds();
+  options.on_activity = [&](const Activity& activity) { show_activity(progress, activity); };
+  options.on_writing = [&](const std::string& path) { begin("writing " + file_name(path)); };
   options.on_state = [&](const StateResult& s, std::size_t index, std::size_t count) {
     const Equilibrium& e = s.equilibrium;
     const std::string what = fmt::format("state {} of {}", index + 1, count);
@@ -138,6 +143,7 @@ int run(const RunArguments& a) {
       std::vector<std::string> paths;
       for (const NamedPath& p : inputs) paths.push_back(p.path);
       for (const NamedPath& p : outputs) paths.push_back(p.path);
+      begin("writing " + file_name(report));
       write_run_report(report, model, settings, analysis, std::move(plot), a.model, options.output, a.words, paths);
     };
   }
