@@ -158,6 +158,17 @@ void show_activity(Progress& progress, const Activity& a) {
   progress.now(fmt::format("state {} of {}", a.index + 1, a.count), within, details, a.index, a.count);
 }
 
+std::string plot_name_note(const std::string& option, const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::error_code error;
+  if (extension == ".xplt" || std::filesystem::is_character_file(path, error)) return "";  // /dev/null
+  return fmt::format(
+      "note: {} {}: PostView and FEBio Studio know plot files by the ending .xplt; written as it was asked", option,
+      path);
+}
+
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 }  // namespace dea

@@ -37,6 +37,8 @@ double number_argument(const char* option, const std::string& text);
 
 /// What an analysis is at: "thickness", "springs", "state 4 of 23: iteration 2, unbalanced 3e-04".
 void show_activity(Progress& progress, const Activity& activity);
+/// What to tell of a plot file's name that does not end in .xplt, in whatever letters; empty: nothing.
+std::string plot_name_note(const std::string& option, const std::string& path);
 /// A path's last part.
 std::string file_name(const std::string& path);
 

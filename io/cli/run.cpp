@@ -151,6 +151,7 @@ int run(const RunArguments& a) {
   progress.clear();
 
   if (!a.quiet) {
+    if (const std::string note = plot_name_note(output_option, options.output); !note.empty()) log(note);
     for (const std::string& line : model_remarks(model, result.analysis.joint)) log(line);
     for (const std::string& line : result_remarks(model, result.analysis)) log(line);
     if (options.json != "-" && options.csv != "-" && options.facets_csv != "-") print(run_text(model, result.analysis));

@@ -539,19 +539,13 @@ std::vector<ReportChart> run_charts(const Analysis& analysis) {
              });
 
   ReportChart springs{"Ligaments and cables", "Tension.", "tension", "force", false, times_of(analysis), {}, {}};
-  std::map<std::string, int> same_name;
+  springs.names = spring_names(joint);
   for (std::size_t l = 0; l < joint.ligaments.size(); ++l) {
-    const std::string name = joint.ligaments[l].name.empty() ? "(unnamed)" : joint.ligaments[l].name;
-    const int number = ++same_name[name];
-    springs.names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
     springs.values.emplace_back();
     for (const StateResult& s : analysis.states)
       springs.values.back().push_back(l < s.equilibrium.ligament_force.size() ? s.equilibrium.ligament_force[l] : kNaN);
   }
   for (std::size_t c = 0; c < joint.cables.size(); ++c) {
-    const std::string name = joint.cables[c].name.empty() ? "(unnamed)" : joint.cables[c].name;
-    const int number = ++same_name[name];
-    springs.names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
     springs.values.emplace_back();
     for (const StateResult& s : analysis.states)
       springs.values.back().push_back(c < s.equilibrium.cable_force.size() ? s.equilibrium.cable_force[c] : kNaN);

@@ -510,6 +510,25 @@ TEST(ReportProgram, RunAndCompareWriteAPage) {
   EXPECT_EQ(compare.report["frames"].size(), 23u);
 }
 
+TEST(ReportProgram, LigamentsOfOneNameAreNumberedInTableAndCurves) {
+  const test::TemporaryFolder folder;
+  const test::Finished f = dea_in(folder.path, {"run", std::string(DEA_SAMPLES_DIR) + "/ligament/ligament.feb", "-o",
+                                                "a.xplt", "--report", "r.html"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  const PageParts page(test::file_text(folder.path / "r.html"));
+  const auto titled = [&](const char* list, const char* key, const std::string& start) {
+    for (const Json& x : page.report[list])
+      if ((x[key].is_array() ? x[key][0] : x[key]).get<std::string>().rfind(start, 0) == 0) return x;
+    return Json();
+  };
+  std::vector<std::string> names;
+  const Json table = titled("tables", "headings", "spring");
+  for (const Json& row : table["rows"]) names.push_back(row[0]);
+  EXPECT_EQ(names, (std::vector<std::string>{"medial ligament", "lateral ligament", "tethers", "tethers (2)"}));
+  EXPECT_EQ(titled("charts", "title", "Ligaments")["names"].get<std::vector<std::string>>(), names);
+  for (const std::string& name : names) EXPECT_NE(f.out.find("\n" + name + " "), std::string::npos) << f.out;
+}
+
 TEST(ReportProgram, TheSettingsFileMayNameThePage) {
   const test::TemporaryFolder folder;
   const std::string model = std::string(DEA_SAMPLES_DIR) + "/hip/hip_walking.feb";
