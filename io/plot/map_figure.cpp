@@ -20,12 +20,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMostPanels = 100;
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ", name);
-  return text.empty() ? "none" : text;
-}
-
 /// Three digits, as on paper.
 std::string number(double x, bool plus = false) {
   const double size = std::abs(x);
@@ -36,16 +30,6 @@ std::string number(double x, bool plus = false) {
   return (x < 0 ? "\u2212" : plus && x > 0 ? "+" : "") + digits;
 }
 
-/// " (did you mean "socket"?)": the name that is near, or else the only one that holds the word.
-std::string meant(const std::string& word, const std::vector<std::string>& names) {
-  const std::string near = did_you_mean(word, names);
-  if (!near.empty() || word.empty()) return near;
-  std::vector<std::string> holders;
-  for (const std::string& name : names)
-    if (name.find(word) != std::string::npos) holders.push_back(name);
-  return holders.size() == 1 ? fmt::format(" (did you mean \"{}\"?)", holders.front()) : "";
-}
-
 void require_field(const ResultFile& file, const std::string& field) {
   if (find_variable(file.plot, XpltGroup::Surface, field) >= 0) return;
   std::vector<std::string> scalars;
@@ -53,7 +37,7 @@ void require_field(const ResultFile& file, const std::string& field) {
     if (v.group == XpltGroup::Surface && v.type == XpltType::Float && v.format != XpltFormat::Region)
       scalars.push_back(v.name);
   throw InputError(fmt::format("{}: found no surface field \"{}\"{}, expected one of {}", file.path, field,
-                               meant(field, scalars), listed(scalars)));
+                               did_you_mean(field, scalars), name_list(scalars, field)));
 }
 
 int require_surface(const ResultFile& file, int state, const std::string& name) {
@@ -61,8 +45,8 @@ int require_surface(const ResultFile& file, int state, const std::string& name) 
   if (surface >= 0) return surface;
   std::vector<std::string> names;
   for (const XpltFacets& s : mesh_of(file, state).surfaces) names.push_back(s.name);
-  throw InputError(fmt::format("{}: found no surface \"{}\"{}, expected one of {}", file.path, name, meant(name, names),
-                               listed(names)));
+  throw InputError(fmt::format("{}: found no surface \"{}\"{}, expected one of {}", file.path, name,
+                               did_you_mean(name, names), name_list(names, name)));
 }
 
 /// One state of each file.
@@ -463,8 +447,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
     names = {loaded.front()};
     if (loaded.size() > 1)
       figure.remarks.push_back(fmt::format("note: shown is surface \"{}\"; there are values on {} too (--surface NAME)",
-                                           loaded.front(),
-                                           listed(std::vector<std::string>(loaded.begin() + 1, loaded.end()))));
+                                           loaded.front(), name_list({loaded.begin() + 1, loaded.end()})));
   }
   const std::vector<std::vector<std::string>> without = remark_files(all, names, o, figure);
   const auto has_none = [&](std::size_t file, const std::string& name) {
