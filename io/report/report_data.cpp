@@ -259,30 +259,45 @@ void add_scales(const std::string& field, const std::vector<std::optional<Report
   s.scales.push_back({field, -1, -1, {}, {}});
   fill(all, of_frames, ColourMap::Sequential, s.scales.back());
 
+  struct Pair {
+    std::size_t a, b;
+    bool same;
+    std::vector<Found> frames;
+  };
+  std::vector<Pair> pairs;
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t b = a + 1; b < n; ++b) {
       const bool same = s.same_mesh[a] && s.same_mesh[b];
-      if (!fields[a] || !fields[b] || (b + 1 < n && !same)) continue;
-      std::vector<Found> differences(frames.size());
-      tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t f) {
-        if (frames[f].states[a] < 0 || frames[f].states[b] < 0) return;
-        const int state_a = fields[a]->fixed ? 0 : frames[f].states[a],
-                  state_b = fields[b]->fixed ? 0 : frames[f].states[b];
-        if (fields[a]->states[at(state_a)].empty() || fields[b]->states[at(state_b)].empty()) return;
-        MapValues x = shown(a, at(state_a));
-        const MapValues y = shown(b, at(state_b));
-        if (!same) x.vertices = carry(matches[a], own[a], x.vertices);
-        for (std::size_t i = 0; i < y.vertices.size(); ++i) differences[f].nodes.add(x.vertices[i] - y.vertices[i]);
-        if (same)
-          for (std::size_t i = 0; i < y.facets.size(); ++i) differences[f].facets.add(x.facets[i] - y.facets[i]);
-        else
-          differences[f].facets = differences[f].nodes;  // facets of other meshes have no difference: nodes are shown
-      });
-      Found together;
-      for (const Found& found : differences) together.add(found);
-      s.differences.push_back({field, static_cast<int>(a), static_cast<int>(b), {}, {}});
-      fill(together, differences, ColourMap::Diverging, s.differences.back());
+      if (fields[a] && fields[b] && (b + 1 == n || same))
+        pairs.push_back({a, b, same, std::vector<Found>(frames.size())});
     }
+  }
+  tbb::parallel_for(std::size_t{0}, pairs.empty() ? 0 : frames.size(), [&](std::size_t f) {
+    std::vector<std::optional<MapValues>> values(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!fields[i] || frames[f].states[i] < 0) continue;
+      const std::size_t k = fields[i]->fixed ? 0 : at(frames[f].states[i]);
+      if (!fields[i]->states[k].empty()) values[i] = shown(i, k);
+    }
+    for (Pair& pair : pairs) {
+      if (!values[pair.a] || !values[pair.b]) continue;
+      const MapValues &x = *values[pair.a], &y = *values[pair.b];
+      Found& found = pair.frames[f];
+      const std::vector<double> carried =
+          pair.same ? std::vector<double>() : carry(matches[pair.a], own[pair.a], x.vertices);
+      const std::vector<double>& from = pair.same ? x.vertices : carried;
+      for (std::size_t i = 0; i < y.vertices.size(); ++i) found.nodes.add(from[i] - y.vertices[i]);
+      if (pair.same)
+        for (std::size_t i = 0; i < y.facets.size(); ++i) found.facets.add(x.facets[i] - y.facets[i]);
+      else
+        found.facets = found.nodes;  // facets of other meshes have no difference: nodes are shown
+    }
+  });
+  for (const Pair& pair : pairs) {
+    Found together;
+    for (const Found& found : pair.frames) together.add(found);
+    s.differences.push_back({field, static_cast<int>(pair.a), static_cast<int>(pair.b), {}, {}});
+    fill(together, pair.frames, ColourMap::Diverging, s.differences.back());
   }
 }
 

@@ -249,11 +249,15 @@ def scales_are_the_programs(b, pages):
 
 def lines(b):
     """Pixels of the first map that differ with lines and without."""
-    count = """
-      Page.maps.options.contours = arguments[0]; Page.maps.draw();
-      const c = Page.panels[0].canvas; return [...c.getContext("2d").getImageData(0, 0, c.width, c.height).data].join()"""
-    on, off = (b.run(count, x).split(",") for x in (True, False))
-    return sum(1 for i in range(0, len(on), 4) if on[i:i + 3] != off[i:i + 3])
+    return b.run("""
+      const pixels = (on) => {
+        Page.maps.options.contours = on;
+        Page.maps.draw();
+        const c = Page.panels[0].canvas;
+        return new Uint32Array(c.getContext("2d").getImageData(0, 0, c.width, c.height).data.buffer);
+      };
+      const without = pixels(false), lined = pixels(true);
+      return lined.reduce((n, x, i) => n + (x !== without[i]), 0)""")
 
 
 @check
@@ -292,6 +296,7 @@ def play_plays(b, pages):
     at = b.run("return Page.state.frame")
     b.run("return new Promise(done => setTimeout(done, 900))")
     same(b.run("return Page.state.frame"), at, "state after pause")
+    settle(b)
     drawn = b.run("return Page.maps.drawn")
     b.run("return new Promise(done => setTimeout(done, 600))")
     same(b.run("return Page.maps.drawn"), drawn, "drawings while nothing changes")
