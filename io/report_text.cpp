@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "error.h"
@@ -121,6 +122,19 @@ std::string tables_text(const std::vector<TitledTable>& tables) {
   return text;
 }
 
+std::vector<std::string> spring_names(const Joint& joint) {
+  std::vector<std::string> names;
+  std::map<std::string, int> times;
+  const auto add = [&](const std::string& own) {
+    const std::string name = own.empty() ? "(unnamed)" : own;
+    const int number = ++times[name];
+    names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
+  };
+  for (const Ligament& l : joint.ligaments) add(l.name);
+  for (const Cable& c : joint.cables) add(c.name);
+  return names;
+}
+
 std::vector<int> reported_bodies(const Joint& joint) {
   std::vector<int> bodies;
   for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
@@ -200,12 +214,11 @@ std::vector<TitledTable> run_tables(const JointModel&, const Analysis& analysis)
     Table ligaments;
     ligaments.headings = {joint.cables.empty() ? "spring between bodies" : "spring or cable between bodies", "tension"};
     ligaments.left = "lr";
+    const std::vector<std::string> names = spring_names(joint);
     for (std::size_t l = 0; l < joint.ligaments.size() && l < last.equilibrium.ligament_force.size(); ++l)
-      ligaments.rows.push_back({joint.ligaments[l].name.empty() ? "(unnamed)" : joint.ligaments[l].name,
-                                number_text(last.equilibrium.ligament_force[l])});
+      ligaments.rows.push_back({names[l], number_text(last.equilibrium.ligament_force[l])});
     for (std::size_t c = 0; c < joint.cables.size() && c < last.equilibrium.cable_force.size(); ++c)
-      ligaments.rows.push_back({joint.cables[c].name.empty() ? "(unnamed)" : joint.cables[c].name,
-                                number_text(last.equilibrium.cable_force[c])});
+      ligaments.rows.push_back({names[joint.ligaments.size() + c], number_text(last.equilibrium.cable_force[c])});
     tables.push_back({"", std::move(ligaments)});
   }
   if (!last.equilibrium.connector_force.empty()) {

@@ -38,6 +38,8 @@ std::string converge_text(const JointModel& model, const std::vector<Convergence
 
 /// All bodies, without a ground that nothing is attached to.
 std::vector<int> reported_bodies(const Joint& joint);
+/// Of ligaments, then of cables; "(unnamed)", and numbered where there are several of one name: "acl", "acl (2)".
+std::vector<std::string> spring_names(const Joint& joint);
 
 /// "(1, 2, 3)" with six digits.
 std::string vector_text(const Vector3d& v);

@@ -113,6 +113,7 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
   AnalysisOptions how;
   how.times = times.points;
   how.wanted = times.wanted;
+  how.activity = options.on_activity;
   if (options.progress || options.on_state) {
     how.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
       if (options.on_state) options.on_state(s, index, count);
@@ -136,6 +137,7 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
   result.timings.solve = result.analysis.seconds_solve;
 
   const double write_start = seconds();
+  if (options.on_writing) options.on_writing(options.output);
   XpltFile plot = make_plot_file(model, result.analysis, options.compress);
   write_xplt(options.output, plot);
   if (!options.vtu.empty()) write_vtu(options.vtu, plot);

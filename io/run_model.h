@@ -20,6 +20,8 @@ struct RunOptions {
   double seconds_reading = 0.0;                           ///< spent on the model before
   std::function<void(const std::string& line)> progress;  ///< a line per state; may be empty
   std::function<void(const StateResult&, std::size_t index, std::size_t count)> on_state;  ///< the same, as numbers
+  std::function<void(const Activity&)> on_activity;         ///< what is being worked out; may be empty
+  std::function<void(const std::string& file)> on_writing;  ///< before the plot file is written; may be empty
   std::function<void(const Analysis&, XpltFile&&)> also;  ///< what else to make of the written plot file; may be empty
 };
 

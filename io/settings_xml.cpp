@@ -89,13 +89,14 @@ std::string* output_setting(OutputSettings& outputs, const std::string& name) {
   if (name == "json") return &outputs.json;
   if (name == "csv") return &outputs.csv;
   if (name == "facets-csv") return &outputs.facets_csv;
+  if (name == "report") return &outputs.report;
   if (name == "vtu") return &outputs.vtu;
   if (name == "states") return &outputs.states;
   return nullptr;
 }
 
 std::vector<std::string> option_names() {
-  std::vector<std::string> names = {"output", "json", "csv", "facets-csv", "vtu", "states"};
+  std::vector<std::string> names = {"output", "json", "csv", "facets-csv", "report", "vtu", "states"};
   for (const SettingOption& o : setting_options()) names.push_back(o.name);
   return names;
 }
@@ -103,7 +104,7 @@ std::vector<std::string> option_names() {
 std::string names_of_options() {
   std::string names;
   for (const SettingOption& o : setting_options()) names += fmt::format("<{}>, ", o.name);
-  return names + "<output>, <json>, <csv>, <facets-csv>, <vtu>, <states>";
+  return names + "<output>, <json>, <csv>, <facets-csv>, <report>, <vtu>, <states>";
 }
 
 /// An element that is one text: no children, no attributes.

@@ -50,6 +50,7 @@ void lay_over(Settings& settings, const std::vector<SettingValue>& values);
 /// What a settings file says of the files to write and the states in them; empty: nothing.
 struct OutputSettings {
   std::string output, json, csv, facets_csv;
+  std::string report;  ///< a page
   std::string vtu;     ///< a folder
   std::string states;  ///< all, last or times t1,t2,...
 };

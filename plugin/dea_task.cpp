@@ -12,6 +12,7 @@
 #include "report_text.h"
 #include "run_model.h"
 #include "settings_xml.h"
+#include "write_report.h"
 
 namespace {
 
@@ -51,6 +52,8 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   options.json = need_file_name("json", file.outputs.json);
   options.csv = need_file_name("csv", file.outputs.csv);
   options.facets_csv = need_file_name("facets-csv", file.outputs.facets_csv);
+  const std::string report = need_file_name("report", file.outputs.report);
+  require_page_name("<report>", report);
   options.vtu = file.outputs.vtu;
   if (!file.outputs.states.empty()) options.states = file.outputs.states;
   options.states_option = fmt::format("{}: <states>", settings_file);
@@ -62,12 +65,23 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   if (!options.json.empty()) outputs.push_back({"<json>", options.json});
   if (!options.csv.empty()) outputs.push_back({"<csv>", options.csv});
   if (!options.facets_csv.empty()) outputs.push_back({"<facets-csv>", options.facets_csv});
+  if (!report.empty()) outputs.push_back({"<report>", report});
   if (!options.vtu.empty()) outputs.push_back({"<vtu>", options.vtu, true});
 
   const JointModel model = read_fe_model(fem);
   check_outputs(inputs, outputs);
   options.seconds_reading = seconds() - start;
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };
+  if (!report.empty()) {
+    options.also = [&](const Analysis& analysis, XpltFile&& plot) {
+      std::vector<std::string> words = {"febio4", "-i", fem.GetInputFileName(), "-task=dea"}, paths;
+      if (!settings_file.empty()) words.push_back(settings_file);
+      for (const NamedPath& p : inputs) paths.push_back(p.path);
+      for (const NamedPath& p : outputs) paths.push_back(p.path);
+      write_run_report(report, model, file.settings, analysis, std::move(plot), fem.GetInputFileName(), options.output,
+                       words, paths);
+    };
+  }
   const RunResult result = run_model(model, file.settings, options);
 
   for (const std::string& line : model_remarks(model, result.analysis.joint)) log_text(fem, line);

@@ -44,14 +44,30 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
   refuse_unsupported(model);
   Analysis analysis;
   double clock = now();
+  Activity activity;
+  const auto tell = [&](Activity::Stage stage) {
+    activity.stage = stage;
+    if (options.activity) options.activity(activity);
+  };
+  tell(Activity::Stage::Joint);
   analysis.joint = make_joint(model, settings);
   const Joint& joint = analysis.joint;
+  tell(Activity::Stage::Springs);
   const SpringBeds beds = make_spring_beds(joint);
   const FieldMaps maps = make_field_maps(model, joint);
   analysis.seconds_joint = now() - clock;
 
   clock = now();
   const std::vector<TimePoint> times = options.times.empty() ? model_times(model) : options.times;
+  EquilibriumOptions search = options.equilibrium;
+  if (options.activity) {
+    search.watch = [&](const SearchStatus& status) {
+      if (options.equilibrium.watch) options.equilibrium.watch(status);
+      activity.search = status;
+      tell(Activity::Stage::State);
+    };
+  }
+  activity.count = times.size();
   std::vector<Pose> poses = reference_poses(joint), step_start = poses;  // `poses`: of the last state that was solved
   std::vector<Vector6> reaction(joint.bodies.size(), Vector6::Zero()), step_reaction = reaction;
   int step = 0;
@@ -61,12 +77,15 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
       step_start = poses;
       step_reaction = reaction;
     }
+    activity.index = i;
+    activity.search = {};
+    tell(Activity::Stage::State);
     const LoadCase conditions = make_load_case(model, joint, settings, times[i].step, times[i].time, &step_reaction);
     StateResult state;
     state.when = times[i];
     const bool reference = i == 0 && times[i].time <= 0.0;
     state.equilibrium = reference ? state_at(joint, beds, conditions, poses)
-                                  : solve_equilibrium(joint, beds, conditions, poses, step_start, options.equilibrium);
+                                  : solve_equilibrium(joint, beds, conditions, poses, step_start, search);
     // A load that cannot be carried may have moved a body far away: the next state starts from the last one that was
     // solved.
     const Outcome outcome = state.equilibrium.outcome;
@@ -99,7 +118,8 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
 }
 
 std::vector<Convergence> converge(const JointModel& model, Settings settings, double target, int max_springs,
-                                  const std::function<void(const ConvergenceRow&)>& progress) {
+                                  const std::function<void(const ConvergenceRow&)>& progress,
+                                  const std::function<void(const Activity&)>& activity) {
   refuse_unsupported(model);
   std::vector<Convergence> result;
   const std::vector<TimePoint> times = model_times(model, true);  // only the last is looked at
@@ -109,6 +129,7 @@ std::vector<Convergence> converge(const JointModel& model, Settings settings, do
     options.times = times;
     options.wanted.assign(times.size(), 0);
     options.wanted.back() = 1;
+    options.activity = activity;
     const Analysis analysis = analyse(model, settings, options);
     const StateResult& last = analysis.states.back();
     int springs = 0;

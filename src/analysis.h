@@ -26,11 +26,24 @@ struct Analysis {
   double seconds_solve = 0.0;       ///< equilibria and fields
 };
 
+/// What an analysis is at, told when it begins; of a state also before each pose that is tried.
+struct Activity {
+  enum class Stage {
+    Joint,    ///< recognition and thickness
+    Springs,  ///< their places; law layer: the layers' matrices
+    State
+  };
+  Stage stage = Stage::Joint;
+  std::size_t index = 0, count = 0;  ///< of states
+  SearchStatus search;
+};
+
 struct AnalysisOptions {
   std::vector<TimePoint> times;  ///< states to solve in order; empty: model_times(model)
   std::vector<char> wanted;      ///< per time: keep fields and result; empty: all
   std::function<void(const StateResult&, std::size_t index, std::size_t count)>
-      progress;  ///< after every state; may be empty
+      progress;                                   ///< after every state; may be empty
+  std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
   EquilibriumOptions equilibrium;
 };
 
@@ -61,6 +74,7 @@ struct Convergence {
 };
 /// One entry per contact. Stops when every change is below `target` (relative) or at max_springs springs.
 std::vector<Convergence> converge(const JointModel& model, Settings settings, double target, int max_springs,
-                                  const std::function<void(const ConvergenceRow&)>& progress = {});
+                                  const std::function<void(const ConvergenceRow&)>& progress = {},
+                                  const std::function<void(const Activity&)>& activity = {});
 
 }  // namespace dea

@@ -68,6 +68,8 @@ struct Problem {
   int casts = 0;
   std::string undefined;  // why a step was refused, if a ligament's force had no value where it led
   ConnectorGroups connectors;
+  SearchStatus status = {};
+  const std::function<void(const SearchStatus&)>* watch = nullptr;
   bool joined() const { return !connectors.groups.empty(); }
 };
 
@@ -86,7 +88,8 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
   Evaluation e;
   e.poses = std::move(poses);
   e.contact = e.reactions = VectorXd::Zero(n);
-  ++problem.casts;
+  problem.status.casts = ++problem.casts;
+  if (problem.watch != nullptr && *problem.watch) (*problem.watch)(problem.status);
   for (std::size_t i = 0; i < problem.beds.beds.size(); ++i) {
     const SpringBed& bed = problem.beds.beds[i];
     if (!conditions.contact_active[i]) {
@@ -664,6 +667,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     Directions d = take_apart(problem, e, r, patience);
     const double size = d.residual.norm();
     solution.history.push_back(e.load > 0 ? size / e.load : 0.0);
+    problem.status.residual = solution.history.back();
     if (!std::isfinite(size)) {
       solution.message = "a force is no finite number at this pose";
       break;
@@ -683,6 +687,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       break;
     }
     ++solution.iterations;
+    ++problem.status.iterations;
 
     const double drift = d.drift.norm();
     if (drift > options.tolerance * e.load && drift >= 0.5 * size) {
@@ -971,7 +976,7 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
 }
 
 Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions) {
-  Problem problem{joint, beds, conditions, {}, {}, {}, 0, {}, {}};
+  Problem problem{joint, beds, conditions, {}, {}, {}, 0, {}, {}, {}, nullptr};
   problem.offset = VectorXd::Zero(6 * static_cast<Eigen::Index>(joint.bodies.size()));
   return problem;
 }
@@ -1059,6 +1064,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
                               const EquilibriumOptions& options) {
   std::vector<Pose> poses = start;
   Problem problem = make_problem(joint, beds, conditions);
+  problem.watch = &options.watch;
   for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
     const BodyConditions& c = conditions.bodies[at(b)];
     Pose& pose = poses[at(b)];

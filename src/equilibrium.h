@@ -1,5 +1,7 @@
 // src/equilibrium.h – the pose at which springs, ligaments and loads balance.
 #pragma once
+#include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,10 +25,18 @@ const char* name(Outcome outcome);
 /// True for Prescribed, Balanced and BalancedToOneSpring.
 bool solved(Outcome outcome);
 
+/// How far a search has come, for whoever watches; told before each pose that is tried.
+struct SearchStatus {
+  int iterations = 0;     ///< Newton steps begun
+  int casts = 0;          ///< poses tried, with this one
+  double residual = NAN;  ///< unbalanced / applied force at the last iterate; NaN: none is known yet
+};
+
 struct EquilibriumOptions {
   double tolerance = 1e-9;  ///< unbalanced / applied force; far below the error of any mesh, and Newton gets there
   int max_iterations = 60;  ///< a stop for loads that no contact can carry
   int max_casts = 500;      ///< poses tried for one load case; solved ones need some ten, seldom a hundred
+  std::function<void(const SearchStatus&)> watch;  ///< may be empty; changes nothing
 };
 
 /// The beds of all contacts of a joint, and lengths that scale its unknowns.

@@ -55,7 +55,14 @@ std::string nearest_name(std::string_view word, const std::vector<std::string>& 
 }
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
-  const std::string best = nearest_name(word, names);
+  std::string best = nearest_name(word, names);
+  if (best.empty() && word.size() >= 3) {
+    const auto holds = [&](const std::string& name) {
+      return std::search(name.begin(), name.end(), word.begin(), word.end(),
+                         [](char a, char b) { return small(a) == small(b); }) != name.end();
+    };
+    if (std::count_if(names.begin(), names.end(), holds) == 1) best = *std::find_if(names.begin(), names.end(), holds);
+  }
   return best.empty() ? "" : " (did you mean " + shown(best) + "?)";
 }
 

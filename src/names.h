@@ -12,7 +12,8 @@ int edit_distance(std::string_view a, std::string_view b);
 /// The name nearest to `word`; empty: none is so near that it could be a slip of the keyboard.
 std::string nearest_name(std::string_view word, const std::vector<std::string>& names);
 
-/// " (did you mean "hip"?)", or nothing.
+/// " (did you mean "hip"?)": the nearest name, else the only one that holds the word (of three letters or more) as a
+/// part of it; or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& names);
 
 /// "a", "b", ... in quotes, at most `most` of them: of more those nearest to `word`; "none".

@@ -70,7 +70,7 @@ int compare_command(const CompareArguments& arguments);
 
 struct PlotArguments {
   std::vector<std::string> files, surfaces, labels;
-  std::string output, field, at, states, minus, view, up, contours, low, high, title, width, dpi, columns;
+  std::string output, field, at, states, minus, view, up, contours, low, high, scale, title, width, dpi, columns;
   bool smooth = false, dark = false, quiet = false;
 };
 CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);

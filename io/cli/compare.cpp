@@ -206,22 +206,25 @@ int compare_command(const CompareArguments& a) {
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
-  require_page_name(a.report);
+  require_page_name("--report", a.report);
   if (!a.report.empty()) outputs.push_back({"--report", a.report});
 
   std::vector<ResultFile> files;
   Progress progress(progress_style(a.quiet, false));
   for (std::size_t i = 0; i < a.files.size(); ++i) {
+    progress.now("reading " + file_name(a.files[i]), "", "", i, a.files.size());
     files.push_back(read_result(a.files[i], labels[i]));
     progress.step(fmt::format("{} of {} files read", i + 1, a.files.size()), "", i + 1, a.files.size());
   }
   check_outputs(inputs, outputs);
+  progress.now("comparing", "", "");
   const Comparison comparison = compare_files(files, options);
-  progress.clear();
+  progress.now("writing", "", "");
   if (!a.output.empty()) write_xplt(a.output, make_compare_file(files, options, comparison, a.time_fields, a.compress));
   if (!a.json.empty()) write_text(a.json, json_text(compare_json(comparison)));
   if (!a.csv.empty()) write_text(a.csv, compare_csv(comparison));
   if (!a.report.empty()) write_report(a.report, compare_report(files, options, comparison, a.words));
+  progress.clear();
   if (a.quiet) return kSolved;
   for (const std::string& line : comparison.warnings) log(line);
   if (a.json != "-" && a.csv != "-") print(compare_text(comparison));

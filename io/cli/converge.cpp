@@ -61,21 +61,24 @@ int converge_command(const ConvergeArguments& a) {
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
   const Settings settings = effective_settings(a.settings);
+  Progress progress(progress_style(a.quiet, a.verbose));
+  progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
   const JointModel model = read_feb(a.model);
   check_outputs(inputs, outputs);
 
-  Progress progress(progress_style(a.quiet, a.verbose));
   double last = seconds();
   std::vector<Convergence> studies;
   try {
-    studies = converge(model, settings, target, max_springs, [&](const ConvergenceRow& r) {
+    const auto watch = [&](const Activity& activity) { show_activity(progress, activity); };
+    const auto row = [&](const ConvergenceRow& r) {
       const double now = seconds();
       progress.step(fmt::format("{} springs solved", r.springs),
                     fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}, {:.2f} s", r.springs, r.peak,
                                 r.mean, r.area, name(r.outcome), now - last),
                     0, 0);
       last = now;
-    });
+    };
+    studies = converge(model, settings, target, max_springs, row, watch);
   } catch (const InputError& found) {
     throw all_refusals(model, settings, found, false);
   }

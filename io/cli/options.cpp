@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 
 #include "error.h"
@@ -142,15 +143,32 @@ double number_argument(const char* option, const std::string& text) {
   }
 }
 
-void require_page_name(const std::string& path) {
-  if (path.empty()) return;
-  if (path == "-") throw UsageError("--report -: the page cannot go to standard output, give it a name");
+void show_activity(Progress& progress, const Activity& a) {
+  if (a.stage != Activity::Stage::State) {
+    const std::string what = a.stage == Activity::Stage::Joint ? "joint and thickness" : "springs and layers";
+    progress.now(what, "", what);
+    return;
+  }
+  std::string within, details;
+  if (a.search.iterations > 0 && std::isfinite(a.search.residual)) {
+    within = fmt::format("iteration {}, unbalanced {:.0e}", a.search.iterations, a.search.residual);
+    details = fmt::format("  iteration {}, pose {}: unbalanced {:.1e} of the load before", a.search.iterations,
+                          a.search.casts, a.search.residual);
+  }
+  progress.now(fmt::format("state {} of {}", a.index + 1, a.count), within, details, a.index, a.count);
+}
+
+std::string plot_name_note(const std::string& option, const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension != ".html" && extension != ".htm")
-    throw UsageError(
-        fmt::format("--report {}: found \"{}\", expected a name that ends in .html or .htm", path, extension));
+  std::error_code error;
+  if (extension == ".xplt" || std::filesystem::is_character_file(path, error)) return "";  // /dev/null
+  return fmt::format(
+      "note: {} {}: PostView and FEBio Studio know plot files by the ending .xplt; written as it was asked", option,
+      path);
 }
+
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 }  // namespace dea

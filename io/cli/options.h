@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "analysis.h"
+#include "progress.h"
 #include "settings_xml.h"
 
 namespace dea {
@@ -32,7 +34,12 @@ std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
 /// Numbers of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
 int count_argument(const char* option, const std::string& text, int least, int most);
 double number_argument(const char* option, const std::string& text);
-/// Of --report; empty: none is wanted. Throws UsageError.
-void require_page_name(const std::string& path);
+
+/// What an analysis is at: "thickness", "springs", "state 4 of 23: iteration 2, unbalanced 3e-04".
+void show_activity(Progress& progress, const Activity& activity);
+/// What to tell of a plot file's name that does not end in .xplt, in whatever letters; empty: nothing.
+std::string plot_name_note(const std::string& option, const std::string& path);
+/// A path's last part.
+std::string file_name(const std::string& path);
 
 }  // namespace dea

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kFooter = R"(
 Files may be ours or FEBio's, compressed or not. Facets are drawn as they are, in the reference configuration, all panels
-with one scale; colours are in 128 steps. Lines and --smooth are of nodal averages (area-weighted, of the facets around each
+with one scale, that of all states of the files, as on the page of --report; colours are in 128 steps. Lines and --smooth are of nodal averages (area-weighted, of the facets around each
 node); with --smooth the edge of contact encloses as much area as the facets with pressure do. Numbers are of facets, with
 --smooth of nodes, as in the rows of `dea compare`; "mean" is over the area with pressure. Grey: no contact, or a value of
 exactly 0.
@@ -93,6 +93,9 @@ MapOptions map_options(const PlotArguments& a) {
     throw UsageError(fmt::format("--max {}: found \"{}\", expected a difference above 0", a.high, a.high));
   if (o.high && !(*o.high > o.low.value_or(-1e300)))
     throw UsageError(fmt::format("--max {}: found \"{}\", expected more than --min {}", a.high, a.high, a.low));
+  if (!a.scale.empty() && a.scale != "all" && a.scale != "shown")
+    throw UsageError(fmt::format("--scale {}: found \"{}\", expected all or shown", a.scale, a.scale));
+  o.scale_of_shown = a.scale == "shown";
   if (a.contours == "none") {
     o.contours = std::vector<double>{};
   } else if (!a.contours.empty()) {
@@ -156,6 +159,8 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   once("--max", a.high, "VALUE", "Look",
        "Upper end of the colours [the largest value; joint space: what 95 % lie below]");
   once("--min", a.low, "VALUE", "Look", "Lower end of the colours [0, or the least value]");
+  once("--scale", a.scale, "all|shown", "Look",
+       "States whose values the colours' ends cover: all of the files, or those shown [all]");
   once("--title", a.title, "TEXT", "Look", "Title above all panels");
   once("--width", a.width, "MM", "Look", "Width on paper; letters keep their size [130 to 230, by the panels]");
   once("--columns", a.columns, "N", "Look", "Panels side by side [as many as there are files, or as fit]");

@@ -2,14 +2,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "commands.h"
 #include "error.h"
 #include "output.h"
 #include "progress.h"
 #include "read_feb.h"
-#include "report_info.h"
 #include "report_text.h"
 #include "run_model.h"
 #include "settings_xml.h"
@@ -61,7 +59,8 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
       ->type_name("FOLDER")
       ->group("Output");
   CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
-  c->add_flag("-v,--verbose", a.verbose, "Print a line per state as it is solved: iterations, residual, seconds")
+  c->add_flag("-v,--verbose", a.verbose,
+              "Print what is begun, every iteration, and a line per state: iterations, residual, seconds")
       ->excludes(q)
       ->group("Output");
   c->add_option("--states", a.states,
@@ -103,7 +102,9 @@ int run(const RunArguments& a) {
     options.states = file.states;
     options.states_option = fmt::format("{}: <states>", a.settings.file);
   }
-  require_page_name(a.report);
+  const std::string report = first(a.report, file.report);
+  const char* report_option = a.report.empty() ? "<report>" : "--report";
+  require_page_name(report_option, report);
   if (options.output == "-")
     throw UsageError(fmt::format("{} -: the plot file cannot go to standard output, give it a name", output_option));
   std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs = {{output_option, options.output}};
@@ -113,14 +114,18 @@ int run(const RunArguments& a) {
   if (!options.csv.empty()) outputs.push_back({a.csv.empty() ? "<csv>" : "--csv", options.csv});
   if (!options.facets_csv.empty())
     outputs.push_back({a.facets_csv.empty() ? "<facets-csv>" : "--facets-csv", options.facets_csv});
-  if (!a.report.empty()) outputs.push_back({"--report", a.report});
+  if (!report.empty()) outputs.push_back({report_option, report});
   if (!options.vtu.empty()) outputs.push_back({a.vtu.empty() ? "<vtu>" : "--vtu", options.vtu, true});
 
+  Progress progress(progress_style(a.quiet, a.verbose));
+  const auto begin = [&](const std::string& what) { progress.now(what, "", what); };
+  begin("reading " + file_name(a.model));
   const JointModel model = read_feb(a.model);
   check_outputs(inputs, outputs);
   options.seconds_reading = seconds() - start;
-  Progress progress(progress_style(a.quiet, a.verbose));
   double last = seconds();
+  options.on_activity = [&](const Activity& activity) { show_activity(progress, activity); };
+  options.on_writing = [&](const std::string& path) { begin("writing " + file_name(path)); };
   options.on_state = [&](const StateResult& s, std::size_t index, std::size_t count) {
     const Equilibrium& e = s.equilibrium;
     const std::string what = fmt::format("state {} of {}", index + 1, count);
@@ -133,21 +138,20 @@ int run(const RunArguments& a) {
         index + 1, count);
     last = now;
   };
-  if (!a.report.empty()) {
+  if (!report.empty()) {
     options.also = [&](const Analysis& analysis, XpltFile&& plot) {
-      JointCheck check;
-      check_joint(model, settings, check);
       std::vector<std::string> paths;
       for (const NamedPath& p : inputs) paths.push_back(p.path);
       for (const NamedPath& p : outputs) paths.push_back(p.path);
-      const ResultFile result{options.output, std::filesystem::path(a.model).stem().string(), std::move(plot)};
-      write_report(a.report, run_report(model, analysis, result, info_text(model, settings, check), a.words, paths));
+      begin("writing " + file_name(report));
+      write_run_report(report, model, settings, analysis, std::move(plot), a.model, options.output, a.words, paths);
     };
   }
   const RunResult result = run_model(model, settings, options);
   progress.clear();
 
   if (!a.quiet) {
+    if (const std::string note = plot_name_note(output_option, options.output); !note.empty()) log(note);
     for (const std::string& line : model_remarks(model, result.analysis.joint)) log(line);
     for (const std::string& line : result_remarks(model, result.analysis)) log(line);
     if (options.json != "-" && options.csv != "-" && options.facets_csv != "-") print(run_text(model, result.analysis));

@@ -15,6 +15,7 @@
 
 #include "encoded_text.h"
 #include "error.h"
+#include "map_scale.h"
 
 namespace dea {
 
@@ -179,7 +180,7 @@ void draw_contours(Pen& pen, const Placing& place, const MapFigure& figure, cons
     for (Polyline& line : lines) line = smoothed(line);
     const Rgb under = colour(figure.map, (level - figure.low) / (figure.high - figure.low));
     trace(pen, place, lines);
-    pen.use(oklab(under).L < 0.62 ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
+    pen.use(white_line(under) ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
     pen.stroke(1.0);
   }
 }
@@ -442,7 +443,7 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
     if (!(f > 0 && f < 1)) continue;
     cairo_move_to(pen.get(), x, y + (1 - f) * height);
     cairo_line_to(pen.get(), x + kBarWidth, y + (1 - f) * height);
-    pen.use(oklab(colour(figure.map, f)).L < 0.62 ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
+    pen.use(white_line(colour(figure.map, f)) ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
     pen.stroke(1.0);
   }
   const auto arrow = [&](double base, double tip, const Rgb& c) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "error.h"
+#include "map_scale.h"
 #include "names.h"
 #include "settings_xml.h"
 #include "unit_names.h"
@@ -19,12 +20,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMostPanels = 100;
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ", name);
-  return text.empty() ? "none" : text;
-}
-
 /// Three digits, as on paper.
 std::string number(double x, bool plus = false) {
   const double size = std::abs(x);
@@ -35,31 +30,6 @@ std::string number(double x, bool plus = false) {
   return (x < 0 ? "\u2212" : plus && x > 0 ? "+" : "") + digits;
 }
 
-/// Pressures between surfaces, never below 0; not every field with such a name is one (`pressure gap`).
-bool is_pressure(const std::string& field) {
-  return field == "contact pressure" || field.rfind("contact pressure ", 0) == 0 || field == "nodal contact pressure" ||
-         field.rfind("peak pressure", 0) == 0;
-}
-
-/// Fields of `dea compare -o` that are differences.
-bool is_difference(const std::string& field) { return field.find("difference") != std::string::npos; }
-
-/// Fields that are 0 where there is no contact; in others 0 stands for "none", as plot files have no undefined values.
-bool zero_without_contact(const std::string& field) {
-  return is_pressure(field) || is_difference(field) || field.find("overlap") != std::string::npos ||
-         field.find("strain") != std::string::npos;
-}
-
-/// " (did you mean "socket"?)": the name that is near, or else the only one that holds the word.
-std::string meant(const std::string& word, const std::vector<std::string>& names) {
-  const std::string near = did_you_mean(word, names);
-  if (!near.empty() || word.empty()) return near;
-  std::vector<std::string> holders;
-  for (const std::string& name : names)
-    if (name.find(word) != std::string::npos) holders.push_back(name);
-  return holders.size() == 1 ? fmt::format(" (did you mean \"{}\"?)", holders.front()) : "";
-}
-
 void require_field(const ResultFile& file, const std::string& field) {
   if (find_variable(file.plot, XpltGroup::Surface, field) >= 0) return;
   std::vector<std::string> scalars;
@@ -67,7 +37,7 @@ void require_field(const ResultFile& file, const std::string& field) {
     if (v.group == XpltGroup::Surface && v.type == XpltType::Float && v.format != XpltFormat::Region)
       scalars.push_back(v.name);
   throw InputError(fmt::format("{}: found no surface field \"{}\"{}, expected one of {}", file.path, field,
-                               meant(field, scalars), listed(scalars)));
+                               did_you_mean(field, scalars), name_list(scalars, field)));
 }
 
 int require_surface(const ResultFile& file, int state, const std::string& name) {
@@ -75,8 +45,8 @@ int require_surface(const ResultFile& file, int state, const std::string& name) 
   if (surface >= 0) return surface;
   std::vector<std::string> names;
   for (const XpltFacets& s : mesh_of(file, state).surfaces) names.push_back(s.name);
-  throw InputError(fmt::format("{}: found no surface \"{}\"{}, expected one of {}", file.path, name, meant(name, names),
-                               listed(names)));
+  throw InputError(fmt::format("{}: found no surface \"{}\"{}, expected one of {}", file.path, name,
+                               did_you_mean(name, names), name_list(names, name)));
 }
 
 /// One state of each file.
@@ -115,6 +85,7 @@ std::vector<Row> choose_states(const std::vector<ResultFile>& files, const MapOp
 }
 
 constexpr const char* kPressure = "contact pressure";
+constexpr const char* kSpace = "joint space";
 
 /// The largest value of a field on a surface in any state; 0 where it has none.
 double largest_ever(const ResultFile& file, const std::string& surface, const std::string& field) {
@@ -164,57 +135,15 @@ std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, c
   return names;
 }
 
-/// The value that 95 % of a surface's area stays below, in all states together.
-double most_of_area_below(const ResultFile& file, const std::string& surface, const std::string& field) {
-  std::vector<std::pair<double, double>> found;  // value, area
-  double area = 0.0;
-  ResultSurface s;
-  int mesh = -1;
-  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
-    const int index = find_surface(file, state, surface);
-    if (index < 0) continue;
-    if (file.plot.states[at(state)].mesh != mesh) s = result_surface(file, state, index);
-    mesh = file.plot.states[at(state)].mesh;
-    const std::vector<double> values = facet_values(file, state, index, field, true);
-    for (std::size_t f = 0; f < values.size(); ++f) {
-      if (values[f] == 0 || !std::isfinite(values[f])) continue;
-      found.push_back({values[f], s.facet_areas[f]});
-      area += s.facet_areas[f];
-    }
-  }
-  std::sort(found.begin(), found.end());
-  double below = 0.0;
-  for (const auto& f : found) {
-    below += f.second;
-    if (below >= 0.95 * area) return f.first;
-  }
-  return 0.0;
-}
-
-/// What one panel shows, before it is laid on the map.
-struct Values {
-  std::vector<double> facets, vertices;
-};
-
-Values field_values(const ResultFile& file, int state, const ResultSurface& surface, int index,
-                    const std::string& field, bool clamped) {
-  Values v;
-  v.facets = facet_values(file, state, index, field);
-  if (v.facets.empty())
+MapValues field_values(const ResultFile& file, int state, const ResultSurface& surface, int index,
+                       const std::string& field, bool clamped) {
+  std::vector<double> facets = facet_values(file, state, index, field);
+  if (facets.empty())
     throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {:g}", file.path, surface.name, field,
                                  file.plot.states[at(state)].time));
   if (clamped && is_pressure(field))
-    for (double& x : v.facets) x = std::max(x, 0.0);  // as everywhere: contact is where pressure is above 0
-  v.vertices = nodal_average(surface, v.facets);
-  if (zero_without_contact(field)) return v;
-  std::vector<double> there;
-  for (double& x : v.facets) {
-    there.push_back(x == 0 ? 0.0 : 1.0);
-    if (x == 0) x = kNaN;
-  }
-  const std::vector<double> share = nodal_average(surface, there);
-  for (std::size_t i = 0; i < share.size(); ++i) v.vertices[i] = share[i] > 0 ? v.vertices[i] / share[i] : kNaN;
-  return v;
+    for (double& x : facets) x = std::max(x, 0.0);  // as everywhere: contact is where pressure is above 0
+  return map_values(surface, field, std::move(facets));
 }
 
 /// The state of the reference that belongs to a time.
@@ -223,9 +152,9 @@ int reference_state(const ResultFile& minus, double time, bool last) {
   return static_cast<int>(minus.plot.states.size()) - 1;
 }
 
-Values difference(const NodeMatch& match, const ResultSurface& surface, const Values& a, const ResultSurface& reference,
-                  const Values& b) {
-  Values d;
+MapValues difference(const NodeMatch& match, const ResultSurface& surface, const MapValues& a,
+                     const ResultSurface& reference, const MapValues& b) {
+  MapValues d;
   const std::vector<double> carried = carry(match, reference, b.vertices);
   for (std::size_t i = 0; i < carried.size(); ++i)
     d.vertices.push_back(a.vertices[i] == 0 && carried[i] == 0 ? kNaN : a.vertices[i] - carried[i]);
@@ -276,7 +205,7 @@ void mark_peak(const MapFigure& figure, MapPanel& panel) {
   }
 }
 
-void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
+void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel) {
   const MapSurface& s = figure.surfaces[at(panel.surface)];
   const std::string unit = figure.unit.empty() ? "" : fmt::format(" {}", figure.unit);
   const std::string area_unit = figure.length_unit.empty() ? "" : fmt::format(" {}\u00b2", figure.length_unit);
@@ -324,47 +253,98 @@ void describe(const MapFigure& figure, const Values& values, MapPanel& panel) {
   if (force > 0) panel.center_of_pressure = on_map(s.view, center / force);
 }
 
-/// `usual`: the upper end where the largest value means little; 0: it is the end.
-void choose_scale(MapFigure& figure, const MapOptions& o, double usual) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const MapPanel& panel : figure.panels) {
-    for (double x : finite(figure.smooth ? panel.points : panel.facets)) {
-      low = std::min(low, x);
-      high = std::max(high, x);
+/// What the scale is for: the values of panels, or of all states of the files as they would be shown.
+struct Scaled {
+  ValueRange range;
+  std::vector<std::pair<double, double>> areas;  ///< of joint space: value, area
+};
+
+const std::vector<double>& shown(const MapFigure& figure, const MapValues& values) {
+  return figure.smooth ? values.vertices : values.facets;
+}
+
+/// All states in which the file (and the reference) has the field on the surface; a state that holds values that are no
+/// numbers is drawn by nobody, they are passed over.
+void add_states(const ResultFile& file, const ResultFile* minus, const std::string& name, const MapFigure& figure,
+                const MapOptions& o, Scaled& scaled) {
+  ResultSurface s, reference;
+  std::optional<NodeMatch> match;
+  int mesh = -1, other_mesh = -1;
+  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+    const int index = find_surface(file, state, name);
+    if (index < 0) continue;
+    std::vector<double> facets = facet_values(file, state, index, o.field, true);
+    if (facets.empty()) continue;
+    if (file.plot.states[at(state)].mesh != mesh) {
+      s = result_surface(file, state, index);
+      match.reset();
+    }
+    mesh = file.plot.states[at(state)].mesh;
+    if (is_pressure(o.field) && minus == nullptr)
+      for (double& x : facets) x = std::max(x, 0.0);
+    const MapValues v = map_values(s, o.field, std::move(facets));
+    if (minus == nullptr) {
+      scaled.range.add(shown(figure, v));
+      if (o.field == kSpace) add_areas(s, v.facets, scaled.areas);
+      continue;
+    }
+    for (int k = 0; k < static_cast<int>(minus->plot.states.size()); ++k) {
+      if (!same_time(minus->plot.states[at(k)].time, file.plot.states[at(state)].time)) continue;
+      const int other = find_surface(*minus, k, name);
+      std::vector<double> taken = other < 0 ? std::vector<double>() : facet_values(*minus, k, other, o.field, true);
+      if (taken.empty()) continue;
+      if (minus->plot.states[at(k)].mesh != other_mesh || !match) {
+        reference = result_surface(*minus, k, other);
+        match = match_nodes(s, reference);
+      }
+      other_mesh = minus->plot.states[at(k)].mesh;
+      scaled.range.add(shown(figure, difference(*match, s, v, reference, map_values(reference, o.field, taken))));
+      break;
     }
   }
-  const double least = low, most = high;
-  const bool zero = least == 0 && most == 0;
-  figure.empty = !(most >= least) || (zero && figure.map == ColourMap::Sequential);
-  if (figure.empty) {
-    figure.low = o.low.value_or(0.0);
-    figure.high = o.high.value_or(figure.low + 1.0);
-  } else if (figure.map == ColourMap::Diverging) {
-    figure.high = o.high.value_or(zero ? 1.0 : std::max(std::abs(least), std::abs(most)));
-    figure.low = -figure.high;
+}
+
+void choose_scale(const std::vector<ResultFile>& files, const ResultFile* minus, const std::vector<std::string>& names,
+                  const MapOptions& o, MapFigure& figure) {
+  Scaled scaled;
+  ScaleKind kind;
+  kind.map = figure.map;
+  kind.pressure = figure.pressure;
+  kind.low = o.low;
+  kind.high = o.high;
+  ValueRange panels;
+  for (const MapPanel& panel : figure.panels) panels.add(figure.smooth ? panel.points : panel.facets);
+  scaled.range.add(panels);
+  // Joint space is also there where nothing faces, as the closest distance: the edge of a ball must not set the scale.
+  const bool space = o.field == kSpace && minus == nullptr;
+  if (o.scale_of_shown) {
+    for (const MapPanel& panel : figure.panels) {
+      if (!space) break;
+      std::vector<std::pair<double, double>> areas;
+      add_areas(figure.surfaces[at(panel.surface)].surface, panel.facets, areas);
+      kind.usual = std::max(kind.usual, most_of_area_below(std::move(areas)));
+    }
   } else {
-    figure.high = o.high.value_or(usual > 0 && usual > o.low.value_or(0.0) ? usual : most);
-    figure.low = o.low.value_or(least < 0 || (!figure.pressure && least > 0.5 * most) ? least : 0.0);
-    if (!(figure.high > figure.low) && !o.low) figure.low = std::min(0.0, 2.0 * figure.high);
-    if (!(figure.high > figure.low) && !o.high) figure.high = figure.low + 1.0;
+    for (const ResultFile& file : files)
+      for (const std::string& name : names) {
+        scaled.areas.clear();
+        add_states(file, minus, name, figure, o, scaled);
+        if (space) kind.usual = std::max(kind.usual, most_of_area_below(std::move(scaled.areas)));
+      }
   }
-  // Two limits that differ in the last digits only are one; and rounding of a constant field is no pattern.
-  const double least_width = 1e-5 * std::max(std::abs(figure.low), std::abs(figure.high));
-  if (!o.low && figure.map == ColourMap::Sequential && figure.high - figure.low < least_width)
-    figure.low = std::min(0.0, 2.0 * figure.high);
-  if (!(figure.high > figure.low) || figure.high - figure.low < least_width)
-    throw UsageError(fmt::format("--max {:g}: found no width of the colour scale, expected more than {:g}", figure.high,
-                                 figure.low));
-  const double tolerance = 1e-6 * (figure.high - figure.low);
-  figure.beyond_low = !figure.empty && least < figure.low - tolerance;
-  figure.beyond_high = !figure.empty && most > figure.high + tolerance;
-  figure.ticks = nice_ticks(figure.low, figure.high, 6);
-  if (o.contours) {
-    figure.contours = *o.contours;
-  } else {
-    for (double t : figure.ticks)
-      if (t != 0 && t > figure.low && t < figure.high) figure.contours.push_back(t);
-  }
+  const MapScale scale = map_scale(kind, scaled.range);
+  const double least_width = 1e-5 * std::max(std::abs(scale.low), std::abs(scale.high));
+  if (!(scale.high > scale.low) || scale.high - scale.low < least_width)
+    throw UsageError(
+        fmt::format("--max {:g}: found no width of the colour scale, expected more than {:g}", scale.high, scale.low));
+  figure.low = scale.low;
+  figure.high = scale.high;
+  figure.empty = map_scale(kind, panels).empty;
+  const double tolerance = 1e-6 * (scale.high - scale.low);
+  figure.beyond_low = !figure.empty && panels.least < scale.low - tolerance;
+  figure.beyond_high = !figure.empty && panels.most > scale.high + tolerance;
+  figure.ticks = scale_ticks(scale);
+  figure.contours = o.contours ? *o.contours : scale_lines(scale, figure.map);
 }
 
 /// How much of what a panel shows is out of sight.
@@ -445,19 +425,6 @@ void choose_units(const std::vector<const ResultFile*>& files, const MapOptions&
 
 }  // namespace
 
-std::vector<double> nice_ticks(double low, double high, int wanted) {
-  const double raw = (high - low) / wanted;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  double step = 10.0 * power;
-  for (double m : {5.0, 2.0, 1.0})
-    if (m * power >= raw * (1 - 1e-9)) step = m * power;
-  std::vector<double> ticks;
-  const double first = std::ceil(low / step - 1e-6);
-  for (int k = 0; k <= 2 * wanted && (first + k) * step <= high + 1e-6 * step; ++k)
-    ticks.push_back((first + k) * step + 0.0);
-  return ticks;
-}
-
 MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o) {
   MapFigure figure;
   figure.smooth = o.smooth;
@@ -480,8 +447,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
     names = {loaded.front()};
     if (loaded.size() > 1)
       figure.remarks.push_back(fmt::format("note: shown is surface \"{}\"; there are values on {} too (--surface NAME)",
-                                           loaded.front(),
-                                           listed(std::vector<std::string>(loaded.begin() + 1, loaded.end()))));
+                                           loaded.front(), name_list({loaded.begin() + 1, loaded.end()})));
   }
   const std::vector<std::vector<std::string>> without = remark_files(all, names, o, figure);
   const auto has_none = [&](std::size_t file, const std::string& name) {
@@ -496,7 +462,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
   else if (rows.size() > 1 && names.size() > 1)
     figure.columns = static_cast<int>(names.size());
 
-  std::vector<Values> values;
+  std::vector<MapValues> values;
   std::vector<std::string> nothing_there;  // per panel: what stands in place of numbers
   std::vector<std::pair<std::size_t, std::pair<std::string, int>>> key_of;  // file, surface, mesh -> figure.surfaces
   for (const Row& row : rows) {
@@ -519,7 +485,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
           figure.surfaces.push_back(std::move(s));
         }
         const MapSurface& s = figure.surfaces[at(panel.surface)];
-        Values v = field_values(file, row[i], s.surface, index, o.field, minus == nullptr);
+        MapValues v = field_values(file, row[i], s.surface, index, o.field, minus == nullptr);
         const double time = file.plot.states[at(row[i])].time;
         bool same_times = true;
         for (std::size_t k = 0; k < files.size(); ++k)
@@ -613,12 +579,7 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
     if (!nothing_there[k].empty()) panel.numbers = {nothing_there[k]};
     mark_peak(figure, panel);
   }
-  // Joint space is also there where nothing faces, as the closest distance: the edge of a ball must not set the scale.
-  double usual = 0.0;
-  if (o.field == "joint space" && minus == nullptr)
-    for (const ResultFile& file : files)
-      for (const std::string& name : names) usual = std::max(usual, most_of_area_below(file, name, o.field));
-  choose_scale(figure, o, usual);
+  choose_scale(files, minus, names, o, figure);
   remark_hidden(figure);
   return figure;
 }

@@ -19,6 +19,7 @@ struct MapOptions {
   bool unrolled = false;
   Vector3d up = Vector3d::Zero();  ///< zero: found
   bool smooth = false;             ///< nodal averages, interpolated; else facets as they are
+  bool scale_of_shown = false;     ///< the scale covers the panels; else all states of the files
   std::optional<double> low, high;
   std::optional<std::vector<double>> contours;  ///< none: at the colour bar's ticks
 };
@@ -61,8 +62,5 @@ struct MapFigure {
 /// `minus`: the result to take away, on the same surface; nullptr: none. Throws InputError: no such field, surface or
 /// state, no scalar; UsageError: a surface that cannot be unrolled, a scale without width.
 MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& options);
-
-/// About `wanted` round numbers (1, 2 or 5 times a power of ten apart) from low to high.
-std::vector<double> nice_ticks(double low, double high, int wanted);
 
 }  // namespace dea

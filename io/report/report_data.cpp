@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <tuple>
 #include <unordered_map>
 
 #include "element_faces.h"
@@ -22,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 57.29577951308232;
+constexpr const char* kAsTheyAre = "contact pressure";  ///< for map_values: 0 is a value
 constexpr std::size_t kMostContextTriangles = 150000;
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -49,15 +51,17 @@ bool same_values(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 /// A scalar field of a surface in all states; none: no state has it, or it cannot be shown (a warning says why).
-/// `undefined`: values that are not finite are gaps of the map, otherwise refused.
+/// `undefined`: values that are not finite are gaps of the map, otherwise refused. `zero`: 0 is a value.
 std::optional<ReportField> read_field(const ResultFile& file, const std::vector<int>& surfaces,
-                                      const std::string& field, bool undefined, std::vector<std::string>& warnings) {
+                                      const std::string& field, bool undefined, bool zero,
+                                      std::vector<std::string>& warnings) {
   ReportField out;
   bool any = false;
   try {
     for (std::size_t s = 0; s < surfaces.size(); ++s) {
       out.states.push_back(surfaces[s] < 0 ? std::vector<double>()
                                            : facet_values(file, static_cast<int>(s), surfaces[s], field, undefined));
+      if (!zero) std::replace(out.states.back().begin(), out.states.back().end(), 0.0, kNaN);
       any = any || !out.states.back().empty();
     }
   } catch (const InputError& e) {
@@ -189,6 +193,114 @@ void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& c
   data.frame = static_cast<int>(data.frames.size()) - 1;
 }
 
+/// Ends and lines of one quantity's maps, and of its differences.
+void add_scales(const std::string& field, const std::vector<std::optional<ReportField>>& fields,
+                const std::vector<ResultSurface>& own, const std::vector<NodeMatch>& matches,
+                const std::vector<ReportFrame>& frames, ReportSurface& s) {
+  if (std::none_of(fields.begin(), fields.end(), [](const auto& f) { return f.has_value(); })) return;
+  struct Found {
+    ValueRange nodes, facets;
+    double usual = 0.0;  ///< largest of the results'
+    void add(const Found& other) {
+      nodes.add(other.nodes);
+      facets.add(other.facets);
+      usual = std::max(usual, other.usual);
+    }
+  };
+  const std::size_t n = fields.size();
+  // gaps have been taken out by read_field: what is 0 now is one
+  const auto shown = [&](std::size_t i, std::size_t k) { return map_values(own[i], kAsTheyAre, fields[i]->states[k]); };
+  const auto finish = [&](const Found& found, ColourMap map) {
+    const auto scale = [&](ValueRange range) {
+      if (field == "gap" && map == ColourMap::Sequential && !range.empty()) range.least = std::max(range.least, 0.0);
+      ScaleKind kind;
+      kind.map = map;
+      kind.pressure = field == "pressure";
+      kind.usual = found.usual;
+      return ReportScale{map_scale(kind, range), range};
+    };
+    return std::pair{scale(found.nodes), scale(found.facets)};
+  };
+  const auto fill = [&](const Found& all, const std::vector<Found>& each, ColourMap map, ReportQuantity& q) {
+    std::tie(q.nodes.all, q.facets.all) = finish(all, map);
+    for (const Found& found : each) {
+      const auto pair = finish(found, map);
+      q.nodes.frames.push_back(pair.first);
+      q.facets.frames.push_back(pair.second);
+    }
+  };
+
+  Found all;
+  std::vector<Found> of_frames(frames.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!fields[i]) continue;
+    std::vector<Found> of_states(fields[i]->states.size());
+    tbb::parallel_for(std::size_t{0}, of_states.size(), [&](std::size_t k) {
+      if (fields[i]->states[k].empty()) return;
+      const MapValues v = shown(i, k);
+      of_states[k].nodes.add(v.vertices);
+      of_states[k].facets.add(v.facets);
+      if (field != "space") return;
+      std::vector<std::pair<double, double>> areas;
+      add_areas(own[i], v.facets, areas);
+      of_states[k].usual = most_of_area_below(std::move(areas));
+    });
+    Found mine;
+    for (const Found& found : of_states) mine.add(found);
+    if (field == "space") {
+      std::vector<std::pair<double, double>> areas;
+      for (const std::vector<double>& values : fields[i]->states) add_areas(own[i], values, areas);
+      mine.usual = most_of_area_below(std::move(areas));
+    }
+    all.add(mine);
+    for (std::size_t f = 0; f < frames.size(); ++f)
+      if (frames[f].states[i] >= 0) of_frames[f].add(of_states[fields[i]->fixed ? 0 : at(frames[f].states[i])]);
+  }
+  s.scales.push_back({field, -1, -1, {}, {}});
+  fill(all, of_frames, ColourMap::Sequential, s.scales.back());
+
+  struct Pair {
+    std::size_t a, b;
+    bool same;
+    std::vector<Found> frames;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = a + 1; b < n; ++b) {
+      const bool same = s.same_mesh[a] && s.same_mesh[b];
+      if (fields[a] && fields[b] && (b + 1 == n || same))
+        pairs.push_back({a, b, same, std::vector<Found>(frames.size())});
+    }
+  }
+  tbb::parallel_for(std::size_t{0}, pairs.empty() ? 0 : frames.size(), [&](std::size_t f) {
+    std::vector<std::optional<MapValues>> values(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!fields[i] || frames[f].states[i] < 0) continue;
+      const std::size_t k = fields[i]->fixed ? 0 : at(frames[f].states[i]);
+      if (!fields[i]->states[k].empty()) values[i] = shown(i, k);
+    }
+    for (Pair& pair : pairs) {
+      if (!values[pair.a] || !values[pair.b]) continue;
+      const MapValues &x = *values[pair.a], &y = *values[pair.b];
+      Found& found = pair.frames[f];
+      const std::vector<double> carried =
+          pair.same ? std::vector<double>() : carry(matches[pair.a], own[pair.a], x.vertices);
+      const std::vector<double>& from = pair.same ? x.vertices : carried;
+      for (std::size_t i = 0; i < y.vertices.size(); ++i) found.nodes.add(from[i] - y.vertices[i]);
+      if (pair.same)
+        for (std::size_t i = 0; i < y.facets.size(); ++i) found.facets.add(x.facets[i] - y.facets[i]);
+      else
+        found.facets = found.nodes;  // facets of other meshes have no difference: nodes are shown
+    }
+  });
+  for (const Pair& pair : pairs) {
+    Found together;
+    for (const Found& found : pair.frames) together.add(found);
+    s.differences.push_back({field, static_cast<int>(pair.a), static_cast<int>(pair.b), {}, {}});
+    fill(together, pair.frames, ColourMap::Diverging, s.differences.back());
+  }
+}
+
 /// `compared`: the state of each file whose mesh is shown.
 ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vector<int>& compared,
                            const std::vector<std::string>& names, const CompareOptions& options,
@@ -204,10 +316,10 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
     for (int k = 0; k < static_cast<int>(files[i].plot.states.size()); ++k)
       in_state[i].push_back(
           same_surface(files[i], k, names[i], compared[i], surface) ? find_surface(files[i], k, names[i]) : -1);
-    s.pressure.push_back(read_field(files[i], in_state[i], "contact pressure", false, warnings));
-    s.thickness.push_back(read_field(files[i], in_state[i], "cartilage thickness", true, warnings));
-    s.space.push_back(read_field(files[i], in_state[i], "joint space", true, warnings));
-    s.gap.push_back(read_field(files[i], in_state[i], "contact gap", true, warnings));
+    s.pressure.push_back(read_field(files[i], in_state[i], "contact pressure", false, true, warnings));
+    s.thickness.push_back(read_field(files[i], in_state[i], "cartilage thickness", true, false, warnings));
+    s.space.push_back(read_field(files[i], in_state[i], "joint space", true, false, warnings));
+    s.gap.push_back(read_field(files[i], in_state[i], "contact gap", true, true, warnings));
     if (s.gap.back() && nothing_but_zeros(*s.gap.back())) s.gap.back().reset();
   }
 
@@ -238,6 +350,11 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
                                  : edge_level(mesh, p, point_values(mesh, nodal_average(own[i], p)));
     });
   }
+
+  add_scales("pressure", s.pressure, own, matches, data.frames, s);
+  add_scales("thickness", s.thickness, own, matches, data.frames, s);
+  add_scales("space", s.space, own, matches, data.frames, s);
+  add_scales("gap", s.gap, own, matches, data.frames, s);
 
   s.regions = {""};
   s.regions.insert(s.regions.end(), options.regions.begin(), options.regions.end());
@@ -437,19 +554,13 @@ std::vector<ReportChart> run_charts(const Analysis& analysis) {
              });
 
   ReportChart springs{"Ligaments and cables", "Tension.", "tension", "force", false, times_of(analysis), {}, {}};
-  std::map<std::string, int> same_name;
+  springs.names = spring_names(joint);
   for (std::size_t l = 0; l < joint.ligaments.size(); ++l) {
-    const std::string name = joint.ligaments[l].name.empty() ? "(unnamed)" : joint.ligaments[l].name;
-    const int number = ++same_name[name];
-    springs.names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
     springs.values.emplace_back();
     for (const StateResult& s : analysis.states)
       springs.values.back().push_back(l < s.equilibrium.ligament_force.size() ? s.equilibrium.ligament_force[l] : kNaN);
   }
   for (std::size_t c = 0; c < joint.cables.size(); ++c) {
-    const std::string name = joint.cables[c].name.empty() ? "(unnamed)" : joint.cables[c].name;
-    const int number = ++same_name[name];
-    springs.names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
     springs.values.emplace_back();
     for (const StateResult& s : analysis.states)
       springs.values.back().push_back(c < s.equilibrium.cable_force.size() ? s.equilibrium.cable_force[c] : kNaN);

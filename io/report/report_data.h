@@ -10,6 +10,7 @@
 
 #include "analysis.h"
 #include "compare_files.h"
+#include "map_scale.h"
 #include "report_text.h"
 #include "result_file.h"
 #include "unit_names.h"
@@ -47,6 +48,22 @@ struct ReportCarry {
   std::vector<float> weights;
 };
 
+/// Ends and lines of maps (io/plot/map_scale.h), and the values they are for.
+struct ReportScale {
+  MapScale scale;
+  ValueRange range;
+};
+struct ReportScales {
+  ReportScale all;  ///< of all states of all results
+  std::vector<ReportScale> frames;
+};
+/// Of one quantity's maps of all results; or of differences of result `b` from result `a`.
+struct ReportQuantity {
+  std::string field;  ///< "pressure", "space", "thickness", "gap"
+  int a = -1, b = -1;
+  ReportScales nodes, facets;
+};
+
 struct ReportSurface {
   std::string title;
   std::string note;                                 ///< why it stands last
@@ -55,7 +72,8 @@ struct ReportSurface {
   std::vector<std::vector<std::int32_t>> node_ids;  ///< per result and vertex
   std::vector<char> same_mesh;                      ///< per result: as the reference's
   std::vector<std::optional<ReportCarry>> carry;    ///< per result; none: same mesh
-  std::vector<std::optional<ReportField>> pressure, thickness, space, gap;       ///< one per result
+  std::vector<std::optional<ReportField>> pressure, thickness, space, gap;  ///< one per result
+  std::vector<ReportQuantity> scales, differences;
   std::vector<std::string> regions;                                              ///< "" first: the whole surface
   std::vector<std::vector<std::vector<ReportMeasures>>> measures;                ///< result, state, region
   std::vector<std::vector<std::vector<std::optional<ReportPattern>>>> patterns;  ///< frame, region, result

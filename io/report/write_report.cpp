@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <map>
 
 #include "colour_map.h"
 #include "encoded_text.h"
+#include "error.h"
 #include "output.h"
 #include "pack.h"
 #include "page.h"
+#include "report_info.h"
 #include "report_json.h"
 #include "version.h"
 
@@ -123,6 +128,21 @@ Json list_json(const List& list, Get get) {
   return j;
 }
 
+/// [low, high, step, least, most]; null: there are no values.
+Json scale_json(const ReportScale& s) {
+  if (s.range.empty()) return nullptr;
+  return {short_number(s.scale.low), short_number(s.scale.high), short_number(s.scale.step),
+          short_number(s.range.least), short_number(s.range.most)};
+}
+
+Json scales_json(const ReportScales& s) {
+  return {{"all", scale_json(s.all)}, {"frames", list_json(s.frames, scale_json)}};
+}
+
+Json quantity_json(const ReportQuantity& q) {
+  return {{"field", q.field}, {"pair", {q.a, q.b}}, {"nodes", scales_json(q.nodes)}, {"facets", scales_json(q.facets)}};
+}
+
 Json surface_json(const ReportSurface& s, bool exact, Json& meshes, Arrays& arrays) {
   Json j;
   j["title"] = s.title;
@@ -148,6 +168,8 @@ Json surface_json(const ReportSurface& s, bool exact, Json& meshes, Arrays& arra
                  {"space", list_json(s.space, field)},
                  {"thickness", list_json(s.thickness, field)},
                  {"gap", list_json(s.gap, field)}};
+  j["scales"] = list_json(s.scales, quantity_json);
+  j["differences"] = list_json(s.differences, quantity_json);
   j["regions"] = s.regions;
   j["measures"] = list_json(s.measures, [](const auto& result) {
     return list_json(result, [](const auto& state) { return list_json(state, measures_json); });
@@ -184,6 +206,13 @@ Json chart_json(const ReportChart& c) {
 std::string table_hex(ColourMap map) {
   std::string out;
   for (const auto& rgb : colour_table(map)) out += fmt::format("{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+  return out;
+}
+
+/// A letter per colour of the table: w, b: lines on it are white, black.
+std::string table_lines(ColourMap map) {
+  std::string out;
+  for (int i = 0; i < 256; ++i) out += white_line(colour(map, i / 255.0)) ? 'w' : 'b';
   return out;
 }
 
@@ -236,7 +265,9 @@ Json report_json(const ReportData& data, Arrays& arrays) {
     return {{"title", t.title}, {"text", t.text}};
   });
   j["warnings"] = data.warnings;
+  j["steps"] = {{"count", kScaleSteps}, {"multiples", kScaleMultiples}};
   j["colours"] = {{"sequential", table_hex(ColourMap::Sequential)}, {"diverging", table_hex(ColourMap::Diverging)}};
+  j["lines"] = {{"sequential", table_lines(ColourMap::Sequential)}, {"diverging", table_lines(ColourMap::Diverging)}};
   return j;
 }
 
@@ -296,5 +327,26 @@ std::string report_html(const ReportData& data) {
 }
 
 void write_report(const std::string& path, const ReportData& data) { write_text(path, report_html(data)); }
+
+void write_run_report(const std::string& path, const JointModel& model, const Settings& settings,
+                      const Analysis& analysis, XpltFile&& plot, const std::string& model_path,
+                      const std::string& output, const std::vector<std::string>& words,
+                      const std::vector<std::string>& paths) {
+  JointCheck check;
+  check_joint(model, settings, check);
+  const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(plot)};
+  write_report(path, run_report(model, analysis, result, info_text(model, settings, check), words, paths));
+}
+
+void require_page_name(const std::string& option, const std::string& path) {
+  if (path.empty()) return;
+  if (path == "-") throw UsageError(fmt::format("{} -: the page cannot go to standard output, give it a name", option));
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".html" && extension != ".htm")
+    throw UsageError(
+        fmt::format("{} {}: found \"{}\", expected a name that ends in .html or .htm", option, path, extension));
+}
 
 }  // namespace dea

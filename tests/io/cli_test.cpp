@@ -329,6 +329,30 @@ TEST_F(Cli, QuietPrintsNothing) {
   EXPECT_NE(loud.out.find("mm-N-s"), std::string::npos);
 }
 
+TEST_F(Cli, PlotFilesOfOtherEndingsAreWrittenWithANote) {
+  write_model();
+  const auto notes = [&](const std::string& name, std::vector<std::string> more = {}) {
+    std::vector<std::string> words = {"run", "flat.feb", "-o", name};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished f = dea(words);
+    EXPECT_EQ(f.code, 0) << f.err;
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+    std::string found;
+    std::istringstream lines(f.err);
+    for (std::string line; std::getline(lines, line);)
+      if (line.find("PostView") != std::string::npos) found += line + "\n";
+    return found;
+  };
+  EXPECT_EQ(
+      notes("walking"),
+      "note: -o walking: PostView and FEBio Studio know plot files by the ending .xplt; written as it was asked\n");
+  EXPECT_NE(notes("a.dat"), "");
+  EXPECT_EQ(notes("a.dat", {"-q"}), "");
+  EXPECT_EQ(notes("a.xplt"), "");
+  EXPECT_EQ(notes("B.XPLT"), "");
+  EXPECT_EQ(dea({"run", "flat.feb", "-o", "/dev/null"}).err.find("PostView"), std::string::npos);
+}
+
 TEST_F(Cli, CommandLineBeforeSettingsFileBeforeModel) {
   write_model();
   write("s.xml", "<febiodea_settings version=\"1\">\n<E>20</E>\n<law>logarithmic</law>\n</febiodea_settings>\n");

@@ -14,6 +14,7 @@
 #include "error.h"
 #include "map_figure.h"
 #include "map_geometry.h"
+#include "map_scale.h"
 #include "program.h"
 
 namespace dea {
@@ -366,15 +367,86 @@ TEST(MapGeometry, EveryFacetShapeCoversItsArea) {
   }
 }
 
-TEST(MapFigure, NiceTicks) {
-  EXPECT_EQ(nice_ticks(0, 6.7, 6), (std::vector<double>{0, 2, 4, 6}));
-  EXPECT_EQ(nice_ticks(0, 5, 6), (std::vector<double>{0, 1, 2, 3, 4, 5}));
-  const std::vector<double> small = nice_ticks(-3e-5, 3e-5, 6);
+std::vector<double> ticks(double low, double high) {
+  MapScale s;
+  s.low = low;
+  s.high = high;
+  s.step = scale_step(low, high);
+  return scale_ticks(s);
+}
+
+TEST(MapScale, NumbersAreRound) {
+  EXPECT_EQ(ticks(0, 6.7), (std::vector<double>{0, 2, 4, 6}));
+  EXPECT_EQ(ticks(0, 5), (std::vector<double>{0, 1, 2, 3, 4, 5}));
+  const std::vector<double> small = ticks(-3e-5, 3e-5);
   ASSERT_EQ(small.size(), 7u);
   EXPECT_NEAR(small[1], -2e-5, 1e-15);
   EXPECT_EQ(small[3], 0.0);
-  EXPECT_LT(nice_ticks(1e17, 1e17 + 64, 6).size(),
-            20u);  // numbers this large have no steps this small: no endless loop
+  EXPECT_LT(ticks(1e17, 1e17 + 64).size(), 20u);  // numbers this large have no steps this small: no endless loop
+  for (double high = 1e-3; high < 1e3; high *= 1.07) {
+    const std::size_t n = ticks(0, high).size();
+    EXPECT_GE(n, 3u) << high;
+    EXPECT_LE(n, 7u) << high;
+  }
+}
+
+TEST(MapScale, LinesAreAtTheNumbersBetweenTheEnds) {
+  ScaleKind kind;
+  ValueRange range;
+  range.add({0.0, 1.0, 5.0, std::nan("")});
+  MapScale s = map_scale(kind, range);
+  EXPECT_EQ(scale_lines(s, kind.map), (std::vector<double>{1, 2, 3, 4}));
+  range.add(-1.5);  // overlap: the line at 0 is where it begins
+  s = map_scale(kind, range);
+  EXPECT_EQ(s.low, -1.5);
+  EXPECT_EQ(scale_lines(s, kind.map), (std::vector<double>{0, 2, 4}));
+  kind.map = ColourMap::Diverging;
+  s = map_scale(kind, range);
+  EXPECT_EQ(s.low, -5);
+  EXPECT_EQ(scale_lines(s, kind.map), (std::vector<double>{-4, -2, 2, 4}));
+  EXPECT_TRUE(map_scale(kind, {}).empty);
+}
+
+TEST(MapScale, NothingIsNoZero) {
+  const ResultSurface s = surface_of(sheet(3, 1, 3, 1));
+  const MapValues space = map_values(s, "joint space", {0, 2, std::nan("")});
+  EXPECT_TRUE(std::isnan(space.facets[0]) && std::isnan(space.facets[2]));
+  const MapValues pressure = map_values(s, "contact pressure", {0, 2, 4});
+  EXPECT_EQ(pressure.facets, (std::vector<double>{0, 2, 4}));
+  for (std::size_t v = 0; v < s.mesh.vertices.size(); ++v) {
+    const double x = s.mesh.vertices[v].x();
+    EXPECT_EQ(pressure.vertices[v], x < 0.5 ? 0 : x < 1.5 ? 1 : x < 2.5 ? 3 : 4);
+    if (x < 0.5 || x > 2.5)
+      EXPECT_TRUE(std::isnan(space.vertices[v]));
+    else
+      EXPECT_EQ(space.vertices[v], 2);
+  }
+}
+
+TEST(MapFigure, TheScaleIsThatOfAllStates) {
+  const Patch p = sheet(4, 1, 4, 1);
+  const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 9, 9, 0}, {0, 1, 3, 0}}),
+                   b = result_of("b", p, {{0, 0, 0, 0}, {0, 2, 2, 0}, {0, 1, 2, 0}});
+  MapOptions o;
+  EXPECT_EQ(make_map_figure({a}, nullptr, o).high, 9);
+  EXPECT_EQ(make_map_figure({b, a}, nullptr, o).high, 9);
+  EXPECT_EQ(make_map_figure({a}, &b, o).high, 7);
+  EXPECT_EQ(make_map_figure({a}, &b, o).contours, (std::vector<double>{-5, 5}));
+  EXPECT_FALSE(make_map_figure({a}, nullptr, o).beyond_high);
+  o.states = "0";
+  const MapFigure nothing = make_map_figure({a}, nullptr, o);
+  EXPECT_TRUE(nothing.empty);
+  EXPECT_EQ(nothing.high, 9);
+  o.states = "last";
+  o.scale_of_shown = true;
+  EXPECT_EQ(make_map_figure({a}, nullptr, o).high, 3);
+  EXPECT_EQ(make_map_figure({a}, &b, o).high, 1);
+  EXPECT_EQ(make_map_figure({a}, nullptr, o).contours, (std::vector<double>{0.5, 1, 1.5, 2, 2.5}));
+  // A state that is not drawn may hold what is no number.
+  ResultFile c = a;
+  c.plot.states[1].variables[0][0].values[1] = std::numeric_limits<float>::quiet_NaN();
+  o.scale_of_shown = false;
+  EXPECT_EQ(make_map_figure({c}, nullptr, o).high, 9);
 }
 
 TEST(MapFigure, PanelsScaleAndNumbers) {
@@ -798,6 +870,7 @@ TEST_F(Folder, RefusesInOneLine) {
       {{"a.xplt", "--dpi", "2400", "--width", "2000"}, 2, "less --dpi or --width"},
       {{"a.xplt", "--dpi", "100", "-o", "a.svg"}, 2, "belongs to PNG"},
       {{"a.xplt", "--contours", "many"}, 2, "--contours many"},
+      {{"a.xplt", "--scale", "some"}, 2, "--scale some: found \"some\", expected all or shown"},
       {{"a.xplt", "--label", "x", "--label", "y"}, 2, "found 2 labels, expected one per file (1)"},
       {{"a.xplt", "-o", "nowhere/map.png"}, 4, "there is no folder nowhere"},
   };

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 namespace dea {
 namespace {
 
@@ -72,12 +75,92 @@ TEST(Progress, LinesElsewhereEveryTwoSeconds) {
   EXPECT_EQ(w.text, "state 16 of 50, about 5 s left\nstate 32 of 50, about 3 s left\nstate 48 of 50, about 1 s left\n");
 }
 
+TEST(Progress, LifeBeforeTheFirstStepIsDone) {
+  Watch w;
+  Progress p = w.start(ProgressStyle::Bar);
+  p.now("reading hip.feb", "", "");
+  w.now = 10.4;
+  p.tick();
+  EXPECT_EQ(w.text, "");
+  w.now = 10.5;
+  p.tick();
+  EXPECT_EQ(w.text, "\r\033[Kreading hip.feb");
+  w.now = 13.5;
+  p.tick();
+  EXPECT_EQ(w.text.substr(w.text.rfind('\r')), "\r\033[Kreading hip.feb (3 s)");
+  w.now = 14;
+  p.now("state 1 of 4", "", "", 0, 4);
+  EXPECT_EQ(w.text.substr(w.text.rfind('\r')), "\r\033[K[........................] state 1 of 4");
+  w.now = 15;
+  p.now("state 1 of 4", "iteration 2, unbalanced 3e-04", "", 0, 4);
+  w.now = 27.5;
+  p.tick();
+  EXPECT_EQ(w.text.substr(w.text.rfind('\r')),
+            "\r\033[K[........................] state 1 of 4: iteration 2, unbalanced 3e-04 (12 s)");
+  w.now = 34;  // a state in 20 s: what came before the first does not count
+  p.step("state 1 of 4", "", 1, 4);
+  EXPECT_EQ(w.text.substr(w.text.rfind('\r')), "\r\033[K[######..................] state 1 of 4, about 1 min left");
+  w.now = 44;
+  p.now("state 2 of 4", "", "", 1, 4);
+  EXPECT_EQ(w.text.substr(w.text.rfind('\r')), "\r\033[K[######..................] state 2 of 4, about 50 s left");
+  w.now = 48;
+  p.now("state 2 of 4", "iteration 12, unbalanced 1e-10", "", 1, 4);  // no room for what is left
+  EXPECT_EQ(w.text.substr(w.text.rfind('\r')),
+            "\r\033[K[######..................] state 2 of 4: iteration 12, unbalanced 1e-10");
+  for (std::size_t i = w.text.find('\r'); i != std::string::npos; i = w.text.find('\r', i + 1))
+    EXPECT_LE(w.text.substr(i, w.text.find('\r', i + 1) - i).size(), 79u + 4);
+  p.clear();
+  w.text.clear();
+  w.now = 99;
+  p.tick();
+  p.now("state 3 of 4", "", "", 2, 4);
+  EXPECT_EQ(w.text, "");  // messages may follow
+}
+
+TEST(Progress, LongNamesAreCutToALine) {
+  Watch w;
+  Progress p = w.start(ProgressStyle::Bar);
+  p.now("reading " + std::string(200, 'x'), "", "", 0, 3);
+  w.now = 30;
+  p.tick();
+  EXPECT_EQ(w.text.size(), 79u + 4);
+  EXPECT_EQ(w.text.substr(w.text.size() - 7), " (20 s)");
+}
+
+TEST(Progress, LinesThatOnlyCountComeSeldom) {
+  Watch w;
+  Progress p = w.start(ProgressStyle::Lines);
+  p.now("springs and layers", "", "hidden");
+  for (int i = 0; i < 60; ++i) {
+    w.now += 0.5;
+    p.tick();
+  }
+  EXPECT_EQ(w.text, "springs and layers\nsprings and layers (17 s)\n");
+  w.text.clear();
+  w.now += 2;
+  p.now("state 1 of 4", "iteration 1, unbalanced 2e-01", "", 0, 4);
+  EXPECT_EQ(w.text, "state 1 of 4: iteration 1, unbalanced 2e-01\n");
+}
+
+TEST(Progress, TheClockTicksByItself) {
+  testing::internal::CaptureStderr();
+  {
+    Progress p(ProgressStyle::Bar);
+    p.now("waiting", "", "");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1300));
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr().substr(0, 11), "\r\033[Kwaiting");
+}
+
 TEST(Progress, EveryStepOrNone) {
   Watch w;
   Progress every = w.start(ProgressStyle::Every), none = w.start(ProgressStyle::Quiet);
   every.step("state 1 of 2", "state 1 of 2, time 0: Prescribed", 1, 2);
   none.step("state 2 of 2", "hidden", 2, 2);
-  EXPECT_EQ(w.text, "state 1 of 2, time 0: Prescribed\n");
+  every.now("state 2 of 2", "iteration 1", "  iteration 1, pose 2", 1, 2);
+  every.now("state 2 of 2", "", "", 1, 2);
+  none.now("reading", "", "reading");
+  EXPECT_EQ(w.text, "state 1 of 2, time 0: Prescribed\n  iteration 1, pose 2\n");
 }
 
 }  // namespace

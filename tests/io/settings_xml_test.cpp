@@ -151,18 +151,21 @@ TEST(SettingsXml, ReadsEveryKindOfElement) {
 TEST(SettingsXml, OutputFilesAndStates) {
   const SettingsFile file(
       "<febiodea_settings version=\"1\"><output> a b.xplt </output><json>a.json</json><csv>a.csv</csv>"
-      "<facets-csv>f.csv</facets-csv><vtu>folder</vtu><states>0.5, "
+      "<facets-csv>f.csv</facets-csv><report>a b.html</report><vtu>folder</vtu><states>0.5, "
       "1</states><law>logarithmic</law></febiodea_settings>");
   const dea::SettingsFile read = read_settings_file(file.path);
   EXPECT_EQ(read.outputs.output, "a b.xplt");
   EXPECT_EQ(read.outputs.json, "a.json");
   EXPECT_EQ(read.outputs.csv, "a.csv");
   EXPECT_EQ(read.outputs.facets_csv, "f.csv");
+  EXPECT_EQ(read.outputs.report, "a b.html");
   EXPECT_EQ(read.outputs.vtu, "folder");
   EXPECT_EQ(read.outputs.states, "0.5, 1");
   EXPECT_EQ(read.settings.law, Law::Logarithmic);
   EXPECT_EQ(fault("<states>some</states>"), ":2: <states>: found \"some\", expected all, last or times t1,t2,...");
   EXPECT_EQ(fault("<json/>"), ":2: <json>: found nothing, expected a file name");
+  EXPECT_EQ(fault("<report>a.html</report>\n<report>a.html</report>"),
+            ":3: <report>: found a second one, expected it once");
   EXPECT_EQ(fault("<vtu/>"), ":2: <vtu>: found nothing, expected the name of a folder");
   EXPECT_EQ(fault("<csv a=\"1\">x</csv>"), ":2: <csv>: found attribute \"a\", expected none");
   EXPECT_EQ(fault("<output>a<b/></output>"), ":2: <output>: found <b>, expected a file name");
@@ -177,7 +180,8 @@ TEST(SettingsXml, RefusalsNameTheLine) {
             "<layer-terms>, "
             "<interface-stiffness>, <facets>, <refine>, <rigid>, "
             "<attach>, <bone>, <thickness>, "
-            "<E>, <nu>, <free>, <force>, <load-at>, <squash>, <output>, <json>, <csv>, <facets-csv>, <vtu>, <states>");
+            "<E>, <nu>, <free>, <force>, <load-at>, <squash>, <output>, <json>, <csv>, <facets-csv>, <report>, "
+            "<vtu>, <states>");
   EXPECT_EQ(fault("<force>1,2,3</force>"), ":2: <force>: found no attribute \"body\", expected body=\"NAME\"");
   EXPECT_EQ(fault("<force surface=\"S\">1,2,3</force>"), ":2: <force>: found attribute \"surface\", expected \"body\"");
   EXPECT_EQ(fault("<law a=\"b\">linear</law>"), ":2: <law>: found attribute \"a\", expected none");

@@ -180,6 +180,28 @@ TEST(Plugin, SettingsHoldForTheTask) {
     expect_the_same(folder.path, "m.feb", settings);
 }
 
+TEST(Plugin, ThePageIsThatOfDeaRun) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  write(folder.path / "s.xml",
+        "<febiodea_settings version=\"1\"><output>o.xplt</output><report>page.html</report></febiodea_settings>");
+  const auto data = [&](const Finished& f) {
+    EXPECT_EQ(f.code, 0) << f.out << f.err;
+    const std::string html = file_text(folder.path / "page.html"), begin = "id=\"report\">";
+    const std::size_t from = html.find(begin) + begin.size();
+    fs::remove(folder.path / "page.html");
+    return Json::parse(html.substr(from, html.find("</script>", from) - from));
+  };
+  Json task = data(febio(folder.path, "m.feb", "dea", "s.xml"));
+  Json cli = data(run_program(folder.path, {DEA_PROGRAM, "run", "m.feb", "--settings", "s.xml"}, 60));
+  EXPECT_EQ(task["command"], "febio4 -i m.feb -task=dea s.xml");
+  EXPECT_EQ(task["title"], "m");
+  for (const char* key : {"surfaces", "frames", "charts", "tables", "meshes"}) {
+    EXPECT_FALSE(cli[key].empty()) << key;
+    EXPECT_LE(difference(task[key], cli[key]), 1e-6) << key;
+  }
+}
+
 TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
   const TemporaryFolder folder;
   write(folder.path / "m.feb", model_40(false));
@@ -217,6 +239,11 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
          "dea: cannot write no/such/folder.xplt: there is no folder no/such");
   expect("m.feb", settings("<output>m.feb</output>"), "dea: <output> m.feb: would overwrite the model");
   expect("m.feb", settings("<json>s.xml</json>"), "dea: <json> s.xml: would overwrite the settings file");
+  expect("m.feb", settings("<report>-</report>"), "dea: <report> -: standard output is FEBio's, give it a file name");
+  expect("m.feb", settings("<report>page.txt</report>"),
+         "dea: <report> page.txt: found \".txt\", expected a name that ends in .html or .htm");
+  expect("m.feb", settings("<report>a.html</report><json>a.html</json>"),
+         "dea: <report> a.html: is the file of <json> too");
   expect("m.feb", settings("<csv>s.log</csv>"), "dea: <csv> s.log: would overwrite FEBio's log file");
   expect("m.feb", settings("<json>-</json>"), "dea: <json> -: standard output is FEBio's, give it a file name");
   expect("m.feb", settings("<states>7</states>"),

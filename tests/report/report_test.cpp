@@ -6,11 +6,13 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "map_figure.h"
 #include "map_geometry.h"
+#include "map_scale.h"
 #include "pack.h"
 #include "program.h"
 #include "synthetic.h"
@@ -299,6 +301,68 @@ TEST(ReportPage, EdgesEncloseTheFacetsAreaAndTheViewIsThePictures) {
   }
 }
 
+/// Ends, lines and largest value of a picture as the page has them.
+void expect_scale_of(const MapFigure& figure, const ReportScale& page, const std::string& what) {
+  EXPECT_DOUBLE_EQ(page.scale.low, figure.low) << what;
+  EXPECT_DOUBLE_EQ(page.scale.high, figure.high) << what;
+  EXPECT_EQ(scale_lines(page.scale, figure.map), figure.contours) << what;
+}
+
+TEST(ReportPage, ScalesAreThoseOfPictures) {
+  const std::vector<ResultFile> files = test::large_results(14, 5);
+  CompareOptions options;
+  const ReportData data = compare_report(files, options, compare_files(files, options), {"dea", "compare"});
+  ASSERT_EQ(data.surfaces.size(), 1u);
+  const ReportSurface& s = data.surfaces.front();
+  const std::map<std::string, std::string> fields = {
+      {"pressure", "contact pressure"}, {"space", "joint space"}, {"thickness", "cartilage thickness"}};
+  ASSERT_EQ(s.scales.size(), 3u);
+  ASSERT_EQ(data.frames.size(), 5u);
+  for (const bool smooth : {true, false}) {
+    for (const ReportQuantity& q : s.scales) {
+      const ReportScales& scales = smooth ? q.nodes : q.facets;
+      MapOptions o;
+      o.smooth = smooth;
+      o.field = fields.at(q.field);
+      std::vector<ResultFile> with = files;
+      if (q.field != "pressure") with.pop_back();  // FEA has none of the others
+      expect_scale_of(make_map_figure(with, nullptr, o), scales.all, q.field);
+      o.scale_of_shown = true;
+      ASSERT_EQ(scales.frames.size(), 5u);
+      for (std::size_t f = 1; f < 5; ++f) {  // nothing presses in state 0
+        o.states = std::to_string(data.frames[f].time);
+        expect_scale_of(make_map_figure(with, nullptr, o), scales.frames[f], q.field + " at " + o.states);
+      }
+    }
+    int compared = 0;
+    for (const ReportQuantity& q : s.differences) {
+      MapOptions o;
+      o.smooth = smooth;
+      o.field = fields.at(q.field);
+      const auto file = [&](int i) { return files[static_cast<std::size_t>(i)]; };
+      const ResultFile minus = file(q.b);
+      if (q.field == "thickness") continue;  // the same in both
+      expect_scale_of(make_map_figure({file(q.a)}, &minus, o), (smooth ? q.nodes : q.facets).all,
+                      "difference of " + q.field);
+      ++compared;
+    }
+    EXPECT_EQ(compared, 4);  // pressure: three pairs, joint space: one
+  }
+}
+
+TEST(ReportPage, DifferencesAreOfTimesThatBothHave) {
+  std::vector<ResultFile> files = test::large_results(14, 5);
+  files.erase(files.begin() + 1);
+  files.back().plot.states.erase(files.back().plot.states.begin(), files.back().plot.states.end() - 1);
+  const ReportData data = compare_report(files, {}, compare_files(files, {}), {"dea"});
+  ASSERT_EQ(data.frames.size(), 5u);
+  const ReportQuantity& q = data.surfaces.front().differences.front();
+  MapOptions o;
+  expect_scale_of(make_map_figure({files[0]}, &files[1], o), q.facets.all, "one time");
+  for (std::size_t f = 0; f < 4; ++f) EXPECT_TRUE(q.nodes.frames[f].range.empty()) << f;
+  EXPECT_FALSE(q.nodes.frames[4].range.empty());
+}
+
 TEST(ReportPage, CarriesValuesToTheReferencesNodesAsCompareDoes) {
   const std::vector<ResultFile> files = test::awkward_results();
   const Comparison c = compare_files(files, {});
@@ -444,6 +508,55 @@ TEST(ReportProgram, RunAndCompareWriteAPage) {
   const PageParts compare(test::file_text(folder.path / "c.html"));
   EXPECT_EQ(compare.report["title"], "a against b");
   EXPECT_EQ(compare.report["frames"].size(), 23u);
+}
+
+TEST(ReportProgram, LigamentsOfOneNameAreNumberedInTableAndCurves) {
+  const test::TemporaryFolder folder;
+  const test::Finished f = dea_in(folder.path, {"run", std::string(DEA_SAMPLES_DIR) + "/ligament/ligament.feb", "-o",
+                                                "a.xplt", "--report", "r.html"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  const PageParts page(test::file_text(folder.path / "r.html"));
+  const auto titled = [&](const char* list, const char* key, const std::string& start) {
+    for (const Json& x : page.report[list])
+      if ((x[key].is_array() ? x[key][0] : x[key]).get<std::string>().rfind(start, 0) == 0) return x;
+    return Json();
+  };
+  std::vector<std::string> names;
+  const Json table = titled("tables", "headings", "spring");
+  for (const Json& row : table["rows"]) names.push_back(row[0]);
+  EXPECT_EQ(names, (std::vector<std::string>{"medial ligament", "lateral ligament", "tethers", "tethers (2)"}));
+  EXPECT_EQ(titled("charts", "title", "Ligaments")["names"].get<std::vector<std::string>>(), names);
+  for (const std::string& name : names) EXPECT_NE(f.out.find("\n" + name + " "), std::string::npos) << f.out;
+}
+
+TEST(ReportProgram, TheSettingsFileMayNameThePage) {
+  const test::TemporaryFolder folder;
+  const std::string model = std::string(DEA_SAMPLES_DIR) + "/hip/hip_walking.feb";
+  const auto run = [&](const std::string& elements, std::vector<std::string> more = {}) {
+    std::ofstream(folder.path / "s.xml") << "<febiodea_settings version=\"1\">\n<law>linear</law>" << elements
+                                         << "</febiodea_settings>";
+    std::vector<std::string> words = {"run", model, "-o", "a.xplt", "--states", "last", "-q", "--settings", "s.xml"};
+    words.insert(words.end(), more.begin(), more.end());
+    return dea_in(folder.path, words);
+  };
+  test::Finished f = run("<report>a b.html</report>");
+  ASSERT_EQ(f.code, 0) << f.err;
+  const PageParts page(test::file_text(folder.path / "a b.html"));
+  EXPECT_EQ(page.report["title"], "hip_walking");
+  fs::remove(folder.path / "a b.html");
+  ASSERT_EQ(run("<report>a b.html</report>", {"--report", "typed.html"}).code, 0);
+  EXPECT_TRUE(fs::exists(folder.path / "typed.html"));
+  EXPECT_FALSE(fs::exists(folder.path / "a b.html"));
+  fs::remove(folder.path / "a.xplt");
+  f = run("<report>page.pdf</report>");
+  EXPECT_EQ(f.code, 2);
+  EXPECT_EQ(f.err, "dea: <report> page.pdf: found \".pdf\", expected a name that ends in .html or .htm\n");
+  f = run("<report>p.html</report>", {"--json", "p.html"});
+  EXPECT_EQ(f.code, 2);
+  EXPECT_EQ(f.err, "dea: <report> p.html: is the file of --json too\n");
+  f = run("<report>nowhere/p.html</report>");
+  EXPECT_EQ(f.code, 4);
+  EXPECT_FALSE(fs::exists(folder.path / "a.xplt"));
 }
 
 TEST(ReportProgram, RefusesAndLeavesNothing) {

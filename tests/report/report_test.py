@@ -216,28 +216,63 @@ def smooth_contact_is_no_larger_than_the_facets(b, pages):
 
 
 @check
-def joint_space_is_scaled_by_all_states(b, pages):
+def scales_are_the_programs(b, pages):
+    """Ends and lines, for all states and for one; joint space ends below its largest value."""
     ready(b, pages["compare"])
-    b.run("const s = document.getElementById('quantity'); s.value = 'space'; s.dispatchEvent(new Event('change'))")
-    b.wait("Page.panels[0].quantity === 'space'", 20, "joint space")
     wanted = """
-      const all = [];
-      Page.state.surface.fields.space.forEach((f, i) => {
-        const states = arguments[0] ? Report.results[i].times.map((t, k) => k) : [Report.frames[Page.state.frame].states[i]];
-        for (const k of states) for (const x of f.state(k)) if (!Number.isNaN(x)) all.push(x);
-      });
-      all.sort((a, c) => a - c);
-      return [all[Math.floor(0.95 * (all.length - 1))], all.at(-1)]"""
-    scales = []
-    for every in (True, False):
-        b.run("const s = document.getElementById('range'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))",
-              "all" if every else "state")
+      const [q, kind, every] = arguments, s = Page.state.surface.about.scales.find(x => x.field === q)[kind];
+      return every ? s.all : s.frames[Page.state.frame]"""
+    seen = set()
+    for q in ("pressure", "space", "thickness"):
+        b.run("const s = document.getElementById('quantity'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", q)
+        b.wait(f"Page.panels[0].quantity === '{q}'", 20, q)
+        for kind in ("nodes", "facets"):
+            b.click("#smooth" if kind == "nodes" else "#facets")
+            for every in (True, False):
+                b.run("const s = document.getElementById('range'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))",
+                      "all" if every else "state")
+                scale = b.run("return Page.panels[0].what.scale")
+                low, high, step, least, most = b.run(wanted, q, kind, every)
+                same([scale["least"], scale["most"], scale["level"]], [low, high, step], f"{q}, {kind}: scale and lines")
+                same(scale["beyondMost"], most > high * (1 + 1e-6), f"{q}, {kind}: arrow at the bar's end")
+                seen.add((q, kind, high))
+                if q == "space":
+                    true(most > 1.2 * high > 0, f"joint space to {high}, largest {most}")
+    true(len(seen) >= 9, f"scales that differ: {seen}")
+    # what the user says ends there, with lines by the same rule
+    b.run("const s = document.getElementById('quantity'); s.value = 'pressure'; s.dispatchEvent(new Event('change'))")
+    for most, step in ((3, 0.5), (6, 1), (7.19, 2), (0.05, 0.01), (120, 20), (31, 10)):
+        b.run("const s = document.getElementById('most'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", most)
         scale = b.run("return Page.panels[0].what.scale")
-        p95, most = b.run(wanted, every)
-        true(p95 <= scale["most"] * 1.000001 <= 1.08 * p95, f"scale to {scale['most']}, 95th percentile {p95}")
-        same(scale["beyondMost"], most > scale["most"], "arrow at the bar's end")
-        scales.append(scale["most"])
-    true(scales[0] != scales[1], "one state has the scale of all")
+        true(scale["most"] == most and abs(scale["level"] / step - 1) < 1e-9, f"up to {most}: {scale}")
+
+
+def lines(b):
+    """Pixels of the first map that differ with lines and without."""
+    return b.run("""
+      const pixels = (on) => {
+        Page.maps.options.contours = on;
+        Page.maps.draw();
+        const c = Page.panels[0].canvas;
+        return new Uint32Array(c.getContext("2d").getImageData(0, 0, c.width, c.height).data.buffer);
+      };
+      const without = pixels(false), lined = pixels(true);
+      return lined.reduce((n, x, i) => n + (x !== without[i]), 0)""")
+
+
+@check
+def facets_have_the_lines_of_their_averages(b, pages):
+    ready(b, pages["compare"])
+    for toggle in ("marks", "veil"):
+        b.click("#" + toggle)
+    smooth = lines(b)
+    b.click("#facets")
+    facets = lines(b)
+    true(smooth > 300, f"{smooth} pixels of lines when smooth")
+    true(abs(facets / smooth - 1) < 0.1, f"{facets} pixels of lines over facets, {smooth} when smooth")
+    # none beyond the end that the user sets
+    b.run("const s = document.getElementById('most'); s.value = 1e6; s.dispatchEvent(new Event('change'))")
+    same(lines(b), 0, "pixels of lines where none is between the ends")
 
 
 @check
@@ -261,6 +296,7 @@ def play_plays(b, pages):
     at = b.run("return Page.state.frame")
     b.run("return new Promise(done => setTimeout(done, 900))")
     same(b.run("return Page.state.frame"), at, "state after pause")
+    settle(b)
     drawn = b.run("return Page.maps.drawn")
     b.run("return new Promise(done => setTimeout(done, 600))")
     same(b.run("return Page.maps.drawn"), drawn, "drawings while nothing changes")
@@ -412,8 +448,8 @@ def undefined_is_a_gap(b, pages):
     settle(b)
     shown = b.run("""
       const p = Page.panels[0], m = p.mesh, out = [0, 0, 0];
-      for (let k = 0; k < m.triangles.length; ++k) {
-        const x = p.what.facets[m.facet[(k / 3) | 0]], s = p.shown.array[k];
+      for (let k = 0; k < m.map.triangles.length; ++k) {
+        const x = p.what.facets[m.map.facet[(k / 3) | 0]], s = p.shown.array[k];
         if (Number.isNaN(x)) ++out[s < -1.5 ? 0 : 1]; else ++out[2];
       }
       return out""")

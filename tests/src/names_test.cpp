@@ -37,6 +37,16 @@ TEST(Names, TheNearestIsASlipOfTheKeyboardOrNothing) {
   EXPECT_EQ(did_you_mean("bone", names), "");
 }
 
+TEST(Names, APartOfOneNameIsEnough) {
+  const std::vector<std::string> names = {"acetabular_articulating", "femoral_articulating", "femoral_bone", "tin"};
+  EXPECT_EQ(did_you_mean("acetabul", names), " (did you mean \"acetabular_articulating\"?)");
+  EXPECT_EQ(did_you_mean("Bone", names), " (did you mean \"femoral_bone\"?)");
+  EXPECT_EQ(did_you_mean("femoral", names), "");                       // of two
+  EXPECT_EQ(did_you_mean("ac", names), "");                            // hardly a word
+  EXPECT_EQ(did_you_mean("tiny", names), " (did you mean \"tin\"?)");  // the nearest comes first
+  EXPECT_EQ(nearest_name("acetabul", names), "");
+}
+
 TEST(Names, ListsAreShortAndOneLine) {
   EXPECT_EQ(name_list({}), "none");
   EXPECT_EQ(name_list({"b", "a"}), "\"b\", \"a\"");

@@ -209,6 +209,13 @@ function niceStep(range, count) {
   return 10 * power;
 }
 
+// From line to line, and from number to number of a colour bar (io/plot/map_scale.h).
+function scaleStep(low, high) {
+  const raw = (high - low) / Report.steps.count, power = Math.pow(10, Math.floor(Math.log10(raw)));
+  for (const m of Report.steps.multiples) if (m * power >= raw * (1 - 1e-9)) return m * power;
+  return Report.steps.multiples.at(-1) * power;
+}
+
 // Elements without markup from text: names of files are never parsed.
 function make(tag, attributes, ...children) {
   const element = document.createElement(tag);

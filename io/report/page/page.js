@@ -161,63 +161,29 @@ const Page = (() => {
     return m ? m[0] : null;
   }
 
-  // One scale per quantity, for all its panels.
-  function scaleOf(q) {
-    const s = state.surface, about = quantities[q];
-    const scale = { map: "sequential", least: 0, most: 0, level: 0, none: about.none, noneText: about.noneText, title: Format.axis(about.title, about.dimension) };
-    let highest = 0;
-    const consider = (x) => { if (x !== null && x > scale.most) scale.most = x; };
-    if (q === "pressure") {
-      const kind = state.smooth ? "nodes" : "facets";
-      if (state.range === "state") results.forEach((r, i) => { const m = measures(i); if (m) consider(m[kind].peak); });
-      else for (const result of s.about.measures) for (const m of result) if (m[0]) consider(m[0][kind].peak);
-      highest = scale.most;
-    } else {
-      const range = rangeOf(q);
-      if (range) {
-        highest = range.most;
-        scale.most = q === "space" ? range.p95 : range.most;  // the widest gaps at rims are of no interest
-        const step = niceStep(Math.max(scale.most - range.least, 1e-3 * Math.abs(scale.most)), q === "space" ? 12 : 6), least = Math.floor(range.least / step) * step;
-        if (q === "thickness") scale.least = Math.max(0, least);
-        if (q === "space" && least < 0) { scale.least = least; scale.title += ", below 0: overlap"; }
-      }
-    }
-    if (!(scale.most > scale.least)) scale.most = scale.least + (scale.most > 0 ? 0.01 * scale.most : 1);
-    const step = niceStep(scale.most - scale.least, 40);
-    scale.most = Math.ceil(scale.most / step - 1e-9) * step;
-    if (state.most !== null && q === (compared ? state.quantity : "pressure") && state.most > scale.least) scale.most = state.most;
-    scale.level = niceStep(scale.most - scale.least, 8);
-    scale.beyondMost = beyond(highest, scale);
+  // Ends and lines come from the program, by the rule that `dea plot` draws with (io/plot/map_scale.h); only what "up
+  // to" says is worked out here. `of`: the surface's scales or differences.
+  function scaleFrom(of, about) {
+    const scales = of && of[state.smooth ? "nodes" : "facets"];
+    const [least, most, level, lowest, highest] = (scales && (state.range === "all" ? scales.all : scales.frames[state.frame])) || [0, 1, 0.2, 0, 0];
+    return { map: "sequential", least, most, level, lowest, highest, none: about.none, noneText: about.noneText };
+  }
+  const said = (q) => (state.most !== null && q === (compared ? state.quantity : "pressure") ? state.most : null);
+  function beyond(scale) {
+    const margin = 1e-6 * (scale.most - scale.least);
+    scale.beyondMost = scale.highest > scale.most + margin;
+    scale.beyondLeast = scale.lowest < scale.least - margin;
     return scale;
   }
-  const beyond = (x, scale) => x > scale.most + 1e-6 * (scale.most - scale.least);
 
-  // Least, most and 95th percentile of the facets of all results, in the state shown or in all states.
-  const ranges = new Map();
-  function rangeOf(q) {
-    const s = state.surface, one = state.range === "state", key = [s.index, q, one ? state.frame : "all"].join();
-    if (ranges.has(key)) return ranges.get(key);
-    const lists = [];
-    s.fields[q].forEach((f, i) => {
-      if (!f) return;
-      for (const k of one ? [Report.frames[state.frame].states[i]] : f.about.fixed ? [0] : results[i].times.keys()) {
-        const v = f.state(k);
-        if (v) lists.push(v);
-      }
-    });
-    const count = lists.reduce((n, v) => n + v.length, 0), stride = Math.ceil(count / 1e6);  // more do not move a percentile
-    const sample = new Float32Array(Math.ceil(count / stride));
-    let least = Infinity, most = -Infinity, seen = 0, n = 0;
-    for (const v of lists) for (const x of v) {
-      if (Number.isNaN(x)) continue;
-      if (x < least) least = x;
-      if (x > most) most = x;
-      if (seen++ % stride === 0) sample[n++] = x;
-    }
-    const out = seen ? { least, most, p95: sample.subarray(0, n).sort()[Math.floor(0.95 * (n - 1))] } : null;
-    if (ranges.size > 200) ranges.clear();
-    ranges.set(key, out);
-    return out;
+  // One scale per quantity, for all its panels.
+  function scaleOf(q) {
+    const about = quantities[q], scale = scaleFrom(state.surface.about.scales.find((x) => x.field === q), about);
+    scale.title = Format.axis(about.title, about.dimension) + (q === "space" && scale.least < 0 ? ", below 0: overlap" : "");
+    const most = said(q);
+    if (most !== null && most > scale.least) { scale.most = most; scale.level = scaleStep(scale.least, most); }
+    scale.zero = scale.least < 0;  // a line at 0
+    return beyond(scale);
   }
 
   function differenceOf(q) {
@@ -231,6 +197,8 @@ const Page = (() => {
     }
     if (same && !state.smooth) {
       out.facets = a.map((x, k) => x - b[k]);
+      const na = nodal(q, i), nb = nodal(q, j);
+      out.lines = na.map((x, k) => (q === "pressure" && !(na[k] > 0 || nb[k] > 0) ? NaN : x - nb[k]));
       if (q === "pressure") out.shown = (x, k) => a[k] > 0 || b[k] > 0;
     } else {
       const na = same ? nodal(q, i) : Data.carried(s, i, nodal(q, i)), nb = nodal(q, j);
@@ -240,34 +208,11 @@ const Page = (() => {
     return out;
   }
 
-  const differenceRange = new Map();  // per surface, quantity, pair and kind: largest |difference| of all frames
-  function differenceScale(q, what) {
+  function differenceScale(q) {
     const [i, j] = state.pair, about = quantities[q];
-    const largest = (w) => { let m = 0; for (const x of w.facets || w.vertices || []) if (Math.abs(x) > m) m = Math.abs(x); return m; };
-    let most = 0;
-    if (state.range === "state") most = largest(what);
-    else {
-      const key = [state.surface.index, q, i, j, state.smooth].join();
-      if (!differenceRange.has(key)) {
-        const now = state.frame;
-        let m = 0;
-        // many states of large meshes would cost seconds: a dozen, and the compared one
-        const stride = Report.frames.length * state.surface.meshes[j].facetCount < 5e5 ? 1 : Math.max(1, Math.floor(Report.frames.length / 12));
-        for (let f = Report.frames.length - 1; f >= 0; --f) {
-          if (f % stride && f !== Report.frame) continue;
-          state.frame = f;
-          m = Math.max(m, largest(differenceOf(q)));
-        }
-        state.frame = now;
-        differenceRange.set(key, m);
-      }
-      most = differenceRange.get(key);
-    }
-    const step = niceStep(most || 1, 40);
-    most = most > 0 ? Math.ceil(most / step - 1e-9) * step : 1;
-    const cut = largest(what) > most * (1 + 1e-6);
-    return { map: "diverging", least: -most, most, level: niceStep(2 * most, 9), beyondMost: cut, beyondLeast: cut, none: "none", noneText: q === "pressure" ? "no contact" : "",
-      title: Format.axis(`difference of ${about.title}`, about.dimension) };
+    const scale = scaleFrom(state.surface.about.differences.find((x) => x.field === q && x.pair[0] === i && x.pair[1] === j), about);
+    if (scale.least >= 0) scale.least = -scale.most;
+    return beyond({ ...scale, map: "diverging", none: "none", noneText: q === "pressure" ? "no contact" : "", title: Format.axis(`difference of ${about.title}`, about.dimension) });
   }
 
   // What the panels show at this state.
@@ -280,7 +225,7 @@ const Page = (() => {
       let what, scale;
       if (p.difference) {
         what = differenceOf(p.quantity);
-        scale = differenceScale(p.quantity, what);
+        scale = differenceScale(p.quantity);
         p.message = what.message;
         scales.set("difference", scale);
       } else {
@@ -292,9 +237,14 @@ const Page = (() => {
         else if (state.smooth) {
           what.vertices = nodal(p.quantity, p.result);
           const level = edge(p.quantity, p.result);
+          what.from = level;
           if (level !== null) what.over = [above(what.vertices, level)];
         }
-        else what.facets = v;
+        else {
+          what.facets = v;
+          what.lines = nodal(p.quantity, p.result);
+          what.from = edge(p.quantity, p.result);
+        }
         if (v && p.quantity === "pressure") {
           const m = measures(p.result), peak = peakPlace(what);
           if (m && m.center && m.center[0] !== null) p.marks.push({ kind: "center", at: m.center });
@@ -302,7 +252,6 @@ const Page = (() => {
         }
       }
       what.scale = scale;
-      if (what.vertices) scale.lines = true;
       maps.paint(p, what);
       p.canvas.setAttribute("aria-label", `${p.title()}: ${scale.title}`);
     }
@@ -401,7 +350,6 @@ const Page = (() => {
     state.smooth = on;
     $("smooth").setAttribute("aria-pressed", String(on));
     $("facets").setAttribute("aria-pressed", String(!on));
-    $("contours").disabled = !on;
     update();
   }
 

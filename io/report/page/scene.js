@@ -3,15 +3,19 @@
 "use strict";
 
 const Colours = (() => {
-  function table(text) {
-    const out = new Uint8Array(256 * 4);
+  // red, green, blue, and 255 where lines on the colour are white
+  function table(map) {
+    const out = new Uint8Array(256 * 4), text = Report.colours[map];
     for (let i = 0; i < 256; ++i) {
       for (let k = 0; k < 3; ++k) out[4 * i + k] = parseInt(text.substr(6 * i + 2 * k, 2), 16);
-      out[4 * i + 3] = 255;
+      out[4 * i + 3] = Report.lines[map][i] === "w" ? 255 : 0;
     }
     return out;
   }
-  const tables = { sequential: table(Report.colours.sequential), diverging: table(Report.colours.diverging) };
+  const tables = { sequential: table("sequential"), diverging: table("diverging") };
+  function line(map, fraction) {
+    return tables[map][4 * Math.round(255 * Math.min(1, Math.max(0, fraction))) + 3] ? "rgba(255,255,255,0.75)" : "rgba(0,0,0,0.75)";
+  }
   function css(map, fraction) {
     const i = 4 * Math.round(255 * Math.min(1, Math.max(0, fraction))), t = tables[map];
     return `rgb(${t[i]},${t[i + 1]},${t[i + 2]})`;
@@ -22,7 +26,7 @@ const Colours = (() => {
     dark: { paper: "#16181a", panel: "#1e2123", ink: "#e6e6e3", soft: "#a3a8ac", line: "#3a3f43", none: "#8d887e", gone: "#33373a",
       veil: [0.80, 0.78, 0.72], rim: "#c9c7c2", series: ["#56b4e9", "#f0883e", "#2fc69a", "#d990cf", "#8ed0f5", "#e6c14a", "#c4a484"], reference: "#f0efea" }
   };
-  return { tables, css, ink };
+  return { tables, css, line, ink };
 })();
 
 function rgb(text) {
@@ -68,28 +72,31 @@ class Maps {
       side: THREE.DoubleSide,
       polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
       uniforms: { table: { value: null }, least: { value: 0 }, most: { value: 1 }, none: { value: new THREE.Vector3() },
-        gone: { value: new THREE.Vector3() }, level: { value: 0 }, zero: { value: 0 } },
+        gone: { value: new THREE.Vector3() }, level: { value: 0 }, zero: { value: 0 }, from: { value: 0 }, within: { value: 0 } },
       vertexShader: `
-        attribute float value; attribute float shown; attribute vec2 over;
-        varying float v; varying float s; varying vec2 o; varying vec3 n;
+        attribute float value; attribute float shown; attribute vec2 over; attribute float line;
+        varying float v; varying float s; varying vec2 o; varying float l; varying vec3 n;
         void main() {
-          v = value; s = shown; o = over; n = normalMatrix * normal;
+          v = value; s = shown; o = over; l = line; n = normalMatrix * normal;
           gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
         }`,
       fragmentShader: `
-        uniform sampler2D table; uniform float least, most, level, zero; uniform vec3 none, gone;
-        varying float v; varying float s; varying vec2 o; varying vec3 n;
+        uniform sampler2D table; uniform float least, most, level, zero, from, within; uniform vec3 none, gone;
+        varying float v; varying float s; varying vec2 o; varying float l; varying vec3 n;
         void main() {
           float f = clamp((v - least) / (most - least), 0.0, 1.0);
           vec3 c = texture2D(table, vec2((f * 255.0 + 0.5) / 256.0, 0.5)).rgb;
-          if (level > 0.0) {
-            float q = v / level, w = max(fwidth(q), 1e-6);
-            float d = abs(fract(q - 0.5) - 0.5) / w;
-            float far = smoothstep(0.45, 0.25, w);  // lines closer than a few pixels would only be a smear
-            c = mix(c, c * 0.45, (1.0 - smoothstep(0.4, 1.3, d)) * far * max(zero, step(0.5, abs(q))));
-          }
           float e = max(o.x, o.y), px = fwidth(e);  // cut within the triangle
           c = mix(none, c, px > 1e-6 ? clamp(e / px + 0.5, 0.0, 1.0) : step(0.0, e));
+          if (level > 0.0 && l > -1e30) {
+            float q = l / level, w = max(fwidth(q), 1e-6), k = floor(q + 0.5);
+            float far = smoothstep(0.45, 0.25, w);  // lines closer than a few pixels would only be a smear
+            // between the ends, at 0 only if asked, and none where contact has ended
+            float there = max(1.0 - within, step(0.0, e)) * step(least / level + 1e-4, k) * step(k, most / level - 1e-4) * step(from, k * level) * max(zero, step(0.5, abs(k)));
+            float light = clamp((k * level - least) / (most - least), 0.0, 1.0);
+            vec3 ink = vec3(step(0.5, texture2D(table, vec2((light * 255.0 + 0.5) / 256.0, 0.5)).a));
+            c = mix(c, ink, 0.7 * (1.0 - smoothstep(0.2, 1.1, abs(q - k) / w)) * far * there);
+          }
           if (s < -1.5) c = gone;
           float facing = abs(normalize(n).z);
           gl_FragColor = vec4(c * (0.80 + 0.20 * facing), 1.0);
@@ -179,11 +186,11 @@ class Maps {
       const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
       for (const v of [a, b, c]) { around[v] += nx; around[v + 1] += ny; around[v + 2] += nz; }
     }
-    // corners of `triangles` among `points`; the middles of quads have the mean of their corners' normals
+    // corners of the map's triangles; the middles of quads have the mean of their corners' normals
     const spread = (points, triangles) => {
       const n = triangles.length, normals = new Float64Array(points.length), c = m.map.middles;
       normals.set(around);
-      for (let i = 0; i < c.length && points.length > x.length; ++i)
+      for (let i = 0; i < c.length; ++i)
         for (let k = 0; k < 3; ++k) normals[x.length + 3 * (i >> 2) + k] += around[3 * c[i] + k];
       const at = new Float32Array(3 * n), across = new Float32Array(3 * n);
       for (let k = 0; k < n; ++k) {
@@ -218,8 +225,8 @@ class Maps {
       object.frustumCulled = false;
       return object;
     };
-    const made = [null, null];
-    const corners = (smooth) => made[+smooth] || (made[+smooth] = smooth ? spread(m.map.points, m.map.triangles) : spread(x, m.triangles));
+    let made = null;
+    const corners = () => made || (made = spread(m.map.points, m.map.triangles));
     const out = { corners, lines: line(lines, this.lineMaterial), rim: line(rim, this.rimMaterial), projected: null, version: -1 };
     this.geometries.set(m, out);
     return out;
@@ -227,13 +234,14 @@ class Maps {
 
   // Colours of one panel. `what`: { mesh, facets (per facet) or vertices (per vertex), may be NaN; shown(x, i): of facets,
   // and of vertices without `over`: whether it has the scale's colour, else that of "none"; over: lists per vertex, where
-  // one of them is 0 or more, interpolated, the scale's colours are shown }, scale: { map, least, most, level, none }.
+  // one of them is 0 or more, interpolated, the scale's colours are shown; lines: with facets, values per vertex whose
+  // lines are drawn, none below `from` }, scale: { map, least, most, level, none }.
   paint(panel, what) {
     panel.what = what;
     if (this.fault) return;
-    const m = what.mesh, smooth = !!what.vertices, triangles = smooth ? m.map.triangles : m.triangles, n = triangles.length;
-    if (!panel.object || panel.mesh !== m || panel.smooth !== smooth) {
-      const geometry = new THREE.BufferGeometry(), g = this.geometry(m).corners(smooth);
+    const m = what.mesh, smooth = !!what.vertices, triangles = m.map.triangles, n = triangles.length;
+    if (!panel.object || panel.mesh !== m) {
+      const geometry = new THREE.BufferGeometry(), g = this.geometry(m).corners();
       geometry.setAttribute("position", g.positions);
       geometry.setAttribute("normal", g.normals);
       panel.over = new THREE.BufferAttribute(new Float32Array(2 * n), 2);
@@ -241,28 +249,31 @@ class Maps {
       panel.values = new THREE.BufferAttribute(new Float32Array(n), 1);
       panel.shown = new THREE.BufferAttribute(new Float32Array(n), 1);
       geometry.setAttribute("value", panel.values);
+      panel.line = new THREE.BufferAttribute(new Float32Array(n), 1);
       geometry.setAttribute("shown", panel.shown);
+      geometry.setAttribute("line", panel.line);
       if (panel.object) panel.object.geometry.deleteAttribute("position"), panel.object.geometry.dispose();
       panel.object = new THREE.Mesh(geometry, this.material);
       panel.object.frustumCulled = false;
       panel.mesh = m;
-      panel.smooth = smooth;
     }
-    const values = panel.values.array, shown = panel.shown.array, over = panel.over.array;
+    const values = panel.values.array, shown = panel.shown.array, over = panel.over.array, line = panel.line.array;
+    const lines = what.vertices || what.lines ? Data.pointValues(m, what.vertices || what.lines) : null;
     const source = smooth ? Data.pointValues(m, what.vertices) : what.facets;
     // a small number to either side stays one: on the graphics card they are of 4 bytes
     const size = (list) => { let s = 0; for (const x of list) if (Math.abs(x) > s && x < Infinity) s = Math.abs(x); return s || 1; };
     const edges = smooth && what.over ? what.over.map((list) => { const s = size(list); return Data.pointValues(m, list.map((x) => Math.max(-1, x / s))); }) : null;
     for (let k = 0; k < n; ++k) {
-      const i = smooth ? triangles[k] : m.facet[(k / 3) | 0];
-      const x = source ? source[i] : NaN;
+      const i = smooth ? triangles[k] : m.map.facet[(k / 3) | 0];
+      const x = source ? source[i] : NaN, y = lines ? lines[triangles[k]] : NaN;
+      line[k] = Number.isNaN(y) ? -1e38 : y;
       if (Number.isNaN(x)) { values[k] = 0; shown[k] = -1000; continue; }
       values[k] = x;
       shown[k] = 1;
       if (edges) { over[2 * k] = edges[0][i]; over[2 * k + 1] = edges[edges.length - 1][i]; }
       else over[2 * k] = over[2 * k + 1] = what.shown(x, i) ? 1 : -1;
     }
-    panel.values.needsUpdate = panel.shown.needsUpdate = panel.over.needsUpdate = true;
+    panel.values.needsUpdate = panel.shown.needsUpdate = panel.over.needsUpdate = panel.line.needsUpdate = true;
     this.request();
   }
 
@@ -300,8 +311,10 @@ class Maps {
     u.table.value = this.textures[scale.map];
     u.least.value = scale.least;
     u.most.value = scale.most;
-    u.level.value = this.options.contours && !panel.what.facets ? scale.level : 0;
-    u.zero.value = scale.map === "sequential" && scale.least < 0 ? 1 : 0;
+    u.level.value = this.options.contours ? scale.level : 0;
+    u.zero.value = scale.zero ? 1 : 0;
+    u.from.value = panel.what.from ?? -1e30;
+    u.within.value = panel.what.facets ? 0 : 1;
     u.none.value.set(...rgb(ink[scale.none]));
     u.gone.value.set(...rgb(ink.gone));
     const line = rgb(ink.rim);
@@ -571,14 +584,12 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
     c.fillRect(from + i * span / 256, top, span / 256 + 0.6, height);
   }
   const place = (value) => from + span * (value - scale.least) / (scale.most - scale.least);
-  if (contours && scale.lines) {
-    const first = Math.ceil(scale.least / scale.level + 1e-6), last = Math.floor(scale.most / scale.level - 1e-6);
-    for (let i = first; i <= last; ++i) {
-      if (i === 0 && !(scale.map === "sequential" && scale.least < 0)) continue;
-      const [r, g, b] = Colours.css(scale.map, (i * scale.level - scale.least) / (scale.most - scale.least)).match(/\d+/g);
-      c.fillStyle = 0.3 * r + 0.59 * g + 0.11 * b < 120 ? "rgba(255,255,255,0.75)" : "rgba(0,0,0,0.65)";
-      c.fillRect(place(i * scale.level) - 0.7, top, 1.4, height);
-    }
+  const ticks = [], margin = 1e-6 * scale.level;
+  for (let i = Math.ceil(scale.least / scale.level - 1e-6); i * scale.level <= scale.most + margin && ticks.length < 20; ++i) ticks.push(i * scale.level);
+  if (contours) for (const value of ticks) {
+    if ((Math.abs(value) < margin && !scale.zero) || value < scale.least + margin || value > scale.most - margin) continue;
+    c.fillStyle = Colours.line(scale.map, (value - scale.least) / (scale.most - scale.least));
+    c.fillRect(place(value) - 0.7, top, 1.4, height);
   }
   const arrow = (base, tip, fraction) => {
     c.fillStyle = Colours.css(scale.map, fraction);
@@ -586,12 +597,15 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
   };
   if (scale.beyondMost) arrow(from + span, from + span + 12, 1);
   if (scale.beyondLeast) arrow(from, from - 12, 0);
-  const step = niceStep(scale.most - scale.least, Math.max(2, Math.min(7, Math.floor(span / 64))));
+  // every number has a tick; where there is no room for all of them, every second one is written, or fewer
+  const texts = ticks.map((value) => Format.short(value));
+  const widest = Math.max(...texts.map((t) => c.measureText(t).width)) + 10, room = span * scale.level / (scale.most - scale.least);
+  const every = [1, 2, 5, 10].find((k) => k * room >= widest) || 20;
   c.strokeStyle = ink.soft; c.fillStyle = ink.soft; c.textAlign = "center"; c.lineWidth = 1;
-  for (let i = Math.ceil(scale.least / step - 1e-9); i * step <= scale.most + 1e-9 * step; ++i) {
-    const value = i * step, px = place(value);
+  ticks.forEach((value, i) => {
+    const px = place(value);
     c.beginPath(); c.moveTo(px, top + height); c.lineTo(px, top + height + 4); c.stroke();
-    c.fillText(Format.short(value), px, top + height + 19);
-  }
+    if (Math.round(value / scale.level) % every === 0) c.fillText(texts[i], px, top + height + 19);
+  });
   c.restore();
 }
