@@ -357,9 +357,11 @@ void prescribe_nodes(Reading& reading, FENodalBC& condition, const char* value) 
     prescribed.value = need_scaled(reading, condition, value);
     prescribed.relative = flag(condition, "relative");
     const std::string set = condition.GetNodeSet()->GetName();
-    add(reading, condition, reading.model.prescribed_nodes, prescribed);
-    for (PrescribedNodes& p : reading.model.prescribed_nodes)
-      if (p.name.empty()) p.name = set.empty() ? "moved nodes" : set;
+    std::vector<PrescribedNodes>& all = reading.model.prescribed_nodes;
+    const std::size_t before = all.size();
+    add(reading, condition, all, prescribed);
+    for (std::size_t i = before; i < all.size(); ++i)
+      if (all[i].name.empty()) all[i].name = set.empty() ? "moved nodes" : set;
   }
 }
 

@@ -63,11 +63,24 @@ void hold_by_nodes(const JointModel& model, const Joint& joint, int body, int st
   for (const FixedNodes& f : model.fixed_nodes)
     for (int k = 0; k < 3; ++k)
       if (acts(f.step) && f.xyz[at(k)]) add(f.nodes, k, 0.0);
+  const auto ours = [&](const std::vector<int>& nodes) {
+    return std::any_of(nodes.begin(), nodes.end(), [&](int node) { return joint.node_body[at(node)] == body; });
+  };
+  // Fixed later than moved or free: FEBio puts such nodes back to where they were in the reference.
+  bool back = std::any_of(model.fixed_nodes.begin(), model.fixed_nodes.end(),
+                          [&](const FixedNodes& f) { return f.step > 0 && ours(f.nodes); });
   const PrescribedNodes* mover = nullptr;
   bool agree = true;
+  std::array<int, 3> relative = {-1, -1, -1};  // -1: nothing moves this component
   for (const PrescribedNodes& p : model.prescribed_nodes) {
-    if (!acts(p.step) || !add(p.nodes, p.component, finite_value(model, p.value, time, p.origin))) continue;
-    agree = agree && (mover == nullptr || mover->relative == p.relative);
+    if (!acts(p.step)) {
+      back = back || ours(p.nodes);
+      continue;
+    }
+    if (!add(p.nodes, p.component, finite_value(model, p.value, time, p.origin))) continue;
+    const int counts = p.relative && p.step >= 0;
+    agree = agree && (relative[at(p.component)] < 0 || relative[at(p.component)] == counts);
+    relative[at(p.component)] = counts;
     mover = &p;
   }
 
@@ -102,10 +115,10 @@ void hold_by_nodes(const JointModel& model, const Joint& joint, int body, int st
     if (free_part >= 1e-6) continue;
     ++dofs_held;
     conditions.dofs[at(dof)] = DofState::Held;
-    if (dof < 3 && mover != nullptr) {
+    if (dof < 3 && (mover != nullptr || back)) {
       conditions.dofs[at(dof)] = DofState::Prescribed;
       conditions.value[dof] = motion[dof];
-      conditions.relative[at(dof)] = mover->relative && mover->step >= 0;
+      conditions.relative[at(dof)] = relative[at(dof)] == 1;
     }
   }
   if (mover == nullptr) return;
@@ -114,7 +127,7 @@ void hold_by_nodes(const JointModel& model, const Joint& joint, int body, int st
   if (!agree)
     throw InputError(
         model, mover->origin,
-        fmt::format("prescribed displacement \"{}\": at time {:g} its nodes move bone \"{}\" otherwise than by a "
+        fmt::format("prescribed displacement \"{}\": at time {:g} its nodes move bone \"{}\" otherwise than by one "
                     "translation along x, y or z, which DEA cannot follow; make the bone a rigid body of the model and "
                     "prescribe its motion",
                     mover->name, time, b.name));
@@ -174,7 +187,11 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
     if (!joint.bodies[b].moved_by.empty()) c.bodies[b].dofs.fill(DofState::Held);
     for (int i : joint.bodies[b].moved_by) {
       const PrescribedNodes& p = model.prescribed_nodes[at(i)];
-      if (!active(p.step)) continue;
+      if (!active(p.step)) {  // fixed in this step: at the reference position, wherever the nodes were before
+        if (c.bodies[b].dofs[at(p.component)] == DofState::Held)
+          c.bodies[b].dofs[at(p.component)] = DofState::Prescribed;
+        continue;
+      }
       c.bodies[b].dofs[at(p.component)] = DofState::Prescribed;
       c.bodies[b].value[p.component] = finite_value(model, p.value, time, p.origin);
       c.bodies[b].relative[at(p.component)] = p.relative && p.step >= 0;

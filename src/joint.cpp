@@ -228,8 +228,9 @@ void find_moved_bodies(Recognition& r, std::vector<std::string>& findings, std::
       found.center_of_mass += model.nodes[at(node)] / static_cast<double>(moved.nodes.size());
     const int index = r.bodies.ground();
     for (int node : moved.nodes) r.moved[at(node)] = index;
-    findings.push_back(fmt::format("{} nodes are moved together (\"{}\"): taken as a bone that the model leaves out",
-                                   moved.nodes.size(), found.name));
+    findings.push_back(fmt::format(
+        "{} moved together (\"{}\"): taken as a bone that the model leaves out",
+        moved.nodes.size() == 1 ? "1 node is" : fmt::format("{} nodes are", moved.nodes.size()), found.name));
     r.bodies.bodies.insert(r.bodies.bodies.end() - 1, std::move(found));
   }
 }
@@ -257,17 +258,18 @@ void find_holders(Recognition& r) {
   r.fixed.assign(model.nodes.size(), 0);
   r.mirror.assign(model.nodes.size(), 0);
   for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (r.moved[i] >= 0) continue;  // fixed in some components or steps, moved in others
     if (!(fixed[i][0] && fixed[i][1] && fixed[i][2])) {
       for (std::size_t k = 0; k < 3; ++k)
         if (fixed[i][k]) r.mirror[i] = static_cast<unsigned char>(r.mirror[i] | (1u << k));
       continue;
     }
+    if (r.bodies.of_node[i] >= 0) continue;  // they hold that body, or are FEBio's to ignore
     r.fixed[i] = 1;
     hold(r, static_cast<int>(i), r.bodies.ground(), "nodes fixed in x, y and z");
   }
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     if (r.moved[i] < 0) continue;
-    r.mirror[i] = 0;
     hold(r, static_cast<int>(i), r.moved[i],
          fmt::format("nodes moved together by \"{}\"", r.bodies.bodies[at(r.moved[i])].name));
   }
@@ -701,8 +703,14 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
       if (held->second.size() > 1) {
         std::string list;
         for (const auto& h : held->second) list += (list.empty() ? "" : "; ") + h.second;
-        throw refuse(fmt::format("its layer is held by {} bodies ({}); choose with --attach \"{}=BODY\"",
-                                 held->second.size(), list, s.name));
+        const auto moved = std::count_if(held->second.begin(), held->second.end(),
+                                         [&](const auto& h) { return !r.bodies.bodies[at(h.first)].moved_by.empty(); });
+        throw refuse(fmt::format(
+            "its layer is held by {} bodies ({}){}; choose with --attach \"{}=BODY\"", held->second.size(), list,
+            moved > 0 ? ", and moved nodes move otherwise than the rest, so it is not bonded to one "
+                        "bone: move all alike, or divide the layer"
+                      : "",
+            s.name));
       }
       layer.body = held->second.begin()->first;
       layer.attached_by = held->second.begin()->second;

@@ -31,15 +31,14 @@ std::vector<Rim> source_rim(const LayerMesh& mesh, const Layer& source) {
   return rim;
 }
 
-/// Beyond an edge of the source's rim the target goes on where the spring beside the edge stands well inside the
-/// target in the reference pose. (Judged anew in every pose, it would make pressures jump.)
+/// Beyond an edge of the source's rim the target goes on where the edge's middle, carried along the springs beside it,
+/// stands well inside the target in the reference pose. (Judged anew in every pose, it would make pressures jump.)
 std::vector<Rim> target_rim(const LayerBed& layers, const SpringBed& bed) {
+  constexpr double kTie = 1e-6;  // edges that are as far as the target is thick are all free, whatever the rounding
   const SpringStates s = project_springs(bed, {bed.source_center, Eigen::Matrix3d::Identity()},
                                          {bed.target_center, Eigen::Matrix3d::Identity()});
   const LayerMesh& mesh = *layers.mesh;
-  std::vector<int> foot_of_triangle(mesh.triangles.size(), -1);
-  for (int f = 0; f < mesh.feet(); ++f)
-    if (s.triangle[at(f)] >= 0) foot_of_triangle[at(mesh.foot_triangle[at(f)])] = f;
+  const std::vector<std::array<Vector3d, 2>> segments = rim_segments(bed.pair->target_layer().spring_surface());
   std::vector<Rim> rim;
   for (std::size_t k = 0; k < mesh.rim.size(); ++k) {
     const RimEdge& edge = mesh.rim[k];
@@ -47,9 +46,20 @@ std::vector<Rim> target_rim(const LayerBed& layers, const SpringBed& bed) {
       rim.push_back(Rim::Wall);
       continue;
     }
-    const int f = foot_of_triangle[at(edge.triangle)];
-    const bool inside = f >= 0 && s.coverage[at(f)] >= 1.0 &&
-                        bed.rim_distance[at(s.triangle[at(f)])] > std::max(edge.length, s.t_target[at(f)]);
+    const std::vector<int>& feet = mesh.triangle_feet[at(edge.triangle)];
+    bool inside = !feet.empty();
+    Vector3d along = Vector3d::Zero();
+    double thickness = 0.0;
+    for (const int f : feet) {
+      inside = inside && s.triangle[at(f)] >= 0 && s.coverage[at(f)] >= 1.0;
+      if (!inside) break;
+      along += (s.end[at(f)] - s.foot[at(f)]) / static_cast<double>(feet.size());
+      thickness = std::max(thickness, s.t_target[at(f)]);
+    }
+    const Vector3d middle = 0.5 * (mesh.vertices[at(edge.a)] + mesh.vertices[at(edge.b)]) + along;
+    const double needed = std::max(edge.length, thickness) * (1 + kTie);
+    for (std::size_t i = 0; i < segments.size() && inside; ++i)
+      inside = distance_to_segment(middle, segments[i][0], segments[i][1]) > needed;
     rim.push_back(inside ? Rim::Continues : Rim::Free);
   }
   return rim;

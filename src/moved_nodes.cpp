@@ -23,9 +23,10 @@ std::vector<int> motion_classes(const JointModel& model) {
   std::map<std::tuple<double, int, bool>, int> classes;
   std::vector<int> of_condition;
   for (const PrescribedNodes& p : model.prescribed_nodes)
-    of_condition.push_back(
-        classes.try_emplace({p.value.factor, p.value.controller, p.relative}, static_cast<int>(classes.size()))
-            .first->second);
+    of_condition.push_back(classes
+                               .try_emplace({p.value.factor, p.value.controller, p.relative && p.step >= 0},
+                                            static_cast<int>(classes.size()))
+                               .first->second);
   return of_condition;
 }
 

@@ -17,9 +17,9 @@ struct MovedNodes {
   std::vector<int> conditions;  ///< indices into JointModel::prescribed_nodes: those of each node
 };
 
-/// Nodes of no body, grouped by their motion in all steps; components that are fixed do not move. Nodes that are free
-/// in a component, or both fixed and moved in one, are no body: one line per condition in `faults`. `body_of_node`: per
-/// node, >= 0: a body has it.
+/// Nodes of no body, grouped by their motion in all steps; components that are fixed stay at, or go back to, the
+/// reference. Nodes that are free in a component, or both fixed and moved in one, are no body: one line per condition
+/// in `faults`. `body_of_node`: per node, >= 0: a body has it.
 std::vector<MovedNodes> find_moved_nodes(const JointModel& model, const std::vector<int>& body_of_node,
                                          std::vector<std::string>& faults);
 

@@ -171,7 +171,7 @@ double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d&
   return (x - (a + s * ab)).norm();
 }
 
-std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
+std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh) {
   std::vector<std::array<Vector3d, 2>> rim;
   for (int t = 0; t < mesh.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
@@ -180,6 +180,11 @@ std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
       }
     }
   }
+  return rim;
+}
+
+std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
+  const std::vector<std::array<Vector3d, 2>> rim = rim_segments(mesh);
   std::vector<double> distance(mesh.triangles.size(), std::numeric_limits<double>::infinity());
   if (rim.empty()) return distance;
 

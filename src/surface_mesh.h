@@ -51,6 +51,9 @@ Vector3d linear_gradient(const SurfaceMesh& mesh, int triangle, const std::array
 
 double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b);
 
+/// The ends of the edges that only one triangle has.
+std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh);
+
 /// Per triangle a lower bound of the distance of all its points to the rim: exact enough to tell apart distances
 /// up to `reach`, beyond that only known to be larger. Infinity on a closed surface.
 std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach);

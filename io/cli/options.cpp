@@ -163,6 +163,9 @@ std::string plot_name_note(const std::string& option, const std::string& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   std::error_code error;
+  if (extension == ".feb")
+    throw UsageError(
+        fmt::format("{} {}: found the ending of a model file, which would be lost; expected .xplt", option, path));
   if (extension == ".xplt" || std::filesystem::is_character_file(path, error)) return "";  // /dev/null
   return fmt::format(
       "note: {} {}: PostView and FEBio Studio know plot files by the ending .xplt; written as it was asked", option,

@@ -122,6 +122,7 @@ int run(const RunArguments& a) {
   begin("reading " + file_name(a.model));
   const JointModel model = read_feb(a.model);
   check_outputs(inputs, outputs);
+  const std::string name_note = plot_name_note(output_option, options.output);
   options.seconds_reading = seconds() - start;
   double last = seconds();
   options.on_activity = [&](const Activity& activity) { show_activity(progress, activity); };
@@ -151,7 +152,7 @@ int run(const RunArguments& a) {
   progress.clear();
 
   if (!a.quiet) {
-    if (const std::string note = plot_name_note(output_option, options.output); !note.empty()) log(note);
+    if (!name_note.empty()) log(name_note);
     for (const std::string& line : model_remarks(model, result.analysis.joint)) log(line);
     for (const std::string& line : result_remarks(model, result.analysis)) log(line);
     if (options.json != "-" && options.csv != "-" && options.facets_csv != "-") print(run_text(model, result.analysis));

@@ -257,12 +257,17 @@ bool strip(const std::vector<char>& was_rigid, const std::vector<char>& is_rigid
 }
 
 /// FEBio moves no nodes of rigid bodies.
-void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartilage) {
+void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartilage, const std::vector<char>& rigid) {
+  std::vector<char> rigid_now(model.nodes.size(), 0);
+  for (const Domain& d : model.domains)
+    if (d.material >= 0 && rigid[at(d.material)] && !is_line(d.shape))
+      for (int node : d.nodes) rigid_now[at(node)] = 1;
   for (const PrescribedNodes& p : model.prescribed_nodes)
-    if (std::any_of(p.nodes.begin(), p.nodes.end(), [&](int node) { return cartilage[at(node)] >= 0; }))
+    if (std::any_of(p.nodes.begin(), p.nodes.end(),
+                    [&](int node) { return cartilage[at(node)] >= 0 || rigid_now[at(node)]; }))
       throw InputError(model, p.origin,
-                       fmt::format("prescribed displacement \"{}\" moves nodes of cartilage that the conversion makes "
-                                   "rigid, and FEBio moves no nodes of rigid bodies: make the bone behind them a rigid "
+                       fmt::format("prescribed displacement \"{}\" moves nodes that the conversion makes rigid, "
+                                   "and FEBio moves no nodes of rigid bodies: make the bone behind them a rigid "
                                    "body and prescribe its motion (`dea run` solves the model as it is)",
                                    p.name));
 }
@@ -419,7 +424,7 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
   const std::vector<char> rigid = rigid_materials(model, settings);
   const Bodies bodies = find_bodies(model, rigid);
   const std::vector<int> cartilage = cartilage_nodes(model, plan);
-  refuse_moved_nodes(model, cartilage);
+  refuse_moved_nodes(model, cartilage, rigid);
   std::vector<int> home = home_materials(model, plan);
   convert_contacts(model, plan);
   add_ground(model, plan, home, cartilage);

@@ -102,7 +102,7 @@ void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dof
 namespace {
 
 bool is_relative(const Reading& reading, const XMLElement& element) {
-  return attribute(element, "type") == "relative" || child_bool(reading, element, "relative", false);
+  return child_bool(reading, element, "relative", false);
 }
 
 std::string node_set_name(const XMLElement& element) {

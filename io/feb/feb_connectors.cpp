@@ -159,6 +159,7 @@ void add_moments(Reading& reading, const XMLElement& element, const RigidJoint& 
       load.value = a ? moment : opposite(moment);
       set_place(reading, *child, load);
       load.name = joint.name;
+      reading.moments_of[joint.name].push_back(reading.model.rigid_loads.size());
       reading.model.rigid_loads.push_back(std::move(load));
     }
   }
@@ -317,17 +318,30 @@ void name_connector_again(Reading& reading, const XMLElement& element) {
     fail(reading, element,
          fmt::format("<constraint name={}> without a type, expected the name of a constraint above it", quote(name)));
   if (reading.step < 0) return;
-  const auto in_this_step = [&](auto& list) {
-    const auto last = std::find_if(list.rbegin(), list.rend(), [&](const auto& c) { return c.name == name; });
-    if (last == list.rend() || last->step == reading.step) return;
-    if (last->step < 0) {  // of all steps until a step names it
-      last->step = reading.step;
+  const auto act_too = [&](auto& list, std::size_t i) {
+    if (list[i].step == reading.step) return;
+    if (list[i].step < 0) {  // of all steps until a step names it
+      list[i].step = reading.step;
       return;
     }
-    auto again = *last;
+    auto again = list[i];
     again.step = reading.step;
     list.push_back(std::move(again));
   };
+  const auto in_this_step = [&](auto& list) {
+    for (std::size_t i = list.size(); i-- > 0;)
+      if (list[i].name == name) return act_too(list, i);
+  };
+  const auto moments = reading.moments_of.find(name);  // of a spherical joint: loads of their own
+  if (moments != reading.moments_of.end()) {
+    std::vector<std::size_t> now;
+    for (const std::size_t i : moments->second) {
+      const std::size_t before = reading.model.rigid_loads.size();
+      act_too(reading.model.rigid_loads, i);
+      now.push_back(reading.model.rigid_loads.size() > before ? before : i);
+    }
+    moments->second = now;
+  }
   in_this_step(reading.model.rigid_springs);
   in_this_step(reading.model.rigid_joints);
   in_this_step(reading.model.rigid_axial_forces);

@@ -164,7 +164,8 @@ struct Reading {
   std::set<std::string> ambiguous_materials;                   ///< names of several materials
   std::size_t set_entries = 0;                                 ///< nodes and elements listed by sets so far
   std::map<std::string, SurfacePair, std::less<>> surface_pairs;
-  std::set<std::string> connector_names;  ///< read so far, of any kind
+  std::set<std::string> connector_names;                                    ///< read so far, of any kind
+  std::map<std::string, std::vector<std::size_t>, std::less<>> moments_of;  ///< a joint's entries of rigid_loads
   std::vector<DiscreteMaterial> discrete_materials;
   std::vector<SurfaceMap> surface_maps;
   std::vector<MapUse> map_uses;

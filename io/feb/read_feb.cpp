@@ -232,7 +232,8 @@ void read_section(Reading& reading, const XMLElement& section) {
   if (read_child(reading, section, kSections)) return;
   // A slip of the keyboard would leave out a whole section.
   std::vector<std::string> names;
-  for (const TagReader& known : kSections) names.push_back(known.tag);
+  for (const TagReader& known : kSections)
+    if (known.read != kInSilence && known.read != pass_over_section) names.push_back(known.tag);
   const std::string meant = nearest_name(section.Name(), names);
   if (!meant.empty())
     fail(reading, section, fmt::format("section <{}> is unknown: did you mean <{}>?", section.Name(), meant));

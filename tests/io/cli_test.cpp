@@ -350,6 +350,11 @@ TEST_F(Cli, PlotFilesOfOtherEndingsAreWrittenWithANote) {
   EXPECT_EQ(notes("a.dat", {"-q"}), "");
   EXPECT_EQ(notes("a.xplt"), "");
   EXPECT_EQ(notes("B.XPLT"), "");
+  std::ofstream(folder / "keep.feb") << "a model";  // no plot file goes over a model
+  const Finished over = dea({"run", "flat.feb", "-o", "keep.feb", "-q"});
+  EXPECT_EQ(over.code, 2);
+  EXPECT_NE(over.err.find("-o keep.feb: found the ending of a model file"), std::string::npos) << over.err;
+  EXPECT_EQ(file_text(folder / "keep.feb"), "a model");
   EXPECT_EQ(dea({"run", "flat.feb", "-o", "/dev/null"}).err.find("PostView"), std::string::npos);
 }
 

@@ -775,7 +775,7 @@ TEST_F(ReadFeb, PrescribedDisplacementOfNodesInAllVersions) {
       {kModel25,
        R"(<prescribe name="up" bc="y" node_set="@surface:bottom"><scale lc="1">0.2</scale><relative>1</relative></prescribe>)"},
       {kModel20,
-       R"(<prescribe name="up" bc="y" lc="1" scale="0.2" type="relative"><node id="5"/><node id="6"/><node id="7"/><node id="8"/></prescribe>)"},
+       R"(<prescribe name="up" bc="y" lc="1" scale="0.2" type="relative"><node id="5">0.2</node><node id="6"/><node id="7"/><node id="8"/></prescribe>)"},
       {kModel12,
        R"(<prescribe name="up" type="relative"><node id="5" bc="y" lc="1">0.2</node><node id="6" bc="y" lc="1">0.2</node><node id="7" bc="y" lc="1">0.2</node><node id="8" bc="y" lc="1">0.2</node></prescribe>)"},
   };
@@ -1218,6 +1218,23 @@ TEST_F(ReadFeb, ConstraintsActWhereStepsNameThem) {
   EXPECT_EQ(steps_of(with("<Step>" + again + "</Step>")), (std::vector<int>{2}));
   EXPECT_EQ(steps_of(with("<Step>" + again + again + "</Step><Step>" + again + "</Step>")), (std::vector<int>{2, 3}));
   EXPECT_THROW(with(R"(<Step><Constraints><constraint name="d"/></Constraints></Step>)"), InputError);
+  // moments of a spherical joint are loads: they act with it
+  const std::string ball =
+      R"(<Constraints><constraint name="b" type="rigid spherical joint"><body_a>1</body_a><body_b>4</body_b>
+<joint_origin>0,0,0</joint_origin><moment_x>7</moment_x></constraint></Constraints>)";
+  const std::string ball_again = R"(<Constraints><constraint name="b"/></Constraints>)";
+  const auto loads_in = [](const JointModel& m, int step) {
+    return std::count_if(m.rigid_loads.begin(), m.rigid_loads.end(),
+                         [&](const RigidLoad& l) { return l.name == "b" && l.step == step; });
+  };
+  const std::string empty_step = "<Step></Step>";
+  const JointModel twice =
+      with("<Step>" + ball + "</Step>" + empty_step + "<Step>" + ball_again + "</Step><Step>" + ball_again + "</Step>");
+  for (const int step : {2, 4, 5}) EXPECT_EQ(loads_in(twice, step), 2) << step;
+  EXPECT_EQ(loads_in(twice, 3), 0);
+  EXPECT_EQ(loads_in(twice, -1), 0);
+  ASSERT_EQ(twice.rigid_joints.size(), 3u);
+  EXPECT_EQ(twice.rigid_joints[2].step, 5);
   // a section Discrete behind steps acts in all
   const JointModel m = with(
       R"(<Discrete><rigid_axial_force><rbA>1</rbA><rbB>4</rbB><force lc="1">1</force></rigid_axial_force></Discrete>)");

@@ -1,6 +1,7 @@
 // The layer law wired into springs and equilibrium: answers on paper, derivative, symmetry, invariance.
 #include "layer_bed.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -37,6 +38,44 @@ SpringStates pressed(const JointModel& model, const Settings& settings, double d
   return project_springs(bed, source, target);
 }
 
+/// A layer 7 wide on one that reaches `beyond` further on all sides, both 2 thick; the upper one, which has the
+/// springs, is pressed 0.2 into it. Force per quarter of the upper rim's facets, and of all.
+struct RimForces {
+  double side[4] = {0, 0, 0, 0};
+  double total = 0.0;
+};
+RimForces on_a_wider_layer(double beyond, int refine) {
+  constexpr double kWidth = 7.0, kThick = 2.0;
+  JointModel model = empty_model();
+  const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true),
+            top = add_material(model, "top", true);
+  const double wide = kWidth + 2 * beyond;
+  const int lower = add_layer(
+      model, "lower", 10, 10, 1,
+      [=](double u, double v) { return Vector3d(wide * (u - 0.5), wide * (v - 0.5), -kThick); },
+      [=](double u, double v) { return Vector3d(wide * (u - 0.5), wide * (v - 0.5), 0); }, cartilage, base);
+  const int upper = add_layer(
+      model, "upper", 12, 12, 1,
+      [=](double u, double v) { return Vector3d(kWidth * (v - 0.5), kWidth * (u - 0.5), kThick); },
+      [=](double u, double v) { return Vector3d(kWidth * (v - 0.5), kWidth * (u - 0.5), 0); }, cartilage, top);
+  add_contact(model, "press", upper, lower);
+  Settings settings = layer_settings();
+  settings.refine = refine;
+  const SpringStates s = pressed(model, settings, -0.2);
+  RimForces forces;
+  for (int f = 0; f < s.size(); ++f) {
+    const Vector3d& x = s.foot[static_cast<std::size_t>(f)];
+    const double force = s.pressure[static_cast<std::size_t>(f)] * s.area[static_cast<std::size_t>(f)];
+    forces.total += force;
+    const double inner = 0.5 * kWidth - kWidth / 12;
+    if (x.x() > inner) forces.side[0] += force;
+    if (x.x() < -inner) forces.side[1] += force;
+    if (x.y() > inner) forces.side[2] += force;
+    if (x.y() < -inner) forces.side[3] += force;
+  }
+  return forces;
+}
+
 /// Holds the nodes on the layer's sides in the direction of their plane's normal, as symmetry planes do.
 void wall_in(JointModel& model, double size) {
   for (int k = 0; k < 2; ++k) {
@@ -46,6 +85,25 @@ void wall_in(JointModel& model, double size) {
       if (std::abs(std::abs(model.nodes[i][k]) - size / 2) < 1e-9 && model.nodes[i].z() <= 0)
         plane.nodes.push_back(static_cast<int>(i));
     model.fixed_nodes.push_back(plane);
+  }
+}
+
+// Whether the target goes on beyond the source's rim is a matter of distances, not of triangles and rounding.
+TEST(LayerRim, IsTheSameOnAllSidesAndForAnyRefinement) {
+  double before = 0.0;
+  for (const double beyond : {1.0, 2.0, 2.25, 2.75, 3.25, 4.0}) {  // free up to the thickness, then the layer goes on
+    const RimForces coarse = on_a_wider_layer(beyond, 1);
+    EXPECT_GT(coarse.total, 30.0);
+    for (const int refine : {1, 2, 3}) {
+      SCOPED_TRACE(fmt::format("{} beyond, refine {}", beyond, refine));
+      const RimForces forces = on_a_wider_layer(beyond, refine);
+      for (const double side : forces.side) EXPECT_NEAR(side, forces.side[0], 0.02 * forces.side[0]);
+      EXPECT_NEAR(forces.total, coarse.total, 0.01 * coarse.total);
+    }
+    if (before > 0) {
+      EXPECT_NEAR(coarse.total, before, (beyond == 2.25 ? 0.25 : 1e-3) * before);
+    }
+    before = coarse.total;
   }
 }
 
