@@ -209,14 +209,17 @@ struct RigidCable {
 /// B relative to A, in A's current columns: translation of B's joint point from A's along them, and the rotation vector
 /// of B relative to A. A force or moment of a Free motion acts along A's column on A, its opposite on B, as in FEBio
 /// (so > 0 drives the motion backwards). Columns by FEBio's type:
-///   revolute      0 rotation_axis, 1 transverse_axis; free: rotation about 0
-///   prismatic     0 translation_axis, 1 transverse_axis; free: translation along 0
-///   cylindrical   0 joint_axis, 1 transverse_axis; free: both along and about 0
-///   planar        0 rotation_axis, 1 translation_axis_1, 2 normal to both; free: rotation about 0, translation along
-///   1, 2 lock          0 first_axis, 1 second_axis; free: none spherical, `rigid joint`, generic: global x, y, z;
-///   free: all rotations; generic: what is not prescribed.
-///                 Prescribed rotations of a spherical joint are global: read only where A does not rotate. Its moments
-///                 are global too: RigidLoads on A and B.
+/// * revolute: 0 rotation_axis, 1 transverse_axis; free: rotation about 0
+/// * prismatic: 0 translation_axis, 1 transverse_axis; free: translation along 0
+/// * cylindrical: 0 joint_axis, 1 transverse_axis; free: both along and about 0
+/// * planar: 0 rotation_axis, 1 translation_axis_1, 2 normal to both; free: rotation about 0, translations along 1, 2
+/// * lock: 0 first_axis, 1 second_axis; free: none
+/// * spherical, `rigid joint`: global x, y, z; free: all rotations
+/// * generic: global x, y, z; free: what is not prescribed
+///
+/// Prescribed rotations of a spherical joint are global: read only where A does not rotate. Its moments are global too:
+/// RigidLoads on A and B.
+///
 /// Column 1 is made normal to column 0 in the plane of the two given directions; column 2 = column 0 x column 1.
 struct RigidJoint {
   enum class Motion { Held, Free, Prescribed };

@@ -9,6 +9,7 @@
 
 #include "analysis.h"
 #include "bodies.h"
+#include "conditions.h"
 #include "error.h"
 
 namespace dea {
@@ -128,6 +129,38 @@ void add_ground(const JointModel& model, ConversionPlan& plan, std::vector<int>&
   plan.target.rigid_fixed.push_back(fixed);
   plan.changes.push_back(
       fmt::format("material \"{}\": new, rigid, for cartilage on the ground; held in all six dofs", material.name));
+}
+
+/// Bones taken as rigid that fixed nodes hold: the nodes become rigid, so the body is held instead.
+void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector<int>& home) {
+  const LoadCase start = make_load_case(model, plan.joint, {}, 0, 0.0);
+  for (std::size_t b = 0; b < plan.joint.bodies.size(); ++b) {
+    const Body& body = plan.joint.bodies[b];
+    const bool by_user =
+        std::any_of(body.materials.begin(), body.materials.end(), [&](int m) { return !model.materials[at(m)].rigid; });
+    if (!by_user || home[b] < 0) continue;
+    for (const FixedNodes& f : model.fixed_nodes)
+      if (f.step >= 0 && std::any_of(f.nodes.begin(), f.nodes.end(),
+                                     [&](int node) { return plan.joint.node_body[at(node)] == static_cast<int>(b); }))
+        throw InputError(
+            model, f.origin,
+            fmt::format("fixed nodes \"{}\" hold bone \"{}\", which becomes a rigid body, in one step only: "
+                        "make it a rigid body of the model and hold that",
+                        f.name, body.name));
+    RigidFixed held;
+    held.material = home[b];
+    for (std::size_t k = 0; k < kDofs; ++k) held.dofs[k] = start.bodies[b].dofs[k] == DofState::Held;
+    for (const RigidFixed& f : model.rigid_fixed)
+      if (f.step < 0 && std::find(body.materials.begin(), body.materials.end(), f.material) != body.materials.end())
+        for (std::size_t k = 0; k < kDofs; ++k) held.dofs[k] = held.dofs[k] && !f.dofs[k];
+    std::string dofs;
+    for (std::size_t k = 0; k < kDofs; ++k)
+      if (held.dofs[k]) dofs += fmt::format("{}{}", dofs.empty() ? "" : ", ", kDofNames[k]);
+    if (dofs.empty()) continue;
+    held.name = body.name + " held";
+    plan.target.rigid_fixed.push_back(held);
+    plan.changes.push_back(fmt::format("body \"{}\": held in {}, as its fixed nodes did", body.name, dofs));
+  }
 }
 
 bool is_layer_shape(const Domain& d) { return !is_line(d.shape) && !is_shell(d.shape); }
@@ -428,6 +461,7 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
   std::vector<int> home = home_materials(model, plan);
   convert_contacts(model, plan);
   add_ground(model, plan, home, cartilage);
+  hold_bones(model, plan, home);
   convert_materials(home, plan);
   convert_domains(model, rigid, home, cartilage, bodies.of_material, plan);
   check_bodies(model, plan, home);

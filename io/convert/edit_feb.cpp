@@ -186,7 +186,7 @@ void edit_conditions(Editing& e) {
   }
 }
 
-/// Thickness maps, and the condition that holds the ground's cartilage.
+/// Thickness maps, and the conditions that hold the ground's cartilage and bones taken as rigid.
 void add_sections(Editing& e) {
   XmlLines maps;
   for (std::size_t s = 0; s < e.plan.map_of_surface.size(); ++s) {
@@ -209,8 +209,10 @@ void add_sections(Editing& e) {
     else
       as_section("MeshData", maps);
   }
-  if (e.plan.ground >= 0) {
-    const XmlLines held = rigid_fixed_lines(e.plan.target, e.plan.target.rigid_fixed.back());
+  if (e.plan.target.rigid_fixed.size() > e.model.rigid_fixed.size()) {
+    XmlLines held;
+    for (std::size_t i = e.model.rigid_fixed.size(); i < e.plan.target.rigid_fixed.size(); ++i)
+      for (const XmlLine& line : rigid_fixed_lines(e.plan.target, e.plan.target.rigid_fixed[i])) held.push_back(line);
     const int rigid = e.places.child(0, "Rigid"), step = e.places.child(0, "Step");
     if (rigid >= 0 && (step < 0 || rigid < step) && e.places.at(rigid).attribute("from") == nullptr)
       e.edits.append_child(rigid, held);

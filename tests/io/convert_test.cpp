@@ -601,6 +601,27 @@ TEST(Convert, BoneTakenAsRigid) {
   const Joint before = make_joint(read_feb(path), s), after = make_joint(c.model, {});
   EXPECT_EQ(before.bodies[0].center_of_mass, after.bodies[0].center_of_mass);
   EXPECT_EQ(before.contacts[0].layers[0].thickness, after.contacts[0].layers[0].thickness);
+
+  // held by its nodes: the rigid body is held instead
+  std::string ids;
+  const JointModel plain = read_feb(path);
+  for (const Domain& d : plain.domains)
+    if (d.name == "base")
+      for (int node : d.nodes)
+        ids += fmt::format("{}{}", ids.empty() ? "" : ",", plain.node_ids[static_cast<std::size_t>(node)]);
+  text.insert(text.find("</Mesh>"), "<NodeSet name=\"far\">" + ids + "</NodeSet>\n");
+  text.insert(text.find("<Rigid>"),
+              "<Boundary>\n<bc name=\"far\" type=\"zero displacement\" node_set=\"far\">\n<x_dof>1</x_dof>\n"
+              "<y_dof>1</y_dof>\n<z_dof>1</z_dof>\n</bc>\n</Boundary>\n");
+  write(path, text);
+  s.law = Law::Linear;
+  const Converted held = convert(folder.path, path, s);
+  EXPECT_NE(all_of(held.conversion.changes).find("body \"base\": held in x, y, z, Ru, Rv, Rw, as its fixed nodes did"),
+            std::string::npos)
+      << all_of(held.conversion.changes);
+  const Analysis solved = analyse(read_feb(path), s);
+  EXPECT_GT(solved.states.back().statistics[0].peak, 0.0);
+  expect_same(solved, analyse(held.model, {}));
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
