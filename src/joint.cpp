@@ -851,6 +851,25 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
   return layer;
 }
 
+/// The face of a layer and what is beyond its edges: an edge in a plane of symmetry has its mirror image beyond.
+LayerFace find_layer_face(const Layer& layer) {
+  LayerFace face;
+  face.mesh = layer.articular;
+  face.thickness = layer.thickness;
+  for (int t = 0; t < face.mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      if (face.mesh.neighbours[at(t)][at(k)] >= 0) continue;
+      const int a = face.mesh.triangles[at(t)][at(k)], b = face.mesh.triangles[at(t)][at((k + 1) % 3)];
+      const Vector3d outward =
+          (face.mesh.vertices[at(b)] - face.mesh.vertices[at(a)]).cross(face.mesh.normals[at(t)]).normalized();
+      const int held = layer.mirror[at(a)] & layer.mirror[at(b)];
+      bool wall = false;  // the surface must run into the plane, not along it
+      for (int i = 0; i < 3; ++i) wall = wall || ((held >> i & 1) != 0 && std::abs(outward[i]) > 0.7);
+      face.edges.push_back({t, k, wall ? Rim::Wall : Rim::Free});
+    }
+  return face;
+}
+
 /// Does a shell surface look away from its partner? Compared at the closest points, area-weighted.
 bool looks_away(const SurfaceMesh& surface, const SurfaceMesh& partner) {
   const RayCaster caster(partner);
@@ -1196,6 +1215,8 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
           fmt::format("surface \"{}\" lies on rigid shells and looked away from its partner: turned round",
                       model.surfaces[at(layer.surface)].name));
     }
+    for (Layer& layer : pair.layers)
+      if (!layer.rigid && layer.springs_at == SpringsAt::Articular) layer.face = find_layer_face(layer);
     for (const Layer& layer : pair.layers) {
       const std::string shells = coating(r, layer);
       if (!shells.empty())

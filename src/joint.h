@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "joint_model.h"
+#include "layer_face.h"
 #include "settings.h"
 #include "spring_law.h"
 #include "surface_mesh.h"
@@ -42,6 +43,7 @@ struct Layer {
   std::vector<unsigned char>
       mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
   std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
+  LayerFace face;                 ///< of a layer whose springs stand on the articular surface; else empty
 
   /// The surface thickness and springs live on.
   const SurfaceMesh& spring_surface() const { return springs_at == SpringsAt::Bone ? bone : articular; }

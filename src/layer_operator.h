@@ -6,17 +6,10 @@
 #include <memory>
 #include <vector>
 
+#include "layer_face.h"
 #include "layer_kernel.h"
-#include "surface_mesh.h"
 
 namespace dea {
-
-/// What is beyond an edge of the source's rim, for a layer.
-enum class Rim {
-  Free,      ///< nothing, the bulge escapes: q = 0 in the first term; the second as in Continues, and (L7)
-  Wall,      ///< its mirror image (plane of symmetry): dq/dn = 0
-  Continues  ///< more of the layer, without load: beta t^3 dq/dn = -sqrt(beta) t^2 q
-};
 
 /// An edge with a triangle on one side only.
 struct RimEdge {
