@@ -231,7 +231,7 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
     }
 
     // What the target shows is the source's where no law of the target's own overlap exists.
-    const bool by_interpolation = source.springs_at == SpringsAt::Bone || bed.law == Law::Layer;
+    const bool by_interpolation = source.springs_at == SpringsAt::Bone, by_parts = bed.law == Law::Layer;
     // Source side. Articular springs: facets carry their springs' force. Bone springs: closest-point projection with
     // linear interpolation [Abraham et al. 2013, 2.4].
     std::vector<double> v_pressure, v_overlap, v_target_strain,
@@ -242,12 +242,6 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
       on_source.strain = triangles_to_facets(source.articular, map.layers[s], averages.strain);
       on_source.vertex_shortening = triangles_to_vertices(source.articular, averages.shortening);
       on_source.vertex_pressure = vertex_average(map.layers[s], on_source.pressure);
-      if (by_interpolation) {
-        v_pressure = triangles_to_vertices(source.articular, averages.pressure);
-        v_overlap = triangles_to_vertices(source.articular, averages.overlap);
-        v_target_strain = triangles_to_vertices(source.articular, target_strain);
-        v_target_shortening = triangles_to_vertices(source.articular, target_shortening);
-      }
     } else {
       const SurfaceMesh& bone = source.spring_surface();
       const auto project = [&](const std::vector<double>& per_triangle) {
@@ -331,8 +325,27 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
     std::vector<double> pressure(target.articular.triangles.size(), 0.0), overlap = pressure, strain = pressure,
                                                                           shortening = pressure;
     const std::vector<std::array<double, 3>> samples = part_centroids(divide);
+    if (by_parts) {  // each foot's share of every triangle of the target that lies under it (L8)
+      const RelativePose relative = relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
+      for (int i = 0; i < states->size(); ++i) {
+        const auto k = at(i);
+        if (!(states->pressure[k] > 0) && !(states->overlap[k] > 0)) continue;
+        const std::vector<SurfacePart> under = parts_under_spring(bed, relative, target.articular, *states, i,
+                                                                  states->triangle[k], target.articular.size());
+        double covered = 0.0;
+        for (const SurfacePart& part : under) covered += part.area;
+        for (const SurfacePart& part : under) {
+          const auto triangle = at(part.triangle);
+          const double share = covered > 0 ? part.area / covered * states->area[k] / target.articular.areas[triangle] : 0.0;
+          pressure[triangle] += share * states->pressure[k];
+          overlap[triangle] += share * states->overlap[k];
+          strain[triangle] += share * states->strain_target[k];
+          shortening[triangle] += share * states->strain_target[k] * states->t_target[k];
+        }
+      }
+    }
     for (std::size_t i = 0; i < feet.size(); ++i) {
-      if (feet[i].triangle < 0) continue;
+      if (feet[i].triangle < 0 || by_parts) continue;
       const std::size_t triangle = i / parts;
       const double share = 1.0 / static_cast<double>(parts);
       if (by_interpolation) {

@@ -855,6 +855,7 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
 LayerFace find_layer_face(const Layer& layer) {
   LayerFace face;
   face.mesh = layer.articular;
+  face.pressed = layer.articular.size();
   face.thickness = layer.thickness;
   for (int t = 0; t < face.mesh.size(); ++t)
     for (int k = 0; k < 3; ++k) {

@@ -1,5 +1,8 @@
 #include "layer_bed.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,88 +17,6 @@ constexpr double kTolerance = 1e-11;
 /// The derivative only directs the next step.
 constexpr double kRateTolerance = 1e-4;
 
-/// Edges of the rim in a plane of symmetry have their mirror image beyond; elsewhere the cartilage ends there.
-std::vector<Rim> source_rim(const LayerMesh& mesh, const Layer& source) {
-  std::vector<Rim> rim;
-  for (const RimEdge& edge : mesh.rim) {
-    const auto& t = mesh.triangles[at(edge.triangle)];
-    const Vector3d along = mesh.vertices[at(edge.b)] - mesh.vertices[at(edge.a)],
-                   normal = (mesh.vertices[at(t[1])] - mesh.vertices[at(t[0])])
-                                .cross(mesh.vertices[at(t[2])] - mesh.vertices[at(t[0])]),
-                   outward = along.cross(normal).normalized();
-    const int held = source.mirror[at(edge.a)] & source.mirror[at(edge.b)];
-    bool wall = false;  // the surface must run into the plane, not along it
-    for (int k = 0; k < 3; ++k) wall = wall || ((held >> k & 1) != 0 && std::abs(outward[k]) > 0.7);
-    rim.push_back(wall ? Rim::Wall : Rim::Free);
-  }
-  return rim;
-}
-
-/// Beyond an edge of the source's rim the target goes on where the edge's middle, carried along the springs beside it,
-/// stands well inside the target in the reference pose. (Judged anew in every pose, it would make pressures jump.)
-std::vector<Rim> target_rim(const LayerBed& layers, const SpringBed& bed) {
-  constexpr double kTie = 1e-6;  // edges that are as far as the target is thick are all free, whatever the rounding
-  const SpringStates s = project_springs(bed, {bed.source_center, Eigen::Matrix3d::Identity()},
-                                         {bed.target_center, Eigen::Matrix3d::Identity()});
-  const LayerMesh& mesh = *layers.mesh;
-  const std::vector<std::array<Vector3d, 2>> segments = rim_segments(bed.pair->target_layer().spring_surface());
-  std::vector<Rim> rim;
-  for (std::size_t k = 0; k < mesh.rim.size(); ++k) {
-    const RimEdge& edge = mesh.rim[k];
-    if (layers.rim[k] == Rim::Wall) {
-      rim.push_back(Rim::Wall);
-      continue;
-    }
-    const std::vector<int>& feet = mesh.triangle_feet[at(edge.triangle)];
-    bool inside = !feet.empty();
-    Vector3d along = Vector3d::Zero();
-    double thickness = 0.0;
-    for (const int f : feet) {
-      inside = inside && s.triangle[at(f)] >= 0 && s.coverage[at(f)] >= 1.0;
-      if (!inside) break;
-      along += (s.end[at(f)] - s.foot[at(f)]) / static_cast<double>(feet.size());
-      thickness = std::max(thickness, s.t_target[at(f)]);
-    }
-    const Vector3d middle = 0.5 * (mesh.vertices[at(edge.a)] + mesh.vertices[at(edge.b)]) + along;
-    const double needed = std::max(edge.length, thickness) * (1 + kTie);
-    for (std::size_t i = 0; i < segments.size() && inside; ++i)
-      inside = distance_to_segment(middle, segments[i][0], segments[i][1]) > needed;
-    rim.push_back(inside ? Rim::Continues : Rim::Free);
-  }
-  return rim;
-}
-
-/// The target's thickness at the springs' ends; where a spring meets nothing, that of the nearest triangle whose
-/// springs do. Taken for nothing there, the layer's edge would jump by a triangle whenever a spring slides off the
-/// target.
-std::vector<double> target_thickness(const LayerMesh& mesh, const SpringStates& s) {
-  std::vector<double> of_triangle(mesh.triangles.size(), 0.0);
-  std::vector<int> front;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    int met = 0;
-    for (const int f : mesh.triangle_feet[t]) {
-      of_triangle[t] += s.t_target[at(f)];
-      met += s.triangle[at(f)] >= 0;
-    }
-    if (met == 0) continue;
-    of_triangle[t] /= met;
-    front.push_back(static_cast<int>(t));
-  }
-  std::vector<char> known(mesh.triangles.size(), 0);
-  for (const int t : front) known[at(t)] = 1;
-  for (std::size_t i = 0; i < front.size(); ++i)
-    for (const int next : mesh.neighbours[at(front[i])]) {
-      if (next < 0 || known[at(next)]) continue;
-      known[at(next)] = 1;
-      of_triangle[at(next)] = of_triangle[at(front[i])];
-      front.push_back(next);
-    }
-  std::vector<double> thickness = s.t_target;
-  for (int f = 0; f < mesh.feet(); ++f)
-    if (s.triangle[at(f)] < 0) thickness[at(f)] = of_triangle[at(mesh.foot_triangle[at(f)])];
-  return thickness;
-}
-
 /// Pressures to start from: those of the last pose, and what their rates make of the target's motion since, as seen
 /// from the source.
 Eigen::VectorXd pressures_to_start_from(const LayerBed& layers, const Pose& source, const Pose& target) {
@@ -108,23 +29,57 @@ Eigen::VectorXd pressures_to_start_from(const LayerBed& layers, const Pose& sour
   return (layers.last + layers.last_rates * motion).cwiseMax(0.0);
 }
 
+/// The source's feet at a pose: a foot that lies over the target only in part carries its pressure on that part.
+LayerFeet covered_feet(const LayerFeet& whole, const SpringStates& s) {
+  LayerFeet feet = whole;
+  for (int i = 0; i < feet.size(); ++i) {
+    const auto k = at(i);
+    const double share = feet.area[k] > 0 ? s.area[k] / feet.area[k] : 0.0;
+    if (share == 1.0) continue;
+    for (int j = feet.begin[k]; j < feet.begin[k + 1]; ++j) feet.weight[at(j)] *= share;
+    feet.volume[k] *= share;
+    feet.area[k] = s.area[k];
+  }
+  return feet;
+}
+
 }  // namespace
 
+LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, const SpringStates& s,
+                         const Pose& source_pose, const Pose& target_pose, double reach) {
+  const LayerMesh& layer = target.mesh();
+  const int divide2 = layer.divide * layer.divide;
+  const RelativePose relative = relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
+  constexpr int kChunk = 256;  // fixed, so that the result does not depend on the number of threads
+  const int chunks = (s.size() + kChunk - 1) / kChunk;
+  std::vector<LayerFeet> of_chunk(at(chunks));
+  tbb::parallel_for(0, chunks, [&](int c) {
+    for (int i = c * kChunk; i < std::min(s.size(), (c + 1) * kChunk); ++i) {
+      const auto k = at(i);
+      std::vector<SurfacePart> parts;
+      if (s.triangle[k] >= 0 && s.area[k] > 0 && s.gap[k] < reach)
+        parts = parts_under_spring(bed, relative, layer.mesh, s, i,
+                                   s.triangle[k] * divide2 + part_at(layer.divide, s.end_weights[k]), layer.pressed);
+      add_foot(of_chunk[at(c)], layer, target.law(), parts, parts.empty() ? 0.0 : s.area[k]);
+    }
+  });
+  LayerFeet feet;
+  for (const LayerFeet& more : of_chunk) append(feet, more);
+  return feet;
+}
+
 std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
-  const Layer &source = bed.pair->source_layer(), &target = bed.pair->target_layer();
+  const ContactPair& pair = *bed.pair;
+  const Layer &source = pair.source_layer(), &target = pair.target_layer();
   auto layers = std::make_shared<LayerBed>();
-  const Springs& springs = bed.springs;
-  layers->mesh = std::make_shared<const LayerMesh>(
-      make_layer_mesh(source.spring_surface(), springs.surface_triangle, springs.weights));
-  layers->rim = source_rim(*layers->mesh, source);
-  const LayerFit fit = bed.pair->layer_fit;
   if (!source.rigid) {
-    layers->source.emplace(layers->mesh, layer_law(source.elasticity, fit), layers->rim);
-    std::vector<double> thickness;
-    for (const auto& t : springs.corner_thickness) thickness.push_back((t[0] + t[1] + t[2]) / 3.0);
-    layers->source->set_thickness(thickness);
+    const auto mesh = std::make_shared<const LayerMesh>(make_layer_mesh(source.face, pair.refine));
+    layers->source.emplace(mesh, source.elasticity, pair.layer_fit);
+    layers->whole = feet_of_own_triangles(*mesh, layers->source->law());
   }
-  if (!target.rigid) layers->target.emplace(layers->mesh, layer_law(target.elasticity, fit), target_rim(*layers, bed));
+  if (!target.rigid)
+    layers->target.emplace(std::make_shared<const LayerMesh>(make_layer_mesh(target.face, pair.refine)),
+                           target.elasticity, pair.layer_fit);
   return layers;
 }
 
@@ -132,45 +87,58 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
   const ContactPair& pair = *bed.pair;
   const int n = s.size();
   s.rates.setZero(n, 6);
-  if (std::none_of(s.overlap.begin(), s.overlap.end(), [](double overlap) { return overlap > 0; })) return;
+  const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
+  if (!(deepest > 0)) return;
 
   Eigen::VectorXd overlap = Eigen::VectorXd::Zero(n);
   LayerContact contact;
   contact.interface_compliance = pair.interface_compliance;
   contact.area = Eigen::VectorXd::Zero(n);
   for (int i = 0; i < n; ++i) {
-    if (!(s.area[at(i)] > 0)) continue;
+    // nothing bulges by more than it is pressed in elsewhere
+    if (!(s.area[at(i)] > 0) || s.gap[at(i)] >= deepest) continue;
     overlap[i] = -s.gap[at(i)];
     contact.area[i] = s.area[at(i)];
   }
-  if (layers.source) contact.source = &*layers.source;
+  LayerFeet source_feet, target_feet;
+  if (layers.source) {
+    source_feet = covered_feet(layers.whole, s);
+    contact.source.layer = &*layers.source;
+    contact.source.feet = &source_feet;
+  }
   if (layers.target) {
-    layers.target->set_thickness(target_thickness(*layers.mesh, s));
-    contact.target = &*layers.target;
+    target_feet = feet_on_target(bed, *layers.target, s, source, target, deepest);
+    contact.target.layer = &*layers.target;
+    contact.target.feet = &target_feet;
   }
   LayerContactOptions options;
   options.tolerance = kTolerance;
-  const LayerSprings result =
-      solve_layer_springs(contact, bed.law, pair.source_layer().elasticity, pair.target_layer().elasticity, overlap,
-                          pressures_to_start_from(layers, source, target), options);
-  layers.last = result.linear.pressure;
-  s.complementarity = result.linear.residual;
-  s.complementary = result.linear.converged;
+  const LayerPressure result =
+      solve_contact(contact, overlap, pressures_to_start_from(layers, source, target), options);
+  layers.last = result.pressure;
+  s.complementarity = result.residual;
+  s.complementary = result.converged;
+  const Elasticity &E_s = pair.source_layer().elasticity, &E_t = pair.target_layer().elasticity;
 
   // How the overlap changes with small motions of the target relative to the source, about the target's centre: six
   // columns (E2), (E3). The target's thickness at the spring's end counts with its strain, as in a spring.
   Eigen::MatrixXd overlap_rates = Eigen::MatrixXd::Zero(n, 6);
   for (int i = 0; i < n; ++i) {
     const auto k = at(i);
-    if (!result.linear.active[k]) continue;
-    const SpringResponse& r = result.springs[k];
-    s.pressure[k] = r.pressure;
-    s.strain_source[k] = r.strain_source;
-    s.strain_target[k] = r.strain_target;
-    s.strain[k] = std::max(r.strain_source, r.strain_target);
-    const Vector3d per_motion = overlap_rate(bed, s, i, r.strain_target, target);
-    s.per_overlap[k] = r.per_overlap;
-    s.per_motion[k] = r.per_overlap * per_motion;
+    if (!result.active[k]) continue;
+    s.pressure[k] = result.pressure[i];
+    // the layer's own shortening, whatever flows: no less than nothing, for what bulges at p > 0 is not stretched
+    s.strain_source[k] = s.t_source[k] > 0 ? std::max(0.0, result.sunk_source[i] / s.t_source[k]) : 0.0;
+    s.strain_target[k] = s.t_target[k] > 0 ? std::max(0.0, result.sunk_target[i] / s.t_target[k]) : 0.0;
+    s.strain[k] = std::max(s.strain_source[k], s.strain_target[k]);
+    const double confined = (s.t_source[k] > 0 ? s.t_source[k] * strain_at_pressure(Law::NeoHookean, E_s, s.pressure[k]) : 0.0) +
+                            (s.t_target[k] > 0 ? s.t_target[k] * strain_at_pressure(Law::NeoHookean, E_t, s.pressure[k]) : 0.0);
+    s.per_overlap[k] =
+        spring_response(bed.law, E_s, E_t, s.t_source[k], s.t_target[k],
+                        confined + pair.interface_compliance * s.pressure[k], pair.interface_compliance)
+            .per_overlap;
+    const Vector3d per_motion = overlap_rate(bed, s, i, s.strain_target[k], target);
+    s.per_motion[k] = s.per_overlap[k] * per_motion;
     overlap_rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
   }
   // Over the target's rim the foot moves in its plane, and the area that carries its pressure changes.
@@ -178,21 +146,15 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
   for (const RimSpring& rim : s.rim) {
     const int i = rim.spring;
     const auto k = at(i);
-    if (!result.linear.active[k]) continue;
+    if (!result.active[k]) continue;
     const Vector3d gradient =
         source_overlap_gradient(bed, s, i, 0.0, source) - overlap_rate(bed, s, i, s.strain_target[k], target);
     overlap_rates.row(i) += gradient.transpose() * rim.foot_rate.leftCols<6>();
-    force_rates.row(i) = result.linear.pressure[i] * rim.area_rate.head<6>().transpose();
+    force_rates.row(i) = result.pressure[i] * rim.area_rate.head<6>().transpose();
   }
   if (!s.rim.empty()) overlap_rates -= spread(contact, force_rates);
-  ActiveRates rates = solve_active(contact, result.linear.active, overlap_rates, kRateTolerance, layers.last_rates);
-  for (int i = 0; i < n; ++i) {
-    const auto k = at(i);
-    if (!result.linear.active[k]) continue;
-    const double spring_compliance = result.spring_overlap[i] / result.linear.pressure[i];  // (L5)
-    s.rates.row(i) = result.springs[k].per_overlap * spring_compliance * rates.pressure.row(i);
-  }
-  layers.last_rates = std::move(rates.pressure);
+  s.rates = solve_active(contact, result.active, overlap_rates, kRateTolerance, layers.last_rates).pressure;
+  layers.last_rates = s.rates;
   layers.last_source = source;
   layers.last_target = target;
 }

@@ -1,4 +1,4 @@
-// src/layer_bed.h – the spring bed of `--law layer`: its springs share what the layers give way sideways (L1-L6).
+// src/layer_bed.h – the spring bed of `--law layer`: its springs share what the layers give way sideways (L1-L9).
 #pragma once
 #include <optional>
 
@@ -7,24 +7,30 @@
 
 namespace dea {
 
-/// The two layers of a contact as operators on the source's mesh. The target's thickness is that at the springs' ends,
-/// so its factorisation is renewed at every pose. One bed serves one caller at a time.
+/// The two layers of a contact as operators, each on its own mesh: factorised once, whatever the poses. One bed serves
+/// one caller at a time.
 struct LayerBed {
-  std::shared_ptr<const LayerMesh> mesh;
-  std::vector<Rim> rim;                         ///< of the source's layer, per edge of mesh->rim
   std::optional<LayerOperator> source, target;  ///< empty: a bare rigid surface
+  LayerFeet whole;                              ///< the springs' whole feet on the source's layer
 
-  // where the next search starts: P of the last pose, its rates (feet x 6, as SpringStates::rates) and that pose
+  // where the next search starts: pressures of the last pose, their rates (feet x 6, as SpringStates::rates) and that
+  // pose
   Eigen::VectorXd last;
   Eigen::MatrixXd last_rates;
   Pose last_source, last_target;
 };
 
-/// Throws InputError for springs that do not stand on the articular surface. `bed`: all but its layers.
+/// `bed`: all but its layers.
 std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed);
 
-/// Fills pressures, strains and `rates` of springs that carry nothing yet; their gaps, overlaps, feet and areas must be
-/// there. `source`, `target`: their poses.
+/// What of the target's layer each foot covers at a pose (L8): its triangle, seen along its direction, cut by the
+/// target's triangles, from the one at its spring's end on over their neighbours. Feet further from the target than
+/// `reach` stand on nothing: nobody presses there.
+LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, const SpringStates& states,
+                         const Pose& source_pose, const Pose& target_pose, double reach);
+
+/// Fills pressures, strains, `rates` and the target's parts of springs that carry nothing yet; their gaps, overlaps,
+/// feet and areas must be there. `source`, `target`: their poses.
 void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& source, const Pose& target);
 
 }  // namespace dea

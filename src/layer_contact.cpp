@@ -17,45 +17,43 @@ namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-MatrixXd layer_sinking(LayerOperator* layer, const VectorXd& share, const VectorXd& area, const MatrixXd& pressure) {
-  MatrixXd w = MatrixXd::Zero(pressure.rows(), pressure.cols());
-  if (!layer) return w;
-  if (share.size() == 0) {
-    layer->add_sinking(pressure, area, w);
-    return w;
+MatrixXd layer_sinking(const LayerSide& side, const MatrixXd& pressure) {
+  if (!side.layer) return MatrixXd::Zero(pressure.rows(), pressure.cols());
+  return side.layer->sinking(*side.feet, pressure, side.softening.size() > 0 ? &side.softening : nullptr);
+}
+
+/// Of w per pressure of the same foot, without flow.
+VectorXd own_compliance(const LayerContact& contact, bool tangent) {
+  VectorXd own = VectorXd::Zero(contact.area.size());
+  for (const LayerSide* side : {&contact.source, &contact.target}) {
+    if (!side->layer) continue;
+    for (Index i = 0; i < own.size(); ++i)
+      own[i] += side->layer->own_compliance(*side->feet, static_cast<int>(i),
+                                            tangent && side->softening.size() > 0 ? &side->softening : nullptr);
   }
-  const VectorXd root = share.cwiseSqrt();
-  layer->add_sinking(root.asDiagonal() * pressure, area, w);
-  return root.asDiagonal() * w;
+  for (Index i = 0; i < own.size(); ++i)
+    if (own[i] > 0) own[i] += contact.interface_compliance;
+  return own;
 }
 
 }  // namespace
 
 MatrixXd sinking(const LayerContact& contact, const MatrixXd& pressure) {
   MatrixXd w_s, w_t;
-  tbb::parallel_invoke([&] { w_s = layer_sinking(contact.source, contact.source_share, contact.area, pressure); },
-                       [&] { w_t = layer_sinking(contact.target, contact.target_share, contact.area, pressure); });
+  tbb::parallel_invoke([&] { w_s = layer_sinking(contact.source, pressure); },
+                       [&] { w_t = layer_sinking(contact.target, pressure); });
   if (contact.interface_compliance > 0) return w_s + w_t + contact.interface_compliance * pressure;
   return w_s + w_t;
 }
 
-VectorXd local_compliance(const LayerContact& contact) {
-  VectorXd local = VectorXd::Zero(contact.area.size());
-  const auto add = [&](const LayerOperator* layer, const VectorXd& share) {
-    if (!layer) return;
-    for (Index i = 0; i < local.size(); ++i) local[i] += layer->own()[at(i)] * (share.size() > 0 ? share[i] : 1.0);
-  };
-  add(contact.source, contact.source_share);
-  add(contact.target, contact.target_share);
-  for (Index i = 0; i < local.size(); ++i)
-    if (local[i] > 0) local[i] += contact.interface_compliance;
-  return local;
-}
+VectorXd local_compliance(const LayerContact& contact) { return own_compliance(contact, false); }
 
 MatrixXd spread(const LayerContact& contact, const MatrixXd& force) {
-  LayerContact whole = contact;
-  whole.area = VectorXd::Ones(contact.area.size());
-  return sinking(whole, force) - local_compliance(whole).asDiagonal() * force;
+  VectorXd per_area = VectorXd::Zero(contact.area.size());
+  for (Index i = 0; i < per_area.size(); ++i)
+    if (contact.area[i] > 0) per_area[i] = 1 / contact.area[i];
+  const MatrixXd pressure = per_area.asDiagonal() * force;
+  return sinking(contact, pressure) - own_compliance(contact, true).asDiagonal() * pressure;
 }
 
 namespace {
@@ -81,9 +79,8 @@ struct ScaledContact {
   /// Upper bound of the eigenvalues of B.
   double largest() const {
     double bound = 1;
-    for (const LayerOperator* layer : {contact.source, contact.target}) {
-      if (layer) bound = std::max(bound, layer->law().largest() / layer->law().local);
-    }
+    for (const LayerSide* side : {&contact.source, &contact.target})
+      if (side->layer) bound = std::max(bound, side->layer->law().largest() / side->layer->law().local);
     return bound;
   }
 };
@@ -114,39 +111,22 @@ double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd
   return peak > 0 ? worst / peak : worst;
 }
 
-}  // namespace
-
-LayerPressure solve_contact(const LayerContact& contact, const VectorXd& overlap, const VectorXd& start,
-                            const LayerContactOptions& options) {
-  ScaledContact B(contact);
-  const Index n = overlap.size();
-  assert(contact.area.size() == n && (start.size() == 0 || start.size() == n));
-  const VectorXd b = overlap.cwiseQuotient(B.local);
+/// Bounded quadratic problem, by MPRGP: p >= 0 with the gradient z >= 0 and p z = 0, where z changes by B with p. `z`: at
+/// the p to start from. `goal`: of the complementarity, relative.
+void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, int max_applications) {
+  const Index n = p.size();
   // Dostal and Schoeberl's step of expansion converges for lengths below 2 / |B|
   const double expansion = 1.9 / B.largest();
-  VectorXd p = (start.size() == n ? start : b).cwiseMax(0.0);
-  for (Index i = 0; i < n; ++i)
-    if (!(B.weight[i] > 0)) p[i] = 0;
-  VectorXd z = B.apply(p).col(0) - b;
   Gradient g;
   g.split(B, p, z, expansion);
   VectorXd d = g.free;  // direction
-  LayerPressure result;
   for (;;) {
-    result.residual = complementarity(B, p, z);
-    if (result.residual <= options.tolerance) {  // by z as it was carried along; now as it is
-      z = B.apply(p).col(0) - b;
-      g.split(B, p, z, expansion);
-      d = g.free;
-      result.residual = complementarity(B, p, z);
-      result.converged = result.residual <= 10 * options.tolerance;
-    }
-    if (result.converged || B.applications >= options.max_applications) break;
+    if (complementarity(B, p, z) <= goal || B.applications >= max_applications) return;
     const bool proportional = B.dot(g.chopped, g.chopped) <= B.dot(g.reduced, g.free);
     if (!proportional) d = g.chopped;  // let more feet touch
     const VectorXd Bd = B.apply(d).col(0);
     const double curvature = B.dot(d, Bd);
-    if (!(curvature > 0)) break;  // d is nothing but rounding
+    if (!(curvature > 0)) return;  // d is nothing but rounding
     const double full = B.dot(z, d) / curvature;
     double feasible = std::numeric_limits<double>::infinity();
     for (Index i = 0; i < n; ++i)
@@ -160,11 +140,55 @@ LayerPressure solve_contact(const LayerContact& contact, const VectorXd& overlap
       p = (p - feasible * d).cwiseMax(0.0);
       z -= feasible * Bd;
       g.split(B, p, z, expansion);
+      const VectorXd before = p;
       p = (p - expansion * g.free).cwiseMax(0.0);
-      z = B.apply(p).col(0) - b;
+      z += B.apply(p - before).col(0);
       g.split(B, p, z, expansion);
       d = g.free;
     }
+  }
+}
+
+}  // namespace
+
+LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, const VectorXd& start,
+                            const LayerContactOptions& options) {
+  constexpr int kMaxSteps = 100;
+  contact.source.softening = contact.target.softening = VectorXd();
+  ScaledContact B(contact);
+  const Index n = overlap.size();
+  assert(contact.area.size() == n && (start.size() == 0 || start.size() == n));
+  LayerPressure result;
+  VectorXd p = (start.size() == n ? start : overlap.cwiseQuotient(B.local)).cwiseMax(0.0);
+  for (Index i = 0; i < n; ++i)
+    if (!(B.weight[i] > 0)) p[i] = 0;
+  // w by (L9), and the softenings there
+  const auto sink = [&](LayerSide& side, VectorXd& w) {
+    if (!side.layer)
+      w = VectorXd::Zero(n);
+    else if (options.large_strain)
+      w = side.layer->large_sinking(*side.feet, p, side.softening);
+    else
+      w = side.layer->sinking(*side.feet, p).col(0);
+  };
+  for (int step = 0;; ++step) {
+    ++B.applications;
+    tbb::parallel_invoke([&] { sink(contact.source, result.sunk_source); },
+                         [&] { sink(contact.target, result.sunk_target); });
+    const VectorXd z = (result.sunk_source + result.sunk_target + contact.interface_compliance * p - overlap)
+                           .cwiseQuotient(B.local);
+    const double before = result.residual;
+    result.residual = complementarity(B, p, z);
+    // solve_bounded carries its residual along: as it is, it may be a little larger
+    result.converged = result.residual <= (step > 0 ? 3 : 1) * options.tolerance;
+    if (result.converged || step >= kMaxSteps || B.applications >= options.max_applications) break;
+    if (step > 2 && result.residual < 100 * options.tolerance && result.residual > 0.5 * before) break;  // rounding
+    const bool linear = (contact.source.softening.size() == 0 || contact.source.softening.isZero(0.0)) &&
+                        (contact.target.softening.size() == 0 || contact.target.softening.isZero(0.0));
+    // Newton's step squares the error: no need to solve it closer than that
+    const double goal = linear ? options.tolerance
+                               : std::max(0.3 * options.tolerance, std::min(0.1, result.residual) * result.residual);
+    solve_bounded(B, p, z, goal, options.max_applications);
   }
   result.active.resize(at(n));
   for (Index i = 0; i < n; ++i) result.active[at(i)] = p[i] > 0;
@@ -218,52 +242,6 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   }
   result.converged = (size.array() <= goal.array()).all();
   result.applications = B.applications;
-  return result;
-}
-
-LayerSprings solve_layer_springs(LayerContact& contact, Law law, const Elasticity& source, const Elasticity& target,
-                                 const VectorXd& overlap, const VectorXd& start, const LayerContactOptions& options) {
-  constexpr int kMaxRepetitions = 50;
-  const Index n = overlap.size();
-  // a rigid side has no modulus, and takes no share
-  const double M_s = contact.source ? confined_modulus(source.E, source.nu) : 1.0,
-               M_t = contact.target ? confined_modulus(target.E, target.nu) : 1.0;
-  const bool shares =
-      law != Law::Linear && contact.source && contact.target && (source.E != target.E || source.nu != target.nu);
-  contact.source_share = contact.target_share = shares ? VectorXd(VectorXd::Ones(n)) : VectorXd();
-  LayerSprings result;
-  result.spring_overlap.resize(n);
-  result.springs.resize(at(n));
-  int applications = 0;
-  for (result.repetitions = 1;; ++result.repetitions) {
-    result.linear = solve_contact(contact, overlap, result.repetitions == 1 ? start : result.linear.pressure, options);
-    applications += result.linear.applications;
-    double change = 0;
-    for (Index i = 0; i < n; ++i) {
-      const double t_s = contact.source ? contact.source->thickness()[at(i)] : 0.0,
-                   t_t = contact.target ? contact.target->thickness()[at(i)] : 0.0, P = result.linear.pressure[i];
-      result.spring_overlap[i] = P * (t_s / M_s + t_t / M_t);
-      const SpringResponse& r = result.springs[at(i)] =
-          spring_response(law, source, target, t_s, t_t, result.spring_overlap[i]);
-      if (!shares) continue;
-      if (!(P > 0)) {  // both shares go to 1 with P
-        contact.source_share[i] = contact.target_share[i] = 1;
-        continue;
-      }
-      for (auto* share : {&contact.source_share, &contact.target_share}) {
-        const bool of_source = share == &contact.source_share;
-        if ((of_source ? t_s : t_t) <= 0) continue;
-        const double f = of_source ? M_s * r.strain_source / P : M_t * r.strain_target / P;
-        change = std::max(change, std::abs(f - (*share)[i]));
-        (*share)[i] = f;
-      }
-    }
-    if (change <= 10 * options.tolerance || result.repetitions >= kMaxRepetitions) {
-      result.linear.converged = result.linear.converged && change <= 10 * options.tolerance;
-      break;
-    }
-  }
-  result.linear.applications = applications;
   return result;
 }
 

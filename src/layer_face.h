@@ -22,6 +22,7 @@ struct LayerFace {
     Rim rim = Rim::Free;
   };
   SurfaceMesh mesh;
+  int pressed = 0;                ///< triangles of Layer::articular: the first ones
   std::vector<double> thickness;  ///< per vertex of `mesh`, >= 0
   std::vector<Edge> edges;        ///< of one triangle alone, sorted by triangle and edge
 };

@@ -77,6 +77,9 @@ LayerLaw two_terms(double nu) {
   law.weight = {x[1], x[2]};
   law.square = x[3];
   law.edge = 0.5;
+  // The largest share, nearly, with which (L9) is positive at any strain: local M >= own_share^2 at nu = 0, where it is
+  // least. Below nothing of the foot's own is left.
+  law.own_share = nu >= 0 ? 1.0 / 3 : 0.0;
   return law;
 }
 

@@ -37,6 +37,7 @@ struct LayerLaw {
   std::array<double, 2> beta = {0, 0};    ///< > 0
   double edge = 0.0;                      ///< [1/MPa], >= 0
   double confined = 0.0;                  ///< 1/M [1/MPa], 0 at nu = 0.5
+  double own_share = 1.0;                 ///< of a foot's own pressure in the one that stiffens it (L9)
   double operator()(double s) const {
     double w = local;
     for (std::size_t k = 0; k < static_cast<std::size_t>(terms); ++k) w += weight[k] / (1 + beta[k] * s * s);

@@ -16,70 +16,185 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// local pairs of vertices, in the order of LayerMesh::slopes
+// local pairs of vertices: diagonal, then the rest
 constexpr std::size_t kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
+
+/// Per vertex: distance from the nearest free edge of the face, from each edge over the triangles around, as far as it
+/// is felt.
+std::vector<double> edge_distances(const LayerFace& face, const LayerMesh& layer) {
+  const SurfaceMesh& mesh = layer.mesh;
+  const double reach =
+      kEdgeReach * (face.thickness.empty() ? 0.0 : *std::max_element(face.thickness.begin(), face.thickness.end()));
+  std::vector<double> distance(mesh.vertices.size(), reach);
+  std::vector<int> seen(at(mesh.size()), -1), front;
+  for (std::size_t k = 0; k < face.edges.size(); ++k) {
+    const LayerFace::Edge& edge = face.edges[k];
+    if (edge.rim != Rim::Free) continue;
+    const Vector3d &a = face.mesh.corner(edge.triangle, edge.edge),
+                   &b = face.mesh.corner(edge.triangle, (edge.edge + 1) % 3);
+    front.clear();
+    for (int p = 0; p < layer.divide * layer.divide; ++p) {
+      front.push_back(edge.triangle * layer.divide * layer.divide + p);
+      seen[at(front.back())] = static_cast<int>(k);
+    }
+    while (!front.empty()) {
+      const int t = front.back();
+      front.pop_back();
+      bool felt = false;
+      for (int v : mesh.triangles[at(t)]) {
+        const double d = distance_to_segment(mesh.vertices[at(v)], a, b);
+        felt = felt || d < reach;
+        distance[at(v)] = std::min(distance[at(v)], d);
+      }
+      if (!felt) continue;
+      for (const int next : mesh.neighbours[at(t)]) {
+        if (next < 0 || seen[at(next)] == static_cast<int>(k)) continue;
+        seen[at(next)] = static_cast<int>(k);
+        front.push_back(next);
+      }
+    }
+  }
+  return distance;
+}
 
 }  // namespace
 
-LayerMesh make_layer_mesh(const SurfaceMesh& surface) {
-  std::vector<int> triangle(at(surface.size()));
-  for (int t = 0; t < surface.size(); ++t) triangle[at(t)] = t;
-  return make_layer_mesh(surface, triangle,
-                         std::vector<std::array<std::array<double, 3>, 3>>(
-                             triangle.size(), {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}}));
+LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
+  LayerMesh layer;
+  layer.divide = divide;
+  layer.pressed = face.pressed * divide * divide;
+  layer.mesh = divided(face.mesh, divide);
+  layer.thickness.assign(layer.mesh.vertices.size(), 0.0);
+  const auto parts = triangle_parts(divide);
+  for (int t = 0; t < face.mesh.size(); ++t) {
+    const auto& corner = face.mesh.triangles[at(t)];
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (std::size_t c = 0; c < 3; ++c) {
+        double h = 0;
+        for (std::size_t k = 0; k < 3; ++k) h += parts[p][c][k] * face.thickness[at(corner[k])];
+        layer.thickness[at(layer.mesh.triangles[at(t) * parts.size() + p][c])] = h;
+      }
+  }
+  constexpr double kOnEdge = 1e-9;
+  for (const LayerFace::Edge& edge : face.edges) {
+    const std::size_t across = at((edge.edge + 2) % 3);  // this coordinate is 0 along the edge
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t next = (c + 1) % 3;
+        if (parts[p][c][across] > kOnEdge || parts[p][next][across] > kOnEdge) continue;
+        const int triangle = edge.triangle * divide * divide + static_cast<int>(p);
+        const auto& corner = layer.mesh.triangles[at(triangle)];
+        layer.edges.push_back(
+            {corner[c], corner[next], triangle,
+             (layer.mesh.vertices[at(corner[next])] - layer.mesh.vertices[at(corner[c])]).norm(), edge.rim});
+      }
+  }
+  layer.edge_distance = edge_distances(face, layer);
+  return layer;
 }
 
-LayerMesh make_layer_mesh(const SurfaceMesh& surface, const std::vector<int>& foot_triangle,
-                          const std::vector<std::array<std::array<double, 3>, 3>>& corners) {
-  assert(foot_triangle.size() == corners.size());
-  LayerMesh mesh;
-  mesh.nodes = static_cast<int>(surface.vertices.size());
-  mesh.vertices = surface.vertices;
-  mesh.triangles = surface.triangles;
-  mesh.neighbours = surface.neighbours;
-  mesh.triangle_feet.resize(at(surface.size()));
-  for (int t = 0; t < surface.size(); ++t) {
-    Vector3d gradient[3];  // of N_k: the opposite edge turned inwards, over twice the area
-    for (int k = 0; k < 3; ++k)
-      gradient[k] = surface.normals[at(t)].cross(surface.corner(t, (k + 2) % 3) - surface.corner(t, (k + 1) % 3)) /
-                    (2 * surface.areas[at(t)]);
-    std::array<double, 6> slopes;
-    for (std::size_t e = 0; e < 6; ++e) slopes[e] = gradient[kFirst[e]].dot(gradient[kSecond[e]]);
-    mesh.slopes.push_back(slopes);
-    for (int k = 0; k < 3; ++k) {
-      if (surface.neighbours[at(t)][at(k)] >= 0) continue;
-      const int next = (k + 1) % 3;
-      mesh.rim.push_back({surface.triangles[at(t)][at(k)], surface.triangles[at(t)][at(next)], t,
-                          (surface.corner(t, next) - surface.corner(t, k)).norm()});
+void add_foot(LayerFeet& feet, const LayerMesh& layer, const LayerLaw& law, const std::vector<SurfacePart>& parts,
+              double area) {
+  double sum = 0;
+  for (const SurfacePart& part : parts) sum += part.area;
+  double volume = 0, own = 0;
+  if (sum > 0 && area > 0) {
+    const double scale = area / sum;
+    const std::size_t first = at(feet.begin.back());
+    for (const SurfacePart& part : parts) {
+      const auto& corner = layer.mesh.triangles[at(part.triangle)];
+      double t[3], d[3], shape = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        t[k] = layer.thickness[at(corner[k])];
+        d[k] = layer.edge_distance[at(corner[k])];
+      }
+      std::array<double, 3> b = {0, 0, 0};
+      double part_volume = 0, part_own = 0;
+      const auto piece = [&](int i) {  // fan of triangles: corners 0, i, i + 1
+        return std::array<const Barycentric*, 3>{&part.corner[0], &part.corner[at(i)], &part.corner[at(i + 1)]};
+      };
+      const auto size = [](const std::array<const Barycentric*, 3>& p) {
+        return std::abs(((*p[1])[0] - (*p[0])[0]) * ((*p[2])[1] - (*p[0])[1]) -
+                        ((*p[1])[1] - (*p[0])[1]) * ((*p[2])[0] - (*p[0])[0]));
+      };
+      for (int i = 1; i + 1 < part.corners; ++i) shape += size(piece(i));
+      if (!(shape > 0)) continue;
+      for (int i = 1; i + 1 < part.corners; ++i) {
+        const auto p = piece(i);
+        const double a = scale * part.area * size(p) / shape;
+        double at_corner[3], mean = 0, edge = 0, all[3] = {0, 0, 0};
+        for (std::size_t c = 0; c < 3; ++c) {
+          at_corner[c] = (*p[c])[0] * t[0] + (*p[c])[1] * t[1] + (*p[c])[2] * t[2];
+          mean += at_corner[c] / 3;
+          edge += ((*p[c])[0] * d[0] + (*p[c])[1] * d[1] + (*p[c])[2] * d[2]) / 3;
+          for (std::size_t k = 0; k < 3; ++k) all[k] += (*p[c])[k];
+        }
+        for (std::size_t k = 0; k < 3; ++k)  // integral of t N: (sum t N + sum t sum N)/12
+          b[k] += a / 12 *
+                  (at_corner[0] * (*p[0])[k] + at_corner[1] * (*p[1])[k] + at_corner[2] * (*p[2])[k] + 3 * mean * all[k]);
+        part_volume += a * mean;
+        if (mean > 0) part_own += a * mean * (law.local + law.edge * std::exp(-kEdgeDecay * edge / mean));
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::size_t i = first;
+        while (i < feet.node.size() && feet.node[i] != corner[k]) ++i;
+        if (i == feet.node.size()) {
+          feet.node.push_back(corner[k]);
+          feet.weight.push_back(0.0);
+        }
+        feet.weight[i] += b[k];
+      }
+      volume += part_volume;
+      own += part_own;
     }
+  } else {
+    area = 0;
   }
-  mesh.foot_triangle = foot_triangle;
-  mesh.corners = corners;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    mesh.triangle_feet[at(foot_triangle[i])].push_back(static_cast<int>(i));
-    const auto& w = corners[i];
-    mesh.centroid.push_back(
-        {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3});
-    const double share = w[0][0] * (w[1][1] * w[2][2] - w[1][2] * w[2][1]) -
-                         w[0][1] * (w[1][0] * w[2][2] - w[1][2] * w[2][0]) +
-                         w[0][2] * (w[1][0] * w[2][1] - w[1][1] * w[2][0]);
-    mesh.area.push_back(surface.areas[at(foot_triangle[i])] * std::abs(share));
+  feet.begin.push_back(static_cast<int>(feet.node.size()));
+  feet.area.push_back(area);
+  feet.volume.push_back(volume);
+  feet.own.push_back(area > 0 ? own / area : 0.0);
+}
+
+void append(LayerFeet& feet, const LayerFeet& more) {
+  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  const int first = feet.begin.back();
+  for (std::size_t i = 1; i < more.begin.size(); ++i) feet.begin.push_back(first + more.begin[i]);
+  add(feet.node, more.node);
+  add(feet.weight, more.weight);
+  add(feet.area, more.area);
+  add(feet.volume, more.volume);
+  add(feet.own, more.own);
+}
+
+LayerFeet feet_of_own_triangles(const LayerMesh& mesh, const LayerLaw& law) {
+  LayerFeet feet;
+  std::vector<SurfacePart> part(1);
+  part[0].corners = 3;
+  part[0].corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (int t = 0; t < mesh.pressed; ++t) {
+    part[0].triangle = t;
+    part[0].area = mesh.mesh.areas[at(t)];
+    add_foot(feet, mesh, law, part, part[0].area);
   }
-  return mesh;
+  return feet;
+}
+
+StrainExcess strain_excess(const Elasticity& layer, double q) {
+  if (!(q > 0)) return {};
+  const double per_modulus = 1 / confined_modulus(layer.E, layer.nu);
+  const double strain = strain_at_pressure(Law::NeoHookean, layer, q);
+  return {q * per_modulus - strain, per_modulus - 1 / layer_response(Law::NeoHookean, layer, strain).slope};
 }
 
 struct LayerOperator::State {
   std::shared_ptr<const LayerMesh> mesh;
+  Elasticity elasticity;
   LayerLaw law;
-  std::vector<Rim> rim;
-  std::vector<double> thickness, own;
 
   cholmod_common common;
   cholmod_sparse* matrix = nullptr;                            // lower triangle
   std::array<cholmod_factor*, 2> factor = {nullptr, nullptr};  // per term
-  std::vector<std::array<int, 6>> slot;                        // per triangle: where its entries are in the matrix
-  std::vector<int> diagonal;                                   // per node
-  std::vector<int> rim_slot;                                   // per rim edge: its off-diagonal entry
   std::array<std::vector<char>, 2> held;                       // per term and node: q = 0
   std::vector<double> mass;                                    // M_t, and what of q_1 lies beyond the rim
   cholmod_dense* solution = nullptr;                           // work space of cholmod_solve2
@@ -111,63 +226,64 @@ struct LayerOperator::State {
   }
 
   void make_pattern() {
+    const int nodes = mesh->nodes();
     std::vector<std::pair<int, int>> entries;  // column, row
-    entries.reserve(at(mesh->nodes) + 3 * mesh->triangles.size());
-    for (int i = 0; i < mesh->nodes; ++i) entries.emplace_back(i, i);
-    for (const auto& t : mesh->triangles)
+    entries.reserve(at(nodes) + 3 * mesh->mesh.triangles.size());
+    for (int i = 0; i < nodes; ++i) entries.emplace_back(i, i);
+    for (const auto& t : mesh->mesh.triangles)
       for (std::size_t e = 3; e < 6; ++e)
         entries.emplace_back(std::min(t[kFirst[e]], t[kSecond[e]]), std::max(t[kFirst[e]], t[kSecond[e]]));
     std::sort(entries.begin(), entries.end());
     entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
-    matrix = cholmod_allocate_sparse(at(mesh->nodes), at(mesh->nodes), entries.size(), 1, 1, -1, CHOLMOD_REAL, &common);
+    matrix = cholmod_allocate_sparse(at(nodes), at(nodes), entries.size(), 1, 1, -1, CHOLMOD_REAL, &common);
     check();
     int *p = static_cast<int*>(matrix->p), *rows = static_cast<int*>(matrix->i);
-    std::fill(p, p + mesh->nodes + 1, 0);
+    std::fill(p, p + nodes + 1, 0);
     for (std::size_t k = 0; k < entries.size(); ++k) {
       ++p[entries[k].first + 1];
       rows[k] = entries[k].second;
     }
-    for (int i = 0; i < mesh->nodes; ++i) p[i + 1] += p[i];
+    for (int i = 0; i < nodes; ++i) p[i + 1] += p[i];
     std::fill_n(static_cast<double*>(matrix->x), entries.size(), 0.0);
-    for (const auto& t : mesh->triangles) {
-      std::array<int, 6> s;
-      for (std::size_t e = 0; e < 6; ++e) s[e] = find(t[kFirst[e]], t[kSecond[e]]);
-      slot.push_back(s);
-    }
-    for (int i = 0; i < mesh->nodes; ++i) diagonal.push_back(p[i]);
-    for (const RimEdge& edge : mesh->rim) rim_slot.push_back(find(edge.a, edge.b));
   }
 
   /// M_t, K_t3 and the rim's term over sqrt(beta), all with the pattern of the matrix.
   void assemble(std::vector<double>& stiffness, std::array<std::vector<double>, 2>& beyond) {
-    const std::size_t entries = at(static_cast<const int*>(matrix->p)[mesh->nodes]);
+    const SurfaceMesh& surface = mesh->mesh;
+    const std::size_t entries = at(static_cast<const int*>(matrix->p)[mesh->nodes()]);
     mass.assign(entries, 0.0);
     stiffness.assign(entries, 0.0);
     beyond.fill(std::vector<double>(entries, 0.0));
-    std::vector<double> volume(mesh->triangles.size(), 0.0), area(mesh->triangles.size(), 0.0);
-    for (std::size_t f = 0; f < mesh->area.size(); ++f) {
-      const std::size_t t = at(mesh->foot_triangle[f]);
-      const double A = mesh->area[f], h = thickness[f];
-      volume[t] += A * h;
-      area[t] += A;
-      // integral over the foot of N_i N_j: its corners' values c, (sum c_i c_j + sum c_i sum c_j)/12
-      const auto& c = mesh->corners[f];
-      const auto& g = mesh->centroid[f];
+    for (int t = 0; t < surface.size(); ++t) {
+      const auto& corner = surface.triangles[at(t)];
+      const double A = surface.areas[at(t)];
+      double h[3], sum = 0;
+      Vector3d gradient[3];  // of N_k: the opposite edge turned inwards, over twice the area
+      for (int k = 0; k < 3; ++k) {
+        h[k] = mesh->thickness[at(corner[at(k)])];
+        sum += h[k];
+        gradient[k] =
+            surface.normals[at(t)].cross(surface.corner(t, (k + 2) % 3) - surface.corner(t, (k + 1) % 3)) / (2 * A);
+      }
+      // integrals of linear t: t^3 is the sum of its monomials of degree 3 over 10; t N_i N_j by products of N
+      const double cubed =
+          (h[0] * h[0] * (h[0] + h[1] + h[2]) + h[1] * h[1] * (h[1] + h[2]) + h[2] * h[2] * h[2] +
+           h[0] * h[1] * (h[1] + h[2]) + h[2] * h[2] * (h[0] + h[1])) /
+          10;
       for (std::size_t e = 0; e < 6; ++e) {
-        const std::size_t i = kFirst[e], j = kSecond[e], s = at(slot[t][e]);
-        mass[s] += A * h / 12 * (c[0][i] * c[0][j] + c[1][i] * c[1][j] + c[2][i] * c[2][j] + 9 * g[i] * g[j]);
-        stiffness[s] += A * h * h * h * mesh->slopes[t][e];
+        const std::size_t i = kFirst[e], j = kSecond[e], s = at(find(corner[i], corner[j]));
+        mass[s] += i == j ? A * (2 * sum + 4 * h[i]) / 60 : A * (sum + h[i] + h[j]) / 60;
+        stiffness[s] += A * cubed * gradient[i].dot(gradient[j]);
       }
     }
-    for (std::size_t k = 0; k < rim.size(); ++k) {
-      if (rim[k] == Rim::Wall) continue;
-      const RimEdge& edge = mesh->rim[k];
-      const double h = volume[at(edge.triangle)] / area[at(edge.triangle)];
-      const double share = h * h * edge.length / 6;
-      for (std::size_t term = rim[k] == Rim::Free ? 1 : 0; term < 2; ++term) {
-        beyond[term][at(diagonal[at(edge.a)])] += 2 * share;
-        beyond[term][at(diagonal[at(edge.b)])] += 2 * share;
-        beyond[term][at(rim_slot[k])] += share;
+    for (const LayerMesh::Edge& edge : mesh->edges) {
+      if (edge.rim == Rim::Wall) continue;
+      // integral of t^2 N_i N_j along the edge, t linear
+      const double ta = mesh->thickness[at(edge.a)], tb = mesh->thickness[at(edge.b)], l = edge.length / 30;
+      for (std::size_t term = edge.rim == Rim::Free ? 1 : 0; term < 2; ++term) {
+        beyond[term][at(find(edge.a, edge.a))] += l * (6 * ta * ta + 3 * ta * tb + tb * tb);
+        beyond[term][at(find(edge.b, edge.b))] += l * (6 * tb * tb + 3 * ta * tb + ta * ta);
+        beyond[term][at(find(edge.a, edge.b))] += l * (1.5 * ta * ta + 2 * ta * tb + 1.5 * tb * tb);
       }
     }
   }
@@ -176,58 +292,22 @@ struct LayerOperator::State {
   /// resolve: held, it would make coarse edges stiff; it goes on as beyond a loaded patch, and (L7) adds what is
   /// missing.
   void find_held() {
-    std::vector<char> carries(at(mesh->nodes), 0), edge(at(mesh->nodes), 0);
-    for (std::size_t k = 0; k < rim.size(); ++k)
-      if (rim[k] == Rim::Free) edge[at(mesh->rim[k].a)] = edge[at(mesh->rim[k].b)] = 1;
-    for (std::size_t f = 0; f < thickness.size(); ++f)
-      for (const int v : mesh->triangles[at(mesh->foot_triangle[f])]) (thickness[f] > 0 ? carries : edge)[at(v)] = 1;
+    std::vector<char> carries(at(mesh->nodes()), 0), edge(at(mesh->nodes()), 0);
+    for (const LayerMesh::Edge& e : mesh->edges)
+      if (e.rim == Rim::Free) edge[at(e.a)] = edge[at(e.b)] = 1;
+    for (const auto& corner : mesh->mesh.triangles) {
+      double most = 0;
+      for (int v : corner) most = std::max(most, mesh->thickness[at(v)]);
+      for (int v : corner) (most > 0 ? carries : edge)[at(v)] = 1;
+    }
     for (std::size_t term = 0; term < 2; ++term) {
       held[term].resize(carries.size());
       for (std::size_t v = 0; v < carries.size(); ++v) held[term][v] = !carries[v] || (term == 0 && edge[v]);
     }
   }
 
-  /// t (local + edge), with (L7) from the nearest free edge: from each edge to the triangles around, as far as it is
-  /// felt.
-  void find_own() {
-    constexpr double kFelt = 2.0;  // times the thickness: exp(-5) of the edge's own
-    std::vector<double> distance(thickness.size(), std::numeric_limits<double>::infinity());
-    const double reach = kFelt * *std::max_element(thickness.begin(), thickness.end());
-    std::vector<int> seen(mesh->triangles.size(), -1), front;
-    for (std::size_t k = 0; k < rim.size() && law.edge > 0; ++k) {
-      if (rim[k] != Rim::Free) continue;
-      const RimEdge& edge = mesh->rim[k];
-      const Vector3d &a = mesh->vertices[at(edge.a)], &b = mesh->vertices[at(edge.b)];
-      front.assign(1, edge.triangle);
-      seen[at(edge.triangle)] = static_cast<int>(k);
-      while (!front.empty()) {
-        const std::size_t t = at(front.back());
-        front.pop_back();
-        const auto& corner = mesh->triangles[t];
-        const auto at_weights = [&](const std::array<double, 3>& w) -> Vector3d {
-          return w[0] * mesh->vertices[at(corner[0])] + w[1] * mesh->vertices[at(corner[1])] +
-                 w[2] * mesh->vertices[at(corner[2])];
-        };
-        for (const int f : mesh->triangle_feet[t])
-          distance[at(f)] = std::min(distance[at(f)], distance_to_segment(at_weights(mesh->centroid[at(f)]), a, b));
-        if (distance_to_segment(at_weights({1.0 / 3, 1.0 / 3, 1.0 / 3}), a, b) > reach) continue;
-        for (const int next : mesh->neighbours[t]) {
-          if (next < 0 || seen[at(next)] == static_cast<int>(k)) continue;
-          seen[at(next)] = static_cast<int>(k);
-          front.push_back(next);
-        }
-      }
-    }
-    own.resize(thickness.size());
-    for (std::size_t f = 0; f < own.size(); ++f) {
-      const double t = thickness[f];
-      own[f] = t > 0 ? t * (law.local + law.edge * std::exp(-kEdgeDecay * distance[f] / t)) : 0.0;
-    }
-  }
-
   void factorise() {
     find_held();
-    find_own();
     std::vector<double> stiffness;
     std::array<std::vector<double>, 2> beyond;
     assemble(stiffness, beyond);
@@ -235,7 +315,7 @@ struct LayerOperator::State {
     double* x = static_cast<double*>(matrix->x);
     for (std::size_t k = 0; k < at(law.terms); ++k) {
       const double beta = law.beta[k], root = std::sqrt(beta);
-      for (int column = 0; column < mesh->nodes; ++column)
+      for (int column = 0; column < mesh->nodes(); ++column)
         for (int s = p[column]; s < p[column + 1]; ++s) {
           const bool fixed = held[k][at(column)] || held[k][at(rows[s])];  // the row says q = 0; the pattern stays
           x[s] =
@@ -273,7 +353,7 @@ struct LayerOperator::State {
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(q.rows(), q.cols());
     const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
     for (Eigen::Index c = 0; c < q.cols(); ++c)
-      for (int column = 0; column < mesh->nodes; ++column) {
+      for (int column = 0; column < mesh->nodes(); ++column) {
         product(column, c) += mass[at(p[column])] * q(column, c);  // the diagonal comes first
         for (int s = p[column] + 1; s < p[column + 1]; ++s) {
           product(column, c) += mass[at(s)] * q(rows[s], c);
@@ -282,15 +362,75 @@ struct LayerOperator::State {
       }
     return product;
   }
+
+  /// b p, nodes x columns
+  Eigen::MatrixXd loads(const LayerFeet& feet, const Eigen::MatrixXd& p) const {
+    Eigen::MatrixXd load = Eigen::MatrixXd::Zero(mesh->nodes(), p.cols());
+    for (Eigen::Index c = 0; c < p.cols(); ++c)
+      for (int i = 0; i < feet.size(); ++i) {
+        if (p(i, c) == 0) continue;
+        for (int k = feet.begin[at(i)]; k < feet.begin[at(i + 1)]; ++k)
+          load(feet.node[at(k)], c) += feet.weight[at(k)] * p(i, c);
+      }
+    return load;
+  }
+  /// b_i . q of one foot
+  template <class Nodal>
+  static double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
+    double sum = 0;
+    for (int k = feet.begin[at(i)]; k < feet.begin[at(i + 1)]; ++k)
+      sum += feet.weight[at(k)] * q(feet.node[at(k)], c);
+    return sum;
+  }
+
+  /// w, with excess(i, q) the strain by which a foot answers less than linearly to the pressure q = (B p)_i; null:
+  /// small strain.
+  template <class Excess>
+  Eigen::MatrixXd flow(const LayerFeet& feet, const Eigen::MatrixXd& p, const Excess& excess, bool large) {
+    assert(p.rows() == feet.size());
+    const double own = law.own_share;
+    Eigen::MatrixXd load = loads(feet, p), all, strain;
+    const bool two = law.terms == 2;
+    Eigen::MatrixXd right_side = load;
+    all = law.weight[0] * solve(0, right_side);
+    if (large) strain = Eigen::MatrixXd::Zero(p.rows(), p.cols());
+    const auto find_strain = [&](const auto& q) {
+      for (Eigen::Index c = 0; c < p.cols(); ++c)
+        for (int i = 0; i < feet.size(); ++i) {
+          if (!(feet.volume[at(i)] > 0)) continue;
+          const double around = own < 1 ? gathered(feet, i, q, c) / feet.volume[at(i)] : 0.0;
+          strain(i, c) = excess(i, own * p(i, c) + (1 - own) * around);
+        }
+    };
+    if (two) {
+      const auto q = solve(1, load);
+      all += law.weight[1] * q;
+      right_side = law.square * weighted(q);  // the square of the fraction: S^-1 M_t S^-1
+      if (large) {
+        find_strain(q);
+        right_side -= (1 - own) * loads(feet, strain);
+      }
+      all += solve(1, right_side);
+    } else if (large) {
+      find_strain(load);
+    }
+    Eigen::MatrixXd w = Eigen::MatrixXd::Zero(p.rows(), p.cols());
+    for (Eigen::Index c = 0; c < p.cols(); ++c)
+      for (int i = 0; i < feet.size(); ++i) {
+        if (!(feet.area[at(i)] > 0)) continue;
+        w(i, c) = feet.own[at(i)] * p(i, c) + gathered(feet, i, all, c) / feet.area[at(i)];
+        if (large) w(i, c) -= own * feet.thickness(i) * strain(i, c);
+      }
+    return w;
+  }
 };
 
-LayerOperator::LayerOperator(std::shared_ptr<const LayerMesh> mesh, const LayerLaw& law, std::vector<Rim> rim)
+LayerOperator::LayerOperator(std::shared_ptr<const LayerMesh> mesh, const Elasticity& elasticity, LayerFit fit)
     : state_(new State) {
   State& s = *state_;
-  assert(rim.size() == mesh->rim.size());
   s.mesh = std::move(mesh);
-  s.law = law;
-  s.rim = std::move(rim);
+  s.elasticity = elasticity;
+  s.law = layer_law(elasticity, fit);
   s.common.print = 0;
   s.make_pattern();
   // Simplicial, so no BLAS and no threads: up to 200,000 feet it was no slower than supernodal with the reference BLAS.
@@ -302,66 +442,42 @@ LayerOperator::LayerOperator(std::shared_ptr<const LayerMesh> mesh, const LayerL
   s.common.postorder = 1;
   s.factor[0] = cholmod_analyze(s.matrix, &s.common);
   s.check();
-  if (law.terms == 2) s.factor[1] = cholmod_copy_factor(s.factor[0], &s.common);
+  if (s.law.terms == 2) s.factor[1] = cholmod_copy_factor(s.factor[0], &s.common);
   s.check();
+  s.factorise();
 }
 LayerOperator::~LayerOperator() = default;
 LayerOperator::LayerOperator(LayerOperator&&) noexcept = default;
 LayerOperator& LayerOperator::operator=(LayerOperator&&) noexcept = default;
 
-void LayerOperator::set_thickness(const std::vector<double>& thickness) {
-  assert(thickness.size() == state_->mesh->area.size());
-  state_->thickness = thickness;
-  state_->factorise();
-}
-
-const std::vector<double>& LayerOperator::own() const { return state_->own; }
 const LayerMesh& LayerOperator::mesh() const { return *state_->mesh; }
 const LayerLaw& LayerOperator::law() const { return state_->law; }
-const std::vector<double>& LayerOperator::thickness() const { return state_->thickness; }
+const Elasticity& LayerOperator::elasticity() const { return state_->elasticity; }
 double LayerOperator::factor_entries() const { return state_->common.lnz; }
 
-void LayerOperator::add_sinking(const Eigen::MatrixXd& pressure, const Eigen::VectorXd& area,
-                                Eigen::MatrixXd& sinking) {
-  State& s = *state_;
-  const LayerMesh& mesh = *s.mesh;
-  const Eigen::Index feet = mesh.feet(), columns = pressure.cols();
-  assert(pressure.rows() == feet && area.size() == feet && sinking.rows() == feet && sinking.cols() == columns);
-  Eigen::MatrixXd load = Eigen::MatrixXd::Zero(mesh.nodes, columns);
-  for (Eigen::Index c = 0; c < columns; ++c) {
-    for (Eigen::Index f = 0; f < feet; ++f) {
-      const std::size_t i = static_cast<std::size_t>(f);
-      const double force = area[f] * s.thickness[i] * pressure(f, c);
-      if (force == 0) continue;
-      const auto& t = mesh.triangles[at(mesh.foot_triangle[i])];
-      for (std::size_t k = 0; k < 3; ++k) load(t[k], c) += mesh.centroid[i][k] * force;
-    }
-  }
-  Eigen::MatrixXd q = Eigen::MatrixXd::Zero(mesh.nodes, columns);  // what the weights make of all q
-  const bool two = s.law.terms == 2;
-  Eigen::MatrixXd right_side = load;
-  q += s.law.weight[0] * s.solve(0, right_side);
-  if (two) {
-    const auto solution = s.solve(1, load);
-    q += s.law.weight[1] * solution;
-    right_side = s.weighted(solution);  // the square of the fraction: S^-1 M_t S^-1
-    q += s.law.square * s.solve(1, right_side);
-  }
-  for (Eigen::Index c = 0; c < columns; ++c)
-    for (Eigen::Index f = 0; f < feet; ++f) {
-      const std::size_t i = static_cast<std::size_t>(f);
-      const auto& t = mesh.triangles[at(mesh.foot_triangle[i])];
-      const auto& g = mesh.centroid[i];
-      sinking(f, c) +=
-          s.own[i] * pressure(f, c) + s.thickness[i] * (g[0] * q(t[0], c) + g[1] * q(t[1], c) + g[2] * q(t[2], c));
-    }
+Eigen::MatrixXd LayerOperator::sinking(const LayerFeet& feet, const Eigen::MatrixXd& pressure,
+                                       const Eigen::VectorXd* softening) {
+  return state_->flow(
+      feet, pressure, [&](int i, double q) { return softening ? (*softening)[i] * q : 0.0; }, softening != nullptr);
 }
 
-Eigen::VectorXd LayerOperator::sinking(const Eigen::VectorXd& pressure) {
-  const LayerMesh& mesh = *state_->mesh;
-  Eigen::MatrixXd w = Eigen::MatrixXd::Zero(mesh.feet(), 1);
-  add_sinking(pressure, Eigen::Map<const Eigen::VectorXd>(mesh.area.data(), mesh.feet()), w);
-  return w.col(0);
+Eigen::VectorXd LayerOperator::large_sinking(const LayerFeet& feet, const Eigen::VectorXd& pressure,
+                                             Eigen::VectorXd& softening) {
+  softening.setZero(pressure.size());
+  const Elasticity layer = state_->elasticity;
+  return state_->flow(
+      feet, pressure,
+      [&](int i, double q) {
+        const StrainExcess e = strain_excess(layer, q);
+        softening[i] = e.slope;
+        return e.strain;
+      },
+      true);
+}
+
+double LayerOperator::own_compliance(const LayerFeet& feet, int foot, const Eigen::VectorXd* softening) const {
+  const double own = state_->law.own_share;
+  return feet.own[at(foot)] - (softening ? own * own * feet.thickness(foot) * (*softening)[foot] : 0.0);
 }
 
 }  // namespace dea

@@ -1,82 +1,100 @@
-// src/layer_operator.h – compliance of a bonded elastic layer on a triangulated surface: from pressures on the feet to
-// how far the surface sinks there, with the sideways flow that a bed of springs lacks (L3).
+// src/layer_operator.h – compliance of a bonded elastic layer on its own mesh: from pressures on the feet of springs to
+// how far the surface sinks under them, with the sideways flow that a bed of springs lacks (L3, L8).
 #pragma once
 #include <Eigen/Core>
 #include <array>
 #include <memory>
 #include <vector>
 
+#include "foot_parts.h"
 #include "layer_face.h"
 #include "layer_kernel.h"
 
 namespace dea {
 
-/// An edge with a triangle on one side only.
-struct RimEdge {
-  int a = -1, b = -1;  ///< its vertices
-  int triangle = -1;
-  double length = 0.0;
-};
-
-/// What both layers of a contact share: the source's triangles, and the feet (foot triangles of springs) on them.
-/// Frame: the source's reference configuration; nothing changes with the pose.
+/// The mesh of a layer's flow: its face, divided. Frame: the layer's reference configuration; nothing depends on poses
+/// or on who presses.
 struct LayerMesh {
-  int nodes = 0;  ///< vertices of the surface
-  std::vector<Vector3d> vertices;
-  std::vector<std::array<int, 3>> triangles;   ///< per triangle: its vertices
-  std::vector<std::array<double, 6>> slopes;   ///< per triangle: grad N_i . grad N_j for ij = 00 11 22 01 12 20 [mm^-2]
-  std::vector<std::array<int, 3>> neighbours;  ///< per triangle: across edge (k, k + 1); -1: rim
-  std::vector<RimEdge> rim;                    ///< sorted by triangle
-  std::vector<int> foot_triangle;              ///< per foot: triangle it lies in; feet fill every triangle
-  std::vector<std::vector<int>> triangle_feet;                ///< per triangle
-  std::vector<std::array<std::array<double, 3>, 3>> corners;  ///< per foot: barycentric coordinates of its corners
-  std::vector<std::array<double, 3>> centroid;                ///< per foot: of its centroid, a row of G
-  std::vector<double> area;                                   ///< per foot [mm^2], > 0
-  int feet() const { return static_cast<int>(area.size()); }
+  struct Edge {
+    int a = -1, b = -1;  ///< its vertices
+    int triangle = -1;
+    double length = 0.0;
+    Rim rim = Rim::Free;
+  };
+  int divide = 1;    ///< triangle t of the face is here the triangles t divide^2 + part (triangle_parts)
+  int pressed = 0;   ///< the first triangles: those of the contact surface; the others carry no pressure
+  SurfaceMesh mesh;  ///< vertices, triangles, areas, neighbours
+  std::vector<double> thickness;      ///< per vertex [mm], >= 0, linear in each triangle
+  std::vector<Edge> edges;            ///< of one triangle alone, sorted by triangle
+  std::vector<double> edge_distance;  ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
+  int nodes() const { return static_cast<int>(mesh.vertices.size()); }
 };
+inline constexpr double kEdgeReach = 3.0;
+LayerMesh make_layer_mesh(const LayerFace& face, int divide = 1);
 
-/// One foot per triangle.
-LayerMesh make_layer_mesh(const SurfaceMesh& surface);
-/// Feet that divide the triangles: for each its triangle and the barycentric coordinates of its corners there
-/// (Springs::surface_triangle, Springs::weights).
-LayerMesh make_layer_mesh(const SurfaceMesh& surface, const std::vector<int>& foot_triangle,
-                          const std::vector<std::array<std::array<double, 3>, 3>>& corners);
+/// On what of a layer the feet stand. Per foot i, over its parts k:
+///     a_ik = area,   b_ik = integral of t N,   d_i = sum over k of the integral of t                            (L8)
+struct LayerFeet {
+  std::vector<int> begin = {0};  ///< per foot: its range of `node`, `weight`
+  std::vector<int> node;         ///< vertices of the layer's mesh
+  std::vector<double> weight;    ///< b [mm^3]
+  std::vector<double> area;      ///< A_i: sum of a_ik [mm^2]; 0: the foot stands on nothing and carries nothing
+  std::vector<double> volume;    ///< d [mm^3]
+  std::vector<double> own;       ///< compliance of the foot for itself: integral of t (local + edge), over A [mm/MPa]
+  int size() const { return static_cast<int>(area.size()); }
+  double thickness(int i) const {  ///< mean under the foot
+    const auto k = static_cast<std::size_t>(i);
+    return area[k] > 0 ? volume[k] / area[k] : 0.0;
+  }
+};
+/// Adds a foot on these parts, whose areas are scaled to sum up to `area`; none, or no area: a foot that stands on
+/// nothing.
+void add_foot(LayerFeet& feet, const LayerMesh& mesh, const LayerLaw& law, const std::vector<SurfacePart>& parts,
+              double area);
+/// Feet one by one behind the others.
+void append(LayerFeet& feet, const LayerFeet& more);
+/// One foot on each pressed triangle.
+LayerFeet feet_of_own_triangles(const LayerMesh& mesh, const LayerLaw& law);
 
-/// The compliance of one layer, as an operator. With pressures p and thicknesses t per foot, q per vertex,
-///     S_k q_k = G^T D p,  S_1 r = M_t q_1,     S_k = M_t + beta_k K_t3
-///     w_i = t_i ((local + edge_i) p_i + (G (weight_0 q_0 + weight_1 q_1 + square r))_i)                           (L3)
-/// D = diag(A_i t_i); edge_i: (L7); M_t and K_t3: mass and stiffness matrices of linear triangles, weighted by t and
-/// t^3, t constant on each foot. Symmetric in the sense of work, A_i dw_i/dp_j = A_j dw_j/dp_i, and positive definite
-/// for any thickness field, because G^T D G <= M_t and the law is positive. Where no q is held and every rim edge is a
-/// Wall, M sum A_i w_i = sum A_i t_i p_i to rounding: bulging moves volume but makes none.
+/// How much softer than linearly a layer answers: e = q/M - S6^-1(q) >= 0 for a pressure q, what its slope is.
+struct StrainExcess {
+  double strain = 0.0, slope = 0.0;
+};
+StrainExcess strain_excess(const Elasticity& layer, double q);
+
+/// The compliance of one layer, as an operator. For pressures p per foot, with q, r nodal and linear in each triangle,
+///     S_k q_k = b p,   S_1 r = M_t q_1,   S_k = M_t + beta_k K_t3
+///     A_i w_i = A_i own_i p_i + b_i . (weight_0 q_0 + weight_1 q_1 + square r)                                   (L3, L8)
+/// M_t and K_t3: mass and stiffness matrices weighted by t and t^3, both exact for t linear in each triangle. Symmetric
+/// in the sense of work, A_i dw_i/dp_j = A_j dw_j/dp_i, and positive definite for any thickness field while parts of
+/// different feet do not overlap. Between walls, with whole triangles pressed, M sum A_i w_i = sum d_i p_i to rounding:
+/// bulging moves volume but makes none.
 ///
-/// A foot of no thickness has no layer: it does not sink, and q = 0 at the vertices around it in the first term; the
-/// second takes the step for a wall, so a mesh should end where its cartilage does.
-/// Serial; different operators may be used at the same time, one operator may not.
+/// Large strain: only the confined part of the response stiffens, in series with the linear flow,
+///     w = C p - B^T [t e(q)],   q = B p,   B = own_share + (1 - own_share) G S_1^-1 G^T D                          (L9)
+/// B^T: the adjoint of B in the sense of work; own_share: LayerLaw's. One term: B = 1.
+///
+/// Where the layer has no thickness it does not sink, and q = 0 at the vertices around in the first term.
+/// Factorised once, on construction. Serial; different operators may be used at the same time, one operator may not.
 class LayerOperator {
  public:
-  /// `rim`: one per edge of mesh.rim. The sparsity pattern is analysed here, once.
-  LayerOperator(std::shared_ptr<const LayerMesh> mesh, const LayerLaw& law, std::vector<Rim> rim);
+  LayerOperator(std::shared_ptr<const LayerMesh> mesh, const Elasticity& elasticity, LayerFit fit);
   ~LayerOperator();
   LayerOperator(LayerOperator&&) noexcept;
   LayerOperator& operator=(LayerOperator&&) noexcept;
 
-  /// Assembles and factorises for these thicknesses, per foot, >= 0 [mm]: once for the source, once per pose for the
-  /// target, whose thickness is the one at the springs' ends.
-  void set_thickness(const std::vector<double>& thickness);
-
-  /// Compliance of each foot for itself, t_i (local + edge_i) [mm/MPa]: what is left for short waves.
-  const std::vector<double>& own() const;
-
   const LayerMesh& mesh() const;
   const LayerLaw& law() const;
-  const std::vector<double>& thickness() const;
+  const Elasticity& elasticity() const;
 
-  /// Adds w [mm] to `sinking` for pressures [MPa], both feet x columns. `area`: the part of each foot that carries its
-  /// pressure [mm^2], 0 <= area <= mesh().area; work is then measured with it, too.
-  void add_sinking(const Eigen::MatrixXd& pressure, const Eigen::VectorXd& area, Eigen::MatrixXd& sinking);
-  /// w for one field of pressures on whole feet.
-  Eigen::VectorXd sinking(const Eigen::VectorXd& pressure);
+  /// w [mm] for pressures [MPa], both feet x columns. `softening`: per foot, the slope of e(q) at the state about which
+  /// (L9) is linear; null: small strain.
+  Eigen::MatrixXd sinking(const LayerFeet& feet, const Eigen::MatrixXd& pressure,
+                          const Eigen::VectorXd* softening = nullptr);
+  /// w by (L9). `softening`: set to the slopes of e(q).
+  Eigen::VectorXd large_sinking(const LayerFeet& feet, const Eigen::VectorXd& pressure, Eigen::VectorXd& softening);
+  /// Of w per pressure of the same foot, what flow has no part in [mm/MPa].
+  double own_compliance(const LayerFeet& feet, int foot, const Eigen::VectorXd* softening = nullptr) const;
 
   /// Entries of the sparse factor, for one term: what a solution costs.
   double factor_entries() const;

@@ -37,38 +37,27 @@ Springs make_springs(const Layer& source, int refine) {
   assert(refine >= 1);
   const SurfaceMesh& mesh = source.spring_surface();
   Springs s;
-  const double step = 1.0 / refine;
-  const auto add = [&](int t, const std::array<std::array<double, 3>, 3>& w) {
-    std::array<Vector3d, 3> corners;
-    std::array<double, 3> thickness = {0, 0, 0};
-    for (std::size_t c = 0; c < 3; ++c) {
-      corners[c] = position(mesh, {t, w[c]});
-      thickness[c] = interpolate(mesh, source.thickness, {t, w[c]});
-    }
-    s.triangle.push_back(corners);
-    s.foot.push_back((corners[0] + corners[1] + corners[2]) / 3.0);
-    s.direction.push_back(mesh.normals[at(t)]);
-    s.area.push_back(mesh.areas[at(t)] * step * step);
-    s.corner_thickness.push_back(thickness);
-    s.surface_triangle.push_back(t);
-    s.bulge.push_back(bulge_height(
-        mesh, t,
-        {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3}));
-    s.weights.push_back(w);
-  };
-  const auto corner = [&](int i, int j) -> std::array<double, 3> { return {1.0 - (i + j) * step, i * step, j * step}; };
-  for (int t = 0; t < mesh.size(); ++t) {
-    if (refine == 1) {
-      add(t, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
-      continue;
-    }
-    for (int i = 0; i < refine; ++i) {
-      for (int j = 0; i + j < refine; ++j) {
-        add(t, {corner(i, j), corner(i + 1, j), corner(i, j + 1)});
-        if (i + j + 2 <= refine) add(t, {corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)});
+  const auto parts = triangle_parts(refine);
+  const auto part_area = 1.0 / (refine * refine);
+  for (int t = 0; t < mesh.size(); ++t)
+    for (const auto& w : parts) {
+      std::array<Vector3d, 3> corners;
+      std::array<double, 3> thickness = {0, 0, 0};
+      for (std::size_t c = 0; c < 3; ++c) {
+        corners[c] = position(mesh, {t, w[c]});
+        thickness[c] = interpolate(mesh, source.thickness, {t, w[c]});
       }
+      s.triangle.push_back(corners);
+      s.foot.push_back((corners[0] + corners[1] + corners[2]) / 3.0);
+      s.direction.push_back(mesh.normals[at(t)]);
+      s.area.push_back(mesh.areas[at(t)] * part_area);
+      s.corner_thickness.push_back(thickness);
+      s.surface_triangle.push_back(t);
+      s.bulge.push_back(bulge_height(
+          mesh, t,
+          {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3}));
+      s.weights.push_back(w);
     }
-  }
   return s;
 }
 
@@ -89,9 +78,7 @@ SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair) {
   for (int i = 0; i < bed.springs.size(); ++i)
     for (const Vector3d& corner : bed.springs.triangle[at(i)])
       bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
-  // law layer asks whether the target goes on for its thickness
-  bed.rim_distance = rim_distances(
-      target.spring_surface(), 4.0 * bed.foot_radius + (bed.law == Law::Layer ? 2.0 * bed.max_target_thickness : 0.0));
+  bed.rim_distance = rim_distances(target.spring_surface(), 4.0 * bed.foot_radius);
   if (bed.law == Law::Layer) bed.layers = make_layer_bed(bed);
   return bed;
 }
@@ -299,6 +286,25 @@ Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& s, in
     gradient += ((layer.springs_at == SpringsAt::Bone ? 1.0 : 0.0) - strain_source) *
                 thickness_gradient(mesh, layer.thickness, t);
   return source.rotation * gradient;
+}
+
+std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,
+                                            const SurfaceMesh& surface, const SpringStates& s, int i, int first,
+                                            int end) {
+  const auto k = at(i);
+  std::array<Vector3d, 3> foot;
+  for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * bed.springs.triangle[k][c] + relative.shift;
+  std::vector<SurfacePart> parts = parts_under_foot(foot, bed.springs.area[k],
+                                                    relative.rotation * bed.springs.direction[k], surface, first, end);
+  if (parts.empty()) {
+    SurfacePart part;
+    part.triangle = first;
+    part.area = s.area[k];
+    part.corners = 3;
+    part.corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    parts.push_back(part);
+  }
+  return parts;
 }
 
 SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "foot_parts.h"
 #include "joint.h"
 #include "ray_caster.h"
 
@@ -97,6 +98,13 @@ struct SpringStates {
   bool complementary = true;     ///< Law::Layer: (L4) was solved to its tolerance
   int size() const { return static_cast<int>(gap.size()); }
 };
+
+/// What of the target's triangles lies under spring i, whose ray meets the target (L8). `surface`: the target's, whole or
+/// divided; `first`: its triangle that the ray meets; `end`: triangles from here on are no part of the contact. Never
+/// empty: where nothing but rounding is left, all on triangle `first`.
+std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,
+                                            const SurfaceMesh& surface, const SpringStates& states, int i, int first,
+                                            int end);
 
 /// kappa: d(overlap) = kappa . (delta_target - delta_source) at the end of spring i (E2), less what its rest length
 /// loses by the target's thickness there, times its strain (E3). Global frame.

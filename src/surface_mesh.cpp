@@ -164,6 +164,100 @@ Vector3d bulge_gradient(const SurfaceMesh& mesh, int t, const std::array<double,
   return linear_gradient(mesh, t, {w[1] * b[0] + w[2] * b[2], w[0] * b[0] + w[2] * b[1], w[1] * b[1] + w[0] * b[2]});
 }
 
+namespace {
+
+Barycentric grid_point(int n, int i, int j) {
+  return {static_cast<double>(n - i - j) / n, static_cast<double>(i) / n, static_cast<double>(j) / n};
+}
+
+/// Grid points of the corners of the parts, in the order of triangle_parts.
+std::vector<std::array<std::array<int, 2>, 3>> part_corners(int n) {
+  std::vector<std::array<std::array<int, 2>, 3>> parts;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      parts.push_back({{{i, j}, {i + 1, j}, {i, j + 1}}});
+      if (i + j + 2 <= n) parts.push_back({{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}});
+    }
+  return parts;
+}
+
+}  // namespace
+
+std::vector<std::array<Barycentric, 3>> triangle_parts(int n) {
+  std::vector<std::array<Barycentric, 3>> parts;
+  for (const auto& corners : part_corners(n)) {
+    std::array<Barycentric, 3> part;
+    for (std::size_t c = 0; c < 3; ++c) part[c] = grid_point(n, corners[c][0], corners[c][1]);
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+int part_at(int n, const Barycentric& w) {
+  const double u = std::clamp(w[1], 0.0, 1.0) * n, v = std::clamp(w[2], 0.0, 1.0) * n;
+  const int i = std::min(static_cast<int>(u), n - 1), j = std::min(static_cast<int>(v), n - 1 - i);
+  const bool turned = i + j + 2 <= n && (u - i) + (v - j) > 1;
+  return i * (2 * n - i) + 2 * j + turned;
+}
+
+SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
+  SurfaceMesh out;
+  out.model_nodes = mesh.model_nodes;
+  out.vertices = mesh.vertices;
+  out.facets = mesh.facets;
+  std::map<std::array<int, 2>, int> first_on_edge;  // the n - 1 points from the lower to the higher vertex
+  const auto add = [&](const Vector3d& x) {
+    out.vertices.push_back(x);
+    out.model_nodes.push_back(-1);
+    return static_cast<int>(out.vertices.size()) - 1;
+  };
+  const auto parts = part_corners(n);
+  std::vector<int> id(static_cast<std::size_t>((n + 1) * (n + 1)));
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto& corner = mesh.triangles[static_cast<std::size_t>(t)];
+    const auto on_edge = [&](std::size_t from, std::size_t to, int step) {  // `step` of n along the edge
+      const int a = corner[from], b = corner[to], low = std::min(a, b), high = std::max(a, b);
+      const auto found = first_on_edge.try_emplace({low, high}, static_cast<int>(out.vertices.size()));
+      if (found.second) {
+        const Vector3d x = mesh.vertices[static_cast<std::size_t>(low)],
+                       along = mesh.vertices[static_cast<std::size_t>(high)] - x;
+        for (int k = 1; k < n; ++k) add(x + static_cast<double>(k) / n * along);
+      }
+      return found.first->second + (a < b ? step : n - step) - 1;
+    };
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        int& v = id[static_cast<std::size_t>(i * (n + 1) + j)];
+        if (i == 0 && j == 0)
+          v = corner[0];
+        else if (i == n)
+          v = corner[1];
+        else if (j == n)
+          v = corner[2];
+        else if (j == 0)
+          v = on_edge(0, 1, i);
+        else if (i == 0)
+          v = on_edge(0, 2, j);
+        else if (i + j == n)
+          v = on_edge(1, 2, j);
+        else {
+          const Barycentric w = grid_point(n, i, j);
+          v = add(w[0] * mesh.corner(t, 0) + w[1] * mesh.corner(t, 1) + w[2] * mesh.corner(t, 2));
+        }
+      }
+    for (const auto& part : parts) {
+      std::array<int, 3> triangle;
+      for (std::size_t c = 0; c < 3; ++c)
+        triangle[c] = id[static_cast<std::size_t>(part[c][0] * (n + 1) + part[c][1])];
+      out.triangles.push_back(triangle);
+      out.facet.push_back(mesh.facet[static_cast<std::size_t>(t)]);
+    }
+  }
+  finish_surface_mesh(out);
+  out.bulge.assign(out.triangles.size(), {0, 0, 0});
+  return out;
+}
+
 double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b) {
   const Vector3d ab = b - a;
   const double length2 = ab.squaredNorm();

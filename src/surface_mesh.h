@@ -49,6 +49,15 @@ Vector3d bulge_gradient(const SurfaceMesh& mesh, int triangle, const std::array<
 /// Gradient in a triangle's plane of the linear interpolation of three corner values.
 Vector3d linear_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& corner_values);
 
+using Barycentric = std::array<double, 3>;
+/// Corners of the n^2 equal parts of a triangle, counter-clockwise, in the triangle's barycentric coordinates.
+std::vector<std::array<Barycentric, 3>> triangle_parts(int n);
+/// Number of the part that holds a point of the triangle.
+int part_at(int n, const Barycentric& w);
+/// The mesh with each triangle t cut into n^2 parts, numbers t n^2 + part. The parts lie in their triangles' planes: no
+/// bulge. Vertices of the mesh come first, in their order; the others have no node of the model (-1).
+SurfaceMesh divided(const SurfaceMesh& mesh, int n);
+
 double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b);
 
 /// The ends of the edges that only one triangle has.
