@@ -60,7 +60,7 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
       if (s.triangle[k] >= 0 && s.area[k] > 0 && s.gap[k] < reach)
         parts = parts_under_spring(bed, relative, layer.mesh, s, i,
                                    s.triangle[k] * divide2 + part_at(layer.divide, s.end_weights[k]), layer.pressed);
-      add_foot(of_chunk[at(c)], layer, target.law(), parts, parts.empty() ? 0.0 : s.area[k]);
+      add_foot(of_chunk[at(c)], target, parts, parts.empty() ? 0.0 : s.area[k]);
     }
   });
   LayerFeet feet;
@@ -75,7 +75,7 @@ std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
   if (!source.rigid) {
     const auto mesh = std::make_shared<const LayerMesh>(make_layer_mesh(source.face, pair.refine));
     layers->source.emplace(mesh, source.elasticity, pair.layer_fit);
-    layers->whole = feet_of_own_triangles(*mesh, layers->source->law());
+    layers->whole = feet_of_own_triangles(*layers->source);
   }
   if (!target.rigid)
     layers->target.emplace(std::make_shared<const LayerMesh>(make_layer_mesh(target.face, pair.refine)),

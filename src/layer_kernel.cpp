@@ -76,7 +76,6 @@ LayerLaw two_terms(double nu) {
   law.local = x[0];
   law.weight = {x[1], x[2]};
   law.square = x[3];
-  law.edge = 0.5;
   // The largest share, nearly, with which (L9) is positive at any strain: local M >= own_share^2 at nu = 0, where it is
   // least. Below nothing of the foot's own is left.
   law.own_share = nu >= 0 ? 1.0 / 3 : 0.0;
@@ -96,9 +95,23 @@ LayerLaw layer_law(const Elasticity& layer, LayerFit fit) {
   law.local /= layer.E;
   law.confined /= layer.E;
   law.square /= layer.E;
-  law.edge /= layer.E;
   for (double& w : law.weight) w /= layer.E;
   return law;
+}
+
+EdgeLaw edge_law(const Elasticity& layer, LayerFit fit) {
+  EdgeLaw edge;
+  if (fit == LayerFit::OneTerm) return edge;
+  const double nu = std::max(0.0, layer.nu);
+  edge.straight = 0.36 * nu * nu;
+  edge.curved = 5.2 * nu * nu * nu;
+  edge.around = 0.35;
+  // An even load on a half-line sinks 0.52 t p/E deeper at its edge than the two terms have it; the shares of the other
+  // two there are 1/(4 sqrt(beta_1)) and 1/sqrt(beta_0).
+  const LayerLaw law = two_terms(layer.nu);
+  edge.own = std::max(0.0, 0.52 - edge.around / (4 * std::sqrt(law.beta[1])) - edge.straight / std::sqrt(law.beta[0]));
+  for (double* value : {&edge.straight, &edge.curved, &edge.around, &edge.own}) *value /= layer.E;
+  return edge;
 }
 
 double LayerLaw::largest() const {

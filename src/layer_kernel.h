@@ -26,16 +26,13 @@ double layer_compliance(const Elasticity& layer, double s);
 /// TwoTerms (L2b): beta_0 = 2, beta_1 = 0.155 for every nu; the weights give the first term of (L1) and its values at
 /// s = 2 and 9. Within 1.7% of (L1) for s <= 10, 0 <= nu <= 0.5;
 /// within 12% for nu < 0.
-/// Beside a free edge, d away, the layer gives way more by  t edge exp(-2.6 d/t) p,  edge = 0.5/E (TwoTerms only).
-/// (L7) Nothing here grows without bound as nu -> 0.5. Positive for all s, which makes the operator positive definite.
-inline constexpr double kEdgeDecay = 2.6;
+/// Nothing here grows without bound as nu -> 0.5. Positive for all s, which makes the operator positive definite.
 struct LayerLaw {
   double local = 0.0;                     ///< compliance left for short waves [1/MPa], > 0
   int terms = 0;                          ///< 1 or 2
   std::array<double, 2> weight = {0, 0};  ///< [1/MPa], < 0 where bulging makes the layer softer
   double square = 0.0;                    ///< of the second fraction's square [1/MPa]; 0 with one term
   std::array<double, 2> beta = {0, 0};    ///< > 0
-  double edge = 0.0;                      ///< [1/MPa], >= 0
   double confined = 0.0;                  ///< 1/M [1/MPa], 0 at nu = 0.5
   double own_share = 1.0;                 ///< of a foot's own pressure in the one that stiffens it (L9)
   double operator()(double s) const {
@@ -46,6 +43,16 @@ struct LayerLaw {
   /// Upper bound of the law for all s.
   double largest() const;
 };
+
+/// What a free edge adds (L7), all [1/MPa]; zero with one term. Read off own finite elements of strips, discs and holes,
+/// nu = 0.3 to 0.4999 (docs/layer_law.md, section 3).
+struct EdgeLaw {
+  double straight = 0.0, curved = 0.0;  ///< the hoop stretch: e = straight + curved min(kappa t, 1)
+  double around = 0.0;                  ///< of the second term's pressure at the edge
+  double own = 0.0;                     ///< t own exp(-4.5 d/t) of the foot's own pressure, d from the edge
+};
+inline constexpr double kEdgeDecay = 4.5;
+EdgeLaw edge_law(const Elasticity& layer, LayerFit fit);
 LayerLaw layer_law(const Elasticity& layer, LayerFit fit);
 
 }  // namespace dea

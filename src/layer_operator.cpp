@@ -2,6 +2,8 @@
 
 #include <cholmod.h>
 
+#include <Eigen/SparseCholesky>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -18,6 +20,15 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // local pairs of vertices: diagonal, then the rest
 constexpr std::size_t kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
+
+/// Gradients of the hat functions of a triangle's corners: the opposite edge turned inwards, over twice the area.
+std::array<Vector3d, 3> hat_gradients(const SurfaceMesh& mesh, int t) {
+  std::array<Vector3d, 3> gradient;
+  for (int k = 0; k < 3; ++k)
+    gradient[at(k)] = mesh.normals[at(t)].cross(mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3)) /
+                      (2 * mesh.areas[at(t)]);
+  return gradient;
+}
 
 /// Per vertex: distance from the nearest free edge of the face, from each edge over the triangles around, as far as it
 /// is felt.
@@ -57,6 +68,89 @@ std::vector<double> edge_distances(const LayerFace& face, const LayerMesh& layer
   return distance;
 }
 
+/// (L10), with the mass lumped, so that the least and the largest thickness bound it.
+std::vector<double> smeared_thickness(const SurfaceMesh& mesh, const std::vector<double>& t) {
+  const double beta = layer_law({1.0, 0.3}, LayerFit::TwoTerms).beta[1];  // the same for every nu
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(t.size()));
+  for (int k = 0; k < mesh.size(); ++k) {
+    const auto& corner = mesh.triangles[at(k)];
+    const double A = mesh.areas[at(k)], h[3] = {t[at(corner[0])], t[at(corner[1])], t[at(corner[2])]};
+    const double squared = (h[0] * (h[0] + h[1] + h[2]) + h[1] * (h[1] + h[2]) + h[2] * h[2]) / 6;
+    const auto gradient = hat_gradients(mesh, k);
+    for (std::size_t i = 0; i < 3; ++i) {
+      entries.emplace_back(corner[i], corner[i], A / 3);
+      right[corner[i]] += A / 3 * h[i];
+      for (std::size_t j = 0; j < 3; ++j)
+        entries.emplace_back(corner[i], corner[j], beta * A * squared * gradient[i].dot(gradient[j]));
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(right.size(), right.size());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::VectorXd smeared = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
+  const auto [least, most] = std::minmax_element(t.begin(), t.end());
+  std::vector<double> out(t.size());
+  for (std::size_t v = 0; v < t.size(); ++v) out[v] = std::clamp(smeared[static_cast<Eigen::Index>(v)], *least, *most);
+  return out;
+}
+
+/// Curvature of the free edges within the surface: how much the rim turns at each vertex, pi less the angles of the
+/// triangles there, spread along the rim over twice the thickness to both sides, so that zigzags cancel. In a plane of
+/// symmetry the rim has its mirror image beyond.
+std::vector<double> edge_curvatures(const LayerMesh& layer) {
+  const SurfaceMesh& mesh = layer.mesh;
+  std::vector<double> curvature(mesh.vertices.size(), 0.0), angles(mesh.vertices.size(), 0.0);
+  std::vector<int> out(mesh.vertices.size(), -1), in(mesh.vertices.size(), -1);  // free edge that leaves, that arrives
+  std::vector<char> walled(mesh.vertices.size(), 0), beside(mesh.vertices.size(), 0);
+  for (std::size_t k = 0; k < layer.edges.size(); ++k) {
+    const LayerMesh::Edge& edge = layer.edges[k];
+    if (edge.rim == Rim::Free) {
+      out[at(edge.a)] = in[at(edge.b)] = static_cast<int>(k);
+      beside[at(edge.a)] = beside[at(edge.b)] = 1;
+    } else if (edge.rim == Rim::Wall) {
+      walled[at(edge.a)] = walled[at(edge.b)] = 1;
+    }
+  }
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const int v = mesh.triangles[at(t)][at(c)];
+      if (!beside[at(v)]) continue;
+      const Vector3d a = mesh.corner(t, (c + 1) % 3) - mesh.corner(t, c),
+                     b = mesh.corner(t, (c + 2) % 3) - mesh.corner(t, c);
+      angles[at(v)] += std::atan2(a.cross(b).norm(), a.dot(b));
+    }
+  const double pi = std::acos(-1.0);
+  const auto turning = [&](int v) {
+    if (out[at(v)] >= 0 && in[at(v)] >= 0) return pi - angles[at(v)];
+    return walled[at(v)] ? pi - 2 * angles[at(v)] : 0.0;
+  };
+  for (std::size_t v = 0; v < curvature.size(); ++v) {
+    const double reach = 2 * layer.thickness[v];
+    if (!beside[v] || !(reach > 0)) continue;
+    double sum = turning(static_cast<int>(v));
+    for (const bool forwards : {true, false}) {
+      double way = 0.0;
+      int at_vertex = static_cast<int>(v);
+      bool onwards = forwards;
+      for (std::size_t steps = 0; steps <= layer.edges.size(); ++steps) {
+        int next = onwards ? out[at(at_vertex)] : in[at(at_vertex)];
+        if (next < 0 && walled[at(at_vertex)]) {  // the mirror image: back along the same edges
+          onwards = !onwards;
+          next = onwards ? out[at(at_vertex)] : in[at(at_vertex)];
+        }
+        if (next < 0) break;
+        const LayerMesh::Edge& edge = layer.edges[at(next)];
+        way += edge.length;
+        at_vertex = onwards ? edge.b : edge.a;
+        if (way >= reach) break;
+        sum += turning(at_vertex) * (1 - way / reach);
+      }
+    }
+    curvature[v] = sum / reach;
+  }
+  return curvature;
+}
+
 }  // namespace
 
 LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
@@ -90,11 +184,14 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
       }
   }
   layer.edge_distance = edge_distances(face, layer);
+  layer.edge_curvature = edge_curvatures(layer);
+  layer.thickness = smeared_thickness(layer.mesh, layer.thickness);
   return layer;
 }
 
-void add_foot(LayerFeet& feet, const LayerMesh& layer, const LayerLaw& law, const std::vector<SurfacePart>& parts,
-              double area) {
+void add_foot(LayerFeet& feet, const LayerOperator& of, const std::vector<SurfacePart>& parts, double area) {
+  const LayerMesh& layer = of.mesh();
+  const double local = of.law().local, edge_own = of.edge().own;
   double sum = 0;
   for (const SurfacePart& part : parts) sum += part.area;
   double volume = 0, own = 0;
@@ -133,7 +230,7 @@ void add_foot(LayerFeet& feet, const LayerMesh& layer, const LayerLaw& law, cons
           b[k] += a / 12 *
                   (at_corner[0] * (*p[0])[k] + at_corner[1] * (*p[1])[k] + at_corner[2] * (*p[2])[k] + 3 * mean * all[k]);
         part_volume += a * mean;
-        if (mean > 0) part_own += a * mean * (law.local + law.edge * std::exp(-kEdgeDecay * edge / mean));
+        if (mean > 0) part_own += a * mean * (local + edge_own * std::exp(-kEdgeDecay * edge / mean));
       }
       for (std::size_t k = 0; k < 3; ++k) {
         std::size_t i = first;
@@ -167,7 +264,8 @@ void append(LayerFeet& feet, const LayerFeet& more) {
   add(feet.own, more.own);
 }
 
-LayerFeet feet_of_own_triangles(const LayerMesh& mesh, const LayerLaw& law) {
+LayerFeet feet_of_own_triangles(const LayerOperator& layer) {
+  const LayerMesh& mesh = layer.mesh();
   LayerFeet feet;
   std::vector<SurfacePart> part(1);
   part[0].corners = 3;
@@ -175,7 +273,7 @@ LayerFeet feet_of_own_triangles(const LayerMesh& mesh, const LayerLaw& law) {
   for (int t = 0; t < mesh.pressed; ++t) {
     part[0].triangle = t;
     part[0].area = mesh.mesh.areas[at(t)];
-    add_foot(feet, mesh, law, part, part[0].area);
+    add_foot(feet, layer, part, part[0].area);
   }
   return feet;
 }
@@ -191,12 +289,20 @@ struct LayerOperator::State {
   std::shared_ptr<const LayerMesh> mesh;
   Elasticity elasticity;
   LayerLaw law;
+  EdgeLaw edge;
 
   cholmod_common common;
   cholmod_sparse* matrix = nullptr;                            // lower triangle
   std::array<cholmod_factor*, 2> factor = {nullptr, nullptr};  // per term
   std::array<std::vector<char>, 2> held;                       // per term and node: q = 0
-  std::vector<double> mass;                                    // M_t, and what of q_1 lies beyond the rim
+  std::vector<double> onwards;                                 // what of q_1 drives r: square M_t and the rims' parts
+  /// A vertex of a free edge where q_0 = 0 and what flows out stretches the edge (L7).
+  struct Outflow {
+    int node = -1;
+    double stretch = 0.0;  // z per rho: e / (beta_0 B)
+  };
+  std::vector<Outflow> outflow;
+  std::vector<double> flow_matrix;  // S_0 as if nothing were held, where there is outflow
   cholmod_dense* solution = nullptr;                           // work space of cholmod_solve2
   cholmod_dense* work_y = nullptr;
   cholmod_dense* work_e = nullptr;
@@ -247,24 +353,21 @@ struct LayerOperator::State {
     std::fill_n(static_cast<double*>(matrix->x), entries.size(), 0.0);
   }
 
-  /// M_t, K_t3 and the rim's term over sqrt(beta), all with the pattern of the matrix.
-  void assemble(std::vector<double>& stiffness, std::array<std::vector<double>, 2>& beyond) {
+  /// M_t, K_t3, and along the edges the integral of t^2, all with the pattern of the matrix.
+  struct Parts {
+    std::vector<double> mass, stiffness, free_edge, open_edge;
+  };
+  Parts assemble() const {
     const SurfaceMesh& surface = mesh->mesh;
-    const std::size_t entries = at(static_cast<const int*>(matrix->p)[mesh->nodes()]);
-    mass.assign(entries, 0.0);
-    stiffness.assign(entries, 0.0);
-    beyond.fill(std::vector<double>(entries, 0.0));
+    const std::vector<double> none(at(static_cast<const int*>(matrix->p)[mesh->nodes()]), 0.0);
+    Parts parts = {none, none, none, none};
     for (int t = 0; t < surface.size(); ++t) {
       const auto& corner = surface.triangles[at(t)];
       const double A = surface.areas[at(t)];
-      double h[3], sum = 0;
-      Vector3d gradient[3];  // of N_k: the opposite edge turned inwards, over twice the area
-      for (int k = 0; k < 3; ++k) {
-        h[k] = mesh->thickness[at(corner[at(k)])];
-        sum += h[k];
-        gradient[k] =
-            surface.normals[at(t)].cross(surface.corner(t, (k + 2) % 3) - surface.corner(t, (k + 1) % 3)) / (2 * A);
-      }
+      const auto gradient = hat_gradients(surface, t);
+      const double h[3] = {mesh->thickness[at(corner[0])], mesh->thickness[at(corner[1])],
+                           mesh->thickness[at(corner[2])]},
+                   sum = h[0] + h[1] + h[2];
       // integrals of linear t: t^3 is the sum of its monomials of degree 3 over 10; t N_i N_j by products of N
       const double cubed =
           (h[0] * h[0] * (h[0] + h[1] + h[2]) + h[1] * h[1] * (h[1] + h[2]) + h[2] * h[2] * h[2] +
@@ -272,63 +375,86 @@ struct LayerOperator::State {
           10;
       for (std::size_t e = 0; e < 6; ++e) {
         const std::size_t i = kFirst[e], j = kSecond[e], s = at(find(corner[i], corner[j]));
-        mass[s] += i == j ? A * (2 * sum + 4 * h[i]) / 60 : A * (sum + h[i] + h[j]) / 60;
-        stiffness[s] += A * cubed * gradient[i].dot(gradient[j]);
+        parts.mass[s] += i == j ? A * (2 * sum + 4 * h[i]) / 60 : A * (sum + h[i] + h[j]) / 60;
+        parts.stiffness[s] += A * cubed * gradient[i].dot(gradient[j]);
       }
     }
-    for (const LayerMesh::Edge& edge : mesh->edges) {
-      if (edge.rim == Rim::Wall) continue;
+    for (const LayerMesh::Edge& side : mesh->edges) {
+      if (side.rim == Rim::Wall) continue;
+      std::vector<double>& along = side.rim == Rim::Free ? parts.free_edge : parts.open_edge;
       // integral of t^2 N_i N_j along the edge, t linear
-      const double ta = mesh->thickness[at(edge.a)], tb = mesh->thickness[at(edge.b)], l = edge.length / 30;
-      for (std::size_t term = edge.rim == Rim::Free ? 1 : 0; term < 2; ++term) {
-        beyond[term][at(find(edge.a, edge.a))] += l * (6 * ta * ta + 3 * ta * tb + tb * tb);
-        beyond[term][at(find(edge.b, edge.b))] += l * (6 * tb * tb + 3 * ta * tb + ta * ta);
-        beyond[term][at(find(edge.a, edge.b))] += l * (1.5 * ta * ta + 2 * ta * tb + 1.5 * tb * tb);
-      }
+      const double ta = mesh->thickness[at(side.a)], tb = mesh->thickness[at(side.b)], l = side.length / 30;
+      along[at(find(side.a, side.a))] += l * (6 * ta * ta + 3 * ta * tb + tb * tb);
+      along[at(find(side.b, side.b))] += l * (6 * tb * tb + 3 * ta * tb + ta * ta);
+      along[at(find(side.a, side.b))] += l * (1.5 * ta * ta + 2 * ta * tb + 1.5 * tb * tb);
     }
+    return parts;
   }
 
   /// At a free edge what bulges escapes: q = 0 in the first term. The second decays within 0.4 t, which few meshes
   /// resolve: held, it would make coarse edges stiff; it goes on as beyond a loaded patch, and (L7) adds what is
-  /// missing.
-  void find_held() {
-    std::vector<char> carries(at(mesh->nodes()), 0), edge(at(mesh->nodes()), 0);
-    for (const LayerMesh::Edge& e : mesh->edges)
-      if (e.rim == Rim::Free) edge[at(e.a)] = edge[at(e.b)] = 1;
+  /// missing. Returns per node what S_0 gains where a hole's rim is not held.
+  std::vector<double> find_held() {
+    std::vector<char> carries(at(mesh->nodes()), 0), bare(at(mesh->nodes()), 0);
+    std::vector<double> share(at(mesh->nodes()), 0.0), gained(at(mesh->nodes()), 0.0);  // B_v
+    for (const LayerMesh::Edge& side : mesh->edges) {
+      if (side.rim != Rim::Free) continue;
+      for (const int v : {side.a, side.b})
+        share[at(v)] += 0.5 * side.length * mesh->thickness[at(v)] * mesh->thickness[at(v)];
+    }
     for (const auto& corner : mesh->mesh.triangles) {
       double most = 0;
       for (int v : corner) most = std::max(most, mesh->thickness[at(v)]);
-      for (int v : corner) (most > 0 ? carries : edge)[at(v)] = 1;
+      for (int v : corner) (most > 0 ? carries : bare)[at(v)] = 1;
     }
-    for (std::size_t term = 0; term < 2; ++term) {
-      held[term].resize(carries.size());
-      for (std::size_t v = 0; v < carries.size(); ++v) held[term][v] = !carries[v] || (term == 0 && edge[v]);
+    for (auto& of_term : held) of_term.assign(carries.size(), 0);
+    constexpr double kMostRobin = 5.0;  // keeps the operator positive; larger ones are seen no more
+    for (int v = 0; v < mesh->nodes(); ++v) {
+      held[1][at(v)] = !carries[at(v)];
+      held[0][at(v)] = !carries[at(v)] || bare[at(v)];
+      if (held[0][at(v)] || !(share[at(v)] > 0)) continue;
+      const double bend = std::min(mesh->edge_curvature[at(v)] * mesh->thickness[at(v)], 1.0),
+                   e = edge.straight + edge.curved * bend;
+      if (e < 0 && law.weight[0] < 0) {
+        gained[at(v)] = law.beta[0] * share[at(v)] / std::min(e / law.weight[0], kMostRobin);
+        continue;
+      }
+      held[0][at(v)] = 1;
+      if (e > 0) outflow.push_back({v, e / (law.beta[0] * share[at(v)])});
     }
+    return gained;
   }
 
   void factorise() {
-    find_held();
-    std::vector<double> stiffness;
-    std::array<std::vector<double>, 2> beyond;
-    assemble(stiffness, beyond);
+    const std::vector<double> gained = find_held();
+    const Parts parts = assemble();
     const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
     double* x = static_cast<double*>(matrix->x);
+    const std::size_t entries = parts.mass.size();
     for (std::size_t k = 0; k < at(law.terms); ++k) {
       const double beta = law.beta[k], root = std::sqrt(beta);
+      for (std::size_t s = 0; s < entries; ++s)
+        x[s] = parts.mass[s] + beta * parts.stiffness[s] +
+               root * (parts.open_edge[s] + (k == 1 ? parts.free_edge[s] : 0.0));
+      if (k == 0) {
+        for (int v = 0; v < mesh->nodes(); ++v) x[p[v]] += gained[at(v)];  // the diagonal comes first
+        if (!outflow.empty()) flow_matrix.assign(x, x + entries);
+      }
       for (int column = 0; column < mesh->nodes(); ++column)
-        for (int s = p[column]; s < p[column + 1]; ++s) {
-          const bool fixed = held[k][at(column)] || held[k][at(rows[s])];  // the row says q = 0; the pattern stays
-          x[s] =
-              fixed ? (rows[s] == column ? 1.0 : 0.0) : mass[at(s)] + beta * stiffness[at(s)] + root * beyond[k][at(s)];
-        }
+        for (int s = p[column]; s < p[column + 1]; ++s)
+          if (held[k][at(column)] || held[k][at(rows[s])])  // the row says q = 0; the pattern stays
+            x[s] = rows[s] == column ? 1.0 : 0.0;
       cholmod_factorize(matrix, factor[k], &common);
       check();
       if (common.status != CHOLMOD_OK) throw std::runtime_error("sparse factorisation: not positive definite");
     }
+    if (law.terms < 2) return;
     // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
     // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
-    if (law.terms == 2)
-      for (std::size_t s = 0; s < mass.size(); ++s) mass[s] += 0.5 * std::sqrt(law.beta[1]) * beyond[0][s];
+    onwards.resize(entries);
+    for (std::size_t s = 0; s < entries; ++s)
+      onwards[s] = law.square * (parts.mass[s] + 0.5 * std::sqrt(law.beta[1]) * parts.open_edge[s]) +
+                   edge.around * parts.free_edge[s];
   }
 
   /// q of one term for a load; nodes x columns, the same memory at every call.
@@ -348,19 +474,28 @@ struct LayerOperator::State {
     return {static_cast<const double*>(solution->x), load.rows(), load.cols()};
   }
 
-  /// M_t q, with what lies beyond the rim
-  Eigen::MatrixXd weighted(const Eigen::Ref<const Eigen::MatrixXd>& q) const {
+  /// A symmetric matrix with the pattern of the matrix times q.
+  Eigen::MatrixXd times(const std::vector<double>& entry, const Eigen::Ref<const Eigen::MatrixXd>& q) const {
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(q.rows(), q.cols());
     const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
     for (Eigen::Index c = 0; c < q.cols(); ++c)
       for (int column = 0; column < mesh->nodes(); ++column) {
-        product(column, c) += mass[at(p[column])] * q(column, c);  // the diagonal comes first
+        product(column, c) += entry[at(p[column])] * q(column, c);  // the diagonal comes first
         for (int s = p[column] + 1; s < p[column + 1]; ++s) {
-          product(column, c) += mass[at(s)] * q(rows[s], c);
-          product(rows[s], c) += mass[at(s)] * q(column, c);
+          product(column, c) += entry[at(s)] * q(rows[s], c);
+          product(rows[s], c) += entry[at(s)] * q(column, c);
         }
       }
     return product;
+  }
+
+  /// What the edges' stretch adds to q: z (L7), for the load b p and its q_0.
+  Eigen::MatrixXd edge_stretch(const Eigen::MatrixXd& load, const Eigen::MatrixXd& q) {
+    const Eigen::MatrixXd flow = load - times(flow_matrix, q);
+    Eigen::MatrixXd z = Eigen::MatrixXd::Zero(load.rows(), load.cols());
+    for (const Outflow& v : outflow) z.row(v.node) = v.stretch * flow.row(v.node);
+    Eigen::MatrixXd right_side = -times(flow_matrix, z);
+    return z + solve(0, right_side);  // which holds the edge
   }
 
   /// b p, nodes x columns
@@ -392,7 +527,12 @@ struct LayerOperator::State {
     Eigen::MatrixXd load = loads(feet, p), all, strain;
     const bool two = law.terms == 2;
     Eigen::MatrixXd right_side = load;
-    all = law.weight[0] * solve(0, right_side);
+    if (outflow.empty()) {
+      all = law.weight[0] * solve(0, right_side);
+    } else {
+      const Eigen::MatrixXd q = solve(0, right_side);
+      all = law.weight[0] * q + edge_stretch(load, q);
+    }
     if (large) strain = Eigen::MatrixXd::Zero(p.rows(), p.cols());
     const auto find_strain = [&](const auto& q) {
       for (Eigen::Index c = 0; c < p.cols(); ++c)
@@ -405,7 +545,7 @@ struct LayerOperator::State {
     if (two) {
       const auto q = solve(1, load);
       all += law.weight[1] * q;
-      right_side = law.square * weighted(q);  // the square of the fraction: S^-1 M_t S^-1
+      right_side = times(onwards, q);  // the square of the fraction: S^-1 M_t S^-1
       if (large) {
         find_strain(q);
         right_side -= (1 - own) * loads(feet, strain);
@@ -431,6 +571,7 @@ LayerOperator::LayerOperator(std::shared_ptr<const LayerMesh> mesh, const Elasti
   s.mesh = std::move(mesh);
   s.elasticity = elasticity;
   s.law = layer_law(elasticity, fit);
+  s.edge = edge_law(elasticity, fit);
   s.common.print = 0;
   s.make_pattern();
   // Simplicial, so no BLAS and no threads: up to 200,000 feet it was no slower than supernodal with the reference BLAS.
@@ -452,6 +593,7 @@ LayerOperator& LayerOperator::operator=(LayerOperator&&) noexcept = default;
 
 const LayerMesh& LayerOperator::mesh() const { return *state_->mesh; }
 const LayerLaw& LayerOperator::law() const { return state_->law; }
+const EdgeLaw& LayerOperator::edge() const { return state_->edge; }
 const Elasticity& LayerOperator::elasticity() const { return state_->elasticity; }
 double LayerOperator::factor_entries() const { return state_->common.lnz; }
 

@@ -24,9 +24,12 @@ struct LayerMesh {
   int divide = 1;    ///< triangle t of the face is here the triangles t divide^2 + part (triangle_parts)
   int pressed = 0;   ///< the first triangles: those of the contact surface; the others carry no pressure
   SurfaceMesh mesh;  ///< vertices, triangles, areas, neighbours
-  std::vector<double> thickness;      ///< per vertex [mm], >= 0, linear in each triangle
-  std::vector<Edge> edges;            ///< of one triangle alone, sorted by triangle
-  std::vector<double> edge_distance;  ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
+  /// Per vertex: what the flow sees of the thickness [mm], >= 0, linear in each triangle. A step of the bone is felt at
+  /// the surface smeared over the thickness:  (M_1 + beta_1 K_t2) thickness = M_1 t.                             (L10)
+  std::vector<double> thickness;
+  std::vector<Edge> edges;             ///< of one triangle alone, sorted by triangle
+  std::vector<double> edge_distance;   ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
+  std::vector<double> edge_curvature;  ///< per vertex of a free edge: in the surface [1/mm], > 0 convex (a disc's rim)
   int nodes() const { return static_cast<int>(mesh.vertices.size()); }
 };
 inline constexpr double kEdgeReach = 3.0;
@@ -40,22 +43,13 @@ struct LayerFeet {
   std::vector<double> weight;    ///< b [mm^3]
   std::vector<double> area;      ///< A_i: sum of a_ik [mm^2]; 0: the foot stands on nothing and carries nothing
   std::vector<double> volume;    ///< d [mm^3]
-  std::vector<double> own;       ///< compliance of the foot for itself: integral of t (local + edge), over A [mm/MPa]
+  std::vector<double> own;       ///< compliance of the foot for itself: integral of t (local + edge's own), over A [mm/MPa]
   int size() const { return static_cast<int>(area.size()); }
   double thickness(int i) const {  ///< mean under the foot
     const auto k = static_cast<std::size_t>(i);
     return area[k] > 0 ? volume[k] / area[k] : 0.0;
   }
 };
-/// Adds a foot on these parts, whose areas are scaled to sum up to `area`; none, or no area: a foot that stands on
-/// nothing.
-void add_foot(LayerFeet& feet, const LayerMesh& mesh, const LayerLaw& law, const std::vector<SurfacePart>& parts,
-              double area);
-/// Feet one by one behind the others.
-void append(LayerFeet& feet, const LayerFeet& more);
-/// One foot on each pressed triangle.
-LayerFeet feet_of_own_triangles(const LayerMesh& mesh, const LayerLaw& law);
-
 /// How much softer than linearly a layer answers: e = q/M - S6^-1(q) >= 0 for a pressure q, what its slope is.
 struct StrainExcess {
   double strain = 0.0, slope = 0.0;
@@ -69,6 +63,12 @@ StrainExcess strain_excess(const Elasticity& layer, double q);
 /// in the sense of work, A_i dw_i/dp_j = A_j dw_j/dp_i, and positive definite for any thickness field while parts of
 /// different feet do not overlap. Between walls, with whole triangles pressed, M sum A_i w_i = sum d_i p_i to rounding:
 /// bulging moves volume but makes none.
+///
+/// At a free edge q_0 = 0, and what flows out there stretches the edge along itself (L7): per vertex v of the edge, with
+/// rho the volume that flows out, row v of b p - S_0 q_0 as if v were not held, and B_v its share of the integral of t^2
+///     z_v = e rho_v / (beta_0 B_v),   S_0 z = 0 elsewhere,   e = straight + curved kappa t;    A_i w_i += b_i . z
+/// In a hole, where e < 0, v is not held; S_0 has beta_0 B_v weight_0/e there instead. The second term's part:
+/// S_1 r += around (integral of t^2 along the edge) q_1.
 ///
 /// Large strain: only the confined part of the response stiffens, in series with the linear flow,
 ///     w = C p - B^T [t e(q)],   q = B p,   B = own_share + (1 - own_share) G S_1^-1 G^T D                          (L9)
@@ -85,6 +85,7 @@ class LayerOperator {
 
   const LayerMesh& mesh() const;
   const LayerLaw& law() const;
+  const EdgeLaw& edge() const;
   const Elasticity& elasticity() const;
 
   /// w [mm] for pressures [MPa], both feet x columns. `softening`: per foot, the slope of e(q) at the state about which
@@ -103,5 +104,13 @@ class LayerOperator {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Adds a foot on these parts, whose areas are scaled to sum up to `area`; none, or no area: a foot that stands on
+/// nothing.
+void add_foot(LayerFeet& feet, const LayerOperator& layer, const std::vector<SurfacePart>& parts, double area);
+/// Feet one by one behind the others.
+void append(LayerFeet& feet, const LayerFeet& more);
+/// One foot on each pressed triangle.
+LayerFeet feet_of_own_triangles(const LayerOperator& layer);
 
 }  // namespace dea
