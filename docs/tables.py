@@ -68,6 +68,9 @@ VARIANTS = [("law layer", []),
 SHORT = ("law layer", "law layer, FEA penalty")  # what README.md shows of every joint
 
 
+KINDS = {"hips": "one hip, loads: %d", "balls": "balls: %d", "others": "others: %d"}
+
+
 def compare(dea, files, labels, surface, areas):
     words = [w for label in labels for w in ("--label", label)] + (["--surface", surface] if surface else [])
     out = subprocess.run([dea, "compare", *files, *words, "--areas", areas, "--threshold", "0.1", "--threshold", "0.5", "-q", "--json", "-"],
@@ -163,14 +166,14 @@ def range_table(rows):
     """Smallest and largest difference over the joints of a kind, with areas of the mesh and deformed."""
     lines = ["| differences from FEBio [%] | joints | areas | peak | p99, p > 0.1 | mean, p > 0.1 | area, p > 0.1 | area, p > 0.5 | r, least | Dice, least |", "|---" * 10 + "|"]
     for name in ["FEBio"] + [v[0] for v in VARIANTS if "flat" not in v[0]]:
-        for kind in ("hips", "balls", "others"):
+        for kind in KINDS:
             of = [r for r in rows if r["name"] == name and r["kind"] == kind and r["differs"]]
             for areas in ("reference", "deformed") if of else ():
                 columns = list(zip(*(r["differs"][areas] for r in of)))
-                cells = ["%+.1f" % min(c) if len(of) == 1 else "%+.1f to %+.1f" % (min(c), max(c)) for c in columns]
+                cells = [" to ".join("%+.1f" % (round(x, 1) + 0.0) for x in ((min(c), max(c)) if len(of) > 1 else c)) for c in columns]
                 pattern = ["%.3f" % min(r["pattern"][k] for r in of) for k in (0, 2)] if areas == "reference" else ["", ""]
                 title = "FEBio, other penalty" if name == "FEBio" else "dea, " + name
-                lines.append("| %s | %d %s | %s | %s |" % (title, len(of), kind, areas, " | ".join(cells + pattern)))
+                lines.append("| %s | %s | %s | %s |" % (title, KINDS[kind] % len(of), areas, " | ".join(cells + pattern)))
     return lines
 
 

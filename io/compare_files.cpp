@@ -139,12 +139,19 @@ double resultant(const ResultSurface& surface, const std::vector<double>& pressu
 
 double total(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
+/// dea's springs push on the areas of the mesh. Its files move the nodes of the layers, too, but that is a picture of
+/// how far they are squeezed and no solution.
+bool pressure_is_per_mesh_area(const ResultFile& file) { return file.plot.software.rfind("FEBioDEA", 0) == 0; }
+
 SurfaceFacts surface_facts(const ResultFile& file, int state, const Side& side, const ResultSurface& mesh) {
   SurfaceFacts facts;
   facts.area = total(mesh.facet_areas);
   facts.resultant = resultant(mesh, side.values.pressure);
   facts.deformed_area = facts.deformed_resultant = kNaN;
-  if (const std::optional<ResultSurface> moved = deformed_surface(file, state, side.surface)) {
+  if (pressure_is_per_mesh_area(file)) {
+    facts.deformed_area = facts.area;
+    facts.deformed_resultant = facts.resultant;
+  } else if (const std::optional<ResultSurface> moved = deformed_surface(file, state, side.surface)) {
     facts.deformed_area = total(moved->facet_areas);
     facts.deformed_resultant = resultant(*moved, side.values.pressure);
     double change = 0.0;
@@ -159,13 +166,17 @@ SurfaceFacts surface_facts(const ResultFile& file, int state, const Side& side, 
 }
 
 /// What does not fit together: pressure, areas and contact force of one file.
-void note_areas_and_force(const Side& side, const std::string& label, CompareAreas areas,
+void note_areas_and_force(const Side& side, const ResultFile& file, CompareAreas areas,
                           std::vector<std::string>& warnings) {
   const SurfaceFacts& facts = side.facts;
   const bool deformed = areas == CompareAreas::Deformed;
-  if (deformed && !facts.deforms)
+  if (deformed && pressure_is_per_mesh_area(file))
     warnings.push_back(
-        fmt::format("note: {}: surface \"{}\" does not deform in its file: its areas are those of the mesh", label,
+        fmt::format("note: {}: dea's pressure is per area of the mesh: areas of \"{}\" are those of the mesh",
+                    file.label, side.geometry.name));
+  else if (deformed && !facts.deforms)
+    warnings.push_back(
+        fmt::format("note: {}: surface \"{}\" does not deform in its file: its areas are those of the mesh", file.label,
                     side.geometry.name));
   const double share = share_of_contact_force(facts, areas);
   const double other = share_of_contact_force(facts, deformed ? CompareAreas::Reference : CompareAreas::Deformed);
@@ -174,11 +185,11 @@ void note_areas_and_force(const Side& side, const std::string& label, CompareAre
     warnings.push_back(
         fmt::format("note: {}: pressure on \"{}\" times {} areas is {:.1f}% of its contact force, times {} areas "
                     "{:.1f}%: --areas {}",
-                    label, side.geometry.name, deformed ? "deformed" : "the reference mesh's", 100 * share,
+                    file.label, side.geometry.name, deformed ? "deformed" : "the reference mesh's", 100 * share,
                     deformed ? "the reference mesh's" : "deformed", 100 * other, deformed ? "reference" : "deformed"));
   else
-    warnings.push_back(fmt::format("note: {}: the pressure map of \"{}\" carries {:.1f}% of its contact force", label,
-                                   side.geometry.name, 100 * share));
+    warnings.push_back(fmt::format("note: {}: the pressure map of \"{}\" carries {:.1f}% of its contact force",
+                                   file.label, side.geometry.name, 100 * share));
 }
 
 Side make_side(const ResultFile& file, int state, const std::string& name, CompareAreas areas) {
@@ -310,7 +321,7 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
   std::vector<std::size_t> summed_states;
   for (std::size_t i = 0; i < files.size(); ++i) {
     sides.push_back(make_side(files[i], states[i], names[i], options.areas));
-    note_areas_and_force(sides.back(), files[i].label, options.areas, warnings);
+    note_areas_and_force(sides.back(), files[i], options.areas, warnings);
     compared.facets.push_back(sides.back().geometry.facets());
     const History h = history(files[i], states[i], names[i]);
     if (h.left_out > 0)
@@ -458,13 +469,13 @@ std::vector<std::vector<int>> paired_states(const std::vector<ResultFile>& files
 }  // namespace
 
 double share_of_contact_force(const SurfaceFacts& facts, CompareAreas areas) {
-  if (!facts.contact_force || !(facts.contact_force->norm() > 0)) return kNaN;
+  if (!facts.contact_force || !(facts.contact_force->norm() > 0) || !(facts.resultant > 0)) return kNaN;
   return (areas == CompareAreas::Deformed ? facts.deformed_resultant : facts.resultant) / facts.contact_force->norm();
 }
 
 ResultSurface compared_surface(const ResultFile& file, int state, int surface, CompareAreas areas) {
   ResultSurface mesh = result_surface(file, state, surface);
-  if (areas == CompareAreas::Reference) return mesh;
+  if (areas == CompareAreas::Reference || pressure_is_per_mesh_area(file)) return mesh;
   const std::optional<ResultSurface> moved = deformed_surface(file, state, surface);
   if (!moved)
     throw InputError(

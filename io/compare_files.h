@@ -11,7 +11,8 @@
 namespace dea {
 
 /// Whose areas weigh: those of the mesh in the reference configuration, or with its nodes moved by each file's own
-/// displacement at the compared state. Places are those of the reference configuration in both.
+/// displacement at the compared state; dea's own files have their mesh's either way. Places are those of the reference
+/// configuration in both.
 enum class CompareAreas { Reference, Deformed };
 
 struct CompareOptions {
@@ -46,7 +47,7 @@ struct ComparedRegion {
 /// What a file says of its whole surface at the compared state, with both areas.
 struct SurfaceFacts {
   double area = 0.0;                ///< of the mesh
-  double deformed_area = 0.0;       ///< NaN: the file has no displacement
+  double deformed_area = 0.0;       ///< NaN: the file has no displacement; dea's own: that of the mesh
   bool deforms = false;             ///< facets change their areas, by more than 1/1000: single precision is not it
   double resultant = 0.0;           ///< |sum of p A n|, areas of the mesh
   double deformed_resultant = 0.0;  ///< the same of the deformed surface; NaN: no displacement
@@ -54,7 +55,7 @@ struct SurfaceFacts {
   double carried = 1.0;                   ///< |sum of p A n| of its map on the reference's mesh over its own
   InterfaceCompliance interface;
 };
-/// Share of the file's own contact force that pressure times these areas is; NaN: the file has none.
+/// Share of the file's own contact force that pressure times these areas is; NaN: the file has none, or no pressure.
 double share_of_contact_force(const SurfaceFacts& facts, CompareAreas areas);
 
 struct ComparedSurface {

@@ -32,10 +32,10 @@ from the closest point, with linear interpolation. JSON also has facet_correlati
 once, those without pressure too) and p99_unweighted (every node or facet counts once).
 
 Areas are those of the mesh, or with --areas deformed those of its facets with the nodes moved by the file's own displacement
-at the compared state (sums over time use the same). Cartilage deforms in FEBio's files; dea's surfaces move as rigid bodies, their
-areas do not change. The pressure of FEBio's sliding-elastic contact is per deformed area: its contact force is the sum of p A n
-with deformed areas only. sliding-facet-on-facet and sliding-node-on-facet integrate over the reference areas. "resultant, % of
-it" and a note say which areas fit a file; they also say where an interpolated map carries not all of the force.
+at the compared state (sums over time use the same). dea's pressure is force per area of the mesh, so its files keep those. That
+of FEBio's sliding-elastic contact is per deformed area: its contact force is the sum of p A n with deformed areas only.
+sliding-facet-on-facet and sliding-node-on-facet integrate over the reference areas. "resultant, % of it" and notes say which
+areas fit a file, and where an interpolated map carries not all of its contact force.
 
 A penalty contact gives way by gap / pressure, as one more spring in series. Where a file has both, that is printed per surface,
 with the --interface-stiffness that makes `dea run` give way as much.

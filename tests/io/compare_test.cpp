@@ -387,6 +387,25 @@ TEST(CompareFiles, DeformedAreasAreThoseOfTheMovedNodesAndPlacesStay) {
                                     "contact force, times deformed areas 100.0%: --areas deformed"}));
 }
 
+/// Its files draw the layers as squeezed, but its springs push on the areas of the mesh.
+TEST(CompareFiles, FilesOfDeaKeepTheAreasOfTheMesh) {
+  XpltFile drawn = two_halves();
+  drawn.software = "FEBioDEA 0.1.0";
+  displace(drawn, [](const Vector3d& x) { return Vector3d(0.2 * x.x(), 0, 0); });
+  add_contact_force(drawn, -2.5f);
+  CompareOptions options;
+  options.areas = CompareAreas::Deformed;
+  const Comparison c = compare_files({named("ours", drawn), named("b", two_halves())}, options);
+  const SurfaceFacts& facts = c.surfaces[0].facts[0];
+  EXPECT_FALSE(facts.deforms);
+  EXPECT_EQ(facts.deformed_area, facts.area);
+  EXPECT_NEAR(c.surfaces[0].regions[0].results[0].resultant.z(), 2.5, 1e-6);
+  EXPECT_NEAR(share_of_contact_force(facts, CompareAreas::Deformed), 1, 1e-6);
+  ASSERT_FALSE(c.warnings.empty());
+  EXPECT_EQ(c.warnings[0],
+            "note: ours: dea's pressure is per area of the mesh: areas of \"top\" are those of the mesh");
+}
+
 TEST(CompareFiles, ABodyThatTurnsKeepsItsAreas) {
   XpltFile turned = two_halves();
   const Eigen::Matrix3d R = Eigen::AngleAxisd(0.4, Vector3d(1, 2, 0.5).normalized()).toRotationMatrix();
