@@ -43,7 +43,7 @@ def fea(case, extension=".xplt"):
 
 def run(case, *options, **experiment):
     """dea's result of a case's model. PENALTY among the options: the stiffness of FEBio's contact in that case."""
-    options = ["%.4g" % penalty_stiffness(fea(case), surface_of(case)) if o == "PENALTY" else o for o in options]
+    options = ["%.4g" % penalty_stiffness(DEA, fea(case), surface_of(case)) if o == "PENALTY" else o for o in options]
     out = os.path.join(TEMPORARY, re.sub(r"\W+", "_", "_".join([case, *options, *map(str, experiment.values())])) + ".xplt")
     if not os.path.exists(out):
         subprocess.run([EXPERIMENT if experiment else DEA, "run", fea(case, ".feb"), "-o", out, "--states", "last", "-q", *options], check=True,
@@ -398,7 +398,7 @@ def exact_spheres():
                                    ("ball_loose_small_15x4_penalty30", 24.6, 3, 400)):
         if not fea(case):
             continue
-        for title, interface, options in (("nothing", 0.0, LAYER), ("FEBio's penalty, mean", 1 / penalty_stiffness(fea(case), surface_of(case)), SERIES)):
+        for title, interface, options in (("nothing", 0.0, LAYER), ("FEBio's penalty, mean", 1 / penalty_stiffness(DEA, fea(case), surface_of(case)), SERIES)):
             found = []
             for flat in (False, True):
                 p, edges = spheres_in_contact(24, socket, 24.002 - socket, t, 10 * E, force, interface, flat)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "error.h"
 #include "version.h"
@@ -22,6 +23,8 @@ struct Side {
   ResultSurface geometry;
   SurfaceValues values;
   std::vector<double> nodal;  ///< pressure
+  SurfaceFrame frame;         ///< of the reference configuration, whatever the areas
+  SurfaceFacts facts;
 };
 
 std::string quoted(const std::vector<std::string>& names) {
@@ -127,14 +130,79 @@ std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFi
   return chosen;
 }
 
-Side make_side(const ResultFile& file, int state, const std::string& name) {
+double resultant(const ResultSurface& surface, const std::vector<double>& pressure) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t f = 0; f < pressure.size(); ++f)
+    if (pressure[f] > 0) sum += pressure[f] * surface.area_vectors[f];
+  return sum.norm();
+}
+
+double total(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+/// dea's springs push on the areas of the mesh. Its files move the nodes of the layers, too, but that is a picture of
+/// how far they are squeezed and no solution.
+bool pressure_is_per_mesh_area(const ResultFile& file) { return file.plot.software.rfind("FEBioDEA", 0) == 0; }
+
+SurfaceFacts surface_facts(const ResultFile& file, int state, const Side& side, const ResultSurface& mesh) {
+  SurfaceFacts facts;
+  facts.area = total(mesh.facet_areas);
+  facts.resultant = resultant(mesh, side.values.pressure);
+  facts.deformed_area = facts.deformed_resultant = kNaN;
+  if (pressure_is_per_mesh_area(file)) {
+    facts.deformed_area = facts.area;
+    facts.deformed_resultant = facts.resultant;
+  } else if (const std::optional<ResultSurface> moved = deformed_surface(file, state, side.surface)) {
+    facts.deformed_area = total(moved->facet_areas);
+    facts.deformed_resultant = resultant(*moved, side.values.pressure);
+    double change = 0.0;
+    for (std::size_t f = 0; f < mesh.facet_areas.size(); ++f)
+      change += std::abs(moved->facet_areas[f] - mesh.facet_areas[f]);
+    // single precision: 7 digits of a place, which may be 1000 facets away from the origin
+    facts.deforms = change > 1e-3 * facts.area;
+  }
+  facts.contact_force = surface_vector(file, state, side.surface, "contact force");
+  facts.interface = interface_compliance(side.values.pressure, side.values.gap, side.geometry.facet_areas);
+  return facts;
+}
+
+/// What does not fit together: pressure, areas and contact force of one file.
+void note_areas_and_force(const Side& side, const ResultFile& file, CompareAreas areas,
+                          std::vector<std::string>& warnings) {
+  const SurfaceFacts& facts = side.facts;
+  const bool deformed = areas == CompareAreas::Deformed;
+  if (deformed && pressure_is_per_mesh_area(file))
+    warnings.push_back(
+        fmt::format("note: {}: dea's pressure is per area of the mesh: areas of \"{}\" are those of the mesh",
+                    file.label, side.geometry.name));
+  else if (deformed && !facts.deforms)
+    warnings.push_back(
+        fmt::format("note: {}: surface \"{}\" does not deform in its file: its areas are those of the mesh", file.label,
+                    side.geometry.name));
+  const double share = share_of_contact_force(facts, areas);
+  const double other = share_of_contact_force(facts, deformed ? CompareAreas::Reference : CompareAreas::Deformed);
+  if (!(facts.resultant > 0) || !(std::abs(share - 1) > 0.01)) return;
+  if (std::abs(other - 1) < 0.5 * std::abs(share - 1))
+    warnings.push_back(
+        fmt::format("note: {}: pressure on \"{}\" times {} areas is {:.1f}% of its contact force, times {} areas "
+                    "{:.1f}%: --areas {}",
+                    file.label, side.geometry.name, deformed ? "deformed" : "the reference mesh's", 100 * share,
+                    deformed ? "the reference mesh's" : "deformed", 100 * other, deformed ? "reference" : "deformed"));
+  else
+    warnings.push_back(fmt::format("note: {}: the pressure map of \"{}\" carries {:.1f}% of its contact force",
+                                   file.label, side.geometry.name, 100 * share));
+}
+
+Side make_side(const ResultFile& file, int state, const std::string& name, CompareAreas areas) {
   Side side;
   side.surface = find_surface(file, state, name);
-  side.geometry = result_surface(file, state, side.surface);
+  const ResultSurface mesh = result_surface(file, state, side.surface);
+  side.frame = surface_frame(mesh);
+  side.geometry = compared_surface(file, state, side.surface, areas);
   if (side.geometry.mesh.size() == 0) throw InputError(fmt::format("{}: surface \"{}\" has no area", file.path, name));
   side.values.pressure = facet_values(file, state, side.surface, kPressure);
   side.values.gap = facet_values(file, state, side.surface, "contact gap");
   side.nodal = nodal_average(side.geometry, side.values.pressure);
+  side.facts = surface_facts(file, state, side, mesh);
   return side;
 }
 
@@ -234,6 +302,15 @@ std::vector<double> facet_correlations(const std::vector<Side>& sides, const std
   return out;
 }
 
+/// 1: it is all there.
+double carried_share(const Side& from, const Side& onto, const NodeMatch& match, std::vector<double> carried) {
+  const double own = resultant(from.geometry, from.values.pressure);
+  if (match.same_mesh || !(own > 0)) return 1.0;
+  for (double& p : carried)
+    if (std::isnan(p)) p = 0.0;
+  return resultant(onto.geometry, facet_average(onto.geometry, carried)) / own;
+}
+
 ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std::vector<int>& states,
                                 const std::vector<std::string>& names, const CompareOptions& options,
                                 const std::vector<double>& thresholds, std::vector<std::string>& warnings) {
@@ -243,7 +320,8 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
   std::vector<TimeSums> sums;
   std::vector<std::size_t> summed_states;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    sides.push_back(make_side(files[i], states[i], names[i]));
+    sides.push_back(make_side(files[i], states[i], names[i], options.areas));
+    note_areas_and_force(sides.back(), files[i], options.areas, warnings);
     compared.facets.push_back(sides.back().geometry.facets());
     const History h = history(files[i], states[i], names[i]);
     if (h.left_out > 0)
@@ -261,6 +339,7 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
     carried.push_back(carry(matches.back(), sides[i].geometry, sides[i].nodal));
     compared.same_mesh.push_back(matches.back().same_mesh);
     compared.covered.push_back(matches.back().covered);
+    sides[i].facts.carried = carried_share(sides[i], reference, matches.back(), carried.back());
     if (!(matches.back().covered > 0))
       throw InputError(fmt::format("{}: surface \"{}\" lies nowhere on \"{}\" of {}", files[i].path, names[i],
                                    names.back(), files.back().path));
@@ -269,9 +348,15 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
           fmt::format("warning: surface \"{}\" of {} covers only {:.1f}% of \"{}\" of {}; the rest is left out of "
                       "correlation, rms and Dice",
                       names[i], files[i].label, 100 * matches.back().covered, names.back(), files.back().label));
+    if (std::abs(sides[i].facts.carried - 1) > 0.01)
+      warnings.push_back(fmt::format(
+          "note: {}: its map of \"{}\", projected onto the mesh of {}, carries {:.1f}% of its own resultant there; "
+          "correlation, rms and Dice are of that",
+          files[i].label, names[i], files.back().label, 100 * sides[i].facts.carried));
   }
+  for (const Side& side : sides) compared.facts.push_back(side.facts);
 
-  SurfaceFrame frame = surface_frame(reference.geometry);
+  SurfaceFrame frame = reference.frame;
   if (options.axis) frame.axis = options.axis->normalized();
   if (options.center) frame.center = *options.center;
   if ((options.thirds || options.profile) && !(frame.axis.norm() > 0))
@@ -383,8 +468,26 @@ std::vector<std::vector<int>> paired_states(const std::vector<ResultFile>& files
 
 }  // namespace
 
+double share_of_contact_force(const SurfaceFacts& facts, CompareAreas areas) {
+  if (!facts.contact_force || !(facts.contact_force->norm() > 0) || !(facts.resultant > 0)) return kNaN;
+  return (areas == CompareAreas::Deformed ? facts.deformed_resultant : facts.resultant) / facts.contact_force->norm();
+}
+
+ResultSurface compared_surface(const ResultFile& file, int state, int surface, CompareAreas areas) {
+  ResultSurface mesh = result_surface(file, state, surface);
+  if (areas == CompareAreas::Reference || pressure_is_per_mesh_area(file)) return mesh;
+  const std::optional<ResultSurface> moved = deformed_surface(file, state, surface);
+  if (!moved)
+    throw InputError(
+        fmt::format("{}: found no \"displacement\" of the nodes at time {:g}, expected one for --areas "
+                    "deformed; --areas reference needs none",
+                    file.path, file.plot.states[at(state)].time));
+  return with_areas_of(std::move(mesh), *moved);
+}
+
 Comparison compare_files(const std::vector<ResultFile>& files, const CompareOptions& options) {
   Comparison c;
+  c.areas = options.areas;
   c.thresholds = {0.0};
   c.thresholds.insert(c.thresholds.end(), options.thresholds.begin(), options.thresholds.end());
   c.dose_above = options.dose_above;
@@ -472,7 +575,7 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
     std::vector<NodeMatch> matches;
     std::vector<History> histories;
     for (std::size_t i = 0; i < files.size(); ++i) {
-      sides.push_back(make_side(files[i], comparison.states[i], surface.names[i]));
+      sides.push_back(make_side(files[i], comparison.states[i], surface.names[i], options.areas));
       matches.push_back(match_nodes(sides.front().geometry, sides.back().geometry));
     }
     const int region = sides.front().surface + 1;

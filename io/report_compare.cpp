@@ -22,6 +22,7 @@ struct Quantity {
   std::string name;  ///< of the table
   std::string key;   ///< of CSV
   std::vector<double> values;
+  bool compared = true;  ///< false: a difference of two of them says nothing
 };
 
 template <class Get>
@@ -72,9 +73,41 @@ std::vector<Quantity> table_quantities(const ComparedRegion& region, const std::
   return out;
 }
 
+/// The lines about the whole surface that rest on what the files say of themselves.
+std::vector<Quantity> fact_quantities(const Comparison& c, const ComparedSurface& surface) {
+  const bool deformed = c.areas == CompareAreas::Deformed;
+  Quantity area{"area, whole surface", "", {}}, force{"contact force of the file", "", {}},
+      share{"resultant, % of it", "", {}, false};
+  for (const SurfaceFacts& f : surface.facts) {
+    area.values.push_back(deformed ? f.deformed_area : f.area);
+    force.values.push_back(f.contact_force ? f.contact_force->norm() : kNaN);
+    share.values.push_back(100 * share_of_contact_force(f, c.areas));
+  }
+  std::vector<Quantity> out = {area};
+  if (std::any_of(share.values.begin(), share.values.end(), [](double x) { return std::isfinite(x); })) {
+    out.push_back(force);
+    out.push_back(share);
+  }
+  return out;
+}
+
+/// Which files' contacts give way, and what does the same in dea: a line each.
+std::string interface_text(const Comparison& c, const ComparedSurface& surface) {
+  std::string text;
+  for (std::size_t i = 0; i < c.labels.size(); ++i) {
+    const InterfaceCompliance& k = surface.facts[i].interface;
+    if (!(k.compliance > 0)) continue;
+    text += fmt::format(
+        "{}{}: its contact gives way by {:.4g} per pressure (gap over pressure, {} facets above a tenth of the peak; "
+        "90% of the force: {:.3g} to {:.3g}): --interface-stiffness {:.3g} puts the same in series",
+        text.empty() ? "" : "\n", c.labels[i], k.compliance, k.facets, k.p5, k.p95, 1 / k.compliance);
+  }
+  return text;
+}
+
 /// `title`: of the first of the two.
-void add_region_tables(const Comparison& c, const ComparedRegion& region, const std::string& title,
-                       std::vector<TitledTable>& tables) {
+void add_region_tables(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region,
+                       const std::string& title, std::vector<TitledTable>& tables) {
   const std::size_t n = c.labels.size();
   Table table;
   table.headings = {""};
@@ -93,10 +126,14 @@ void add_region_tables(const Comparison& c, const ComparedRegion& region, const 
     // a contact without penetration is another contact, not one with 100 % less
     const bool zero_is_none = q.name.rfind("penetration", 0) == 0;
     for (std::size_t i = 0; i + 1 < n; ++i)
-      row.push_back(zero_is_none && q.values[i] == 0 ? "-" : percent(percent_difference(q.values[i], q.values.back())));
+      row.push_back(!q.compared || (zero_is_none && q.values[i] == 0)
+                        ? "-"
+                        : percent(percent_difference(q.values[i], q.values.back())));
     table.rows.push_back(std::move(row));
   };
   for (const Quantity& q : table_quantities(region, c.thresholds)) add(q);
+  if (region.name.empty())
+    for (const Quantity& q : fact_quantities(c, surface)) add(q);
   const auto add_time = [&](const char* name, double TimeMeasures::*value) {
     Quantity q{name, "", {}};
     for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*value);
@@ -206,6 +243,26 @@ Json result_json(const Comparison& c, const ComparedRegion& region, std::size_t 
   j["over_time"] = {{"max_peak", json_number(t.max_peak)},         {"mean_peak", json_number(t.mean_peak)},
                     {"max_exposure", json_number(t.max_exposure)}, {"mean_exposure", json_number(t.mean_exposure)},
                     {"max_dose", json_number(t.max_dose)},         {"mean_dose", json_number(t.mean_dose)}};
+  return j;
+}
+
+Json facts_json(const Comparison& c, const SurfaceFacts& f, std::size_t i) {
+  Json j;
+  j["label"] = c.labels[i];
+  j["area"] = {{"reference", json_number(f.area)}, {"deformed", json_number(f.deformed_area)}};
+  j["deforms"] = f.deforms;
+  j["resultant"] = {{"reference", json_number(f.resultant)}, {"deformed", json_number(f.deformed_resultant)}};
+  j["contact_force"] = f.contact_force ? json_vector(*f.contact_force) : Json(nullptr);
+  j["resultant_over_contact_force"] = {{"reference", json_number(share_of_contact_force(f, CompareAreas::Reference))},
+                                       {"deformed", json_number(share_of_contact_force(f, CompareAreas::Deformed))}};
+  j["carried"] = json_number(f.carried);
+  j["interface"] = nullptr;
+  if (f.interface.compliance > 0)
+    j["interface"] = {{"compliance", json_number(f.interface.compliance)},
+                      {"stiffness", json_number(1 / f.interface.compliance)},
+                      {"compliance_p5", json_number(f.interface.p5)},
+                      {"compliance_p95", json_number(f.interface.p95)},
+                      {"facets", f.interface.facets}};
   return j;
 }
 
@@ -325,12 +382,15 @@ std::vector<TitledTable> compare_tables(const Comparison& c) {
     std::string how;
     for (std::size_t i = 0; i + 1 < c.labels.size(); ++i)
       if (!surface.same_mesh[i]) how += fmt::format("; {} projected onto the mesh of {}", c.labels[i], c.labels.back());
+    if (c.areas == CompareAreas::Deformed) how += "; deformed areas";
     for (const ComparedRegion& region : surface.regions)
-      add_region_tables(c, region,
+      add_region_tables(c, surface, region,
                         fmt::format("surface {}{}{}", surface_title(surface),
                                     region.name.empty() ? std::string() : fmt::format(", region {}", region.name),
                                     region.name.empty() ? how : ""),
                         tables);
+    const std::string interface = interface_text(c, surface);
+    if (!interface.empty()) tables.push_back({interface, {}});
     if (!surface.profiles.empty()) tables.push_back(profile_table(c, surface));
   }
   if (c.bodies.empty()) return tables;
@@ -358,6 +418,8 @@ std::vector<TitledTable> compare_tables(const Comparison& c) {
 std::string compare_text(const Comparison& c) {
   std::string text =
       c.units.empty() ? "units: the files' own (they name none)\n" : fmt::format("units: the files', {}\n", c.units);
+  text += c.areas == CompareAreas::Deformed ? "areas: deformed, nodes moved by each file's own displacement\n"
+                                            : "areas: of the mesh in the reference configuration\n";
   for (std::size_t i = 0; i < c.labels.size(); ++i)
     text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], number_text(c.times[i]),
                         i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
@@ -372,6 +434,7 @@ Json compare_json(const Comparison& c) {
   j["units"] = c.units.empty() ? Json(nullptr) : Json(c.units);
   j["thresholds"] = c.thresholds;
   j["dose_above"] = c.dose_above ? Json(*c.dose_above) : Json(nullptr);
+  j["areas"] = c.areas == CompareAreas::Deformed ? "deformed" : "reference";
   j["results"] = Json::array();
   for (std::size_t i = 0; i < c.labels.size(); ++i)
     j["results"].push_back({{"label", c.labels[i]}, {"file", c.paths[i]}, {"time", json_number(c.times[i])}});
@@ -380,6 +443,8 @@ Json compare_json(const Comparison& c) {
     Json s;
     s["names"] = surface.names;
     s["facets"] = surface.facets;
+    s["files"] = Json::array();
+    for (std::size_t i = 0; i < c.labels.size(); ++i) s["files"].push_back(facts_json(c, surface.facts[i], i));
     s["regions"] = Json::array();
     for (const ComparedRegion& region : surface.regions) {
       Json r;
@@ -436,13 +501,13 @@ std::string compare_csv(const Comparison& c) {
       if (text.empty()) {
         text = "label,file,time,surface,region";
         for (const Quantity& q : quantities) text += fmt::format(",{}", q.key);
-        text += "\n";
+        text += ",areas\n";
       }
       for (std::size_t i = 0; i < c.labels.size(); ++i) {
         text += fmt::format("{},{},{},{},{}", csv_word(c.labels[i]), csv_word(c.paths[i]), csv_number(c.times[i]),
                             csv_word(surface.names[i]), csv_word(region.name));
         for (const Quantity& q : quantities) text += fmt::format(",{}", csv_number(q.values[i]));
-        text += "\n";
+        text += c.areas == CompareAreas::Deformed ? ",deformed\n" : ",reference\n";
       }
     }
   }

@@ -78,12 +78,17 @@ int find_surface(const ResultFile& result, int state, const std::string& name) {
   return -1;
 }
 
-ResultSurface result_surface(const ResultFile& result, int state, int surface) {
+namespace {
+
+/// `displacement`: three numbers per node of the mesh; null: none.
+ResultSurface make_surface(const ResultFile& result, int state, int surface, const std::vector<float>* displacement) {
   const XpltMesh& mesh = mesh_of(result, state);
   const XpltFacets& facets = mesh.surfaces[at(surface)];
   std::vector<Vector3d> positions(mesh.node_ids.size());
   for (std::size_t i = 0; i < positions.size(); ++i)
     positions[i] = Vector3d(mesh.coordinates[3 * i], mesh.coordinates[3 * i + 1], mesh.coordinates[3 * i + 2]);
+  for (std::size_t i = 0; displacement && i < positions.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) positions[i][static_cast<int>(k)] += (*displacement)[3 * i + k];
   for (int f = 0; f < facets.size(); ++f) {
     const int n = facets.begin[at(f) + 1] - facets.begin[at(f)];
     if (n != 3 && n != 4 && n != 6 && n != 7 && n != 8 && n != 9 && n != 10)
@@ -95,6 +100,21 @@ ResultSurface result_surface(const ResultFile& result, int state, int surface) {
       throw InputError(
           fmt::format("{}: surface \"{}\": found a node whose position is not a number", result.path, facets.name));
   return make_result_surface(facets.name, facets.begin, facets.nodes, positions);
+}
+
+}  // namespace
+
+ResultSurface result_surface(const ResultFile& result, int state, int surface) {
+  return make_surface(result, state, surface, nullptr);
+}
+
+std::optional<ResultSurface> deformed_surface(const ResultFile& result, int state, int surface) {
+  const int index = find_variable(result.plot, XpltGroup::Nodal, "displacement");
+  if (index < 0) return std::nullopt;
+  for (const XpltRegion& region : result.plot.states[at(state)].variables[at(index)])
+    if (region.values.size() == mesh_of(result, state).coordinates.size())
+      return make_surface(result, state, surface, &region.values);
+  return std::nullopt;
 }
 
 std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field,
@@ -133,6 +153,15 @@ std::vector<double> facet_values(const ResultFile& result, int state, int surfac
     return values;
   }
   return {};
+}
+
+std::optional<Vector3d> surface_vector(const ResultFile& result, int state, int surface, const std::string& field) {
+  const int index = find_variable(result.plot, XpltGroup::Surface, field);
+  if (index < 0) return std::nullopt;
+  for (const XpltRegion& region : result.plot.states[at(state)].variables[at(index)])
+    if (region.region == surface + 1 && region.values.size() == 3)
+      return Vector3d(region.values[0], region.values[1], region.values[2]);
+  return std::nullopt;
 }
 
 std::vector<BodyPose> body_poses(const ResultFile& result, int state) {

@@ -1,5 +1,6 @@
 // io/result_file.h – a plot file of whatever program as the plain structs of src/comparison.h.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,13 +28,19 @@ int find_state(const ResultFile& result, double time);
 
 /// Index of a surface in the state's mesh, -1: none of this name.
 int find_surface(const ResultFile& result, int state, const std::string& name);
+/// In the reference configuration.
 ResultSurface result_surface(const ResultFile& result, int state, int surface);
+/// With the nodes moved by the file's own `displacement` in this state; none: the file has no displacement there.
+std::optional<ResultSurface> deformed_surface(const ResultFile& result, int state, int surface);
 
 /// A scalar surface field as one value per facet (values per node or slot: their mean); empty: the surface has none in
 /// this state. Throws InputError for values that are not finite (`undefined`: they become NaN) and for fields that are
 /// no scalars.
 std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field,
                                  bool undefined = false);
+
+/// A vector field with one value for the whole surface; none: the surface has none in this state.
+std::optional<Vector3d> surface_vector(const ResultFile& result, int state, int surface, const std::string& field);
 
 /// Rigid bodies by the names of their materials: position from `rigid position` or else the body's axes, rotation from
 /// the axes.

@@ -1,6 +1,7 @@
 #include "comparison.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
@@ -80,6 +81,13 @@ ResultSurface make_result_surface(const std::string& name, const std::vector<int
   for (std::size_t f = 0; f < s.facet_areas.size(); ++f)
     if (s.facet_areas[f] > 0) s.facet_centers[f] /= s.facet_areas[f];
   return s;
+}
+
+ResultSurface with_areas_of(ResultSurface surface, const ResultSurface& moved) {
+  assert(surface.begin == moved.begin);
+  surface.facet_areas = moved.facet_areas;
+  surface.area_vectors = moved.area_vectors;
+  return surface;
 }
 
 std::vector<double> nodal_average(const ResultSurface& s, const std::vector<double>& facet_values) {
@@ -180,6 +188,28 @@ SurfaceMeasures measure(const ResultSurface& s, const SurfaceValues& values, con
   if (!values.gap.empty() && area > 0) m.mean_penetration = gap / area;
   m.center_of_pressure = force > 0 ? Vector3d(moment / force) : Vector3d::Constant(kNaN);
   return m;
+}
+
+InterfaceCompliance interface_compliance(const std::vector<double>& pressure, const std::vector<double>& gap,
+                                         const std::vector<double>& areas) {
+  InterfaceCompliance c{kNaN, kNaN, kNaN, 0};
+  if (gap.empty() || pressure.empty()) return c;
+  const double least = 0.1 * *std::max_element(pressure.begin(), pressure.end());
+  std::vector<double> ratios, forces;
+  double force = 0.0, yielding = 0.0;
+  for (std::size_t f = 0; f < pressure.size(); ++f) {
+    if (!(pressure[f] > 0 && pressure[f] >= least && areas[f] > 0)) continue;
+    ratios.push_back(gap[f] / pressure[f]);
+    forces.push_back(areas[f] * pressure[f]);
+    force += forces.back();
+    yielding += areas[f] * gap[f];
+  }
+  if (ratios.empty()) return c;
+  c.compliance = yielding / force;
+  c.p5 = weighted_percentile(ratios, forces, 0.05);
+  c.p95 = weighted_percentile(ratios, forces, 0.95);
+  c.facets = static_cast<int>(ratios.size());
+  return c;
 }
 
 NodeMatch match_nodes(const ResultSurface& onto, const ResultSurface& from) {

@@ -1,7 +1,8 @@
 // src/comparison.h – two results of the same joint side by side: numbers that mean the same for both.
 //
 // Results are pressures per facet of a surface, whatever made them. FEA facet pressures are noisy (checkerboards), so
-// every measure also exists on nodal averages, and patterns are compared on those. Reference configuration throughout.
+// every measure also exists on nodal averages, and patterns are compared on those. Places are those of the reference
+// configuration throughout; areas may be those of the deformed one (with_areas_of).
 #pragma once
 #include <array>
 #include <limits>
@@ -29,6 +30,9 @@ struct ResultSurface {
 /// `nodes`: indices into `positions`, per slot.
 ResultSurface make_result_surface(const std::string& name, const std::vector<int>& begin, const std::vector<int>& nodes,
                                   const std::vector<Vector3d>& positions);
+/// The surface with the facet areas and area vectors of `moved`, the same facets with their nodes elsewhere. Where
+/// facets and nodes are stays as it is, so that places still pair.
+ResultSurface with_areas_of(ResultSurface surface, const ResultSurface& moved);
 
 /// Some facets of a surface: one flag per facet; empty: all.
 using FacetMask = std::vector<char>;
@@ -66,6 +70,18 @@ struct SurfaceMeasures {
 };
 SurfaceMeasures measure(const ResultSurface& surface, const SurfaceValues& values,
                         const std::vector<double>& thresholds, const FacetMask& mask = {});
+
+/// How far a contact gives way: a penalty lets surfaces penetrate by g = p / penalty, as one more spring in series
+/// does. Over the facets with more than a tenth of the largest pressure: below that a facet is in contact with only
+/// some of its integration points, and its mean gap is one of both kinds.
+struct InterfaceCompliance {
+  double compliance = 0.0;     ///< c = sum of A g / sum of A p [length per pressure]; NaN: no pressure or no gap known
+  double p5 = 0.0, p95 = 0.0;  ///< percentiles of g / p, weighted by the force p A; FEBio's auto_penalty spreads them
+  int facets = 0;
+};
+/// `gap` in FEBio's sign, positive: penetration; may be empty.
+InterfaceCompliance interface_compliance(const std::vector<double>& pressure, const std::vector<double>& gap,
+                                         const std::vector<double>& areas);
 
 /// Where the vertices of one surface are on another.
 struct NodeMatch {

@@ -60,7 +60,7 @@ int plugin_build(const PluginBuildArguments& arguments);
 struct CompareArguments {
   std::vector<std::string> words;  ///< the command line, for the report
   std::vector<std::string> files, labels, surfaces, thresholds, regions;
-  std::string at, dose_above, up, anterior, axis, center, bin;
+  std::string at, areas, dose_above, up, anterior, axis, center, bin;
   bool profile = false;
   std::string output, json, csv, report;
   bool time_fields = false, compress = false, quiet = false;

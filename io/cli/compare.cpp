@@ -21,7 +21,7 @@ constexpr const char* kFooter = R"(
 The LAST file is the reference, usually FEA: differences are (FILE - LAST) / LAST. Files may be ours or FEBio's, compressed
 or not. Nothing is solved.
 
-Like is compared with like: every file's `contact pressure` per facet, on the surface in the reference configuration. "nodes"
+Like is compared with like: every file's `contact pressure` per facet, at its place in the reference configuration. "nodes"
 are area-weighted averages of the facets around each node, each node with a quarter of each quad around it (a third of each
 triangle): FEA's single facets are noisy, averages are the numbers to trust. Peak, mean, median and percentiles are
 area-weighted and over places with p > 0, or above a threshold where it says so. "resultant" is |sum of p A n|.
@@ -31,6 +31,15 @@ twice the common contact area over the sum of both. Where meshes differ, nodal v
 from the closest point, with linear interpolation. JSON also has facet_correlation (same mesh only: all facets, each counted
 once, those without pressure too) and p99_unweighted (every node or facet counts once).
 
+Areas are those of the mesh, or with --areas deformed those of its facets with the nodes moved by the file's own displacement
+at the compared state (sums over time use the same). dea's pressure is force per area of the mesh, so its files keep those. That
+of FEBio's sliding-elastic contact is per deformed area: its contact force is the sum of p A n with deformed areas only.
+sliding-facet-on-facet and sliding-node-on-facet integrate over the reference areas. "resultant, % of it" and notes say which
+areas fit a file, and where an interpolated map carries not all of its contact force.
+
+A penalty contact gives way by gap / pressure, as one more spring in series. Where a file has both, that is printed per surface,
+with the --interface-stiffness that makes `dea run` give way as much.
+
 Exposure is the integral of p dt, dose that of max(0, p - MPA) dt, from a file's first state to the compared one; static
 models have no time but their steps'. Files with different states are only as equal as their states are fine.
 
@@ -38,6 +47,7 @@ Examples:
   dea compare hip_dea.xplt hip.xplt
   dea compare articular.xplt bone.xplt hip.xplt --label articular --label bone --label FEBio --json hip.json
   dea compare layer.xplt linear.xplt fea.xplt --report maps.html
+  dea compare hip_dea.xplt hip.xplt --areas deformed --json -
   dea compare a.xplt b.xplt --surface "socket=acetabulum" --at 1 -o both.xplt
   dea compare a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 0,1,0 --csv - > thirds.csv
   dea compare ball_dea.xplt ball.xplt --profile --axis 0,0,1 --center 0,0,0 --bin 2)";
@@ -76,6 +86,9 @@ std::vector<std::string> words(const std::string& text) {
 CompareOptions compare_options(const CompareArguments& a) {
   CompareOptions o;
   if (!a.at.empty()) o.at = number_argument("at", a.at);
+  if (!a.areas.empty() && a.areas != "reference" && a.areas != "deformed")
+    throw UsageError(fmt::format("--areas {}: found \"{}\", expected reference or deformed", a.areas, a.areas));
+  if (a.areas == "deformed") o.areas = CompareAreas::Deformed;
   o.surfaces = a.surfaces;
   if (!a.thresholds.empty()) o.thresholds.clear();
   for (const std::string& text : a.thresholds) {
@@ -167,6 +180,8 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   once("--at", a.at, "TIME", "Comparison", "Compare the states at this time [the last state of each file]");
   repeated("--threshold", a.thresholds, "PRESSURE", "Comparison",
            "Also areas, means and Dice above this pressure; may be repeated [0.1 and 0.5]");
+  once("--areas", a.areas, "reference|deformed", "Comparison",
+       "Facet areas of the mesh, or with nodes moved by each file's own displacement [reference]");
   once("--dose-above", a.dose_above, "PRESSURE", "Comparison", "Integrate over time what exceeds this pressure");
   repeated("--regions", a.regions, "NAME,NAME", "Regions and profiles",
            "The same for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: a "

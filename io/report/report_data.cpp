@@ -312,7 +312,7 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
   std::vector<std::vector<int>> in_state(n);  // result, state -> surface of the state's mesh, -1
   for (std::size_t i = 0; i < n; ++i) {
     const int surface = find_surface(files[i], compared[i], names[i]);
-    own.push_back(result_surface(files[i], compared[i], surface));
+    own.push_back(compared_surface(files[i], compared[i], surface, options.areas));
     for (int k = 0; k < static_cast<int>(files[i].plot.states.size()); ++k)
       in_state[i].push_back(
           same_surface(files[i], k, names[i], compared[i], surface) ? find_surface(files[i], k, names[i]) : -1);

@@ -332,6 +332,157 @@ TEST(CompareFiles, ASurfaceWithoutPressureInOneFileIsKeptButMarked) {
   EXPECT_NE(c.warnings[0].find("\"bottom\" has no pressure anywhere in two"), std::string::npos);
 }
 
+/// Left facets have pressure 1, right ones 4, on a square cut in four; the line between them is at x = 0.5.
+XpltFile two_halves() {
+  return make_file(2, {1}, [](double x, double, double) { return x < 0.5 ? 1.0 : 4.0; });
+}
+
+/// The displacement of every node as a function of its place.
+void displace(XpltFile& file, const std::function<Vector3d(const Vector3d&)>& u) {
+  std::vector<float>& values = file.states.back().variables[0][0].values;
+  const std::vector<float>& x = file.meshes[0].coordinates;
+  for (std::size_t i = 0; i < x.size(); i += 3) {
+    const Vector3d moved = u(Vector3d(x[i], x[i + 1], x[i + 2]));
+    for (std::size_t k = 0; k < 3; ++k) values[i + k] = static_cast<float>(moved[static_cast<int>(k)]);
+  }
+}
+
+void add_contact_force(XpltFile& file, float z) {
+  file.variables.push_back(variable(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Region, "contact force"));
+  file.states.back().variables.push_back({{2, {0, 0, z}}});
+}
+
+TEST(CompareFiles, DeformedAreasAreThoseOfTheMovedNodesAndPlacesStay) {
+  XpltFile stretched = two_halves();  // the middle line moves by 0.1: left facets 0.6 wide, right ones 0.4; all sink
+  displace(stretched, [](const Vector3d& x) { return Vector3d(0.2 * (0.5 - std::abs(x.x() - 0.5)), 0, -0.05); });
+  add_contact_force(stretched, -2.2f);
+  const std::vector<ResultFile> files = {named("dea", two_halves()), named("fea", stretched)};
+  CompareOptions options;
+  options.areas = CompareAreas::Deformed;
+  const Comparison c = compare_files(files, options);
+  const ComparedRegion& r = c.surfaces[0].regions[0];
+  const double eps = 1e-6;  // single precision
+  EXPECT_NEAR(r.results[1].facets[0].mean, 0.6 * 1 + 0.4 * 4, eps);
+  EXPECT_NEAR(r.results[1].resultant.z(), 2.2, eps);
+  EXPECT_NEAR(r.results[1].center_of_pressure.x(), (0.6 * 0.25 + 1.6 * 0.75) / 2.2, eps);  // places of the reference
+  // nodes: 1 on the left edge with 0.3 of the area, 2.2 on the line with 0.5, 4 on the right edge with 0.2
+  EXPECT_NEAR(r.results[1].nodes[0].mean, 0.3 * 1 + 0.5 * 2.2 + 0.2 * 4, eps);
+  EXPECT_NEAR(r.results[0].facets[0].mean, 2.5, eps);
+  EXPECT_TRUE(c.surfaces[0].same_mesh[0]);
+  const SurfaceFacts &dea = c.surfaces[0].facts[0], &fea = c.surfaces[0].facts[1];
+  EXPECT_TRUE(fea.deforms);
+  EXPECT_FALSE(dea.deforms);
+  EXPECT_NEAR(fea.deformed_area, 1, eps);
+  EXPECT_NEAR(share_of_contact_force(fea, CompareAreas::Deformed), 1, eps);
+  EXPECT_NEAR(share_of_contact_force(fea, CompareAreas::Reference), 2.5 / 2.2, eps);
+  EXPECT_TRUE(std::isnan(share_of_contact_force(dea, CompareAreas::Deformed)));
+  EXPECT_EQ(c.warnings,
+            (std::vector<std::string>{
+                "note: dea: surface \"top\" does not deform in its file: its areas are those of the mesh"}));
+
+  const Comparison reference = compare_files(files, {});
+  EXPECT_NEAR(reference.surfaces[0].regions[0].results[1].facets[0].mean, 2.5, eps);
+  EXPECT_EQ(reference.warnings, (std::vector<std::string>{
+                                    "note: fea: pressure on \"top\" times the reference mesh's areas is 113.6% of its "
+                                    "contact force, times deformed areas 100.0%: --areas deformed"}));
+}
+
+/// Its files draw the layers as squeezed, but its springs push on the areas of the mesh.
+TEST(CompareFiles, FilesOfDeaKeepTheAreasOfTheMesh) {
+  XpltFile drawn = two_halves();
+  drawn.software = "FEBioDEA 0.1.0";
+  displace(drawn, [](const Vector3d& x) { return Vector3d(0.2 * x.x(), 0, 0); });
+  add_contact_force(drawn, -2.5f);
+  CompareOptions options;
+  options.areas = CompareAreas::Deformed;
+  const Comparison c = compare_files({named("ours", drawn), named("b", two_halves())}, options);
+  const SurfaceFacts& facts = c.surfaces[0].facts[0];
+  EXPECT_FALSE(facts.deforms);
+  EXPECT_EQ(facts.deformed_area, facts.area);
+  EXPECT_NEAR(c.surfaces[0].regions[0].results[0].resultant.z(), 2.5, 1e-6);
+  EXPECT_NEAR(share_of_contact_force(facts, CompareAreas::Deformed), 1, 1e-6);
+  ASSERT_FALSE(c.warnings.empty());
+  EXPECT_EQ(c.warnings[0],
+            "note: ours: dea's pressure is per area of the mesh: areas of \"top\" are those of the mesh");
+}
+
+TEST(CompareFiles, ABodyThatTurnsKeepsItsAreas) {
+  XpltFile turned = two_halves();
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(0.4, Vector3d(1, 2, 0.5).normalized()).toRotationMatrix();
+  displace(turned, [&](const Vector3d& x) { return Vector3d(R * x - x + Vector3d(5, -3, 2)); });
+  CompareOptions options;
+  options.areas = CompareAreas::Deformed;
+  const Comparison c = compare_files({named("turned", turned), named("still", two_halves())}, options);
+  const ComparedRegion& r = c.surfaces[0].regions[0];
+  EXPECT_FALSE(c.surfaces[0].facts[0].deforms);
+  EXPECT_NEAR(r.results[0].facets[0].mean, 2.5, 1e-5);
+  EXPECT_NEAR((r.results[0].resultant - 2.5 * R.col(2)).norm(), 0, 1e-5);  // areas turn with the body
+  EXPECT_NEAR(r.differences[0].correlation, 1, 1e-9);
+}
+
+TEST(CompareFiles, DeformedAreasNeedADisplacement) {
+  XpltFile bare = two_halves();
+  bare.variables.erase(bare.variables.begin());
+  bare.states[0].variables.erase(bare.states[0].variables.begin());
+  CompareOptions options;
+  EXPECT_NO_THROW(compare_files({named("bare", bare), named("b", two_halves())}, options));
+  options.areas = CompareAreas::Deformed;
+  try {
+    compare_files({named("bare", bare), named("b", two_halves())}, options);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(
+        e.what(),
+        "bare.xplt: found no \"displacement\" of the nodes at time 1, expected one for --areas deformed; --areas "
+        "reference needs none");
+  }
+}
+
+TEST(CompareFiles, AMapThatCarriesNotAllOfItsForceIsNamed) {
+  XpltFile half_lost = two_halves();
+  add_contact_force(half_lost, -5.0f);  // sum of p A is 2.5
+  EXPECT_EQ(compare_files({named("lost", half_lost), named("b", two_halves())}, {}).warnings,
+            (std::vector<std::string>{"note: lost: the pressure map of \"top\" carries 50.0% of its contact force"}));
+
+  XpltFile left = two_halves();  // a surface of the left facets only: 0.5 of the other's 2.5 lie on it
+  XpltFacets& top = left.meshes[0].surfaces[1];
+  top.nodes = {top.nodes[0], top.nodes[1], top.nodes[2],  top.nodes[3],
+               top.nodes[8], top.nodes[9], top.nodes[10], top.nodes[11]};
+  top.begin = {0, 4, 8};
+  for (std::size_t v : {2, 3}) left.states[0].variables[v][0].values.resize(2);
+  XpltFile even = make_file(2, {1}, [](double, double, double) { return 3.0; });
+  const Comparison c = compare_files({named("whole", even), named("left", left)}, {});
+  EXPECT_NEAR(c.surfaces[0].facts[0].carried, 0.5, 1e-6);
+  EXPECT_EQ(c.surfaces[0].facts[1].carried, 1.0);
+  ASSERT_EQ(c.warnings.size(), 1u);
+  EXPECT_EQ(
+      c.warnings[0],
+      "note: whole: its map of \"top\", projected onto the mesh of left, carries 50.0% of its own resultant there; "
+      "correlation, rms and Dice are of that");
+}
+
+/// FEBio's sliding-elastic contact integrates over the current surface, and a stiffer penalty gives way in proportion.
+TEST(CompareFiles, ReferenceFilesCarryTheirContactForceOnDeformedAreasAndGiveWayByTheirPenalty) {
+  const fs::path folder = DEA_REFERENCE_DIR;
+  if (!fs::exists(folder / "hip_walking_febio_penalty20.xplt")) GTEST_SKIP() << "no reference results";
+  std::vector<double> compliance;
+  for (const char* name :
+       {"hip_walking_febio_penalty20", "hip_walking_febio_penalty50", "hip_stairs_up_febio_penalty20",
+        "hip_stairs_down_febio_penalty20", "ball_loose_febio", "ball_tight_febio"}) {
+    const ResultFile file = read_result((folder / (std::string(name) + ".xplt")).string(), name);
+    const SurfaceFacts facts = compare_files({file, file}, {}).surfaces[0].facts[0];
+    EXPECT_TRUE(facts.deforms) << name;
+    // a facet's mean pressure times its area for an integral over it: facets at the edge of contact are not uniform
+    EXPECT_NEAR(share_of_contact_force(facts, CompareAreas::Deformed), 1, 1e-3) << name;
+    EXPECT_LT(share_of_contact_force(facts, CompareAreas::Reference), 0.99) << name;
+    compliance.push_back(facts.interface.compliance);
+  }
+  // the README there: 0.0107 and 0.0043, of means over all facets with pressure
+  EXPECT_NEAR(compliance[0], 0.0107, 0.03 * 0.0107);
+  EXPECT_NEAR(compliance[1], 0.0043, 0.03 * 0.0043);
+  EXPECT_NEAR(compliance[0] / compliance[1], 50.0 / 20.0, 0.05);  // other pressures weigh the same facets' penalties
+}
+
 /// The numbers that come with the reference files, made by another program.
 TEST(CompareFiles, ReferenceFilesHaveThePublishedNumbers) {
   const fs::path folder = DEA_REFERENCE_DIR;
@@ -452,6 +603,41 @@ TEST_F(CompareCommand, WritesOneFileForTheViewer) {
   EXPECT_EQ(one.variables.size(), 10u);
 }
 
+TEST_F(CompareCommand, SaysWhichAreasAndHowFarTheContactGivesWay) {
+  XpltFile b = make_file(6, {0, 1}, hill);
+  std::vector<float>& gap = b.states[1].variables[3][0].values;
+  for (std::size_t f = 0; f < gap.size(); ++f) gap[f] = 0.0125f * b.states[1].variables[2][0].values[f];
+  displace(b, [](const Vector3d& x) { return Vector3d(0.1 * x.x(), 0, 0); });
+  write_xplt((folder / "b.xplt").string(), b);
+  const test::Finished plain = compare("a.xplt b.xplt");
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  EXPECT_NE(plain.out.find("areas: of the mesh in the reference configuration\n"), std::string::npos) << plain.out;
+  EXPECT_NE(plain.out.find("b: its contact gives way by 0.0125 per pressure"), std::string::npos) << plain.out;
+  EXPECT_NE(plain.out.find("--interface-stiffness 80 puts the same in series\n"), std::string::npos) << plain.out;
+  EXPECT_EQ(plain.out.find("a: its contact"), std::string::npos) << plain.out;  // no gap, nothing to put in series
+  const test::Finished f = compare("a.xplt b.xplt --areas deformed --json -");
+  ASSERT_EQ(f.code, 0) << f.err;
+  const Json j = Json::parse(f.out), files = j["surfaces"][0]["files"];
+  EXPECT_EQ(j["areas"], "deformed");
+  EXPECT_NEAR(files[1]["area"]["reference"].get<double>(), 1, 1e-5);
+  EXPECT_NEAR(files[1]["area"]["deformed"].get<double>(), 1.1, 1e-5);
+  EXPECT_EQ(files[1]["deforms"], true);
+  EXPECT_EQ(files[0]["deforms"], false);
+  EXPECT_TRUE(files[0]["contact_force"].is_null());
+  EXPECT_TRUE(files[0]["interface"].is_null());
+  EXPECT_NEAR(files[1]["interface"]["stiffness"].get<double>(), 80, 1e-4);
+  const test::Finished text = compare("a.xplt b.xplt --areas deformed");
+  EXPECT_NE(text.out.find("areas: deformed, nodes moved by each file's own displacement\n"), std::string::npos);
+  EXPECT_NE(text.out.find("surface top; deformed areas\n"), std::string::npos) << text.out;
+  const test::Finished csv = compare("a.xplt b.xplt --areas deformed --csv -");
+  std::istringstream lines(csv.out);
+  std::string line;
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(line.substr(line.size() - 6), ",areas");
+  ASSERT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(line.substr(line.size() - 9), ",deformed");
+}
+
 TEST_F(CompareCommand, ThirdsInJson) {
   const test::Finished f =
       compare("a.xplt b.xplt --regions anterior-superior-posterior --up 0,1,0 --anterior -1,0,0 --json -");
@@ -509,6 +695,7 @@ TEST_F(CompareCommand, RefusesWithOneLineAndTheRightCode) {
       {"a.xplt b.xplt --label x", 2, "dea: --label: found 1 labels, expected one per file (2)"},
       {"a.xplt b.xplt --label x --label x", 2, "dea: --label x: given twice"},
       {"a.xplt b.xplt --threshold 0", 2, "dea: --threshold 0: found \"0\", expected a pressure above 0"},
+      {"a.xplt b.xplt --areas current", 2, "dea: --areas current: found \"current\", expected reference or deformed"},
       {"a.xplt b.xplt --at soon", 2, "dea: --at soon: found \"soon\""},
       {"a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1", 2,
        "dea: --regions anterior-superior-posterior, --up x,y,z and --anterior x,y,z go together"},

@@ -135,6 +135,18 @@ TEST(Comparison, CenterOfPressureAndPenetrationAreThoseOfFacetsWithPressure) {
   EXPECT_TRUE(std::isnan(half.mean_penetration));
 }
 
+TEST(Comparison, ComplianceOfAContactIsGapOverPressureWeightedByForce) {
+  // penalties 1/0.01 under force 1 x 8 and 1/0.02 under 2 x 2; the rest is a facet half in contact and one without any
+  const InterfaceCompliance c = interface_compliance({8, 2, 0.5, 0}, {0.08, 0.04, -0.3, -1}, {1, 2, 5, 5});
+  EXPECT_NEAR(c.compliance, (8 * 0.01 + 4 * 0.02) / 12, 1e-15);
+  EXPECT_EQ(c.facets, 2);
+  EXPECT_NEAR(c.p5, 0.01, 1e-15);
+  EXPECT_NEAR(c.p95, 0.02, 1e-15);
+  EXPECT_EQ(interface_compliance({8, 2}, {0, 0}, {1, 1}).compliance, 0.0);
+  EXPECT_TRUE(std::isnan(interface_compliance({8, 2}, {}, {1, 1}).compliance));
+  EXPECT_TRUE(std::isnan(interface_compliance({0, 0}, {0.1, 0.1}, {1, 1}).compliance));
+}
+
 TEST(Comparison, AResultAgainstItselfDiffersByExactlyNothing) {
   const ResultSurface s = cap(9, 24, 1.4);
   const std::vector<double> nodal = nodal_average(s, at_centers(s, tilted_cosine)), areas = nodal_areas(s);
