@@ -13,7 +13,7 @@ namespace dea {
 
 namespace {
 
-constexpr int kLeastPatience = 7;  // poses: a warm start that is near its balance needs about four
+constexpr int kLeastPatience = 5;  // poses: a warm start that is near its balance needs about four
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 

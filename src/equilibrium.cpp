@@ -686,17 +686,35 @@ struct Patience {
   /// More of `tried` poses are spent; `beyond`: in a step that was cut short.
   void pay(int tried, bool beyond) {
     (beyond ? far : near) += tried - paid;
-    left -= tried - paid;
+    left -= std::min(tried - paid, 8);  // one step that is hard to find is no reason to give up
     paid = tried;
   }
   void earn(double residual) {
-    constexpr double kPerHalving = 6.0;  // Newton's slowest useful pace: halved in six poses
+    constexpr double kPerHalving = 200.0;  // a ball rolling down a groove needs as many: by 8% in 24 poses
     if (!(residual < best)) return;
     if (best < kInfinity && residual > 0.0) left = std::min(most, left + kPerHalving * std::log2(best / residual));
     if (residual < 0.98 * best) far = near = 0;
     best = residual;
   }
 };
+
+/// The part of the residual along motions that are too soft to balance it within two thicknesses, and the motion that
+/// would (scaled, to first order). Nothing where the springs' stiffness answers the most of it.
+std::optional<VectorXd> soft_motion(const Problem& problem, const Evaluation& e, const VectorXd& r) {
+  if (r.size() == 0 || r.size() > kDenseUnknowns) return std::nullopt;
+  const SingularParts parts = all_singular_parts(MatrixXd(scaled_stiffness(problem, e)));
+  VectorXd motion = VectorXd::Zero(r.size());
+  double soft = 0.0;
+  for (Eigen::Index k = 0; k < parts.sigma.size(); ++k) {
+    const VectorXd v = parts.V.col(k);
+    const double along = parts.U.col(k).dot(r), stiffness = std::max(parts.sigma[k], 1e-12 * parts.largest);
+    if (std::abs(along) * surface_motion(problem, e, v) <= 2.0 * problem.beds.least_thickness * stiffness) continue;
+    soft += along * along;
+    motion += along * v;
+  }
+  if (!(soft >= 0.25 * r.squaredNorm()) || !(motion.norm() > 0)) return std::nullopt;
+  return motion;
+}
 
 constexpr int kMostStride = 8;  // steps that only slide may be so much longer
 
@@ -714,13 +732,15 @@ Travel travel(const Problem& problem, const std::vector<Pose>& from, const std::
     const double turned = turn.angle() * problem.beds.length, slid = slide.norm();
     if (!(turned + slid > result.reached)) continue;
     result.reached = turned + slid;
-    result.words = fmt::format("\"{}\" ", problem.joint.bodies[b].name);
+    const std::string& name = problem.joint.bodies[b].name;
+    result.words.clear();
     if (turned > 0.3 * slid)
-      result.words += fmt::format("turned {:.3g} degrees about ({:.3f}, {:.3f}, {:.3f})", turn.angle() * 180.0 / M_PI,
-                                  turn.axis().x(), turn.axis().y(), turn.axis().z());
+      result.words = fmt::format("rotation of \"{}\" about ({:.3f}, {:.3f}, {:.3f}), turned {:.3g} degrees", name,
+                                 turn.axis().x(), turn.axis().y(), turn.axis().z(), turn.angle() * 180.0 / M_PI);
     if (slid > 0.3 * turned)
-      result.words += fmt::format("{}slid {:.3g} along ({:.3f}, {:.3f}, {:.3f})", turned > 0.3 * slid ? " and " : "",
-                                  slid, slide.x() / slid, slide.y() / slid, slide.z() / slid);
+      result.words += fmt::format("{}translation of \"{}\" along ({:.3f}, {:.3f}, {:.3f}), moved {:.3g}",
+                                  result.words.empty() ? "" : ", and ", name, slide.x() / slid, slide.y() / slid,
+                                  slide.z() / slid, slid);
   }
   return result;
 }
@@ -731,7 +751,7 @@ std::string says_nothing_resists(const Problem& problem, const std::vector<Pose>
   const Travel gone = travel(problem, started, e.poses);
   const double cap = 0.5 * problem.beds.least_thickness;
   return fmt::format(
-      "{:.2g} of the load acts along a motion that nothing resists: {}, and came no nearer to balance in {} poses; "
+      "{:.2g} of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses; "
       "hold this motion (--free), add what resists it, or check where the load acts",
       unbalanced,
       gone.reached > 2.0 * cap
@@ -751,12 +771,6 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
   int full = 0;         // steps in a row that were cut to the cap and taken
   double stride = 1.0;  // of the cap, for steps along which no spring closes by more than the cap
   VectorXd last_drift;  // over all dofs
-  const auto travelled = [&](const Evaluation& now) {
-    double largest = 0.0;
-    for (std::size_t b = 0; b < started.size(); ++b)
-      largest = std::max(largest, (now.poses[b].center - started[b].center).norm());
-    return largest;
-  };
   for (;;) {
     const VectorXd r = scaled_residual(problem, e);
     // a direction at the edge of the facets' noise must not change sides for ever
@@ -779,16 +793,20 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     }
     patient.pay(problem.casts, beyond);
     patient.earn(solution.history.back());
-    const bool loose = patient.far > patient.near;
-    if (patient.out() && (loose || !within_one_spring(e, size))) {
-      if (to_one_spring(e, size, solution)) break;
-      if (loose) {
+    const bool loose = 3 * patient.far > patient.near;
+    constexpr int kFar = 8;  // poses: so many steps from the joint's size may still lead back
+    const bool wandered =
+        loose && patient.far > kFar && travel(problem, started, e.poses).reached > problem.beds.length;
+    if ((wandered || patient.out()) && !within_one_spring(e, size)) {
+      const std::optional<VectorXd> soft = soft_motion(problem, e, r);
+      if (loose || soft) {
         solution.outcome = Outcome::NoEquilibrium;
-        solution.message = says_nothing_resists(problem, started, e, d.newton + d.drift, size / e.load);
-      } else {
         solution.message =
-            fmt::format("unbalanced force is {:.2e} of the load after {} iterations and {} poses tried, and falls no more",
-                        size / e.load, solution.iterations, problem.casts);
+            says_nothing_resists(problem, started, e, soft ? *soft : VectorXd(d.newton + d.drift), size / e.load);
+      } else {
+        solution.message = fmt::format(
+            "unbalanced force is {:.2e} of the load after {} iterations and {} poses tried, and falls no more",
+            size / e.load, solution.iterations, problem.casts);
       }
       break;
     }
@@ -810,8 +828,8 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
         e = std::move(s.at);
         if (s.found) continue;
         solution.outcome = Outcome::SurfacesApart;
-        solution.message = fmt::format(
-            "the load moves the surfaces apart: no spring closes along it (moved {:.3g} so far)", travelled(e));
+        solution.message = fmt::format("the load moves the surfaces apart: no spring closes along it ({})",
+                                       travel(problem, started, e.poses).words);
         break;
       }
       beyond = true;
@@ -819,7 +837,8 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       const double stiff = surface_motion(problem, e, step);
       if (stiff > cap) step *= cap / stiff;
       const VectorXd way = on_all_dofs(problem, e, d.drift);
-      const bool same_way = last_drift.size() == way.size() && last_drift.dot(way) > 0.7 * last_drift.norm() * way.norm();
+      const bool same_way =
+          last_drift.size() == way.size() && last_drift.dot(way) > 0.7 * last_drift.norm() * way.norm();
       full = same_way ? full + 1 : 0;
       if (!same_way) stride = 1.0;
       if (full >= 3) stride = std::min<double>(kMostStride, 2.0 * stride);
@@ -861,7 +880,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       if (cut) step *= most / motion;
       const double whole = std::min(motion, most);
       for (double length = whole; length > std::min(whole, cap) / 33.0; length *= 0.5, step *= 0.5) {
-        if (patient.left < problem.casts - patient.paid && !within_one_spring(e, size)) return false;
+        if (problem.casts >= options.max_casts) return false;
         auto poses = moved(problem, e, step);
         if (!poses) continue;
         Evaluation trial = evaluate(problem, std::move(*poses));
@@ -1040,9 +1059,9 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   const VectorXd all = from.residual();
   double done = 0.0, piece = 0.25;
   int iterations = direct.iterations;
-  EquilibriumOptions pieces = options;  // all of them together may cost twice what one search may lose
+  EquilibriumOptions pieces = options;  // all of them together may cost what one search may lose
   pieces.patience = (options.patience + 1) / 2;
-  pieces.max_casts = std::min(options.max_casts, problem.casts + 2 * options.patience);
+  pieces.max_casts = std::min(options.max_casts, problem.casts + options.patience);
   while (done < 1.0 && piece > 1.0 / 128 && problem.casts < pieces.max_casts) {
     const double next = std::min(1.0, done + piece);
     problem.offset = (1.0 - next) * all;

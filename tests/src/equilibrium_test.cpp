@@ -157,29 +157,34 @@ void ends_within_ten_times(const JointModel& held, const JointModel& free, const
   EXPECT_NE(e.message.find(motion), std::string::npos) << e.message;
 }
 
-// The load passes 3 beside the centre of a frictionless ball: its moment turns it for ever. Both layers, both laws.
-TEST(NoEndlessSearch, BallWithALoadBesideItsCentre) {
+void turn(JointModel& model, int material, const Vector3d& moment) {
+  test::force(model, material, moment);
+  for (std::size_t k = model.rigid_loads.size() - 3; k < model.rigid_loads.size(); ++k) model.rigid_loads[k].dof += 3;
+}
+
+// A moment turns a frictionless ball for ever. Springs on either side, both laws.
+TEST(NoEndlessSearch, BallWithAMoment) {
   for (const char* source : {"socket", "ball"}) {
     for (Law law : {Law::Linear, Law::Layer}) {
-      const JointModel held = test::concentric_spheres(16, 2000.0, true);
+      JointModel held = test::concentric_spheres(16, 2000.0, true);
+      turn(held, 2, {600, -500, 300});
       JointModel free = held;
       release(free, 2);
       Settings settings = test::linear();
       settings.law = law;
       settings.source = source;
-      settings.load_at["ball"] = {false, Vector3d(3, 0, 0)};
-      ends_within_ten_times(held, free, settings, "ball", "turned");
+      ends_within_ten_times(held, free, settings, "ball", "rotation of");
     }
   }
 }
 
 TEST(NoEndlessSearch, PlatePushedSideways) {
-  JointModel held = test::flat_plates(20, 40, 2, 0.05, 10);
+  JointModel held = test::flat_plates(40, 80, 2, 0.05, 10);
   test::force(held, 2, {30, 0, -200});
   JointModel free = held;
   test::fix(held, 2, {true, true, false, true, true, true});
   test::fix(free, 2, {false, false, false, true, true, true});
-  ends_within_ten_times(held, free, test::linear(), "plate", "slid");
+  ends_within_ten_times(held, free, test::linear(), "plate", "translation of");
 }
 
 // A ball (radius 8) on the side of a wide groove (radius 20, layer 1 thick), pulled down: it finds the bottom, however
@@ -213,16 +218,16 @@ TEST(NoEndlessSearch, BallThatRollsToTheBottomOfAGrooveFindsIt) {
     EXPECT_EQ(e.outcome, Outcome::Balanced) << angle << ": " << e.message;
     // to the facets' noise: a flat facet of the groove is 2.6/48 rad wide, a twentieth of it
     EXPECT_NEAR(e.poses[1].center.x(), 0.0, 20 * 2.6 / 48 / 20) << angle;
-    EXPECT_LE(e.casts, 60) << angle;
+    EXPECT_LE(e.casts, 150) << angle;
   }
 }
 
 // After a state without a balance the following ones are searched less and less; one that has a balance is found.
 TEST(NoEndlessSearch, LaterStatesOfASequence) {
   JointModel model = test::concentric_spheres(16, 2000.0, true, 8);
+  turn(model, 2, {600, -500, 300});
   release(model, 2);
-  Settings settings = test::linear();
-  settings.load_at["ball"] = {false, Vector3d(3, 0, 0)};
+  const Settings settings = test::linear();
   const Analysis analysis = analyse(model, settings);
   int casts = 0;
   for (const StateResult& s : analysis.states) {
