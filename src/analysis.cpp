@@ -13,6 +13,8 @@ namespace dea {
 
 namespace {
 
+constexpr int kLeastPatience = 5;  // poses: a warm start that is near its balance needs about four
+
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
@@ -73,6 +75,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
   int step = 0;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i].step != step) {
+      search.patience = options.equilibrium.patience;
       step = times[i].step;
       step_start = poses;
       step_reaction = reaction;
@@ -95,6 +98,11 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
       poses = state.equilibrium.poses;
       reaction = state.equilibrium.reaction;
     }
+    // Loads that follow one without a balance start where it did: they are searched again, but not as long.
+    if (solved(outcome))
+      search.patience = options.equilibrium.patience;
+    else if (outcome == Outcome::NoEquilibrium || outcome == Outcome::NotConverged)
+      search.patience = std::max(std::min(kLeastPatience, search.patience), search.patience / 2);
     refuse_zero_thickness(model, joint, beds, state.equilibrium);
     const bool wanted = options.wanted.empty() || options.wanted[i];
     if (wanted) {

@@ -537,6 +537,27 @@ double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& 
   return first;
 }
 
+/// The most that any spring under pressure closes or opens by a motion of the unknowns, to first order (E2).
+double closing_motion(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  const VectorXd all = on_all_dofs(problem, e, motion);
+  double largest = 0.0;
+  for (std::size_t c = 0; c < e.springs.size(); ++c) {
+    const SpringStates& s = e.springs[c];
+    const SpringBed& bed = problem.beds.beds[c];
+    if (s.size() == 0) continue;
+    const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
+    const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
+    const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
+    for (int i = 0; i < s.size(); ++i) {
+      const auto k = at(i);
+      if (s.triangle[k] < 0 || s.pressure[k] <= 0) continue;
+      const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
+      largest = std::max(largest, std::abs(s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k])));
+    }
+  }
+  return largest;
+}
+
 struct Search {
   bool found = false;
   Evaluation at;
@@ -638,10 +659,14 @@ double largest_spring_force(const Evaluation& e) {
   return largest;
 }
 
+bool within_one_spring(const Evaluation& e, double size) {
+  return size <= 0.01 * e.load && size <= largest_spring_force(e);
+}
+
 /// A residual that cannot fall below what one spring carries, because that spring jumps on and off a rim.
 bool to_one_spring(const Evaluation& e, double size, Solution& solution) {
+  if (!within_one_spring(e, size)) return false;
   const double one = largest_spring_force(e);
-  if (!(size <= one && size <= 0.01 * e.load)) return false;
   solution.outcome = Outcome::BalancedToOneSpring;
   solution.message = fmt::format(
       "unbalanced force is {:.2e} of the load, less than one spring carries ({:.2e}); it cannot fall further on this "
@@ -650,19 +675,105 @@ bool to_one_spring(const Evaluation& e, double size, Solution& solution) {
   return true;
 }
 
+/// What a search may still cost. Every pose tried is paid for, every halving of the residual earns some of it back: a
+/// search that comes nearer to balance goes on, one that only travels ends.
+struct Patience {
+  double most = 0.0, left = 0.0;
+  double best = kInfinity;  // residual / load
+  int paid = 0;             // poses paid for
+  int far = 0, near = 0;    // since the best: poses from iterates that saw balance beyond the next step, and others
+  bool out() const { return left < 0.0; }
+  /// More of `tried` poses are spent; `beyond`: in a step that was cut short.
+  void pay(int tried, bool beyond) {
+    (beyond ? far : near) += tried - paid;
+    left -= std::min(tried - paid, 8);  // one step that is hard to find is no reason to give up
+    paid = tried;
+  }
+  void earn(double residual) {
+    constexpr double kPerHalving = 200.0;  // a ball rolling down a groove needs as many: by 8% in 24 poses
+    if (!(residual < best)) return;
+    if (best < kInfinity && residual > 0.0) left = std::min(most, left + kPerHalving * std::log2(best / residual));
+    if (residual < 0.98 * best) far = near = 0;
+    best = residual;
+  }
+};
+
+/// The part of the residual along motions that are too soft to balance it within two thicknesses, and the motion that
+/// would (scaled, to first order). Nothing where the springs' stiffness answers the most of it.
+std::optional<VectorXd> soft_motion(const Problem& problem, const Evaluation& e, const VectorXd& r) {
+  if (r.size() == 0 || r.size() > kDenseUnknowns) return std::nullopt;
+  const SingularParts parts = all_singular_parts(MatrixXd(scaled_stiffness(problem, e)));
+  VectorXd motion = VectorXd::Zero(r.size());
+  double soft = 0.0;
+  for (Eigen::Index k = 0; k < parts.sigma.size(); ++k) {
+    const VectorXd v = parts.V.col(k);
+    const double along = parts.U.col(k).dot(r), stiffness = std::max(parts.sigma[k], 1e-12 * parts.largest);
+    if (std::abs(along) * surface_motion(problem, e, v) <= 2.0 * problem.beds.least_thickness * stiffness) continue;
+    soft += along * along;
+    motion += along * v;
+  }
+  if (!(soft >= 0.25 * r.squaredNorm()) || !(motion.norm() > 0)) return std::nullopt;
+  return motion;
+}
+
+constexpr int kMostStride = 8;  // steps that only slide may be so much longer
+
+/// How far the search has taken the body it moved most, and which way.
+struct Travel {
+  double reached = 0.0;  // of a point of its articular surface, at most
+  std::string words;
+};
+
+Travel travel(const Problem& problem, const std::vector<Pose>& from, const std::vector<Pose>& to) {
+  Travel result;
+  for (std::size_t b = 0; b < from.size(); ++b) {
+    const Eigen::AngleAxisd turn(Matrix3d(to[b].rotation * from[b].rotation.transpose()));
+    const Vector3d slide = to[b].center - from[b].center;
+    const double turned = turn.angle() * problem.beds.length, slid = slide.norm();
+    if (!(turned + slid > result.reached)) continue;
+    result.reached = turned + slid;
+    const std::string& name = problem.joint.bodies[b].name;
+    result.words.clear();
+    if (turned > 0.3 * slid)
+      result.words = fmt::format("rotation of \"{}\" about ({:.3f}, {:.3f}, {:.3f}), turned {:.3g} degrees", name,
+                                 turn.axis().x(), turn.axis().y(), turn.axis().z(), turn.angle() * 180.0 / M_PI);
+    if (slid > 0.3 * turned)
+      result.words += fmt::format("{}translation of \"{}\" along ({:.3f}, {:.3f}, {:.3f}), moved {:.3g}",
+                                  result.words.empty() ? "" : ", and ", name, slide.x() / slid, slide.y() / slid,
+                                  slide.z() / slid, slid);
+  }
+  return result;
+}
+
+/// Nothing resists a motion: which one, how far it was followed, what to do.
+std::string says_nothing_resists(const Problem& problem, const std::vector<Pose>& started, const Evaluation& e,
+                                 const VectorXd& motion, double unbalanced) {
+  const Travel gone = travel(problem, started, e.poses);
+  const double cap = 0.5 * problem.beds.least_thickness;
+  return fmt::format(
+      "{:.2g} of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses; "
+      "hold this motion (--free), add what resists it, or check where the load acts",
+      unbalanced,
+      gone.reached > 2.0 * cap
+          ? gone.words
+          : fmt::format("{}, followed for {:.3g}", direction_in_words(problem, e, motion.normalized()), gone.reached),
+      problem.casts);
+}
+
 Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& options) {
   Solution solution;
   const double cap = 0.5 * problem.beds.least_thickness;
   const std::vector<Pose> started = e.poses;
-  int drifts = 0, advances = 0;
-  const auto travelled = [&](const Evaluation& now) {
-    double largest = 0.0;
-    for (std::size_t b = 0; b < started.size(); ++b)
-      largest = std::max(largest, (now.poses[b].center - started[b].center).norm());
-    return largest;
-  };
+  int advances = 0;
+  Patience patient{static_cast<double>(options.patience), static_cast<double>(options.patience)};
+  patient.paid = problem.casts;
+  bool beyond = false;  // balance is farther than the step from the last iterate
+  int full = 0;         // steps in a row that were cut to the cap and taken
+  double stride = 1.0;  // of the cap, for steps along which no spring closes by more than the cap
+  VectorXd last_drift;  // over all dofs
   for (;;) {
     const VectorXd r = scaled_residual(problem, e);
+    // a direction at the edge of the facets' noise must not change sides for ever
     const double patience = 1.0 + 0.1 * std::max(0, solution.iterations - 12);
     Directions d = take_apart(problem, e, r, patience);
     const double size = d.residual.norm();
@@ -679,6 +790,25 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       solution.at = std::move(e);
       solution.directions = std::move(d);
       return solution;
+    }
+    patient.pay(problem.casts, beyond);
+    patient.earn(solution.history.back());
+    const bool loose = 3 * patient.far > patient.near;
+    constexpr int kFar = 8;  // poses: so many steps from the joint's size may still lead back
+    const bool wandered =
+        loose && patient.far > kFar && travel(problem, started, e.poses).reached > problem.beds.length;
+    if ((wandered || patient.out()) && !within_one_spring(e, size)) {
+      const std::optional<VectorXd> soft = soft_motion(problem, e, r);
+      if (loose || soft) {
+        solution.outcome = Outcome::NoEquilibrium;
+        solution.message =
+            says_nothing_resists(problem, started, e, soft ? *soft : VectorXd(d.newton + d.drift), size / e.load);
+      } else {
+        solution.message = fmt::format(
+            "unbalanced force is {:.2e} of the load after {} iterations and {} poses tried, and falls no more",
+            size / e.load, solution.iterations, problem.casts);
+      }
+      break;
     }
     if (solution.iterations >= options.max_iterations || problem.casts >= options.max_casts) {
       if (to_one_spring(e, size, solution)) break;
@@ -698,37 +828,59 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
         e = std::move(s.at);
         if (s.found) continue;
         solution.outcome = Outcome::SurfacesApart;
-        solution.message = fmt::format(
-            "the load moves the surfaces apart: no spring closes along it (moved {:.3g} so far)", travelled(e));
+        solution.message = fmt::format("the load moves the surfaces apart: no spring closes along it ({})",
+                                       travel(problem, started, e.poses).words);
         break;
       }
-      if (++drifts > 45) {
-        solution.outcome = Outcome::NoEquilibrium;
-        solution.message =
-            fmt::format("{:.3g} of the load acts along {}, which nothing resists (moved {:.3g} along it)",
-                        drift / e.load, direction_in_words(problem, e, d.drift / drift), travelled(e));
-        break;
-      }
+      beyond = true;
       VectorXd step = d.newton;
       const double stiff = surface_motion(problem, e, step);
       if (stiff > cap) step *= cap / stiff;
-      step += d.drift * (cap / surface_motion(problem, e, d.drift));
-      auto poses = moved(problem, e, step);
-      if (!poses) {
+      const VectorXd way = on_all_dofs(problem, e, d.drift);
+      const bool same_way =
+          last_drift.size() == way.size() && last_drift.dot(way) > 0.7 * last_drift.norm() * way.norm();
+      full = same_way ? full + 1 : 0;
+      if (!same_way) stride = 1.0;
+      if (full >= 3) stride = std::min<double>(kMostStride, 2.0 * stride);
+      last_drift = way;
+      const VectorXd drift_step = d.drift * (cap / surface_motion(problem, e, d.drift));
+      std::optional<Evaluation> next;
+      for (;; stride = 1.0, full = 0) {
+        const double closing = closing_motion(problem, e, drift_step);
+        stride = std::max(1.0, std::min(stride, closing > 0 ? cap / closing : stride));
+        auto poses = moved(problem, e, step + stride * drift_step);
+        next.reset();
+        if (poses) next = evaluate(problem, std::move(*poses));
+        if (stride <= 1.0 || (next && lost_force(e, *next) < 0.5 * e.normal_force &&
+                              scaled_residual(problem, *next).norm() < 4.0 * size))
+          break;
+      }
+      if (!next) {
         solution.message =
             "a loaded motion that nothing resists ends where joints lock or a spring's force is undefined";
         break;
       }
-      e = evaluate(problem, std::move(*poses));
+      e = std::move(*next);
       continue;
     }
+    // the next step is cut short, and not because springs close: balance is far along a motion that little resists
+    const double predicted = surface_motion(problem, e, d.newton);
+    beyond = predicted > cap && closing_motion(problem, e, d.newton) < 0.5 * predicted;
 
     // A Newton step, shortened until the residual falls; springs that lose their target count as residual.
     const auto try_step = [&](VectorXd step) -> bool {
       const double motion = surface_motion(problem, e, step);
       if (!(motion > 0) || !std::isfinite(motion)) return false;
-      if (motion > cap) step *= cap / motion;
-      for (int halving = 0; halving < 6; ++halving, step *= 0.5) {
+      double most = cap;
+      if (stride > 1.0) {
+        const double closing = closing_motion(problem, e, step) / motion;  // per unit of motion
+        most = cap * std::max(1.0, std::min(stride, closing > 0 ? 1.0 / closing : stride));
+      }
+      const bool cut = motion > most;
+      if (cut) step *= most / motion;
+      const double whole = std::min(motion, most);
+      for (double length = whole; length > std::min(whole, cap) / 33.0; length *= 0.5, step *= 0.5) {
+        if (problem.casts >= options.max_casts) return false;
         auto poses = moved(problem, e, step);
         if (!poses) continue;
         Evaluation trial = evaluate(problem, std::move(*poses));
@@ -743,6 +895,12 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
           trial_r -= given_up * (given_up.transpose() * trial_r);
         }
         if (trial_r.norm() + lost_force(e, trial) < size) {
+          const bool at_once = length == whole;
+          full = cut && at_once ? full + 1 : 0;
+          if (full >= 3)
+            stride = std::min<double>(kMostStride, 2.0 * stride);
+          else if (full == 0)
+            stride = 1.0;
           e = std::move(trial);
           return true;
         }
@@ -766,6 +924,11 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       }
     }
     if (moved_on) continue;
+    patient.pay(problem.casts, beyond);
+    if (patient.out() && !within_one_spring(e, size)) {
+      solution.history.pop_back();  // the same iterate again, to be given up
+      continue;
+    }
     if (!to_one_spring(e, size, solution))
       solution.message = fmt::format(
           "unbalanced force is {:.2e} of the load after {} iterations and no step lowers it{}", size / e.load,
@@ -874,7 +1037,8 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   }
   const std::vector<Pose> poses = e.poses;
   Solution direct = newton(problem, std::move(e), options);
-  if (direct.outcome != Outcome::NotConverged || !direct.at.contact.allFinite()) return direct;
+  const bool given_up = direct.outcome == Outcome::NoEquilibrium;
+  if ((direct.outcome != Outcome::NotConverged && !given_up) || !direct.at.contact.allFinite()) return direct;
   // Continuation: what is out of balance at the start is held back and released piece by piece.
   Evaluation from =
       evaluate(problem, poses);  // a copy, kept for this rare case, would be as large as the springs' states
@@ -891,13 +1055,17 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
         std::min(left_at_start, left_at_end));
     return direct;
   }
+  if (given_up) return direct;
   const VectorXd all = from.residual();
   double done = 0.0, piece = 0.25;
   int iterations = direct.iterations;
-  while (done < 1.0 && piece > 1.0 / 128 && problem.casts < options.max_casts) {
+  EquilibriumOptions pieces = options;  // all of them together may cost what one search may lose
+  pieces.patience = (options.patience + 1) / 2;
+  pieces.max_casts = std::min(options.max_casts, problem.casts + options.patience);
+  while (done < 1.0 && piece > 1.0 / 128 && problem.casts < pieces.max_casts) {
     const double next = std::min(1.0, done + piece);
     problem.offset = (1.0 - next) * all;
-    Solution part = newton(problem, from, options);
+    Solution part = newton(problem, from, pieces);
     iterations += part.iterations;
     if (part.outcome == Outcome::Balanced || part.outcome == Outcome::BalancedToOneSpring) {
       done = next;

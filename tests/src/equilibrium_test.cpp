@@ -144,6 +144,102 @@ TEST(EquilibriumTest, SidewaysLoadOnFlatPlatesHasNoEquilibrium) {
   EXPECT_EQ(state.equilibrium.outcome, Outcome::NoEquilibrium) << state.equilibrium.message;
 }
 
+// ---- loads that nothing resists: no endless search ----------------------------------------------------------------
+
+// What the same load costs with the motions held, and ten times as much at most.
+void ends_within_ten_times(const JointModel& held, const JointModel& free, const Settings& settings,
+                           const std::string& body, const std::string& motion) {
+  const Equilibrium easy = last_state(held, settings).equilibrium, e = last_state(free, settings).equilibrium;
+  EXPECT_EQ(easy.outcome, Outcome::Balanced) << easy.message;
+  EXPECT_EQ(e.outcome, Outcome::NoEquilibrium) << e.message;
+  EXPECT_LE(e.casts, 10 * easy.casts) << e.message;
+  EXPECT_NE(e.message.find('"' + body + '"'), std::string::npos) << e.message;
+  EXPECT_NE(e.message.find(motion), std::string::npos) << e.message;
+}
+
+void turn(JointModel& model, int material, const Vector3d& moment) {
+  test::force(model, material, moment);
+  for (std::size_t k = model.rigid_loads.size() - 3; k < model.rigid_loads.size(); ++k) model.rigid_loads[k].dof += 3;
+}
+
+// A moment turns a frictionless ball for ever. Springs on either side, both laws.
+TEST(NoEndlessSearch, BallWithAMoment) {
+  for (const char* source : {"socket", "ball"}) {
+    for (Law law : {Law::Linear, Law::Layer}) {
+      JointModel held = test::concentric_spheres(16, 2000.0, true);
+      turn(held, 2, {600, -500, 300});
+      JointModel free = held;
+      release(free, 2);
+      Settings settings = test::linear();
+      settings.law = law;
+      settings.source = source;
+      ends_within_ten_times(held, free, settings, "ball", "rotation of");
+    }
+  }
+}
+
+TEST(NoEndlessSearch, PlatePushedSideways) {
+  JointModel held = test::flat_plates(40, 80, 2, 0.05, 10);
+  test::force(held, 2, {30, 0, -200});
+  JointModel free = held;
+  test::fix(held, 2, {true, true, false, true, true, true});
+  test::fix(free, 2, {false, false, false, true, true, true});
+  ends_within_ten_times(held, free, test::linear(), "plate", "translation of");
+}
+
+// A ball (radius 8) on the side of a wide groove (radius 20, layer 1 thick), pulled down: it finds the bottom, however
+// far, for the way there comes nearer to balance all the time.
+TEST(NoEndlessSearch, BallThatRollsToTheBottomOfAGrooveFindsIt) {
+  for (double angle : {0.1, 0.4, 0.8}) {
+    JointModel model = test::empty_model();
+    const int cartilage = test::add_material(model, "cartilage", false), base = test::add_material(model, "base", true),
+              ball = test::add_material(model, "ball", true);
+    const auto groove = [](double R) {
+      return [=](double u, double v) -> Vector3d {
+        const double a = 1.3 * (2 * u - 1);
+        return {R * std::sin(a), 60 * (v - 0.5), -R * std::cos(a)};
+      };
+    };
+    const int layer = test::add_layer(model, "groove", 48, 24, 1, groove(21), groove(20), cartilage, base);
+    const Vector3d center(11.99 * std::sin(angle), 0, -11.99 * std::cos(angle));
+    const int head = test::add_rigid_surface(
+        model, "head", 24, 24,
+        [=](double u, double v) -> Vector3d {
+          const Vector3d x = test::hemisphere(8.0, v, u);
+          return center + Vector3d(x.x(), x.y(), -x.z());
+        },
+        ball);
+    model.materials[static_cast<std::size_t>(ball)].center_of_mass = center;
+    test::add_contact(model, "roll", layer, head);
+    test::fix(model, base, {true, true, true, true, true, true});
+    test::fix(model, ball, {false, true, false, true, true, true});
+    test::force(model, ball, {0, 0, -40});
+    const Equilibrium e = last_state(model).equilibrium;
+    EXPECT_EQ(e.outcome, Outcome::Balanced) << angle << ": " << e.message;
+    // to the facets' noise: a flat facet of the groove is 2.6/48 rad wide, a twentieth of it
+    EXPECT_NEAR(e.poses[1].center.x(), 0.0, 20 * 2.6 / 48 / 20) << angle;
+    EXPECT_LE(e.casts, 150) << angle;
+  }
+}
+
+// After a state without a balance the following ones are searched less and less; one that has a balance is found.
+TEST(NoEndlessSearch, LaterStatesOfASequence) {
+  JointModel model = test::concentric_spheres(16, 2000.0, true, 8);
+  turn(model, 2, {600, -500, 300});
+  release(model, 2);
+  const Settings settings = test::linear();
+  const Analysis analysis = analyse(model, settings);
+  int casts = 0;
+  for (const StateResult& s : analysis.states) {
+    casts += s.equilibrium.casts;
+    EXPECT_FALSE(s.when.time > 0 && solved(s.equilibrium.outcome)) << s.when.time << ": " << s.equilibrium.message;
+  }
+  JointModel held = test::concentric_spheres(16, 2000.0, true, 8);
+  int easy = 0;
+  for (const StateResult& s : analyse(held, settings).states) easy += s.equilibrium.casts;
+  EXPECT_LE(casts, 6 * easy) << easy;
+}
+
 // Pressed straight: sideways motion and spin are flat and unloaded, held, and said.
 TEST(EquilibriumTest, FlatPlatesHoldTheirFlatDirections) {
   JointModel model = test::flat_plates(8, 20, 2, 0.05, 10);
