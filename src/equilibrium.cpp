@@ -81,6 +81,20 @@ VectorXd free_part(const Problem& problem, const VectorXd& all) {
   return r;
 }
 
+/// The relative motions of a contact's bodies that the unknowns can bring about.
+Motions free_motions(const Problem& problem, const SpringBed& bed) {
+  if (problem.joined()) return kAllMotions;
+  Motions motions = {};
+  for (const int dof : problem.free) {
+    const int body = dof / 6, k = dof % 6;
+    if (body != bed.source_body && body != bed.target_body) continue;
+    motions[at(k)] = true;
+    // the source turns about its own centre, not the target's
+    if (body == bed.source_body && k >= 3) motions[0] = motions[1] = motions[2] = true;
+  }
+  return motions;
+}
+
 Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
   const Joint& joint = problem.joint;
   const LoadCase& conditions = problem.conditions;
@@ -98,7 +112,7 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
       continue;
     }
     const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-    e.springs.push_back(project_springs(bed, source, target));
+    e.springs.push_back(project_springs(bed, source, target, free_motions(problem, bed)));
     const ContactWrench w = contact_wrench(e.springs.back(), source, target);
     e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
     e.contact.segment<6>(6 * bed.source_body) += w.wrench.tail<6>();

@@ -30,16 +30,17 @@ Eigen::VectorXd pressures_to_start_from(const LayerBed& layers, const Pose& sour
 }
 
 /// The source's feet at a pose: a foot that lies over the target only in part carries its pressure on that part.
-LayerFeet covered_feet(const LayerFeet& whole, const SpringStates& s) {
+LayerFeet covered_feet(const LayerOperator& source, const LayerFeet& whole, const Eigen::VectorXd& area) {
   LayerFeet feet = whole;
   for (int i = 0; i < feet.size(); ++i) {
     const auto k = at(i);
-    const double share = feet.area[k] > 0 ? s.area[k] / feet.area[k] : 0.0;
+    const double share = feet.area[k] > 0 ? area[i] / feet.area[k] : 0.0;
     if (share == 1.0) continue;
     for (int j = feet.begin[k]; j < feet.begin[k + 1]; ++j) feet.weight[at(j)] *= share;
     feet.volume[k] *= share;
-    feet.area[k] = s.area[k];
+    feet.area[k] = area[i];
   }
+  set_reach(feet, source);
   return feet;
 }
 
@@ -47,7 +48,7 @@ LayerFeet covered_feet(const LayerFeet& whole, const SpringStates& s) {
 
 LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, const SpringStates& s,
                          const Pose& source_pose, const Pose& target_pose, double reach) {
-  const LayerMesh& layer = target.mesh();
+  const LayerMesh& layer = target.mesh;
   const int divide2 = layer.divide * layer.divide;
   const RelativePose relative = relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
   constexpr int kChunk = 256;  // fixed, so that the result does not depend on the number of threads
@@ -65,6 +66,7 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
   });
   LayerFeet feet;
   for (const LayerFeet& more : of_chunk) append(feet, more);
+  set_reach(feet, target);
   return feet;
 }
 
@@ -73,17 +75,18 @@ std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
   auto layers = std::make_shared<LayerBed>();
   if (!source.rigid) {
-    const auto mesh = std::make_shared<const LayerMesh>(make_layer_mesh(source.face, pair.refine));
-    layers->source.emplace(mesh, source.elasticity, pair.layer_fit);
+    layers->source =
+        make_layer_operator(make_layer_mesh(source.face, pair.refine), source.elasticity, pair.layer_fit);
     layers->whole = feet_of_own_triangles(*layers->source);
   }
   if (!target.rigid)
-    layers->target.emplace(std::make_shared<const LayerMesh>(make_layer_mesh(target.face, pair.refine)),
-                           target.elasticity, pair.layer_fit);
+    layers->target =
+        make_layer_operator(make_layer_mesh(target.face, pair.refine), target.elasticity, pair.layer_fit);
   return layers;
 }
 
-void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target) {
+void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target,
+                  const Motions& motions) {
   const ContactPair& pair = *bed.pair;
   const int n = s.size();
   s.rates.setZero(n, 6);
@@ -102,7 +105,7 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
   }
   LayerFeet source_feet, target_feet;
   if (layers.source) {
-    source_feet = covered_feet(layers.whole, s);
+    source_feet = covered_feet(*layers.source, layers.whole, contact.area);
     contact.source.layer = &*layers.source;
     contact.source.feet = &source_feet;
   }
@@ -153,7 +156,14 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
     force_rates.row(i) = result.pressure[i] * rim.area_rate.head<6>().transpose();
   }
   if (!s.rim.empty()) overlap_rates -= spread(contact, force_rates);
-  s.rates = solve_active(contact, result.active, overlap_rates, kRateTolerance, layers.last_rates).pressure;
+  std::vector<int> columns;
+  for (int m = 0; m < 6; ++m)
+    if (motions[at(m)]) columns.push_back(m);
+  const Eigen::MatrixXd wanted = overlap_rates(Eigen::all, columns);
+  const Eigen::MatrixXd start =
+      layers.last_rates.size() > 0 ? Eigen::MatrixXd(layers.last_rates(Eigen::all, columns)) : Eigen::MatrixXd();
+  if (!columns.empty())
+    s.rates(Eigen::all, columns) = solve_active(contact, result.active, wanted, kRateTolerance, start).pressure;
   layers.last_rates = s.rates;
   layers.last_source = source;
   layers.last_target = target;

@@ -19,7 +19,7 @@ std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 MatrixXd layer_sinking(const LayerSide& side, const MatrixXd& pressure) {
   if (!side.layer) return MatrixXd::Zero(pressure.rows(), pressure.cols());
-  return side.layer->sinking(*side.feet, pressure, side.softening.size() > 0 ? &side.softening : nullptr);
+  return sinking(*side.layer, *side.feet, pressure, side.softening.size() > 0 ? &side.softening : nullptr);
 }
 
 /// Of w per pressure of the same foot, without flow.
@@ -28,8 +28,8 @@ VectorXd own_compliance(const LayerContact& contact, bool tangent) {
   for (const LayerSide* side : {&contact.source, &contact.target}) {
     if (!side->layer) continue;
     for (Index i = 0; i < own.size(); ++i)
-      own[i] += side->layer->own_compliance(*side->feet, static_cast<int>(i),
-                                            tangent && side->softening.size() > 0 ? &side->softening : nullptr);
+      own[i] += dea::own_compliance(*side->layer, *side->feet, static_cast<int>(i),
+                                    tangent && side->softening.size() > 0 ? &side->softening : nullptr);
   }
   for (Index i = 0; i < own.size(); ++i)
     if (own[i] > 0) own[i] += contact.interface_compliance;
@@ -80,7 +80,7 @@ struct ScaledContact {
   double largest() const {
     double bound = 1;
     for (const LayerSide* side : {&contact.source, &contact.target})
-      if (side->layer) bound = std::max(bound, side->layer->law().largest() / side->layer->law().local);
+      if (side->layer) bound = std::max(bound, side->layer->law.largest() / side->layer->law.local);
     return bound;
   }
 };
@@ -167,9 +167,9 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
     if (!side.layer)
       w = VectorXd::Zero(n);
     else if (options.large_strain)
-      w = side.layer->large_sinking(*side.feet, p, side.softening);
+      w = large_sinking(*side.layer, *side.feet, p, side.softening);
     else
-      w = side.layer->sinking(*side.feet, p).col(0);
+      w = sinking(*side.layer, *side.feet, p).col(0);
   };
   for (int step = 0;; ++step) {
     ++B.applications;

@@ -9,7 +9,7 @@ namespace dea {
 
 /// One side of a contact: a layer and what of it each foot stands on. A bare rigid side has no layer.
 struct LayerSide {
-  LayerOperator* layer = nullptr;  ///< not owned
+  const LayerOperator* layer = nullptr;  ///< not owned
   const LayerFeet* feet = nullptr;
   Eigen::VectorXd softening;  ///< per foot: slopes of e(q) about which the contact is linear (L9); empty: small strain
 };

@@ -3,13 +3,11 @@
 #include <cholmod.h>
 
 #include <Eigen/SparseCholesky>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <new>
-#include <stdexcept>
+#include <queue>
 #include <utility>
 
 namespace dea {
@@ -151,6 +149,26 @@ std::vector<double> edge_curvatures(const LayerMesh& layer) {
   return curvature;
 }
 
+SymmetricPattern pattern_of(const SurfaceMesh& mesh) {
+  std::vector<std::array<int, 2>> pairs;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t e = 3; e < 6; ++e) pairs.push_back({t[kFirst[e]], t[kSecond[e]]});
+  return make_pattern(static_cast<int>(mesh.vertices.size()), pairs);
+}
+
+/// Gives the vertices other numbers: `place` of each.
+void renumber(SurfaceMesh& mesh, const std::vector<int>& place) {
+  const SurfaceMesh old = mesh;
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    mesh.model_nodes[at(place[v])] = old.model_nodes[v];
+    mesh.vertices[at(place[v])] = old.vertices[v];
+    mesh.vertex_normals[at(place[v])] = old.vertex_normals[v];
+    mesh.vertex_areas[at(place[v])] = old.vertex_areas[v];
+  }
+  for (auto& triangle : mesh.triangles)
+    for (int& v : triangle) v = place[at(v)];
+}
+
 }  // namespace
 
 LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
@@ -158,6 +176,7 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
   layer.divide = divide;
   layer.pressed = face.pressed * divide * divide;
   layer.mesh = divided(face.mesh, divide);
+  renumber(layer.mesh, sparse_order(pattern_of(layer.mesh)));
   layer.thickness.assign(layer.mesh.vertices.size(), 0.0);
   const auto parts = triangle_parts(divide);
   for (int t = 0; t < face.mesh.size(); ++t) {
@@ -183,6 +202,18 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
              (layer.mesh.vertices[at(corner[next])] - layer.mesh.vertices[at(corner[c])]).norm(), edge.rim});
       }
   }
+  std::vector<std::vector<int>> beside(layer.mesh.vertices.size());
+  for (const auto& t : layer.mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const int other : {t[(k + 1) % 3], t[(k + 2) % 3]}) {
+        auto& list = beside[at(t[k])];
+        if (std::find(list.begin(), list.end(), other) == list.end()) list.push_back(other);
+      }
+  layer.beside_begin.push_back(0);
+  for (const auto& list : beside) {
+    layer.beside.insert(layer.beside.end(), list.begin(), list.end());
+    layer.beside_begin.push_back(static_cast<int>(layer.beside.size()));
+  }
   layer.edge_distance = edge_distances(face, layer);
   layer.edge_curvature = edge_curvatures(layer);
   layer.thickness = smeared_thickness(layer.mesh, layer.thickness);
@@ -190,8 +221,8 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
 }
 
 void add_foot(LayerFeet& feet, const LayerOperator& of, const std::vector<SurfacePart>& parts, double area) {
-  const LayerMesh& layer = of.mesh();
-  const double local = of.law().local, edge_own = of.edge().own;
+  const LayerMesh& layer = of.mesh;
+  const double local = of.law.local, edge_own = of.edge.own;
   double sum = 0;
   for (const SurfacePart& part : parts) sum += part.area;
   double volume = 0, own = 0;
@@ -265,7 +296,7 @@ void append(LayerFeet& feet, const LayerFeet& more) {
 }
 
 LayerFeet feet_of_own_triangles(const LayerOperator& layer) {
-  const LayerMesh& mesh = layer.mesh();
+  const LayerMesh& mesh = layer.mesh;
   LayerFeet feet;
   std::vector<SurfacePart> part(1);
   part[0].corners = 3;
@@ -275,7 +306,50 @@ LayerFeet feet_of_own_triangles(const LayerOperator& layer) {
     part[0].area = mesh.mesh.areas[at(t)];
     add_foot(feet, layer, part, part[0].area);
   }
+  set_reach(feet, layer);
   return feet;
+}
+
+void set_reach(LayerFeet& feet, const LayerOperator& layer) {
+  const LayerMesh& mesh = layer.mesh;
+  std::vector<char> seen(at(mesh.nodes()), 0);
+  std::vector<int> under;
+  for (int i = 0; i < feet.size(); ++i) {
+    if (!(feet.area[at(i)] > 0)) continue;
+    for (int k = feet.begin[at(i)]; k < feet.begin[at(i + 1)]; ++k) {
+      const int v = feet.node[at(k)];
+      if (!seen[at(v)]) under.push_back(v);
+      seen[at(v)] = 1;
+    }
+  }
+  feet.columns[0] = columns_for(layer.factor[0], under);
+  feet.columns[1].clear();
+  if (layer.law.terms < 2) return;
+  // shortest ways along the mesh's edges
+  const double most = mesh.thickness.empty() ? 0.0 : *std::max_element(mesh.thickness.begin(), mesh.thickness.end());
+  const double reach = 3 * most;
+  std::vector<double> way(at(mesh.nodes()), std::numeric_limits<double>::infinity());
+  std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> front;
+  for (const int v : under) {
+    way[at(v)] = 0;
+    front.emplace(0.0, v);
+  }
+  std::vector<int> near;
+  while (!front.empty()) {
+    const double so_far = front.top().first;
+    const int v = front.top().second;
+    front.pop();
+    if (so_far > way[at(v)]) continue;
+    near.push_back(v);
+    for (int k = mesh.beside_begin[at(v)]; k < mesh.beside_begin[at(v) + 1]; ++k) {
+      const int next = mesh.beside[at(k)];
+      const double length = so_far + (mesh.mesh.vertices[at(next)] - mesh.mesh.vertices[at(v)]).norm();
+      if (length >= way[at(next)] || length > reach) continue;
+      way[at(next)] = length;
+      front.emplace(length, next);
+    }
+  }
+  feet.columns[1] = columns_for(layer.factor[1], near);
 }
 
 StrainExcess strain_excess(const Elasticity& layer, double q) {
@@ -285,340 +359,258 @@ StrainExcess strain_excess(const Elasticity& layer, double q) {
   return {q * per_modulus - strain, per_modulus - 1 / layer_response(Law::NeoHookean, layer, strain).slope};
 }
 
-struct LayerOperator::State {
-  std::shared_ptr<const LayerMesh> mesh;
-  Elasticity elasticity;
-  LayerLaw law;
-  EdgeLaw edge;
+namespace {
 
-  cholmod_common common;
-  cholmod_sparse* matrix = nullptr;                            // lower triangle
-  std::array<cholmod_factor*, 2> factor = {nullptr, nullptr};  // per term
-  std::array<std::vector<char>, 2> held;                       // per term and node: q = 0
-  std::vector<double> onwards;                                 // what of q_1 drives r: square M_t and the rims' parts
-  /// A vertex of a free edge where q_0 = 0 and what flows out stretches the edge (L7).
-  struct Outflow {
-    int node = -1;
-    double stretch = 0.0;  // z per rho: e / (beta_0 B)
-  };
-  std::vector<Outflow> outflow;
-  std::vector<double> flow_matrix;  // S_0 as if nothing were held, where there is outflow
-  cholmod_dense* solution = nullptr;                           // work space of cholmod_solve2
-  cholmod_dense* work_y = nullptr;
-  cholmod_dense* work_e = nullptr;
-
-  State() { cholmod_start(&common); }
-  ~State() {
-    for (cholmod_factor*& f : factor) cholmod_free_factor(&f, &common);
-    cholmod_free_sparse(&matrix, &common);
-    cholmod_free_dense(&solution, &common);
-    cholmod_free_dense(&work_y, &common);
-    cholmod_free_dense(&work_e, &common);
-    cholmod_finish(&common);
-  }
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-
-  void check() const {
-    if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
-    if (common.status < CHOLMOD_OK) throw std::runtime_error("sparse factorisation failed");
-  }
-
-  int find(int i, int j) const {  // entry of nodes i, j in the lower triangle
-    const int column = std::min(i, j), row = std::max(i, j);
-    const int *begin = static_cast<const int*>(matrix->i) + static_cast<const int*>(matrix->p)[column],
-              *end = static_cast<const int*>(matrix->i) + static_cast<const int*>(matrix->p)[column + 1];
-    return static_cast<int>(std::lower_bound(begin, end, row) - static_cast<const int*>(matrix->i));
-  }
-
-  void make_pattern() {
-    const int nodes = mesh->nodes();
-    std::vector<std::pair<int, int>> entries;  // column, row
-    entries.reserve(at(nodes) + 3 * mesh->mesh.triangles.size());
-    for (int i = 0; i < nodes; ++i) entries.emplace_back(i, i);
-    for (const auto& t : mesh->mesh.triangles)
-      for (std::size_t e = 3; e < 6; ++e)
-        entries.emplace_back(std::min(t[kFirst[e]], t[kSecond[e]]), std::max(t[kFirst[e]], t[kSecond[e]]));
-    std::sort(entries.begin(), entries.end());
-    entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
-    matrix = cholmod_allocate_sparse(at(nodes), at(nodes), entries.size(), 1, 1, -1, CHOLMOD_REAL, &common);
-    check();
-    int *p = static_cast<int*>(matrix->p), *rows = static_cast<int*>(matrix->i);
-    std::fill(p, p + nodes + 1, 0);
-    for (std::size_t k = 0; k < entries.size(); ++k) {
-      ++p[entries[k].first + 1];
-      rows[k] = entries[k].second;
-    }
-    for (int i = 0; i < nodes; ++i) p[i + 1] += p[i];
-    std::fill_n(static_cast<double*>(matrix->x), entries.size(), 0.0);
-  }
-
-  /// M_t, K_t3, and along the edges the integral of t^2, all with the pattern of the matrix.
-  struct Parts {
-    std::vector<double> mass, stiffness, free_edge, open_edge;
-  };
-  Parts assemble() const {
-    const SurfaceMesh& surface = mesh->mesh;
-    const std::vector<double> none(at(static_cast<const int*>(matrix->p)[mesh->nodes()]), 0.0);
-    Parts parts = {none, none, none, none};
-    for (int t = 0; t < surface.size(); ++t) {
-      const auto& corner = surface.triangles[at(t)];
-      const double A = surface.areas[at(t)];
-      const auto gradient = hat_gradients(surface, t);
-      const double h[3] = {mesh->thickness[at(corner[0])], mesh->thickness[at(corner[1])],
-                           mesh->thickness[at(corner[2])]},
-                   sum = h[0] + h[1] + h[2];
-      // integrals of linear t: t^3 is the sum of its monomials of degree 3 over 10; t N_i N_j by products of N
-      const double cubed =
-          (h[0] * h[0] * (h[0] + h[1] + h[2]) + h[1] * h[1] * (h[1] + h[2]) + h[2] * h[2] * h[2] +
-           h[0] * h[1] * (h[1] + h[2]) + h[2] * h[2] * (h[0] + h[1])) /
-          10;
-      for (std::size_t e = 0; e < 6; ++e) {
-        const std::size_t i = kFirst[e], j = kSecond[e], s = at(find(corner[i], corner[j]));
-        parts.mass[s] += i == j ? A * (2 * sum + 4 * h[i]) / 60 : A * (sum + h[i] + h[j]) / 60;
-        parts.stiffness[s] += A * cubed * gradient[i].dot(gradient[j]);
-      }
-    }
-    for (const LayerMesh::Edge& side : mesh->edges) {
-      if (side.rim == Rim::Wall) continue;
-      std::vector<double>& along = side.rim == Rim::Free ? parts.free_edge : parts.open_edge;
-      // integral of t^2 N_i N_j along the edge, t linear
-      const double ta = mesh->thickness[at(side.a)], tb = mesh->thickness[at(side.b)], l = side.length / 30;
-      along[at(find(side.a, side.a))] += l * (6 * ta * ta + 3 * ta * tb + tb * tb);
-      along[at(find(side.b, side.b))] += l * (6 * tb * tb + 3 * ta * tb + ta * ta);
-      along[at(find(side.a, side.b))] += l * (1.5 * ta * ta + 2 * ta * tb + 1.5 * tb * tb);
-    }
-    return parts;
-  }
-
-  /// At a free edge what bulges escapes: q = 0 in the first term. The second decays within 0.4 t, which few meshes
-  /// resolve: held, it would make coarse edges stiff; it goes on as beyond a loaded patch, and (L7) adds what is
-  /// missing. Returns per node what S_0 gains where a hole's rim is not held.
-  std::vector<double> find_held() {
-    std::vector<char> carries(at(mesh->nodes()), 0), bare(at(mesh->nodes()), 0);
-    std::vector<double> share(at(mesh->nodes()), 0.0), gained(at(mesh->nodes()), 0.0);  // B_v
-    for (const LayerMesh::Edge& side : mesh->edges) {
-      if (side.rim != Rim::Free) continue;
-      for (const int v : {side.a, side.b})
-        share[at(v)] += 0.5 * side.length * mesh->thickness[at(v)] * mesh->thickness[at(v)];
-    }
-    for (const auto& corner : mesh->mesh.triangles) {
-      double most = 0;
-      for (int v : corner) most = std::max(most, mesh->thickness[at(v)]);
-      for (int v : corner) (most > 0 ? carries : bare)[at(v)] = 1;
-    }
-    for (auto& of_term : held) of_term.assign(carries.size(), 0);
-    constexpr double kMostRobin = 5.0;  // keeps the operator positive; larger ones are seen no more
-    for (int v = 0; v < mesh->nodes(); ++v) {
-      held[1][at(v)] = !carries[at(v)];
-      held[0][at(v)] = !carries[at(v)] || bare[at(v)];
-      if (held[0][at(v)] || !(share[at(v)] > 0)) continue;
-      const double bend = std::min(mesh->edge_curvature[at(v)] * mesh->thickness[at(v)], 1.0),
-                   e = edge.straight + edge.curved * bend;
-      if (e < 0 && law.weight[0] < 0) {
-        gained[at(v)] = law.beta[0] * share[at(v)] / std::min(e / law.weight[0], kMostRobin);
-        continue;
-      }
-      held[0][at(v)] = 1;
-      if (e > 0) outflow.push_back({v, e / (law.beta[0] * share[at(v)])});
-    }
-    return gained;
-  }
-
-  void factorise() {
-    const std::vector<double> gained = find_held();
-    const Parts parts = assemble();
-    const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
-    double* x = static_cast<double*>(matrix->x);
-    const std::size_t entries = parts.mass.size();
-    for (std::size_t k = 0; k < at(law.terms); ++k) {
-      const double beta = law.beta[k], root = std::sqrt(beta);
-      for (std::size_t s = 0; s < entries; ++s)
-        x[s] = parts.mass[s] + beta * parts.stiffness[s] +
-               root * (parts.open_edge[s] + (k == 1 ? parts.free_edge[s] : 0.0));
-      if (k == 0) {
-        for (int v = 0; v < mesh->nodes(); ++v) x[p[v]] += gained[at(v)];  // the diagonal comes first
-        if (!outflow.empty()) flow_matrix.assign(x, x + entries);
-      }
-      for (int column = 0; column < mesh->nodes(); ++column)
-        for (int s = p[column]; s < p[column + 1]; ++s)
-          if (held[k][at(column)] || held[k][at(rows[s])])  // the row says q = 0; the pattern stays
-            x[s] = rows[s] == column ? 1.0 : 0.0;
-      cholmod_factorize(matrix, factor[k], &common);
-      check();
-      if (common.status != CHOLMOD_OK) throw std::runtime_error("sparse factorisation: not positive definite");
-    }
-    if (law.terms < 2) return;
-    // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
-    // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
-    onwards.resize(entries);
-    for (std::size_t s = 0; s < entries; ++s)
-      onwards[s] = law.square * (parts.mass[s] + 0.5 * std::sqrt(law.beta[1]) * parts.open_edge[s]) +
-                   edge.around * parts.free_edge[s];
-  }
-
-  /// q of one term for a load; nodes x columns, the same memory at every call.
-  Eigen::Map<const Eigen::MatrixXd> solve(std::size_t term, Eigen::MatrixXd& load) {
-    for (Eigen::Index c = 0; c < load.cols(); ++c)
-      for (Eigen::Index v = 0; v < load.rows(); ++v)
-        if (held[term][static_cast<std::size_t>(v)]) load(v, c) = 0.0;
-    cholmod_dense right{};
-    right.nrow = right.d = static_cast<std::size_t>(load.rows());
-    right.ncol = static_cast<std::size_t>(load.cols());
-    right.nzmax = right.nrow * right.ncol;
-    right.x = load.data();
-    right.xtype = CHOLMOD_REAL;
-    right.dtype = CHOLMOD_DOUBLE;
-    cholmod_solve2(CHOLMOD_A, factor[term], &right, nullptr, &solution, nullptr, &work_y, &work_e, &common);
-    check();
-    return {static_cast<const double*>(solution->x), load.rows(), load.cols()};
-  }
-
-  /// A symmetric matrix with the pattern of the matrix times q.
-  Eigen::MatrixXd times(const std::vector<double>& entry, const Eigen::Ref<const Eigen::MatrixXd>& q) const {
-    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(q.rows(), q.cols());
-    const int *p = static_cast<const int*>(matrix->p), *rows = static_cast<const int*>(matrix->i);
-    for (Eigen::Index c = 0; c < q.cols(); ++c)
-      for (int column = 0; column < mesh->nodes(); ++column) {
-        product(column, c) += entry[at(p[column])] * q(column, c);  // the diagonal comes first
-        for (int s = p[column] + 1; s < p[column + 1]; ++s) {
-          product(column, c) += entry[at(s)] * q(rows[s], c);
-          product(rows[s], c) += entry[at(s)] * q(column, c);
-        }
-      }
-    return product;
-  }
-
-  /// What the edges' stretch adds to q: z (L7), for the load b p and its q_0.
-  Eigen::MatrixXd edge_stretch(const Eigen::MatrixXd& load, const Eigen::MatrixXd& q) {
-    const Eigen::MatrixXd flow = load - times(flow_matrix, q);
-    Eigen::MatrixXd z = Eigen::MatrixXd::Zero(load.rows(), load.cols());
-    for (const Outflow& v : outflow) z.row(v.node) = v.stretch * flow.row(v.node);
-    Eigen::MatrixXd right_side = -times(flow_matrix, z);
-    return z + solve(0, right_side);  // which holds the edge
-  }
-
-  /// b p, nodes x columns
-  Eigen::MatrixXd loads(const LayerFeet& feet, const Eigen::MatrixXd& p) const {
-    Eigen::MatrixXd load = Eigen::MatrixXd::Zero(mesh->nodes(), p.cols());
-    for (Eigen::Index c = 0; c < p.cols(); ++c)
-      for (int i = 0; i < feet.size(); ++i) {
-        if (p(i, c) == 0) continue;
-        for (int k = feet.begin[at(i)]; k < feet.begin[at(i + 1)]; ++k)
-          load(feet.node[at(k)], c) += feet.weight[at(k)] * p(i, c);
-      }
-    return load;
-  }
-  /// b_i . q of one foot
-  template <class Nodal>
-  static double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
-    double sum = 0;
-    for (int k = feet.begin[at(i)]; k < feet.begin[at(i + 1)]; ++k)
-      sum += feet.weight[at(k)] * q(feet.node[at(k)], c);
-    return sum;
-  }
-
-  /// w, with excess(i, q) the strain by which a foot answers less than linearly to the pressure q = (B p)_i; null:
-  /// small strain.
-  template <class Excess>
-  Eigen::MatrixXd flow(const LayerFeet& feet, const Eigen::MatrixXd& p, const Excess& excess, bool large) {
-    assert(p.rows() == feet.size());
-    const double own = law.own_share;
-    Eigen::MatrixXd load = loads(feet, p), all, strain;
-    const bool two = law.terms == 2;
-    Eigen::MatrixXd right_side = load;
-    if (outflow.empty()) {
-      all = law.weight[0] * solve(0, right_side);
-    } else {
-      const Eigen::MatrixXd q = solve(0, right_side);
-      all = law.weight[0] * q + edge_stretch(load, q);
-    }
-    if (large) strain = Eigen::MatrixXd::Zero(p.rows(), p.cols());
-    const auto find_strain = [&](const auto& q) {
-      for (Eigen::Index c = 0; c < p.cols(); ++c)
-        for (int i = 0; i < feet.size(); ++i) {
-          if (!(feet.volume[at(i)] > 0)) continue;
-          const double around = own < 1 ? gathered(feet, i, q, c) / feet.volume[at(i)] : 0.0;
-          strain(i, c) = excess(i, own * p(i, c) + (1 - own) * around);
-        }
-    };
-    if (two) {
-      const auto q = solve(1, load);
-      all += law.weight[1] * q;
-      right_side = times(onwards, q);  // the square of the fraction: S^-1 M_t S^-1
-      if (large) {
-        find_strain(q);
-        right_side -= (1 - own) * loads(feet, strain);
-      }
-      all += solve(1, right_side);
-    } else if (large) {
-      find_strain(load);
-    }
-    Eigen::MatrixXd w = Eigen::MatrixXd::Zero(p.rows(), p.cols());
-    for (Eigen::Index c = 0; c < p.cols(); ++c)
-      for (int i = 0; i < feet.size(); ++i) {
-        if (!(feet.area[at(i)] > 0)) continue;
-        w(i, c) = feet.own[at(i)] * p(i, c) + gathered(feet, i, all, c) / feet.area[at(i)];
-        if (large) w(i, c) -= own * feet.thickness(i) * strain(i, c);
-      }
-    return w;
-  }
+/// M_t, K_t3, and along the edges the integral of t^2.
+struct Parts {
+  std::vector<double> mass, stiffness, free_edge, open_edge;
 };
 
-LayerOperator::LayerOperator(std::shared_ptr<const LayerMesh> mesh, const Elasticity& elasticity, LayerFit fit)
-    : state_(new State) {
-  State& s = *state_;
-  s.mesh = std::move(mesh);
-  s.elasticity = elasticity;
-  s.law = layer_law(elasticity, fit);
-  s.edge = edge_law(elasticity, fit);
-  s.common.print = 0;
-  s.make_pattern();
-  // Simplicial, so no BLAS and no threads: up to 200,000 feet it was no slower than supernodal with the reference BLAS.
-  // AMD: nested dissection took longer to find than it saved.
-  s.common.supernodal = CHOLMOD_SIMPLICIAL;
-  s.common.final_ll = 1;
-  s.common.nmethods = 1;
-  s.common.method[0].ordering = CHOLMOD_AMD;
-  s.common.postorder = 1;
-  s.factor[0] = cholmod_analyze(s.matrix, &s.common);
-  s.check();
-  if (s.law.terms == 2) s.factor[1] = cholmod_copy_factor(s.factor[0], &s.common);
-  s.check();
-  s.factorise();
-}
-LayerOperator::~LayerOperator() = default;
-LayerOperator::LayerOperator(LayerOperator&&) noexcept = default;
-LayerOperator& LayerOperator::operator=(LayerOperator&&) noexcept = default;
-
-const LayerMesh& LayerOperator::mesh() const { return *state_->mesh; }
-const LayerLaw& LayerOperator::law() const { return state_->law; }
-const EdgeLaw& LayerOperator::edge() const { return state_->edge; }
-const Elasticity& LayerOperator::elasticity() const { return state_->elasticity; }
-double LayerOperator::factor_entries() const { return state_->common.lnz; }
-
-Eigen::MatrixXd LayerOperator::sinking(const LayerFeet& feet, const Eigen::MatrixXd& pressure,
-                                       const Eigen::VectorXd* softening) {
-  return state_->flow(
-      feet, pressure, [&](int i, double q) { return softening ? (*softening)[i] * q : 0.0; }, softening != nullptr);
+Parts assemble(const LayerMesh& layer, const SymmetricPattern& pattern) {
+  const SurfaceMesh& surface = layer.mesh;
+  const std::vector<double> none(at(pattern.entries()), 0.0);
+  Parts parts = {none, none, none, none};
+  for (int t = 0; t < surface.size(); ++t) {
+    const auto& corner = surface.triangles[at(t)];
+    const double A = surface.areas[at(t)];
+    const auto gradient = hat_gradients(surface, t);
+    const double h[3] = {layer.thickness[at(corner[0])], layer.thickness[at(corner[1])],
+                         layer.thickness[at(corner[2])]},
+                 sum = h[0] + h[1] + h[2];
+    // integrals of linear t: t^3 is the sum of its monomials of degree 3 over 10; t N_i N_j by products of N
+    const double cubed = (h[0] * h[0] * (h[0] + h[1] + h[2]) + h[1] * h[1] * (h[1] + h[2]) + h[2] * h[2] * h[2] +
+                          h[0] * h[1] * (h[1] + h[2]) + h[2] * h[2] * (h[0] + h[1])) /
+                         10;
+    for (std::size_t e = 0; e < 6; ++e) {
+      const std::size_t i = kFirst[e], j = kSecond[e], s = at(pattern.find(corner[i], corner[j]));
+      parts.mass[s] += i == j ? A * (2 * sum + 4 * h[i]) / 60 : A * (sum + h[i] + h[j]) / 60;
+      parts.stiffness[s] += A * cubed * gradient[i].dot(gradient[j]);
+    }
+  }
+  for (const LayerMesh::Edge& side : layer.edges) {
+    if (side.rim == Rim::Wall) continue;
+    std::vector<double>& along = side.rim == Rim::Free ? parts.free_edge : parts.open_edge;
+    // integral of t^2 N_i N_j along the edge, t linear
+    const double ta = layer.thickness[at(side.a)], tb = layer.thickness[at(side.b)], l = side.length / 30;
+    along[at(pattern.find(side.a, side.a))] += l * (6 * ta * ta + 3 * ta * tb + tb * tb);
+    along[at(pattern.find(side.b, side.b))] += l * (6 * tb * tb + 3 * ta * tb + ta * ta);
+    along[at(pattern.find(side.a, side.b))] += l * (1.5 * ta * ta + 2 * ta * tb + 1.5 * tb * tb);
+  }
+  return parts;
 }
 
-Eigen::VectorXd LayerOperator::large_sinking(const LayerFeet& feet, const Eigen::VectorXd& pressure,
-                                             Eigen::VectorXd& softening) {
+/// What becomes of the vertices of free edges in S_0.
+struct FreeEdges {
+  std::vector<double> gained;                   // per vertex: of S_0's diagonal, where a hole's rim is not held
+  std::vector<std::pair<int, double>> outflow;  // vertex, stretch
+};
+
+/// At a free edge what bulges escapes: q = 0 in the first term. The second decays within 0.4 t, which few meshes
+/// resolve: held, it would make coarse edges stiff; it goes on as beyond a loaded patch, and (L7) adds what is missing.
+FreeEdges hold_edges(LayerOperator& op) {
+  const LayerMesh& layer = op.mesh;
+  const std::size_t n = at(layer.nodes());
+  std::vector<char> carries(n, 0), bare(n, 0);
+  std::vector<double> share(n, 0.0);  // B_v
+  FreeEdges edges;
+  edges.gained.assign(n, 0.0);
+  std::vector<char> free(n, 0);
+  for (const LayerMesh::Edge& side : layer.edges) {
+    if (side.rim != Rim::Free) continue;
+    for (const int v : {side.a, side.b}) {
+      share[at(v)] += 0.5 * side.length * layer.thickness[at(v)] * layer.thickness[at(v)];
+      free[at(v)] = 1;
+    }
+  }
+  for (const auto& corner : layer.mesh.triangles) {
+    double most = 0;
+    for (int v : corner) most = std::max(most, layer.thickness[at(v)]);
+    for (int v : corner) (most > 0 ? carries : bare)[at(v)] = 1;
+  }
+  for (auto& of_term : op.held) of_term.assign(n, 0);
+  constexpr double kMostRobin = 5.0;  // keeps the operator positive; larger ones are seen no more
+  for (std::size_t v = 0; v < n; ++v) {
+    op.held[1][v] = !carries[v];
+    op.held[0][v] = !carries[v] || bare[v];
+    if (op.held[0][v] || !free[v]) continue;
+    const double bend = std::min(layer.edge_curvature[v] * layer.thickness[v], 1.0),
+                 e = op.edge.straight + op.edge.curved * bend;
+    if (e < 0 && op.law.weight[0] < 0 && share[v] > 0) {
+      edges.gained[v] = op.law.beta[0] * share[v] / std::min(e / op.law.weight[0], kMostRobin);
+      continue;
+    }
+    op.held[0][v] = 1;
+    if (e > 0 && share[v] > 0) edges.outflow.emplace_back(static_cast<int>(v), e / (op.law.beta[0] * share[v]));
+  }
+  return edges;
+}
+
+/// The fields x of LayerOperator::Outflow. `unheld`: S_0 as if nothing were held.
+void find_outflow(LayerOperator& op, const FreeEdges& edges, const std::vector<double>& unheld) {
+  constexpr std::size_t kTogether = 8;
+  constexpr double kLeast = 1e-3;
+  std::vector<int> all(at(op.mesh.nodes()));
+  for (std::size_t v = 0; v < all.size(); ++v) all[v] = static_cast<int>(v);
+  for (std::size_t first = 0; first < edges.outflow.size(); first += kTogether) {
+    const std::size_t count = std::min(kTogether, edges.outflow.size() - first);
+    Nodal unit = Nodal::Zero(op.mesh.nodes(), kTogether);
+    for (std::size_t k = 0; k < count; ++k)
+      unit(edges.outflow[first + k].first, static_cast<Eigen::Index>(k)) = 1;
+    Nodal x = -times(op.pattern, unheld, all, unit);
+    for (std::size_t v = 0; v < all.size(); ++v)
+      if (op.held[0][v]) x.row(static_cast<Eigen::Index>(v)).setZero();
+    solve(op.factor[0], all, x);
+    x += unit;
+    for (std::size_t k = 0; k < count; ++k) {
+      LayerOperator::Outflow out;
+      out.stretch = edges.outflow[first + k].second;
+      for (int v = 0; v < op.mesh.nodes(); ++v) {
+        const double value = x(v, static_cast<Eigen::Index>(k));
+        if (std::abs(value) < kLeast) continue;
+        out.node.push_back(v);
+        out.value.push_back(value);
+      }
+      op.outflow.push_back(std::move(out));
+    }
+  }
+}
+
+}  // namespace
+
+LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit) {
+  LayerOperator op;
+  op.mesh = std::move(mesh);
+  op.elasticity = elasticity;
+  op.law = layer_law(elasticity, fit);
+  op.edge = edge_law(elasticity, fit);
+  op.pattern = pattern_of(op.mesh.mesh);
+  const SymmetricPattern& pattern = op.pattern;
+  const FreeEdges edges = hold_edges(op);
+  const Parts parts = assemble(op.mesh, pattern);
+  const std::size_t entries = parts.mass.size();
+  std::vector<double> values(entries), unheld;
+  for (std::size_t k = 0; k < at(op.law.terms); ++k) {
+    const double beta = op.law.beta[k], root = std::sqrt(beta);
+    for (std::size_t s = 0; s < entries; ++s)
+      values[s] = parts.mass[s] + beta * parts.stiffness[s] +
+                  root * (parts.open_edge[s] + (k == 1 ? parts.free_edge[s] : 0.0));
+    if (k == 0) {
+      for (int v = 0; v < pattern.size(); ++v) values[at(pattern.begin[at(v)])] += edges.gained[at(v)];
+      unheld = values;
+    }
+    for (int column = 0; column < pattern.size(); ++column)
+      for (int s = pattern.begin[at(column)]; s < pattern.begin[at(column) + 1]; ++s) {
+        const int row = pattern.row[at(s)];
+        if (op.held[k][at(column)] || op.held[k][at(row)])  // the row says q = 0; the pattern stays
+          values[at(s)] = row == column ? 1.0 : 0.0;
+      }
+    op.factor[k] = factorise(pattern, values);
+  }
+  find_outflow(op, edges, unheld);
+  if (op.law.terms < 2) return op;
+  // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
+  // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
+  op.onwards.resize(entries);
+  for (std::size_t s = 0; s < entries; ++s)
+    op.onwards[s] = op.law.square * (parts.mass[s] + 0.5 * std::sqrt(op.law.beta[1]) * parts.open_edge[s]) +
+                    op.edge.around * parts.free_edge[s];
+  return op;
+}
+
+namespace {
+
+/// b p
+Nodal loads(const LayerOperator& op, const LayerFeet& feet, const Eigen::MatrixXd& p) {
+  Nodal load = Nodal::Zero(op.mesh.nodes(), p.cols());
+  for (int i = 0; i < feet.size(); ++i)
+    for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k)
+      for (Eigen::Index c = 0; c < p.cols(); ++c) load(feet.node[at(k)], c) += feet.weight[at(k)] * p(i, c);
+  return load;
+}
+
+/// b_i . q of one foot
+double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
+  double sum = 0;
+  for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k) sum += feet.weight[at(k)] * q(feet.node[at(k)], c);
+  return sum;
+}
+
+/// q of one term for a load.
+Nodal term_pressure(const LayerOperator& op, const LayerFeet& feet, std::size_t term, Nodal load) {
+  for (const int v : feet.columns[term])
+    if (op.held[term][at(v)]) load.row(v).setZero();
+  solve(op.factor[term], feet.columns[term], load);
+  return load;
+}
+
+/// w, with excess(i, q) the strain by which a foot answers less than linearly to the pressure q = (B p)_i; not `large`:
+/// small strain.
+template <class Excess>
+Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen::MatrixXd& p, const Excess& excess,
+                     bool large) {
+  assert(p.rows() == feet.size());
+  const double own = op.law.own_share;
+  const Nodal load = loads(op, feet, p);
+  Nodal all = op.law.weight[0] * term_pressure(op, feet, 0, load);
+  for (const LayerOperator::Outflow& out : op.outflow)
+    for (Eigen::Index c = 0; c < p.cols(); ++c) {
+      double rho = 0;
+      for (std::size_t k = 0; k < out.node.size(); ++k) rho += out.value[k] * load(out.node[k], c);
+      if (rho == 0) continue;
+      rho *= out.stretch;
+      for (std::size_t k = 0; k < out.node.size(); ++k) all(out.node[k], c) += out.value[k] * rho;
+    }
+  Eigen::MatrixXd strain;
+  if (large) strain = Eigen::MatrixXd::Zero(p.rows(), p.cols());
+  const auto find_strain = [&](const Nodal* q) {
+    for (int i = 0; i < feet.size(); ++i)
+      for (Eigen::Index c = 0; c < p.cols() && feet.volume[at(i)] > 0; ++c) {
+        const double around = q && own < 1 ? gathered(feet, i, *q, c) / feet.volume[at(i)] : 0.0;
+        strain(i, c) = excess(i, own * p(i, c) + (1 - own) * around);
+      }
+  };
+  if (op.law.terms == 2) {
+    const Nodal q = term_pressure(op, feet, 1, load);
+    all += op.law.weight[1] * q;
+    Nodal right_side = times(op.pattern, op.onwards, feet.columns[1], q);  // the fraction's square: S^-1 M_t S^-1
+    if (large) {
+      find_strain(&q);
+      right_side -= (1 - own) * loads(op, feet, strain);
+    }
+    all += term_pressure(op, feet, 1, std::move(right_side));
+  } else if (large) {
+    find_strain(nullptr);
+  }
+  Eigen::MatrixXd w = Eigen::MatrixXd::Zero(p.rows(), p.cols());
+  for (int i = 0; i < feet.size(); ++i)
+    for (Eigen::Index c = 0; c < p.cols() && feet.area[at(i)] > 0; ++c) {
+      w(i, c) = feet.own[at(i)] * p(i, c) + gathered(feet, i, all, c) / feet.area[at(i)];
+      if (large) w(i, c) -= own * feet.thickness(i) * strain(i, c);
+    }
+  return w;
+}
+
+}  // namespace
+
+Eigen::MatrixXd sinking(const LayerOperator& layer, const LayerFeet& feet, const Eigen::MatrixXd& pressure,
+                        const Eigen::VectorXd* softening) {
+  const auto excess = [&](int i, double q) { return softening ? (*softening)[i] * q : 0.0; };
+  return flow(layer, feet, pressure, excess, softening != nullptr);
+}
+
+Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet, const Eigen::VectorXd& pressure,
+                              Eigen::VectorXd& softening) {
   softening.setZero(pressure.size());
-  const Elasticity layer = state_->elasticity;
-  return state_->flow(
-      feet, pressure,
-      [&](int i, double q) {
-        const StrainExcess e = strain_excess(layer, q);
-        softening[i] = e.slope;
-        return e.strain;
-      },
-      true);
+  const auto excess = [&](int i, double q) {
+    const StrainExcess e = strain_excess(layer.elasticity, q);
+    softening[i] = e.slope;
+    return e.strain;
+  };
+  return flow(layer, feet, pressure, excess, true);
 }
 
-double LayerOperator::own_compliance(const LayerFeet& feet, int foot, const Eigen::VectorXd* softening) const {
-  const double own = state_->law.own_share;
+double own_compliance(const LayerOperator& layer, const LayerFeet& feet, int foot, const Eigen::VectorXd* softening) {
+  const double own = layer.law.own_share;
   return feet.own[at(foot)] - (softening ? own * own * feet.thickness(foot) * (*softening)[foot] : 0.0);
 }
 

@@ -3,12 +3,12 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
-#include <memory>
 #include <vector>
 
 #include "foot_parts.h"
 #include "layer_face.h"
 #include "layer_kernel.h"
+#include "sparse_factor.h"
 
 namespace dea {
 
@@ -27,12 +27,14 @@ struct LayerMesh {
   /// Per vertex: what the flow sees of the thickness [mm], >= 0, linear in each triangle. A step of the bone is felt at
   /// the surface smeared over the thickness:  (M_1 + beta_1 K_t2) thickness = M_1 t.                             (L10)
   std::vector<double> thickness;
+  std::vector<int> beside_begin, beside;  ///< per vertex: the vertices it shares an edge with
   std::vector<Edge> edges;             ///< of one triangle alone, sorted by triangle
   std::vector<double> edge_distance;   ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
   std::vector<double> edge_curvature;  ///< per vertex of a free edge: in the surface [1/mm], > 0 convex (a disc's rim)
   int nodes() const { return static_cast<int>(mesh.vertices.size()); }
 };
 inline constexpr double kEdgeReach = 3.0;
+/// Vertices come in an order that leaves matrices' factors sparse.
 LayerMesh make_layer_mesh(const LayerFace& face, int divide = 1);
 
 /// On what of a layer the feet stand. Per foot i, over its parts k:
@@ -43,7 +45,8 @@ struct LayerFeet {
   std::vector<double> weight;    ///< b [mm^3]
   std::vector<double> area;      ///< A_i: sum of a_ik [mm^2]; 0: the foot stands on nothing and carries nothing
   std::vector<double> volume;    ///< d [mm^3]
-  std::vector<double> own;       ///< compliance of the foot for itself: integral of t (local + edge's own), over A [mm/MPa]
+  std::vector<double> own;      ///< compliance of the foot for itself: integral of t (local + edge's own), over A [mm/MPa]
+  std::vector<int> columns[2];  ///< of both factors: those that feet on the layer have to do with (set_reach)
   int size() const { return static_cast<int>(area.size()); }
   double thickness(int i) const {  ///< mean under the foot
     const auto k = static_cast<std::size_t>(i);
@@ -75,42 +78,48 @@ StrainExcess strain_excess(const Elasticity& layer, double q);
 /// B^T: the adjoint of B in the sense of work; own_share: LayerLaw's. One term: B = 1.
 ///
 /// Where the layer has no thickness it does not sink, and q = 0 at the vertices around in the first term.
-/// Factorised once, on construction. Serial; different operators may be used at the same time, one operator may not.
-class LayerOperator {
- public:
-  LayerOperator(std::shared_ptr<const LayerMesh> mesh, const Elasticity& elasticity, LayerFit fit);
-  ~LayerOperator();
-  LayerOperator(LayerOperator&&) noexcept;
-  LayerOperator& operator=(LayerOperator&&) noexcept;
+/// A plain value, never changed once made: safe to use side by side.
+struct LayerOperator {
+  LayerMesh mesh;
+  Elasticity elasticity;
+  LayerLaw law;
+  EdgeLaw edge;
 
-  const LayerMesh& mesh() const;
-  const LayerLaw& law() const;
-  const EdgeLaw& edge() const;
-  const Elasticity& elasticity() const;
-
-  /// w [mm] for pressures [MPa], both feet x columns. `softening`: per foot, the slope of e(q) at the state about which
-  /// (L9) is linear; null: small strain.
-  Eigen::MatrixXd sinking(const LayerFeet& feet, const Eigen::MatrixXd& pressure,
-                          const Eigen::VectorXd* softening = nullptr);
-  /// w by (L9). `softening`: set to the slopes of e(q).
-  Eigen::VectorXd large_sinking(const LayerFeet& feet, const Eigen::VectorXd& pressure, Eigen::VectorXd& softening);
-  /// Of w per pressure of the same foot, what flow has no part in [mm/MPa].
-  double own_compliance(const LayerFeet& feet, int foot, const Eigen::VectorXd* softening = nullptr) const;
-
-  /// Entries of the sparse factor, for one term: what a solution costs.
-  double factor_entries() const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
+  SymmetricPattern pattern;
+  std::array<SparseFactor, 2> factor;     ///< of S_0, S_1
+  std::array<std::vector<char>, 2> held;  ///< per term and vertex: q = 0
+  std::vector<double> onwards;            ///< what of q_1 drives r: square M_t and the edges' parts
+  /// A vertex of a free edge where q_0 = 0 and what flows out stretches the edge: rho = x . (b p), z = stretch rho x.
+  struct Outflow {
+    double stretch = 0.0;           ///< e / (beta_0 B)
+    std::vector<int> node;          ///< of x = 1 at the vertex, S_0 x = 0 elsewhere, but where x is below 1e-3
+    std::vector<double> value;
+  };
+  std::vector<Outflow> outflow;
 };
+LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit);
+
+/// w [mm] for pressures [MPa], both feet x columns. `softening`: per foot, the slope of e(q) at the state about which
+/// (L9) is linear; null: small strain.
+Eigen::MatrixXd sinking(const LayerOperator& layer, const LayerFeet& feet, const Eigen::MatrixXd& pressure,
+                        const Eigen::VectorXd* softening = nullptr);
+/// w by (L9). `softening`: set to the slopes of e(q).
+Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet, const Eigen::VectorXd& pressure,
+                              Eigen::VectorXd& softening);
+/// Of w per pressure of the same foot, what flow has no part in [mm/MPa].
+double own_compliance(const LayerOperator& layer, const LayerFeet& feet, int foot,
+                      const Eigen::VectorXd* softening = nullptr);
 
 /// Adds a foot on these parts, whose areas are scaled to sum up to `area`; none, or no area: a foot that stands on
 /// nothing.
 void add_foot(LayerFeet& feet, const LayerOperator& layer, const std::vector<SurfacePart>& parts, double area);
 /// Feet one by one behind the others.
 void append(LayerFeet& feet, const LayerFeet& more);
-/// One foot on each pressed triangle.
+/// Finds the parts of the factors that feet with an area have to do with. Of the second term's pressure, which decays
+/// like exp(-d/(0.4 t)), what lies further than 3 times the greatest thickness from all of them is left out. To be called
+/// once all feet are there.
+void set_reach(LayerFeet& feet, const LayerOperator& layer);
+/// One foot on each pressed triangle, with its reach.
 LayerFeet feet_of_own_triangles(const LayerOperator& layer);
 
 }  // namespace dea

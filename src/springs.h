@@ -124,9 +124,16 @@ struct SpringDepth {
 };
 SpringDepth spring_depth(const SpringStates& states);
 
-/// Casts every spring's ray at this pose (S1-S5, E2-E4). Parallel over springs; each is computed by itself, so the
+/// Small motions of the target relative to the source, along global axes: translation, rotation about the target's
+/// centre of mass.
+using Motions = std::array<bool, 6>;
+inline constexpr Motions kAllMotions = {true, true, true, true, true, true};
+
+/// Casts every spring's ray at this pose (S1-S5, E2-E4). `motions`: those whose `rates` are asked for (Law::Layer: they
+/// cost more than the pressures); the others' stay zero. Parallel over springs; each is computed by itself, so the
 /// result does not depend on the number of threads.
-SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target);
+SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target,
+                             const Motions& motions = kAllMotions);
 
 /// Force and moment of the contact on target and source, about their current centres of mass, and their
 /// derivative with respect to small motions (translation of the centre of mass, rotation) of both. Order of the
