@@ -13,7 +13,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// What a solver above takes for a function of the pose must be smoother than its own tolerance.
-constexpr double kTolerance = 1e-11;
+constexpr double kTolerance = 3e-10;
 /// The derivative only directs the next step.
 constexpr double kRateTolerance = 1e-4;
 

@@ -156,6 +156,32 @@ SymmetricPattern pattern_of(const SurfaceMesh& mesh) {
   return make_pattern(static_cast<int>(mesh.vertices.size()), pairs);
 }
 
+/// The vertices that lie no further than `reach` from some of `from`, along the mesh's edges.
+std::vector<int> within_way(const LayerMesh& layer, const std::vector<int>& from, double reach) {
+  std::vector<double> way(at(layer.nodes()), std::numeric_limits<double>::infinity());
+  std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> front;
+  for (const int v : from) {
+    way[at(v)] = 0;
+    front.emplace(0.0, v);
+  }
+  std::vector<int> found;
+  while (!front.empty()) {
+    const double so_far = front.top().first;
+    const int v = front.top().second;
+    front.pop();
+    if (so_far > way[at(v)]) continue;
+    found.push_back(v);
+    for (int k = layer.beside_begin[at(v)]; k < layer.beside_begin[at(v) + 1]; ++k) {
+      const int next = layer.beside[at(k)];
+      const double length = so_far + (layer.mesh.vertices[at(next)] - layer.mesh.vertices[at(v)]).norm();
+      if (length >= way[at(next)] || length > reach) continue;
+      way[at(next)] = length;
+      front.emplace(length, next);
+    }
+  }
+  return found;
+}
+
 /// Gives the vertices other numbers: `place` of each.
 void renumber(SurfaceMesh& mesh, const std::vector<int>& place) {
   const SurfaceMesh old = mesh;
@@ -325,31 +351,8 @@ void set_reach(LayerFeet& feet, const LayerOperator& layer) {
   feet.columns[0] = columns_for(layer.factor[0], under);
   feet.columns[1].clear();
   if (layer.law.terms < 2) return;
-  // shortest ways along the mesh's edges
   const double most = mesh.thickness.empty() ? 0.0 : *std::max_element(mesh.thickness.begin(), mesh.thickness.end());
-  const double reach = 3 * most;
-  std::vector<double> way(at(mesh.nodes()), std::numeric_limits<double>::infinity());
-  std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> front;
-  for (const int v : under) {
-    way[at(v)] = 0;
-    front.emplace(0.0, v);
-  }
-  std::vector<int> near;
-  while (!front.empty()) {
-    const double so_far = front.top().first;
-    const int v = front.top().second;
-    front.pop();
-    if (so_far > way[at(v)]) continue;
-    near.push_back(v);
-    for (int k = mesh.beside_begin[at(v)]; k < mesh.beside_begin[at(v) + 1]; ++k) {
-      const int next = mesh.beside[at(k)];
-      const double length = so_far + (mesh.mesh.vertices[at(next)] - mesh.mesh.vertices[at(v)]).norm();
-      if (length >= way[at(next)] || length > reach) continue;
-      way[at(next)] = length;
-      front.emplace(length, next);
-    }
-  }
-  feet.columns[1] = columns_for(layer.factor[1], near);
+  feet.columns[1] = columns_for(layer.factor[1], within_way(mesh, under, 3 * most));
 }
 
 StrainExcess strain_excess(const Elasticity& layer, double q) {
@@ -401,8 +404,8 @@ Parts assemble(const LayerMesh& layer, const SymmetricPattern& pattern) {
 
 /// What becomes of the vertices of free edges in S_0.
 struct FreeEdges {
-  std::vector<double> gained;                   // per vertex: of S_0's diagonal, where a hole's rim is not held
-  std::vector<std::pair<int, double>> outflow;  // vertex, stretch
+  std::vector<double> gained;   // per vertex: of S_0's diagonal, where a hole's rim is not held
+  std::vector<double> stretch;  // per vertex: of what flows out
 };
 
 /// At a free edge what bulges escapes: q = 0 in the first term. The second decays within 0.4 t, which few meshes
@@ -414,6 +417,7 @@ FreeEdges hold_edges(LayerOperator& op) {
   std::vector<double> share(n, 0.0);  // B_v
   FreeEdges edges;
   edges.gained.assign(n, 0.0);
+  edges.stretch.assign(n, 0.0);
   std::vector<char> free(n, 0);
   for (const LayerMesh::Edge& side : layer.edges) {
     if (side.rim != Rim::Free) continue;
@@ -440,38 +444,70 @@ FreeEdges hold_edges(LayerOperator& op) {
       continue;
     }
     op.held[0][v] = 1;
-    if (e > 0 && share[v] > 0) edges.outflow.emplace_back(static_cast<int>(v), e / (op.law.beta[0] * share[v]));
+    if (e > 0 && share[v] > 0) edges.stretch[v] = e / (op.law.beta[0] * share[v]);
   }
   return edges;
 }
 
-/// The fields x of LayerOperator::Outflow. `unheld`: S_0 as if nothing were held.
-void find_outflow(LayerOperator& op, const FreeEdges& edges, const std::vector<double>& unheld) {
+/// The vertices of free edges, along the edges.
+std::vector<int> along_edges(const LayerMesh& layer) {
+  std::vector<int> next(at(layer.nodes()), -1), order;
+  std::vector<char> arrived(at(layer.nodes()), 0), seen(at(layer.nodes()), 0);
+  for (const LayerMesh::Edge& side : layer.edges)
+    if (side.rim == Rim::Free) {
+      next[at(side.a)] = side.b;
+      arrived[at(side.b)] = 1;
+    }
+  const auto walk = [&](int v) {
+    for (; v >= 0 && !seen[at(v)]; v = next[at(v)]) {
+      seen[at(v)] = 1;
+      order.push_back(v);
+    }
+  };
+  for (const bool open : {true, false})  // chains from their beginning, then closed ones
+    for (const LayerMesh::Edge& side : layer.edges)
+      if (side.rim == Rim::Free && (!open || !arrived[at(side.a)])) walk(side.a);
+  return order;
+}
+
+/// The fields x of LayerOperator::Outflow: a few neighbours on the edge at a time, each as far as it is felt.
+/// `unheld`: S_0 as if nothing were held; `stretch`: per vertex, 0: none.
+void find_outflow(LayerOperator& op, const std::vector<double>& stretch, const std::vector<double>& unheld) {
   constexpr std::size_t kTogether = 8;
-  constexpr double kLeast = 1e-3;
-  std::vector<int> all(at(op.mesh.nodes()));
-  for (std::size_t v = 0; v < all.size(); ++v) all[v] = static_cast<int>(v);
-  for (std::size_t first = 0; first < edges.outflow.size(); first += kTogether) {
-    const std::size_t count = std::min(kTogether, edges.outflow.size() - first);
-    Nodal unit = Nodal::Zero(op.mesh.nodes(), kTogether);
-    for (std::size_t k = 0; k < count; ++k)
-      unit(edges.outflow[first + k].first, static_cast<Eigen::Index>(k)) = 1;
-    Nodal x = -times(op.pattern, unheld, all, unit);
-    for (std::size_t v = 0; v < all.size(); ++v)
-      if (op.held[0][v]) x.row(static_cast<Eigen::Index>(v)).setZero();
-    solve(op.factor[0], all, x);
-    x += unit;
-    for (std::size_t k = 0; k < count; ++k) {
+  constexpr double kLeast = 1e-3, kFar = 6.0;  // times the thickness: further off x is below kLeast
+  std::vector<int> rim;
+  for (const int v : along_edges(op.mesh))
+    if (stretch[at(v)] > 0) rim.push_back(v);
+  const double most =
+      op.mesh.thickness.empty() ? 0.0 : *std::max_element(op.mesh.thickness.begin(), op.mesh.thickness.end());
+  Nodal x = Nodal::Zero(op.mesh.nodes(), kTogether), unit = x;
+  for (std::size_t first = 0; first < rim.size(); first += kTogether) {
+    const std::vector<int> here(rim.begin() + static_cast<std::ptrdiff_t>(first),
+                                rim.begin() + static_cast<std::ptrdiff_t>(std::min(rim.size(), first + kTogether)));
+    const std::vector<int> around = within_way(op.mesh, here, kFar * most),
+                           columns = columns_for(op.factor[0], around);
+    for (std::size_t k = 0; k < here.size(); ++k) unit(here[k], static_cast<Eigen::Index>(k)) = 1;
+    add_times(op.pattern, unheld, columns, unit, x);
+    for (const int v : columns)
+      if (op.held[0][at(v)])
+        x.row(v).setZero();
+      else
+        x.row(v) = -x.row(v);
+    solve(op.factor[0], columns, x);
+    for (std::size_t k = 0; k < here.size(); ++k) {
+      x(here[k], static_cast<Eigen::Index>(k)) += 1;
       LayerOperator::Outflow out;
-      out.stretch = edges.outflow[first + k].second;
-      for (int v = 0; v < op.mesh.nodes(); ++v) {
+      out.stretch = stretch[at(here[k])];
+      for (const int v : around) {
         const double value = x(v, static_cast<Eigen::Index>(k));
         if (std::abs(value) < kLeast) continue;
         out.node.push_back(v);
         out.value.push_back(value);
       }
       op.outflow.push_back(std::move(out));
+      unit(here[k], static_cast<Eigen::Index>(k)) = 0;
     }
+    for (const int v : columns) x.row(v).setZero();
   }
 }
 
@@ -506,7 +542,7 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
       }
     op.factor[k] = factorise(pattern, values);
   }
-  find_outflow(op, edges, unheld);
+  find_outflow(op, edges.stretch, unheld);
   if (op.law.terms < 2) return op;
   // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
   // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
@@ -522,16 +558,29 @@ namespace {
 /// b p
 Nodal loads(const LayerOperator& op, const LayerFeet& feet, const Eigen::MatrixXd& p) {
   Nodal load = Nodal::Zero(op.mesh.nodes(), p.cols());
+  if (p.cols() == 1) {  // most calls
+    double* f = load.data();
+    for (int i = 0; i < feet.size(); ++i) {
+      const double pressure = p(i, 0);
+      if (pressure == 0) continue;
+      for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k)
+        f[feet.node[at(k)]] += feet.weight[at(k)] * pressure;
+    }
+    return load;
+  }
   for (int i = 0; i < feet.size(); ++i)
     for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k)
-      for (Eigen::Index c = 0; c < p.cols(); ++c) load(feet.node[at(k)], c) += feet.weight[at(k)] * p(i, c);
+      load.row(feet.node[at(k)]) += feet.weight[at(k)] * p.row(i);
   return load;
 }
 
 /// b_i . q of one foot
 double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
   double sum = 0;
-  for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k) sum += feet.weight[at(k)] * q(feet.node[at(k)], c);
+  const double* value = q.data() + c;
+  const std::ptrdiff_t columns = q.cols();
+  for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k)
+    sum += feet.weight[at(k)] * value[columns * feet.node[at(k)]];
   return sum;
 }
 
@@ -572,7 +621,8 @@ Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen
   if (op.law.terms == 2) {
     const Nodal q = term_pressure(op, feet, 1, load);
     all += op.law.weight[1] * q;
-    Nodal right_side = times(op.pattern, op.onwards, feet.columns[1], q);  // the fraction's square: S^-1 M_t S^-1
+    Nodal right_side = Nodal::Zero(q.rows(), q.cols());  // the fraction's square: S^-1 M_t S^-1
+    add_times(op.pattern, op.onwards, feet.columns[1], q, right_side);
     if (large) {
       find_strain(&q);
       right_side -= (1 - own) * loads(op, feet, strain);

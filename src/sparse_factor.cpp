@@ -87,10 +87,24 @@ std::vector<int> sparse_order(const SymmetricPattern& pattern) {
   return place;
 }
 
-Nodal times(const SymmetricPattern& pattern, const std::vector<double>& values, const std::vector<int>& unknowns,
-            const Nodal& x) {
-  Nodal product = Nodal::Zero(x.rows(), x.cols());
+void add_times(const SymmetricPattern& pattern, const std::vector<double>& values, const std::vector<int>& unknowns,
+               const Nodal& x, Nodal& product) {
   const Eigen::Index columns = x.cols();
+  if (columns == 1) {
+    const double* from = x.data();
+    double* to = product.data();
+    for (const int j : unknowns) {
+      const int first = pattern.begin[at(j)], end = pattern.begin[at(j) + 1];
+      double sum = values[at(first)] * from[j];
+      for (int s = first + 1; s < end; ++s) {
+        const int i = pattern.row[at(s)];
+        to[i] += values[at(s)] * from[j];
+        sum += values[at(s)] * from[i];
+      }
+      to[j] += sum;
+    }
+    return;
+  }
   for (const int j : unknowns)
     for (int s = pattern.begin[at(j)]; s < pattern.begin[at(j) + 1]; ++s) {
       const int i = pattern.row[at(s)];
@@ -100,7 +114,6 @@ Nodal times(const SymmetricPattern& pattern, const std::vector<double>& values, 
         if (i != j) product(j, c) += a * x(i, c);
       }
     }
-  return product;
 }
 
 SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double>& values) {

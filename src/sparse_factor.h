@@ -22,10 +22,10 @@ SymmetricPattern make_pattern(int size, const std::vector<std::array<int, 2>>& p
 /// An order of the unknowns that leaves the factor sparse: place[i] of unknown i.
 std::vector<int> sparse_order(const SymmetricPattern& pattern);
 
-/// A x, with the values of A in the order of the pattern's entries. Only rows `unknowns` of x are read; x is zero
-/// elsewhere.
-Nodal times(const SymmetricPattern& pattern, const std::vector<double>& values, const std::vector<int>& unknowns,
-            const Nodal& x);
+/// Adds A x to `product`, with the values of A in the order of the pattern's entries, for an x that is zero but at
+/// `unknowns` and where only these of the product matter.
+void add_times(const SymmetricPattern& pattern, const std::vector<double>& values, const std::vector<int>& unknowns,
+               const Nodal& x, Nodal& product);
 
 /// A = L L^T in the order of the unknowns as they are. A plain value: safe to use side by side.
 struct SparseFactor {
