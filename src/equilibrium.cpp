@@ -881,7 +881,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       if (cut) step *= most / motion;
       const double whole = std::min(motion, most);
       for (double length = whole; length > std::min(whole, cap) / 33.0; length *= 0.5, step *= 0.5) {
-        if (problem.casts >= options.max_casts) return false;
+        if (problem.casts >= options.max_casts || problem.casts - patient.paid >= 2.0 * patient.most) return false;
         auto poses = moved(problem, e, step);
         if (!poses) continue;
         Evaluation trial = evaluate(problem, std::move(*poses));
