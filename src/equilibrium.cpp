@@ -1091,6 +1091,10 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
         "thin or "
         "too soft for it",
         100.0 * (direct.history.empty() ? 1.0 : direct.history.back()), beyond, kStrainLimit);
+  } else if (const auto soft = soft_motion(problem, direct.at, scaled_residual(problem, direct.at))) {
+    direct.outcome = Outcome::NoEquilibrium;
+    direct.message =
+        says_nothing_resists(problem, poses, direct.at, *soft, direct.history.empty() ? 1.0 : direct.history.back());
   }
   return direct;
 }
