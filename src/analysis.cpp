@@ -102,7 +102,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     if (solved(outcome))
       search.patience = options.equilibrium.patience;
     else if (outcome == Outcome::NoEquilibrium || outcome == Outcome::NotConverged)
-      search.patience = std::max(std::min(kLeastPatience, search.patience), search.patience / 2);
+      search.patience = std::max(std::min(kLeastPatience, search.patience), search.patience / 3);
     refuse_zero_thickness(model, joint, beds, state.equilibrium);
     const bool wanted = options.wanted.empty() || options.wanted[i];
     if (wanted) {

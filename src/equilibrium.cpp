@@ -704,7 +704,7 @@ struct Patience {
     paid = tried;
   }
   void earn(double residual) {
-    constexpr double kPerHalving = 200.0;  // a ball rolling down a groove needs as many: by 8% in 24 poses
+    constexpr double kPerHalving = 200.0;  // a ball rolling down a groove needs as many: by 7% in 20 poses
     if (!(residual < best)) return;
     if (best < kInfinity && residual > 0.0) left = std::min(most, left + kPerHalving * std::log2(best / residual));
     if (residual < 0.98 * best) far = near = 0;
@@ -808,9 +808,9 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     patient.pay(problem.casts, beyond);
     patient.earn(solution.history.back());
     const bool loose = 3 * patient.far > patient.near;
-    constexpr int kFar = 8;  // poses: so many steps from the joint's size may still lead back
+    constexpr int kFar = 8;  // poses; a turn of 30 degrees, or a slide of half the articular surface's radius
     const bool wandered =
-        loose && patient.far > kFar && travel(problem, started, e.poses).reached > problem.beds.length;
+        loose && patient.far > kFar && travel(problem, started, e.poses).reached > 0.5 * problem.beds.length;
     if ((wandered || patient.out()) && !within_one_spring(e, size)) {
       const std::optional<VectorXd> soft = soft_motion(problem, e, r);
       if (loose || soft) {
@@ -824,6 +824,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       }
       break;
     }
+    if (loose && patient.left < -0.5 * patient.most && to_one_spring(e, size, solution)) break;
     if (solution.iterations >= options.max_iterations || problem.casts >= options.max_casts) {
       if (to_one_spring(e, size, solution)) break;
       solution.message = fmt::format("unbalanced force is {:.2e} of the load after {} iterations and {} poses tried",
@@ -894,7 +895,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
       if (cut) step *= most / motion;
       const double whole = std::min(motion, most);
       for (double length = whole; length > std::min(whole, cap) / 33.0; length *= 0.5, step *= 0.5) {
-        if (problem.casts >= options.max_casts) return false;
+        if (problem.casts >= options.max_casts || problem.casts - patient.paid >= 2.0 * patient.most) return false;
         auto poses = moved(problem, e, step);
         if (!poses) continue;
         Evaluation trial = evaluate(problem, std::move(*poses));
@@ -1104,6 +1105,10 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
         "thin or "
         "too soft for it",
         100.0 * (direct.history.empty() ? 1.0 : direct.history.back()), beyond, kStrainLimit);
+  } else if (const auto soft = soft_motion(problem, direct.at, scaled_residual(problem, direct.at))) {
+    direct.outcome = Outcome::NoEquilibrium;
+    direct.message =
+        says_nothing_resists(problem, poses, direct.at, *soft, direct.history.empty() ? 1.0 : direct.history.back());
   }
   return direct;
 }

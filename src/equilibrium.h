@@ -36,7 +36,7 @@ struct EquilibriumOptions {
   double tolerance = 1e-9;  ///< unbalanced / applied force; far below the error of any mesh, and Newton gets there
   int max_iterations = 60;  ///< a stop for loads that no contact can carry
   int max_casts = 160;      ///< poses tried for one load case; solved ones need some ten, seldom a hundred
-  int patience = 24;        ///< poses tried in which the residual falls by less than 8%: then the search is given up
+  int patience = 20;        ///< poses tried in which the residual falls by less than 7%: then the search is given up
   std::function<void(const SearchStatus&)> watch;  ///< may be empty; changes nothing
 };
 
