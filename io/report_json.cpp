@@ -147,6 +147,7 @@ Json settings_json(const Settings& s) {
   j["interface_stiffness"] = s.interface_stiffness ? json_number(*s.interface_stiffness) : Json(nullptr);
   j["refine"] = s.refine ? Json(*s.refine) : Json(nullptr);
   j["rigid"] = s.rigid;
+  j["keep_facets"] = s.keep_facets;
   j["attach"] = Json::object();
   for (const auto& entry : s.attach) j["attach"][entry.first] = entry.second;
   j["bone"] = Json::object();

@@ -172,6 +172,7 @@ const std::vector<SettingOption>& setting_options() {
       {"rigid", nullptr, false, true, "MATERIAL"},
       {"attach", "surface", false, false, "BODY"},
       {"bone", "surface", false, false, "SURFACE"},
+      {"keep-facets", nullptr, false, true, "SURFACE"},
       {"thickness", "surface", true, false, "NUMBER"},
       {"E", "surface", true, false, "NUMBER"},
       {"nu", "surface", true, false, "NUMBER"},
@@ -286,6 +287,9 @@ void set_value(Settings& s, const SettingValue& v) {
     s.attach[v.key] = text;
   } else if (name == "bone") {
     s.bone[v.key] = text;
+  } else if (name == "keep-facets") {
+    if (std::find(s.keep_facets.begin(), s.keep_facets.end(), text) == s.keep_facets.end())
+      s.keep_facets.push_back(text);
   } else if (name == "thickness") {
     const double t = parse_number(text);
     if (t < 0) throw bad(text, "a number >= 0");

@@ -90,6 +90,22 @@ int facet_corners(int facet_nodes) {
   }
 }
 
+FaceKey face_key(const int* nodes, int corners) {
+  FaceKey key = {-1, -1, -1, -1};
+  for (int k = 0; k < corners; ++k) key[static_cast<std::size_t>(k)] = nodes[k];
+  std::sort(key.begin(), key.end());
+  for (std::size_t k = 1; k < 4; ++k)
+    if (key[k] == key[k - 1]) key[k - 1] = -1;
+  std::sort(key.begin(), key.end());
+  return key;
+}
+
+std::size_t FaceKeyHash::operator()(const FaceKey& k) const {
+  std::size_t h = 1469598103934665603ull;
+  for (int v : k) h = (h ^ static_cast<std::size_t>(v)) * 1099511628211ull;
+  return h ^ (h >> 29);
+}
+
 namespace {
 
 void split_quad(std::array<int, 4> q, const std::vector<Vector3d>& x, std::vector<std::array<int, 3>>& out) {

@@ -1,6 +1,7 @@
 // src/element_faces.h – the faces of each element shape and how a facet is cut into triangles.
 #pragma once
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "joint_model.h"
@@ -14,6 +15,14 @@ const std::vector<std::vector<int>>& element_faces(ElementShape shape);
 
 /// Number of corners of a facet with this many nodes (3, 6, 7, 10: triangle; 4, 8, 9: quad); 0: no such facet.
 int facet_corners(int facet_nodes);
+
+/// What two elements that share a face agree on: its distinct corner nodes, sorted, -1 padded. A collapsed quad is the
+/// triangle of its distinct corners.
+using FaceKey = std::array<int, 4>;
+FaceKey face_key(const int* nodes, int corners);
+struct FaceKeyHash {
+  std::size_t operator()(const FaceKey& key) const;
+};
 
 /// The facet cut into triangles of its own nodes, orientation kept. Quadratic facets are split through their
 /// mid-side nodes so that they keep their curvature; a quad (also the inner quad of an 8-node facet and the four

@@ -35,28 +35,7 @@ struct ElementFace {
   int domain, element, face;
 };
 
-using CornerKey = std::array<int, 4>;  // sorted distinct corner nodes, -1 padded
-
-CornerKey corner_key(const int* nodes, int corners) {
-  CornerKey key = {-1, -1, -1, -1};
-  for (int k = 0; k < corners; ++k) key[at(k)] = nodes[k];
-  std::sort(key.begin(), key.end());
-  // a collapsed quad is the triangle of its distinct corners
-  for (std::size_t k = 1; k < 4; ++k)
-    if (key[k] == key[k - 1]) key[k - 1] = -1;
-  std::sort(key.begin(), key.end());
-  return key;
-}
-
-struct KeyHash {
-  std::size_t operator()(const CornerKey& k) const {
-    std::size_t h = 1469598103934665603ull;
-    for (int v : k) h = (h ^ static_cast<std::size_t>(v)) * 1099511628211ull;
-    return h ^ (h >> 29);
-  }
-};
-
-using FaceMap = std::unordered_map<CornerKey, std::vector<ElementFace>, KeyHash>;
+using FaceMap = std::unordered_map<FaceKey, std::vector<ElementFace>, FaceKeyHash>;
 
 /// Everything that recognition looks up again and again.
 struct Recognition {
@@ -149,14 +128,14 @@ void find_faces(Recognition& r) {
           face_nodes[k] = nodes[faces[at(f)][at(k)]];
           all = on_surface[at(face_nodes[k])];
         }
-        if (all) r.faces[corner_key(face_nodes, corners)].push_back({d, e, f});
+        if (all) r.faces[face_key(face_nodes, corners)].push_back({d, e, f});
       }
     }
   }
 }
 
 const std::vector<ElementFace>* find_face(const Recognition& r, const int* nodes, int count) {
-  const auto found = r.faces.find(corner_key(nodes, facet_corners(count)));
+  const auto found = r.faces.find(face_key(nodes, facet_corners(count)));
   return found == r.faces.end() ? nullptr : &found->second;
 }
 
@@ -313,8 +292,7 @@ void find_holders(Recognition& r) {
 
 /// Facets of a surface with their carrying elements, oriented out of them.
 struct CarriedSurface {
-  std::vector<int> begin = {0};
-  std::vector<int> nodes;
+  FacetList facets;
   std::vector<ElementFace> carriers;  // one per facet
   bool on_shells = false;
 };
@@ -374,8 +352,7 @@ CarriedSurface carry(const Recognition& r, int surface) {
         if (count >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
       }
     }
-    out.nodes.insert(out.nodes.end(), facet.begin(), facet.end());
-    out.begin.push_back(static_cast<int>(out.nodes.size()));
+    out.facets.add(facet);
   }
   return out;
 }
@@ -416,66 +393,67 @@ int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const
   return -1;
 }
 
-/// Faces of the region's elements all of whose nodes are held by `body`, on the region's boundary, oriented into
-/// the layer; the articular facets left out.
-SurfaceMesh bone_surface(const Recognition& r, int root, int body, const CarriedSurface& articular) {
-  const JointModel& model = r.model;
-  std::vector<char> is_held(model.nodes.size(), 0);
-  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-    if (r.region[i] != root) continue;
+/// Per node: held by the body?
+std::vector<char> held_by(const Recognition& r, int body) {
+  std::vector<char> is_held(r.model.nodes.size(), 0);
+  for (std::size_t i = 0; i < is_held.size(); ++i) {
     const auto& holders = r.node_holders[i];
     is_held[i] = std::find(holders.begin(), holders.end(), body) != holders.end();
   }
-  std::set<CornerKey> own;
-  for (std::size_t f = 0; f + 1 < articular.begin.size(); ++f) {
-    const int first = articular.begin[f], count = articular.begin[f + 1] - first;
-    own.insert(corner_key(articular.nodes.data() + first, facet_corners(count)));
-  }
-  struct Found {
-    int count = 0;
-    std::vector<int> nodes;
-    std::size_t order = 0;
-  };
-  std::unordered_map<CornerKey, Found, KeyHash> faces;
-  std::size_t order = 0;
-  std::vector<int> face_nodes;
-  for (const Domain& d : model.domains) {
+  return is_held;
+}
+
+std::vector<LayerElement> region_elements(const Recognition& r, int root) {
+  std::vector<LayerElement> elements;
+  for (int i = 0; i < static_cast<int>(r.model.domains.size()); ++i) {
+    const Domain& d = r.model.domains[at(i)];
     if (!deformable(r, d)) continue;
-    const int n = nodes_per_element(d.shape);
-    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
-      const int* nodes = d.nodes.data() + e * at(n);
-      if (r.region[at(nodes[0])] != root) continue;
-      for (const auto& face : element_faces(d.shape)) {
-        face_nodes.clear();
-        bool all = true;
-        for (int k : face) {
-          all = all && is_held[at(nodes[k])];
-          face_nodes.push_back(nodes[k]);
-        }
-        if (!all) continue;
-        const int corners = facet_corners(static_cast<int>(face.size()));
-        const CornerKey key = corner_key(face_nodes.data(), corners);
-        if (own.count(key)) continue;
-        Found& found = faces[key];
-        if (found.count++ > 0) continue;
-        found.order = order++;
-        std::reverse(face_nodes.begin() + 1, face_nodes.begin() + corners);  // from out of the element to into it
-        if (static_cast<int>(face_nodes.size()) >= 2 * corners)
-          std::reverse(face_nodes.begin() + corners, face_nodes.begin() + 2 * corners);
-        found.nodes = face_nodes;
-      }
-    }
+    for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e)
+      if (r.region[at(d.nodes[at(e * nodes_per_element(d.shape))])] == root) elements.push_back({i, e});
   }
-  std::vector<const Found*> boundary;
-  for (const auto& entry : faces)
-    if (entry.second.count == 1) boundary.push_back(&entry.second);
-  std::sort(boundary.begin(), boundary.end(), [](const Found* a, const Found* b) { return a->order < b->order; });
-  std::vector<int> begin = {0}, list;
-  for (const Found* f : boundary) {
-    list.insert(list.end(), f->nodes.begin(), f->nodes.end());
-    begin.push_back(static_cast<int>(list.size()));
+  return elements;
+}
+
+FacetList kept_facets(const FacetList& facets, const std::vector<FaceKind>& kinds) {
+  FacetList kept;
+  for (int f = 0; f < facets.size(); ++f) {
+    if (kinds.empty() || kinds[at(f)] == FaceKind::Open)
+      kept.add({facets.nodes.begin() + facets.begin[at(f)], facets.nodes.begin() + facets.begin[at(f) + 1]});
+    else
+      kept.add({});
   }
-  return make_surface_mesh(begin, list, model.nodes);
+  return kept;
+}
+
+/// Why a selection is no articular surface: most of it would be left out. Empty: it is one.
+std::string mostly_left_out(const JointModel& model, const FacetList& facets, const std::vector<FaceKind>& kinds,
+                            const std::string& surface) {
+  const SurfaceMesh all = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
+  std::array<double, 3> area = {0, 0, 0};
+  std::array<long, 3> count = {0, 0, 0};
+  for (int t = 0; t < all.size(); ++t) area[static_cast<std::size_t>(kinds[at(all.facet[at(t)])])] += all.areas[at(t)];
+  for (FaceKind kind : kinds) ++count[static_cast<std::size_t>(kind)];
+  const auto open = static_cast<std::size_t>(FaceKind::Open), bonded = static_cast<std::size_t>(FaceKind::Bonded),
+             wall = static_cast<std::size_t>(FaceKind::SideWall);
+  // a selection closed all round has as much bone side as articular side
+  if (count[open] > 0 && area[wall] <= area[open]) return "";
+  return fmt::format(
+      "{} of its {} facets turn away from the articular face (side wall) and {} are bonded to bone, which leaves {}: "
+      "select the articular face alone, or take all facets as they are with --keep-facets \"{}\"",
+      count[wall], facets.size(), count[bonded], count[open] > 0 ? fmt::format("{} facets", count[open]) : "none",
+      surface);
+}
+
+/// What was left out of a surface, as a sentence; empty: nothing.
+std::string left_out_note(const std::string& surface, const std::vector<FaceKind>& kinds) {
+  const auto turned = std::count(kinds.begin(), kinds.end(), FaceKind::SideWall),
+             bonded = std::count(kinds.begin(), kinds.end(), FaceKind::Bonded);
+  if (turned + bonded == 0) return "";
+  const std::string away = fmt::format("{} away from its articular face (side wall)", turned == 1 ? "turns" : "turn"),
+                    held = fmt::format("{} bonded to bone", bonded == 1 ? "is" : "are");
+  return fmt::format("surface \"{}\": {} of {} facets {}{}: left out (--keep-facets keeps them)", surface,
+                     turned > 0 ? turned : bonded, kinds.size(), turned > 0 ? away : held,
+                     turned > 0 && bonded > 0 ? fmt::format(" and {} {}", bonded, held) : "");
 }
 
 /// The material under most of the facets.
@@ -569,6 +547,39 @@ std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>
   return thickness;
 }
 
+/// How far the face is followed beyond the selection, in thicknesses: what is squeezed out decays within
+/// sqrt(2) of them (layer_kernel.h), by then to 3 %.
+constexpr double kFaceReach = 5.0;
+
+/// The face of a layer with elements. At the rim of the selection thickness, normals and bulges become those of the
+/// whole face.
+void find_layer_face(const Recognition& r, const Contact& contact, const CarriedSurface& carried,
+                     const LayerBoundary& boundary, Layer& layer) {
+  const JointModel& model = r.model;
+  layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular,
+                         kFaceReach * layer.max_thickness(), r.mirror);
+  const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
+  SurfaceMesh& mesh = layer.face.mesh;
+  if (mesh.triangles.size() == triangles) {
+    layer.face.thickness = layer.thickness;
+    return;
+  }
+  if (facets_of(r, contact) == Facets::Flat) mesh.bulge.assign(mesh.bulge.size(), {0, 0, 0});
+  std::copy_n(mesh.vertex_normals.begin(), vertices, layer.articular.vertex_normals.begin());
+  std::copy_n(mesh.bulge.begin(), triangles, layer.articular.bulge.begin());
+  if (!layer.thickness_given) {
+    MeasuredThickness measured = measure_thickness(mesh, layer.bone);
+    std::copy_n(measured.thickness.begin(), vertices, layer.thickness.begin());
+    std::copy_n(measured.missed.begin(), vertices, layer.missed.begin());
+    layer.face.thickness = std::move(measured.thickness);
+    return;
+  }
+  layer.face.thickness = layer.thickness;
+  const RayCaster caster(layer.articular);  // a map says nothing of what is beyond it
+  for (std::size_t v = vertices; v < mesh.vertices.size(); ++v)
+    layer.face.thickness.push_back(interpolate(layer.articular, layer.thickness, caster.closest(mesh.vertices[v])));
+}
+
 Layer make_layer(const Recognition& r, const Contact& contact, int side) {
   const int surface = side == 0 ? contact.primary : contact.secondary;
   const JointModel& model = r.model;
@@ -578,10 +589,10 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     return InputError(model, s.origin, fmt::format("contact \"{}\", surface \"{}\": {}", contact.name, s.name, text));
   };
   const CarriedSurface carried = carry(r, surface);
-  std::map<CornerKey, int> facet_at;
+  std::map<FaceKey, int> facet_at;
   for (int f = 0; f < s.size(); ++f) {
     const auto first = facet_at.try_emplace(
-        corner_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
+        face_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
     if (!first.second)
       throw refuse(fmt::format("facets {} and {} are the same; its springs would count twice: list each facet once",
                                first.first->second + 1, f + 1));
@@ -619,12 +630,13 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     throw refuse(fmt::format("lies on {} separate deformable parts; split it into one surface per part", roots.size()));
 
   std::vector<int> zero;
-  layer.articular = make_surface_mesh(carried.begin, carried.nodes, model.nodes, &zero);
+  layer.articular = make_surface_mesh(carried.facets.begin, carried.facets.nodes, model.nodes, &zero);
   if (!zero.empty()) {
     const int f = zero.front();
     throw refuse(fmt::format("facet {} has no area ({} such facets); repair the mesh", f + 1, zero.size()));
   }
 
+  LayerBoundary boundary;  // of a layer with elements
   const std::string attach = surface_override(settings.attach, s.name);
   if (!attach.empty()) {
     layer.body = attach == "ground" ? r.bodies.ground() : body_by_name(model, r.bodies.bodies, attach);
@@ -761,19 +773,27 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     }
 
     const std::string bone = surface_override(settings.bone, s.name);
+    boundary.node_held = held_by(r, layer.body);
+    if (!bone.empty() && surface_index(model, bone) >= 0)
+      for (int node : model.surfaces[at(surface_index(model, bone))].nodes) boundary.node_held[at(node)] = 1;
+    boundary = find_layer_boundary(model, region_elements(r, root), std::move(boundary.node_held));
+    open_feather_facets(model, carried.facets, boundary);
     if (!bone.empty()) {
       const int b = surface_index(model, bone);
       if (b < 0)
         throw UsageError(fmt::format("--bone {}={}: the model has no surface \"{}\"; it has {}", s.name, bone, bone,
                                      name_list(surface_names(model), bone)));
       const CarriedSurface facets = carry(r, b);
-      layer.bone = make_surface_mesh(facets.begin, facets.nodes, model.nodes);
+      layer.bone = make_surface_mesh(facets.facets.begin, facets.facets.nodes, model.nodes);
       // out of the bone means: towards the articular surface
-      const RayCaster caster(layer.articular);
+      const FacetList above = kept_facets(carried.facets, kinds_of(boundary, carried.facets));
+      SurfaceMesh articular = make_surface_mesh(above.begin, above.nodes, model.nodes);
+      if (articular.size() == 0) articular = layer.articular;
+      const RayCaster caster(articular);
       double towards = 0.0;
       for (int t = 0; t < layer.bone.size(); ++t)
         towards += layer.bone.areas[at(t)] *
-                   layer.bone.normals[at(t)].dot(position(layer.articular, caster.closest(layer.bone.centroid(t))) -
+                   layer.bone.normals[at(t)].dot(position(articular, caster.closest(layer.bone.centroid(t))) -
                                                  layer.bone.centroid(t));
       if (towards < 0) {
         std::vector<int> begin = {0}, list;
@@ -785,7 +805,21 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
         layer.bone = make_surface_mesh(begin, list, model.nodes);
       }
     } else {
-      layer.bone = bone_surface(r, root, layer.body, carried);
+      layer.bone = bonded_surface(model, boundary);
+    }
+    if (layer.bone.size() > 0)
+      find_side_walls(model, layer.bone, boundary);
+    else
+      find_side_walls(model, carried.facets, boundary);
+    layer.facet_kinds = kinds_of(boundary, carried.facets);
+    if (std::count(settings.keep_facets.begin(), settings.keep_facets.end(), s.name) > 0 ||
+        std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open) == s.size())
+      layer.facet_kinds.clear();
+    if (!layer.facet_kinds.empty()) {
+      const std::string why = mostly_left_out(model, carried.facets, layer.facet_kinds, s.name);
+      if (!why.empty()) throw refuse(why);
+      const FacetList kept = kept_facets(carried.facets, layer.facet_kinds);
+      layer.articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes);
     }
     if (layer.bone.size() == 0) {
       if (!given_thickness && !given.map)
@@ -833,7 +867,11 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     layer.missed.assign(n, 0);
     layer.thickness_given = true;
   } else {
-    measure_thickness(layer);
+    MeasuredThickness measured = layer.springs_at == SpringsAt::Bone
+                                     ? measure_thickness_from_bone(layer.bone, layer.articular)
+                                     : measure_thickness(layer.articular, layer.bone);
+    layer.thickness = std::move(measured.thickness);
+    layer.missed = std::move(measured.missed);
     if (2 * layer.missed_count() > static_cast<int>(layer.missed.size()))
       throw refuse_thickness(
           fmt::format("its normals meet no bone surface of body \"{}\" ({} of {} miss): this is no layer of cartilage "
@@ -848,27 +886,9 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
                       "surface with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
                       s.name, s.name));
   }
+  if (!layer.rigid && !roots.empty() && layer.springs_at == SpringsAt::Articular)
+    find_layer_face(r, contact, carried, boundary, layer);
   return layer;
-}
-
-/// The face of a layer and what is beyond its edges: an edge in a plane of symmetry has its mirror image beyond.
-LayerFace find_layer_face(const Layer& layer) {
-  LayerFace face;
-  face.mesh = layer.articular;
-  face.pressed = layer.articular.size();
-  face.thickness = layer.thickness;
-  for (int t = 0; t < face.mesh.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      if (face.mesh.neighbours[at(t)][at(k)] >= 0) continue;
-      const int a = face.mesh.triangles[at(t)][at(k)], b = face.mesh.triangles[at(t)][at((k + 1) % 3)];
-      const Vector3d outward =
-          (face.mesh.vertices[at(b)] - face.mesh.vertices[at(a)]).cross(face.mesh.normals[at(t)]).normalized();
-      const int held = layer.mirror[at(a)] & layer.mirror[at(b)];
-      bool wall = false;  // the surface must run into the plane, not along it
-      for (int i = 0; i < 3; ++i) wall = wall || ((held >> i & 1) != 0 && std::abs(outward[i]) > 0.7);
-      face.edges.push_back({t, k, wall ? Rim::Wall : Rim::Free});
-    }
-  return face;
 }
 
 /// Does a shell surface look away from its partner? Compared at the closest points, area-weighted.
@@ -902,6 +922,7 @@ void check_names(const JointModel& model, const Settings& settings, const Joint&
   };
   for (const auto& e : settings.attach) check_surface("attach", e.first);
   for (const auto& e : settings.bone) check_surface("bone", e.first);
+  for (const std::string& name : settings.keep_facets) check_surface("keep-facets", name);
   for (const auto& e : settings.thickness) check_surface("thickness", e.first);
   for (const auto& e : settings.E) check_surface("E", e.first);
   for (const auto& e : settings.nu) check_surface("nu", e.first);
@@ -1217,8 +1238,13 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
                       model.surfaces[at(layer.surface)].name));
     }
     for (Layer& layer : pair.layers)
-      if (!layer.rigid && layer.springs_at == SpringsAt::Articular) layer.face = find_layer_face(layer);
+      if (!layer.rigid && layer.springs_at == SpringsAt::Articular && layer.face.mesh.size() == 0) {
+        layer.face = selected_face(layer.articular, r.mirror);
+        layer.face.thickness = layer.thickness;
+      }
     for (const Layer& layer : pair.layers) {
+      const std::string left_out = left_out_note(model.surfaces[at(layer.surface)].name, layer.facet_kinds);
+      if (!left_out.empty()) joint.findings.push_back(left_out);
       const std::string shells = coating(r, layer);
       if (!shells.empty())
         joint.findings.push_back(fmt::format(

@@ -34,7 +34,7 @@ struct Layer {
   int material = -1;        ///< index into JointModel::materials; -1 for a bare rigid surface
   Elasticity elasticity;    ///< of the cartilage
   bool rigid = false;       ///< a bare rigid surface: thickness 0
-  SurfaceMesh articular;    ///< normals out of the layer, towards the other side
+  SurfaceMesh articular;    ///< normals out of the layer, towards the other side; facets left out have no triangles
   SurfaceMesh bone;         ///< normals out of the bone, into the layer; equals `articular` when rigid
   SpringsAt springs_at = SpringsAt::Articular;
   std::vector<double> thickness;  ///< per vertex of spring_surface(); 0 when rigid
@@ -43,7 +43,8 @@ struct Layer {
   std::vector<unsigned char>
       mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
   std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
-  LayerFace face;                 ///< of a layer whose springs stand on the articular surface; else empty
+  std::vector<FaceKind> facet_kinds;  ///< per facet: all but Open are left out; empty: all are kept
+  LayerFace face;                     ///< of a layer whose springs stand on the articular surface; else empty
 
   /// The surface thickness and springs live on.
   const SurfaceMesh& spring_surface() const { return springs_at == SpringsAt::Bone ? bone : articular; }

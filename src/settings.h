@@ -50,6 +50,7 @@ struct Settings {
   std::vector<std::string> rigid;  ///< deformable materials to take as rigid
   std::map<std::string, std::string> attach;        ///< surface -> body it belongs to ("ground" for the ground)
   std::map<std::string, std::string> bone;          ///< articular surface -> surface that is its bone surface
+  std::vector<std::string> keep_facets;             ///< surfaces of which no facet is left out as side wall or bonded
   std::map<std::string, double> thickness;          ///< surface -> constant thickness; "" = all surfaces
   std::map<std::string, double> E;                  ///< surface -> Young's modulus; "" = all
   std::map<std::string, double> nu;                 ///< surface -> Poisson's ratio; "" = all

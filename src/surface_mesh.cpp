@@ -131,6 +131,7 @@ SurfaceMesh make_surface_mesh(const std::vector<int>& begin, const std::vector<i
   for (int f = 0; f < mesh.facets; ++f) {
     const int first = begin[static_cast<std::size_t>(f)];
     const int count = begin[static_cast<std::size_t>(f) + 1] - first;
+    if (count == 0) continue;
     int kept = 0;
     for (const auto& t : split_facet(nodes.data() + first, count, positions)) {
       const Vector3d &a = positions[static_cast<std::size_t>(t[0])], &b = positions[static_cast<std::size_t>(t[1])],

@@ -33,7 +33,8 @@ struct SurfaceMesh {
 };
 
 /// Cuts the facets (node lists into `positions`, see split_facet) into triangles and derives everything else.
-/// A facet of no area is left without triangles, its number is returned in `zero_area` (if given).
+/// A facet of no area is left without triangles, its number is returned in `zero_area` (if given). So is a facet of no
+/// nodes, without a word.
 SurfaceMesh make_surface_mesh(const std::vector<int>& facet_begin, const std::vector<int>& facet_nodes,
                               const std::vector<Vector3d>& positions, std::vector<int>* zero_area = nullptr);
 

@@ -21,31 +21,37 @@ SurfaceMesh flipped(SurfaceMesh mesh) {
   return mesh;
 }
 
-}  // namespace
-
-void measure_thickness(Layer& layer) {
-  const bool from_bone = layer.springs_at == SpringsAt::Bone;
-  const SurfaceMesh& from = layer.spring_surface();
-  // rays leave `from` through the layer; the faces they may meet look against them
-  const SurfaceMesh to = from_bone ? flipped(layer.articular) : layer.bone;
+/// Rays leave `from` through the layer, along (side 1) or against (-1) its normals; the faces of `to` look against
+/// them.
+MeasuredThickness cast(const SurfaceMesh& from, double side, const SurfaceMesh& to) {
   const RayCaster caster(to);
   constexpr double kCos60 = 0.5;
-  layer.thickness.assign(from.vertices.size(), 0.0);
-  layer.missed.assign(from.vertices.size(), 0);
+  MeasuredThickness found;
+  found.thickness.assign(from.vertices.size(), 0.0);
+  found.missed.assign(from.vertices.size(), 0);
   tbb::parallel_for(std::size_t{0}, from.vertices.size(), [&](std::size_t v) {
     const Vector3d& x = from.vertices[v];
-    const Vector3d direction = from_bone ? from.vertex_normals[v] : Vector3d(-from.vertex_normals[v]);
+    const Vector3d direction = side * from.vertex_normals[v];
     // Where the ray meets a face, it counts if nothing lies nearer than half as far: quicker to ask than the closest
     // point, for which a layer much thicker than its facets offers many candidates. A vertex both surfaces share (a
     // feather edge) has thickness 0 by its closest point.
     const LineHit hit = caster.nearest_facing(x, direction, 0.0, 0.0, std::numeric_limits<double>::infinity(), kCos60);
     if (hit.point.triangle >= 0 && hit.distance > 0.0 && caster.within(x, 0.5 * hit.distance).empty()) {
-      layer.thickness[v] = std::max(0.0, hit.distance - bulge_height(to, hit.point.triangle, hit.point.weights));
+      found.thickness[v] = std::max(0.0, hit.distance - bulge_height(to, hit.point.triangle, hit.point.weights));
     } else {
-      layer.thickness[v] = (position(to, caster.closest(x)) - x).norm();
-      layer.missed[v] = layer.thickness[v] > 0.0;
+      found.thickness[v] = (position(to, caster.closest(x)) - x).norm();
+      found.missed[v] = found.thickness[v] > 0.0;
     }
   });
+  return found;
+}
+
+}  // namespace
+
+MeasuredThickness measure_thickness(const SurfaceMesh& from, const SurfaceMesh& bone) { return cast(from, -1.0, bone); }
+
+MeasuredThickness measure_thickness_from_bone(const SurfaceMesh& bone, const SurfaceMesh& articular) {
+  return cast(bone, 1.0, flipped(articular));
 }
 
 }  // namespace dea

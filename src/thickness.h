@@ -1,14 +1,21 @@
 // src/thickness.h – cartilage thickness of a layer, measured between its two surfaces.
 #pragma once
-#include "joint.h"
+#include <vector>
+
+#include "surface_mesh.h"
 
 namespace dea {
 
-/// Fills layer.thickness and layer.missed for the vertices of layer.spring_surface() (docs/theory.md, section 2): from
-/// articular vertices along inward vertex normals to the bone surface, or, for springs at the bone, from bone vertices
-/// along their normals to the articular surface [Abraham et al. 2013, 2.1]. A hit counts only on an opposing face
-/// (angle below 60 degrees) and within twice the distance of the closest point; otherwise that distance serves,
-/// flagged.
-void measure_thickness(Layer& layer);
+struct MeasuredThickness {
+  std::vector<double> thickness;  ///< per vertex, >= 0
+  std::vector<char> missed;       ///< per vertex: the closest point's distance
+};
+
+/// Of a layer at the vertices of its face `from` (normals out of the layer), along inward vertex normals to the bone
+/// (docs/theory.md, section 2) [Abraham et al. 2013, 2.1]. A hit counts only on an opposing face (angle below 60
+/// degrees) and within twice the distance of the closest point; otherwise that distance serves, flagged.
+MeasuredThickness measure_thickness(const SurfaceMesh& from, const SurfaceMesh& bone);
+/// The same at the vertices of the bone surface, along their normals to the articular surface.
+MeasuredThickness measure_thickness_from_bone(const SurfaceMesh& bone, const SurfaceMesh& articular);
 
 }  // namespace dea

@@ -33,6 +33,9 @@ constexpr OptionHelp kOptions[] = {
      "Body a contact surface belongs to (\"ground\" for none that moves); may be repeated [found from the mesh]"},
     {"bone", "SURFACE=SURFACE", kJoint,
      "Bone surface under a contact surface; may be repeated [faces held by the body]"},
+    {"keep-facets", "SURFACE", kJoint,
+     "Leave no facet of this contact surface out, though it looks like a side wall or is bonded to bone; may be "
+     "repeated"},
     {"springs-at", "articular|bone", kCartilage,
      "Surface of the source's layer on which the springs stand [articular]"},
     {"law", "linear|logarithmic|neo-Hookean|layer", kCartilage,
