@@ -38,7 +38,8 @@ void print(const char* name, const NeoHookeanLayer& a, double base_radius, doubl
       std::printf("%g,%g,%g,", b->nu, b->E, b->thickness);
     else
       std::printf(",,,");
-    std::printf("%g,%.6g,%.5g,%.5g,%.5g,%.4g\n", punch_radius, r.depth, r.force, r.peak_nominal, r.peak_cauchy, r.radius);
+    std::printf("%g,%.6g,%.5g,%.5g,%.5g,%.4g\n", punch_radius, r.depth, r.force, r.peak_nominal, r.peak_cauchy,
+                r.radius);
   }
   std::fflush(stdout);
 }
@@ -52,7 +53,8 @@ void one(const char* name, bool axisymmetric, double nu, double layer_radius, do
   const double punch = punch_radius == 0 ? 0 : 1 / punch_radius;
   const LayerGrid grid = grid_for(1 / (layer.curvature + punch), 0.2 * kThickness, kThickness);
   print(name, layer, layer_radius, punch_radius, nullptr,
-        press_rigid(axisymmetric, layer, punch, {0.05 * kThickness, 0.1 * kThickness, 0.15 * kThickness, 0.2 * kThickness}, grid));
+        press_rigid(axisymmetric, layer, punch,
+                    {0.05 * kThickness, 0.1 * kThickness, 0.15 * kThickness, 0.2 * kThickness}, grid));
 }
 
 }  // namespace
@@ -87,7 +89,7 @@ int main(int count, char** arguments) {
         one("ball_in_socket", true, nu, -60, 30);
       }
     if (wanted("two"))
-      for (const double radius : {25.0, 80.0}) {
+      for (const double radius : {12.0, 25.0, 80.0}) {
         NeoHookeanLayer soft, stiff;  // flat, and on a ball
         soft.E = 5;
         soft.nu = 0.45;
@@ -98,7 +100,8 @@ int main(int count, char** arguments) {
         stiff.curvature = 1 / radius;
         const double h = soft.thickness + stiff.thickness;
         print("two", stiff, radius, 0, &soft,
-              press_layers(true, stiff, soft, {0.05 * h, 0.1 * h, 0.15 * h}, grid_for(radius, 0.15 * h, stiff.thickness)));
+              press_layers(true, stiff, soft, {0.05 * h, 0.1 * h},
+                           grid_for(radius, 0.15 * h, stiff.thickness)));
       }
   } catch (const std::exception& e) {
     std::fprintf(stderr, "large_strain: %s\n", e.what());

@@ -1,5 +1,5 @@
-// tests/analytic/neo_hookean_layer.h – large-strain finite elements for layers bonded to rigid bone and pressed together
-// without friction: the answers for large strain, sharing nothing with src/.  mm, N, MPa.
+// tests/analytic/neo_hookean_layer.h – large-strain finite elements for layers bonded to rigid bone and pressed
+// together without friction: the answers for large strain, sharing nothing with src/.  mm, N, MPa.
 //
 // Axisymmetric (about x = 0, z upwards) or plane strain (mirror at x = 0; everything per length, both halves counted).
 // Solid: FEBio's compressible neo-Hookean, W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2, total Lagrangian.
@@ -143,8 +143,7 @@ class NeoHookeanSolid {
             K(2 * a + 1, 2 * c + 1) += same(a, c);
             for (int i = 0; i < 2; ++i)
               for (int k = 0; k < 2; ++k) K(2 * a + i, 2 * c + k) -= weight * pressure * b(a, k) * b(c, i);
-            if (axisymmetric_)
-              K(2 * a, 2 * c) += weight * N[a] * N[c] / (r0 * r0) * (e.mu - pressure / (hoop * hoop));
+            if (axisymmetric_) K(2 * a, 2 * c) += weight * N[a] * N[c] / (r0 * r0) * (e.mu - pressure / (hoop * hoop));
           }
       }
       for (int a = 0; a < 16; ++a) {
@@ -177,9 +176,11 @@ class NeoHookeanSolid {
       for (int q = 0; q < 3; ++q) {
         const double u = g[q], N[3] = {0.5 * u * (u - 1), 1 - u * u, 0.5 * u * (u + 1)};
         const double r = N[0] * x[0] + N[1] * x[1] + N[2] * x[2];
-        const double area = w[q] * ((u - 0.5) * x[0] - 2 * u * x[1] + (u + 0.5) * x[2]) * (axisymmetric_ ? 2 * kPi * r : 2);
+        const double area =
+            w[q] * ((u - 0.5) * x[0] - 2 * u * x[1] + (u + 0.5) * x[2]) * (axisymmetric_ ? 2 * kPi * r : 2);
         for (int a = 0; a < 3; ++a)
-          for (int k = 0; k < 3; ++k) A(static_cast<Eigen::Index>(2 * e) + a, k) += N[a] * area * std::pow(r / within, 2 * k);
+          for (int k = 0; k < 3; ++k)
+            A(static_cast<Eigen::Index>(2 * e) + a, k) += N[a] * area * std::pow(r / within, 2 * k);
       }
     }
     for (Eigen::Index i = 0; i < nodes; ++i) f[i] = force[2 * surface[static_cast<std::size_t>(i)] + 1];
@@ -187,7 +188,8 @@ class NeoHookeanSolid {
   }
 
   bool held(int unknown) const {
-    return unknown % 2 == 0 ? held_x_[static_cast<std::size_t>(unknown / 2)] : held_z_[static_cast<std::size_t>(unknown / 2)];
+    return unknown % 2 == 0 ? held_x_[static_cast<std::size_t>(unknown / 2)]
+                            : held_z_[static_cast<std::size_t>(unknown / 2)];
   }
   bool upper(int node) const { return upper_[static_cast<std::size_t>(node)]; }
   bool axisymmetric() const { return axisymmetric_; }
@@ -246,7 +248,9 @@ inline std::vector<PressedLayer> press_rigid(bool axisymmetric, const NeoHookean
   const auto inside = [&](const Eigen::Vector2d& x) {
     return k == 0 ? x.y() - tip : 1 / k - (x - Eigen::Vector2d(0, tip + 1 / k)).norm();
   };
-  const auto point = [&](std::size_t i) -> Eigen::Vector2d& { return solid.position[static_cast<std::size_t>(surface[i])]; };
+  const auto point = [&](std::size_t i) -> Eigen::Vector2d& {
+    return solid.position[static_cast<std::size_t>(surface[i])];
+  };
   // what rounding leaves of the forces near nu = 0.5
   const double rounding = 1e-12 * layer.E * layer.thickness * layer.thickness / (1 - 2 * layer.nu);
   std::size_t touching = 1;
@@ -308,8 +312,7 @@ inline std::vector<PressedLayer> press_rigid(bool axisymmetric, const NeoHookean
           continue;
         }
         for (Eigen::SparseMatrix<double>::InnerIterator it(K, j); it; ++it)
-          if (!fixed[static_cast<std::size_t>(it.row())])
-            kept.emplace_back(static_cast<int>(it.row()), j, it.value());
+          if (!fixed[static_cast<std::size_t>(it.row())]) kept.emplace_back(static_cast<int>(it.row()), j, it.value());
       }
       K.setZero();
       K.setFromTriplets(kept.begin(), kept.end());
@@ -372,8 +375,9 @@ inline std::vector<PressedLayer> press_layers(bool axisymmetric, const NeoHookea
   const double E = std::min(lower.E, upper.E), thickness = lower.thickness + upper.thickness;
   const double final_penalty = 1e3 * E / thickness;
   double penalty = final_penalty;
-  const double rounding = 1e-12 * thickness * thickness *
-                          (final_penalty * thickness + std::max(lower.E / (1 - 2 * lower.nu), upper.E / (1 - 2 * upper.nu)));
+  const double rounding =
+      1e-12 * thickness * thickness *
+      (final_penalty * thickness + std::max(lower.E / (1 - 2 * lower.nu), upper.E / (1 - 2 * upper.nu)));
   using Vector12 = Eigen::Matrix<double, 12, 1>;
   // gap of the point u on an upper edge (first three nodes of x) over a lower edge (last three), and its gradient
   const auto gap = [](const Vector12& x, double u, Vector12& gradient) {

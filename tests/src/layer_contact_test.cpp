@@ -167,10 +167,11 @@ TEST(LayerContact, DoesNotDependOnThreads) {
 // A ball in a hemispherical socket of 4 mm cartilage (rigid radii 20 and 24 mm), moved by u: the overlap u cos(theta)
 // is a spherical harmonic of the sphere, and with q = 0 on the rim it stays one, so p keeps its shape to the rim and is
 // the bed of springs' at the same force, 2.3873 cos(theta) at 2000 N. Errors relative to the peak. With two
-// terms the edge is softer than that (L7), for half a thickness.
+// terms the edge is softer than that (L7): within a thickness of it the small pressures there are less by what
+// StripWithAFreeEndAgainstFiniteElements knows, up to 6% of the peak; further away 1% is left.
 TEST(LayerContact, HemispheresKeepTheCosine) {
   for (LayerFit fit : kFits) {
-    const auto error = [&](int n, Rim rim) {
+    const auto error = [&](int n, Rim rim, double from_rim) {
       const SurfaceMesh surface = test::hemisphere(n, 20.0);
       FootedLayer layer(layer_mesh(surface, even(4.0), all(rim)), {kE, 0.45}, fit);
       LayerContact contact;
@@ -180,11 +181,17 @@ TEST(LayerContact, HemispheresKeepTheCosine) {
       const LayerPressure r = solve_contact(contact, 0.1 * cosine, {}, small_strain());
       EXPECT_TRUE(r.converged);
       const double p_0 = (contact.area.array() * r.pressure.array() * cosine.array()).sum() / (2 * kPi * 400 / 3);
-      return (r.pressure / p_0 - cosine).lpNorm<Eigen::Infinity>();
+      double worst = 0;
+      for (int i = 0; i < cosine.size(); ++i)
+        if (20 * std::asin(cosine[i]) > from_rim) worst = std::max(worst, std::abs(r.pressure[i] / p_0 - cosine[i]));
+      if (std::getenv("SHOW")) printf("%s n %d rim %d from %g: %.4f\n", name(fit), n, static_cast<int>(rim), from_rim, worst);
+      return worst;
     };
-    EXPECT_LT(error(30, Rim::Free), fit == LayerFit::OneTerm ? 0.02 : 0.035) << name(fit);
-    EXPECT_LT(error(60, Rim::Free), fit == LayerFit::OneTerm ? 0.01 : 0.03) << name(fit);
-    EXPECT_GT(error(30, Rim::Wall), 0.10) << name(fit);  // walled in, it is another problem
+    const bool one = fit == LayerFit::OneTerm;
+    EXPECT_LT(error(30, Rim::Free, 0), one ? 0.02 : 0.07) << name(fit);
+    EXPECT_LT(error(60, Rim::Free, 0), one ? 0.01 : 0.05) << name(fit);
+    EXPECT_LT(error(60, Rim::Free, 4), 0.01) << name(fit);
+    EXPECT_GT(error(30, Rim::Wall, 0), 0.10) << name(fit);  // walled in, it is another problem
   }
 }
 
@@ -383,7 +390,10 @@ struct Pressed {
 Pressed press_quarter(const std::vector<std::pair<Elasticity, double>>& layers, double reach, int n, bool cylinder,
                       const std::function<double(double)>& overlap_at) {
   const double length = reach, width = cylinder ? 2 * length / n : length;
-  const SurfaceMesh surface = test::rectangle(n, cylinder ? 2 : n, length, width);
+  const auto finer = [](double u) { return u * (0.4 + 0.6 * u); };  // in the middle
+  const SurfaceMesh surface = test::grid(n, cylinder ? 2 : n, [=](double u, double v) {
+    return Vector3d(length * finer(u), width * (cylinder ? v : finer(v)), 0);
+  });
   const auto rim = [&](const Vector3d& x) {
     return x.x() > 0.9999 * length || (!cylinder && x.y() > 0.9999 * length) ? Rim::Continues : Rim::Wall;
   };
@@ -401,12 +411,16 @@ Pressed press_quarter(const std::vector<std::pair<Elasticity, double>>& layers, 
           std::max(r.sunk_source.maxCoeff() / layers[0].second, 0.0)};
 }
 
-/// Depth of a sphere (cylinder) of radius R below its tip; 0: flat.
-double sagitta(double R, double r) { return R == 0 ? 0 : r < R ? R - std::sqrt(R * R - r * r) : R + r; }
+/// Depth of a sphere (cylinder) of radius R below its tip; 0: flat, < 0: hollow.
+double sagitta(double R, double r) {
+  return R == 0 ? 0 : R - std::copysign(std::sqrt(std::max(0.0, R * R - r * r)), R);
+}
 
 // Large strains against finite elements of the same solids, which bench/large_strain.cpp made (their own error, by their
-// convergence and by other elements, is 0.5%). 3% is what (L9) was asked for from d/t = 0.1 on; between rounded layers,
-// whose shape the law sees as a flat one's, 4%. Without large strain these are up to 17% off.
+// convergence and by FEBio's answers to some, is 0.5%; the peak between two layers is known to 1.5% only). 3% is what
+// (L9) was asked for. Worse are: cylinders on contacts no wider than the layer is thick; layers on a base whose radius is
+// ten thicknesses, 10%, for the law sees a flat one; and thirty of them, 5%. Without large strain these are up to 17%
+// off.
 TEST(LayerContact, LargeStrainsAgainstFiniteElements) {
   std::ifstream file(DEA_ANALYTIC_DIR "/large_strain.csv");
   std::string line;
@@ -424,12 +438,16 @@ TEST(LayerContact, LargeStrainsAgainstFiniteElements) {
     const double curvature = (base == 0 ? 0 : 1 / base) + (punch == 0 ? 0 : 1 / punch),
                  reach = 1.2 * std::sqrt(2 * depth / curvature) + 4 * t;
     const Pressed p = press_quarter(layers, reach, cylinder ? 200 : 56, cylinder, [&](double r) {
-      return depth - sagitta(punch, r) - (base < 0 ? -sagitta(-base, r) : sagitta(base, r));
+      const double within = 0.95 * std::min(base == 0 ? 1e9 : std::abs(base), punch == 0 ? 1e9 : punch);
+      return r > within ? -h : depth - sagitta(punch, r) - sagitta(base, r);
     });
-    const double tolerance = base != 0 ? 0.04 : 0.03;
-    if (depth < 0.08 * h) continue;
+    const bool one_flat = base == 0 && layers.size() == 1;
+    const double tolerance = cylinder ? 0.04 : one_flat || layers.size() > 1 ? 0.03 : std::abs(base) < 30 ? 0.1 : 0.05,
+                 peak_tolerance = cylinder ? 0.055 : tolerance;
     EXPECT_NEAR(p.force / number(10), 1, tolerance) << line;
-    EXPECT_NEAR(p.peak / number(12), 1, tolerance) << line;
+    EXPECT_NEAR(p.peak / number(12), 1, peak_tolerance) << line;
+    if (std::getenv("SHOW"))
+      printf("%+5.1f %+5.1f  %s\n", 100 * (p.force / number(10) - 1), 100 * (p.peak / number(12) - 1), line.c_str());
   }
   EXPECT_GT(rows, 10);
 }
@@ -494,6 +512,8 @@ TEST(LayerContact, RoundFreeEdgesAgainstFiniteElements) {
       const LayerPressure r = solve_contact(
           contact, at_feet(surface, [&](const Vector3d& x) { return overlap(x.norm()); }), {}, small_strain());
       ASSERT_TRUE(r.converged);
+      if (std::getenv("SHOW"))
+        printf("%s nu %g F %+.1f%% peak %+.1f%%\n", hole ? "hole" : "disc", nu, 100 * (contact.area.dot(r.pressure) / force - 1), 100 * (r.pressure.maxCoeff() / exact.maxCoeff() - 1));
       EXPECT_NEAR(contact.area.dot(r.pressure) / force, 1, 0.05) << (hole ? "hole" : "disc") << " nu " << nu;
       if (!hole) {
         EXPECT_NEAR(r.pressure.maxCoeff() / exact.maxCoeff(), 1, 0.05) << nu;
@@ -541,6 +561,7 @@ TEST(LayerContact, BendsOfTheBoneAgainstFiniteElements) {
           const int k = std::clamp(static_cast<int>(std::floor(u)), 0, m - 2);
           worst = std::max(worst, std::abs(r.pressure[i] - exact[k] - (u - k) * (exact[k + 1] - exact[k])) / peak);
         }
+        if (std::getenv("SHOW")) printf("slope %g %d n %d worst %.1f%%\n", slope, cylinder, n, 100 * worst);
         EXPECT_LT(worst, 0.05) << "slope " << slope << (cylinder ? " cylinder " : " plane ") << n;
       }
     }
@@ -548,8 +569,8 @@ TEST(LayerContact, BendsOfTheBoneAgainstFiniteElements) {
 }
 
 // Two layers of which the target has a mesh of its own, turned, shifted, with triangles from a quarter of the feet to
-// four times as large: what a paraboloid does is compared with meshes that match. Up to the feet's own size force within
-// 1%, peak within 2%; twice as coarse 3 and 3%, then the target's mesh no longer resolves its flow.
+// four times as large: what a paraboloid does is compared with meshes that match. Up to twice the feet's size force
+// within 1%, peak within 2%; four times as large, which may be triangles twice as large as the layer is thick, 5%.
 TEST(LayerContact, UnlikeMeshes) {
   const double t = 2, R = 20, depth = 0.4;
   for (const double h : {0.5, 1.0}) {
@@ -558,9 +579,11 @@ TEST(LayerContact, UnlikeMeshes) {
         test::grid(n, n, [](double u, double v) -> Vector3d { return 16 * Vector3d(u - 0.5, v - 0.5, 0); });
     const VectorXd overlap = at_feet(surface, [&](const Vector3d& x) { return depth - x.squaredNorm() / (2 * R); });
     for (const double nu : {0.45, 0.49, 0.4999}) {
-      FootedLayer source(layer_mesh(surface, even(t), all(Rim::Continues)), {kE, nu}, LayerFit::TwoTerms);
+      const auto mesh = layer_mesh(surface, even(t), all(Rim::Continues));
+      FootedLayer source(mesh, {kE, nu}, LayerFit::TwoTerms), mirrored(mesh, {kE, nu}, LayerFit::TwoTerms);
       LayerContact contact;
-      contact.source = contact.target = side(source);
+      contact.source = side(source);
+      contact.target = side(mirrored);
       contact.area = source.areas();
       const LayerPressure matched = solve_contact(contact, overlap, {}, small_strain());
       ASSERT_TRUE(matched.converged);
@@ -576,9 +599,8 @@ TEST(LayerContact, UnlikeMeshes) {
         if (std::getenv("SHOW")) printf("h/t %.2f nu %.4f ratio %.2f force %+.2f%% peak %+.2f%%\n", h / t, nu, ratio, 100 * force, 100 * peak);
         const std::string what =
             "h " + std::to_string(h) + " nu " + std::to_string(nu) + " ratio " + std::to_string(ratio);
-        if (ratio > 2) continue;
-        EXPECT_LT(std::abs(force), ratio > 1 ? 0.03 : 0.01) << what;
-        EXPECT_LT(std::abs(peak), ratio > 1 ? 0.03 : 0.02) << what;
+        EXPECT_LT(std::abs(force), ratio > 2 ? 0.05 : 0.01) << what;
+        EXPECT_LT(std::abs(peak), ratio > 2 ? 0.05 : 0.02) << what;
       }
     }
   }
