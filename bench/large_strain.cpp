@@ -100,8 +100,7 @@ int main(int count, char** arguments) {
         stiff.curvature = 1 / radius;
         const double h = soft.thickness + stiff.thickness;
         print("two", stiff, radius, 0, &soft,
-              press_layers(true, stiff, soft, {0.05 * h, 0.1 * h},
-                           grid_for(radius, 0.15 * h, stiff.thickness)));
+              press_layers(true, stiff, soft, {0.05 * h, 0.1 * h}, grid_for(radius, 0.15 * h, stiff.thickness)));
       }
   } catch (const std::exception& e) {
     std::fprintf(stderr, "large_strain: %s\n", e.what());

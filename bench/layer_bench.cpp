@@ -36,16 +36,18 @@ void rung(int n, double nu, LayerFit fit) {
       test::grid(n, n, [](double u, double v) { return Vector3d(20 * u - 10, 20 * v - 10, 0.0); });
   const Elasticity cartilage{11.85, nu};
   const auto source_mesh = test::layer_mesh(
-                 surface, [](const Vector3d& x) { return 2 + 0.5 * std::sin(0.4 * x.x()); }, test::all(Rim::Free)),
+                 surface, [](const Vector3d&x) { return 2 + 0.5 * std::sin(0.4 * x.x()); }, test::all(Rim::Free)),
              target_mesh = test::layer_mesh(
-                 surface, [](const Vector3d& x) { return 1.5 + 0.4 * std::cos(0.3 * x.y()); },
+                 surface, [](const Vector3d&x) { return 1.5 + 0.4 * std::cos(0.3 * x.y()); },
                  test::all(Rim::Continues));
   const VectorXd overlap =
       test::at_feet(surface, [](const Vector3d& x) { return 0.3 - (x.x() * x.x() + x.y() * x.y()) / (2 * 80.0); });
   test::FootedLayer source(source_mesh, cartilage, fit), target(target_mesh, cartilage, fit);
   const int repeats = std::clamp(60000 / surface.size(), 1, 10);
-  const double meshing = least_ms(
-      repeats, [&] { test::layer_mesh(surface, [](const Vector3d& x) { return 2 + 0.01 * x.x(); }, test::all(Rim::Free)); });
+  const double meshing = least_ms(repeats, [&] {
+    test::layer_mesh(
+        surface, [](const Vector3d& x) { return 2 + 0.01 * x.x(); }, test::all(Rim::Free));
+  });
   const double factorisation = least_ms(repeats, [&] { LayerOperator(target_mesh, cartilage, fit); });
   LayerContact contact;
   contact.source = {&source.layer, &source.feet, {}};
@@ -74,8 +76,8 @@ int main(int argc, char** argv) {
   const bool smoke = argc > 1 && std::string(argv[1]) == "smoke";
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured
   fmt::print("Contact of two layers, one thread, ms (least of some repeats); app.: applications of the compliance.\n");
-  fmt::print("{:>8} {:>6} {:>9} {:>9} {:>9} {:>9} {:>5} {:>9} {:>5} {:>9} {:>5}  {:>8}\n", "feet", "nu", "law",
-             "mesh", "factor", "contact", "app.", "warm", "app.", "6 rates", "app.", "residual");
+  fmt::print("{:>8} {:>6} {:>9} {:>9} {:>9} {:>9} {:>5} {:>9} {:>5} {:>9} {:>5}  {:>8}\n", "feet", "nu", "law", "mesh",
+             "factor", "contact", "app.", "warm", "app.", "6 rates", "app.", "residual");
   for (const int n : smoke ? std::vector<int>{10} : std::vector<int>{22, 45, 100, 224, 316})
     for (const double nu : smoke ? std::vector<double>{0.45} : std::vector<double>{0.3, 0.45, 0.49, 0.4999})
       for (const LayerFit fit : {LayerFit::OneTerm, LayerFit::TwoTerms}) rung(n, nu, fit);

@@ -49,9 +49,11 @@ struct Bumpy {
 
   Bumpy(int n, double nu, LayerFit fit)
       : surface(test::grid(n, n, [](double u, double v) { return Vector3d(16 * u, 14 * v, 2 * u * v + u * u); })),
-        source(layer_mesh(surface, [](const Vector3d& x) { return 2 + std::sin(0.4 * x.x()); }, all(Rim::Free)),
+        source(layer_mesh(
+                   surface, [](const Vector3d& x) { return 2 + std::sin(0.4 * x.x()); }, all(Rim::Free)),
                {kE, nu}, fit),
-        target(layer_mesh(surface, [](const Vector3d& x) { return 1 + 0.5 * std::cos(x.y()); }, all(Rim::Continues)),
+        target(layer_mesh(
+                   surface, [](const Vector3d& x) { return 1 + 0.5 * std::cos(x.y()); }, all(Rim::Continues)),
                {kE, nu}, fit) {
     VectorXd share = VectorXd::Ones(surface.size());
     for (int i = 0; i < surface.size(); i += 7) share[i] = 0.3;   // partly over the target
@@ -184,7 +186,6 @@ TEST(LayerContact, HemispheresKeepTheCosine) {
       double worst = 0;
       for (int i = 0; i < cosine.size(); ++i)
         if (20 * std::asin(cosine[i]) > from_rim) worst = std::max(worst, std::abs(r.pressure[i] / p_0 - cosine[i]));
-      if (std::getenv("SHOW")) printf("%s n %d rim %d from %g: %.4f\n", name(fit), n, static_cast<int>(rim), from_rim, worst);
       return worst;
     };
     const bool one = fit == LayerFit::OneTerm;
@@ -313,11 +314,10 @@ TEST(LayerContact, StripWithAFreeEndAgainstFiniteElements) {
     for (std::size_t fit = 0; fit < 2; ++fit)
       for (Rim end : {Rim::Free, Rim::Wall}) {
         const SurfaceMesh surface = test::rectangle(m, 2, length, 2 * length / m);
-        FootedLayer layer(
-            layer_mesh(
-                surface, [&](const Vector3d& x) { return thickness(x.x()); },
-                [&](const Vector3d& x) { return x.x() > 0.9999 * length ? end : Rim::Wall; }),
-            {E, row.nu}, kFits[fit]);
+        FootedLayer layer(layer_mesh(
+                              surface, [&](const Vector3d& x) { return thickness(x.x()); },
+                              [&](const Vector3d& x) { return x.x() > 0.9999 * length ? end : Rim::Wall; }),
+                          {E, row.nu}, kFits[fit]);
         const VectorXd w = layer.sinking(at_feet(surface, [&](const Vector3d& x) { return load(x.x()); }));
         double far = 0, near = 0;
         for (int i = 0; i < surface.size(); ++i) {
@@ -367,8 +367,7 @@ TEST(LayerContact, LargeStrainOfLongWavesIsTheSprings) {
       options.large_strain = large;
       const LayerPressure r = solve_contact(contact, VectorXd::Constant(surface.size(), 1.1), {}, options);
       ASSERT_TRUE(r.converged) << large;
-      const SpringResponse spring =
-          spring_response(large ? Law::NeoHookean : Law::Linear, soft, other, 1.2, 2.1, 1.1);
+      const SpringResponse spring = spring_response(large ? Law::NeoHookean : Law::Linear, soft, other, 1.2, 2.1, 1.1);
       for (int i = 0; i < surface.size(); ++i) {
         EXPECT_NEAR(r.pressure[i] / spring.pressure, 1, 1e-7) << large;
         EXPECT_NEAR(r.sunk_source[i] / 1.2, spring.strain_source, 1e-7) << large;
@@ -404,8 +403,9 @@ Pressed press_quarter(const std::vector<std::pair<Elasticity, double>>& layers, 
   contact.source = side(all_layers[0]);
   if (all_layers.size() > 1) contact.target = side(all_layers[1]);
   contact.area = all_layers[0].areas();
-  const LayerPressure r = solve_contact(
-      contact, at_feet(surface, [&](const Vector3d& x) { return overlap_at(cylinder ? x.x() : std::hypot(x.x(), x.y())); }));
+  const LayerPressure r = solve_contact(contact, at_feet(surface, [&](const Vector3d& x) {
+                                          return overlap_at(cylinder ? x.x() : std::hypot(x.x(), x.y()));
+                                        }));
   EXPECT_TRUE(r.converged);
   return {contact.area.dot(r.pressure) * (cylinder ? 2 / width : 4), r.pressure.maxCoeff(),
           std::max(r.sunk_source.maxCoeff() / layers[0].second, 0.0)};
@@ -416,11 +416,11 @@ double sagitta(double R, double r) {
   return R == 0 ? 0 : R - std::copysign(std::sqrt(std::max(0.0, R * R - r * r)), R);
 }
 
-// Large strains against finite elements of the same solids, which bench/large_strain.cpp made (their own error, by their
-// convergence and by FEBio's answers to some, is 0.5%; the peak between two layers is known to 1.5% only). 3% is what
-// (L9) was asked for. Worse are: cylinders on contacts no wider than the layer is thick; layers on a base whose radius is
-// ten thicknesses, 10%, for the law sees a flat one; and thirty of them, 5%. Without large strain these are up to 17%
-// off.
+// Large strains against finite elements of the same solids, which bench/large_strain.cpp made (their own error, by
+// their convergence and by FEBio's answers to some, is 0.5%; the peak between two layers is known to 1.5% only). 3% is
+// what (L9) was asked for. Worse are: cylinders on contacts no wider than the layer is thick; layers on a base whose
+// radius is ten thicknesses, 10%, for the law sees a flat one; and thirty of them, 5%. Without large strain these are
+// up to 17% off.
 TEST(LayerContact, LargeStrainsAgainstFiniteElements) {
   std::ifstream file(DEA_ANALYTIC_DIR "/large_strain.csv");
   std::string line;
@@ -431,7 +431,8 @@ TEST(LayerContact, LargeStrainsAgainstFiniteElements) {
     for (std::string c; std::getline(cells, c, ',');) cell.push_back(c);
     ASSERT_EQ(cell.size(), 14u) << line;
     const auto number = [&](std::size_t i) { return cell[i].empty() ? 0.0 : std::stod(cell[i]); };
-    const double nu = number(1), t = number(3), base = number(4), punch = number(8), depth = number(9), h = t + number(7);
+    const double nu = number(1), t = number(3), base = number(4), punch = number(8), depth = number(9),
+                 h = t + number(7);
     const bool cylinder = cell[0] == "cylinder";
     std::vector<std::pair<Elasticity, double>> layers = {{{number(2), nu}, t}};
     if (number(7) > 0) layers.push_back({{number(6), number(5)}, number(7)});
@@ -442,12 +443,13 @@ TEST(LayerContact, LargeStrainsAgainstFiniteElements) {
       return r > within ? -h : depth - sagitta(punch, r) - sagitta(base, r);
     });
     const bool one_flat = base == 0 && layers.size() == 1;
-    const double tolerance = cylinder ? 0.04 : one_flat || layers.size() > 1 ? 0.03 : std::abs(base) < 30 ? 0.1 : 0.05,
+    const double tolerance = cylinder                        ? 0.04
+                             : one_flat || layers.size() > 1 ? 0.03
+                             : std::abs(base) < 30           ? 0.1
+                                                             : 0.05,
                  peak_tolerance = cylinder ? 0.055 : tolerance;
     EXPECT_NEAR(p.force / number(10), 1, tolerance) << line;
     EXPECT_NEAR(p.peak / number(12), 1, peak_tolerance) << line;
-    if (std::getenv("SHOW"))
-      printf("%+5.1f %+5.1f  %s\n", 100 * (p.force / number(10) - 1), 100 * (p.peak / number(12) - 1), line.c_str());
   }
   EXPECT_GT(rows, 10);
 }
@@ -474,8 +476,8 @@ SurfaceMesh quarter_ring(double r_0, double r_1, int across, int around) {
   });
 }
 
-// A disc three times as wide as thick under a sphere that reaches over its edge, and a hole three times as wide under one
-// about it, against axisymmetric finite elements, on triangles as large as t/3 (L7). Their own error is below 0.6%.
+// A disc three times as wide as thick under a sphere that reaches over its edge, and a hole three times as wide under
+// one about it, against axisymmetric finite elements, on triangles as large as t/3 (L7). Their own error is below 0.6%.
 // Without what (L7) knows of curved edges the disc was 12 to 17%, the hole 2 to 7% off.
 TEST(LayerContact, RoundFreeEdgesAgainstFiniteElements) {
   for (const double nu : {0.3, 0.45, 0.49})
@@ -494,26 +496,23 @@ TEST(LayerContact, RoundFreeEdgesAgainstFiniteElements) {
       const analytic::StripCompliance strips = analytic::strip_compliance(edged);
       const VectorXd exact = analytic::rigid_punch(strips, overlap);
       const double force = strips.area.dot(exact) * 0.5 * kPi;  // of a quarter
-      const SurfaceMesh surface = hole ? quarter_ring(inner, outer, 27, 30)
-                                       : test::grid(10, 10, [=](double u, double v) -> Vector3d {
-                                           const double far = std::max(u, v);
-                                           if (far < 1e-14) return {0, 0, 0};
-                                           return outer * far / std::hypot(u, v) * Vector3d(u, v, 0);
-                                         });
-      FootedLayer layer(
-          layer_mesh(surface, even(1.0),
-                     [&](const Vector3d& x) {
-                       return std::min(x.x(), x.y()) > 1e-9 && (x.norm() < 6) ? Rim::Free : Rim::Wall;
-                     }),
-          {1.0, nu}, LayerFit::TwoTerms);
+      const SurfaceMesh surface =
+          hole ? quarter_ring(inner, outer, 27, 30) : test::grid(10, 10, [=](double u, double v) -> Vector3d {
+            const double far = std::max(u, v);
+            if (far < 1e-14) return {0, 0, 0};
+            return outer * far / std::hypot(u, v) * Vector3d(u, v, 0);
+          });
+      FootedLayer layer(layer_mesh(surface, even(1.0),
+                                   [&](const Vector3d& x) {
+                                     return std::min(x.x(), x.y()) > 1e-9 && (x.norm() < 6) ? Rim::Free : Rim::Wall;
+                                   }),
+                        {1.0, nu}, LayerFit::TwoTerms);
       LayerContact contact;
       contact.source = side(layer);
       contact.area = layer.areas();
       const LayerPressure r = solve_contact(
           contact, at_feet(surface, [&](const Vector3d& x) { return overlap(x.norm()); }), {}, small_strain());
       ASSERT_TRUE(r.converged);
-      if (std::getenv("SHOW"))
-        printf("%s nu %g F %+.1f%% peak %+.1f%%\n", hole ? "hole" : "disc", nu, 100 * (contact.area.dot(r.pressure) / force - 1), 100 * (r.pressure.maxCoeff() / exact.maxCoeff() - 1));
       EXPECT_NEAR(contact.area.dot(r.pressure) / force, 1, 0.05) << (hole ? "hole" : "disc") << " nu " << nu;
       if (!hole) {
         EXPECT_NEAR(r.pressure.maxCoeff() / exact.maxCoeff(), 1, 0.05) << nu;
@@ -561,7 +560,6 @@ TEST(LayerContact, BendsOfTheBoneAgainstFiniteElements) {
           const int k = std::clamp(static_cast<int>(std::floor(u)), 0, m - 2);
           worst = std::max(worst, std::abs(r.pressure[i] - exact[k] - (u - k) * (exact[k + 1] - exact[k])) / peak);
         }
-        if (std::getenv("SHOW")) printf("slope %g %d n %d worst %.1f%%\n", slope, cylinder, n, 100 * worst);
         EXPECT_LT(worst, 0.05) << "slope " << slope << (cylinder ? " cylinder " : " plane ") << n;
       }
     }
@@ -596,7 +594,6 @@ TEST(LayerContact, UnlikeMeshes) {
         ASSERT_TRUE(r.converged);
         const double force = contact.area.dot(r.pressure) / contact.area.dot(matched.pressure) - 1,
                      peak = r.pressure.maxCoeff() / matched.pressure.maxCoeff() - 1;
-        if (std::getenv("SHOW")) printf("h/t %.2f nu %.4f ratio %.2f force %+.2f%% peak %+.2f%%\n", h / t, nu, ratio, 100 * force, 100 * peak);
         const std::string what =
             "h " + std::to_string(h) + " nu " + std::to_string(nu) + " ratio " + std::to_string(ratio);
         EXPECT_LT(std::abs(force), ratio > 2 ? 0.05 : 0.01) << what;

@@ -92,8 +92,7 @@ TEST(LayerOperator, WorkIsSymmetricAndPositive) {
               << "nu " << nu << " " << name(fit) << " rim " << static_cast<int>(rim) << " " << divide;
           if (fit == LayerFit::OneTerm) continue;
           // about large strains: each foot's softening is anything up to 1/M
-          const VectorXd softening =
-              (VectorXd::Random(n).array() * 0.5 + 0.5).matrix() * layer.law().confined * 0.9999;
+          const VectorXd softening = (VectorXd::Random(n).array() * 0.5 + 0.5).matrix() * layer.law().confined * 0.9999;
           const Eigen::MatrixXd strained = scaled_work(layer, feet, &softening);
           EXPECT_LT(asymmetry(strained), 1e-12);
           EXPECT_GT(least_eigenvalue(strained), 0) << "nu " << nu << " rim " << static_cast<int>(rim);
@@ -138,9 +137,9 @@ TEST(LayerOperator, FeetMayDivideTriangles) {
     const SurfaceMesh surface = test::rectangle(2 * n, n, 12, 6);
     double volume[2];
     for (const int divide : {1, 2}) {
-      FootedLayer layer(
-          layer_mesh(surface, [](const Vector3d& x) { return 1 + x.x() / 8; }, all(Rim::Free), -1, divide), kCartilage,
-          LayerFit::OneTerm);
+      FootedLayer layer(layer_mesh(
+                            surface, [](const Vector3d& x) { return 1 + x.x() / 8; }, all(Rim::Free), -1, divide),
+                        kCartilage, LayerFit::OneTerm);
       const VectorXd p = at_feet(layer.surface(), [](const Vector3d& x) { return std::sin(kPi / 12 * x.x()); });
       volume[divide - 1] = (layer.areas().array() * p.array() * layer.sinking(p).array()).sum();
     }
@@ -181,7 +180,8 @@ TEST(LayerOperator, PlacesWithoutLayer) {
   const VectorXd p = VectorXd::Ones(surface.size());
   for (LayerFit fit : kFits) {
     FootedLayer layer(
-        layer_mesh(surface, [](const Vector3d& x) { return x.x() < 6 ? 0.0 : wavy_thickness(x); }, all(Rim::Continues)),
+        layer_mesh(
+            surface, [](const Vector3d& x) { return x.x() < 6 ? 0.0 : wavy_thickness(x); }, all(Rim::Continues)),
         kCartilage, fit);
     const VectorXd w = layer.sinking(p);
     int bare = 0;
@@ -249,8 +249,8 @@ TEST(LayerOperator, BeyondTheRimTheLayerGoesOn) {
 
 // The same for the middle of a plate under a load that fades out: with all the rest of the layer there, but no foot on
 // it; with some of it, which then goes on; and cut off at once where it goes on. The condition knows the flow across an
-// edge only, not that it also spreads along it: with the load up to the cut it is up to 2.6% off the greater the further
-// the layer flows, one thickness beyond it no more than 1%.
+// edge only, not that it also spreads along it: with the load up to the cut it is up to 2.6% off the greater the
+// further the layer flows, one thickness beyond it no more than 1%.
 TEST(LayerOperator, TheRestOfTheFaceIsThere) {
   const double t = 2.0, half = 4.0;
   const auto inside = [&](const Vector3d& x) { return std::max(std::abs(x.x()), std::abs(x.y())) < half; };
@@ -298,9 +298,8 @@ TEST(LayerOperator, AWallIsThePlaneOfSymmetry) {
   for (const Rim round : {Rim::Free, Rim::Continues})
     for (const LayerFit fit : kFits) {
       FootedLayer all_of_it(layer_mesh(whole, thickness, all(round)), kCartilage, fit),
-          half_of_it(
-              layer_mesh(half, thickness, [=](const Vector3d& x) { return x.x() < 1e-9 ? Rim::Wall : round; }),
-              kCartilage, fit);
+          half_of_it(layer_mesh(half, thickness, [=](const Vector3d&x) { return x.x() < 1e-9 ? Rim::Wall : round; }),
+                     kCartilage, fit);
       const VectorXd w = half_of_it.sinking(at_feet(half, load)), both = all_of_it.sinking(at_feet(whole, load));
       EXPECT_LT((both.head(w.size()) - w).norm() / w.norm(), 1e-10) << static_cast<int>(round) << " " << name(fit);
     }
@@ -329,18 +328,17 @@ TEST(LayerOperator, LargeStrainStartsLinearly) {
 TEST(LayerOperator, SofteningIsTheDerivative) {
   const SurfaceMesh surface = saddle(6);
   const auto mesh = layer_mesh(surface, wavy_thickness, all(Rim::Free));
-  const VectorXd shape = at_feet(surface, [](const Vector3d& x) { return 1 + std::sin(x.x()); }),
-                 step = at_feet(surface, [](const Vector3d& x) { return std::cos(0.7 * x.y()); });
+  const VectorXd shape = at_feet(surface, [](const Vector3d&x) { return 1 + std::sin(x.x()); }),
+                 step = at_feet(surface, [](const Vector3d&x) { return std::cos(0.7 * x.y()); });
   for (LayerFit fit : kFits)
     for (double nu : {0.1, 0.45, 0.499}) {
       FootedLayer layer(mesh, {11.85, nu}, fit);
       const double pressure = 0.3 / layer.layer.law().confined, d = 1e-4 * pressure;
       VectorXd softening, ignored;
       const VectorXd w = layer.layer.large_sinking(layer.feet, pressure * shape, softening);
-      const VectorXd numeric =
-          (layer.layer.large_sinking(layer.feet, pressure * shape + d * step, ignored) -
-           layer.layer.large_sinking(layer.feet, pressure * shape - d * step, ignored)) /
-          (2 * d);
+      const VectorXd numeric = (layer.layer.large_sinking(layer.feet, pressure * shape + d * step, ignored) -
+                                layer.layer.large_sinking(layer.feet, pressure * shape - d * step, ignored)) /
+                               (2 * d);
       const VectorXd tangent = layer.layer.sinking(layer.feet, step, &softening).col(0);
       EXPECT_LT((tangent - numeric).norm(), 1e-6 * numeric.norm()) << name(fit) << " nu " << nu;
       EXPECT_GT((layer.sinking(step) - numeric).norm(), 1e-3 * numeric.norm()) << "softening makes no difference";
@@ -401,8 +399,10 @@ TEST(FootParts, OnPaper) {
 // pressed sinks, and an even pressure sinks an unbounded layer evenly.
 TEST(FootParts, OnTurnedMeshes) {
   const double t = 1.0, h = 0.5;
-  const SurfaceMesh few = test::grid(8, 8, [=](double u, double v) -> Vector3d { return 8 * h * Vector3d(u - 0.5, v - 0.5, 0); }),
-                    many = test::grid(56, 56, [=](double u, double v) -> Vector3d { return 56 * h * Vector3d(u - 0.5, v - 0.5, 0); });
+  const SurfaceMesh few = test::grid(
+                        8, 8, [=](double u, double v) -> Vector3d { return 8 * h * Vector3d(u - 0.5, v - 0.5, 0); }),
+                    many = test::grid(
+                        56, 56, [=](double u, double v) -> Vector3d { return 56 * h * Vector3d(u - 0.5, v - 0.5, 0); });
   for (const double ratio : {0.3, 0.5, 1.0, 2.0}) {
     test::Underside below{static_cast<int>(60 / ratio), 60 * h, 0.4, {0.1, -0.07, 0}};
     const auto mesh = layer_mesh(below.mesh(), even(t), all(Rim::Continues));
@@ -441,7 +441,8 @@ TEST(FootParts, OnTurnedMeshes) {
 // The feet move over the target's triangles: what the layer does is a continuous function of the place, also where
 // their edges meet. A jump would be as large as for a thousandth of a foot.
 TEST(FootParts, ContinuousInThePose) {
-  const SurfaceMesh feet = test::grid(6, 6, [](double u, double v) -> Vector3d { return 3 * Vector3d(u - 0.5, v - 0.5, 0); });
+  const SurfaceMesh feet =
+      test::grid(6, 6, [](double u, double v) -> Vector3d { return 3 * Vector3d(u - 0.5, v - 0.5, 0); });
   for (const double angle : {0.0, 0.3}) {
     const test::Underside below{24, 9.6, angle, {}};
     LayerOperator layer(layer_mesh(below.mesh(), even(1), all(Rim::Continues)), kCartilage, LayerFit::TwoTerms);
