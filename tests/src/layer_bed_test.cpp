@@ -113,6 +113,67 @@ TEST(LayerRim, IsTheSameOnAllSidesAndForAnyRefinement) {
     EXPECT_NEAR(on_a_wider_layer(beyond + 0.01, 1).total / on_a_wider_layer(beyond, 1).total, 1, 1e-3) << beyond;
 }
 
+/// A domed layer, 2 thick, pressed 0.3 into a flat one, 1.5 thick; their facets are unlike. The springs stand on the
+/// dome or, `swapped`, on the flat layer.
+struct Domed {
+  JointModel model = empty_model();
+  explicit Domed(bool swapped) {
+    const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true),
+              top = add_material(model, "top", true);
+    const int flat = add_layer(
+        model, "flat", 23, 23, 1, [](double u, double v) { return Vector3d(16 * u - 8, 16 * v - 8, -1.5); },
+        [](double u, double v) { return Vector3d(16 * u - 8, 16 * v - 8, 0); }, cartilage, base);
+    const auto dome = [](double above) {
+      return [=](double u, double v) {
+        const double a = 14 * (v - 0.5), b = 14 * (u - 0.5), x = 0.8 * a - 0.6 * b, y = 0.6 * a + 0.8 * b;
+        return Vector3d(x, y, above + (x * x + y * y) / 80);
+      };
+    };
+    const int domed = add_layer(model, "dome", 20, 20, 1, dome(2), dome(0), cartilage, top);
+    add_contact(model, "press", swapped ? flat : domed, swapped ? domed : flat);
+  }
+};
+
+// What of the target the feet stand on is what they cover, whatever the facets; and who has the springs matters by the
+// discretisation only.
+TEST(LayerBed, FeetOnTheTarget) {
+  double force[2], peak[2];
+  for (const bool swapped : {false, true})
+    for (const int refine : {1, 2}) {
+      Domed domed(swapped);
+      Settings settings = layer_settings();
+      settings.refine = refine;
+      const Joint joint = make_joint(domed.model, settings);
+      const SpringBeds beds = make_spring_beds(joint);
+      const SpringBed& bed = beds.beds[0];
+      Pose source = at_rest(joint.bodies[static_cast<std::size_t>(bed.source_body)]),
+           target = at_rest(joint.bodies[static_cast<std::size_t>(bed.target_body)]);
+      target.center.z() += swapped ? -0.3 : 0.3;
+      target.rotation = Eigen::AngleAxisd(0.013, Vector3d(1, 2, 0).normalized()).toRotationMatrix();
+      const SpringStates s = project_springs(bed, source, target);
+      const LayerFeet feet = feet_on_target(bed, *bed.layers->target, s, source, target, 1e9);
+      double total = 0, most = 0;
+      for (int i = 0; i < s.size(); ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        EXPECT_EQ(feet.area[k] > 0, s.area[k] > 0 && s.triangle[k] >= 0) << i;
+        if (feet.area[k] == 0) continue;
+        EXPECT_NEAR(feet.area[k], s.area[k], 1e-12);
+        EXPECT_NEAR(feet.thickness(i), s.t_target[k], 0.03 * s.t_target[k]);
+        double weight = 0;
+        for (int j = feet.begin[k]; j < feet.begin[k + 1]; ++j) weight += feet.weight[static_cast<std::size_t>(j)];
+        EXPECT_NEAR(weight, feet.volume[k], 1e-12);
+        total += s.pressure[k] * s.area[k];
+        most = std::max(most, s.pressure[k]);
+      }
+      if (refine == 2) continue;
+      force[swapped] = total;
+      peak[swapped] = most;
+    }
+  EXPECT_GT(force[0], 20.0);
+  EXPECT_NEAR(force[1] / force[0], 1, 0.02);
+  EXPECT_NEAR(peak[1] / peak[0], 1, 0.02);
+}
+
 TEST(LayerBed, WalledInLayerIsConfined) {
   // between planes of symmetry nothing flows sideways: the confined response (S6), the same everywhere
   JointModel model = flat_plates(8, 10, 2, 0.0, 12);

@@ -102,6 +102,43 @@ TEST(LayerOperator, WorkIsSymmetricAndPositive) {
   }
 }
 
+// Edges that turn both ways, so that some of their vertices are held and others are not (L7): a hole of 0.75 t in a
+// square with sharp corners, and a strip whose edges zigzag. Nothing is asked for but what a solver needs.
+TEST(LayerOperator, AnyFreeEdgeLeavesItPositive) {
+  const auto with_hole = [](double u, double v) {
+    const double a = 0.5 * kPi * v, far = 8 / std::max(std::cos(a), std::sin(a));
+    return Vector3d((1.5 + (far - 1.5) * u) * std::cos(a), (1.5 + (far - 1.5) * u) * std::sin(a), 0);
+  };
+  const auto zigzag = [](double u, double v) {
+    return Vector3d(9 * u, (v - 0.5) * (5 + 1.2 * (static_cast<int>(std::lround(9 * u)) % 2)), 0);
+  };
+  for (const bool hole : {true, false}) {
+    const SurfaceMesh surface = hole ? test::grid(9, 10, with_hole) : test::grid(9, 6, zigzag);
+    const auto mesh = layer_mesh(surface, even(2), [=](const Vector3d& x) {
+      return hole && std::min(x.x(), x.y()) < 1e-9 ? Rim::Wall : Rim::Free;
+    });
+    double least_bend = 0, most_bend = 0;
+    for (const double bend : mesh->edge_curvature) {
+      least_bend = std::min(least_bend, 2 * bend);
+      most_bend = std::max(most_bend, 2 * bend);
+    }
+    if (hole) {
+      EXPECT_LT(least_bend, -0.8);  // -1.33 but for the few triangles
+      EXPECT_GT(most_bend, 0.3);
+    }
+    for (const double nu : {0.0, 0.2, 0.3, 0.45, 0.4999})
+      for (LayerFit fit : kFits) {
+        FootedLayer layer(mesh, {11.85, nu}, fit);
+        const Eigen::MatrixXd work = scaled_work(layer.layer, layer.feet);
+        EXPECT_LT(asymmetry(work), 1e-12) << hole << " nu " << nu << " " << name(fit);
+        EXPECT_GT(least_eigenvalue(work), 0.05) << hole << " nu " << nu << " " << name(fit);
+        if (fit == LayerFit::OneTerm) continue;
+        const VectorXd softening = VectorXd::Constant(surface.size(), 0.9999 * layer.layer.law().confined);
+        EXPECT_GT(least_eigenvalue(scaled_work(layer.layer, layer.feet, &softening)), 0) << hole << " nu " << nu;
+      }
+  }
+}
+
 // Between walls the volume pressed in is that of the bed of springs, sum of A t p / M, whatever the thickness does:
 // bulging moves volume and makes none. With a free rim some of it escapes, so more is pressed in.
 TEST(LayerOperator, VolumeIsConservedBetweenWalls) {
