@@ -425,7 +425,9 @@ TEST(LayerContact, LargeStrainsAgainstFiniteElements) {
   std::ifstream file(DEA_ANALYTIC_DIR "/large_strain.csv");
   std::string line;
   int rows = 0;
-  for (std::getline(file, line); std::getline(file, line); ++rows) {
+  while (std::getline(file, line)) {
+    if (line[0] == '#' || line.rfind("case", 0) == 0) continue;
+    ++rows;
     std::vector<std::string> cell;
     std::stringstream cells(line);
     for (std::string c; std::getline(cells, c, ',');) cell.push_back(c);
@@ -451,7 +453,7 @@ TEST(LayerContact, LargeStrainsAgainstFiniteElements) {
     EXPECT_NEAR(p.force / number(10), 1, tolerance) << line;
     EXPECT_NEAR(p.peak / number(12), 1, peak_tolerance) << line;
   }
-  EXPECT_GT(rows, 10);
+  EXPECT_GT(rows, 60);
 }
 
 // The elements themselves: one row of the file again, coarser.
