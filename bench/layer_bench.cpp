@@ -34,38 +34,38 @@ double least_ms(int repeats, const Work& work) {
 void rung(int n, double nu, LayerFit fit) {
   const SurfaceMesh surface =
       test::grid(n, n, [](double u, double v) { return Vector3d(20 * u - 10, 20 * v - 10, 0.0); });
-  const auto mesh = std::make_shared<LayerMesh>(make_layer_mesh(surface));
-  const LayerLaw law = layer_law({11.85, nu}, fit);
-  const std::vector<double> t_s = test::to_vector(test::at_feet(
-                                surface, [](const Vector3d&x) { return 2 + 0.5 * std::sin(0.4 * x.x()); })),
-                            t_t = test::to_vector(test::at_feet(
-                                surface, [](const Vector3d&x) { return 1.5 + 0.4 * std::cos(0.3 * x.y()); }));
+  const Elasticity cartilage{11.85, nu};
+  const auto source_mesh = test::layer_mesh(
+                 surface, [](const Vector3d&x) { return 2 + 0.5 * std::sin(0.4 * x.x()); }, test::all(Rim::Free)),
+             target_mesh = test::layer_mesh(
+                 surface, [](const Vector3d&x) { return 1.5 + 0.4 * std::cos(0.3 * x.y()); },
+                 test::all(Rim::Continues));
   const VectorXd overlap =
       test::at_feet(surface, [](const Vector3d& x) { return 0.3 - (x.x() * x.x() + x.y() * x.y()) / (2 * 80.0); });
-  LayerOperator source(mesh, law, std::vector<Rim>(mesh->rim.size(), Rim::Free)),
-      target(mesh, law, std::vector<Rim>(mesh->rim.size(), Rim::Continues));
-  const int repeats = std::clamp(60000 / mesh->feet(), 1, 10);
-  const double analysis =
-      least_ms(repeats, [&] { LayerOperator(mesh, law, std::vector<Rim>(mesh->rim.size(), Rim::Free)); });
-  const double factorisation = least_ms(repeats, [&] { target.set_thickness(t_t); });
-  source.set_thickness(t_s);
+  test::FootedLayer source(source_mesh, cartilage, fit), target(target_mesh, cartilage, fit);
+  const int repeats = std::clamp(60000 / surface.size(), 1, 10);
+  const double meshing = least_ms(repeats, [&] {
+    test::layer_mesh(
+        surface, [](const Vector3d& x) { return 2 + 0.01 * x.x(); }, test::all(Rim::Free));
+  });
+  const double factorisation = least_ms(repeats, [&] { LayerOperator(target_mesh, cartilage, fit); });
   LayerContact contact;
-  contact.source = &source;
-  contact.target = &target;
-  contact.area = Eigen::Map<const VectorXd>(mesh->area.data(), mesh->feet());
+  contact.source = {&source.layer, &source.feet, {}};
+  contact.target = {&target.layer, &target.feet, {}};
+  contact.area = source.areas();
   LayerPressure cold, warm;
   const double solution = least_ms(repeats, [&] { cold = solve_contact(contact, overlap); });
   const double again =
       least_ms(repeats, [&] { warm = solve_contact(contact, overlap.array() + 0.005, cold.pressure); });
   MatrixXd motions(overlap.size(), 6);
-  for (int i = 0; i < mesh->feet(); ++i) {
+  for (int i = 0; i < surface.size(); ++i) {
     const Vector3d x = surface.centroid(i);
     motions.row(i) << 1, x.x(), x.y(), x.x() / 80, x.y() / 80, x.x() * x.y() / 80;
   }
   ActiveRates rates;
   const double derivative = least_ms(repeats, [&] { rates = solve_active(contact, cold.active, motions); });
-  fmt::print("{:8} {:6.4f} {:>9} {:9.2f} {:9.2f} {:9.2f} {:5} {:9.2f} {:5} {:9.2f} {:5}  {:8.1e} {}\n", mesh->feet(),
-             nu, name(fit), analysis, factorisation, solution, cold.applications, again, warm.applications, derivative,
+  fmt::print("{:8} {:6.4f} {:>9} {:9.2f} {:9.2f} {:9.2f} {:5} {:9.2f} {:5} {:9.2f} {:5}  {:8.1e} {}\n", surface.size(),
+             nu, name(fit), meshing, factorisation, solution, cold.applications, again, warm.applications, derivative,
              rates.applications, cold.residual, cold.converged ? "" : "not converged");
 }
 
@@ -76,8 +76,8 @@ int main(int argc, char** argv) {
   const bool smoke = argc > 1 && std::string(argv[1]) == "smoke";
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured
   fmt::print("Contact of two layers, one thread, ms (least of some repeats); app.: applications of the compliance.\n");
-  fmt::print("{:>8} {:>6} {:>9} {:>9} {:>9} {:>9} {:>5} {:>9} {:>5} {:>9} {:>5}  {:>8}\n", "feet", "nu", "law",
-             "analyse", "factor", "contact", "app.", "warm", "app.", "6 rates", "app.", "residual");
+  fmt::print("{:>8} {:>6} {:>9} {:>9} {:>9} {:>9} {:>5} {:>9} {:>5} {:>9} {:>5}  {:>8}\n", "feet", "nu", "law", "mesh",
+             "factor", "contact", "app.", "warm", "app.", "6 rates", "app.", "residual");
   for (const int n : smoke ? std::vector<int>{10} : std::vector<int>{22, 45, 100, 224, 316})
     for (const double nu : smoke ? std::vector<double>{0.45} : std::vector<double>{0.3, 0.45, 0.49, 0.4999})
       for (const LayerFit fit : {LayerFit::OneTerm, LayerFit::TwoTerms}) rung(n, nu, fit);

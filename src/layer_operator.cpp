@@ -287,7 +287,10 @@ void add_foot(LayerFeet& feet, const LayerOperator& of, const std::vector<Surfac
           b[k] += a / 12 *
                   (at_corner[0] * (*p[0])[k] + at_corner[1] * (*p[1])[k] + at_corner[2] * (*p[2])[k] + 3 * mean * all[k]);
         part_volume += a * mean;
-        if (mean > 0) part_own += a * mean * (local + edge_own * std::exp(-kEdgeDecay * edge / mean));
+        if (mean > 0)  // nothing beyond the reach, where the distance is not known
+          part_own += a * mean *
+                      (local + edge_own * std::max(0.0, std::exp(-kEdgeDecay * edge / mean) -
+                                                            std::exp(-kEdgeDecay * kEdgeReach)));
       }
       for (std::size_t k = 0; k < 3; ++k) {
         std::size_t i = first;

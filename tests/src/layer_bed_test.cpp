@@ -51,7 +51,7 @@ RimForces on_a_wider_layer(double beyond, int refine) {
             top = add_material(model, "top", true);
   const double wide = kWidth + 2 * beyond;
   const int lower = add_layer(
-      model, "lower", 10, 10, 1,
+      model, "lower", static_cast<int>(wide / 0.79), static_cast<int>(wide / 0.79), 1,
       [=](double u, double v) { return Vector3d(wide * (u - 0.5), wide * (v - 0.5), -kThick); },
       [=](double u, double v) { return Vector3d(wide * (u - 0.5), wide * (v - 0.5), 0); }, cartilage, base);
   const int upper = add_layer(
@@ -88,23 +88,90 @@ void wall_in(JointModel& model, double size) {
   }
 }
 
-// Whether the target goes on beyond the source's rim is a matter of distances, not of triangles and rounding.
+// What the target is beyond the source's rim counts as what it is: the more of it the less gives way, ever less so, and
+// without a step. The same on all sides, for any triangles and rounding.
 TEST(LayerRim, IsTheSameOnAllSidesAndForAnyRefinement) {
-  double before = 0.0;
-  for (const double beyond : {1.0, 2.0, 2.25, 2.75, 3.25, 4.0}) {  // free up to the thickness, then the layer goes on
+  double before = 0.0, rise = 1e300;
+  for (const double beyond : {1.0, 2.0, 3.0, 4.0, 5.0}) {
     const RimForces coarse = on_a_wider_layer(beyond, 1);
     EXPECT_GT(coarse.total, 30.0);
     for (const int refine : {1, 2, 3}) {
       SCOPED_TRACE(fmt::format("{} beyond, refine {}", beyond, refine));
       const RimForces forces = on_a_wider_layer(beyond, refine);
       for (const double side : forces.side) EXPECT_NEAR(side, forces.side[0], 0.02 * forces.side[0]);
-      EXPECT_NEAR(forces.total, coarse.total, 0.01 * coarse.total);
+      EXPECT_NEAR(forces.total, coarse.total, 0.015 * coarse.total);
     }
     if (before > 0) {
-      EXPECT_NEAR(coarse.total, before, (beyond == 2.25 ? 0.25 : 1e-3) * before);
+      EXPECT_GT(coarse.total, before);
+      EXPECT_LT(coarse.total - before, 0.7 * rise);
+      rise = coarse.total - before;
     }
     before = coarse.total;
   }
+  EXPECT_LT(rise, 0.005 * before);
+  for (const double beyond : {1.0, 2.0, 2.5, 3.0})
+    EXPECT_NEAR(on_a_wider_layer(beyond + 0.01, 1).total / on_a_wider_layer(beyond, 1).total, 1, 1e-3) << beyond;
+}
+
+/// A domed layer, 2 thick, pressed 0.3 into a flat one, 1.5 thick; their facets are unlike. The springs stand on the
+/// dome or, `swapped`, on the flat layer.
+struct Domed {
+  JointModel model = empty_model();
+  explicit Domed(bool swapped) {
+    const int cartilage = add_material(model, "cartilage", false), base = add_material(model, "base", true),
+              top = add_material(model, "top", true);
+    const int flat = add_layer(
+        model, "flat", 23, 23, 1, [](double u, double v) { return Vector3d(16 * u - 8, 16 * v - 8, -1.5); },
+        [](double u, double v) { return Vector3d(16 * u - 8, 16 * v - 8, 0); }, cartilage, base);
+    const auto dome = [](double above) {
+      return [=](double u, double v) {
+        const double a = 14 * (v - 0.5), b = 14 * (u - 0.5), x = 0.8 * a - 0.6 * b, y = 0.6 * a + 0.8 * b;
+        return Vector3d(x, y, above + (x * x + y * y) / 80);
+      };
+    };
+    const int domed = add_layer(model, "dome", 20, 20, 1, dome(2), dome(0), cartilage, top);
+    add_contact(model, "press", swapped ? flat : domed, swapped ? domed : flat);
+  }
+};
+
+// What of the target the feet stand on is what they cover, whatever the facets; and who has the springs matters by the
+// discretisation only.
+TEST(LayerBed, FeetOnTheTarget) {
+  double force[2], peak[2];
+  for (const bool swapped : {false, true})
+    for (const int refine : {1, 2}) {
+      Domed domed(swapped);
+      Settings settings = layer_settings();
+      settings.refine = refine;
+      const Joint joint = make_joint(domed.model, settings);
+      const SpringBeds beds = make_spring_beds(joint);
+      const SpringBed& bed = beds.beds[0];
+      Pose source = at_rest(joint.bodies[static_cast<std::size_t>(bed.source_body)]),
+           target = at_rest(joint.bodies[static_cast<std::size_t>(bed.target_body)]);
+      target.center.z() += swapped ? -0.3 : 0.3;
+      target.rotation = Eigen::AngleAxisd(0.013, Vector3d(1, 2, 0).normalized()).toRotationMatrix();
+      const SpringStates s = project_springs(bed, source, target);
+      const LayerFeet feet = feet_on_target(bed, *bed.layers->target, s, source, target, 1e9);
+      double total = 0, most = 0;
+      for (int i = 0; i < s.size(); ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        EXPECT_EQ(feet.area[k] > 0, s.area[k] > 0 && s.triangle[k] >= 0) << i;
+        if (feet.area[k] == 0) continue;
+        EXPECT_NEAR(feet.area[k], s.area[k], 1e-12);
+        EXPECT_NEAR(feet.thickness(i), s.t_target[k], 0.03 * s.t_target[k]);
+        double weight = 0;
+        for (int j = feet.begin[k]; j < feet.begin[k + 1]; ++j) weight += feet.weight[static_cast<std::size_t>(j)];
+        EXPECT_NEAR(weight, feet.volume[k], 1e-12);
+        total += s.pressure[k] * s.area[k];
+        most = std::max(most, s.pressure[k]);
+      }
+      if (refine == 2) continue;
+      force[swapped] = total;
+      peak[swapped] = most;
+    }
+  EXPECT_GT(force[0], 20.0);
+  EXPECT_NEAR(force[1] / force[0], 1, 0.02);
+  EXPECT_NEAR(peak[1] / peak[0], 1, 0.02);
 }
 
 TEST(LayerBed, WalledInLayerIsConfined) {
@@ -133,6 +200,27 @@ TEST(LayerBed, FreeEdgesLetTheLayerEscape) {
     if (from_middle > 4) edge = std::min(edge, s.pressure[k]);
   }
   EXPECT_GT(middle, 1.5 * edge);
+}
+
+// A nearly incompressible layer that can escape to its sides carries little of what confines it, but its strain is what
+// it is pressed together by: 95% of its thickness is beyond the limit.
+TEST(LayerBed, StrainIsTheShorteningOverTheThickness) {
+  JointModel model = flat_plates(8, 10, 2, 0.0, 12);
+  model.materials[0].nu = 0.499;
+  const SpringStates s = pressed(model, layer_settings(), 1.9);
+  EXPECT_TRUE(s.complementary);
+  for (int i = 0; i < s.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    EXPECT_NEAR(s.strain[k], 0.95, 1e-6);
+    EXPECT_LT(strain_at_pressure(Law::NeoHookean, {kE, 0.499}, s.pressure[k]), 0.8);
+  }
+  EXPECT_EQ(spring_depth(s).strained, s.size());
+  prescribe(model, 2, 2, -1.9);
+  fix(model, 2, {true, true, false, true, true, true});
+  const Analysis analysis = analyse(model, layer_settings());
+  EXPECT_EQ(analysis.states.back().equilibrium.outcome, Outcome::BeyondStrainLimit);
+  model.rigid_prescribed[0].value.factor = -0.6;
+  EXPECT_NE(analyse(model, layer_settings()).states.back().equilibrium.outcome, Outcome::BeyondStrainLimit);
 }
 
 TEST(LayerBed, InterfaceIsInSeries) {

@@ -5,8 +5,14 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <utility>
 
 #include "analytic/elastic_layer.h"
+#include "analytic/free_edges.h"
+#include "analytic/neo_hookean_layer.h"
 #include "src/layer_meshes.h"
 
 namespace dea {
@@ -14,76 +20,102 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::all;
 using test::at_feet;
-using test::to_vector;
+using test::even;
+using test::FootedLayer;
+using test::layer_mesh;
 
 const double kPi = std::acos(-1.0);
 const double kE = 11.85;
 const LayerFit kFits[] = {LayerFit::OneTerm, LayerFit::TwoTerms};
 
-VectorXd areas(const LayerMesh& mesh) { return Eigen::Map<const VectorXd>(mesh.area.data(), mesh.feet()); }
+/// A layer under feet, as one side of a contact.
+LayerSide side(FootedLayer& layer) { return {&layer.layer, &layer.feet, {}}; }
+
+LayerContactOptions small_strain() {
+  LayerContactOptions options;
+  options.large_strain = false;
+  return options;
+}
 
 /// Two layers of varying thickness on a curved patch, pressed by a bumpy overlap that leaves islands and holes.
 struct Bumpy {
   SurfaceMesh surface;
-  std::shared_ptr<const LayerMesh> mesh;
-  LayerOperator source, target;
+  FootedLayer source, target;
+  LayerFeet source_feet, target_feet;
   LayerContact contact;
   VectorXd overlap;
 
   Bumpy(int n, double nu, LayerFit fit)
       : surface(test::grid(n, n, [](double u, double v) { return Vector3d(16 * u, 14 * v, 2 * u * v + u * u); })),
-        mesh(std::make_shared<LayerMesh>(make_layer_mesh(surface))),
-        source(mesh, layer_law({kE, nu}, fit), std::vector<Rim>(mesh->rim.size(), Rim::Free)),
-        target(mesh, layer_law({kE, nu}, fit), std::vector<Rim>(mesh->rim.size(), Rim::Continues)) {
-    source.set_thickness(to_vector(at_feet(surface, [](const Vector3d& x) { return 2 + std::sin(0.4 * x.x()); })));
-    target.set_thickness(to_vector(at_feet(surface, [](const Vector3d& x) { return 1 + 0.5 * std::cos(x.y()); })));
-    contact.source = &source;
-    contact.target = &target;
-    contact.area = areas(*mesh);
+        source(layer_mesh(
+                   surface, [](const Vector3d& x) { return 2 + std::sin(0.4 * x.x()); }, all(Rim::Free)),
+               {kE, nu}, fit),
+        target(layer_mesh(
+                   surface, [](const Vector3d& x) { return 1 + 0.5 * std::cos(x.y()); }, all(Rim::Continues)),
+               {kE, nu}, fit) {
+    VectorXd share = VectorXd::Ones(surface.size());
+    for (int i = 0; i < surface.size(); i += 7) share[i] = 0.3;   // partly over the target
+    for (int i = 0; i < surface.size(); i += 11) share[i] = 0.0;  // not at all
+    source_feet = test::covered(source.feet, share);
+    target_feet = test::covered(target.feet, share);
+    contact.source = {&source.layer, &source_feet, {}};
+    contact.target = {&target.layer, &target_feet, {}};
+    contact.area = source.areas().cwiseProduct(share);
     overlap =
         at_feet(surface, [](const Vector3d& x) { return 0.1 + 0.2 * std::sin(0.7 * x.x()) * std::cos(0.6 * x.y()); });
-    for (int i = 0; i < mesh->feet(); i += 7) contact.area[i] *= 0.3;  // partly over the target
-    for (int i = 0; i < mesh->feet(); i += 11) contact.area[i] = 0.0;  // not at all
   }
+  Bumpy(const Bumpy&) = delete;
+  Bumpy& operator=(const Bumpy&) = delete;
 };
 
 // The conditions themselves, for compliances from mild to nearly incompressible, from nothing and from a wrong guess.
 TEST(LayerContact, MeetsItsConditions) {
-  for (double nu : {0.2, 0.3, 0.45, 0.4999}) {
-    for (LayerFit fit : kFits) {
-      Bumpy b(24, nu, fit);
-      const LayerPressure r = solve_contact(b.contact, b.overlap);
-      ASSERT_TRUE(r.converged) << nu << " " << name(fit);
-      EXPECT_LT(r.applications, 120) << nu << " " << name(fit);
-      const VectorXd w = sinking(b.contact, r.pressure).col(0), local = local_compliance(b.contact);
-      const double peak = r.pressure.maxCoeff();
-      int active = 0, bulged = 0;
-      for (int i = 0; i < w.size(); ++i) {
-        const double missing = (w[i] - b.overlap[i]) / local[i] / peak;
-        EXPECT_GE(r.pressure[i], 0);
-        if (b.contact.area[i] == 0) {
-          EXPECT_EQ(r.pressure[i], 0);
-          continue;
+  for (double nu : {0.2, 0.3, 0.45, 0.4999})
+    for (LayerFit fit : kFits)
+      for (const bool large : {false, true}) {
+        Bumpy b(24, nu, fit);
+        LayerContactOptions options;
+        options.large_strain = large;
+        const std::string what =
+            std::string(name(fit)) + " nu " + std::to_string(nu) + (large ? " large strain" : " small strain");
+        const LayerPressure r = solve_contact(b.contact, b.overlap, {}, options);
+        ASSERT_TRUE(r.converged) << what;
+        EXPECT_LT(r.applications, large ? 250 : 120) << what;
+        VectorXd w = sinking(b.contact, r.pressure).col(0), softening;
+        if (large)
+          w = b.source.layer.large_sinking(b.source_feet, r.pressure, softening) +
+              b.target.layer.large_sinking(b.target_feet, r.pressure, softening);
+        EXPECT_LT((w - r.sunk_source - r.sunk_target).lpNorm<Eigen::Infinity>(), 1e-12 * w.maxCoeff()) << what;
+        const VectorXd local = local_compliance(b.contact);
+        const double peak = r.pressure.maxCoeff(), tolerance = 3e-9;
+        int active = 0, bulged = 0;
+        for (int i = 0; i < w.size(); ++i) {
+          EXPECT_GE(r.pressure[i], 0);
+          if (b.contact.area[i] == 0) {
+            EXPECT_EQ(r.pressure[i], 0);
+            continue;
+          }
+          const double missing = (w[i] - b.overlap[i]) / local[i] / peak;
+          EXPECT_GT(missing, -tolerance) << what;
+          if (r.pressure[i] > tolerance * peak) {
+            EXPECT_NEAR(missing, 0, tolerance) << what;
+          }
+          active += r.active[static_cast<std::size_t>(i)];
+          bulged += r.pressure[i] > 0 && b.overlap[i] < 0;
         }
-        EXPECT_GT(missing, -2e-9);
-        if (r.pressure[i] > 2e-9 * peak) {
-          EXPECT_NEAR(missing, 0, 2e-9);
-        }
-        active += r.active[static_cast<std::size_t>(i)];
-        bulged += r.pressure[i] > 0 && b.overlap[i] < 0;
+        EXPECT_GT(active, 100) << what;
+        EXPECT_LT(active, w.size() - 100) << what;
+        if (nu > 0.4) {
+          EXPECT_GT(bulged, 0) << what;
+        }  // touches where the springs would be apart
+        const LayerPressure again = solve_contact(b.contact, b.overlap, VectorXd::Constant(w.size(), 3.0), options);
+        EXPECT_LT((again.pressure - r.pressure).lpNorm<Eigen::Infinity>() / peak, 1e-7) << what;
+        const LayerPressure warm = solve_contact(b.contact, b.overlap, r.pressure, options);
+        EXPECT_LE(warm.applications, 10) << what;  // found: what is left is the last digits
+        EXPECT_LT((warm.pressure - r.pressure).lpNorm<Eigen::Infinity>() / peak, 1e-7) << what;
       }
-      EXPECT_GT(active, 100);
-      EXPECT_LT(active, w.size() - 100);
-      if (nu > 0.4) {
-        EXPECT_GT(bulged, 0);
-      }  // touches where the springs would be apart
-      const LayerPressure again = solve_contact(b.contact, b.overlap, VectorXd::Constant(w.size(), 3.0));
-      EXPECT_LT((again.pressure - r.pressure).lpNorm<Eigen::Infinity>() / peak, 1e-7) << nu << " " << name(fit);
-      const LayerPressure warm = solve_contact(b.contact, b.overlap, r.pressure);
-      EXPECT_EQ(warm.applications, 2);  // the residual, and the same again for certain
-    }
-  }
 }
 
 TEST(LayerContact, ApartIsNoPressure) {
@@ -97,7 +129,8 @@ TEST(LayerContact, ApartIsNoPressure) {
 TEST(LayerContact, RatesAreTheDerivative) {
   for (LayerFit fit : kFits) {
     Bumpy b(16, 0.45, fit);
-    const LayerPressure r = solve_contact(b.contact, b.overlap, {}, {1e-13, 1000});
+    const LayerContactOptions closely{1e-13, 2000, true};
+    const LayerPressure r = solve_contact(b.contact, b.overlap, {}, closely);
     MatrixXd motions(b.overlap.size(), 3);
     motions.col(0).setOnes();
     motions.col(1) = at_feet(b.surface, [](const Vector3d& x) { return x.x() - 8; });
@@ -115,8 +148,8 @@ TEST(LayerContact, RatesAreTheDerivative) {
     for (int c = 0; c < 3; ++c) {
       const double d = 1e-7;
       const VectorXd difference =
-          (solve_contact(b.contact, b.overlap + d * motions.col(c), r.pressure, {1e-13, 1000}).pressure -
-           solve_contact(b.contact, b.overlap - d * motions.col(c), r.pressure, {1e-13, 1000}).pressure) /
+          (solve_contact(b.contact, b.overlap + d * motions.col(c), r.pressure, closely).pressure -
+           solve_contact(b.contact, b.overlap - d * motions.col(c), r.pressure, closely).pressure) /
           (2 * d);
       EXPECT_LT((difference - rates.pressure.col(c)).norm() / difference.norm(), 1e-3) << c;
     }
@@ -136,26 +169,30 @@ TEST(LayerContact, DoesNotDependOnThreads) {
 // A ball in a hemispherical socket of 4 mm cartilage (rigid radii 20 and 24 mm), moved by u: the overlap u cos(theta)
 // is a spherical harmonic of the sphere, and with q = 0 on the rim it stays one, so p keeps its shape to the rim and is
 // the bed of springs' at the same force, 2.3873 cos(theta) at 2000 N. Errors relative to the peak. With two
-// terms the edge is softer than that (L7), for half a thickness.
+// terms the edge is softer than that (L7): within a thickness of it the small pressures there are less by what
+// StripWithAFreeEndAgainstFiniteElements knows, up to 6% of the peak; further away 1% is left.
 TEST(LayerContact, HemispheresKeepTheCosine) {
   for (LayerFit fit : kFits) {
-    const auto error = [&](int n, Rim rim) {
+    const auto error = [&](int n, Rim rim, double from_rim) {
       const SurfaceMesh surface = test::hemisphere(n, 20.0);
-      const auto mesh = std::make_shared<LayerMesh>(make_layer_mesh(surface));
-      LayerOperator layer(mesh, layer_law({kE, 0.45}, fit), std::vector<Rim>(mesh->rim.size(), rim));
-      layer.set_thickness(std::vector<double>(mesh->area.size(), 4.0));
+      FootedLayer layer(layer_mesh(surface, even(4.0), all(rim)), {kE, 0.45}, fit);
       LayerContact contact;
-      contact.source = &layer;
-      contact.area = areas(*mesh);
+      contact.source = side(layer);
+      contact.area = layer.areas();
       const VectorXd cosine = at_feet(surface, [](const Vector3d& x) { return x.z() / x.norm(); });
-      const LayerPressure r = solve_contact(contact, 0.1 * cosine);
+      const LayerPressure r = solve_contact(contact, 0.1 * cosine, {}, small_strain());
       EXPECT_TRUE(r.converged);
       const double p_0 = (contact.area.array() * r.pressure.array() * cosine.array()).sum() / (2 * kPi * 400 / 3);
-      return (r.pressure / p_0 - cosine).lpNorm<Eigen::Infinity>();
+      double worst = 0;
+      for (int i = 0; i < cosine.size(); ++i)
+        if (20 * std::asin(cosine[i]) > from_rim) worst = std::max(worst, std::abs(r.pressure[i] / p_0 - cosine[i]));
+      return worst;
     };
-    EXPECT_LT(error(30, Rim::Free), fit == LayerFit::OneTerm ? 0.02 : 0.035) << name(fit);
-    EXPECT_LT(error(60, Rim::Free), fit == LayerFit::OneTerm ? 0.01 : 0.03) << name(fit);
-    EXPECT_GT(error(30, Rim::Wall), 0.10) << name(fit);  // walled in, it is another problem
+    const bool one = fit == LayerFit::OneTerm;
+    EXPECT_LT(error(30, Rim::Free, 0), one ? 0.02 : 0.07) << name(fit);
+    EXPECT_LT(error(60, Rim::Free, 0), one ? 0.01 : 0.05) << name(fit);
+    EXPECT_LT(error(60, Rim::Free, 4), 0.01) << name(fit);
+    EXPECT_GT(error(30, Rim::Wall, 0), 0.10) << name(fit);  // walled in, it is another problem
   }
 }
 
@@ -202,26 +239,23 @@ TEST(LayerContact, ParabolicPunchesAgainstTheExactResponse) {
     const int n = row.cylinder ? 300 : 90;
     const double width = row.cylinder ? 2 * length / n : length;
     const SurfaceMesh surface = test::rectangle(n, row.cylinder ? 2 : n, length, width);
-    const auto mesh = std::make_shared<LayerMesh>(make_layer_mesh(surface));
-    const std::vector<Rim> rim = test::rim_where(surface, *mesh, [&](const Vector3d& x) {
+    const auto rim = [&](const Vector3d& x) {
       return x.x() > 0.9999 * length || (!row.cylinder && x.y() > 0.9999 * length) ? Rim::Continues : Rim::Wall;
-    });
+    };
     for (std::size_t k = 0; k < 2; ++k) {
-      const LayerLaw law = layer_law({kE, row.nu}, kFits[k]);
-      LayerOperator source(mesh, law, rim), target(mesh, law, rim);
-      source.set_thickness(std::vector<double>(mesh->area.size(), t_s));
-      target.set_thickness(std::vector<double>(mesh->area.size(), t_t));
+      FootedLayer source(layer_mesh(surface, even(t_s), rim), {kE, row.nu}, kFits[k]),
+          target(layer_mesh(surface, even(t_t), rim), {kE, row.nu}, kFits[k]);
       LayerContact contact;
-      contact.source = &source;
-      if (row.two_layers) contact.target = &target;
-      contact.area = areas(*mesh);
-      const LayerPressure r =
-          solve_contact(contact, at_feet(surface, [&](const Vector3d& x) {
-                          return row.depth - (x.x() * x.x() + (row.cylinder ? 0 : x.y() * x.y())) / (2 * R);
-                        }));
+      contact.source = side(source);
+      if (row.two_layers) contact.target = side(target);
+      contact.area = source.areas();
+      const VectorXd overlap = at_feet(surface, [&](const Vector3d& x) {
+        return row.depth - (x.x() * x.x() + (row.cylinder ? 0 : x.y() * x.y())) / (2 * R);
+      });
+      const LayerPressure r = solve_contact(contact, overlap, {}, small_strain());
       ASSERT_TRUE(r.converged);
       double area = 0;
-      for (int i = 0; i < mesh->feet(); ++i) area += r.active[static_cast<std::size_t>(i)] * contact.area[i];
+      for (int i = 0; i < surface.size(); ++i) area += r.active[static_cast<std::size_t>(i)] * contact.area[i];
       const double force = contact.area.dot(r.pressure) * (row.cylinder ? 2 / width : 4),
                    extent = row.cylinder ? area / width / exact.radius : 4 * area / (kPi * exact.radius * exact.radius);
       const std::string what = std::string(name(kFits[k])) + (row.cylinder ? " cylinder" : " sphere") + " nu " +
@@ -280,12 +314,10 @@ TEST(LayerContact, StripWithAFreeEndAgainstFiniteElements) {
     for (std::size_t fit = 0; fit < 2; ++fit)
       for (Rim end : {Rim::Free, Rim::Wall}) {
         const SurfaceMesh surface = test::rectangle(m, 2, length, 2 * length / m);
-        const auto mesh = std::make_shared<LayerMesh>(make_layer_mesh(surface));
-        LayerOperator layer(mesh, layer_law({E, row.nu}, kFits[fit]),
-                            test::rim_where(surface, *mesh, [&](const Vector3d& x) {
-                              return x.x() > 0.9999 * length ? end : Rim::Wall;
-                            }));
-        layer.set_thickness(to_vector(at_feet(surface, [&](const Vector3d& x) { return thickness(x.x()); })));
+        FootedLayer layer(layer_mesh(
+                              surface, [&](const Vector3d& x) { return thickness(x.x()); },
+                              [&](const Vector3d& x) { return x.x() > 0.9999 * length ? end : Rim::Wall; }),
+                          {E, row.nu}, kFits[fit]);
         const VectorXd w = layer.sinking(at_feet(surface, [&](const Vector3d& x) { return load(x.x()); }));
         double far = 0, near = 0;
         for (int i = 0; i < surface.size(); ++i) {
@@ -322,34 +354,255 @@ TEST(LayerContact, FiniteElementsConfirmTheExactResponse) {
 // Long waves of a large strain give the spring's own law; two moduli then share the overlap as springs in series do.
 TEST(LayerContact, LargeStrainOfLongWavesIsTheSprings) {
   const SurfaceMesh surface = test::rectangle(6, 6, 10, 10);
-  const auto mesh = std::make_shared<LayerMesh>(make_layer_mesh(surface));
-  const std::vector<Rim> walls(mesh->rim.size(), Rim::Wall);
   for (const Elasticity& other : {Elasticity{kE, 0.45}, Elasticity{30.0, 0.3}}) {
     const Elasticity soft{kE, 0.45};
-    LayerOperator source(mesh, layer_law(soft, LayerFit::OneTerm), walls),
-        target(mesh, layer_law(other, LayerFit::TwoTerms), walls);
-    source.set_thickness(std::vector<double>(mesh->area.size(), 1.2));
-    target.set_thickness(std::vector<double>(mesh->area.size(), 2.1));
+    FootedLayer source(layer_mesh(surface, even(1.2), all(Rim::Wall)), soft, LayerFit::OneTerm),
+        target(layer_mesh(surface, even(2.1), all(Rim::Wall)), other, LayerFit::TwoTerms);
     LayerContact contact;
-    contact.source = &source;
-    contact.target = &target;
-    contact.area = areas(*mesh);
-    for (Law law : {Law::Linear, Law::NeoHookean, Law::Logarithmic}) {
-      const LayerSprings r = solve_layer_springs(contact, law, soft, other, VectorXd::Constant(mesh->feet(), 1.1));
-      ASSERT_TRUE(r.linear.converged) << name(law);
-      EXPECT_LE(r.repetitions, 20);
-      const SpringResponse spring = spring_response(law, soft, other, 1.2, 2.1, 1.1);
-      for (const SpringResponse& foot : r.springs) EXPECT_NEAR(foot.pressure / spring.pressure, 1, 1e-6) << name(law);
+    contact.source = side(source);
+    contact.target = side(target);
+    contact.area = source.areas();
+    for (const bool large : {false, true}) {
+      LayerContactOptions options;
+      options.large_strain = large;
+      const LayerPressure r = solve_contact(contact, VectorXd::Constant(surface.size(), 1.1), {}, options);
+      ASSERT_TRUE(r.converged) << large;
+      const SpringResponse spring = spring_response(large ? Law::NeoHookean : Law::Linear, soft, other, 1.2, 2.1, 1.1);
+      for (int i = 0; i < surface.size(); ++i) {
+        EXPECT_NEAR(r.pressure[i] / spring.pressure, 1, 1e-7) << large;
+        EXPECT_NEAR(r.sunk_source[i] / 1.2, spring.strain_source, 1e-7) << large;
+        EXPECT_NEAR(r.sunk_target[i] / 2.1, spring.strain_target, 1e-7) << large;
+      }
     }
   }
   // not so long waves, small strains: the linear law
-  Bumpy b(16, 0.45, LayerFit::OneTerm);
-  const LayerPressure linear = solve_contact(b.contact, 1e-5 * b.overlap);
-  const LayerSprings large = solve_layer_springs(b.contact, Law::NeoHookean, {kE, 0.45}, {kE, 0.45}, 1e-5 * b.overlap);
-  EXPECT_EQ(large.repetitions, 1);
-  for (int i = 0; i < b.overlap.size(); ++i)
-    EXPECT_NEAR(large.springs[static_cast<std::size_t>(i)].pressure, linear.pressure[i],
-                1e-4 * linear.pressure.maxCoeff());
+  Bumpy b(16, 0.45, LayerFit::TwoTerms);
+  const VectorXd linear = solve_contact(b.contact, 1e-5 * b.overlap, {}, small_strain()).pressure,
+                 large = solve_contact(b.contact, 1e-5 * b.overlap).pressure;
+  EXPECT_LT((large - linear).lpNorm<Eigen::Infinity>(), 1e-4 * linear.maxCoeff());
+}
+
+/// Force and peak of the layer law under an axisymmetric punch or between layers: a quarter of the plane.
+struct Pressed {
+  double force = 0, peak = 0, deepest_strain = 0;
+};
+Pressed press_quarter(const std::vector<std::pair<Elasticity, double>>& layers, double reach, int n, bool cylinder,
+                      const std::function<double(double)>& overlap_at) {
+  const double length = reach, width = cylinder ? 2 * length / n : length;
+  const auto finer = [](double u) { return u * (0.4 + 0.6 * u); };  // in the middle
+  const SurfaceMesh surface = test::grid(n, cylinder ? 2 : n, [=](double u, double v) {
+    return Vector3d(length * finer(u), width * (cylinder ? v : finer(v)), 0);
+  });
+  const auto rim = [&](const Vector3d& x) {
+    return x.x() > 0.9999 * length || (!cylinder && x.y() > 0.9999 * length) ? Rim::Continues : Rim::Wall;
+  };
+  std::vector<FootedLayer> all_layers;
+  for (const auto& [material, t] : layers)
+    all_layers.emplace_back(layer_mesh(surface, even(t), rim), material, LayerFit::TwoTerms);
+  LayerContact contact;
+  contact.source = side(all_layers[0]);
+  if (all_layers.size() > 1) contact.target = side(all_layers[1]);
+  contact.area = all_layers[0].areas();
+  const LayerPressure r = solve_contact(contact, at_feet(surface, [&](const Vector3d& x) {
+                                          return overlap_at(cylinder ? x.x() : std::hypot(x.x(), x.y()));
+                                        }));
+  EXPECT_TRUE(r.converged);
+  return {contact.area.dot(r.pressure) * (cylinder ? 2 / width : 4), r.pressure.maxCoeff(),
+          std::max(r.sunk_source.maxCoeff() / layers[0].second, 0.0)};
+}
+
+/// Depth of a sphere (cylinder) of radius R below its tip; 0: flat, < 0: hollow.
+double sagitta(double R, double r) {
+  return R == 0 ? 0 : R - std::copysign(std::sqrt(std::max(0.0, R * R - r * r)), R);
+}
+
+// Large strains against finite elements of the same solids, which bench/large_strain.cpp made (their own error, by
+// their convergence and by FEBio's answers to some, is 0.5%; the peak between two layers is known to 1.5% only). 3% is
+// what (L9) was asked for. Worse are: cylinders on contacts no wider than the layer is thick; layers on a base whose
+// radius is ten thicknesses, 10%, for the law sees a flat one; and thirty of them, 5%. Without large strain these are
+// up to 17% off.
+TEST(LayerContact, LargeStrainsAgainstFiniteElements) {
+  std::ifstream file(DEA_ANALYTIC_DIR "/large_strain.csv");
+  std::string line;
+  int rows = 0;
+  while (std::getline(file, line)) {
+    if (line[0] == '#' || line.rfind("case", 0) == 0) continue;
+    ++rows;
+    std::vector<std::string> cell;
+    std::stringstream cells(line);
+    for (std::string c; std::getline(cells, c, ',');) cell.push_back(c);
+    ASSERT_EQ(cell.size(), 14u) << line;
+    const auto number = [&](std::size_t i) { return cell[i].empty() ? 0.0 : std::stod(cell[i]); };
+    const double nu = number(1), t = number(3), base = number(4), punch = number(8), depth = number(9),
+                 h = t + number(7);
+    const bool cylinder = cell[0] == "cylinder";
+    std::vector<std::pair<Elasticity, double>> layers = {{{number(2), nu}, t}};
+    if (number(7) > 0) layers.push_back({{number(6), number(5)}, number(7)});
+    const double curvature = (base == 0 ? 0 : 1 / base) + (punch == 0 ? 0 : 1 / punch),
+                 reach = 1.2 * std::sqrt(2 * depth / curvature) + 4 * t;
+    const Pressed p = press_quarter(layers, reach, cylinder ? 200 : 56, cylinder, [&](double r) {
+      const double within = 0.95 * std::min(base == 0 ? 1e9 : std::abs(base), punch == 0 ? 1e9 : punch);
+      return r > within ? -h : depth - sagitta(punch, r) - sagitta(base, r);
+    });
+    const bool one_flat = base == 0 && layers.size() == 1;
+    const double tolerance = cylinder                        ? 0.04
+                             : one_flat || layers.size() > 1 ? 0.03
+                             : std::abs(base) < 30           ? 0.1
+                                                             : 0.05,
+                 peak_tolerance = cylinder ? 0.055 : tolerance;
+    EXPECT_NEAR(p.force / number(10), 1, tolerance) << line;
+    EXPECT_NEAR(p.peak / number(12), 1, peak_tolerance) << line;
+  }
+  EXPECT_GT(rows, 60);
+}
+
+// The elements themselves: one row of the file again, coarser.
+TEST(LayerContact, StoredLargeStrainsAreThoseOfTheElements) {
+  analytic::NeoHookeanLayer layer;
+  analytic::LayerGrid grid;
+  grid.fine_length = std::sqrt(2 * 20.4 * 0.4) * 1.05 + 0.5;
+  grid.length = grid.fine_length + 12;
+  grid.through = 4;
+  grid.fine = 10;
+  grid.coarse = 8;
+  const auto r = analytic::press_rigid(true, layer, 1 / 20.4, {0.2, 0.4}, grid, 0.05);
+  EXPECT_NEAR(r[1].force / 124.4, 1, 0.03);
+  EXPECT_NEAR(r[1].peak_cauchy / 4.515, 1, 0.03);
+}
+
+/// A quarter of a ring (a disc, nearly, for r_0 small) with walls on its straight sides.
+SurfaceMesh quarter_ring(double r_0, double r_1, int across, int around) {
+  return test::grid(across, around, [=](double u, double v) {
+    const double r = r_0 + (r_1 - r_0) * u, a = 0.5 * kPi * v;
+    return Vector3d(r * std::cos(a), r * std::sin(a), 0);
+  });
+}
+
+// A disc three times as wide as thick under a sphere that reaches over its edge, and a hole three times as wide under
+// one about it, against axisymmetric finite elements, on triangles as large as t/3 (L7). Their own error is below 0.6%.
+// Without what (L7) knows of curved edges the disc was 12 to 17%, the hole 2 to 7% off.
+TEST(LayerContact, RoundFreeEdgesAgainstFiniteElements) {
+  for (const double nu : {0.3, 0.45, 0.49})
+    for (const bool hole : {false, true}) {
+      const double inner = hole ? 3 : 0, outer = hole ? 12 : 3;
+      const auto overlap = [&](double r) { return hole ? 1 - r * r / 49 : 1 - 0.5 * r * r / 9; };
+      analytic::EdgedLayer edged;
+      edged.nu = nu;
+      edged.axisymmetric = true;
+      edged.thickness = [](double) { return 1.0; };
+      edged.free_first = hole;
+      edged.free_last = !hole;
+      edged.through = 8;
+      const int m = hole ? 110 : 45;
+      for (int i = 0; i <= m; ++i) edged.ends.push_back(inner + (outer - inner) * i / m);
+      const analytic::StripCompliance strips = analytic::strip_compliance(edged);
+      const VectorXd exact = analytic::rigid_punch(strips, overlap);
+      const double force = strips.area.dot(exact) * 0.5 * kPi;  // of a quarter
+      const SurfaceMesh surface =
+          hole ? quarter_ring(inner, outer, 27, 30) : test::grid(10, 10, [=](double u, double v) -> Vector3d {
+            const double far = std::max(u, v);
+            if (far < 1e-14) return {0, 0, 0};
+            return outer * far / std::hypot(u, v) * Vector3d(u, v, 0);
+          });
+      FootedLayer layer(layer_mesh(surface, even(1.0),
+                                   [&](const Vector3d& x) {
+                                     return std::min(x.x(), x.y()) > 1e-9 && (x.norm() < 6) ? Rim::Free : Rim::Wall;
+                                   }),
+                        {1.0, nu}, LayerFit::TwoTerms);
+      LayerContact contact;
+      contact.source = side(layer);
+      contact.area = layer.areas();
+      const LayerPressure r = solve_contact(
+          contact, at_feet(surface, [&](const Vector3d& x) { return overlap(x.norm()); }), {}, small_strain());
+      ASSERT_TRUE(r.converged);
+      EXPECT_NEAR(contact.area.dot(r.pressure) / force, 1, 0.05) << (hole ? "hole" : "disc") << " nu " << nu;
+      if (!hole) {
+        EXPECT_NEAR(r.pressure.maxCoeff() / exact.maxCoeff(), 1, 0.05) << nu;
+      }
+    }
+}
+
+// Where the bone bends, so that the layer grows thicker or thinner by half its length, against plane-strain finite
+// elements: error of the pressure near the bend, relative to its greatest value there. 5%; with the thickness as it is,
+// not smeared (L10), the layer was 12% too stiff beside a growing one.
+TEST(LayerContact, BendsOfTheBoneAgainstFiniteElements) {
+  const double nu = 0.45;
+  for (const double slope : {0.5, -0.5}) {
+    const double bend = slope > 0 ? 4 : 5, length = slope > 0 ? 10 : 6, near = slope > 0 ? 2 : 0.8;
+    const auto thickness = [&](double x) { return x < bend ? 1.0 : std::max(0.2, 1 + slope * (x - bend)); };
+    analytic::EdgedLayer edged;
+    edged.nu = nu;
+    edged.thickness = thickness;
+    edged.free_last = false;
+    edged.through = 10;
+    const int m = static_cast<int>(std::lround(length / 0.05));
+    for (int i = 0; i <= m; ++i) edged.ends.push_back(length * i / m);
+    const analytic::StripCompliance strips = analytic::strip_compliance(edged);
+    for (const bool cylinder : {false, true}) {
+      const auto overlap = [&](double x) { return cylinder ? 1 - 0.5 * (x - bend) * (x - bend) / 9 : 1.0; };
+      const VectorXd exact = analytic::rigid_punch(strips, overlap);
+      for (const int n : {m, m / 4}) {  // fine, and feet of t/5
+        const double width = 2 * length / n;
+        const SurfaceMesh surface = test::rectangle(n, 2, length, width);
+        FootedLayer layer(layer_mesh(
+                              surface, [&](const Vector3d& x) { return thickness(x.x()); }, all(Rim::Wall)),
+                          {1.0, nu}, LayerFit::TwoTerms);
+        LayerContact contact;
+        contact.source = side(layer);
+        contact.area = layer.areas();
+        const LayerPressure r = solve_contact(
+            contact, at_feet(surface, [&](const Vector3d& x) { return overlap(x.x()); }), {}, small_strain());
+        ASSERT_TRUE(r.converged);
+        double peak = 0, worst = 0;
+        for (int i = 0; i < m; ++i)
+          if (std::abs(strips.middle[i] - bend) < near) peak = std::max(peak, exact[i]);
+        for (int i = 0; i < surface.size(); ++i) {
+          const double x = surface.centroid(i).x(), u = x / length * m - 0.5;
+          if (std::abs(x - bend) >= near) continue;
+          const int k = std::clamp(static_cast<int>(std::floor(u)), 0, m - 2);
+          worst = std::max(worst, std::abs(r.pressure[i] - exact[k] - (u - k) * (exact[k + 1] - exact[k])) / peak);
+        }
+        EXPECT_LT(worst, 0.05) << "slope " << slope << (cylinder ? " cylinder " : " plane ") << n;
+      }
+    }
+  }
+}
+
+// Two layers of which the target has a mesh of its own, turned, shifted, with triangles from a quarter of the feet to
+// four times as large: what a paraboloid does is compared with meshes that match. Up to twice the feet's size force
+// within 1%, peak within 2%; four times as large, which may be triangles twice as large as the layer is thick, 5%.
+TEST(LayerContact, UnlikeMeshes) {
+  const double t = 2, R = 20, depth = 0.4;
+  for (const double h : {0.5, 1.0}) {
+    const int n = static_cast<int>(std::lround(16 / h));
+    const SurfaceMesh surface =
+        test::grid(n, n, [](double u, double v) -> Vector3d { return 16 * Vector3d(u - 0.5, v - 0.5, 0); });
+    const VectorXd overlap = at_feet(surface, [&](const Vector3d& x) { return depth - x.squaredNorm() / (2 * R); });
+    for (const double nu : {0.45, 0.49, 0.4999}) {
+      const auto mesh = layer_mesh(surface, even(t), all(Rim::Continues));
+      FootedLayer source(mesh, {kE, nu}, LayerFit::TwoTerms), mirrored(mesh, {kE, nu}, LayerFit::TwoTerms);
+      LayerContact contact;
+      contact.source = side(source);
+      contact.target = side(mirrored);
+      contact.area = source.areas();
+      const LayerPressure matched = solve_contact(contact, overlap, {}, small_strain());
+      ASSERT_TRUE(matched.converged);
+      for (const double ratio : {0.25, 0.5, 1.0, 2.0, 4.0}) {
+        const test::Underside below{static_cast<int>(std::lround(24 / (h * ratio))), 24.0, 0.5, {0.13, -0.06, 0}};
+        LayerOperator target(layer_mesh(below.mesh(), even(t), all(Rim::Continues)), {kE, nu}, LayerFit::TwoTerms);
+        const LayerFeet feet = test::feet_on_underside(surface, below, target);
+        contact.target = {&target, &feet, {}};
+        const LayerPressure r = solve_contact(contact, overlap, {}, small_strain());
+        ASSERT_TRUE(r.converged);
+        const double force = contact.area.dot(r.pressure) / contact.area.dot(matched.pressure) - 1,
+                     peak = r.pressure.maxCoeff() / matched.pressure.maxCoeff() - 1;
+        const std::string what =
+            "h " + std::to_string(h) + " nu " + std::to_string(nu) + " ratio " + std::to_string(ratio);
+        EXPECT_LT(std::abs(force), ratio > 2 ? 0.05 : 0.01) << what;
+        EXPECT_LT(std::abs(peak), ratio > 2 ? 0.05 : 0.02) << what;
+      }
+    }
+  }
 }
 
 }  // namespace

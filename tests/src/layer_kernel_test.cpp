@@ -121,5 +121,46 @@ TEST(LayerKernel, RationalLawsArePositiveWithRealPoles) {
   }
 }
 
+// (L9) about any state: a wave of any length on a layer softened by x = 1/M - 1/S6'(e) meets law(s) - b(s)^2 x > 0,
+// with b the share of the wave's own pressure that stiffens; also in the limit x = 1/M of endless strain. One term has
+// b = 1 and is not positive there: with it only the strains that a foot alone allows.
+TEST(LayerKernel, LargeStrainStaysPositive) {
+  for (double nu = 0; nu < 0.49995; nu += 0.0049) {
+    const Elasticity layer{1, nu};
+    const LayerLaw law = layer_law(layer, LayerFit::TwoTerms);
+    for (const double strain : {0.1, 0.3, 0.5, 0.7, 0.9, 1.0}) {
+      const double softening =
+          law.confined - (strain < 1 ? 1 / layer_response(Law::NeoHookean, layer, strain).slope : 0.0);
+      EXPECT_GE(softening, 0);
+      for (double s = 0; s < 60; s = 1.02 * s + 0.005) {
+        const double share = law.own_share + (1 - law.own_share) / (1 + law.beta[1] * s * s);
+        const double left = (law(s) - share * share * softening) / law(s);
+        EXPECT_TRUE(strain < 1 ? left > 1e-3 : left > -1e-9) << "nu " << nu << " strain " << strain << " s " << s;
+      }
+    }
+  }
+  // with more of a foot's own pressure it would not hold: law.own_share is no accident
+  const LayerLaw law = layer_law({1, 0.0}, LayerFit::TwoTerms);
+  EXPECT_LT(law(60) - 0.4 * 0.4 * law.confined, law(60) - law.own_share * law.own_share * law.confined);
+  EXPECT_LT(law(60), 0.4 * 0.4 * law.confined);
+  for (const double nu : {-0.9, -0.5, -0.1}) EXPECT_EQ(layer_law({1, nu}, LayerFit::TwoTerms).own_share, 0);
+}
+
+// What a free edge adds is no less than nothing, nothing with one term, and per E.
+TEST(LayerKernel, FreeEdges) {
+  for (const double nu : {-0.5, 0.0, 0.2, 0.3, 0.45, 0.5}) {
+    const EdgeLaw edge = edge_law({2, nu}, LayerFit::TwoTerms), twice = edge_law({4, nu}, LayerFit::TwoTerms);
+    for (const double EdgeLaw::*value : {&EdgeLaw::straight, &EdgeLaw::curved, &EdgeLaw::around, &EdgeLaw::own}) {
+      EXPECT_GE(edge.*value, 0);
+      EXPECT_NEAR(twice.*value, edge.*value / 2, 1e-15);
+      EXPECT_EQ(edge_law({2, nu}, LayerFit::OneTerm).*value, 0);
+    }
+    // an even load sinks a half-line's end by 0.52 t p/E more: sum of what the three add there
+    const LayerLaw law = layer_law({2, nu}, LayerFit::TwoTerms);
+    EXPECT_NEAR(2 * (edge.own + edge.around / (4 * std::sqrt(law.beta[1])) + edge.straight / std::sqrt(law.beta[0])),
+                0.52, nu > 0 ? 1e-12 : 0.15);
+  }
+}
+
 }  // namespace
 }  // namespace dea
