@@ -336,7 +336,8 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
         for (const SurfacePart& part : under) covered += part.area;
         for (const SurfacePart& part : under) {
           const auto triangle = at(part.triangle);
-          const double share = covered > 0 ? part.area / covered * states->area[k] / target.articular.areas[triangle] : 0.0;
+          const double share =
+              covered > 0 ? part.area / covered * states->area[k] / target.articular.areas[triangle] : 0.0;
           pressure[triangle] += share * states->pressure[k];
           overlap[triangle] += share * states->overlap[k];
           strain[triangle] += share * states->strain_target[k];

@@ -75,13 +75,11 @@ std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
   auto layers = std::make_shared<LayerBed>();
   if (!source.rigid) {
-    layers->source =
-        make_layer_operator(make_layer_mesh(source.face, pair.refine), source.elasticity, pair.layer_fit);
+    layers->source = make_layer_operator(make_layer_mesh(source.face, pair.refine), source.elasticity, pair.layer_fit);
     layers->whole = feet_of_own_triangles(*layers->source);
   }
   if (!target.rigid)
-    layers->target =
-        make_layer_operator(make_layer_mesh(target.face, pair.refine), target.elasticity, pair.layer_fit);
+    layers->target = make_layer_operator(make_layer_mesh(target.face, pair.refine), target.elasticity, pair.layer_fit);
   return layers;
 }
 
@@ -134,12 +132,12 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
     s.strain_source[k] = s.t_source[k] > 0 ? std::max(0.0, result.sunk_source[i] / s.t_source[k]) : 0.0;
     s.strain_target[k] = s.t_target[k] > 0 ? std::max(0.0, result.sunk_target[i] / s.t_target[k]) : 0.0;
     s.strain[k] = std::max(s.strain_source[k], s.strain_target[k]);
-    const double confined = (s.t_source[k] > 0 ? s.t_source[k] * strain_at_pressure(Law::NeoHookean, E_s, s.pressure[k]) : 0.0) +
-                            (s.t_target[k] > 0 ? s.t_target[k] * strain_at_pressure(Law::NeoHookean, E_t, s.pressure[k]) : 0.0);
-    s.per_overlap[k] =
-        spring_response(bed.law, E_s, E_t, s.t_source[k], s.t_target[k],
-                        confined + pair.interface_compliance * s.pressure[k], pair.interface_compliance)
-            .per_overlap;
+    const double confined =
+        (s.t_source[k] > 0 ? s.t_source[k] * strain_at_pressure(Law::NeoHookean, E_s, s.pressure[k]) : 0.0) +
+        (s.t_target[k] > 0 ? s.t_target[k] * strain_at_pressure(Law::NeoHookean, E_t, s.pressure[k]) : 0.0);
+    s.per_overlap[k] = spring_response(bed.law, E_s, E_t, s.t_source[k], s.t_target[k],
+                                       confined + pair.interface_compliance * s.pressure[k], pair.interface_compliance)
+                           .per_overlap;
     const Vector3d per_motion = overlap_rate(bed, s, i, s.strain_target[k], target);
     s.per_motion[k] = s.per_overlap[k] * per_motion;
     overlap_rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();

@@ -111,8 +111,8 @@ double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd
   return peak > 0 ? worst / peak : worst;
 }
 
-/// Bounded quadratic problem, by MPRGP: p >= 0 with the gradient z >= 0 and p z = 0, where z changes by B with p. `z`: at
-/// the p to start from. `goal`: of the complementarity, relative.
+/// Bounded quadratic problem, by MPRGP: p >= 0 with the gradient z >= 0 and p z = 0, where z changes by B with p. `z`:
+/// at the p to start from. `goal`: of the complementarity, relative.
 void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, int max_applications) {
   const Index n = p.size();
   // Dostal and Schoeberl's step of expansion converges for lengths below 2 / |B|
@@ -175,8 +175,8 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
     ++B.applications;
     tbb::parallel_invoke([&] { sink(contact.source, result.sunk_source); },
                          [&] { sink(contact.target, result.sunk_target); });
-    const VectorXd z = (result.sunk_source + result.sunk_target + contact.interface_compliance * p - overlap)
-                           .cwiseQuotient(B.local);
+    const VectorXd z =
+        (result.sunk_source + result.sunk_target + contact.interface_compliance * p - overlap).cwiseQuotient(B.local);
     const double before = result.residual;
     result.residual = complementarity(B, p, z);
     // solve_bounded carries its residual along: as it is, it may be a little larger

@@ -38,19 +38,20 @@ struct LayerContactOptions {
 };
 
 struct LayerPressure {
-  Eigen::VectorXd pressure;                ///< per foot, >= 0 [MPa]
+  Eigen::VectorXd pressure;                  ///< per foot, >= 0 [MPa]
   Eigen::VectorXd sunk_source, sunk_target;  ///< w of each layer [mm]; 0 on a bare rigid side
-  std::vector<char> active;                ///< per foot: touches (p > 0)
-  double residual = 0.0;                   ///< max |min(p_i, (w_i - overlap_i) / local_i)| over max p
+  std::vector<char> active;                  ///< per foot: touches (p > 0)
+  double residual = 0.0;                     ///< max |min(p_i, (w_i - overlap_i) / local_i)| over max p
   bool converged = false;
   int applications = 0;  ///< of the compliance: each costs a sparse solution per layer and matrix
 };
 
 /// p >= 0,  w(p) >= overlap,  p (w - overlap) = 0.                                                               (L4)
 /// `overlap`: per foot, signed [mm]: minus the gap where apart, for what bulges may come to touch. `start`: pressures
-/// to start from, or empty. Newton's method on the convex energy of (L9), each step a quadratic problem with bounds that
-/// MPRGP solves (Dostal and Schoeberl 2005: conjugate gradients on the feet that touch, with projections where some
-/// come to touch or let go), scaled by the local compliance. `contact`: its softenings are set to those of the result.
+/// to start from, or empty. Newton's method on the convex energy of (L9), each step a quadratic problem with bounds
+/// that MPRGP solves (Dostal and Schoeberl 2005: conjugate gradients on the feet that touch, with projections where
+/// some come to touch or let go), scaled by the local compliance. `contact`: its softenings are set to those of the
+/// result.
 LayerPressure solve_contact(LayerContact& contact, const Eigen::VectorXd& overlap, const Eigen::VectorXd& start = {},
                             const LayerContactOptions& options = {});
 

@@ -23,8 +23,8 @@ constexpr std::size_t kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 
 std::array<Vector3d, 3> hat_gradients(const SurfaceMesh& mesh, int t) {
   std::array<Vector3d, 3> gradient;
   for (int k = 0; k < 3; ++k)
-    gradient[at(k)] = mesh.normals[at(t)].cross(mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3)) /
-                      (2 * mesh.areas[at(t)]);
+    gradient[at(k)] =
+        mesh.normals[at(t)].cross(mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3)) / (2 * mesh.areas[at(t)]);
   return gradient;
 }
 
@@ -223,9 +223,9 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
         if (parts[p][c][across] > kOnEdge || parts[p][next][across] > kOnEdge) continue;
         const int triangle = edge.triangle * divide * divide + static_cast<int>(p);
         const auto& corner = layer.mesh.triangles[at(triangle)];
-        layer.edges.push_back(
-            {corner[c], corner[next], triangle,
-             (layer.mesh.vertices[at(corner[next])] - layer.mesh.vertices[at(corner[c])]).norm(), edge.rim});
+        layer.edges.push_back({corner[c], corner[next], triangle,
+                               (layer.mesh.vertices[at(corner[next])] - layer.mesh.vertices[at(corner[c])]).norm(),
+                               edge.rim});
       }
   }
   std::vector<std::vector<int>> beside(layer.mesh.vertices.size());
@@ -284,8 +284,9 @@ void add_foot(LayerFeet& feet, const LayerOperator& of, const std::vector<Surfac
           for (std::size_t k = 0; k < 3; ++k) all[k] += (*p[c])[k];
         }
         for (std::size_t k = 0; k < 3; ++k)  // integral of t N: (sum t N + sum t sum N)/12
-          b[k] += a / 12 *
-                  (at_corner[0] * (*p[0])[k] + at_corner[1] * (*p[1])[k] + at_corner[2] * (*p[2])[k] + 3 * mean * all[k]);
+          b[k] +=
+              a / 12 *
+              (at_corner[0] * (*p[0])[k] + at_corner[1] * (*p[1])[k] + at_corner[2] * (*p[2])[k] + 3 * mean * all[k]);
         part_volume += a * mean;
         if (mean > 0)  // nothing beyond the reach, where the distance is not known
           part_own += a * mean *
@@ -351,7 +352,13 @@ void set_reach(LayerFeet& feet, const LayerOperator& layer) {
       seen[at(v)] = 1;
     }
   }
-  feet.columns[0] = columns_for(layer.factor[0], under);
+  std::vector<int> in_first = under;
+  for (const LayerOperator::Outflow& out : layer.outflow) {  // what flows out there comes back
+    in_first.push_back(out.node);
+    in_first.insert(in_first.end(), mesh.beside.begin() + mesh.beside_begin[at(out.node)],
+                    mesh.beside.begin() + mesh.beside_begin[at(out.node) + 1]);
+  }
+  feet.columns[0] = columns_for(layer.factor[0], in_first);
   feet.columns[1].clear();
   if (layer.law.terms < 2) return;
   const double most = mesh.thickness.empty() ? 0.0 : *std::max_element(mesh.thickness.begin(), mesh.thickness.end());
@@ -405,22 +412,15 @@ Parts assemble(const LayerMesh& layer, const SymmetricPattern& pattern) {
   return parts;
 }
 
-/// What becomes of the vertices of free edges in S_0.
-struct FreeEdges {
-  std::vector<double> gained;   // per vertex: of S_0's diagonal, where a hole's rim is not held
-  std::vector<double> stretch;  // per vertex: of what flows out
-};
-
 /// At a free edge what bulges escapes: q = 0 in the first term. The second decays within 0.4 t, which few meshes
 /// resolve: held, it would make coarse edges stiff; it goes on as beyond a loaded patch, and (L7) adds what is missing.
-FreeEdges hold_edges(LayerOperator& op) {
+/// Returns per vertex what the diagonal of S_0 gains where a hole's rim is not held.
+std::vector<double> hold_edges(LayerOperator& op) {
   const LayerMesh& layer = op.mesh;
   const std::size_t n = at(layer.nodes());
   std::vector<char> carries(n, 0), bare(n, 0);
   std::vector<double> share(n, 0.0);  // B_v
-  FreeEdges edges;
-  edges.gained.assign(n, 0.0);
-  edges.stretch.assign(n, 0.0);
+  std::vector<double> gained(n, 0.0);
   std::vector<char> free(n, 0);
   for (const LayerMesh::Edge& side : layer.edges) {
     if (side.rim != Rim::Free) continue;
@@ -443,75 +443,13 @@ FreeEdges hold_edges(LayerOperator& op) {
     const double bend = std::min(layer.edge_curvature[v] * layer.thickness[v], 1.0),
                  e = op.edge.straight + op.edge.curved * bend;
     if (e < 0 && op.law.weight[0] < 0 && share[v] > 0) {
-      edges.gained[v] = op.law.beta[0] * share[v] / std::min(e / op.law.weight[0], kMostRobin);
+      gained[v] = op.law.beta[0] * share[v] / std::min(e / op.law.weight[0], kMostRobin);
       continue;
     }
     op.held[0][v] = 1;
-    if (e > 0 && share[v] > 0) edges.stretch[v] = e / (op.law.beta[0] * share[v]);
+    if (e > 0 && share[v] > 0) op.outflow.push_back({static_cast<int>(v), e / (op.law.beta[0] * share[v])});
   }
-  return edges;
-}
-
-/// The vertices of free edges, along the edges.
-std::vector<int> along_edges(const LayerMesh& layer) {
-  std::vector<int> next(at(layer.nodes()), -1), order;
-  std::vector<char> arrived(at(layer.nodes()), 0), seen(at(layer.nodes()), 0);
-  for (const LayerMesh::Edge& side : layer.edges)
-    if (side.rim == Rim::Free) {
-      next[at(side.a)] = side.b;
-      arrived[at(side.b)] = 1;
-    }
-  const auto walk = [&](int v) {
-    for (; v >= 0 && !seen[at(v)]; v = next[at(v)]) {
-      seen[at(v)] = 1;
-      order.push_back(v);
-    }
-  };
-  for (const bool open : {true, false})  // chains from their beginning, then closed ones
-    for (const LayerMesh::Edge& side : layer.edges)
-      if (side.rim == Rim::Free && (!open || !arrived[at(side.a)])) walk(side.a);
-  return order;
-}
-
-/// The fields x of LayerOperator::Outflow: a few neighbours on the edge at a time, each as far as it is felt.
-/// `unheld`: S_0 as if nothing were held; `stretch`: per vertex, 0: none.
-void find_outflow(LayerOperator& op, const std::vector<double>& stretch, const std::vector<double>& unheld) {
-  constexpr std::size_t kTogether = 8;
-  constexpr double kLeast = 1e-3, kFar = 6.0;  // times the thickness: further off x is below kLeast
-  std::vector<int> rim;
-  for (const int v : along_edges(op.mesh))
-    if (stretch[at(v)] > 0) rim.push_back(v);
-  const double most =
-      op.mesh.thickness.empty() ? 0.0 : *std::max_element(op.mesh.thickness.begin(), op.mesh.thickness.end());
-  Nodal x = Nodal::Zero(op.mesh.nodes(), kTogether), unit = x;
-  for (std::size_t first = 0; first < rim.size(); first += kTogether) {
-    const std::vector<int> here(rim.begin() + static_cast<std::ptrdiff_t>(first),
-                                rim.begin() + static_cast<std::ptrdiff_t>(std::min(rim.size(), first + kTogether)));
-    const std::vector<int> around = within_way(op.mesh, here, kFar * most),
-                           columns = columns_for(op.factor[0], around);
-    for (std::size_t k = 0; k < here.size(); ++k) unit(here[k], static_cast<Eigen::Index>(k)) = 1;
-    add_times(op.pattern, unheld, columns, unit, x);
-    for (const int v : columns)
-      if (op.held[0][at(v)])
-        x.row(v).setZero();
-      else
-        x.row(v) = -x.row(v);
-    solve(op.factor[0], columns, x);
-    for (std::size_t k = 0; k < here.size(); ++k) {
-      x(here[k], static_cast<Eigen::Index>(k)) += 1;
-      LayerOperator::Outflow out;
-      out.stretch = stretch[at(here[k])];
-      for (const int v : around) {
-        const double value = x(v, static_cast<Eigen::Index>(k));
-        if (std::abs(value) < kLeast) continue;
-        out.node.push_back(v);
-        out.value.push_back(value);
-      }
-      op.outflow.push_back(std::move(out));
-      unit(here[k], static_cast<Eigen::Index>(k)) = 0;
-    }
-    for (const int v : columns) x.row(v).setZero();
-  }
+  return gained;
 }
 
 }  // namespace
@@ -524,17 +462,17 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
   op.edge = edge_law(elasticity, fit);
   op.pattern = pattern_of(op.mesh.mesh);
   const SymmetricPattern& pattern = op.pattern;
-  const FreeEdges edges = hold_edges(op);
+  const std::vector<double> gained = hold_edges(op);
   const Parts parts = assemble(op.mesh, pattern);
   const std::size_t entries = parts.mass.size();
   std::vector<double> values(entries), unheld;
   for (std::size_t k = 0; k < at(op.law.terms); ++k) {
     const double beta = op.law.beta[k], root = std::sqrt(beta);
     for (std::size_t s = 0; s < entries; ++s)
-      values[s] = parts.mass[s] + beta * parts.stiffness[s] +
-                  root * (parts.open_edge[s] + (k == 1 ? parts.free_edge[s] : 0.0));
+      values[s] =
+          parts.mass[s] + beta * parts.stiffness[s] + root * (parts.open_edge[s] + (k == 1 ? parts.free_edge[s] : 0.0));
     if (k == 0) {
-      for (int v = 0; v < pattern.size(); ++v) values[at(pattern.begin[at(v)])] += edges.gained[at(v)];
+      for (int v = 0; v < pattern.size(); ++v) values[at(pattern.begin[at(v)])] += gained[at(v)];
       unheld = values;
     }
     for (int column = 0; column < pattern.size(); ++column)
@@ -545,7 +483,7 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
       }
     op.factor[k] = factorise(pattern, values);
   }
-  find_outflow(op, edges.stretch, unheld);
+  if (!op.outflow.empty()) op.unheld = std::move(unheld);
   if (op.law.terms < 2) return op;
   // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
   // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
@@ -595,6 +533,15 @@ Nodal term_pressure(const LayerOperator& op, const LayerFeet& feet, std::size_t 
   return load;
 }
 
+/// z (L7), for the load b p and its q_0.
+Nodal edge_stretch(const LayerOperator& op, const LayerFeet& feet, const Nodal& load, const Nodal& q) {
+  Nodal held = Nodal::Zero(q.rows(), q.cols()), z = held, right_side = held;
+  add_times(op.pattern, op.unheld, feet.columns[0], q, held);
+  for (const LayerOperator::Outflow& v : op.outflow) z.row(v.node) = v.stretch * (load.row(v.node) - held.row(v.node));
+  add_times(op.pattern, op.unheld, feet.columns[0], z, right_side);
+  return z - term_pressure(op, feet, 0, std::move(right_side));  // which holds the edge
+}
+
 /// w, with excess(i, q) the strain by which a foot answers less than linearly to the pressure q = (B p)_i; not `large`:
 /// small strain.
 template <class Excess>
@@ -603,15 +550,11 @@ Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen
   assert(p.rows() == feet.size());
   const double own = op.law.own_share;
   const Nodal load = loads(op, feet, p);
-  Nodal all = op.law.weight[0] * term_pressure(op, feet, 0, load);
-  for (const LayerOperator::Outflow& out : op.outflow)
-    for (Eigen::Index c = 0; c < p.cols(); ++c) {
-      double rho = 0;
-      for (std::size_t k = 0; k < out.node.size(); ++k) rho += out.value[k] * load(out.node[k], c);
-      if (rho == 0) continue;
-      rho *= out.stretch;
-      for (std::size_t k = 0; k < out.node.size(); ++k) all(out.node[k], c) += out.value[k] * rho;
-    }
+  Nodal all = term_pressure(op, feet, 0, load);
+  if (op.outflow.empty())
+    all *= op.law.weight[0];
+  else
+    all = op.law.weight[0] * all + edge_stretch(op, feet, load, all);
   Eigen::MatrixXd strain;
   if (large) strain = Eigen::MatrixXd::Zero(p.rows(), p.cols());
   const auto find_strain = [&](const Nodal* q) {

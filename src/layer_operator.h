@@ -28,8 +28,8 @@ struct LayerMesh {
   /// the surface smeared over the thickness:  (M_1 + beta_1 K_t2) thickness = M_1 t.                             (L10)
   std::vector<double> thickness;
   std::vector<int> beside_begin, beside;  ///< per vertex: the vertices it shares an edge with
-  std::vector<Edge> edges;             ///< of one triangle alone, sorted by triangle
-  std::vector<double> edge_distance;   ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
+  std::vector<Edge> edges;                ///< of one triangle alone, sorted by triangle
+  std::vector<double> edge_distance;      ///< per vertex: from the nearest free edge [mm]; at most kEdgeReach largest t
   std::vector<double> edge_curvature;  ///< per vertex of a free edge: in the surface [1/mm], > 0 convex (a disc's rim)
   int nodes() const { return static_cast<int>(mesh.vertices.size()); }
 };
@@ -45,7 +45,7 @@ struct LayerFeet {
   std::vector<double> weight;    ///< b [mm^3]
   std::vector<double> area;      ///< A_i: sum of a_ik [mm^2]; 0: the foot stands on nothing and carries nothing
   std::vector<double> volume;    ///< d [mm^3]
-  std::vector<double> own;      ///< compliance of the foot for itself: integral of t (local + edge's own), over A [mm/MPa]
+  std::vector<double> own;  ///< compliance of the foot for itself: integral of t (local + edge's own), over A [mm/MPa]
   std::vector<int> columns[2];  ///< of both factors: those that feet on the layer have to do with (set_reach)
   int size() const { return static_cast<int>(area.size()); }
   double thickness(int i) const {  ///< mean under the foot
@@ -61,20 +61,22 @@ StrainExcess strain_excess(const Elasticity& layer, double q);
 
 /// The compliance of one layer, as an operator. For pressures p per foot, with q, r nodal and linear in each triangle,
 ///     S_k q_k = b p,   S_1 r = M_t q_1,   S_k = M_t + beta_k K_t3
-///     A_i w_i = A_i own_i p_i + b_i . (weight_0 q_0 + weight_1 q_1 + square r)                                   (L3, L8)
+///     A_i w_i = A_i own_i p_i + b_i . (weight_0 q_0 + weight_1 q_1 + square r)                                   (L3,
+///     L8)
 /// M_t and K_t3: mass and stiffness matrices weighted by t and t^3, both exact for t linear in each triangle. Symmetric
 /// in the sense of work, A_i dw_i/dp_j = A_j dw_j/dp_i, and positive definite for any thickness field while parts of
 /// different feet do not overlap. Between walls, with whole triangles pressed, M sum A_i w_i = sum d_i p_i to rounding:
 /// bulging moves volume but makes none.
 ///
-/// At a free edge q_0 = 0, and what flows out there stretches the edge along itself (L7): per vertex v of the edge, with
-/// rho the volume that flows out, row v of b p - S_0 q_0 as if v were not held, and B_v its share of the integral of t^2
+/// At a free edge q_0 = 0, and what flows out there stretches the edge along itself (L7): per vertex v of the edge,
+/// with rho the volume that flows out, row v of b p - S_0 q_0 as if v were not held, and B_v its share of the integral
+/// of t^2
 ///     z_v = e rho_v / (beta_0 B_v),   S_0 z = 0 elsewhere,   e = straight + curved kappa t;    A_i w_i += b_i . z
 /// In a hole, where e < 0, v is not held; S_0 has beta_0 B_v weight_0/e there instead. The second term's part:
 /// S_1 r += around (integral of t^2 along the edge) q_1.
 ///
 /// Large strain: only the confined part of the response stiffens, in series with the linear flow,
-///     w = C p - B^T [t e(q)],   q = B p,   B = own_share + (1 - own_share) G S_1^-1 G^T D                          (L9)
+///     w = C p - B^T [t e(q)],   q = B p,   B = own_share + (1 - own_share) G S_1^-1 G^T D (L9)
 /// B^T: the adjoint of B in the sense of work; own_share: LayerLaw's. One term: B = 1.
 ///
 /// Where the layer has no thickness it does not sink, and q = 0 at the vertices around in the first term.
@@ -89,13 +91,13 @@ struct LayerOperator {
   std::array<SparseFactor, 2> factor;     ///< of S_0, S_1
   std::array<std::vector<char>, 2> held;  ///< per term and vertex: q = 0
   std::vector<double> onwards;            ///< what of q_1 drives r: square M_t and the edges' parts
-  /// A vertex of a free edge where q_0 = 0 and what flows out stretches the edge: rho = x . (b p), z = stretch rho x.
+  /// A vertex of a free edge where q_0 = 0 and what flows out stretches the edge (L7).
   struct Outflow {
-    double stretch = 0.0;           ///< e / (beta_0 B)
-    std::vector<int> node;          ///< of x = 1 at the vertex, S_0 x = 0 elsewhere, but where x is below 1e-3
-    std::vector<double> value;
+    int node = -1;
+    double stretch = 0.0;  ///< z per rho: e / (beta_0 B)
   };
   std::vector<Outflow> outflow;
+  std::vector<double> unheld;  ///< S_0 as if nothing were held, where there is outflow
 };
 LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit);
 
@@ -116,8 +118,8 @@ void add_foot(LayerFeet& feet, const LayerOperator& layer, const std::vector<Sur
 /// Feet one by one behind the others.
 void append(LayerFeet& feet, const LayerFeet& more);
 /// Finds the parts of the factors that feet with an area have to do with. Of the second term's pressure, which decays
-/// like exp(-d/(0.4 t)), what lies further than 3 times the greatest thickness from all of them is left out. To be called
-/// once all feet are there.
+/// like exp(-d/(0.4 t)), what lies further than 3 times the greatest thickness from all of them is left out. To be
+/// called once all feet are there.
 void set_reach(LayerFeet& feet, const LayerOperator& layer);
 /// One foot on each pressed triangle, with its reach.
 LayerFeet feet_of_own_triangles(const LayerOperator& layer);

@@ -54,8 +54,8 @@ struct Cholmod {
 
 int SymmetricPattern::find(int i, int j) const {
   const int column = std::min(i, j), last = std::max(i, j);
-  return static_cast<int>(
-      std::lower_bound(row.begin() + begin[at(column)], row.begin() + begin[at(column) + 1], last) - row.begin());
+  return static_cast<int>(std::lower_bound(row.begin() + begin[at(column)], row.begin() + begin[at(column) + 1], last) -
+                          row.begin());
 }
 
 SymmetricPattern make_pattern(int size, const std::vector<std::array<int, 2>>& pairs) {
@@ -158,29 +158,31 @@ std::vector<int> columns_for(const SparseFactor& factor, const std::vector<int>&
 
 namespace {
 
-/// Count: of columns of b, at compile time; 0: not known then.
+/// Count: columns of b, few enough for the processor's registers.
 template <int Count>
-void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, double* b, int count) {
-  const int n = Count > 0 ? Count : count;
+void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, double* b) {
   const int* row = L.row.data();
   const double* value = L.value.data();
   for (const int j : columns) {
     const int first = L.begin[at(j)], end = L.begin[at(j) + 1];
-    double* x = b + static_cast<std::ptrdiff_t>(j) * n;
-    for (int c = 0; c < n; ++c) x[c] /= value[first];
+    double x[Count];
+    for (int c = 0; c < Count; ++c)
+      b[static_cast<std::ptrdiff_t>(j) * Count + c] = x[c] =
+          b[static_cast<std::ptrdiff_t>(j) * Count + c] / value[first];
     for (int s = first + 1; s < end; ++s) {
-      double* y = b + static_cast<std::ptrdiff_t>(row[s]) * n;
-      for (int c = 0; c < n; ++c) y[c] -= value[s] * x[c];
+      double* y = b + static_cast<std::ptrdiff_t>(row[s]) * Count;
+      for (int c = 0; c < Count; ++c) y[c] -= value[s] * x[c];
     }
   }
   for (auto j = columns.rbegin(); j != columns.rend(); ++j) {
     const int first = L.begin[at(*j)], end = L.begin[at(*j) + 1];
-    double* x = b + static_cast<std::ptrdiff_t>(*j) * n;
+    double x[Count];
+    for (int c = 0; c < Count; ++c) x[c] = b[static_cast<std::ptrdiff_t>(*j) * Count + c];
     for (int s = first + 1; s < end; ++s) {
-      const double* y = b + static_cast<std::ptrdiff_t>(row[s]) * n;
-      for (int c = 0; c < n; ++c) x[c] -= value[s] * y[c];
+      const double* y = b + static_cast<std::ptrdiff_t>(row[s]) * Count;
+      for (int c = 0; c < Count; ++c) x[c] -= value[s] * y[c];
     }
-    for (int c = 0; c < n; ++c) x[c] /= value[first];
+    for (int c = 0; c < Count; ++c) b[static_cast<std::ptrdiff_t>(*j) * Count + c] = x[c] / value[first];
   }
 }
 
@@ -188,11 +190,24 @@ void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, doub
 
 void solve(const SparseFactor& factor, const std::vector<int>& columns, Nodal& b) {
   switch (b.cols()) {
-    case 1: return solve_in_place<1>(factor, columns, b.data(), 1);
-    case 3: return solve_in_place<3>(factor, columns, b.data(), 3);
-    case 6: return solve_in_place<6>(factor, columns, b.data(), 6);
-    case 8: return solve_in_place<8>(factor, columns, b.data(), 8);
-    default: return solve_in_place<0>(factor, columns, b.data(), static_cast<int>(b.cols()));
+    case 1:
+      return solve_in_place<1>(factor, columns, b.data());
+    case 2:
+      return solve_in_place<2>(factor, columns, b.data());
+    case 3:
+      return solve_in_place<3>(factor, columns, b.data());
+    case 4:
+      return solve_in_place<4>(factor, columns, b.data());
+    case 5:
+      return solve_in_place<5>(factor, columns, b.data());
+    case 6:
+      return solve_in_place<6>(factor, columns, b.data());
+    default:
+      for (Eigen::Index c = 0; c < b.cols(); ++c) {
+        Nodal one = b.col(c);
+        solve_in_place<1>(factor, columns, one.data());
+        b.col(c) = one;
+      }
   }
 }
 

@@ -99,9 +99,9 @@ struct SpringStates {
   int size() const { return static_cast<int>(gap.size()); }
 };
 
-/// What of the target's triangles lies under spring i, whose ray meets the target (L8). `surface`: the target's, whole or
-/// divided; `first`: its triangle that the ray meets; `end`: triangles from here on are no part of the contact. Never
-/// empty: where nothing but rounding is left, all on triangle `first`.
+/// What of the target's triangles lies under spring i, whose ray meets the target (L8). `surface`: the target's, whole
+/// or divided; `first`: its triangle that the ray meets; `end`: triangles from here on are no part of the contact.
+/// Never empty: where nothing but rounding is left, all on triangle `first`.
 std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,
                                             const SurfaceMesh& surface, const SpringStates& states, int i, int first,
                                             int end);
