@@ -344,6 +344,12 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
                                   "map; divide them with --refine, or let the other "
                                   "body's finer surface carry them with --source",
                                   joint.contacts[c].name, active, number_text(last.when.time)));
+    else if (active < 60 && active > 0 && joint.contacts[c].law == Law::Layer)
+      add_once(lines, fmt::format(
+                          "warning: contact \"{}\": at time {} only {} springs carry, too few to follow how the layers "
+                          "flow: force and peak may be 10% too high; divide them with "
+                          "--refine {}",
+                          joint.contacts[c].name, number_text(last.when.time), active, 2 * joint.contacts[c].refine));
     for (const Layer& layer : joint.contacts[c].layers) {
       const double factor = last.fields[c].sides[&layer - joint.contacts[c].layers].resultant_factor;
       if (!(std::abs(factor - 1.0) > 0.02)) continue;

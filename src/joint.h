@@ -48,6 +48,9 @@ struct Layer {
 
   /// The surface thickness and springs live on.
   const SurfaceMesh& spring_surface() const { return springs_at == SpringsAt::Bone ? bone : articular; }
+  /// Area-weighted mean over the articular triangles of their size over the thickness there: sqrt(2 area), the edge of
+  /// the quadrilateral they halve. 0 when rigid.
+  double facet_size() const;
   double min_thickness() const;
   double max_thickness() const;
   double mean_thickness() const;  ///< area-weighted
@@ -64,7 +67,8 @@ struct ContactPair {
   LayerFit layer_fit = LayerFit::TwoTerms;
   double interface_compliance = 0.0;  ///< gap per pressure in series with the layers (S9)
   Facets facets = Facets::Curved;
-  int refine = 1;  ///< each spring triangle is divided into refine^2
+  /// Each spring triangle, and with Law::Layer each triangle of both layers' faces, is divided into refine^2.
+  int refine = 1;
   int step = -1;   ///< active only in this step; -1: in all
   const Layer& source_layer() const { return layers[source]; }
   const Layer& target_layer() const { return layers[1 - source]; }
