@@ -48,7 +48,7 @@ void rung(int n, double nu, LayerFit fit) {
     test::layer_mesh(
         surface, [](const Vector3d& x) { return 2 + 0.01 * x.x(); }, test::all(Rim::Free));
   });
-  const double factorisation = least_ms(repeats, [&] { LayerOperator(target_mesh, cartilage, fit); });
+  const double factorisation = least_ms(repeats, [&] { make_layer_operator(target_mesh, cartilage, fit); });
   LayerContact contact;
   contact.source = {&source.layer, &source.feet, {}};
   contact.target = {&target.layer, &target.feet, {}};

@@ -85,8 +85,8 @@ TEST(LayerContact, MeetsItsConditions) {
         EXPECT_LT(r.applications, large ? 250 : 120) << what;
         VectorXd w = sinking(b.contact, r.pressure).col(0), softening;
         if (large)
-          w = b.source.layer.large_sinking(b.source_feet, r.pressure, softening) +
-              b.target.layer.large_sinking(b.target_feet, r.pressure, softening);
+          w = large_sinking(b.source.layer, b.source_feet, r.pressure, softening) +
+              large_sinking(b.target.layer, b.target_feet, r.pressure, softening);
         EXPECT_LT((w - r.sunk_source - r.sunk_target).lpNorm<Eigen::Infinity>(), 1e-12 * w.maxCoeff()) << what;
         const VectorXd local = local_compliance(b.contact);
         const double peak = r.pressure.maxCoeff(), tolerance = 3e-9;
@@ -589,7 +589,8 @@ TEST(LayerContact, UnlikeMeshes) {
       ASSERT_TRUE(matched.converged);
       for (const double ratio : {0.25, 0.5, 1.0, 2.0, 4.0}) {
         const test::Underside below{static_cast<int>(std::lround(24 / (h * ratio))), 24.0, 0.5, {0.13, -0.06, 0}};
-        LayerOperator target(layer_mesh(below.mesh(), even(t), all(Rim::Continues)), {kE, nu}, LayerFit::TwoTerms);
+        const LayerOperator target =
+            make_layer_operator(layer_mesh(below.mesh(), even(t), all(Rim::Continues)), {kE, nu}, LayerFit::TwoTerms);
         const LayerFeet feet = test::feet_on_underside(surface, below, target);
         contact.target = {&target, &feet, {}};
         const LayerPressure r = solve_contact(contact, overlap, {}, small_strain());

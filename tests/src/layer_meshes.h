@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -100,21 +99,21 @@ inline LayerFace layer_face(const SurfaceMesh& mesh, const Thickness& thickness,
   return face;
 }
 
-inline std::shared_ptr<const LayerMesh> layer_mesh(const SurfaceMesh& mesh, const Thickness& thickness,
-                                                   const RimAt& rim, int pressed = -1, int divide = 1) {
-  return std::make_shared<const LayerMesh>(make_layer_mesh(layer_face(mesh, thickness, rim, pressed), divide));
+inline LayerMesh layer_mesh(const SurfaceMesh& mesh, const Thickness& thickness, const RimAt& rim, int pressed = -1,
+                            int divide = 1) {
+  return make_layer_mesh(layer_face(mesh, thickness, rim, pressed), divide);
 }
 
 /// A layer and one foot on each of its pressed triangles.
 struct FootedLayer {
   LayerOperator layer;
   LayerFeet feet;
-  FootedLayer(std::shared_ptr<const LayerMesh> mesh, const Elasticity& elasticity, LayerFit fit)
-      : layer(std::move(mesh), elasticity, fit), feet(feet_of_own_triangles(layer)) {}
-  const SurfaceMesh& surface() const { return layer.mesh().mesh; }
+  FootedLayer(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit)
+      : layer(make_layer_operator(std::move(mesh), elasticity, fit)), feet(feet_of_own_triangles(layer)) {}
+  const SurfaceMesh& surface() const { return layer.mesh.mesh; }
   Eigen::VectorXd areas() const { return Eigen::Map<const Eigen::VectorXd>(feet.area.data(), feet.size()); }
   Eigen::VectorXd volumes() const { return Eigen::Map<const Eigen::VectorXd>(feet.volume.data(), feet.size()); }
-  Eigen::VectorXd sinking(const Eigen::VectorXd& p) { return layer.sinking(feet, p).col(0); }
+  Eigen::VectorXd sinking(const Eigen::VectorXd& p) const { return dea::sinking(layer, feet, p).col(0); }
 };
 
 /// Feet of which only these shares stand on the layer.
@@ -174,13 +173,14 @@ struct Underside {
 /// What the triangles of a surface in the plane z = 0, as feet that look up, cover of an underside in the same plane.
 inline LayerFeet feet_on_underside(const SurfaceMesh& feet, const Underside& underside, const LayerOperator& layer) {
   LayerFeet result;
-  const SurfaceMesh& mesh = layer.mesh().mesh;
+  const SurfaceMesh& mesh = layer.mesh.mesh;
   for (int t = 0; t < feet.size(); ++t)
     add_foot(result, layer,
              parts_under_foot({feet.corner(t, 0), feet.corner(t, 1), feet.corner(t, 2)},
                               feet.areas[static_cast<std::size_t>(t)], Vector3d::UnitZ(), mesh,
-                              underside.triangle(mesh, feet.centroid(t)), layer.mesh().pressed),
+                              underside.triangle(mesh, feet.centroid(t)), layer.mesh.pressed),
              feet.areas[static_cast<std::size_t>(t)]);
+  set_reach(result, layer);
   return result;
 }
 
