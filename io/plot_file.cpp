@@ -240,6 +240,27 @@ XpltFile empty_file(const JointModel& model) {
   return file;
 }
 
+/// Per vertex of the articular surface what is beyond the selection's rim there: 1 nothing (free), 2 more of the layer, 3
+/// its mirror image, 4 the layer bonded to bone; the lower one where two meet; 0: not on the rim.
+std::vector<double> rim_at_vertices(const Layer& layer) {
+  std::vector<double> rim(layer.articular.vertices.size(), 0.0);
+  if (layer.face.mesh.size() == 0) return rim;
+  for (const SelectionEdge& e : selection_rim(layer.face)) {
+    const double kind = e.goes_on ? 2.0 : e.edge.rim == Rim::Free ? 1.0 : e.edge.bonded ? 4.0 : 3.0;
+    for (int v : e.vertices)
+      if (rim[at(v)] == 0.0 || kind < rim[at(v)]) rim[at(v)] = kind;
+  }
+  return rim;
+}
+
+/// Per facet: 0 used, 1 left out as side wall, 2 left out as bonded to bone.
+std::vector<double> left_out_facets(const Surface& s, const Layer& layer) {
+  std::vector<double> left_out(at(s.size()), 0.0);
+  for (std::size_t f = 0; f < layer.facet_kinds.size(); ++f)
+    if (layer.facet_kinds[f] != FaceKind::Open) left_out[f] = layer.facet_kinds[f] == FaceKind::SideWall ? 1.0 : 2.0;
+  return left_out;
+}
+
 }  // namespace
 
 XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed) {
@@ -306,7 +327,9 @@ XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
   XpltFile file = empty_file(model);
   file.variables = {variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
                     variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "joint space", "L"),
-                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "missed normal", "")};
+                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "missed normal", ""),
+                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "rim", ""),
+                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "left out", "")};
   XpltState state;
   state.variables.resize(file.variables.size());
 
@@ -333,6 +356,8 @@ XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
           {region, per_slot(s, layer.articular, check.fields[c].sides[side].vertex_thickness)});
       state.variables[1].push_back({region, per_facet(check.fields[c].sides[side].joint_space)});
       state.variables[2].push_back({region, per_slot(s, layer.articular, missed)});
+      state.variables[3].push_back({region, per_slot(s, layer.articular, rim_at_vertices(layer))});
+      state.variables[4].push_back({region, per_facet(left_out_facets(s, layer))});
     }
   }
 

@@ -10,8 +10,8 @@ namespace dea {
 /// contacts shows the one that presses hardest on it in that state.
 XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed = false);
 
-/// What `dea info -o` shows: thickness, initial gap and missed normals on the surfaces, and the springs that face
-/// something as line elements (on nodes of their own after the model's).
+/// What `dea info -o` shows: thickness, initial gap, missed normals, rims and facets left out on the surfaces, and the
+/// springs that face something as line elements (on nodes of their own after the model's).
 XpltFile make_check_file(const JointModel& model, const JointCheck& check);
 
 }  // namespace dea

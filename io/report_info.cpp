@@ -48,6 +48,13 @@ void check_contacts(const JointModel& model, JointCheck& check) {
       const SurfaceMesh& surface = joint.contacts[c].layers[side].articular;
       found.sides[side].sphere = fit_sphere(surface);
       found.sides[side].area = surface_extent(surface).area;
+      const Layer& layer = joint.contacts[c].layers[side];
+      found.sides[side].whole_face = layer.face.mesh.size() > 0;
+      if (found.sides[side].whole_face) found.sides[side].rim = rim_lengths(layer.face);
+      for (FaceKind kind : layer.facet_kinds) {
+        found.sides[side].side_walls += kind == FaceKind::SideWall;
+        found.sides[side].bonded += kind == FaceKind::Bonded;
+      }
     }
     const SpringStates& springs = check.reference.springs[c];
     std::vector<double> gaps;
@@ -110,6 +117,23 @@ std::string bodies_text(const JointModel& model, const JointCheck& check) {
   return text;
 }
 
+/// What is beyond the rim of the selected facets.
+std::string rim_text(const SideCheck& side) {
+  const RimLengths& rim = side.rim;
+  std::string text;
+  const auto add = [&](const char* what, double length) {
+    if (length > 0) text += fmt::format("{} {} {}", text.empty() ? "" : ",", what, number_text(length));
+  };
+  add("free", rim.free);
+  add("the layer goes on", rim.goes_on);
+  add("plane of symmetry", rim.symmetry);
+  add("bonded to bone", rim.bonded);
+  if (text.empty()) text = " none, the surface is closed";
+  const std::string beyond =
+      rim.area_beyond > 0 ? fmt::format("; beyond it {} of the layer's face", number_text(rim.area_beyond)) : "";
+  return fmt::format("      rim of the selected facets:{}{}\n", text, beyond);
+}
+
 std::string layer_text(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side,
                        const char* role) {
   const Surface& surface = model.surfaces[at(layer.surface)];
@@ -133,6 +157,10 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
                 ? "\n"
                 : fmt::format("; normals that missed: {} of {}\n", layer.missed_count(), layer.missed.size());
   }
+  if (side.whole_face) text += rim_text(side);
+  if (side.side_walls + side.bonded > 0)
+    text += fmt::format("      left out: {} facets, {} side wall, {} bonded to bone; area of those kept {}\n",
+                        side.side_walls + side.bonded, side.side_walls, side.bonded, number_text(side.area));
   text += fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}\n",
                       vector_text(side.sphere.center), number_text(side.sphere.radius), number_text(side.sphere.rms));
   return text;
@@ -287,6 +315,14 @@ Json layer_json(const JointModel& model, const JointCheck& check, const Layer& l
   j["thickness_given"] = layer.thickness_given;
   j["vertices"] = layer.missed.size();
   j["missed_normals"] = layer.missed_count();
+  j["rim"] = nullptr;  // null: no layer, or springs at the bone
+  if (side.whole_face)
+    j["rim"] = Json{{"free", json_number(side.rim.free)},
+                    {"goes_on", json_number(side.rim.goes_on)},
+                    {"symmetry", json_number(side.rim.symmetry)},
+                    {"bonded", json_number(side.rim.bonded)},
+                    {"area_beyond", json_number(side.rim.area_beyond)}};
+  j["left_out"] = Json{{"side_wall", side.side_walls}, {"bonded", side.bonded}};
   Json sphere;
   sphere["center"] = json_vector(side.sphere.center);
   sphere["radius"] = json_number(side.sphere.radius);

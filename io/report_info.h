@@ -14,6 +14,9 @@ namespace dea {
 struct SideCheck {
   SphereFit sphere;   ///< least-squares sphere of the articular surface
   double area = 0.0;  ///< of the articular surface, reference
+  bool whole_face = false;  ///< `rim` is known: a layer whose springs stand on the articular surface
+  RimLengths rim;
+  int side_walls = 0, bonded = 0;  ///< facets left out
 };
 
 /// The springs of one contact at the reference poses.

@@ -17,8 +17,10 @@ constexpr const char* kFooter = R"(
 Units are the model's own. All options mean what they mean in dea run, so what is printed is what dea run would use. A
 model that dea run refuses is printed as far as it can be, then come all reasons, and the exit code is 3.
 
-The plot file of -o shows cartilage thickness, initial gap ("joint space") and missed normals on the contact surfaces, and
-the springs that face something within five thicknesses as lines.
+The plot file of -o shows cartilage thickness, initial gap ("joint space"), missed normals, what is beyond the rim of the
+selected facets ("rim": 1 nothing, a free edge; 2 more of the layer; 3 a plane of symmetry; 4 cartilage bonded to bone) and
+facets that are not used ("left out": 1 side wall, 2 bonded to bone) on the contact surfaces, and the springs that face
+something within five thicknesses as lines.
 
 Examples:
   dea info hip.feb
@@ -31,7 +33,7 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
   CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
   c->footer(kFooter);
   c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
-  c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals and springs")
+  c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals, rims, facets left out and springs")
       ->type_name("check.xplt")
       ->group("Output");
   c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the text")

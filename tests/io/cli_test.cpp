@@ -560,7 +560,7 @@ TEST_F(Cli, InfoSaysWhatIsRecognised) {
   for (const char* text :
        {"units: the model's, mm-N-s", "plate: material \"plate\"; centre of mass (1.5, 1.5, 1) (given)",
         "\"touch\": type sliding-elastic, springs on base", "thickness: min 2, mean 2, max 2", "initial gap min 0.1",
-        "z prescribed -0.3", "0 0.25 0.5 0.75 1"})
+        "z prescribed -0.3", "0 0.25 0.5 0.75 1", "rim of the selected facets: free 12\n"})
     EXPECT_NE(f.out.find(text), std::string::npos) << text << "\n" << f.out;
   const Json j = Json::parse(file_text(folder / "i.json"));
   EXPECT_EQ(j["schema"], "dea.info/1");
@@ -568,6 +568,9 @@ TEST_F(Cli, InfoSaysWhatIsRecognised) {
   EXPECT_NEAR(j["contacts"][0]["gap_min"].get<double>(), 0.1, 1e-12);
   EXPECT_NEAR(j["contacts"][0]["primary"]["confined_modulus"].get<double>(), kM, 1e-12);
   EXPECT_EQ(j["steps"][0]["bodies"]["plate"]["dofs"]["z"], "prescribed");
+  EXPECT_NEAR(j["contacts"][0]["primary"]["rim"]["free"].get<double>(), 12, 1e-12);  // 3 x 3
+  EXPECT_EQ(j["contacts"][0]["primary"]["rim"]["area_beyond"], 0.0);
+  EXPECT_TRUE(j["contacts"][0]["secondary"]["rim"].is_null());  // bare
   const XpltFile check = read_xplt((folder / "check.xplt").string());
   const XpltDomain& springs = check.meshes[0].domains.back();
   EXPECT_EQ(springs.name, "springs touch");
