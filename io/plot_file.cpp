@@ -240,8 +240,8 @@ XpltFile empty_file(const JointModel& model) {
   return file;
 }
 
-/// Per vertex of the articular surface what is beyond the selection's rim there: 1 nothing (free), 2 more of the layer, 3
-/// its mirror image, 4 the layer bonded to bone; the lower one where two meet; 0: not on the rim.
+/// Per vertex of the articular surface what is beyond the selection's rim there: 1 nothing (free), 2 more of the layer,
+/// 3 its mirror image, 4 the layer bonded to bone; the lower one where two meet; 0: not on the rim.
 std::vector<double> rim_at_vertices(const Layer& layer) {
   std::vector<double> rim(layer.articular.vertices.size(), 0.0);
   if (layer.face.mesh.size() == 0) return rim;

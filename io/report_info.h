@@ -12,8 +12,8 @@ namespace dea {
 
 /// One side of a contact as found.
 struct SideCheck {
-  SphereFit sphere;   ///< least-squares sphere of the articular surface
-  double area = 0.0;  ///< of the articular surface, reference
+  SphereFit sphere;         ///< least-squares sphere of the articular surface
+  double area = 0.0;        ///< of the articular surface, reference
   bool whole_face = false;  ///< `rim` is known: a layer whose springs stand on the articular surface
   RimLengths rim;
   int side_walls = 0, bonded = 0;  ///< facets left out

@@ -812,9 +812,19 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     else
       find_side_walls(model, carried.facets, boundary);
     layer.facet_kinds = kinds_of(boundary, carried.facets);
+    // A block on rollers or held by its sides: no facet looks at the bone. With a thickness given that need not matter.
+    const bool all_turned =
+        std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::SideWall) == s.size();
     if (std::count(settings.keep_facets.begin(), settings.keep_facets.end(), s.name) > 0 ||
-        std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open) == s.size())
+        std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open) == s.size() ||
+        (all_turned && (given_thickness || given.map)))
       layer.facet_kinds.clear();
+    if (!layer.facet_kinds.empty() && all_turned)
+      throw refuse_thickness(
+          fmt::format("all its facets ({}) turn away from the bone of body \"{}\", as side walls do: this is no layer "
+                      "of cartilage on a bone; select the articular face, name the bone surface with --bone "
+                      "\"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
+                      s.size(), r.bodies.bodies[at(layer.body)].name, s.name, s.name));
     if (!layer.facet_kinds.empty()) {
       const std::string why = mostly_left_out(model, carried.facets, layer.facet_kinds, s.name);
       if (!why.empty()) throw refuse(why);

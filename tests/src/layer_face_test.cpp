@@ -190,7 +190,8 @@ double area(const SurfaceMesh& mesh, int from = 0) {
 double length_of(const LayerFace& face, Rim rim) {
   double sum = 0;
   for (const LayerFace::Edge& e : face.edges)
-    if (e.rim == rim) sum += (face.mesh.corner(e.triangle, e.edge) - face.mesh.corner(e.triangle, (e.edge + 1) % 3)).norm();
+    if (e.rim == rim)
+      sum += (face.mesh.corner(e.triangle, e.edge) - face.mesh.corner(e.triangle, (e.edge + 1) % 3)).norm();
   return sum;
 }
 
@@ -213,7 +214,8 @@ void expect_sound(const Layer& layer) {
   for (std::size_t v = 0; v < layer.articular.vertices.size(); ++v)
     EXPECT_EQ(face.mesh.model_nodes[v], layer.articular.model_nodes[v]);
   std::size_t alone = 0;
-  for (const auto& neighbours : face.mesh.neighbours) alone += at(static_cast<int>(std::count(neighbours.begin(), neighbours.end(), -1)));
+  for (const auto& neighbours : face.mesh.neighbours)
+    alone += at(static_cast<int>(std::count(neighbours.begin(), neighbours.end(), -1)));
   EXPECT_EQ(face.edges.size(), alone);
 }
 
@@ -351,7 +353,18 @@ TEST(LayerFace, ClosedSelections) {
     wall_only.recognise();
     ADD_FAILURE() << "taken as a face";
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("32 of its 32 facets turn away"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("all its facets (32) turn away"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("or give --thickness \"layer=VALUE\""), std::string::npos) << e.what();
+  }
+  wall_only.settings.thickness["layer"] = 1.0;  // they are meant
+  EXPECT_TRUE(wall_only.recognise().facet_kinds.empty());
+
+  Slab thick(8, 8, 4);  // as much wall as anything: what the face is, is a guess
+  thick.select(everything);
+  try {
+    thick.recognise();
+    ADD_FAILURE() << "taken as a face";
+  } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("--keep-facets \"layer\""), std::string::npos) << e.what();
   }
 }
