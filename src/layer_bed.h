@@ -1,4 +1,4 @@
-// src/layer_bed.h – the spring bed of `--law layer`: its springs share what the layers give way sideways (L1-L9).
+// src/layer_bed.h – the spring bed of `--law layer`: its springs share what the layers give way sideways (L1-L10).
 #pragma once
 #include <optional>
 

@@ -1,7 +1,5 @@
 #include "layer_operator.h"
 
-#include <cholmod.h>
-
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cassert>
