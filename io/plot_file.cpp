@@ -104,13 +104,20 @@ MeshMap make_mesh(const JointModel& model) {
   return map;
 }
 
-/// A value per vertex of a layer's articular surface, in the slots of the surface's facets.
-std::vector<float> per_slot(const Surface& s, const SurfaceMesh& mesh, const std::vector<double>& per_vertex) {
+bool left_out(const Layer& layer, int facet) {
+  return !layer.facet_kinds.empty() && layer.facet_kinds[at(facet)] != FaceKind::Open;
+}
+
+/// A value per vertex of a layer's articular surface, in the slots of the surface's facets. Facets left out have none,
+/// though they share nodes with the rim.
+std::vector<float> per_slot(const Surface& s, const Layer& layer, const std::vector<double>& per_vertex) {
+  const SurfaceMesh& mesh = layer.articular;
   std::unordered_map<int, int> vertex;
   for (std::size_t v = 0; v < mesh.model_nodes.size(); ++v) vertex[mesh.model_nodes[v]] = static_cast<int>(v);
   const int slots = max_nodes(s);
   std::vector<float> values(at(s.size()) * at(slots), 0.0f);
   for (int f = 0; f < s.size(); ++f) {
+    if (left_out(layer, f)) continue;
     for (int k = s.begin[at(f)]; k < s.begin[at(f) + 1]; ++k) {
       const auto found = vertex.find(s.nodes[at(k)]);
       if (found != vertex.end())
@@ -181,13 +188,13 @@ std::vector<SurfaceField> surface_fields() {
       {field(XpltType::Float, XpltFormat::Region, "contact area", "L^2"),
        [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }},
       {field(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P"),
-       [](S s, L l, F f) { return per_slot(s, l.articular, f.vertex_pressure); }},
+       [](S s, L l, F f) { return per_slot(s, l, f.vertex_pressure); }},
       {field(XpltType::Float, XpltFormat::Item, "joint space", "L"),
        [](S, L, F f) { return per_facet(f.joint_space); }},
       {field(XpltType::Float, XpltFormat::Item, "overlap", "L"), [](S, L, F f) { return per_facet(f.overlap); }},
       {field(XpltType::Float, XpltFormat::Item, "spring strain", ""), [](S, L, F f) { return per_facet(f.strain); }},
       {field(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
-       [](S s, L l, F f) { return per_slot(s, l.articular, f.vertex_thickness); }},
+       [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }},
   };
 }
 
@@ -255,10 +262,10 @@ std::vector<double> rim_at_vertices(const Layer& layer) {
 
 /// Per facet: 0 used, 1 left out as side wall, 2 left out as bonded to bone.
 std::vector<double> left_out_facets(const Surface& s, const Layer& layer) {
-  std::vector<double> left_out(at(s.size()), 0.0);
-  for (std::size_t f = 0; f < layer.facet_kinds.size(); ++f)
-    if (layer.facet_kinds[f] != FaceKind::Open) left_out[f] = layer.facet_kinds[f] == FaceKind::SideWall ? 1.0 : 2.0;
-  return left_out;
+  std::vector<double> kinds(at(s.size()), 0.0);
+  for (int f = 0; f < s.size(); ++f)
+    if (left_out(layer, f)) kinds[at(f)] = layer.facet_kinds[at(f)] == FaceKind::SideWall ? 1.0 : 2.0;
+  return kinds;
 }
 
 }  // namespace
@@ -352,11 +359,10 @@ XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
             if (layer.missed[at(corner)]) missed[v] = 1.0;
         }
       }
-      state.variables[0].push_back(
-          {region, per_slot(s, layer.articular, check.fields[c].sides[side].vertex_thickness)});
+      state.variables[0].push_back({region, per_slot(s, layer, check.fields[c].sides[side].vertex_thickness)});
       state.variables[1].push_back({region, per_facet(check.fields[c].sides[side].joint_space)});
-      state.variables[2].push_back({region, per_slot(s, layer.articular, missed)});
-      state.variables[3].push_back({region, per_slot(s, layer.articular, rim_at_vertices(layer))});
+      state.variables[2].push_back({region, per_slot(s, layer, missed)});
+      state.variables[3].push_back({region, per_slot(s, layer, rim_at_vertices(layer))});
       state.variables[4].push_back({region, per_facet(left_out_facets(s, layer))});
     }
   }

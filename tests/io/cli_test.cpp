@@ -580,6 +580,45 @@ TEST_F(Cli, InfoSaysWhatIsRecognised) {
   EXPECT_NEAR(x[5], 0.1, 1e-6);   // to the bare plate
 }
 
+// Side walls among the facets: said, shown in the check file, and without pressure in the plot file.
+TEST_F(Cli, InfoShowsRimsAndFacetsLeftOut) {
+  write_model();
+  std::string text = file_text(folder / "flat.feb");
+  const auto end = text.find("</Surface>", text.find("<Surface name=\"top\">"));
+  text.insert(end, "<quad4 id=\"10\">1,2,18,17</quad4>\n<quad4 id=\"11\">2,3,19,18</quad4>\n");  // y = 0
+  write("walls.feb", text);
+  const Finished f = dea({"info", "walls.feb", "-o", "check.xplt", "--json", "i.json"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  EXPECT_NE(f.out.find("left out: 2 facets, 2 side wall, 0 bonded to bone; area of those kept 9"), std::string::npos)
+      << f.out;
+  const Json j = Json::parse(file_text(folder / "i.json"));
+  EXPECT_EQ(j["contacts"][0]["primary"]["left_out"]["side_wall"], 2);
+  const auto values = [&](const XpltFile& file, const std::string& name) {
+    for (std::size_t v = 0; v < file.variables.size(); ++v)
+      if (file.variables[v].name == name) return file.states.back().variables[v].at(0).values;
+    ADD_FAILURE() << "no " << name;
+    return std::vector<float>();
+  };
+  const XpltFile check = read_xplt((folder / "check.xplt").string());
+  const std::vector<float> rim = values(check, "rim"), left_out = values(check, "left out");
+  // of the 36 corners of nine facets 4 x 4 lie at the four inner nodes; those of the walls are no face
+  ASSERT_EQ(rim.size(), 44u);
+  EXPECT_EQ(std::count(rim.begin(), rim.end(), 1.0f), 20);
+  EXPECT_EQ(std::count(rim.begin(), rim.end(), 0.0f), 24);
+  ASSERT_EQ(left_out.size(), 11u);
+  EXPECT_EQ(std::count(left_out.begin(), left_out.end(), 0.0f), 9);
+  EXPECT_EQ(left_out[9] + left_out[10], 2.0f);
+
+  ASSERT_EQ(dea({"run", "walls.feb", "-q"}).code, 0);
+  const std::vector<float> nodal = values(read_xplt((folder / "walls_dea.xplt").string()), "nodal contact pressure");
+  ASSERT_EQ(nodal.size(), 44u);
+  EXPECT_GT(*std::min_element(nodal.begin(), nodal.begin() + 36), 0.0f);
+  EXPECT_EQ(*std::max_element(nodal.begin() + 36, nodal.end()), 0.0f);
+  EXPECT_NE(dea({"info", "walls.feb", "--keep-facets", "top"}).out.find("surface \"top\", 11 facets, area 13"),
+            std::string::npos);
+  EXPECT_EQ(dea({"info", "walls.feb", "--keep-facets", "side"}).code, 2);
+}
+
 TEST_F(Cli, InfoPrintsWhatItCanOfARefusedModel) {
   write_model();
   std::string text = file_text(folder / "flat.feb");

@@ -78,6 +78,9 @@ TEST(SettingWords, EveryOption) {
                            value("force", "femur=-1,2,-3e2"),
                            value("load-at", "femur=sphere-center"),
                            value("load-at", "tibia=1,2,3"),
+                           value("keep-facets", "s 1"),
+                           value("keep-facets", "s=2"),
+                           value("keep-facets", "s 1"),
                            value("squash", "false")});
   EXPECT_EQ(s.contact, "hip contact");
   EXPECT_EQ(s.source, "femur");
@@ -97,6 +100,7 @@ TEST(SettingWords, EveryOption) {
   EXPECT_EQ(s.force.at("femur"), Eigen::Vector3d(-1, 2, -300));
   EXPECT_TRUE(s.load_at.at("femur").sphere_center);
   EXPECT_EQ(s.load_at.at("tibia").point, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(s.keep_facets, (std::vector<std::string>{"s 1", "s=2"}));
   EXPECT_FALSE(s.squash);
 }
 
