@@ -183,7 +183,7 @@ TEST(SettingsXml, RefusalsNameTheLine) {
             ":3: found <Law> (did you mean \"law\"?), expected one of <contact>, <source>, <springs-at>, <law>, "
             "<layer-terms>, "
             "<interface-stiffness>, <facets>, <refine>, <rigid>, "
-            "<attach>, <bone>, <thickness>, "
+            "<attach>, <bone>, <keep-facets>, <thickness>, "
             "<E>, <nu>, <free>, <force>, <load-at>, <squash>, <output>, <json>, <csv>, <facets-csv>, <report>, "
             "<vtu>, <states>");
   EXPECT_EQ(fault("<force>1,2,3</force>"), ":2: <force>: found no attribute \"body\", expected body=\"NAME\"");
