@@ -551,13 +551,77 @@ std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>
 /// sqrt(2) of them (layer_kernel.h), by then to 3 %.
 constexpr double kFaceReach = 5.0;
 
+/// The boundary of a layer whose elements are rigid with their bone, as `dea convert` writes them: the solid elements
+/// under the surface, bonded where they share nodes with others of their body. They are the layer if they are as thick
+/// as its map says, within kSame for nearly all vertices inside; else they are bone, and nothing is known of the
+/// cartilage beyond the selection: no faces.
+LayerBoundary rigid_boundary(const Recognition& r, const CarriedSurface& carried, const Layer& layer,
+                             const std::vector<double>& map) {
+  constexpr double kSame = 0.02;
+  const JointModel& model = r.model;
+  std::vector<char> own(model.domains.size(), 0);
+  for (const Contact& c : model.contacts) {  // a layer may have several surfaces
+    for (std::size_t side = 0; side < 2 && c.dea && c.primary >= 0 && c.secondary >= 0; ++side) {
+      if (c.dea->layers[side].thickness_map.empty()) continue;
+      const Surface& s = model.surfaces[at(side == 0 ? c.primary : c.secondary)];
+      for (int f = 0; f < s.size(); ++f) {
+        const auto* faces = find_face(r, s.nodes.data() + s.begin[at(f)], s.begin[at(f) + 1] - s.begin[at(f)]);
+        const ElementFace* face = faces ? carrier(r, *faces) : nullptr;
+        if (face == nullptr) continue;
+        const Domain& d = model.domains[at(face->domain)];
+        if (d.material >= 0 && !is_shell(d.shape) && r.rigid[at(d.material)] &&
+            r.bodies.of_material[at(d.material)] == layer.body)
+          own[at(face->domain)] = 1;
+      }
+    }
+  }
+  std::vector<LayerElement> elements;
+  std::vector<char> held(model.nodes.size(), 0);
+  for (int i = 0; i < static_cast<int>(model.domains.size()); ++i) {
+    const Domain& d = model.domains[at(i)];
+    if (own[at(i)]) {
+      for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e) elements.push_back({i, e});
+    } else if (d.material >= 0 && !is_line(d.shape) && r.rigid[at(d.material)] &&
+               r.bodies.of_material[at(d.material)] == layer.body) {
+      for (int node : d.nodes) held[at(node)] = 1;
+    }
+  }
+  LayerBoundary boundary = find_layer_boundary(model, elements, std::move(held));
+  open_feather_facets(model, carried.facets, boundary);
+  const SurfaceMesh bone = bonded_surface(model, boundary);
+  if (bone.size() == 0) return {};
+  find_side_walls(model, bone, boundary);
+  const FacetList kept = kept_facets(carried.facets, kinds_of(boundary, carried.facets));
+  const SurfaceMesh articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes);
+  if (articular.size() == 0) return {};
+  const std::vector<double> said = mapped_thickness(model.surfaces[at(layer.surface)], map, articular),
+                            measured = measure_thickness(articular, bone).thickness;
+  std::vector<char> on_rim(said.size(), 0);  // whose normals are one-sided
+  for (int t = 0; t < articular.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (articular.neighbours[at(t)][at(k)] < 0)
+        for (int end : {k, (k + 1) % 3}) on_rim[at(articular.triangles[at(t)][at(end)])] = 1;
+  std::size_t same = 0, others = 0;
+  for (std::size_t v = 0; v < said.size(); ++v) {
+    const bool is_same = std::abs(measured[v] - said[v]) <= kSame * said[v];
+    same += is_same;
+    others += !is_same && !on_rim[v];
+  }
+  return same > 9 * others ? boundary : LayerBoundary{};
+}
+
 /// The face of a layer with elements. At the rim of the selection thickness, normals and bulges become those of the
 /// whole face.
 void find_layer_face(const Recognition& r, const Contact& contact, const CarriedSurface& carried,
                      const LayerBoundary& boundary, Layer& layer) {
   const JointModel& model = r.model;
+  double deepest = layer.max_thickness();
+  if (layer.material < 0) {  // rigid_boundary: as far as before the conversion, though the map knows the rim better
+    const std::vector<double> measured = measure_thickness(layer.articular, bonded_surface(model, boundary)).thickness;
+    deepest = *std::max_element(measured.begin(), measured.end());
+  }
   layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular,
-                         kFaceReach * layer.max_thickness(), r.mirror);
+                         kFaceReach * deepest, r.mirror);
   const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
   SurfaceMesh& mesh = layer.face.mesh;
   if (mesh.triangles.size() == triangles) {
@@ -575,6 +639,13 @@ void find_layer_face(const Recognition& r, const Contact& contact, const Carried
     return;
   }
   layer.face.thickness = layer.thickness;
+  if (layer.material < 0) {  // the elements are as thick as the map says: rigid_boundary
+    const MeasuredThickness measured = measure_thickness(mesh, bonded_surface(model, boundary));
+    layer.face.thickness.insert(layer.face.thickness.end(),
+                                measured.thickness.begin() + static_cast<std::ptrdiff_t>(vertices),
+                                measured.thickness.end());
+    return;
+  }
   const RayCaster caster(layer.articular);  // a map says nothing of what is beyond it
   for (std::size_t v = vertices; v < mesh.vertices.size(); ++v)
     layer.face.thickness.push_back(interpolate(layer.articular, layer.thickness, caster.closest(mesh.vertices[v])));
@@ -681,6 +752,30 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
     const std::string modulus = set_modulus();
     if (!modulus.empty()) error.others.push_back(refuse(modulus).what());
     return error;
+  };
+
+  const auto leave_out_facets = [&] {
+    layer.facet_kinds = kinds_of(boundary, carried.facets);
+    const auto of_kind = [&](FaceKind kind) {
+      return std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), kind);
+    };
+    // A block on rollers or held by its sides: no facet looks at the bone. With a thickness given that need not matter.
+    const bool all_turned = of_kind(FaceKind::SideWall) == s.size();
+    if (std::count(settings.keep_facets.begin(), settings.keep_facets.end(), s.name) > 0 ||
+        of_kind(FaceKind::Open) == s.size() || (all_turned && (given_thickness || given.map)))
+      layer.facet_kinds.clear();
+    if (layer.facet_kinds.empty()) return;
+    if (all_turned)
+      throw refuse_thickness(
+          fmt::format("all its facets ({}) turn away from the bone of body \"{}\", as side walls do: this is no layer "
+                      "of cartilage on a bone; select the articular face, name the bone surface with --bone "
+                      "\"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
+                      s.size(), r.bodies.bodies[at(layer.body)].name, s.name, s.name));
+    const std::string why = mostly_left_out(model, carried.facets, layer.facet_kinds, s.name);
+    if (!why.empty()) throw refuse(why);
+    const FacetList kept = kept_facets(carried.facets, layer.facet_kinds);
+    layer.articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes);
+    if (facets_of(r, contact) == Facets::Flat) layer.articular.bulge.assign(layer.articular.bulge.size(), {0, 0, 0});
   };
 
   if (roots.empty()) {  // a rigid surface
@@ -811,26 +906,7 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
       find_side_walls(model, layer.bone, boundary);
     else
       find_side_walls(model, carried.facets, boundary);
-    layer.facet_kinds = kinds_of(boundary, carried.facets);
-    // A block on rollers or held by its sides: no facet looks at the bone. With a thickness given that need not matter.
-    const bool all_turned =
-        std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::SideWall) == s.size();
-    if (std::count(settings.keep_facets.begin(), settings.keep_facets.end(), s.name) > 0 ||
-        std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open) == s.size() ||
-        (all_turned && (given_thickness || given.map)))
-      layer.facet_kinds.clear();
-    if (!layer.facet_kinds.empty() && all_turned)
-      throw refuse_thickness(
-          fmt::format("all its facets ({}) turn away from the bone of body \"{}\", as side walls do: this is no layer "
-                      "of cartilage on a bone; select the articular face, name the bone surface with --bone "
-                      "\"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
-                      s.size(), r.bodies.bodies[at(layer.body)].name, s.name, s.name));
-    if (!layer.facet_kinds.empty()) {
-      const std::string why = mostly_left_out(model, carried.facets, layer.facet_kinds, s.name);
-      if (!why.empty()) throw refuse(why);
-      const FacetList kept = kept_facets(carried.facets, layer.facet_kinds);
-      layer.articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes);
-    }
+    leave_out_facets();
     if (layer.bone.size() == 0) {
       if (!given_thickness && !given.map)
         throw refuse_thickness(
@@ -896,39 +972,18 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
                       "surface with --bone \"{}=SURFACE\" or give --thickness \"{}=VALUE\"",
                       s.name, s.name));
   }
-  if (!layer.rigid && !roots.empty() && layer.springs_at == SpringsAt::Articular)
+  if (roots.empty() && given.map && layer.springs_at == SpringsAt::Articular) {
+    boundary = rigid_boundary(r, carried, layer, contact.dea->layers[side].thickness_map);
+    if (boundary.faces.size() > 0) {
+      leave_out_facets();
+      layer.bone = layer.articular;
+      layer.thickness = mapped_thickness(s, contact.dea->layers[side].thickness_map, layer.articular);
+      layer.missed.assign(layer.thickness.size(), 0);
+    }
+  }
+  if (!layer.rigid && boundary.faces.size() > 0 && layer.springs_at == SpringsAt::Articular)
     find_layer_face(r, contact, carried, boundary, layer);
   return layer;
-}
-
-/// Law layer follows what flows within the facets' size. Divides facets that are longer than the cartilage is thick: by
-/// then force and peak are 1 to 3 % off where contact is 8 facets wide (docs/layer_law.md, section 6). Returns what is
-/// to be said: what was chosen and what it costs, or how coarse the facets are.
-std::string choose_refinement(const JointModel& model, ContactPair& pair) {
-  constexpr double kCoarse = 1.0, kFine = 0.3;  // sizes in thicknesses
-  constexpr double kMostChosen = 50000;         // springs: seconds a state
-  double worst = 0.0;
-  std::string sizes;
-  for (const Layer& layer : pair.layers) {
-    const double size = layer.facet_size();
-    if (size == 0) continue;
-    worst = std::max(worst, size);
-    sizes += fmt::format("{}\"{}\" {:.2g}", sizes.empty() ? "" : ", ", model.surfaces[at(layer.surface)].name, size);
-  }
-  if (worst <= kFine) return "";
-  const double springs = pair.source_layer().articular.size();
-  const int wanted = static_cast<int>(std::ceil(worst / kCoarse - 0.05)),
-            most = std::max(1, static_cast<int>(std::sqrt(kMostChosen / springs)));
-  pair.refine = std::min(wanted, most);
-  const std::string text =
-      fmt::format("contact \"{}\": facets are long against the cartilage's thickness (mean: {}): ", pair.name, sizes);
-  if (wanted == 1)
-    return text +
-           "force and peak are known within 3 % where contact is 8 facets wide, worse where it is narrower; "
-           "`dea converge` tells, --refine 2 halves them";
-  return text + fmt::format("each is divided into {0}x{0}{1}, about {2} times the work (--refine 1: as they are)",
-                            pair.refine, pair.refine < wanted ? fmt::format(", not {0}x{0}", wanted) : "",
-                            pair.refine * pair.refine);
 }
 
 /// Does a shell surface look away from its partner? Compared at the closest points, area-weighted.
@@ -1238,8 +1293,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       throw UsageError(
           fmt::format("--layer-terms 1: contact \"{}\" has law {}; only law layer has terms", c.name, name(pair.law)));
     pair.facets = facets_of(r, c);
-    const std::optional<int> refine = settings.refine ? settings.refine : c.dea ? c.dea->refine : std::nullopt;
-    pair.refine = refine.value_or(1);
+    pair.refine = settings.refine.value_or(c.dea ? c.dea->refine.value_or(1) : 1);
     bool good = true;
     for (int side = 0; side < 2; ++side) {
       try {
@@ -1296,10 +1350,6 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
         layer.face = selected_face(layer.articular, r.mirror);
         layer.face.thickness = layer.thickness;
       }
-    if (!refine && pair.law == Law::Layer) {
-      const std::string note = choose_refinement(model, pair);
-      if (!note.empty()) joint.findings.push_back(note);
-    }
     for (const Layer& layer : pair.layers) {
       const std::string left_out = left_out_note(model.surfaces[at(layer.surface)].name, layer.facet_kinds);
       if (!left_out.empty()) joint.findings.push_back(left_out);

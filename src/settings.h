@@ -46,7 +46,7 @@ struct Settings {
   LayerFit layer_fit = LayerFit::TwoTerms;    ///< of Law::Layer
   std::optional<double> interface_stiffness;  ///< [pressure/length], > 0; empty: rigid
   std::optional<Facets> facets;               ///< empty: what the contact says, or curved
-  std::optional<int> refine;       ///< each spring triangle is divided into refine^2, >= 1; empty: the contact's, or chosen
+  std::optional<int> refine;       ///< each spring triangle is divided into refine^2, >= 1; empty: the contact's, or 1
   std::vector<std::string> rigid;  ///< deformable materials to take as rigid
   std::map<std::string, std::string> attach;        ///< surface -> body it belongs to ("ground" for the ground)
   std::map<std::string, std::string> bone;          ///< articular surface -> surface that is its bone surface

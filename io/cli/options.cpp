@@ -46,9 +46,7 @@ constexpr OptionHelp kOptions[] = {
     {"interface-stiffness", "STIFFNESS", kCartilage,
      "Stiffness per area between the surfaces, in series with the cartilage, as a contact penalty has (MPa/mm) [none]"},
     {"facets", "curved|flat", kCartilage, "Take facets as the smooth surface they stand for, or as they are [curved]"},
-    {"refine", "N", kCartilage,
-     "Divide the facets of springs and layers into N*N [1; law layer: until none is longer than the cartilage is "
-     "thick]"},
+    {"refine", "N", kCartilage, "Divide every facet of the springs and, with law layer, of both layers into N*N [1]"},
     {"thickness", "[SURFACE=]LENGTH", kCartilage,
      "Constant cartilage thickness, in the model's length (mm); may be repeated [measured]"},
     {"E", "[SURFACE=]MODULUS", kCartilage,

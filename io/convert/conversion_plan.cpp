@@ -425,6 +425,60 @@ void convert_contacts(const JointModel& model, ConversionPlan& plan) {
   }
 }
 
+/// The same cartilage? With law layer also beyond the selected facets, and the same rims.
+bool same_face(const Layer& a, const Layer& b, Law law) {
+  if (a.articular.model_nodes != b.articular.model_nodes || a.articular.triangles != b.articular.triangles)
+    return false;
+  if (law != Law::Layer) return true;
+  const auto same_edge = [](const LayerFace::Edge& x, const LayerFace::Edge& y) {
+    return x.triangle == y.triangle && x.edge == y.edge && x.rim == y.rim;
+  };
+  return a.face.mesh.model_nodes == b.face.mesh.model_nodes && a.face.mesh.triangles == b.face.mesh.triangles &&
+         std::equal(a.face.edges.begin(), a.face.edges.end(), b.face.edges.begin(), b.face.edges.end(), same_edge);
+}
+
+/// What is left out of a surface and what is beyond its rim is read from the elements and their bone. Where these can
+/// no longer be told apart the converted model would have other pressures.
+void check_faces(const JointModel& model, const Settings& settings, ConversionPlan& plan) {
+  Settings none;
+  none.contact = settings.contact;
+  none.keep_facets = settings.keep_facets;
+  Joint after;
+  try {
+    after = make_joint(plan.target, none);
+  } catch (const InputError& e) {
+    plan.notes.push_back(fmt::format("dea run does not take the converted model: {}", e.what()));
+    return;
+  }
+  for (const ContactPair& pair : plan.joint.contacts) {
+    if (!plan.converted[at(pair.contact)]) continue;
+    const auto same = std::find_if(after.contacts.begin(), after.contacts.end(),
+                                   [&](const ContactPair& other) { return other.contact == pair.contact; });
+    if (same == after.contacts.end()) continue;
+    for (int side = 0; side < 2; ++side) {
+      const Layer& layer = pair.layers[side];
+      if (layer.rigid || same_face(layer, same->layers[side], pair.law)) continue;
+      const Surface& surface = model.surfaces[at(layer.surface)];
+      const auto left_out = static_cast<std::ptrdiff_t>(layer.facet_kinds.size()) -
+                            std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open);
+      if (left_out > 0)
+        throw InputError(
+            model, surface.origin,
+            fmt::format(
+                "surface \"{}\": {} of its facets are side wall or bonded to bone and left out here, but in the "
+                "converted model nothing tells them from the articular face: take them out of the surface",
+                surface.name, left_out));
+      throw InputError(
+          model, surface.origin,
+          fmt::format("surface \"{}\": its cartilage goes on beyond the selected facets, which the converted model "
+                      "cannot tell (it knows those under contact surfaces that share nodes with their bone): select "
+                      "the whole face, or convert with "
+                      "--law linear",
+                      surface.name));
+    }
+  }
+}
+
 }  // namespace
 
 ConversionPlan plan_conversion(const JointModel& model, const Settings& settings) {
@@ -467,6 +521,7 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
   check_bodies(model, plan, home);
   mark_rigid_nodes(plan);
   convert_conditions(model, plan);
+  check_faces(model, settings, plan);
   return plan;
 }
 
