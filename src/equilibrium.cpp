@@ -1070,14 +1070,15 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
         std::min(left_at_start, left_at_end));
     return direct;
   }
-  if (given_up) return direct;
+  if (given_up && beyond_limit(direct.at) == 0) return direct;
   const VectorXd all = from.residual();
   double done = 0.0, piece = 0.25;
   int iterations = direct.iterations;
-  EquilibriumOptions pieces = options;  // all of them together may cost what one search may lose
+  EquilibriumOptions pieces = options;
   pieces.patience = (options.patience + 1) / 2;
-  pieces.max_casts = std::min(options.max_casts, problem.casts + options.patience);
-  while (done < 1.0 && piece > 1.0 / 128 && problem.casts < pieces.max_casts) {
+  int lost = 0;  // poses of pieces that failed: all together what one search may lose
+  while (done < 1.0 && piece > 1.0 / 128 && lost < options.patience && problem.casts < options.max_casts) {
+    const int before = problem.casts;
     const double next = std::min(1.0, done + piece);
     problem.offset = (1.0 - next) * all;
     Solution part = newton(problem, from, pieces);
@@ -1093,6 +1094,7 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
       piece *= 1.5;
     } else {
       if (beyond_limit(part.at) > 0) break;  // more pieces would press through all the same
+      lost += problem.casts - before;
       piece *= 0.5;
     }
   }

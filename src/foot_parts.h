@@ -15,9 +15,9 @@ struct SurfacePart {
   std::array<Barycentric, 7> corner;
 };
 
-/// The foot (a triangle of this area, with its corners in the surface's frame) seen along n, its unit normal, cut by the
-/// surface's triangles that face it: from triangle `first` on over its neighbours, those below `end` only. Exact where
-/// the surface does not fold over itself under the foot. Empty where `first` does not lie under the foot.
+/// The foot (a triangle of this area, with its corners in the surface's frame) seen along n, its unit normal, cut by
+/// the surface's triangles that face it: from triangle `first` on over its neighbours, those below `end` only. Exact
+/// where the surface does not fold over itself under the foot. Empty where `first` does not lie under the foot.
 std::vector<SurfacePart> parts_under_foot(const std::array<Vector3d, 3>& foot, double area, const Vector3d& n,
                                           const SurfaceMesh& surface, int first, int end);
 

@@ -610,8 +610,8 @@ LayerBoundary rigid_boundary(const Recognition& r, const CarriedSurface& carried
   return same > 9 * others ? boundary : LayerBoundary{};
 }
 
-/// The face of a layer with elements. At the rim of the selection thickness, normals and bulges become those of the
-/// whole face.
+/// The face of a layer with elements. Gaps and thickness of the selection stay its own: at its rim they know the facets
+/// on one side only.
 void find_layer_face(const Recognition& r, const Contact& contact, const CarriedSurface& carried,
                      const LayerBoundary& boundary, Layer& layer) {
   const JointModel& model = r.model;
@@ -629,16 +629,14 @@ void find_layer_face(const Recognition& r, const Contact& contact, const Carried
     return;
   }
   if (facets_of(r, contact) == Facets::Flat) mesh.bulge.assign(mesh.bulge.size(), {0, 0, 0});
-  std::copy_n(mesh.vertex_normals.begin(), vertices, layer.articular.vertex_normals.begin());
-  std::copy_n(mesh.bulge.begin(), triangles, layer.articular.bulge.begin());
+  layer.face.thickness = layer.thickness;
   if (!layer.thickness_given) {
-    MeasuredThickness measured = measure_thickness(mesh, layer.bone);
-    std::copy_n(measured.thickness.begin(), vertices, layer.thickness.begin());
-    std::copy_n(measured.missed.begin(), vertices, layer.missed.begin());
-    layer.face.thickness = std::move(measured.thickness);
+    const MeasuredThickness measured = measure_thickness(mesh, layer.bone);
+    layer.face.thickness.insert(layer.face.thickness.end(),
+                                measured.thickness.begin() + static_cast<std::ptrdiff_t>(vertices),
+                                measured.thickness.end());
     return;
   }
-  layer.face.thickness = layer.thickness;
   if (layer.material < 0) {  // the elements are as thick as the map says: rigid_boundary
     const MeasuredThickness measured = measure_thickness(mesh, bonded_surface(model, boundary));
     layer.face.thickness.insert(layer.face.thickness.end(),

@@ -69,7 +69,7 @@ struct ContactPair {
   Facets facets = Facets::Curved;
   /// Each spring triangle, and with Law::Layer each triangle of both layers' faces, is divided into refine^2.
   int refine = 1;
-  int step = -1;   ///< active only in this step; -1: in all
+  int step = -1;  ///< active only in this step; -1: in all
   const Layer& source_layer() const { return layers[source]; }
   const Layer& target_layer() const { return layers[1 - source]; }
 };

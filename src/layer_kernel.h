@@ -44,8 +44,8 @@ struct LayerLaw {
   double largest() const;
 };
 
-/// What a free edge adds (L7), all [1/MPa]; zero with one term. Read off own finite elements of strips, discs and holes,
-/// nu = 0.3 to 0.4999 (docs/layer_law.md, section 3).
+/// What a free edge adds (L7), all [1/MPa]; zero with one term. Read off own finite elements of strips, discs and
+/// holes, nu = 0.3 to 0.4999 (docs/layer_law.md, section 3).
 struct EdgeLaw {
   double straight = 0.0, curved = 0.0;  ///< the hoop stretch: e = straight + curved min(kappa t, 1)
   double around = 0.0;                  ///< of the second term's pressure at the edge

@@ -61,19 +61,21 @@ StrainExcess strain_excess(const Elasticity& layer, double q);
 
 /// The compliance of one layer, as an operator. For pressures p per foot, with q, r nodal and linear in each triangle,
 ///     S_k q_k = b p,   S_1 r = (square M_t + around B) q_1,   S_k = M_t + beta_k K_t3
-///     A_i w_i = A_i own_i p_i + b_i . (weight_0 q_0 + weight_1 q_1 + r + z)                                  (L3), (L8)
+///     A_i w_i = A_i own_i p_i + b_i . (weight_0 q_0 + weight_1 q_1 + r + z)                                  (L3),
+///     (L8)
 /// M_t and K_t3: mass and stiffness matrices weighted by t and t^3, both exact for t linear in each triangle; B: the
 /// integral of t^2 along free edges. Symmetric in the sense of work, A_i dw_i/dp_j = A_j dw_j/dp_i, and positive
 /// definite for any thickness field while parts of different feet do not overlap. Between walls, with whole triangles
 /// pressed, M sum A_i w_i = sum d_i p_i to rounding: bulging moves volume but makes none.
 ///
-/// At a free edge q_0 = 0, and what flows out there stretches the edge along itself (L7): per vertex v of the edge, with
-/// rho the volume that flows out, row v of b p - S_0 q_0 as if v were not held, and B_v its share of B,
+/// At a free edge q_0 = 0, and what flows out there stretches the edge along itself (L7): per vertex v of the edge,
+/// with rho the volume that flows out, row v of b p - S_0 q_0 as if v were not held, and B_v its share of B,
 ///     z_v = e rho_v / (beta_0 B_v),   S_0 z = 0 elsewhere,   e = straight + curved min(kappa t, 1)
-/// In a hole, where e < 0, v is not held if weight_0 < 0: S_0 has beta_0 B_v / min(e/weight_0, 5) on its diagonal there.
+/// In a hole, where e < 0, v is not held if weight_0 < 0: S_0 has beta_0 B_v / min(e/weight_0, 5) on its diagonal
+/// there.
 ///
 /// Large strain: only the confined part of the response stiffens, in series with the linear flow,
-///     w = C p - B^T [t e(q)],   q = B p,   (B p)_i = own_share p_i + (1 - own_share) (b_i . q_1) / d_i             (L9)
+///     w = C p - B^T [t e(q)],   q = B p,   (B p)_i = own_share p_i + (1 - own_share) (b_i . q_1) / d_i (L9)
 /// B^T: the adjoint of B in the sense of work. own_share (LayerLaw): 1/3; 0 for nu < 0; with one term 1, so B = 1.
 ///
 /// Where the layer has no thickness it does not sink, and q = 0 at the vertices around in the first term.

@@ -1,5 +1,5 @@
-// src/sparse_factor.h – symmetric sparse matrices, their Cholesky factors, and solutions where only some unknowns matter.
-// The only file that knows CHOLMOD is sparse_factor.cpp.
+// src/sparse_factor.h – symmetric sparse matrices, their Cholesky factors, and solutions where only some unknowns
+// matter. The only file that knows CHOLMOD is sparse_factor.cpp.
 #pragma once
 #include <Eigen/Core>
 #include <array>

@@ -294,8 +294,8 @@ std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const Relative
   const auto k = at(i);
   std::array<Vector3d, 3> foot;
   for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * bed.springs.triangle[k][c] + relative.shift;
-  std::vector<SurfacePart> parts = parts_under_foot(foot, bed.springs.area[k],
-                                                    relative.rotation * bed.springs.direction[k], surface, first, end);
+  std::vector<SurfacePart> parts =
+      parts_under_foot(foot, bed.springs.area[k], relative.rotation * bed.springs.direction[k], surface, first, end);
   if (parts.empty()) {
     SurfacePart part;
     part.triangle = first;

@@ -248,8 +248,7 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
       }
     for (const auto& part : parts) {
       std::array<int, 3> triangle;
-      for (std::size_t c = 0; c < 3; ++c)
-        triangle[c] = id[static_cast<std::size_t>(part[c][0] * (n + 1) + part[c][1])];
+      for (std::size_t c = 0; c < 3; ++c) triangle[c] = id[static_cast<std::size_t>(part[c][0] * (n + 1) + part[c][1])];
       out.triangles.push_back(triangle);
       out.facet.push_back(mesh.facet[static_cast<std::size_t>(t)]);
     }

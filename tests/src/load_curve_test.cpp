@@ -244,7 +244,8 @@ TEST(LoadCurve, AnExpressionWithoutValueIsRefusedWithItsPlace) {
     value(model, Scaled{2.0, 0}, 1.5);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "hip.feb:12: load controller 3: expression \"sqrt(t-5)\" has no finite value at t = 1.5");
+    EXPECT_STREQ(error.what(),
+                 "hip.feb:12: load controller 3: expression \"sqrt(t-5)\" has no finite value at t = 1.5");
   }
 }
 
