@@ -51,6 +51,7 @@ struct Evaluation {
   BlockMatrix derivative;                 // of their sum and of the reactions
   double normal_force = 0.0;              // sum of p A over all contacts
   double load = 0.0;                      // scale of all forces: the largest of external, ligament, contact
+  double tolerance = 0.0;                 // of the layers' pressures; 0: exact
   VectorXd residual() const { return contact + ligaments + external + reactions; }
   // connectors: their conditions, what these transmit, and the motions they leave
   std::vector<ConnectorRow> rows;
@@ -66,6 +67,7 @@ struct Problem {
   VectorXd scale;         // per free dof: 1 for translations, length for rotations
   VectorXd offset;        // per dof: part of the load held back (continuation)
   int casts = 0;
+  double tolerance = kPressureTolerance;  // of the layers' pressures at the next poses
   std::string undefined;  // why a step was refused, if a ligament's force had no value where it led
   ConnectorGroups connectors;
   SearchStatus status = {};
@@ -112,7 +114,8 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
       continue;
     }
     const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-    e.springs.push_back(project_springs(bed, source, target, free_motions(problem, bed)));
+    e.springs.push_back(project_springs(bed, source, target, {free_motions(problem, bed), problem.tolerance}));
+    if (bed.layers) e.tolerance = problem.tolerance;
     const ContactWrench w = contact_wrench(e.springs.back(), source, target);
     e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
     e.contact.segment<6>(6 * bed.source_body) += w.wrench.tail<6>();
@@ -158,6 +161,13 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
     blocks.insert(blocks.end(), held.derivative.blocks.begin(), held.derivative.blocks.end());
   }
   return e;
+}
+
+/// Far from balance the layers' pressures need not be known closely: to a hundredth of what the next step leaves.
+/// `residual`: unbalanced / load at the pose it starts from.
+double tolerance_after(double residual) {
+  constexpr double kCoarsest = 1e-4;
+  return std::clamp(0.01 * residual * std::min(1.0, 10.0 * residual), kPressureTolerance, kCoarsest);
 }
 
 // The unknowns at a pose: the free dofs, rotations times length; where there are connectors, the motions they leave.
@@ -528,46 +538,44 @@ double too_deep_area(const Problem& problem, const Evaluation& e) {
   return area;
 }
 
-/// How far along `direction` (scaled motion of the free dofs) the first spring closes, to first order: infinity if none
-/// does.
+/// By a motion of the unknowns, to first order (E2): how the gap of each spring of a contact changes. Zero for those that
+/// face nothing.
+std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std::size_t contact, const VectorXd& motion) {
+  const VectorXd all = on_all_dofs(problem, e, motion);
+  const SpringStates& s = e.springs[contact];
+  const SpringBed& bed = problem.beds.beds[contact];
+  const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
+  const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
+  const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
+  std::vector<double> opened(at(s.size()), 0.0);
+  for (std::size_t k = 0; k < opened.size(); ++k) {
+    if (s.triangle[k] < 0) continue;
+    const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
+    opened[k] = s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k]);
+  }
+  return opened;
+}
+
+/// How far along `direction` (a motion of the unknowns) the first spring closes, to first order: infinity if none does.
 double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
-  const VectorXd all = on_all_dofs(problem, e, direction);
   double first = kInfinity;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
-    const SpringBed& bed = problem.beds.beds[c];
-    if (s.size() == 0) continue;
-    const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-    const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
-    const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
-    for (int i = 0; i < s.size(); ++i) {
-      const auto k = at(i);
-      if (s.triangle[k] < 0 || s.coverage[k] <= 0) continue;
-      const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
-      const double rate = s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k]);  // dg per unit of direction (E2)
-      if (rate < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -rate);
-    }
+    const std::vector<double> opened = gap_motions(problem, e, c, direction);
+    for (std::size_t k = 0; k < opened.size(); ++k)
+      if (s.coverage[k] > 0 && opened[k] < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -opened[k]);
   }
   return first;
 }
 
-/// The most that any spring under pressure closes or opens by a motion of the unknowns, to first order (E2).
+/// The most that any spring under pressure closes or opens by a motion of the unknowns, to first order.
 double closing_motion(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
-  const VectorXd all = on_all_dofs(problem, e, motion);
   double largest = 0.0;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
-    const SpringBed& bed = problem.beds.beds[c];
-    if (s.size() == 0) continue;
-    const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-    const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
-    const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
-    for (int i = 0; i < s.size(); ++i) {
-      const auto k = at(i);
-      if (s.triangle[k] < 0 || s.pressure[k] <= 0) continue;
-      const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
-      largest = std::max(largest, std::abs(s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k])));
-    }
+    const std::vector<double> opened = gap_motions(problem, e, c, motion);
+    for (std::size_t k = 0; k < opened.size(); ++k)
+      if (s.pressure[k] > 0) largest = std::max(largest, std::abs(opened[k]));
   }
   return largest;
 }
@@ -791,8 +799,16 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     const double patience = 1.0 + 0.1 * std::max(0, solution.iterations - 12);
     Directions d = take_apart(problem, e, r, patience);
     const double size = d.residual.norm();
+    // what is left may be the pressures' own error
+    if (e.tolerance > kPressureTolerance && size <= 100.0 * e.tolerance * e.load) {
+      problem.tolerance = tolerance_after(e.load > 0 ? size / e.load : 0.0);
+      if (problem.tolerance > 0.1 * e.tolerance) problem.tolerance = kPressureTolerance;
+      e = evaluate(problem, std::move(e.poses));
+      continue;
+    }
     solution.history.push_back(e.load > 0 ? size / e.load : 0.0);
     problem.status.residual = solution.history.back();
+    problem.tolerance = tolerance_after(solution.history.back());
     if (!std::isfinite(size)) {
       solution.message = "a force is no finite number at this pose";
       break;
@@ -1045,6 +1061,7 @@ Separation separation(const Problem& problem, const Evaluation& e) {
 
 /// The whole search for one load case from one start.
 Solution solve(Problem& problem, const std::vector<Pose>& start, const EquilibriumOptions& options) {
+  problem.tolerance = tolerance_after(1.0);
   Evaluation e = evaluate(problem, start);
   if (too_deep_area(problem, e) > 0) {
     Search out = back_out(problem, e);
@@ -1165,7 +1182,7 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
 }
 
 Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions) {
-  Problem problem{joint, beds, conditions, {}, {}, {}, 0, {}, {}, {}, nullptr};
+  Problem problem{joint, beds, conditions, {}, {}, {}, 0, kPressureTolerance, {}, {}, {}, nullptr};
   problem.offset = VectorXd::Zero(6 * static_cast<Eigen::Index>(joint.bodies.size()));
   return problem;
 }
@@ -1240,6 +1257,7 @@ Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
                      const std::vector<Pose>& poses) {
   if (const std::string fault = undefined_force(joint, conditions, poses); !fault.empty()) throw InputError(fault);
   Problem problem = make_problem(joint, beds, conditions);
+  problem.tolerance = kGivenPoseTolerance;
   Equilibrium result;
   result.outcome = Outcome::Prescribed;
   result.message = "motion given";
@@ -1300,6 +1318,10 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   }
   if (const std::string fault = undefined_force(joint, conditions, poses); !fault.empty()) throw InputError(fault);
   Solution s = solve(problem, poses, options);
+  if (s.at.tolerance > kPressureTolerance) {  // a search that ended far from balance
+    problem.tolerance = kPressureTolerance;
+    s.at = evaluate(problem, std::move(s.at.poses));
+  }
   result.outcome = s.outcome;
   result.message = s.message;
   result.iterations = s.iterations;

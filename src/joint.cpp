@@ -630,21 +630,17 @@ void find_layer_face(const Recognition& r, const Contact& contact, const Carried
   }
   if (facets_of(r, contact) == Facets::Flat) mesh.bulge.assign(mesh.bulge.size(), {0, 0, 0});
   layer.face.thickness = layer.thickness;
-  if (!layer.thickness_given) {
-    const MeasuredThickness measured = measure_thickness(mesh, layer.bone);
+  // a map says nothing of what is beyond it; where a map replaced the model's own layer (rigid_boundary), the elements
+  // are as thick as it says
+  if (!layer.thickness_given || layer.material < 0) {
+    const MeasuredThickness measured =
+        measure_thickness(mesh, layer.thickness_given ? bonded_surface(model, boundary) : layer.bone);
     layer.face.thickness.insert(layer.face.thickness.end(),
                                 measured.thickness.begin() + static_cast<std::ptrdiff_t>(vertices),
                                 measured.thickness.end());
     return;
   }
-  if (layer.material < 0) {  // the elements are as thick as the map says: rigid_boundary
-    const MeasuredThickness measured = measure_thickness(mesh, bonded_surface(model, boundary));
-    layer.face.thickness.insert(layer.face.thickness.end(),
-                                measured.thickness.begin() + static_cast<std::ptrdiff_t>(vertices),
-                                measured.thickness.end());
-    return;
-  }
-  const RayCaster caster(layer.articular);  // a map says nothing of what is beyond it
+  const RayCaster caster(layer.articular);
   for (std::size_t v = vertices; v < mesh.vertices.size(); ++v)
     layer.face.thickness.push_back(interpolate(layer.articular, layer.thickness, caster.closest(mesh.vertices[v])));
 }

@@ -12,8 +12,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// What a solver above takes for a function of the pose must be smoother than its own tolerance.
-constexpr double kTolerance = 3e-10;
 /// The derivative only directs the next step.
 constexpr double kRateTolerance = 1e-4;
 
@@ -84,7 +82,7 @@ std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
 }
 
 void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target,
-                  const Motions& motions) {
+                  const PressOptions& options) {
   const ContactPair& pair = *bed.pair;
   const int n = s.size();
   s.rates.setZero(n, 6);
@@ -112,10 +110,9 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
     contact.target.layer = &*layers.target;
     contact.target.feet = &target_feet;
   }
-  LayerContactOptions options;
-  options.tolerance = kTolerance;
-  const LayerPressure result =
-      solve_contact(contact, overlap, pressures_to_start_from(layers, source, target), options);
+  LayerContactOptions how;
+  how.tolerance = options.tolerance;
+  const LayerPressure result = solve_contact(contact, overlap, pressures_to_start_from(layers, source, target), how);
   layers.last = result.pressure;
   s.complementarity = result.residual;
   s.complementary = result.converged;
@@ -156,7 +153,7 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
   if (!s.rim.empty()) overlap_rates -= spread(contact, force_rates);
   std::vector<int> columns;
   for (int m = 0; m < 6; ++m)
-    if (motions[at(m)]) columns.push_back(m);
+    if (options.motions[at(m)]) columns.push_back(m);
   const Eigen::MatrixXd wanted = overlap_rates(Eigen::all, columns);
   const Eigen::MatrixXd start =
       layers.last_rates.size() > 0 ? Eigen::MatrixXd(layers.last_rates(Eigen::all, columns)) : Eigen::MatrixXd();

@@ -32,6 +32,6 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
 /// Fills pressures, strains, `rates` and the target's parts of springs that carry nothing yet; their gaps, overlaps,
 /// feet and areas must be there. `source`, `target`: their poses.
 void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& source, const Pose& target,
-                  const Motions& motions);
+                  const PressOptions& options);
 
 }  // namespace dea

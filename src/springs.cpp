@@ -307,7 +307,8 @@ std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const Relative
   return parts;
 }
 
-SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target, const Motions& motions) {
+SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target,
+                             const PressOptions& options) {
   const ContactPair& pair = *bed.pair;
   const Layer &source_layer = pair.source_layer(), &target_layer = pair.target_layer();
   const bool at_bone = source_layer.springs_at == SpringsAt::Bone;
@@ -454,7 +455,7 @@ SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pos
     s.rim.push_back(rim);
   }
 
-  if (bed.layers) press_layers(*bed.layers, bed, s, source, target, motions);
+  if (bed.layers) press_layers(*bed.layers, bed, s, source, target, options);
 
   const auto bare = [&](const RimSpring& rim) { return s.pressure[at(rim.spring)] <= 0; };
   s.rim.erase(std::remove_if(s.rim.begin(), s.rim.end(), bare), s.rim.end());

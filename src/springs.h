@@ -129,11 +129,21 @@ SpringDepth spring_depth(const SpringStates& states);
 using Motions = std::array<bool, 6>;
 inline constexpr Motions kAllMotions = {true, true, true, true, true, true};
 
-/// Casts every spring's ray at this pose (S1-S5, E2-E4). `motions`: those whose `rates` are asked for (Law::Layer: they
-/// cost more than the pressures); the others' stay zero. Parallel over springs; each is computed by itself, so the
+/// What a solver above takes for a function of the pose must be smoother than its own tolerance.
+inline constexpr double kPressureTolerance = 3e-10;
+/// Enough where the pose is given: far below any mesh's error.
+inline constexpr double kGivenPoseTolerance = 1e-7;
+
+/// How much is asked for at a pose (Law::Layer).
+struct PressOptions {
+  Motions motions = kAllMotions;          ///< whose `rates`: they cost more than the pressures; the others' stay zero
+  double tolerance = kPressureTolerance;  ///< of `complementarity`
+};
+
+/// Casts every spring's ray at this pose (S1-S5, E2-E4). Parallel over springs; each is computed by itself, so the
 /// result does not depend on the number of threads.
 SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target,
-                             const Motions& motions = kAllMotions);
+                             const PressOptions& options = {});
 
 /// Force and moment of the contact on target and source, about their current centres of mass, and their
 /// derivative with respect to small motions (translation of the centre of mass, rotation) of both. Order of the
