@@ -19,11 +19,11 @@
 #include <thread>
 #include <vector>
 
-#include "analysis.h"
-#include "plot_file.h"
-#include "read_feb.h"
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/results/plot_file.h>
+#include <febiodea/io/xplt/xplt.h>
+#include <febiodea/run/analysis.h>
 #include "src/test_models.h"
-#include "xplt.h"
 
 namespace {
 

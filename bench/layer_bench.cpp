@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "layer_contact.h"
+#include <febiodea/springs/layer_contact.h>
 #include "src/layer_meshes.h"
 
 namespace {

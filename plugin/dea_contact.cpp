@@ -1,4 +1,4 @@
-#include "dea_contact.h"
+#include <febiodea/plugin/dea_contact.h>
 
 #include <FEBioMech/FEMechModel.h>
 #include <FEBioMech/FERigidBody.h>
@@ -15,10 +15,10 @@
 #include <limits>
 #include <unordered_map>
 
-#include "analysis.h"
-#include "error.h"
-#include "febio_log.h"
-#include "read_fe_model.h"
+#include <febiodea/base/error.h>
+#include <febiodea/plugin/febio_log.h>
+#include <febiodea/plugin/read_fe_model.h>
+#include <febiodea/run/analysis.h>
 
 namespace {
 

@@ -1,4 +1,5 @@
-// plugin/dea_contact.h – `<contact type="dea">`: the spring bed as a contact between two of FEBio's rigid bodies.
+// febiodea/plugin/dea_contact.h – `<contact type="dea">`: the spring bed as a contact between two of FEBio's rigid
+// bodies.
 //
 // What is said in the model becomes a dea::Contact; recognition, springs, forces and their derivative are those of
 // src/ (project_springs, contact_wrench). Only the bodies' twelve equations are assembled.
@@ -9,8 +10,8 @@
 
 #include <memory>
 
-#include "fields.h"
-#include "joint_model.h"
+#include <febiodea/model/joint_model.h>
+#include <febiodea/results/fields.h>
 
 class FERigidBody;
 

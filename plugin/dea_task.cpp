@@ -1,18 +1,18 @@
-#include "dea_task.h"
+#include <febiodea/plugin/dea_task.h>
 
 #include <FEBioLib/FEBioModel.h>
 #include <fmt/format.h>
 
 #include <filesystem>
 
-#include "error.h"
-#include "febio_log.h"
-#include "output.h"
-#include "read_fe_model.h"
-#include "report_text.h"
-#include "run_model.h"
-#include "settings_xml.h"
-#include "write_report.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/plugin/febio_log.h>
+#include <febiodea/plugin/read_fe_model.h>
+#include <febiodea/views/page/write_report.h>
+#include <febiodea/views/run_model.h>
+#include <febiodea/views/text/report_text.h>
 
 namespace {
 

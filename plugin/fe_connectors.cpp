@@ -1,5 +1,5 @@
 // What joins two rigid bodies: springs, muscles, joints. FEBio's conventions are those of `RigidJoint`
-// (src/joint_model.h); what makes a joint is the same in io/feb/feb_connectors.cpp.
+// (src/model/joint_model.h); what makes a joint is the same in io/feb/feb_connectors.cpp.
 #include <FEBioMech/FERigidBody.h>
 #include <FEBioMech/FERigidConnector.h>
 #include <FECore/FENLConstraint.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "fe_reading.h"
+#include <febiodea/plugin/fe_reading.h>
 
 namespace dea::fe {
 

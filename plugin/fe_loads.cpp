@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "fe_reading.h"
+#include <febiodea/plugin/fe_reading.h>
 
 namespace dea::fe {
 

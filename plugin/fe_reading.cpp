@@ -1,4 +1,4 @@
-#include "fe_reading.h"
+#include <febiodea/plugin/fe_reading.h>
 
 #include <FEBioMech/FERigidBody.h>
 #include <FECore/FELoadController.h>
@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "error.h"
+#include <febiodea/base/error.h>
 
 namespace dea::fe {
 

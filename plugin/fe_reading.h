@@ -1,4 +1,5 @@
-// plugin/fe_reading.h – inside of read_fe_model only: what is known while FEBio's model is read, parameters by name.
+// febiodea/plugin/fe_reading.h – inside of read_fe_model only: what is known while FEBio's model is read, parameters by
+// name.
 #pragma once
 #include <FEBioMech/FEMechModel.h>
 #include <FECore/FEDomain.h>
@@ -13,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "febio_rules.h"
-#include "joint_model.h"
+#include <febiodea/io/febio/febio_rules.h>
+#include <febiodea/model/joint_model.h>
 
 class FEFacetSet;
 class FEFunction1D;

@@ -5,8 +5,8 @@
 #include <FECore/FEProperty.h>
 #include <fmt/format.h>
 
-#include "fe_reading.h"
-#include "load_curve.h"
+#include <febiodea/model/load_curve.h>
+#include <febiodea/plugin/fe_reading.h>
 
 namespace dea::fe {
 

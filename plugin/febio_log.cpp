@@ -1,4 +1,4 @@
-#include "febio_log.h"
+#include <febiodea/plugin/febio_log.h>
 
 #include <FEBioLib/FEBioModel.h>
 #include <FECore/log.h>
@@ -9,8 +9,8 @@
 #include <sstream>
 #include <vector>
 
-#include "error.h"
-#include "version.h"
+#include <febiodea/base/error.h>
+#include <febiodea/version.h>
 
 namespace dea {
 

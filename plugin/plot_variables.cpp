@@ -1,9 +1,9 @@
-#include "plot_variables.h"
+#include <febiodea/plugin/plot_variables.h>
 
 #include <FECore/FEDataStream.h>
 #include <FECore/units.h>
 
-#include "dea_contact.h"
+#include <febiodea/plugin/dea_contact.h>
 
 namespace {
 

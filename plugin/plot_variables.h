@@ -1,8 +1,8 @@
-// plugin/plot_variables.h – what FEBio's plot file can show of contacts of type dea beside its own variables.
+// febiodea/plugin/plot_variables.h – what FEBio's plot file can show of contacts of type dea beside its own variables.
 #pragma once
 #include <FECore/FEPlotData.h>
 
-#include "fields.h"
+#include <febiodea/results/fields.h>
 
 /// `cartilage thickness`: per facet node.
 class FEPlotCartilageThickness : public FEPlotSurfaceData {

@@ -5,10 +5,10 @@
 
 #include <cstdio>
 
-#include "dea_contact.h"
-#include "dea_task.h"
-#include "plot_variables.h"
-#include "version.h"
+#include <febiodea/plugin/dea_contact.h>
+#include <febiodea/plugin/dea_task.h>
+#include <febiodea/plugin/plot_variables.h>
+#include <febiodea/version.h>
 
 FECORE_PLUGIN unsigned int GetSDKVersion() { return FE_SDK_VERSION; }
 

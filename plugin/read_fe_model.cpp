@@ -1,4 +1,4 @@
-#include "read_fe_model.h"
+#include <febiodea/plugin/read_fe_model.h>
 
 #include <FEBioLib/FEBioModel.h>
 #include <FEBioMech/RigidBC.h>
@@ -30,11 +30,11 @@
 #include <numbers>
 #include <set>
 
-#include "dea_contact.h"
-#include "error.h"
-#include "fe_reading.h"
-#include "febio_material.h"
-#include "load_curve.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/febio/febio_material.h>
+#include <febiodea/model/load_curve.h>
+#include <febiodea/plugin/dea_contact.h>
+#include <febiodea/plugin/fe_reading.h>
 
 namespace dea {
 

@@ -1,6 +1,6 @@
-// plugin/read_fe_model.h – FEBio's own model becomes a JointModel, the same as read_feb makes of its file.
+// febiodea/plugin/read_fe_model.h – FEBio's own model becomes a JointModel, the same as read_feb makes of its file.
 #pragma once
-#include "joint_model.h"
+#include <febiodea/model/joint_model.h>
 
 class FEModel;
 

@@ -7,9 +7,9 @@
 #include <functional>
 #include <memory>
 
-#include "analysis.h"
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/run/analysis.h>
 #include "program.h"
-#include "read_feb.h"
 #include "src/test_models.h"
 
 namespace dea {

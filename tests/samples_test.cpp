@@ -7,11 +7,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "analysis.h"
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/run/analysis.h>
 #include "analytic/concentric_spheres.h"
 #include "analytic/sphere_on_flat.h"
 #include "program.h"
-#include "read_feb.h"
 #include "src/test_models.h"
 
 namespace dea {

@@ -1,4 +1,4 @@
-#include "conversion_plan.h"
+#include <febiodea/io/convert/conversion_plan.h>
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <map>
 #include <set>
 
-#include "analysis.h"
-#include "bodies.h"
-#include "conditions.h"
-#include "error.h"
+#include <febiodea/base/error.h>
+#include <febiodea/equilibrium/conditions.h>
+#include <febiodea/joint/bodies.h>
+#include <febiodea/run/analysis.h>
 
 namespace dea {
 

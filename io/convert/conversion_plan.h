@@ -1,9 +1,9 @@
-// io/convert/conversion_plan.h – what a conversion changes, before it is written in one way or the other.
+// febiodea/io/convert/conversion_plan.h – what a conversion changes, before it is written in one way or the other.
 #pragma once
 #include <string>
 #include <vector>
 
-#include "joint.h"
+#include <febiodea/joint/joint.h>
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include "convert_feb.h"
+#include <febiodea/io/convert/convert_feb.h>
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <iterator>
 #include <optional>
 
-#include "conversion_plan.h"
-#include "edit_feb.h"
-#include "error.h"
-#include "write_feb.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/convert/conversion_plan.h>
+#include <febiodea/io/convert/edit_feb.h>
+#include <febiodea/io/convert/write_feb.h>
 
 namespace dea {
 

@@ -1,12 +1,12 @@
-#include "edit_feb.h"
+#include <febiodea/io/convert/edit_feb.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
 
-#include "feb_xml.h"
-#include "write_feb.h"
+#include <febiodea/io/convert/write_feb.h>
+#include <febiodea/io/feb/feb_xml.h>
 
 namespace dea {
 

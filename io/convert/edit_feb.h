@@ -1,9 +1,9 @@
-// io/convert/edit_feb.h – a converted joint as the model's own text with a few elements changed.
+// febiodea/io/convert/edit_feb.h – a converted joint as the model's own text with a few elements changed.
 #pragma once
 #include <optional>
 #include <string>
 
-#include "conversion_plan.h"
+#include <febiodea/io/convert/conversion_plan.h>
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include "write_feb.h"
+#include <febiodea/io/convert/write_feb.h>
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <numeric>
 #include <set>
 
-#include "error.h"
-#include "feb_xml.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/feb_xml.h>
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include "xml_places.h"
+#include <febiodea/io/convert/xml_places.h>
 
 #include <algorithm>
 #include <cstdlib>

@@ -6,8 +6,8 @@
 #include <map>
 #include <numbers>
 
-#include "feb_reading.h"
-#include "load_curve.h"
+#include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/model/load_curve.h>
 
 namespace dea::feb {
 namespace {

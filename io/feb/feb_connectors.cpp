@@ -1,12 +1,12 @@
 // What joins two rigid bodies: springs, forces along a line, cables, joints. FEBio's conventions are those of
-// `RigidJoint` (src/joint_model.h): motion of B relative to A, columns e0, e1, e2 of FEBio's joint frame.
+// `RigidJoint` (src/model/joint_model.h): motion of B relative to A, columns e0, e1, e2 of FEBio's joint frame.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "feb_reading.h"
+#include <febiodea/io/feb/feb_reading.h>
 
 namespace dea::feb {
 namespace {

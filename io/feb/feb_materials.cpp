@@ -1,12 +1,12 @@
-// Materials of a file as trees; io/febio_material.cpp reduces them to density and small-strain E and nu.
+// Materials of a file as trees; io/febio/febio_material.cpp reduces them to density and small-strain E and nu.
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "error.h"
-#include "feb_reading.h"
-#include "febio_material.h"
-#include "load_curve.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/io/febio/febio_material.h>
+#include <febiodea/model/load_curve.h>
 
 namespace dea::feb {
 namespace {

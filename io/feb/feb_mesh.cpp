@@ -6,9 +6,9 @@
 #include <cstring>
 #include <limits>
 
-#include "element_faces.h"
-#include "error.h"
-#include "feb_reading.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/model/element_faces.h>
 
 namespace dea::feb {
 namespace {

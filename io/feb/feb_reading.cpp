@@ -1,11 +1,11 @@
-#include "feb_reading.h"
+#include <febiodea/io/feb/feb_reading.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "error.h"
+#include <febiodea/base/error.h>
 
 namespace dea::feb {
 bool IdTable::add(int id) {

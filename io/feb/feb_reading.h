@@ -1,4 +1,4 @@
-// io/feb/feb_reading.h – what is known while a .feb file is read, and the parts every version shares.
+// febiodea/io/feb/feb_reading.h – what is known while a .feb file is read, and the parts every version shares.
 //
 // A version of the format is a `Rules`: what its sections mean. To add a version, add one file with its
 // rules and list it in read_feb.cpp.
@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "feb_xml.h"
-#include "joint_model.h"
-#include "names.h"
+#include <febiodea/base/names.h>
+#include <febiodea/io/feb/feb_xml.h>
+#include <febiodea/model/joint_model.h>
 
 namespace dea::feb {
 

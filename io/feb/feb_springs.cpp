@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "error.h"
-#include "feb_reading.h"
-#include "load_curve.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/model/load_curve.h>
 
 namespace dea::feb {
 namespace {

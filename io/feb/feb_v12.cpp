@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "feb_reading.h"
+#include <febiodea/io/feb/feb_reading.h>
 
 namespace dea::feb {
 namespace {

@@ -1,7 +1,7 @@
 // What is special in version 3.0: bc types fix and prescribe, rigid_constraint.
 #include <fmt/format.h>
 
-#include "feb_reading.h"
+#include <febiodea/io/feb/feb_reading.h>
 
 namespace dea::feb {
 namespace {

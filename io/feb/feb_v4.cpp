@@ -1,7 +1,7 @@
 // What is special in version 4.0: bc types in words, one flag per fixed dof, rigid_bc and rigid_load.
 #include <fmt/format.h>
 
-#include "feb_reading.h"
+#include <febiodea/io/feb/feb_reading.h>
 
 namespace dea::feb {
 namespace {

@@ -1,4 +1,4 @@
-#include "feb_xml.h"
+#include <febiodea/io/feb/feb_xml.h>
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "error.h"
+#include <febiodea/base/error.h>
 
 namespace dea::feb {
 namespace {

@@ -1,4 +1,4 @@
-// io/feb/feb_xml.h – the syntax all .feb versions share: XML elements, numbers, lists, words.
+// febiodea/io/feb/feb_xml.h – the syntax all .feb versions share: XML elements, numbers, lists, words.
 #pragma once
 #include <tinyxml2.h>
 
@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "febio_rules.h"
-#include "joint_model.h"
+#include <febiodea/io/febio/febio_rules.h>
+#include <febiodea/model/joint_model.h>
 
 namespace dea::feb {
 

@@ -1,4 +1,4 @@
-#include "read_feb.h"
+#include <febiodea/io/feb/read_feb.h>
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "error.h"
-#include "feb_reading.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/feb_reading.h>
 
 namespace dea {
 namespace feb {

@@ -1,8 +1,8 @@
-// io/feb/read_feb.h – a FEBio model file becomes a JointModel.
+// febiodea/io/feb/read_feb.h – a FEBio model file becomes a JointModel.
 #pragma once
 #include <string>
 
-#include "joint_model.h"
+#include <febiodea/model/joint_model.h>
 
 namespace dea {
 

@@ -1,4 +1,4 @@
-#include "write_vtu.h"
+#include <febiodea/io/vtu/write_vtu.h>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -12,9 +12,9 @@
 #include <system_error>
 #include <unordered_map>
 
-#include "encoded_text.h"
-#include "error.h"
-#include "output.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/encoded_text.h>
+#include <febiodea/io/files/output.h>
 
 namespace dea {
 

@@ -1,10 +1,10 @@
-// io/vtu/write_vtu.h – a plot file's content for ParaView: VTK XML files, read by everything that rests on VTK.
-// What is in them: docs/vtk.md.
+// febiodea/io/vtu/write_vtu.h – a plot file's content for ParaView: VTK XML files, read by everything that rests on
+// VTK. What is in them: docs/vtk.md.
 #pragma once
 #include <string>
 #include <vector>
 
-#include "xplt.h"
+#include <febiodea/io/xplt/xplt.h>
 
 namespace dea {
 

@@ -15,9 +15,9 @@
 #include <set>
 #include <system_error>
 
-#include "error.h"
-#include "xplt.h"
-#include "xplt_format.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/xplt/xplt.h>
+#include <febiodea/io/xplt/xplt_format.h>
 
 namespace dea {
 

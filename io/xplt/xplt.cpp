@@ -1,4 +1,4 @@
-#include "xplt.h"
+#include <febiodea/io/xplt/xplt.h>
 
 #include <cassert>
 

@@ -1,4 +1,4 @@
-// io/xplt/xplt.h – FEBio's binary plot file as plain structs: write it, read it.
+// febiodea/io/xplt/xplt.h – FEBio's binary plot file as plain structs: write it, read it.
 // Format: docs/formats.md. Version 0x35. All numbers in the file are 4-byte integers and floats.
 #pragma once
 #include <array>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "joint_model.h"
+#include <febiodea/model/joint_model.h>
 
 namespace dea {
 

@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "xplt.h"
+#include <febiodea/io/xplt/xplt.h>
 
 namespace dea {
 namespace {

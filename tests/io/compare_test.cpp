@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "compare_files.h"
-#include "error.h"
+#include <febiodea/base/error.h>
+#include <febiodea/views/compare/compare_files.h>
 #include "program.h"
 
 namespace dea {

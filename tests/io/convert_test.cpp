@@ -6,12 +6,12 @@
 #include <cmath>
 #include <map>
 
-#include "analysis.h"
-#include "convert_feb.h"
-#include "error.h"
+#include <febiodea/base/error.h>
+#include <febiodea/io/convert/convert_feb.h>
+#include <febiodea/io/convert/xml_places.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/run/analysis.h>
 #include "program.h"
-#include "read_feb.h"
-#include "xml_places.h"
 
 namespace dea {
 namespace {

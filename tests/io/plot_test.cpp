@@ -10,11 +10,11 @@
 #include <functional>
 #include <map>
 
-#include "draw_map.h"
-#include "error.h"
-#include "map_figure.h"
-#include "map_geometry.h"
-#include "map_scale.h"
+#include <febiodea/base/error.h>
+#include <febiodea/views/map/draw_map.h>
+#include <febiodea/views/map/map_figure.h>
+#include <febiodea/views/map/map_geometry.h>
+#include <febiodea/views/map/map_scale.h>
 #include "program.h"
 
 namespace dea {

@@ -1,4 +1,4 @@
-#include "read_feb.h"
+#include <febiodea/io/feb/read_feb.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <set>
 #include <sstream>
 
-#include "error.h"
-#include "load_curve.h"
+#include <febiodea/base/error.h>
+#include <febiodea/model/load_curve.h>
 
 namespace dea {
 namespace {

@@ -1,5 +1,5 @@
 // Settings as text: every option, every refusal, and what lies over what.
-#include "settings_xml.h"
+#include <febiodea/io/settings/settings_xml.h>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <functional>
 
-#include "error.h"
+#include <febiodea/base/error.h>
 
 namespace dea {
 namespace {

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "element_faces.h"
+#include <febiodea/io/vtu/write_vtu.h>
+#include <febiodea/io/xplt/xplt.h>
+#include <febiodea/model/element_faces.h>
 #include "program.h"
-#include "write_vtu.h"
-#include "xplt.h"
 
 namespace dea {
 namespace {

@@ -1,4 +1,4 @@
-#include "xplt.h"
+#include <febiodea/io/xplt/xplt.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@
 #include <csignal>
 #endif
 
-#include "error.h"
+#include <febiodea/base/error.h>
 
 using namespace dea;
 namespace fs = std::filesystem;

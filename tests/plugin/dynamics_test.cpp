@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iostream>
 
+#include <febiodea/io/results/result_file.h>
 #include "febio_runs.h"
-#include "result_file.h"
 
 namespace dea::test {
 namespace {

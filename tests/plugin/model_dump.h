@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-#include "joint_model.h"
+#include <febiodea/model/joint_model.h>
 
 namespace dea::test {
 

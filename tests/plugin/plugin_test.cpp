@@ -9,12 +9,12 @@
 #include <regex>
 #include <set>
 
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/read_feb.h>
 #include "connected_models.h"
-#include "error.h"
 #include "febio_runs.h"
 #include "model_dump.h"
 #include "program.h"
-#include "read_feb.h"
 
 namespace dea::test {
 namespace {

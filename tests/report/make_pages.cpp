@@ -4,8 +4,8 @@
 #include <chrono>
 #include <string>
 
+#include <febiodea/views/page/write_report.h>
 #include "synthetic.h"
-#include "write_report.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;

@@ -10,13 +10,13 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "map_figure.h"
-#include "map_geometry.h"
-#include "map_scale.h"
-#include "pack.h"
+#include <febiodea/views/map/map_figure.h>
+#include <febiodea/views/map/map_geometry.h>
+#include <febiodea/views/map/map_scale.h>
+#include <febiodea/views/page/pack.h>
+#include <febiodea/views/page/write_report.h>
 #include "program.h"
 #include "synthetic.h"
-#include "write_report.h"
 
 namespace dea {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "result_file.h"
+#include <febiodea/io/results/result_file.h>
 
 namespace dea::test {
 

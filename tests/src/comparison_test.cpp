@@ -1,5 +1,5 @@
 // Measures of results against answers on paper: flat grids and caps of a sphere with pressures given as formulas.
-#include "comparison.h"
+#include <febiodea/results/comparison.h>
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 #include <numeric>
 
-#include "error.h"
+#include <febiodea/base/error.h>
 
 namespace dea {
 namespace {

@@ -4,11 +4,11 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "analysis.h"
-#include "body_forces.h"
-#include "connectors.h"
-#include "error.h"
-#include "singular_parts.h"
+#include <febiodea/base/error.h>
+#include <febiodea/equilibrium/body_forces.h>
+#include <febiodea/equilibrium/connectors.h>
+#include <febiodea/equilibrium/singular_parts.h>
+#include <febiodea/run/analysis.h>
 #include "test_models.h"
 
 namespace dea {

@@ -1,4 +1,4 @@
-#include "equilibrium.h"
+#include <febiodea/equilibrium/equilibrium.h>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "analysis.h"
+#include <febiodea/base/error.h>
+#include <febiodea/run/analysis.h>
 #include "analytic/concentric_spheres.h"
-#include "error.h"
 #include "test_models.h"
 
 namespace dea {

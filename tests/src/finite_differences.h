@@ -1,6 +1,6 @@
 // tests/src/finite_differences.h – the derivative of a contact's forces, by trying.
 #pragma once
-#include "springs.h"
+#include <febiodea/springs/springs.h>
 
 namespace dea::test {
 

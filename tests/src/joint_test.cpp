@@ -1,11 +1,11 @@
-#include "joint.h"
+#include <febiodea/joint/joint.h>
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "analysis.h"
-#include "error.h"
+#include <febiodea/base/error.h>
+#include <febiodea/run/analysis.h>
 #include "test_models.h"
 
 namespace dea {

@@ -1,5 +1,5 @@
 // The layer law wired into springs and equilibrium: answers on paper, derivative, symmetry, invariance.
-#include "layer_bed.h"
+#include <febiodea/springs/layer_bed.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis.h"
-#include "error.h"
+#include <febiodea/base/error.h>
+#include <febiodea/run/analysis.h>
 #include "finite_differences.h"
 #include "test_models.h"
 

@@ -1,4 +1,4 @@
-#include "layer_contact.h"
+#include <febiodea/springs/layer_contact.h>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,5 +1,5 @@
 // Which facets of a selection slide, and what is beyond their rim: blocks whose answers are counted by hand.
-#include "layer_face.h"
+#include <febiodea/joint/layer_face.h>
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <map>
 #include <set>
 
-#include "element_faces.h"
-#include "error.h"
-#include "joint.h"
+#include <febiodea/base/error.h>
+#include <febiodea/joint/joint.h>
+#include <febiodea/model/element_faces.h>
 #include "test_models.h"
 
 namespace dea {

@@ -1,4 +1,4 @@
-#include "layer_kernel.h"
+#include <febiodea/springs/layer_kernel.h>
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "foot_parts.h"
-#include "layer_operator.h"
+#include <febiodea/geometry/foot_parts.h>
+#include <febiodea/springs/layer_operator.h>
 
 namespace dea::test {
 

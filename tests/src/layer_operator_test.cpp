@@ -1,4 +1,4 @@
-#include "layer_operator.h"
+#include <febiodea/springs/layer_operator.h>
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "load_curve.h"
+#include <febiodea/model/load_curve.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "error.h"
+#include <febiodea/base/error.h>
 
 namespace dea {
 namespace {

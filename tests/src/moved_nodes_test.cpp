@@ -1,11 +1,11 @@
-#include "moved_nodes.h"
+#include <febiodea/joint/moved_nodes.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "analysis.h"
-#include "error.h"
+#include <febiodea/base/error.h>
+#include <febiodea/run/analysis.h>
 #include "test_models.h"
 
 namespace dea {

@@ -1,5 +1,5 @@
 // Distances counted by hand.
-#include "names.h"
+#include <febiodea/base/names.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Sparse factors against the same matrices as dense ones.
-#include "sparse_factor.h"
+#include <febiodea/springs/sparse_factor.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "spring_law.h"
+#include <febiodea/springs/spring_law.h>
 
 #include <gtest/gtest.h>
 

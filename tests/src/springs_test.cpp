@@ -1,11 +1,11 @@
-#include "springs.h"
+#include <febiodea/springs/springs.h>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
 
-#include "equilibrium.h"
+#include <febiodea/equilibrium/equilibrium.h>
 #include "finite_differences.h"
 #include "test_models.h"
 

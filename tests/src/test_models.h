@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "joint_model.h"
+#include <febiodea/model/joint_model.h>
 
 namespace dea::test {
 

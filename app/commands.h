@@ -1,0 +1,82 @@
+// febiodea/app/commands.h – the commands of the program: how each is spelled, and what it does.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include <febiodea/app/options.h>
+
+namespace dea {
+
+/// Exit codes. UsageError, InputError and WriteError end as 2, 3 and 4 (main.cpp).
+enum ExitCode { kSolved = 0, kNoSolution = 1, kWrongUse = 2, kInputRefused = 3, kCannotWrite = 4, kInternalError = 70 };
+
+struct RunArguments {
+  std::vector<std::string> words;  ///< the command line, for the report
+  std::string model, output, json, csv, facets_csv, vtu, report;
+  bool quiet = false, verbose = false;
+  SettingsArguments settings;
+  std::string times_from, states;  ///< states: empty: all
+  bool compress = false;
+  std::string threads;
+};
+CLI::App* add_run(CLI::App& app, RunArguments& arguments);
+int run(const RunArguments& arguments);
+
+struct InfoArguments {
+  std::string model, output, json;
+  SettingsArguments settings;
+  std::string threads;
+};
+CLI::App* add_info(CLI::App& app, InfoArguments& arguments);
+int info(const InfoArguments& arguments);
+
+struct ConvergeArguments {
+  std::string model, json;
+  bool quiet = false, verbose = false;
+  SettingsArguments settings;
+  std::string target = "0.01", max_springs = "400000";
+  std::string threads;
+};
+CLI::App* add_converge(CLI::App& app, ConvergeArguments& arguments);
+int converge_command(const ConvergeArguments& arguments);
+
+struct ConvertArguments {
+  std::string model, output;
+  bool quiet = false;
+  SettingsArguments settings;
+  std::string threads;
+};
+CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
+int convert(const ConvertArguments& arguments);
+
+struct PluginBuildArguments {
+  std::string febio, output, threads;
+  bool untested = false, verbose = false;
+};
+CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& arguments);
+int plugin_build(const PluginBuildArguments& arguments);
+
+struct CompareArguments {
+  std::vector<std::string> words;  ///< the command line, for the report
+  std::vector<std::string> files, labels, surfaces, thresholds, regions;
+  std::string at, areas, dose_above, up, anterior, axis, center, bin;
+  bool profile = false;
+  std::string output, json, csv, report;
+  bool time_fields = false, compress = false, quiet = false;
+};
+CLI::App* add_compare(CLI::App& app, CompareArguments& arguments);
+int compare_command(const CompareArguments& arguments);
+
+struct PlotArguments {
+  std::vector<std::string> files, surfaces, labels;
+  std::string output, field, at, states, minus, view, up, contours, low, high, scale, title, width, dpi, columns;
+  bool smooth = false, dark = false, quiet = false;
+};
+CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);
+int plot_command(const PlotArguments& arguments);
+
+/// Version, commit and libraries, a line each.
+std::string version_text();
+
+}  // namespace dea

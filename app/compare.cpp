@@ -1,0 +1,249 @@
+// `dea compare`: results of the same joint side by side.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/app/progress.h>
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/views/compare/compare_files.h>
+#include <febiodea/views/page/write_report.h>
+#include <febiodea/views/text/report_compare.h>
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+The LAST file is the reference, usually FEA: differences are (FILE - LAST) / LAST. Files may be ours or FEBio's, compressed
+or not. Nothing is solved.
+
+Like is compared with like: every file's `contact pressure` per facet, at its place in the reference configuration. "nodes"
+are area-weighted averages of the facets around each node, each node with a quarter of each quad around it (a third of each
+triangle): FEA's single facets are noisy, averages are the numbers to trust. Peak, mean, median and percentiles are
+area-weighted and over places with p > 0, or above a threshold where it says so. "resultant" is |sum of p A n|.
+
+Correlation (Pearson), rms, mean and largest difference are of nodes where either pressure is above 0, area-weighted; Dice is
+twice the common contact area over the sum of both. Where meshes differ, nodal values are carried to the reference's nodes
+from the closest point, with linear interpolation. JSON also has facet_correlation (same mesh only: all facets, each counted
+once, those without pressure too) and p99_unweighted (every node or facet counts once).
+
+Areas are those of the mesh, or with --areas deformed those of its facets with the nodes moved by the file's own displacement
+at the compared state (sums over time use the same). dea's pressure is force per area of the mesh, so its files keep those. That
+of FEBio's sliding-elastic contact is per deformed area: its contact force is the sum of p A n with deformed areas only.
+sliding-facet-on-facet and sliding-node-on-facet integrate over the reference areas. "resultant, % of it" and notes say which
+areas fit a file, and where an interpolated map carries not all of its contact force.
+
+A penalty contact gives way by gap / pressure, as one more spring in series. Where a file has both, that is printed per surface,
+with the --interface-stiffness that makes `dea run` give way as much.
+
+Exposure is the integral of p dt, dose that of max(0, p - MPA) dt, from a file's first state to the compared one; static
+models have no time but their steps'. Files with different states are only as equal as their states are fine.
+
+Examples:
+  dea compare hip_dea.xplt hip.xplt
+  dea compare articular.xplt bone.xplt hip.xplt --label articular --label bone --label FEBio --json hip.json
+  dea compare layer.xplt linear.xplt fea.xplt --report maps.html
+  dea compare hip_dea.xplt hip.xplt --areas deformed --json -
+  dea compare a.xplt b.xplt --surface "socket=acetabulum" --at 1 -o both.xplt
+  dea compare a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 0,1,0 --csv - > thirds.csv
+  dea compare ball_dea.xplt ball.xplt --profile --axis 0,0,1 --center 0,0,0 --bin 2)";
+
+constexpr const char* kThirds = "anterior-superior-posterior";
+
+Vector3d vector_argument(const char* option, const std::string& text) {
+  std::vector<double> x;
+  try {
+    x = parse_numbers(text);
+  } catch (const BadValue&) {
+  }
+  if (x.size() != 3)
+    throw UsageError(fmt::format("--{} {}: found \"{}\", expected three numbers x,y,z", option, text, text));
+  return {x[0], x[1], x[2]};
+}
+
+Vector3d direction_argument(const char* option, const std::string& text) {
+  const Vector3d v = vector_argument(option, text);
+  if (!(v.norm() > 0))
+    throw UsageError(fmt::format("--{} {}: found \"{}\", expected a direction that is not 0", option, text, text));
+  return v;
+}
+
+std::vector<std::string> words(const std::string& text) {
+  std::vector<std::string> out(1);
+  for (char c : text) {
+    if (c == ',')
+      out.emplace_back();
+    else
+      out.back() += c;
+  }
+  return out;
+}
+
+CompareOptions compare_options(const CompareArguments& a) {
+  CompareOptions o;
+  if (!a.at.empty()) o.at = number_argument("at", a.at);
+  if (!a.areas.empty() && a.areas != "reference" && a.areas != "deformed")
+    throw UsageError(fmt::format("--areas {}: found \"{}\", expected reference or deformed", a.areas, a.areas));
+  if (a.areas == "deformed") o.areas = CompareAreas::Deformed;
+  o.surfaces = a.surfaces;
+  if (!a.thresholds.empty()) o.thresholds.clear();
+  for (const std::string& text : a.thresholds) {
+    const double t = number_argument("threshold", text);
+    if (!(t > 0))
+      throw UsageError(
+          fmt::format("--threshold {}: found \"{}\", expected a pressure above 0 (0 is always there)", text, text));
+    if (std::find(o.thresholds.begin(), o.thresholds.end(), t) == o.thresholds.end()) o.thresholds.push_back(t);
+  }
+  std::sort(o.thresholds.begin(), o.thresholds.end());
+  for (const std::string& list : a.regions) {
+    for (const std::string& name : words(list)) {
+      if (name.empty()) throw UsageError(fmt::format("--regions {}: found an empty name", list));
+      if (name == kThirds)
+        o.thirds = true;
+      else
+        o.regions.push_back(name);
+    }
+  }
+  if (o.thirds != !a.up.empty() || o.thirds != !a.anterior.empty())
+    throw UsageError(fmt::format("--regions {}, --up x,y,z and --anterior x,y,z go together", kThirds));
+  if (o.thirds) {
+    o.up = direction_argument("up", a.up);
+    o.anterior = direction_argument("anterior", a.anterior);
+  }
+  if (!a.dose_above.empty()) o.dose_above = number_argument("dose-above", a.dose_above);
+  o.profile = a.profile;
+  if (!a.axis.empty()) o.axis = direction_argument("axis", a.axis);
+  if (!a.center.empty()) o.center = vector_argument("center", a.center);
+  if (!o.profile && !o.thirds && (o.axis || o.center))
+    throw UsageError(fmt::format("--axis and --center belong to --profile or --regions {}", kThirds));
+  if (!a.bin.empty()) {
+    if (!o.profile) throw UsageError("--bin belongs to --profile");
+    o.bin = number_argument("bin", a.bin);
+    if (!(o.bin >= 0.1 && o.bin <= 180))
+      throw UsageError(fmt::format("--bin {}: found \"{}\", expected degrees from 0.1 to 180", a.bin, a.bin));
+  }
+  return o;
+}
+
+/// One per file, all different. Field names have room for 63 bytes.
+std::vector<std::string> make_labels(const CompareArguments& a) {
+  constexpr std::size_t kLongest = 40;
+  if (!a.labels.empty() && a.labels.size() != a.files.size())
+    throw UsageError(
+        fmt::format("--label: found {} labels, expected one per file ({})", a.labels.size(), a.files.size()));
+  std::vector<std::string> labels;
+  for (std::size_t i = 0; i < a.files.size(); ++i) {
+    std::string label = a.labels.empty() ? std::filesystem::path(a.files[i]).stem().string() : a.labels[i];
+    if (!a.labels.empty() && (label.empty() || label.size() > kLongest))
+      throw UsageError(fmt::format("--label {}: found {} bytes, expected 1 to {}", label, label.size(), kLongest));
+    if (!a.labels.empty() && std::find(labels.begin(), labels.end(), label) != labels.end())
+      throw UsageError(fmt::format("--label {}: given twice", label));
+    label = label.substr(0, kLongest);
+    for (int n = 2; std::find(labels.begin(), labels.end(), label) != labels.end(); ++n) {
+      const std::string number = fmt::format(" {}", n);
+      label = std::filesystem::path(a.files[i]).stem().string().substr(0, kLongest - number.size()) + number;
+    }
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+}  // namespace
+
+CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
+  CLI::App* c = app.add_subcommand("compare", "Compare plot files: dea with FEBio, one setting with another");
+  c->footer(kFooter);
+  const auto repeated = [&](const char* name, std::vector<std::string>& values, const char* type, const char* group,
+                            const char* help) {
+    c->add_option(name, values, help)
+        ->type_name(type)
+        ->group(group)
+        ->allow_extra_args(false)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  const auto once = [&](const char* name, std::string& value, const char* type, const char* group, const char* help) {
+    c->add_option(name, value, help)->type_name(type)->group(group);
+  };
+  c->add_option("FILES", a.files, "Plot files (.xplt), two or more; the last is the reference")
+      ->required()
+      ->type_name("");
+  repeated("--label", a.labels, "NAME", "Comparison",
+           "Name of a file in tables and fields, once per file in their order [file names]");
+  repeated("--surface", a.surfaces, "NAME|A=B", "Comparison",
+           "Compare this surface only, A=B where its names differ; may be repeated [those in all files that have "
+           "pressure in at least one]");
+  once("--at", a.at, "TIME", "Comparison", "Compare the states at this time [the last state of each file]");
+  repeated("--threshold", a.thresholds, "PRESSURE", "Comparison",
+           "Also areas, means and Dice above this pressure; may be repeated [0.1 and 0.5]");
+  once("--areas", a.areas, "reference|deformed", "Comparison",
+       "Facet areas of the mesh, or with nodes moved by each file's own displacement [reference]");
+  once("--dose-above", a.dose_above, "PRESSURE", "Comparison", "Integrate over time what exceeds this pressure");
+  repeated("--regions", a.regions, "NAME,NAME", "Regions and profiles",
+           "The same for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: a "
+           "socket's thirds (Abraham et al. 2013), with --up and --anterior; may be repeated");
+  once("--up", a.up, "x,y,z", "Regions and profiles", "Direction to the top");
+  once("--anterior", a.anterior, "x,y,z", "Regions and profiles", "Direction to the front");
+  c->add_flag("--profile", a.profile, "Mean pressure against the angle from an axis")->group("Regions and profiles");
+  once("--axis", a.axis, "x,y,z", "Regions and profiles",
+       "Axis of thirds and profile [mean normal of the reference's surface]");
+  once("--center", a.center, "x,y,z", "Regions and profiles",
+       "Centre of thirds and profile [that of the reference surface's sphere]");
+  once("--bin", a.bin, "DEGREES", "Regions and profiles", "Width of the profile's bins [5]");
+  once("-o", a.output, "both.xplt", "Output",
+       "Plot file with all pressures and their differences on the first file's mesh, at the times all files have");
+  once("--report", a.report, "FILE.html", "Output",
+       "Also write a page for any browser: maps side by side, differences, box plots, scatter, curves, tables");
+  c->add_flag("--time-fields", a.time_fields, "In -o also peak, exposure and dose up to each state")->group("Output");
+  c->add_flag("--compress", a.compress, "Compress the plot file (zlib)")->group("Output");
+  once("--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
+  once("--csv", a.csv, "FILE|-", "Output",
+       "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
+  c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  return c;
+}
+
+int compare_command(const CompareArguments& a) {
+  if (a.files.size() < 2)
+    throw UsageError(fmt::format(
+        "compare {}: found one file, expected two or more, the last to compare the others with", a.files.front()));
+  const CompareOptions options = compare_options(a);
+  const std::vector<std::string> labels = make_labels(a);
+  std::vector<NamedPath> inputs, outputs;
+  for (const std::string& file : a.files) inputs.push_back({file, file});
+  if (a.output == "-") throw UsageError("-o -: the plot file cannot go to standard output, give it a name");
+  if (a.output.empty() && (a.time_fields || a.compress))
+    throw UsageError(fmt::format("--{} belongs to -o", a.time_fields ? "time-fields" : "compress"));
+  if (!a.output.empty()) outputs.push_back({"-o", a.output});
+  if (!a.json.empty()) outputs.push_back({"--json", a.json});
+  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  require_page_name("--report", a.report);
+  if (!a.report.empty()) outputs.push_back({"--report", a.report});
+
+  std::vector<ResultFile> files;
+  Progress progress(progress_style(a.quiet, false));
+  for (std::size_t i = 0; i < a.files.size(); ++i) {
+    progress.now("reading " + file_name(a.files[i]), "", "", i, a.files.size());
+    files.push_back(read_result(a.files[i], labels[i]));
+    progress.step(fmt::format("{} of {} files read", i + 1, a.files.size()), "", i + 1, a.files.size());
+  }
+  check_outputs(inputs, outputs);
+  progress.now("comparing", "", "");
+  const Comparison comparison = compare_files(files, options);
+  progress.now("writing", "", "");
+  if (!a.output.empty()) write_xplt(a.output, make_compare_file(files, options, comparison, a.time_fields, a.compress));
+  if (!a.json.empty()) write_text(a.json, json_text(compare_json(comparison)));
+  if (!a.csv.empty()) write_text(a.csv, compare_csv(comparison));
+  if (!a.report.empty()) write_report(a.report, compare_report(files, options, comparison, a.words));
+  progress.clear();
+  if (a.quiet) return kSolved;
+  for (const std::string& line : comparison.warnings) log(line);
+  if (a.json != "-" && a.csv != "-") print(compare_text(comparison));
+  return kSolved;
+}
+
+}  // namespace dea

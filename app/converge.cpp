@@ -1,0 +1,97 @@
+// `dea converge`: how many springs the result needs.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/app/progress.h>
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/run/analysis.h>
+#include <febiodea/run/refusals.h>
+#include <febiodea/views/data/report_json.h>
+#include <febiodea/views/text/report_text.h>
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+Solves the model again and again with each spring's triangle divided into 1, 4, 16, 64, ... and compares peak pressure,
+mean pressure and contact area of the last state with those before. Ends when all changes are below the target, or when
+the next division would need more springs than allowed: then the target is not reached and the exit code is 1.
+
+Examples:
+  dea converge hip.feb
+  dea converge hip.feb --target 0.05 --law logarithmic
+  dea converge hip.feb --max-springs 100000 --json convergence.json)";
+
+}  // namespace
+
+CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
+  CLI::App* c = app.add_subcommand("converge", "Find how many springs the result needs");
+  c->footer(kFooter);
+  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+  c->add_option("--target", a.target, "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]")
+      ->type_name("CHANGE")
+      ->group("Study");
+  c->add_option("--max-springs", a.max_springs, "Most springs of a contact to try [400000]")
+      ->type_name("N")
+      ->group("Study");
+  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the table")
+      ->type_name("FILE|-")
+      ->group("Output");
+  CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")
+      ->excludes(q)
+      ->group("Output");
+  add_settings_options(*c, a.settings, false, false);
+  add_threads_option(*c, a.threads);
+  return c;
+}
+
+int converge_command(const ConvergeArguments& a) {
+  const double target = number_argument("target", a.target);
+  if (!(target > 0 && target < 1))
+    throw UsageError(fmt::format("--target {}: found \"{}\", expected a number between 0 and 1", a.target, a.target));
+  const int max_springs = count_argument("max-springs", a.max_springs, 1, 100000000);
+  std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
+  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  if (!a.json.empty()) outputs.push_back({"--json", a.json});
+  const auto threads = limit_threads(a.threads);
+  const Settings settings = effective_settings(a.settings);
+  Progress progress(progress_style(a.quiet, a.verbose));
+  progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
+  const JointModel model = read_feb(a.model);
+  check_outputs(inputs, outputs);
+
+  double last = seconds();
+  std::vector<Convergence> studies;
+  try {
+    const auto watch = [&](const Activity& activity) { show_activity(progress, activity); };
+    const auto row = [&](const ConvergenceRow& r) {
+      const double now = seconds();
+      progress.step(fmt::format("{} springs solved", r.springs),
+                    fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}, {:.2f} s", r.springs, r.peak,
+                                r.mean, r.area, name(r.outcome), now - last),
+                    0, 0);
+      last = now;
+    };
+    studies = converge(model, settings, target, max_springs, row, watch);
+  } catch (const InputError& found) {
+    throw all_refusals(model, settings, found, false);
+  }
+  progress.clear();
+  if (!a.json.empty()) write_text(a.json, json_text(converge_json(model, settings, studies, target, max_springs)));
+  if (!a.quiet && a.json != "-") print(converge_text(model, studies, max_springs));
+
+  const bool reached = std::all_of(studies.begin(), studies.end(), [&](const Convergence& study) {
+    const ConvergenceRow& last = study.rows.back();
+    return solved(last.outcome) && last.change_peak < target && last.change_mean < target && last.change_area < target;
+  });
+  if (!reached && !a.quiet) log(fmt::format("warning: not all changes came below the target of {:g}%", 100.0 * target));
+  return reached ? kSolved : kNoSolution;
+}
+
+}  // namespace dea

@@ -1,0 +1,64 @@
+// `dea convert`: a model for FEBio with the plugin, whose contact is the spring bed.
+#include <fmt/format.h>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/base/error.h>
+#include <febiodea/io/convert/convert_feb.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/output.h>
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+Writes the same joint for FEBio with the FEBioDEA plugin: its contacts are of type dea, the spring bed of dea run, and the
+cartilage is rigid with its bone. Modulus and thickness, measured here, are the contact's. A model of version 4.0 is
+edited, all else in it stays byte for byte; one of 2.5 or 3.0 is written anew as 4.0. Standard output lists what changed.
+docs/convert.md has more.
+
+Options mean what they mean in dea run. --springs-at bone, --free, --force and --load-at cannot be said in the file.
+
+Examples:
+  dea convert hip.feb
+  dea convert hip.feb -o hip_springs.feb --law neo-Hookean
+  dea convert hip.feb --attach "head surface=femur" --thickness "head surface=1.8"
+  dea run hip_dea.feb                the same pressures as dea run hip.feb)";
+
+}  // namespace
+
+CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
+  CLI::App* c = app.add_subcommand("convert", "Write the model anew for FEBio with the FEBioDEA plugin");
+  c->footer(kFooter);
+  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+  c->add_option("-o", a.output, "Converted model [MODEL without .feb + _dea.feb, beside the model]")
+      ->type_name("FILE.feb")
+      ->group("Output");
+  c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  add_settings_options(*c, a.settings, true, false);
+  add_threads_option(*c, a.threads);
+  return c;
+}
+
+int convert(const ConvertArguments& a) {
+  const std::string output = a.output.empty() ? default_output(a.model, ".feb") : a.output;
+  if (output == "-") throw UsageError("-o -: the list of changes goes to standard output, give the model a name");
+  std::vector<NamedPath> inputs = {{"the model", a.model}};
+  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  const auto threads = limit_threads(a.threads);
+  const Settings settings = effective_settings(a.settings);
+  const JointModel model = read_feb(a.model);
+  for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});
+  check_outputs(inputs, {{"-o", output}});
+
+  const Conversion conversion = convert_feb(model, settings, output);
+  write_text(output, conversion.text);
+  if (a.quiet) return kSolved;
+  std::string text = output + "\n";
+  for (const std::string& change : conversion.changes) text += change + "\n";
+  print(text);
+  for (const std::string& note : conversion.notes) log("note: " + note);
+  return kSolved;
+}
+
+}  // namespace dea

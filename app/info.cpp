@@ -1,0 +1,71 @@
+// `dea info`: what is recognised in a model, to be looked at before it is believed.
+#include <fmt/format.h>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/results/plot_file.h>
+#include <febiodea/views/data/report_json.h>
+#include <febiodea/views/text/report_info.h>
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+Units are the model's own. All options mean what they mean in dea run, so what is printed is what dea run would use. A
+model that dea run refuses is printed as far as it can be, then come all reasons, and the exit code is 3.
+
+The plot file of -o shows cartilage thickness, initial gap ("joint space"), missed normals, what is beyond the rim of the
+selected facets ("rim": 1 nothing, a free edge; 2 more of the layer; 3 a plane of symmetry; 4 cartilage bonded to bone) and
+facets that are not used ("left out": 1 side wall, 2 bonded to bone) on the contact surfaces, and the springs that face
+something within five thicknesses as lines.
+
+Examples:
+  dea info hip.feb
+  dea info hip.feb -o check.xplt
+  dea info hip.feb --attach "head surface=femur" --json -)";
+
+}  // namespace
+
+CLI::App* add_info(CLI::App& app, InfoArguments& a) {
+  CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
+  c->footer(kFooter);
+  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+  c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals, rims, facets left out and springs")
+      ->type_name("check.xplt")
+      ->group("Output");
+  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the text")
+      ->type_name("FILE|-")
+      ->group("Output");
+  add_settings_options(*c, a.settings, true, false);
+  add_threads_option(*c, a.threads);
+  return c;
+}
+
+int info(const InfoArguments& a) {
+  std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
+  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  if (a.output == "-") throw UsageError("-o -: the plot file cannot go to standard output, give it a name");
+  if (!a.output.empty()) outputs.push_back({"-o", a.output});
+  if (!a.json.empty()) outputs.push_back({"--json", a.json});
+  const auto threads = limit_threads(a.threads);
+  const Settings settings = effective_settings(a.settings);
+  const JointModel model = read_feb(a.model);
+  check_outputs(inputs, outputs);
+
+  JointCheck check;
+  check_joint(model, settings, check);
+  if (!a.output.empty() && check.recognised) write_xplt(a.output, make_check_file(model, check));
+  if (!a.json.empty()) write_text(a.json, json_text(info_json(model, settings, check)));
+  if (a.json != "-") print(info_text(model, settings, check));
+  if (!check.errors.empty()) {
+    InputError error(check.errors.front());
+    error.others.assign(check.errors.begin() + 1, check.errors.end());
+    throw error;
+  }
+  return kSolved;
+}
+
+}  // namespace dea

@@ -1,0 +1,178 @@
+// app/main.cpp – the program `dea`: reads the command line, runs a command, turns faults into exit codes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <exception>
+#include <sstream>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/io/files/output.h>
+
+namespace {
+
+using namespace dea;
+
+constexpr const char* kFooter = R"(
+Exit codes: 0 solved; 1 a valid answer that is no solution (not converged, surfaces apart); 2 wrong use; 3 input
+refused; 4 output cannot be written; 70 a fault of the program.
+
+Examples:
+  dea run hip.feb                    pressure in every state, written beside the model as hip_dea.xplt
+  dea info hip.feb                   what is recognised in the model, without solving
+  dea converge hip.feb               how many springs the result needs
+  dea convert hip.feb                the same joint for FEBio with the plugin, as hip_dea.feb
+  dea plugin-build /opt/febio        the plugin for the FEBio that is installed there
+  dea compare hip_dea.xplt hip.xplt  how far that is from FEBio's result
+  dea plot hip_dea.xplt              its pressure map as hip_dea.png
+  dea run --help                     all options of a command)";
+
+/// A fault is always one line, whatever names it quotes.
+int refuse(const std::string& prefix, std::string what, int code) {
+  for (char& c : what)
+    if (c == '\n' || c == '\r') c = ' ';
+  log(prefix + what);
+  return code;
+}
+
+/// "dea rnu": the word that is no command, and the one that may have been meant; "": all is well, or no command is
+/// given.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(command->get_name());
+  if (argc < 2 || argv[1][0] == '-' || argv[1][0] == '\0') return "";
+  const std::string word = argv[1];
+  if (std::find(names.begin(), names.end(), word) != names.end()) return "";
+  const auto ends = [&](const std::string& end) {
+    return word.size() > end.size() && word.compare(word.size() - end.size(), end.size(), end) == 0;
+  };
+  const char* reader = ends(".feb") ? "run" : ends(".xplt") ? "plot" : "";
+  return fmt::format("\"{}\" is no command{}; commands are {}", word,
+                     *reader ? fmt::format(" (did you mean \"dea {} {}\"?)", reader, word) : did_you_mean(word, names),
+                     name_list(names));
+}
+
+/// "--unrolled": the option one of whose words this is: " (did you mean --view unrolled?)"; "": none.
+std::string value_for_option(const CLI::App& command, const std::string& word) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string words = "|" + option->get_type_name() + "|";
+    if (word.size() > 2 && words.find("|" + word.substr(2) + "|") != std::string::npos && !option->get_lnames().empty())
+      return fmt::format(" (did you mean --{} {}?)", option->get_lnames().front(), word.substr(2));
+  }
+  return "";
+}
+
+/// "--lwa": the options on the command line that the command does not have, and those that may have been meant.
+std::string unknown_options(const CLI::App& command, int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  std::string text;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (word.rfind("--", 0) != 0 || word.size() < 3 || std::find(names.begin(), names.end(), word) != names.end())
+      continue;
+    const std::string value = value_for_option(command, word);
+    text += fmt::format("{}no option {}{}", text.empty() ? "" : ", ", word,
+                        value.empty() ? did_you_mean(word, names) : value);
+  }
+  return text;
+}
+
+/// The other faults of a model are counted: they may be many.
+std::string more_text(const InputError& e) {
+  return e.others.empty() ? ""
+                          : fmt::format(" (and {} more reason{}: dea info lists them)", e.others.size(),
+                                        e.others.size() > 1 ? "s" : "");
+}
+
+/// "dea help" and "dea help run" as "dea --help" and "dea run --help".
+std::vector<std::string> help_words(int argc, char** argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  if (argc < 2 || words[1] != "help") return words;
+  words.erase(words.begin() + 1);
+  words.resize(std::min<std::size_t>(words.size(), 2));
+  words.push_back("--help");
+  return words;
+}
+
+int parse_and_run(int argc, char** argv) {
+  CLI::App app("Discrete element analysis of joint contact: FEBio model in, pressure on its surfaces out.", "dea");
+  app.footer(kFooter);
+  app.set_version_flag("--version", version_text(), "Version, commit and libraries");
+  app.require_subcommand(1);
+  RunArguments run_arguments;
+  InfoArguments info_arguments;
+  ConvergeArguments converge_arguments;
+  ConvertArguments convert_arguments;
+  CompareArguments compare_arguments;
+  PlotArguments plot_arguments;
+  PluginBuildArguments plugin_build_arguments;
+  run_arguments.words = compare_arguments.words = {argv, argv + argc};
+  const CLI::App* run_command = add_run(app, run_arguments);
+  const CLI::App* info_command = add_info(app, info_arguments);
+  const CLI::App* converge_app = add_converge(app, converge_arguments);
+  const CLI::App* convert_app = add_convert(app, convert_arguments);
+  const CLI::App* compare_app = add_compare(app, compare_arguments);
+  const CLI::App* plot_app = add_plot(app, plot_arguments);
+  const CLI::App* plugin_build_app = add_plugin_build(app, plugin_build_arguments);
+  for (CLI::App* command : app.get_subcommands(nullptr)) command->get_formatter()->column_width(38);
+
+  const std::string no_command = unknown_command(app, argc, argv);
+  if (!no_command.empty()) return refuse("dea: ", no_command + " (dea --help says what they do)", kWrongUse);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help, --version
+    std::ostringstream out;
+    app.exit(e, out, out);
+    print(out.str());
+    return kSolved;
+  } catch (const CLI::ParseError& e) {
+    const std::vector<CLI::App*> chosen = app.get_subcommands();
+    const std::string command = chosen.empty() ? "dea" : "dea " + chosen.front()->get_name();
+    std::string fault = e.what();
+    if (chosen.empty() && argc < 2) fault = "no command is given, expected for example dea run MODEL.feb";
+    const int code = e.get_exit_code();  // of two faults, a misspelt option is what is to be mended first
+    if (code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
+        code == static_cast<int>(CLI::ExitCodes::RequiredError)) {
+      const std::string unknown = unknown_options(chosen.empty() ? app : *chosen.front(), argc, argv);
+      if (!unknown.empty()) fault = unknown;
+    }
+    return refuse(command + ": ", fmt::format("{} ({} --help lists the options)", fault, command), kWrongUse);
+  }
+
+  if (run_command->parsed()) return run(run_arguments);
+  if (info_command->parsed()) return info(info_arguments);
+  if (converge_app->parsed()) return converge_command(converge_arguments);
+  if (convert_app->parsed()) return convert(convert_arguments);
+  if (compare_app->parsed()) return compare_command(compare_arguments);
+  if (plot_app->parsed()) return plot_command(plot_arguments);
+  if (plugin_build_app->parsed()) return plugin_build(plugin_build_arguments);
+  return kWrongUse;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails the write, like a full disk, and is reported
+  try {
+    std::vector<std::string> words = help_words(argc, argv);
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    return parse_and_run(static_cast<int>(words.size()), pointers.data());
+  } catch (const UsageError& e) {
+    return refuse("dea: ", e.what(), kWrongUse);
+  } catch (const InputError& e) {
+    return refuse("", e.what() + more_text(e), kInputRefused);
+  } catch (const WriteError& e) {
+    return refuse("dea: cannot write ", e.what(), kCannotWrite);
+  } catch (const std::exception& e) {
+    return refuse("internal error: ", std::string(e.what()) + ", please report", kInternalError);
+  } catch (...) {
+    return refuse("internal error: ", "unknown, please report", kInternalError);
+  }
+}

@@ -1,0 +1,45 @@
+// febiodea/app/options.h – options that commands share: what takes the place of the model's own statements.
+#pragma once
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <febiodea/app/progress.h>
+#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/run/analysis.h>
+
+namespace dea {
+
+/// The options as typed, by name; read later, so that a fault is one line of ours.
+struct SettingsArguments {
+  std::string file;  ///< --settings
+  std::map<std::string, std::vector<std::string>> values;
+};
+
+/// `refine`, `squash`: whether this command has these options.
+void add_settings_options(CLI::App& command, SettingsArguments& arguments, bool refine, bool squash);
+
+/// Command line over settings file over the model's own. Throws UsageError, InputError (settings file). `outputs`: what
+/// the file says of output files and states; nullptr: of no interest.
+Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs = nullptr);
+
+void add_threads_option(CLI::App& command, std::string& threads);
+/// Holds for as long as the result lives; empty `threads`: all cores.
+std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
+
+/// Numbers of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
+int count_argument(const char* option, const std::string& text, int least, int most);
+double number_argument(const char* option, const std::string& text);
+
+/// What an analysis is at: "thickness", "springs", "state 4 of 23: iteration 2, unbalanced 3e-04".
+void show_activity(Progress& progress, const Activity& activity);
+/// What to tell of a plot file's name that does not end in .xplt, in whatever letters; empty: nothing.
+std::string plot_name_note(const std::string& option, const std::string& path);
+/// A path's last part.
+std::string file_name(const std::string& path);
+
+}  // namespace dea

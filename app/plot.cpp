@@ -1,0 +1,203 @@
+// `dea plot`: maps of pressure on paper.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/views/map/draw_map.h>
+#include <febiodea/views/map/map_figure.h>
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kFooter = R"(
+Files may be ours or FEBio's, compressed or not. Facets are drawn as they are, in the reference configuration, all panels
+with one scale, that of all states of the files, as on the page of --report; colours are in 128 steps. Lines and --smooth are of nodal averages (area-weighted, of the facets around each
+node); with --smooth the edge of contact encloses as much area as the facets with pressure do. Numbers are of facets, with
+--smooth of nodes, as in the rows of `dea compare`; "mean" is over the area with pressure. Grey: no contact, or a value of
+exactly 0.
+
+Sockets and flat surfaces are seen along their mean normal; balls, and surfaces whose pressure would be out of sight,
+against the force on them. --view unrolled is for balls and sockets: Lambert's equal-area map about the axis of the fitted
+sphere, seen from the joint, with circles of equal angle from the axis. Files lie side by side, further surfaces and states
+below them; --columns 1 stacks all panels.
+
+Examples:
+  dea plot hip_dea.xplt
+  dea plot hip_dea.xplt hip.xplt --label dea --label FEBio --surface socket -o both.svg
+  dea plot hip_dea.xplt --at 1,1.5,2 --smooth --title "Walking" -o walking.pdf
+  dea plot hip_dea.xplt --minus hip.xplt -o difference.png
+  dea plot knee_dea.xplt --surface medial_plateau --surface lateral_plateau --up 0,1,0 -o knee.png
+  dea plot hip_dea.xplt --field "joint space" --view unrolled --max 3 -o space.svg)";
+
+double number_option(const char* option, const std::string& text, double least, double most) {
+  const double x = number_argument(option, text);
+  if (!(x >= least && x <= most))
+    throw UsageError(
+        fmt::format("--{} {}: found \"{}\", expected a number from {:g} to {:g}", option, text, text, least, most));
+  return x;
+}
+
+Vector3d direction(const char* option, const std::string& text, const char* expected) {
+  std::vector<double> x;
+  try {
+    x = parse_numbers(text);
+  } catch (const BadValue&) {
+  }
+  const Vector3d v = x.size() == 3 ? Vector3d(x[0], x[1], x[2]) : Vector3d(0, 0, 0);
+  if (!(v.norm() > 0) || !std::isfinite(v.norm()))
+    throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, expected));
+  return v;
+}
+
+PictureFormat format_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".png") return PictureFormat::Png;
+  if (extension == ".svg") return PictureFormat::Svg;
+  if (extension == ".pdf") return PictureFormat::Pdf;
+  throw UsageError(
+      fmt::format("-o {}: found \"{}\", expected a name that ends in .png, .svg or .pdf", path, extension));
+}
+
+MapOptions map_options(const PlotArguments& a) {
+  MapOptions o;
+  if (!a.field.empty()) o.field = a.field;
+  for (const std::string& name : a.surfaces)
+    if (std::find(o.surfaces.begin(), o.surfaces.end(), name) == o.surfaces.end()) o.surfaces.push_back(name);
+  if (!a.at.empty() && !a.states.empty()) throw UsageError("--at and --states: found both, expected one of them");
+  if (!a.at.empty()) {
+    o.states = a.at;
+    o.states_option = fmt::format("--at {}", a.at);
+  } else if (!a.states.empty()) {
+    o.states = a.states;
+    o.states_option = fmt::format("--states {}", a.states);
+  }
+  if (a.view == "unrolled")
+    o.unrolled = true;
+  else if (!a.view.empty())
+    o.toward = direction("view", a.view, "a direction x,y,z, or unrolled");
+  if (!a.up.empty()) o.up = direction("up", a.up, "a direction x,y,z that is not 0");
+  o.smooth = a.smooth;
+  if (!a.low.empty()) o.low = number_argument("min", a.low);
+  if (!a.high.empty()) o.high = number_argument("max", a.high);
+  if (o.low && !a.minus.empty())
+    throw UsageError("--min and --minus: found both; a difference's scale goes from -max to max");
+  if (o.high && !a.minus.empty() && !(*o.high > 0))
+    throw UsageError(fmt::format("--max {}: found \"{}\", expected a difference above 0", a.high, a.high));
+  if (o.high && !(*o.high > o.low.value_or(-1e300)))
+    throw UsageError(fmt::format("--max {}: found \"{}\", expected more than --min {}", a.high, a.high, a.low));
+  if (!a.scale.empty() && a.scale != "all" && a.scale != "shown")
+    throw UsageError(fmt::format("--scale {}: found \"{}\", expected all or shown", a.scale, a.scale));
+  o.scale_of_shown = a.scale == "shown";
+  if (a.contours == "none") {
+    o.contours = std::vector<double>{};
+  } else if (!a.contours.empty()) {
+    try {
+      o.contours = parse_numbers(a.contours);
+    } catch (const BadValue&) {
+    }
+    if (!o.contours || o.contours->empty())
+      throw UsageError(
+          fmt::format("--contours {}: found \"{}\", expected none or values v1,v2,...", a.contours, a.contours));
+  }
+  return o;
+}
+
+/// One per file, then that of --minus.
+std::vector<std::string> labels(const PlotArguments& a) {
+  if (a.labels.empty()) {
+    std::vector<std::string> names;
+    for (const std::string& file : a.files) names.push_back(std::filesystem::path(file).stem().string());
+    if (!a.minus.empty()) names.push_back(std::filesystem::path(a.minus).stem().string());
+    return names;
+  }
+  const std::size_t expected = a.files.size() + (a.minus.empty() ? 0 : 1);
+  if (a.labels.size() != expected)
+    throw UsageError(fmt::format("--label: found {} labels, expected one per file ({}{})", a.labels.size(), expected,
+                                 a.minus.empty() ? "" : ", the last for --minus"));
+  return a.labels;
+}
+
+}  // namespace
+
+CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
+  CLI::App* c = app.add_subcommand("plot", "Draw the pressure map of plot files: PNG, SVG or PDF");
+  c->footer(kFooter);
+  const auto once = [&](const char* name, std::string& value, const char* type, const char* group, const char* help) {
+    c->add_option(name, value, help)->type_name(type)->group(group);
+  };
+  const auto repeated = [&](const char* name, std::vector<std::string>& values, const char* group, const char* help) {
+    c->add_option(name, values, help)
+        ->type_name("NAME")
+        ->group(group)
+        ->allow_extra_args(false)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  c->add_option("FILES", a.files, "Plot files (.xplt), a panel each")->required()->type_name("");
+  once("-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
+  c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  repeated("--surface", a.surfaces, "What",
+           "Surface to draw; may be repeated [the one with the highest pressure anywhere]");
+  once("--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");
+  once("--at", a.at, "TIME,TIME", "What", "States at these times, a panel each [the last state of each file]");
+  once("--states", a.states, "all|last|t1,t2,...", "What", "The same, or all states");
+  once("--minus", a.minus, "REF.xplt", "What", "Difference: the files' values minus those of this one");
+  repeated("--label", a.labels, "What",
+           "Title of a file's panels, once per file in their order, then --minus [file names]");
+  once("--view", a.view, "x,y,z|unrolled", "View", "Direction from which the surface is seen, or unrolled [its axis]");
+  once("--up", a.up, "x,y,z", "View", "What is up in the picture [z, y or x, the first that lies across]");
+  c->add_flag("--smooth", a.smooth, "Nodal averages instead of facets as they are")->group("Look");
+  once("--contours", a.contours, "none|v1,v2,...", "Look", "Lines of equal value [at the colour bar's numbers]");
+  once("--max", a.high, "VALUE", "Look",
+       "Upper end of the colours [the largest value; joint space: what 95 % lie below]");
+  once("--min", a.low, "VALUE", "Look", "Lower end of the colours [0, or the least value]");
+  once("--scale", a.scale, "all|shown", "Look",
+       "States whose values the colours' ends cover: all of the files, or those shown [all]");
+  once("--title", a.title, "TEXT", "Look", "Title above all panels");
+  once("--width", a.width, "MM", "Look", "Width on paper; letters keep their size [130 to 230, by the panels]");
+  once("--columns", a.columns, "N", "Look", "Panels side by side [as many as there are files, or as fit]");
+  once("--dpi", a.dpi, "DPI", "Look", "Pixels per inch of a PNG [200]");
+  c->add_flag("--dark", a.dark, "Dark paper")->group("Look");
+  return c;
+}
+
+int plot_command(const PlotArguments& a) {
+  const MapOptions options = map_options(a);
+  const std::vector<std::string> names = labels(a);
+  std::string output = a.output;
+  if (output == "-") throw UsageError("-o -: found no file name, expected one that ends in .png, .svg or .pdf");
+  if (output.empty()) output = std::filesystem::path(a.files.front()).replace_extension(".png").string();
+  PictureOptions look;
+  look.format = format_of(output);
+  look.dark = a.dark;
+  if (!a.width.empty()) look.width = number_option("width", a.width, 20, 2000);
+  if (!a.columns.empty()) look.columns = count_argument("columns", a.columns, 1, 100);
+  if (!a.dpi.empty()) look.dpi = number_option("dpi", a.dpi, 20, 2400);
+  if (!a.dpi.empty() && look.format != PictureFormat::Png)
+    throw UsageError(fmt::format("--dpi {}: belongs to PNG; {} has no pixels", a.dpi, output));
+  std::vector<NamedPath> inputs;
+  for (const std::string& file : a.files) inputs.push_back({file, file});
+  if (!a.minus.empty()) inputs.push_back({"--minus", a.minus});
+
+  std::vector<ResultFile> files, minus;
+  for (std::size_t i = 0; i < a.files.size(); ++i) files.push_back(read_result(a.files[i], names[i]));
+  if (!a.minus.empty()) minus.push_back(read_result(a.minus, names.back()));
+  check_outputs(inputs, {{"-o", output}});
+  MapFigure figure = make_map_figure(files, minus.empty() ? nullptr : &minus.front(), options);
+  figure.title = a.title;
+  write_text(output, picture(figure, look));
+  if (a.quiet) return kSolved;
+  for (const std::string& remark : figure.remarks) log(remark);
+  log(fmt::format("{}: {} panel{}", output, figure.panels.size(), figure.panels.size() == 1 ? "" : "s"));
+  return kSolved;
+}
+
+}  // namespace dea

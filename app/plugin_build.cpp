@@ -1,0 +1,232 @@
+// `dea plugin-build`: compiles the plugin for the FEBio that is installed, from the source that came with the program.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/output.h>
+
+namespace dea {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kFooter = R"(
+The plugin works with the version of FEBio it was compiled for and no other, so it is made where FEBio is. FEBIO_DIR is
+FEBio's installation or SDK folder, the one with include and lib/cmake/FEBio (also looked for in its folder sdk).
+Needed: cmake, a C++20 compiler and the libraries in packages.txt beside the source. It takes a minute or two.
+
+Standard output has the library's path and the line that febio.xml needs. FEBio's own folder is left alone unless -o
+names it. docs/plugin.md has what comes next.
+
+Examples:
+  dea plugin-build /opt/febio
+  dea plugin-build ~/FEBioStudio -o ~/FEBioStudio/lib -v)";
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// The folder with CMakeLists.txt: installed as share/febiodea/source, or the tree this program was built from.
+fs::path source_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path folder = program.parent_path();
+  std::vector<fs::path> places = {folder.parent_path() / "share" / "febiodea" / "source"};
+  std::istringstream cache(text_of(folder.parent_path() / "CMakeCache.txt"));
+  const std::string key = "CMAKE_HOME_DIRECTORY:INTERNAL=";
+  for (std::string line; std::getline(cache, line);)
+    if (line.rfind(key, 0) == 0) places.emplace_back(line.substr(key.size()));
+  for (const fs::path& place : places)
+    if (fs::exists(place / "CMakeLists.txt", error) && fs::exists(place / "plugin" / "CMakeLists.txt", error))
+      return place;
+  throw InputError(fmt::format("{}: no source of the plugin, expected it in {}", program.string(), places[0].string()));
+}
+
+/// The folder with include/FECore and lib/cmake/FEBio.
+fs::path sdk_folder(const std::string& febio) {
+  std::error_code error;
+  if (!fs::is_directory(febio, error)) throw InputError(fmt::format("{}: no such folder", febio));
+  for (const fs::path& place : {fs::path(febio), fs::path(febio) / "sdk"})
+    if (fs::exists(place / "lib" / "cmake" / "FEBio" / "FEBioConfig.cmake", error)) {
+      if (!fs::exists(place / "include" / "FECore" / "version.h", error))
+        throw InputError(fmt::format("{}: no include/FECore/version.h, so no SDK of FEBio", place.string()));
+      return fs::canonical(place);
+    }
+  throw InputError(
+      fmt::format("{}: no SDK of FEBio, expected lib/cmake/FEBio/FEBioConfig.cmake there or in sdk", febio));
+}
+
+/// A folder of ours among the temporary ones: build/ and log.txt. Left with the log alone when `keep_log` says so.
+struct Workshop {
+  fs::path path;
+  bool keep_log = false;
+  Workshop() {
+    std::error_code error;
+    std::string name = (fs::temp_directory_path(error) / "febiodea_plugin_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw WriteError(fmt::format("{}: no temporary folder", name));
+    path = name;
+  }
+  ~Workshop() {
+    std::error_code error;
+    fs::remove_all(keep_log ? path / "build" : path, error);
+  }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+  fs::path log_file() const { return path / "log.txt"; }
+};
+
+/// Our child gets Ctrl-C too and ends; we stay to tidy up.
+struct IgnoreInterrupts {
+  struct sigaction interrupt = {}, quit = {};
+  IgnoreInterrupts() {
+    struct sigaction ignore = {};
+    ignore.sa_handler = SIG_IGN;
+    ::sigaction(SIGINT, &ignore, &interrupt);
+    ::sigaction(SIGQUIT, &ignore, &quit);
+  }
+  ~IgnoreInterrupts() { restore(); }
+  void restore() const {
+    ::sigaction(SIGINT, &interrupt, nullptr);
+    ::sigaction(SIGQUIT, &quit, nullptr);
+  }
+};
+
+constexpr int kNotFound = 127;
+
+/// Runs a program of the path with these words, no shell between. What it prints goes to the end of `log_file`, or to
+/// standard error when that is empty.
+int run_program(std::vector<std::string> words, const std::string& log_file) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  int out = STDERR_FILENO;
+  if (!log_file.empty()) {
+    out = ::open(log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    if (out < 0) throw WriteError(fmt::format("{}: the log of the build", log_file));
+  }
+  const IgnoreInterrupts ignoring;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ignoring.restore();
+    ::dup2(out, STDOUT_FILENO);
+    ::dup2(out, STDERR_FILENO);
+    ::execvp(argv[0], argv.data());
+    ::_exit(kNotFound);
+  }
+  int status = 0;
+  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (out != STDERR_FILENO) ::close(out);
+  if (child < 0) return kNotFound;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+std::string stripped(const std::string& line) {
+  const std::size_t begin = line.find_first_not_of(" \t");
+  return begin == line.npos ? "" : line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);
+}
+
+/// The first error in what cmake or the compiler printed, as one line; empty if there is none.
+std::string first_error(const std::string& log) {
+  std::istringstream lines(log);
+  std::string fault;
+  bool in_error = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (in_error) {  // cmake's: an indented paragraph
+      const std::string text = stripped(line);
+      if (!fault.empty() && text.empty()) return fault;
+      fault += (fault.empty() || text.empty() ? "" : " ") + text;
+    } else if (line.rfind("CMake Error", 0) == 0) {
+      in_error = true;
+      const std::size_t end = line.find("): ");
+      if (line.rfind("CMake Error: ", 0) == 0) return stripped(line.substr(13));
+      if (end != line.npos) fault = stripped(line.substr(end + 3));
+    } else if (line.find(" error: ") != line.npos || line.find("ld: ") != line.npos) {
+      return stripped(line);
+    }
+  }
+  return fault;
+}
+
+/// Text between XML tags.
+std::string xml(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
+  return result;
+}
+
+}  // namespace
+
+CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& a) {
+  CLI::App* c = app.add_subcommand("plugin-build", "Compile the plugin for the FEBio that is installed");
+  c->footer(kFooter);
+  c->add_option("FEBIO_DIR", a.febio, "Folder of FEBio or of its SDK")->required()->type_name("");
+  c->add_option("-o", a.output, "Folder for the library [the current one]")->type_name("DIR")->group("Output");
+  c->add_flag("-v,--verbose", a.verbose, "What cmake and the compiler say, on standard error")->group("Output");
+  c->add_flag("--untested", a.untested, "Compile also for a version of FEBio the plugin has not been tested with");
+  c->add_option("--threads", a.threads, "Files to compile at a time [number of cores]")
+      ->type_name("N")
+      ->group("Computer");
+  return c;
+}
+
+int plugin_build(const PluginBuildArguments& a) {
+  const int jobs = a.threads.empty() ? std::max(1, static_cast<int>(std::thread::hardware_concurrency()))
+                                     : count_argument("threads", a.threads, 1, 1024);
+  std::error_code error;
+  const fs::path output = a.output.empty() ? fs::current_path(error) : fs::absolute(a.output, error).lexically_normal();
+  const fs::path sdk = sdk_folder(a.febio);
+  if (!fs::is_directory(output, error)) throw WriteError(fmt::format("{}: there is no such folder", output.string()));
+  const fs::path source = source_folder();
+
+  Workshop workshop;
+  const std::string build = (workshop.path / "build").string(), log_file = a.verbose ? "" : workshop.log_file();
+  log(fmt::format("dea plugin-build: compiling {} with the SDK in {}, a minute or two", source.string(), sdk.string()));
+  const auto run = [&](const char* doing, const std::vector<std::string>& words) {
+    const int code = run_program(words, log_file);
+    if (code == 0) return;
+    if (code == kNotFound)
+      throw InputError(
+          fmt::format("dea plugin-build: no program {} on the path; install it ({} lists all that is needed)", words[0],
+                      (source / "packages.txt").string()));
+    workshop.keep_log = !a.verbose;
+    const std::string fault = a.verbose ? "" : first_error(text_of(log_file));
+    throw InputError(fmt::format("dea plugin-build: {} failed{}{}; {}", doing, fault.empty() ? "" : ": ", fault,
+                                 a.verbose ? "see above" : "all that was said is in " + log_file));
+  };
+  std::vector<std::string> configure = {"cmake", "-S", source.string(), "-B", build, "-DCMAKE_BUILD_TYPE=Release"};
+  configure.push_back("-DFEBio_DIR=" + (sdk / "lib" / "cmake" / "FEBio").string());
+  configure.insert(configure.end(), {"-DBUILD_TESTING=OFF", "-DDEA_BENCH=OFF"});
+  if (a.untested) configure.push_back("-DDEA_UNTESTED_FEBIO=ON");
+  if (run_program({"ninja", "--version"}, "/dev/null") == 0) configure.insert(configure.end(), {"-G", "Ninja"});
+  run("configuring", configure);
+  run("compiling", {"cmake", "--build", build, "--target", "febio_dea", "--parallel", std::to_string(jobs)});
+
+  fs::path library;
+  for (const auto& entry : fs::directory_iterator(fs::path(build) / "plugin", error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind("libfebio_dea-", 0) == 0) library = entry.path();
+  }
+  if (library.empty()) throw std::runtime_error("the build made no libfebio_dea");
+  const std::string target = (output / library.filename()).string();
+  write_text(target, text_of(library));
+  print(fmt::format("{}\n<import>{}</import>\n", target, xml(target)));
+  return kSolved;
+}
+
+}  // namespace dea

@@ -1,0 +1,297 @@
+// FEBio's materials reduced to small-strain E and nu.
+#include <febiodea/io/febio/febio_material.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/febio/febio_rules.h>
+
+namespace dea {
+
+namespace {
+
+using febio::quote;
+
+/// What is the same for a material and all that is nested in it.
+struct Reading {
+  const JointModel& model;
+  const std::string& name;
+  bool nested_k_adds;
+};
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Small-strain stiffness of a material or of a part of one.
+struct Stiffness {
+  std::string type;  ///< nested types after a slash
+  double E = kNaN, nu = kNaN;
+  double G = kNaN, lambda = kNaN;
+  std::string note;
+  /// An uncoupled material: its bulk stiffness is a number of its own, K = k.
+  bool uncoupled = false;
+  double k = 0.0;
+};
+
+void add_note(std::string& note, const std::string& more) {
+  if (more.empty() || note.find(more) != note.npos) return;
+  if (!note.empty()) note += "; ";
+  note += more;
+}
+
+Stiffness unknown(const std::string& type, const std::string& why) {
+  Stiffness result;
+  result.type = type;
+  result.note = why;
+  return result;
+}
+
+void set_from_E_nu(Stiffness& s, double E, double nu) {
+  s.E = E;
+  s.nu = nu;
+  s.G = E / (2 * (1 + nu));
+  s.lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
+}
+
+void set_from_G_lambda(Stiffness& s, double G, double lambda) {
+  const double K = lambda + 2 * G / 3;
+  s.G = G;
+  s.lambda = lambda;
+  s.E = 9 * K * G / (3 * K + G);
+  s.nu = (3 * K - 2 * G) / (2 * (3 * K + G));
+  if (!(G > 0 && K > 0)) s.E = s.nu = kNaN;  // a part alone may have none; a whole material gets a note
+}
+
+/// Sum of c1 .. c6 (those given).
+double sum_of_c(const MaterialTree& material, std::string& why) {
+  double sum = 0.0;
+  for (const char* name : {"c1", "c2", "c3", "c4", "c5", "c6"}) sum += constant_of(material, name, 0.0, why);
+  return sum;
+}
+
+bool one_of(const std::string& type, std::initializer_list<const char*> names) {
+  return std::any_of(names.begin(), names.end(), [&](const char* name) { return type == name; });
+}
+
+Stiffness stiffness_of(const Reading& reading, const MaterialTree& material);
+
+/// Fibres alone: they pull in tension only and leave the small-strain stiffness in compression to the others.
+bool is_fibre(const std::string& type) {
+  return (type.rfind("fiber", 0) == 0 || type.find("fiber distribution") != type.npos ||
+          type.find("-fiber") != type.npos || type.rfind("uncoupled fiber", 0) == 0) &&
+         type.find("neo-Hookean") == type.npos && type.find("Mooney") == type.npos;
+}
+
+/// Where a constant stands, or the material if it has none.
+Origin place_of(const MaterialTree& material, const char* name) {
+  const auto place = material.constants.find(name);
+  return place == material.constants.end() ? material.origin : place->second.origin;
+}
+
+/// E and v as written; what no material may have is refused here, with its line.
+Stiffness from_E_and_v(const Reading& reading, const MaterialTree& material) {
+  Stiffness s;
+  s.type = material.type;
+  const double E = constant_of(material, "E", 0.0, s.note);
+  const double nu = constant_of(material, "v", 0.0, s.note);
+  if (!std::isnan(E) && E <= 0) {
+    const std::string found = material.constants.count("E") == 0 ? "E is missing" : fmt::format("E = {:g}", E);
+    throw InputError(reading.model, place_of(material, "E"),
+                     fmt::format("material {}: {}, need E > 0", quote(reading.name), found));
+  }
+  if (!std::isnan(nu) && !(nu > -1 && nu < 0.5)) {
+    throw InputError(reading.model, place_of(material, "v"),
+                     fmt::format("material {}: v = {:g}, need -1 < v < 0.5", quote(reading.name), nu));
+  }
+  if (std::isnan(E) || std::isnan(nu)) return s;
+  set_from_E_nu(s, E, nu);
+  return s;
+}
+
+/// Types with a shear modulus and a bulk modulus k of their own.
+bool uncoupled_shear(const MaterialTree& m, const std::string& type, double& G, std::string& note) {
+  if (one_of(type, {"Mooney-Rivlin", "trans iso Mooney-Rivlin"})) {
+    G = 2 * (constant_of(m, "c1", 0, note) + constant_of(m, "c2", 0, note));
+  } else if (one_of(type, {"Veronda-Westmann", "trans iso Veronda-Westmann"})) {
+    G = constant_of(m, "c1", 0, note) * constant_of(m, "c2", 0, note);
+  } else if (type == "Ogden") {
+    G = sum_of_c(m, note) / 2;
+  } else if (one_of(type, {"incomp neo-Hookean", "Gent"})) {
+    G = constant_of(m, "G", 0, note);
+  } else if (type == "Yeoh") {
+    G = 2 * constant_of(m, "c1", 0, note);
+  } else if (type == "Arruda-Boyce") {
+    const double f = 3 / constant_of(m, "N", 0, note);
+    G = constant_of(m, "mu", 0, note) * (1 + f * (0.4 + f * (66.0 / 350 + f * (152.0 / 1750 + f * (5190.0 / 134750)))));
+  } else if (type == "uncoupled Holmes-Mow") {
+    G = constant_of(m, "mu", 0, note);
+  } else {
+    return false;
+  }
+  if (type.rfind("trans iso", 0) == 0) add_note(note, "ground matrix, fibres left out");
+  return true;
+}
+
+void set_uncoupled(Stiffness& s, double G, double k) {
+  s.uncoupled = true;
+  s.k = k;
+  s.G = G;
+  s.E = s.nu = s.lambda = kNaN;
+  if (std::isnan(G) || std::isnan(k)) return;
+  set_from_G_lambda(s, G, k - 2 * G / 3);
+}
+
+/// The nested materials (`solid`, `elastic`, ...) of a composite one.
+std::vector<Stiffness> nested(const Reading& reading, const MaterialTree& material,
+                              std::initializer_list<const char*> tags) {
+  Reading inner = reading;
+  inner.nested_k_adds = reading.nested_k_adds && material.type.rfind("uncoupled", 0) == 0;
+  std::vector<Stiffness> parts;
+  for (const MaterialTree& part : material.parts) {
+    if (one_of(part.tag, tags)) parts.push_back(stiffness_of(inner, part));
+  }
+  return parts;
+}
+
+/// Sum of the parts; `k` is the top-level bulk modulus of an uncoupled mixture.
+Stiffness mixture(const Reading& reading, const MaterialTree& m) {
+  const std::string& type = m.type;
+  const bool uncoupled = type == "uncoupled solid mixture";
+  Stiffness sum;
+  double G = 0.0, lambda = 0.0;
+  double k = uncoupled ? constant_of(m, "k", 0.0, sum.note) : 0.0;
+  std::string types;
+  for (const Stiffness& part : nested(reading, m, {"solid", "elastic", "mat"})) {
+    if (!types.empty()) types += "+";
+    types += part.type;
+    if (is_fibre(part.type)) {
+      add_note(sum.note, "ground matrix, fibres left out");
+      continue;
+    }
+    add_note(sum.note, part.note);
+    G += part.G;
+    lambda += part.lambda;
+    if (uncoupled && reading.nested_k_adds) k += part.k;
+  }
+  sum.type = types.empty() ? type : fmt::format("{}/{}", type, types);
+  if (G == 0.0) {
+    add_note(sum.note, "no part with a stiffness");
+  } else if (uncoupled) {
+    set_uncoupled(sum, G, k);
+  } else if (!std::isnan(G) && !std::isnan(lambda)) {
+    set_from_G_lambda(sum, G, lambda);
+  }
+  return sum;
+}
+
+/// A material that wraps one nested elastic material.
+Stiffness wrapped(const Reading& reading, const MaterialTree& m) {
+  const std::string& type = m.type;
+  const std::vector<Stiffness> parts = nested(reading, m, {"elastic", "solid"});
+  if (parts.empty()) return unknown(type, fmt::format("{} without a nested solid", quote(type)));
+  Stiffness s = parts.front();
+  s.type = fmt::format("{}/{}", type, s.type);
+  if (type.find("viscoelastic") == type.npos) {
+    if (type.find("prestrain") == type.npos) add_note(s.note, "drained solid");
+    if (type.find("prestrain") != type.npos) add_note(s.note, "prestrain left out");
+    if (type.rfind("uncoupled", 0) == 0) {  // only the nested shear counts
+      const double k = constant_of(m, "k", 0.0, s.note);
+      set_uncoupled(s, s.G, reading.nested_k_adds ? k + s.k : k);
+    }
+    return s;
+  }
+  std::string why;
+  const double g0 = constant_of(m, "g0", 1.0, why);
+  add_note(s.note, why);
+  add_note(s.note, fmt::format("long-term (g0 = {:g})", g0));
+  if (type.rfind("uncoupled", 0) == 0) {  // only the shear relaxes
+    double k = constant_of(m, "k", 0.0, s.note);
+    if (reading.nested_k_adds) k += s.k;
+    set_uncoupled(s, s.G * g0, k);
+  } else if (!(g0 > 0)) {
+    s.E = s.nu = s.G = s.lambda = kNaN;
+    add_note(s.note, "no stiffness in the long term");
+  } else {
+    s.E *= g0;
+    s.G *= g0;
+    s.lambda *= g0;
+  }
+  return s;
+}
+
+Stiffness stiffness_of(const Reading& reading, const MaterialTree& m) {
+  const std::string& type = m.type;
+  if (one_of(type, {"neo-Hookean", "isotropic elastic", "St.Venant-Kirchhoff", "natural neo-Hookean",
+                    "isotropic Hencky", "Holmes-Mow"})) {
+    return from_E_and_v(reading, m);
+  }
+  if (type == "EFD neo-Hookean") {
+    Stiffness s = from_E_and_v(reading, m);
+    add_note(s.note, "ground matrix, fibres left out");
+    return s;
+  }
+  Stiffness s;
+  s.type = type;
+  double G = kNaN;
+  if (uncoupled_shear(m, type, G, s.note)) {
+    set_uncoupled(s, G, constant_of(m, "k", 0.0, s.note));
+    return s;
+  }
+  if (type == "Ogden unconstrained") {
+    G = sum_of_c(m, s.note) / 2;
+    const double lambda = constant_of(m, "cp", 0.0, s.note);
+    if (!std::isnan(G + lambda)) set_from_G_lambda(s, G, lambda);
+    return s;
+  }
+  if (one_of(type, {"coupled Mooney-Rivlin", "coupled Veronda-Westmann"})) {
+    const double c1 = constant_of(m, "c1", 0, s.note), c2 = constant_of(m, "c2", 0, s.note),
+                 k = constant_of(m, "k", 0, s.note);
+    if (std::isnan(c1 + c2 + k)) return s;
+    if (type == "coupled Mooney-Rivlin")
+      set_from_G_lambda(s, 2 * (c1 + c2), k + 4 * c2);
+    else
+      set_from_G_lambda(s, c1 * c2, k + c1 * c2 * (4 * c2 - 2));
+    return s;
+  }
+  if (one_of(type, {"solid mixture", "uncoupled solid mixture"})) return mixture(reading, m);
+  if (one_of(type, {"viscoelastic", "uncoupled viscoelastic", "prestrain elastic", "uncoupled prestrain elastic",
+                    "biphasic", "biphasic-solute", "triphasic", "multiphasic"})) {
+    return wrapped(reading, m);
+  }
+  if (type == "orthotropic elastic") return unknown(type, "orthotropic, no single E and nu");
+  return unknown(type, fmt::format("no small-strain E and nu are known for type {}", quote(type)));
+}
+
+}  // namespace
+
+double constant_of(const MaterialTree& material, const char* name, double fallback, std::string& why) {
+  const auto place = material.constants.find(name);
+  if (place == material.constants.end()) return fallback;
+  add_note(why, place->second.why);
+  return place->second.why.empty() ? place->second.value : kNaN;
+}
+
+void set_elasticity(Material& material, const MaterialTree& tree, bool nested_k_adds, const JointModel& model) {
+  Stiffness s = stiffness_of({model, material.name, nested_k_adds}, tree);
+  if (std::isnan(s.E) && !std::isnan(s.G + s.lambda)) {
+    add_note(s.note, fmt::format("no stiffness: G = {:g}, K = {:g}, need both > 0", s.G, s.lambda + 2 * s.G / 3));
+  }
+  material.type = s.type;
+  material.E = s.E;
+  material.nu = s.nu;
+  material.note = s.note;
+}
+
+void set_density(Material& material, const MaterialTree& tree, const JointModel& model, std::string& why) {
+  const double value = constant_of(tree, "density", 1.0, why);
+  if (!std::isnan(value) && value < 0) {
+    throw InputError(model, place_of(tree, "density"),
+                     fmt::format("material {}: density = {:g}, need density >= 0", quote(material.name), value));
+  }
+  material.density = value;
+}
+
+}  // namespace dea

@@ -1,0 +1,305 @@
+// What FEBio's words mean for DEA.
+#include <febiodea/io/febio/febio_rules.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/model/load_curve.h>
+
+namespace dea::febio {
+
+namespace {
+
+template <class Words>
+bool one_of(std::string_view word, const Words& words) {
+  return std::any_of(words.begin(), words.end(), [&](const auto& candidate) { return word == candidate; });
+}
+
+using Names = std::vector<std::string>;
+
+const Names kSliding = {"sliding-elastic",
+                        "sliding-facet-on-facet",
+                        "sliding-node-on-facet",
+                        "sliding-biphasic",
+                        "sliding-biphasic-mixed",
+                        "sliding-biphasic-solute",
+                        "sliding-multiphasic",
+                        "sliding2",
+                        "sliding3",
+                        "mortar-sliding",
+                        "sliding-tension-compression",
+                        "facet-to-facet sliding",
+                        "sliding_with_gaps",
+                        "sliding",
+                        "dea"};
+const Names kTied = {"tied-elastic", "tied-node-on-facet",  "tied-facet-on-facet",
+                     "sticky",       "tied-biphasic",       "tied-multiphasic",
+                     "tied",         "facet-to-facet tied", "mortar-tied"};
+
+/// Type words in one place of the file.
+struct Words {
+  Names read;   ///< that DEA takes
+  int current;  ///< so many of them, from the first on, are worth a mention
+  Names febio;  ///< further ones of FEBio
+  const char* otherwise;
+};
+
+const Words& words_of(WordOf place) {
+  static const Words contact = [] {
+    Words w{kSliding, 0, {}, "choose one of them where two bones meet, or take this one out"};
+    w.read.insert(w.read.begin() + 4, {"tied-elastic", "tied-node-on-facet", "tied-facet-on-facet", "sticky"});
+    w.read.insert(w.read.end(), kTied.begin() + 4, kTied.end());
+    w.current = 8;
+    w.febio = {"periodic boundary",
+               "rigid_wall",
+               "surface constraint",
+               "contact potential",
+               "discrete contact",
+               "discrete contact2",
+               "edge-to-surface contact potential",
+               "edge-to-surface sliding contact",
+               "tied-line",
+               "rigid sliding"};
+    return w;
+  }();
+  static const Words connector{
+      {"rigid spherical joint", "rigid revolute joint", "rigid prismatic joint", "rigid cylindrical joint",
+       "rigid planar joint", "rigid lock", "generic rigid joint", "rigid spring", "rigid contractile force",
+       "rigid damper", "rigid angular damper", "rigid joint"},
+      11,
+      {},
+      "choose one of them, or take this one out"};
+  static const Words condition{{"rigid_fixed",
+                                "rigid_displacement",
+                                "rigid_rotation",
+                                "rigid_rotation_vector",
+                                "rigid_euler_angles",
+                                "rigid_force",
+                                "rigid_moment",
+                                "rigid_follower_force",
+                                "rigid_follower_moment",
+                                "rigid_axial_force",
+                                "rigid_cable",
+                                "nodal_load",
+                                "nodal_force",
+                                "initial_rigid_velocity",
+                                "initial_rigid_angular_velocity",
+                                "fix",
+                                "prescribe",
+                                "force",
+                                "follower force",
+                                "follower moment"},
+                               12,
+                               {},
+                               "choose one of them, or take this one out"};
+  static const Words discrete{{"linear spring", "tension-only linear spring", "nonlinear spring", "experimental spring",
+                               "linear", "tension-only linear", "nonlinear"},
+                              4,
+                              {"torsion spring", "Hill", "discrete composite"},
+                              "choose one of them for a ligament, or take the spring out"};
+  static const Words module{{"solid", "biphasic", "solute", "multiphasic", "explicit-solid", "CG-solid"},
+                            4,
+                            {"fluid", "fluid-FSI", "fluid-solutes", "heat", "reaction-diffusion", "polar fluid",
+                             "thermo-fluid", "multiphasic-FSI", "biphasic-FSI", "rigid"},
+                            "all as the solid alone, without flow: make it one of them, or it is no model for DEA"};
+  static const Words boundary{
+      {"zero displacement", "prescribed displacement", "rigid", "zero shell displacement", "zero rotation",
+       "zero fluid pressure", "prescribed fluid pressure", "zero concentration", "prescribed concentration", "fix",
+       "prescribe"},
+      3,
+      {"prescribed deformation", "rigid deformation", "linear constraint", "normal displacement", "prescribed rotation",
+       "prescribed shell displacement"},
+      "fix the nodes, or fasten them to a rigid body and move that (rigid_displacement, rigid_rotation)"};
+  switch (place) {
+    case WordOf::Contact:
+      return contact;
+    case WordOf::Connector:
+      return connector;
+    case WordOf::RigidCondition:
+      return condition;
+    case WordOf::DiscreteMaterial:
+      return discrete;
+    case WordOf::Module:
+      return module;
+    case WordOf::Boundary:
+      break;
+  }
+  return boundary;
+}
+
+}  // namespace
+
+std::string quote(std::string_view text) {
+  constexpr std::size_t kLongest = 60;
+  std::string result = "\"";
+  for (const char c : text.substr(0, kLongest)) result += (static_cast<unsigned char>(c) < 32 || c == 127) ? ' ' : c;
+  if (text.size() > kLongest) result += "...";
+  return result + "\"";
+}
+
+void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
+               const std::string& advice) {
+  const auto [place, is_new] = index.places.try_emplace(what, remarks.size());
+  if (is_new)
+    remarks.push_back({what, 1, origin, advice});
+  else
+    ++remarks[place->second].count;
+}
+
+std::vector<int> rigid_material_of_nodes(const JointModel& model) {
+  std::vector<int> material(model.nodes.size(), -1);
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (const int node : set.nodes) material[static_cast<std::size_t>(node)] = set.material;
+  for (const Domain& domain : model.domains) {
+    if (domain.material < 0 || !model.materials[static_cast<std::size_t>(domain.material)].rigid) continue;
+    for (const int node : domain.nodes) material[static_cast<std::size_t>(node)] = domain.material;
+  }
+  return material;
+}
+
+void refuse_moved_rigid_nodes(JointModel& model, RemarkIndex& unsupported) {
+  std::vector<PrescribedNodes>& all = model.prescribed_nodes;
+  if (all.empty()) return;
+  const std::vector<int> body = rigid_material_of_nodes(model);
+  const auto rigid_node = [&](const PrescribedNodes& p) {
+    return std::find_if(p.nodes.begin(), p.nodes.end(), [&](int n) { return body[static_cast<std::size_t>(n)] >= 0; });
+  };
+  const std::string_view version = model.version;
+  for (const PrescribedNodes& p : all) {
+    const auto node = rigid_node(p);
+    if (node == p.nodes.end()) continue;
+    const char dof = static_cast<char>('x' + p.component);
+    const std::string how =
+        version == "3.0"                       ? "rigid_constraint of type prescribe"
+        : version == "2.5" || version == "2.0" ? fmt::format("<prescribed bc=\"{}\"> of its rigid_body in {}", dof,
+                                                             version == "2.5" ? "Boundary" : "Constraints")
+        : version == "1.2" ? fmt::format("<trans_{} type=\"prescribed\"> of its rigid_body in Constraints", dof)
+                           : "rigid_bc of type rigid_displacement";
+    const Material& material = model.materials[static_cast<std::size_t>(body[static_cast<std::size_t>(*node)])];
+    list_once(model.unsupported, unsupported,
+              fmt::format("prescribed displacement {} of node {} of rigid body {}", quote(p.name),
+                          model.node_ids[static_cast<std::size_t>(*node)], quote(material.name)),
+              p.origin, fmt::format("FEBio refuses it too: prescribe the motion of that body ({})", how));
+  }
+  all.erase(
+      std::remove_if(all.begin(), all.end(), [&](const PrescribedNodes& p) { return rigid_node(p) != p.nodes.end(); }),
+      all.end());
+}
+
+bool known_module(const std::string& m) {
+  return m.empty() || m.find("solid") != m.npos || m == "biphasic" || m == "solute" || m == "multiphasic";
+}
+
+std::string analysis_remark(const std::string& module, bool dynamic) {
+  if (!dynamic) return "";
+  const bool solid = module.empty() || module.find("solid") != std::string::npos;
+  return solid ? "analysis DYNAMIC: DEA is quasi-static, inertia is left out"
+               : "analysis TRANSIENT: DEA uses the drained solid, fluid flow is left out";
+}
+
+std::optional<Contact::Kind> contact_kind(const std::string& type) {
+  if (one_of(type, kSliding)) return Contact::Kind::Sliding;
+  if (one_of(type, kTied)) return Contact::Kind::Tied;
+  return std::nullopt;
+}
+
+std::string word_advice(WordOf place, const std::string& word) {
+  const Words& words = words_of(place);
+  // A word of FEBio's own is no slip of the keyboard.
+  const bool febio = one_of(word, words.febio);
+  const std::string meant = febio ? "" : nearest_name(word, words.read);
+  std::vector<std::string> listed(words.read.begin(), words.read.begin() + words.current);
+  if (!meant.empty() && std::find(listed.begin(), listed.end(), meant) == listed.end()) listed.push_back(meant);
+  return fmt::format("{}DEA reads {}; {}", meant.empty() ? "" : fmt::format("did you mean {}? ", quote(meant)),
+                     name_list(listed, meant, 12), words.otherwise);
+}
+
+std::string load_advice(const std::string& tag, const std::string& type) {
+  const std::string kind = type.empty() ? tag : type;
+  if (tag == "body_load" || tag == "body_force")
+    return "DEA's cartilage has no weight; give that of a bone as a force on its rigid body (rigid force of the file, "
+           "or "
+           "--force BODY=x,y,z), and take this load out";
+  if (tag == "surface_load" || kind.find("pressure") != kind.npos || kind.find("traction") != kind.npos)
+    return "surfaces carry the pressure of contact only; give the load to the rigid body behind them as a force (rigid "
+           "force of the file, or --force BODY=x,y,z), and take this one out";
+  const std::string word = word_advice(WordOf::RigidCondition, kind);
+  return word.rfind("did you mean", 0) == 0
+             ? word
+             : "DEA takes loads on rigid bodies and on their nodes: give it as one of these, or take it out";
+}
+
+std::vector<ContactParameter> unused_contact_parameters(const std::string& type) {
+  const bool unlimited = one_of(type, Names{"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
+                                            "sliding_with_gaps", "sliding"});
+  return {{"fric_coeff", 0},
+          {"mu", 0},
+          {"tension", 0},
+          {"offset", 0},
+          {"search_radius", unlimited ? 0.0 : 1.0},
+          {"node_reloc", 0},
+          {"flip_primary", 0},
+          {"flip_secondary", 0},
+          {"shell_bottom_primary", 0},
+          {"shell_bottom_secondary", 0},
+          {"offset_shells", 0},
+          {"contact_frac", 0},
+          {"max_traction", 0}};
+}
+
+bool is_damper(const std::string& connector_type) {
+  return one_of(connector_type, Names{"rigid damper", "rigid angular damper"});
+}
+
+void set_interpolate(LoadController& curve, int place) {
+  curve.interpolate = static_cast<LoadController::Interpolate>(place);
+}
+
+void check_times(LoadController& curve) {
+  using Interpolate = LoadController::Interpolate;
+  const Interpolate kind = curve.interpolate;
+  const bool jumps = kind == Interpolate::Linear || kind == Interpolate::Step || kind == Interpolate::SmoothStep;
+  for (std::size_t i = 1; i < curve.points.size() && curve.unsupported.empty(); ++i) {
+    const double before = curve.points[i - 1][0], t = curve.points[i][0];
+    if (t < before) curve.unsupported = fmt::format("times that go back from {:g} to {:g}", before, t);
+    if (t == before && !jumps) curve.unsupported = fmt::format("a smooth curve with time {:g} twice", t);
+  }
+  // FEBio refuses these, with as many points as there are; a smooth curve takes any number.
+  const std::size_t least = jumps || kind == Interpolate::Smooth ? 0 : kind == Interpolate::C2Smooth ? 3 : 2;
+  if (curve.points.size() < least && curve.unsupported.empty()) {
+    curve.unsupported = fmt::format("{} points, interpolation {} needs {}", curve.points.size(),
+                                    quote(kInterpolateWords[static_cast<std::size_t>(kind)]), least);
+  }
+  if (!curve.unsupported.empty() || jumps || curve.points.size() < 2) return;
+  try {
+    value(curve, (curve.points.front()[0] + curve.points.back()[0]) / 2);
+  } catch (const InputError& error) {
+    curve.unsupported = error.what();
+  }
+}
+
+std::vector<double> must_points(const LoadController& curve, double begin, double end) {
+  std::vector<double> times;
+  const double close = 1e-9 * (end - begin);
+  for (const auto& point : curve.points) {
+    if (point[0] > begin + close && point[0] < end + close) times.push_back(std::min(point[0], end));
+  }
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+void refuse_unusable_controllers(JointModel& model) {
+  for_each_controller(model, [&](int controller, Origin origin) {
+    if (controller < 0) return;
+    const LoadController& curve = model.controllers[static_cast<std::size_t>(controller)];
+    if (curve.unsupported.empty()) return;
+    model.unsupported.push_back({fmt::format("load controller {} with {}", curve.id, curve.unsupported), 1, origin,
+                                 "give its points: type loadcurve, with times that go up"});
+  });
+}
+
+}  // namespace dea::febio

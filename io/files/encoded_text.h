@@ -1,0 +1,16 @@
+// febiodea/io/files/encoded_text.h – bytes and names as text inside other text.
+#pragma once
+#include <string>
+
+namespace dea {
+
+/// RFC 4648, with padding.
+std::string base64(const std::string& bytes);
+
+/// The text with every byte that is no UTF-8 replaced by U+FFFD: names in plot files may be in any encoding.
+std::string utf8(const std::string& text);
+
+/// Text that is no markup, in XML and HTML: between tags or in an attribute within double quotes.
+std::string escaped(const std::string& text);
+
+}  // namespace dea

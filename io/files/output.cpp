@@ -1,0 +1,131 @@
+#include <febiodea/io/files/output.h>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include <febiodea/base/error.h>
+
+namespace dea {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string reason(int error) { return std::generic_category().message(error); }
+
+/// All bytes to an open file, which is closed. 0 or the error.
+int write_and_close(int file, const std::string& text) {
+  int error = 0;
+  for (std::size_t done = 0; done < text.size() && error == 0;) {
+    const ssize_t n = ::write(file, text.data() + done, text.size() - done);
+    if (n > 0)
+      done += static_cast<std::size_t>(n);
+    else if (n < 0 && errno != EINTR)
+      error = errno;
+  }
+  if (::close(file) != 0 && error == 0) error = errno;
+  return error;
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  if (fs::equivalent(a, b, error) && !error) return fs::is_regular_file(a, error);  // a device may take several
+  return fs::absolute(a, error).lexically_normal() == fs::absolute(b, error).lexically_normal() &&
+         !fs::is_character_file(a, error);
+}
+
+}  // namespace
+
+void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs) {
+  const NamedPath* to_stdout = nullptr;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].path.empty()) throw UsageError(fmt::format("{}: found no file name", outputs[i].option));
+    if (outputs[i].path == "-") {
+      if (outputs[i].folder)
+        throw UsageError(fmt::format("{} -: a folder cannot go to standard output, give it a name", outputs[i].option));
+      if (to_stdout != nullptr)
+        throw UsageError(
+            fmt::format("only one of {} and {} can go to standard output", to_stdout->option, outputs[i].option));
+      to_stdout = &outputs[i];
+      continue;
+    }
+    for (const NamedPath& input : inputs)
+      if (same_file(outputs[i].path, input.path))
+        throw UsageError(fmt::format("{} {}: would overwrite {}", outputs[i].option, outputs[i].path, input.option));
+    for (std::size_t k = 0; k < i; ++k)
+      if (outputs[k].path != "-" && same_file(outputs[i].path, outputs[k].path))
+        throw UsageError(
+            fmt::format("{} {}: is the file of {} too", outputs[i].option, outputs[i].path, outputs[k].option));
+  }
+  for (const NamedPath& output : outputs) {
+    if (output.path == "-") continue;
+    std::error_code error;
+    fs::path path = output.path;
+    if (output.folder && !path.has_filename()) path = path.parent_path();  // "results/"
+    const fs::path folder = path.parent_path();
+    if (!folder.empty() && !fs::is_directory(folder, error))
+      throw WriteError(fmt::format("{}: there is no folder {}", output.path, folder.string()));
+    const fs::file_status status = fs::status(path, error);
+    if (!output.folder && fs::is_directory(status)) throw WriteError(fmt::format("{}: is a folder", output.path));
+    if (output.folder && fs::exists(status) && !fs::is_directory(status))
+      throw WriteError(fmt::format("{}: is a file, expected a folder or a new name", output.path));
+    if (output.folder && fs::is_directory(status) && ::access(path.c_str(), W_OK | X_OK) != 0)
+      throw WriteError(fmt::format("{}: {}", output.path, reason(errno)));
+  }
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  if (path == "-") {
+    print(text);
+    return;
+  }
+  std::error_code error;
+  fs::path target = path;
+  if (fs::is_symlink(fs::symlink_status(target, error))) target = fs::weakly_canonical(target, error);  // keep the link
+  const fs::file_status status = fs::status(target, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {  // a device or a pipe cannot be replaced by renaming
+    const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
+    const int why = file < 0 ? errno : write_and_close(file, text);
+    if (why != 0) throw WriteError(fmt::format("{}: {}", path, reason(why)));
+    return;
+  }
+  const fs::path temporary = target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), ::getpid());
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
+  int why = write_and_close(file, text);
+  if (why == 0) {
+    fs::rename(temporary, target, error);
+    why = error ? error.value() : 0;
+  }
+  if (why != 0) {
+    fs::remove(temporary, error);
+    throw WriteError(fmt::format("{}: {}", path, reason(why)));
+  }
+}
+
+void print(const std::string& text) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw WriteError(fmt::format("standard output: {}", reason(errno)));
+}
+
+void log(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
+
+std::string default_output(const std::string& model, const std::string& extension) {
+  const fs::path path = model;
+  return (path.parent_path() / (path.stem().string() + "_dea" + extension)).string();
+}
+
+bool stderr_is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+}  // namespace dea

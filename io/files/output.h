@@ -1,0 +1,35 @@
+// febiodea/io/files/output.h – where results go: files that are complete or not there, standard output that is checked.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace dea {
+
+/// Throws UsageError when outputs coincide with each other or with an input, or more than one goes to standard output;
+/// WriteError when the folder of one does not exist. Before any work, so that nothing is lost.
+struct NamedPath {
+  std::string option;  ///< "-o", "--json"; "the model" for inputs
+  std::string path;
+  bool folder = false;  ///< a folder, made if it is missing
+};
+void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
+
+/// Writes a whole text: "-" to standard output; a file by way of a temporary one beside it. Throws WriteError.
+void write_text(const std::string& path, const std::string& text);
+
+/// Throws WriteError when standard output took not all of it.
+void print(const std::string& text);
+
+/// One line on standard error.
+void log(const std::string& line);
+
+/// "hip.feb" -> "hip_dea.xplt", in the same folder, as FEBio does.
+std::string default_output(const std::string& model, const std::string& extension = ".xplt");
+
+/// Is somebody watching standard error?
+bool stderr_is_terminal();
+
+/// Seconds of a clock that never goes back.
+double seconds();
+
+}  // namespace dea

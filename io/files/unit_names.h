@@ -1,0 +1,15 @@
+// febiodea/io/files/unit_names.h – names of units in FEBio's systems of units, for axes and scales.
+#pragma once
+#include <string>
+
+namespace dea {
+
+/// Empty: the files name no units, and nothing is claimed.
+struct UnitNames {
+  std::string system;  ///< as the file has it
+  std::string length, force, pressure, area;
+};
+/// Of FEBio's systems ("mm-N-s": mm, N, MPa); others: the name alone.
+UnitNames unit_names(const std::string& system);
+
+}  // namespace dea

@@ -1,0 +1,412 @@
+#include <febiodea/io/results/plot_file.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <unordered_set>
+
+#include <febiodea/version.h>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The format has no undefined values and viewers compute ranges from all of them.
+float number(double x) { return std::isfinite(x) ? static_cast<float>(x) + 0.0f : 0.0f; }
+
+void append(std::vector<float>& values, const Vector3d& v) {
+  for (int k = 0; k < 3; ++k) values.push_back(number(v[k]));
+}
+
+std::vector<float> numbers(const Vector3d& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
+
+std::array<float, 3> point(const Vector3d& v) { return {number(v[0]), number(v[1]), number(v[2])}; }
+
+/// The model's mesh as FEBio would write it, and where the model's parts have gone.
+struct MeshMap {
+  XpltMesh mesh;
+  std::vector<int> material_of_domain;  ///< per domain of the file; -1: springs
+  std::vector<int> surface;             ///< per model surface: 1-based region of the file, 0: left out
+  std::size_t elements = 0;
+};
+
+int max_nodes(const Surface& s) {
+  int most = 3;
+  for (int f = 0; f < s.size(); ++f) most = std::max(most, s.begin[at(f) + 1] - s.begin[at(f)]);
+  return most;
+}
+
+MeshMap make_mesh(const JointModel& model) {
+  MeshMap map;
+  XpltMesh& mesh = map.mesh;
+  mesh.node_ids = model.node_ids;
+  for (const Vector3d& x : model.nodes) append(mesh.coordinates, x);
+  for (const Material& m : model.materials) mesh.parts.push_back(m.name);
+
+  std::unordered_set<int> written;  // element ids
+  int next_id = 1;
+  for (const Domain& d : model.domains) {
+    for (int id : d.element_ids) next_id = std::max(next_id, id + 1);
+    if (d.material < 0 || d.element_ids.empty()) continue;  // FEBio has no domain without material
+    XpltDomain domain;
+    domain.element_type = xplt_element_type(d.shape);
+    domain.part = d.material + 1;
+    domain.name = d.name;
+    domain.element_ids = d.element_ids;
+    domain.nodes = d.nodes;
+    written.insert(d.element_ids.begin(), d.element_ids.end());
+    map.material_of_domain.push_back(d.material);
+    mesh.domains.push_back(std::move(domain));
+    mesh.element_sets.push_back({d.name, d.element_ids});
+  }
+  for (const DiscreteSet& set : model.discrete_sets) {
+    if (set.pairs.empty()) continue;
+    // discrete materials are not among the model's materials: one part for all of them
+    if (mesh.parts.size() == model.materials.size()) mesh.parts.push_back("discrete springs");
+    XpltDomain domain;
+    domain.element_type = xplt_element_type(ElementShape::Line2);
+    domain.part = static_cast<int>(mesh.parts.size());
+    domain.name = set.name;
+    for (const auto& pair : set.pairs) {
+      domain.element_ids.push_back(next_id++);
+      domain.nodes.insert(domain.nodes.end(), pair.begin(), pair.end());
+    }
+    map.material_of_domain.push_back(-1);
+    mesh.domains.push_back(std::move(domain));
+  }
+  for (const XpltDomain& d : mesh.domains) map.elements += d.element_ids.size();
+
+  for (const Surface& s : model.surfaces) {
+    map.surface.push_back(0);
+    if (s.size() == 0) continue;
+    XpltFacets facets;
+    facets.name = s.name;
+    facets.begin = s.begin;
+    facets.nodes = s.nodes;
+    facets.max_nodes = max_nodes(s);
+    mesh.surfaces.push_back(facets);
+    map.surface.back() = static_cast<int>(mesh.surfaces.size());
+    facets.max_nodes = 10;  // what FEBio has for facet sets
+    mesh.facet_sets.push_back(std::move(facets));
+  }
+  for (const NodeSet& s : model.node_sets) mesh.node_sets.push_back({s.name, s.nodes});
+  for (const ElementSet& s : model.element_sets) {
+    XpltSet set;
+    set.name = s.name;
+    for (int id : s.element_ids)
+      if (written.count(id)) set.items.push_back(id);
+    mesh.element_sets.push_back(std::move(set));
+  }
+  return map;
+}
+
+bool left_out(const Layer& layer, int facet) {
+  return !layer.facet_kinds.empty() && layer.facet_kinds[at(facet)] != FaceKind::Open;
+}
+
+/// A value per vertex of a layer's articular surface, in the slots of the surface's facets. Facets left out have none,
+/// though they share nodes with the rim.
+std::vector<float> per_slot(const Surface& s, const Layer& layer, const std::vector<double>& per_vertex) {
+  const SurfaceMesh& mesh = layer.articular;
+  std::unordered_map<int, int> vertex;
+  for (std::size_t v = 0; v < mesh.model_nodes.size(); ++v) vertex[mesh.model_nodes[v]] = static_cast<int>(v);
+  const int slots = max_nodes(s);
+  std::vector<float> values(at(s.size()) * at(slots), 0.0f);
+  for (int f = 0; f < s.size(); ++f) {
+    if (left_out(layer, f)) continue;
+    for (int k = s.begin[at(f)]; k < s.begin[at(f) + 1]; ++k) {
+      const auto found = vertex.find(s.nodes[at(k)]);
+      if (found != vertex.end())
+        values[at(f) * at(slots) + at(k - s.begin[at(f)])] = number(per_vertex[at(found->second)]);
+    }
+  }
+  return values;
+}
+
+std::vector<float> per_facet(const std::vector<double>& values) {
+  std::vector<float> floats;
+  for (double x : values) floats.push_back(number(x));
+  return floats;
+}
+
+/// The side of a contact that a surface shows.
+struct Shown {
+  int contact = -1, side = 0;
+};
+
+/// Per model surface that has a contact: the one whose force on it is largest.
+std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint,
+                                  const std::vector<ContactFields>& fields) {
+  std::vector<Shown> shown(model.surfaces.size());
+  for (int c = 0; c < static_cast<int>(joint.contacts.size()); ++c) {
+    for (int side = 0; side < 2; ++side) {
+      Shown& s = shown[at(joint.contacts[at(c)].layers[side].surface)];
+      if (s.contact >= 0 &&
+          !(fields[at(c)].sides[side].force.norm() > fields[at(s.contact)].sides[s.side].force.norm()))
+        continue;
+      s = {c, side};
+    }
+  }
+  return shown;
+}
+
+XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name,
+                      const std::string& units) {
+  XpltVariable v;
+  v.group = group;
+  v.type = type;
+  v.format = format;
+  v.name = name;
+  v.units = units;
+  return v;
+}
+
+/// A field on contact surfaces: what it is, and its values on one side of a contact.
+struct SurfaceField {
+  XpltVariable variable;
+  std::vector<float> (*values)(const Surface&, const Layer&, const SideFields&);
+};
+
+std::vector<SurfaceField> surface_fields() {
+  using S = const Surface&;
+  using L = const Layer&;
+  using F = const SideFields&;
+  const auto field = [](XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
+    return variable(XpltGroup::Surface, type, format, name, units);
+  };
+  return {
+      {field(XpltType::Float, XpltFormat::Item, "contact pressure", "P"),
+       [](S, L, F f) { return per_facet(f.pressure); }},
+      // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
+      {field(XpltType::Float, XpltFormat::Item, "contact gap", "L"),
+       [](S s, L, F) { return std::vector<float>(at(s.size()), 0.0f); }},
+      {field(XpltType::Vec3, XpltFormat::Region, "contact force", "F"), [](S, L, F f) { return numbers(f.force); }},
+      {field(XpltType::Float, XpltFormat::Region, "contact area", "L^2"),
+       [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }},
+      {field(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P"),
+       [](S s, L l, F f) { return per_slot(s, l, f.vertex_pressure); }},
+      {field(XpltType::Float, XpltFormat::Item, "joint space", "L"),
+       [](S, L, F f) { return per_facet(f.joint_space); }},
+      {field(XpltType::Float, XpltFormat::Item, "overlap", "L"), [](S, L, F f) { return per_facet(f.overlap); }},
+      {field(XpltType::Float, XpltFormat::Item, "spring strain", ""), [](S, L, F f) { return per_facet(f.strain); }},
+      {field(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
+       [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }},
+  };
+}
+
+/// Rotations about z, y, x (applied in the order x, y, z), as FEBio's Euler angles, in degrees.
+Vector3d euler_degrees(const Eigen::Matrix3d& R) {
+  constexpr double kDegrees = 57.29577951308232;
+  return kDegrees * Vector3d(std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+                             std::atan2(R(1, 0), R(0, 0)));
+}
+
+XpltObject rigid_body_object(const Body& body) {
+  XpltObject object;
+  object.name = body.name;
+  object.tag = 1;
+  object.position = point(body.center_of_mass);
+  for (const char* item : {"Position", "Velocity", "Acceleration", "Euler angles (deg)", "Angular velocity",
+                           "Angular acceleration", "Force", "Moment"})
+    object.data.push_back(variable(XpltGroup::Global, XpltType::Vec3, XpltFormat::Node, item, ""));
+  return object;
+}
+
+XpltObjectState rigid_body_state(const Pose& pose, const Vector6& reaction) {
+  XpltObjectState s;
+  s.position = point(pose.center);
+  const Eigen::Quaterniond q(pose.rotation);
+  s.rotation = {number(q.x()), number(q.y()), number(q.z()), number(q.w())};
+  const std::vector<float> zero(3, 0.0f);  // a sequence of equilibria has no velocities
+  s.data = {numbers(pose.center),
+            zero,
+            zero,
+            numbers(euler_degrees(pose.rotation)),
+            zero,
+            zero,
+            numbers(reaction.head<3>()),
+            numbers(reaction.tail<3>())};
+  return s;
+}
+
+int body_of_material(const Joint& joint, int material) {
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    for (int m : joint.bodies[b].materials)
+      if (m == material) return static_cast<int>(b);
+  return -1;
+}
+
+XpltFile empty_file(const JointModel& model) {
+  XpltFile file;
+  file.software = fmt::format("FEBioDEA {}", kVersion);
+  file.units = model.units;
+  return file;
+}
+
+/// Per vertex of the articular surface what is beyond the selection's rim there: 1 nothing (free), 2 more of the layer,
+/// 3 its mirror image, 4 the layer bonded to bone; the lower one where two meet; 0: not on the rim.
+std::vector<double> rim_at_vertices(const Layer& layer) {
+  std::vector<double> rim(layer.articular.vertices.size(), 0.0);
+  if (layer.face.mesh.size() == 0) return rim;
+  for (const SelectionEdge& e : selection_rim(layer.face)) {
+    const double kind = e.goes_on ? 2.0 : e.edge.rim == Rim::Free ? 1.0 : e.edge.bonded ? 4.0 : 3.0;
+    for (int v : e.vertices)
+      if (rim[at(v)] == 0.0 || kind < rim[at(v)]) rim[at(v)] = kind;
+  }
+  return rim;
+}
+
+/// Per facet: 0 used, 1 left out as side wall, 2 left out as bonded to bone.
+std::vector<double> left_out_facets(const Surface& s, const Layer& layer) {
+  std::vector<double> kinds(at(s.size()), 0.0);
+  for (int f = 0; f < s.size(); ++f)
+    if (left_out(layer, f)) kinds[at(f)] = layer.facet_kinds[at(f)] == FaceKind::SideWall ? 1.0 : 2.0;
+  return kinds;
+}
+
+}  // namespace
+
+XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed) {
+  const Joint& joint = analysis.joint;
+  MeshMap map = make_mesh(model);
+  XpltFile file = empty_file(model);
+  file.compressed = compressed;
+
+  file.variables = {variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
+                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
+                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
+                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
+  const std::vector<SurfaceField> on_surfaces = surface_fields();
+  for (const SurfaceField& f : on_surfaces) file.variables.push_back(f.variable);
+
+  std::vector<int> bodies;
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    if (joint.bodies[b].ground) continue;
+    bodies.push_back(static_cast<int>(b));
+    map.mesh.objects.push_back(rigid_body_object(joint.bodies[b]));
+  }
+
+  for (const StateResult& result : analysis.states) {
+    const Equilibrium& e = result.equilibrium;
+    XpltState state;
+    state.time = number(result.when.time);
+    state.element_flags.assign(map.elements, 1);
+    state.variables.resize(file.variables.size());
+
+    std::vector<float> displacements;
+    displacements.reserve(3 * result.displacements.size());
+    for (const Vector3d& u : result.displacements) append(displacements, u);
+    state.variables[0].push_back({0, std::move(displacements)});
+
+    for (std::size_t d = 0; d < map.material_of_domain.size(); ++d) {
+      const int b = map.material_of_domain[d] < 0 ? -1 : body_of_material(joint, map.material_of_domain[d]);
+      if (b < 0) continue;
+      const int region = static_cast<int>(d) + 1;
+      state.variables[1].push_back({region, numbers(e.reaction[at(b)].head<3>())});
+      state.variables[2].push_back({region, numbers(e.reaction[at(b)].tail<3>())});
+      state.variables[3].push_back({region, numbers(e.poses[at(b)].center)});
+    }
+
+    const std::vector<Shown> shown = shown_contacts(model, joint, result.fields);
+    for (std::size_t s = 0; s < shown.size(); ++s) {
+      if (shown[s].contact < 0 || map.surface[s] == 0) continue;
+      const Layer& layer = joint.contacts[at(shown[s].contact)].layers[shown[s].side];
+      const SideFields& side = result.fields[at(shown[s].contact)].sides[shown[s].side];
+      for (std::size_t v = 0; v < on_surfaces.size(); ++v)
+        state.variables[4 + v].push_back({map.surface[s], on_surfaces[v].values(model.surfaces[s], layer, side)});
+    }
+
+    for (int b : bodies) state.objects.push_back(rigid_body_state(e.poses[at(b)], e.reaction[at(b)]));
+    file.states.push_back(std::move(state));
+  }
+  file.meshes.push_back(std::move(map.mesh));
+  return file;
+}
+
+XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
+  const Joint& joint = check.joint;
+  MeshMap map = make_mesh(model);
+  XpltMesh& mesh = map.mesh;
+  XpltFile file = empty_file(model);
+  file.variables = {variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
+                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "joint space", "L"),
+                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "missed normal", ""),
+                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "rim", ""),
+                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "left out", "")};
+  XpltState state;
+  state.variables.resize(file.variables.size());
+
+  std::vector<char> done(model.surfaces.size(), 0);
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    for (int side = 0; side < 2; ++side) {
+      const Layer& layer = joint.contacts[c].layers[side];
+      const FieldMaps::LayerMap& maps = check.maps.contacts[c].layers[side];
+      if (map.surface[at(layer.surface)] == 0 || done[at(layer.surface)]) continue;
+      done[at(layer.surface)] = 1;
+      const Surface& s = model.surfaces[at(layer.surface)];
+      const int region = map.surface[at(layer.surface)];
+      std::vector<double> missed(layer.articular.vertices.size(), 0.0);
+      for (std::size_t v = 0; v < missed.size(); ++v) {
+        if (layer.rigid) continue;
+        if (layer.springs_at == SpringsAt::Articular) {
+          missed[v] = layer.missed[v] ? 1.0 : 0.0;
+        } else if (v < maps.articular_to_bone.size() && maps.articular_to_bone[v].triangle >= 0) {
+          for (int corner : layer.bone.triangles[at(maps.articular_to_bone[v].triangle)])
+            if (layer.missed[at(corner)]) missed[v] = 1.0;
+        }
+      }
+      state.variables[0].push_back({region, per_slot(s, layer, check.fields[c].sides[side].vertex_thickness)});
+      state.variables[1].push_back({region, per_facet(check.fields[c].sides[side].joint_space)});
+      state.variables[2].push_back({region, per_slot(s, layer, missed)});
+      state.variables[3].push_back({region, per_slot(s, layer, rim_at_vertices(layer))});
+      state.variables[4].push_back({region, per_facet(left_out_facets(s, layer))});
+    }
+  }
+
+  for (auto& regions : state.variables)
+    std::sort(regions.begin(), regions.end(),
+              [](const XpltRegion& a, const XpltRegion& b) { return a.region < b.region; });
+
+  int next_node = 1, next_element = 1;
+  for (int id : mesh.node_ids) next_node = std::max(next_node, id + 1);
+  for (const XpltDomain& d : mesh.domains)
+    for (int id : d.element_ids) next_element = std::max(next_element, id + 1);
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    const SpringStates& springs = check.reference.springs[c];
+    XpltDomain lines;
+    lines.element_type = xplt_element_type(ElementShape::Line2);
+    lines.part = static_cast<int>(mesh.parts.size()) + 1;
+    lines.name = fmt::format("springs {}", joint.contacts[c].name);
+    const bool articular = joint.contacts[c].source_layer().springs_at == SpringsAt::Articular;
+    for (int i = 0; i < springs.size(); ++i) {
+      const std::size_t k = at(i);
+      const double t_s = springs.t_source[k], t_t = springs.t_target[k];
+      // beyond five thicknesses a spring has nothing to say about this joint
+      if (springs.triangle[k] < 0 || springs.too_deep[k] || springs.gap[k] > 5.0 * (t_s + t_t)) continue;
+      const Vector3d& n = springs.direction[k];
+      const Vector3d from = articular ? Vector3d(springs.foot[k] - t_s * n) : springs.foot[k];
+      const Vector3d to = articular ? Vector3d(springs.end[k] + t_t * n) : springs.end[k];
+      for (const Vector3d& x : {from, to}) {
+        lines.nodes.push_back(static_cast<int>(mesh.node_ids.size()));
+        mesh.node_ids.push_back(next_node++);
+        append(mesh.coordinates, x);
+      }
+      lines.element_ids.push_back(next_element++);
+    }
+    if (lines.element_ids.empty()) continue;
+    map.elements += lines.element_ids.size();
+    mesh.domains.push_back(std::move(lines));
+  }
+  if (mesh.domains.size() > map.material_of_domain.size()) mesh.parts.push_back("springs");
+
+  state.element_flags.assign(map.elements, 1);
+  file.meshes.push_back(std::move(map.mesh));
+  file.states.push_back(std::move(state));
+  return file;
+}
+
+}  // namespace dea

@@ -1,0 +1,17 @@
+// febiodea/io/results/plot_file.h – results as a plot file that lies beside FEBio's own: same mesh, names and order.
+#pragma once
+#include <febiodea/io/xplt/xplt.h>
+#include <febiodea/run/analysis.h>
+#include <febiodea/views/text/report_info.h>
+
+namespace dea {
+
+/// Every wanted state with displacements, rigid bodies and the fields of each contact surface. A surface of several
+/// contacts shows the one that presses hardest on it in that state.
+XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed = false);
+
+/// What `dea info -o` shows: thickness, initial gap, missed normals, rims and facets left out on the surfaces, and the
+/// springs that face something as line elements (on nodes of their own after the model's).
+XpltFile make_check_file(const JointModel& model, const JointCheck& check);
+
+}  // namespace dea

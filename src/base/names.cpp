@@ -1,0 +1,86 @@
+#include <febiodea/base/names.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace dea {
+
+namespace {
+
+char small(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+/// For a message of one line.
+std::string shown(const std::string& name) {
+  constexpr std::size_t kMost = 60;
+  std::string text = "\"";
+  for (const char c : name.substr(0, kMost)) text += static_cast<unsigned char>(c) < 32 || c == 127 ? ' ' : c;
+  return text + (name.size() > kMost ? "...\"" : "\"");
+}
+
+/// Names are cut here: a file may hold any text, and the time is quadratic.
+constexpr std::size_t kLongest = 100;
+
+}  // namespace
+
+int edit_distance(std::string_view a, std::string_view b) {
+  a = a.substr(0, kLongest);
+  b = b.substr(0, kLongest);
+  // rows of the table of distances between the first i letters of a and the first j of b: i - 2, i - 1, i
+  std::vector<int> before_last, last, row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before_last = std::move(last);
+    last = std::move(row);
+    row.assign(b.size() + 1, static_cast<int>(i));
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = small(a[i - 1]) == small(b[j - 1]);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+      if (i > 1 && j > 1 && small(a[i - 1]) == small(b[j - 2]) && small(a[i - 2]) == small(b[j - 1]))
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+  }
+  return row.back();
+}
+
+std::string nearest_name(std::string_view word, const std::vector<std::string>& names) {
+  std::string best;
+  int least = 1 + static_cast<int>(word.size()) / 5;
+  for (const std::string& name : names) {
+    const int distance = edit_distance(word, name);
+    if (distance > least || (distance == least && !best.empty()) || distance >= static_cast<int>(name.size())) continue;
+    least = distance;
+    best = name;
+  }
+  return best;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
+  std::string best = nearest_name(word, names);
+  if (best.empty() && word.size() >= 3) {
+    const auto holds = [&](const std::string& name) {
+      return std::search(name.begin(), name.end(), word.begin(), word.end(),
+                         [](char a, char b) { return small(a) == small(b); }) != name.end();
+    };
+    if (std::count_if(names.begin(), names.end(), holds) == 1) best = *std::find_if(names.begin(), names.end(), holds);
+  }
+  return best.empty() ? "" : " (did you mean " + shown(best) + "?)";
+}
+
+std::string name_list(std::vector<std::string> names, std::string_view word, std::size_t most) {
+  if (!word.empty() && names.size() > most && names.size() <= 10000) {  // beyond, it takes longer than anyone waits
+    std::vector<std::pair<int, std::string>> by_distance;
+    for (std::string& name : names) {
+      const int distance = edit_distance(word, name);
+      by_distance.emplace_back(distance, std::move(name));
+    }
+    std::stable_sort(by_distance.begin(), by_distance.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t i = 0; i < names.size(); ++i) names[i] = std::move(by_distance[i].second);
+  }
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i) text += (i ? ", " : "") + shown(names[i]);
+  if (names.size() > most) text += ", ...";
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace dea

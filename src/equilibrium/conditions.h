@@ -1,0 +1,90 @@
+// febiodea/equilibrium/conditions.h – what holds, moves and loads the bodies at one time.
+#pragma once
+#include <array>
+#include <vector>
+
+#include <febiodea/joint/joint.h>
+#include <febiodea/springs/springs.h>
+
+namespace dea {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// What the model asks of one dof of a body (order of kDofs).
+enum class DofState {
+  Free,       ///< an unknown of the equilibrium
+  Held,       ///< stays where it is
+  Prescribed  ///< follows a given motion
+};
+
+/// A force at a point of a body.
+struct PointForce {
+  Vector3d arm = Vector3d::Zero();    ///< from the centre of mass, reference directions; turns with the body
+  Vector3d force = Vector3d::Zero();  ///< global directions; `turns`: reference directions
+  bool turns = false;                 ///< the vector turns with the body
+};
+
+struct BodyConditions {
+  std::array<DofState, kDofs> dofs = {};  ///< all Free
+  Vector6 value = Vector6::Zero();        ///< prescribed: translation of the centre of mass, rotation vector [rad]
+  std::array<bool, kDofs> relative = {};  ///< prescribed from the pose at the start of the step
+  Vector6 dead = Vector6::Zero();         ///< force and moment with fixed directions
+  Vector6 follower = Vector6::Zero();     ///< force that turns with the body (reference directions)
+  Vector3d arm = Vector3d::Zero();        ///< where the force acts, from the centre of mass (turns with the body)
+  std::vector<PointForce> point_forces;   ///< forces that have points of their own
+  bool on_reaction = false;  ///< the reaction when the step began is part of `dead`, or would be if it were known
+};
+
+struct LoadCase {
+  double time = 0.0;
+  int step = 0;
+  std::vector<BodyConditions> bodies;                      ///< one per body of the joint
+  std::vector<char> contact_active;                        ///< one per contact
+  std::vector<char> ligament_active;                       ///< one per ligament
+  std::vector<double> ligament_scale;                      ///< one per ligament: value of Ligament::scale
+  std::vector<double> cable_force;                         ///< one per cable; 0 where it is not active
+  std::vector<char> connector_active;                      ///< one per connector
+  std::vector<std::array<double, kDofs>> connector_value;  ///< one per connector: motions, forces and moments
+};
+
+/// Conditions at `time` in `step`, overrides of the settings included:
+///   --free BODY=dofs: of the dofs that are not prescribed, these are free and the others held, in every step
+///   --force BODY=F: takes the place of all forces (not moments) that the model puts on the body, rigid, following or
+///   nodal, growing from 0 to F over the last step
+///   --load-at BODY=point: where the force acts
+/// `reaction`: per body, Equilibrium::reaction when the step began, for loads of kind Target and relative ones of this
+/// step; nullptr: none (0), as FEBio has it in the first step.
+/// Throws InputError where rotations are prescribed in part.
+LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
+                        const std::vector<Vector6>* reaction = nullptr);
+
+/// Reference coordinates where the force on a body acts by settings.load_at; for sphere-center the fit is returned
+/// too (through the body's articular surface of the first contact that has it).
+struct LoadPointFound {
+  Vector3d point = Vector3d::Zero();
+  bool fitted = false;
+  SphereFit fit;
+};
+LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wanted);
+
+/// Times of the states: 0, every step_size, ends of steps, must points; and the step each belongs to.
+struct TimePoint {
+  double time = 0.0;
+  int step = 0;
+};
+/// More than 10000 are refused (InputError), or, if `thin`, reduced evenly to about 1000 besides ends of steps and must
+/// points.
+std::vector<TimePoint> model_times(const JointModel& model, bool thin = false);
+
+/// How many time steps the model has, and whether that is more than 10000.
+double count_time_steps(const JointModel& model);
+bool very_many_time_steps(const JointModel& model);
+
+/// Start time of each step, and the end of the last.
+std::vector<double> step_starts(const JointModel& model);
+
+/// The given times (of an FEA result, say) with the step each belongs to; time 0 and ends of steps belong to the
+/// earlier step.
+std::vector<TimePoint> place_times(const JointModel& model, const std::vector<double>& times);
+
+}  // namespace dea

@@ -1,0 +1,66 @@
+// febiodea/geometry/ray_caster.h – where lines meet a triangulated surface, and its closest points.
+//
+// Embree (single precision) only narrows the search to candidate triangles, with boxes a little too large; every
+// intersection and every closest point is computed in double precision, so that results do not depend on the
+// library's rounding. The only file that knows Embree (version 3) is ray_caster.cpp.
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <febiodea/geometry/surface_mesh.h>
+
+namespace dea {
+
+/// A point of a surface: triangle number and barycentric weights of its corners.
+struct SurfacePoint {
+  int triangle = -1;  ///< -1: none
+  std::array<double, 3> weights = {0, 0, 0};
+};
+
+/// One crossing of a line with the surface.
+struct LineHit {
+  SurfacePoint point;
+  double distance = 0.0;  ///< signed, along the line's direction from its origin
+};
+
+class RayCaster {
+ public:
+  struct Scene;  ///< Embree's side, private to ray_caster.cpp
+
+  /// `mesh` is kept by reference and must outlive the caster.
+  explicit RayCaster(const SurfaceMesh& mesh);
+  ~RayCaster();
+  RayCaster(RayCaster&&) noexcept;
+  RayCaster& operator=(RayCaster&&) noexcept;
+
+  /// Of all crossings of the line origin + d * direction (direction: unit) with triangles that face against it
+  /// (normal . direction < -min_facing) and d in (from, to), the one of smallest |d| with d > limit, or, if there is
+  /// none, the one of smallest |d| at all (then d <= limit: a surface passed too deep). `from` <= 0 <= `to`.
+  /// A crossing within 1e-9 (barycentric) of an edge goes to the lowest-numbered of the triangles there.
+  LineHit nearest_facing(const Vector3d& origin, const Vector3d& direction, double from, double limit, double to,
+                         double min_facing = 0.0) const;
+
+  /// Closest point of the surface to x; the lowest-numbered triangle on ties.
+  SurfacePoint closest(const Vector3d& x) const;
+
+  /// Numbers of the triangles that have a point within `radius` of x, ascending.
+  std::vector<int> within(const Vector3d& x, double radius) const;
+
+  const SurfaceMesh& mesh() const { return *mesh_; }
+
+ private:
+  const SurfaceMesh* mesh_;
+  std::unique_ptr<Scene> scene_;
+};
+
+/// Version of the ray library in use, "3.13.5".
+std::string ray_library_version();
+
+/// Position of a surface point.
+Vector3d position(const SurfaceMesh& mesh, const SurfacePoint& point);
+/// A value given per vertex, interpolated linearly at a surface point.
+double interpolate(const SurfaceMesh& mesh, const std::vector<double>& per_vertex, const SurfacePoint& point);
+
+}  // namespace dea

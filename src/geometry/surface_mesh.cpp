@@ -1,0 +1,367 @@
+#include <febiodea/geometry/surface_mesh.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+#include <febiodea/model/element_faces.h>
+
+namespace dea {
+
+namespace {
+
+void find_neighbours(SurfaceMesh& mesh) {
+  struct HalfEdge {
+    int low, high, triangle, edge;
+  };
+  std::vector<HalfEdge> edges;
+  edges.reserve(mesh.triangles.size() * 3);
+  for (int t = 0; t < mesh.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const auto& tri = mesh.triangles[static_cast<std::size_t>(t)];
+      const int a = tri[static_cast<std::size_t>(k)], b = tri[static_cast<std::size_t>((k + 1) % 3)];
+      edges.push_back({std::min(a, b), std::max(a, b), t, k});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  mesh.neighbours.assign(mesh.triangles.size(), {-1, -1, -1});
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    // more than two triangles at an edge: the first two are neighbours, the others end there
+    if (edges[i].low == edges[i + 1].low && edges[i].high == edges[i + 1].high) {
+      mesh.neighbours[static_cast<std::size_t>(edges[i].triangle)][static_cast<std::size_t>(edges[i].edge)] =
+          edges[i + 1].triangle;
+      mesh.neighbours[static_cast<std::size_t>(edges[i + 1].triangle)][static_cast<std::size_t>(edges[i + 1].edge)] =
+          edges[i].triangle;
+      ++i;
+    }
+  }
+}
+
+void find_bulges(SurfaceMesh& mesh) {
+  // Vertex normals that are exact where the vertices lie on a sphere, however uneven the facets: each corner's cross
+  // product of edges over the squares of their lengths (N. Max, Weights for computing vertex normals from facet
+  // normals, J. Graphics Tools 4(2), 1999).
+  std::vector<Vector3d> normals(mesh.vertices.size(), Vector3d::Zero());
+  for (int t = 0; t < mesh.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d a = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k),
+                     b = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
+      normals[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] +=
+          a.cross(b) / (a.squaredNorm() * b.squaredNorm());
+    }
+  }
+  for (Vector3d& n : normals) n.normalize();
+  std::vector<char> on_rim(mesh.vertices.size(), 0);
+  for (int t = 0; t < mesh.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (mesh.neighbours[static_cast<std::size_t>(t)][k] < 0) {
+        on_rim[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][k])] = 1;
+        on_rim[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][(k + 1) % 3])] = 1;
+      }
+  constexpr double kCos40 = 0.76604444311897801;
+  mesh.bulge.assign(mesh.triangles.size(), {0, 0, 0});
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto& tri = mesh.triangles[static_cast<std::size_t>(t)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(tri[k]), j = static_cast<std::size_t>(tri[(k + 1) % 3]);
+      const int other = mesh.neighbours[static_cast<std::size_t>(t)][k];
+      // sharp where the facets at the edge turn by more than 40 degrees, or a vertex normal is that far from them
+      const Vector3d& n = mesh.normals[static_cast<std::size_t>(t)];
+      double least = std::min(n.dot(normals[i]), n.dot(normals[j]));
+      if (other >= 0) {
+        const Vector3d& m = mesh.normals[static_cast<std::size_t>(other)];
+        least = std::min({least, n.dot(m), m.dot(normals[i]), m.dot(normals[j])});
+      }
+      if (least < kCos40) continue;
+      const Vector3d edge = mesh.vertices[i] - mesh.vertices[j];
+      double& b = mesh.bulge[static_cast<std::size_t>(t)][k];
+      // A rim vertex has facets on one side only and no normal of its own worth the name: the curvature at the inner
+      // end serves for the whole edge (the normal mirrored in the edge's bisecting plane).
+      if (on_rim[i] == on_rim[j])
+        b = 0.5 * edge.dot(normals[i] - normals[j]);
+      else
+        b = on_rim[j] ? edge.dot(normals[i]) : -edge.dot(normals[j]);
+    }
+  }
+}
+
+void finish_surface_mesh(SurfaceMesh& mesh) {
+  const std::size_t n = mesh.triangles.size();
+  mesh.normals.resize(n);
+  mesh.areas.resize(n);
+  mesh.vertex_normals.assign(mesh.vertices.size(), Vector3d::Zero());
+  mesh.vertex_areas.assign(mesh.vertices.size(), 0.0);
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto i = static_cast<std::size_t>(t);
+    const Vector3d twice = (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
+    mesh.areas[i] = 0.5 * twice.norm();
+    mesh.normals[i] = twice.normalized();
+    for (int v : mesh.triangles[i]) {
+      mesh.vertex_normals[static_cast<std::size_t>(v)] += 0.5 * twice;
+      mesh.vertex_areas[static_cast<std::size_t>(v)] += mesh.areas[i] / 3.0;
+    }
+  }
+  for (Vector3d& normal : mesh.vertex_normals) {
+    const double length = normal.norm();
+    normal = length > 0 ? Vector3d(normal / length) : Vector3d::UnitZ();
+  }
+  find_neighbours(mesh);
+  find_bulges(mesh);
+}
+
+}  // namespace
+
+SurfaceMesh make_surface_mesh(const std::vector<int>& begin, const std::vector<int>& nodes,
+                              const std::vector<Vector3d>& positions, std::vector<int>* zero_area) {
+  SurfaceMesh mesh;
+  mesh.facets = static_cast<int>(begin.size()) - 1;
+  std::unordered_map<int, int> vertex_of;
+  const auto vertex = [&](int node) {
+    const auto found = vertex_of.try_emplace(node, static_cast<int>(mesh.vertices.size()));
+    if (found.second) {
+      mesh.model_nodes.push_back(node);
+      mesh.vertices.push_back(positions[static_cast<std::size_t>(node)]);
+    }
+    return found.first->second;
+  };
+  for (int f = 0; f < mesh.facets; ++f) {
+    const int first = begin[static_cast<std::size_t>(f)];
+    const int count = begin[static_cast<std::size_t>(f) + 1] - first;
+    if (count == 0) continue;
+    int kept = 0;
+    for (const auto& t : split_facet(nodes.data() + first, count, positions)) {
+      const Vector3d &a = positions[static_cast<std::size_t>(t[0])], &b = positions[static_cast<std::size_t>(t[1])],
+                     &c = positions[static_cast<std::size_t>(t[2])];
+      const double longest2 = std::max({(b - a).squaredNorm(), (c - a).squaredNorm(), (c - b).squaredNorm()});
+      if ((b - a).cross(c - a).norm() <= 1e-10 * longest2) continue;  // a collapsed quad keeps its other triangle
+      mesh.triangles.push_back({vertex(t[0]), vertex(t[1]), vertex(t[2])});
+      mesh.facet.push_back(f);
+      ++kept;
+    }
+    if (kept == 0 && zero_area) zero_area->push_back(f);
+  }
+  finish_surface_mesh(mesh);
+  return mesh;
+}
+
+double bulge_height(const SurfaceMesh& mesh, int t, const std::array<double, 3>& w) {
+  const auto& b = mesh.bulge[static_cast<std::size_t>(t)];
+  return w[0] * w[1] * b[0] + w[1] * w[2] * b[1] + w[2] * w[0] * b[2];
+}
+
+Vector3d linear_gradient(const SurfaceMesh& mesh, int t, const std::array<double, 3>& v) {
+  const Vector3d e1 = mesh.corner(t, 1) - mesh.corner(t, 0), e2 = mesh.corner(t, 2) - mesh.corner(t, 0);
+  const Vector3d normal = e1.cross(e2);
+  return ((v[1] - v[0]) * e2.cross(normal) + (v[2] - v[0]) * normal.cross(e1)) / normal.squaredNorm();
+}
+
+Vector3d bulge_gradient(const SurfaceMesh& mesh, int t, const std::array<double, 3>& w) {
+  const auto& b = mesh.bulge[static_cast<std::size_t>(t)];
+  // dH/dw_k at the corners' unit weights: the gradient of a function of the weights is linear_gradient of its partials
+  return linear_gradient(mesh, t, {w[1] * b[0] + w[2] * b[2], w[0] * b[0] + w[2] * b[1], w[1] * b[1] + w[0] * b[2]});
+}
+
+namespace {
+
+Barycentric grid_point(int n, int i, int j) {
+  return {static_cast<double>(n - i - j) / n, static_cast<double>(i) / n, static_cast<double>(j) / n};
+}
+
+/// Grid points of the corners of the parts, in the order of triangle_parts.
+std::vector<std::array<std::array<int, 2>, 3>> part_corners(int n) {
+  std::vector<std::array<std::array<int, 2>, 3>> parts;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      parts.push_back({{{i, j}, {i + 1, j}, {i, j + 1}}});
+      if (i + j + 2 <= n) parts.push_back({{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}});
+    }
+  return parts;
+}
+
+}  // namespace
+
+std::vector<std::array<Barycentric, 3>> triangle_parts(int n) {
+  std::vector<std::array<Barycentric, 3>> parts;
+  for (const auto& corners : part_corners(n)) {
+    std::array<Barycentric, 3> part;
+    for (std::size_t c = 0; c < 3; ++c) part[c] = grid_point(n, corners[c][0], corners[c][1]);
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+int part_at(int n, const Barycentric& w) {
+  const double u = std::clamp(w[1], 0.0, 1.0) * n, v = std::clamp(w[2], 0.0, 1.0) * n;
+  const int i = std::min(static_cast<int>(u), n - 1), j = std::min(static_cast<int>(v), n - 1 - i);
+  const bool turned = i + j + 2 <= n && (u - i) + (v - j) > 1;
+  return i * (2 * n - i) + 2 * j + turned;
+}
+
+SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
+  SurfaceMesh out;
+  out.model_nodes = mesh.model_nodes;
+  out.vertices = mesh.vertices;
+  out.facets = mesh.facets;
+  std::map<std::array<int, 2>, int> first_on_edge;  // the n - 1 points from the lower to the higher vertex
+  const auto add = [&](const Vector3d& x) {
+    out.vertices.push_back(x);
+    out.model_nodes.push_back(-1);
+    return static_cast<int>(out.vertices.size()) - 1;
+  };
+  const auto parts = part_corners(n);
+  std::vector<int> id(static_cast<std::size_t>((n + 1) * (n + 1)));
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto& corner = mesh.triangles[static_cast<std::size_t>(t)];
+    const auto on_edge = [&](std::size_t from, std::size_t to, int step) {  // `step` of n along the edge
+      const int a = corner[from], b = corner[to], low = std::min(a, b), high = std::max(a, b);
+      const auto found = first_on_edge.try_emplace({low, high}, static_cast<int>(out.vertices.size()));
+      if (found.second) {
+        const Vector3d x = mesh.vertices[static_cast<std::size_t>(low)],
+                       along = mesh.vertices[static_cast<std::size_t>(high)] - x;
+        for (int k = 1; k < n; ++k) add(x + static_cast<double>(k) / n * along);
+      }
+      return found.first->second + (a < b ? step : n - step) - 1;
+    };
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; i + j <= n; ++j) {
+        int& v = id[static_cast<std::size_t>(i * (n + 1) + j)];
+        if (i == 0 && j == 0)
+          v = corner[0];
+        else if (i == n)
+          v = corner[1];
+        else if (j == n)
+          v = corner[2];
+        else if (j == 0)
+          v = on_edge(0, 1, i);
+        else if (i == 0)
+          v = on_edge(0, 2, j);
+        else if (i + j == n)
+          v = on_edge(1, 2, j);
+        else {
+          const Barycentric w = grid_point(n, i, j);
+          v = add(w[0] * mesh.corner(t, 0) + w[1] * mesh.corner(t, 1) + w[2] * mesh.corner(t, 2));
+        }
+      }
+    for (const auto& part : parts) {
+      std::array<int, 3> triangle;
+      for (std::size_t c = 0; c < 3; ++c) triangle[c] = id[static_cast<std::size_t>(part[c][0] * (n + 1) + part[c][1])];
+      out.triangles.push_back(triangle);
+      out.facet.push_back(mesh.facet[static_cast<std::size_t>(t)]);
+    }
+  }
+  finish_surface_mesh(out);
+  out.bulge.assign(out.triangles.size(), {0, 0, 0});
+  return out;
+}
+
+double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b) {
+  const Vector3d ab = b - a;
+  const double length2 = ab.squaredNorm();
+  const double s = length2 > 0 ? std::clamp((x - a).dot(ab) / length2, 0.0, 1.0) : 0.0;
+  return (x - (a + s * ab)).norm();
+}
+
+std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh) {
+  std::vector<std::array<Vector3d, 2>> rim;
+  for (int t = 0; t < mesh.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.neighbours[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)] < 0) {
+        rim.push_back({mesh.corner(t, k), mesh.corner(t, (k + 1) % 3)});
+      }
+    }
+  }
+  return rim;
+}
+
+std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
+  const std::vector<std::array<Vector3d, 2>> rim = rim_segments(mesh);
+  std::vector<double> distance(mesh.triangles.size(), std::numeric_limits<double>::infinity());
+  if (rim.empty()) return distance;
+
+  // Rim edges are binned by their midpoints; an edge nearer than cell - longest / 2 lies in a neighbouring cell.
+  double longest = 0.0;
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, (mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm());
+  const double cell = std::max(reach, longest) + 1.5 * longest;
+  const auto key = [&](const Vector3d& x) {
+    return std::array<long, 3>{std::lround(std::floor(x.x() / cell)), std::lround(std::floor(x.y() / cell)),
+                               std::lround(std::floor(x.z() / cell))};
+  };
+  std::map<std::array<long, 3>, std::vector<int>> grid;
+  for (int i = 0; i < static_cast<int>(rim.size()); ++i)
+    grid[key(0.5 * (rim[static_cast<std::size_t>(i)][0] + rim[static_cast<std::size_t>(i)][1]))].push_back(i);
+  std::vector<double> vertex_distance(mesh.vertices.size(), cell - 0.5 * longest);  // no rim edge within this distance
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const auto home = key(mesh.vertices[v]);
+    for (long dx = -1; dx <= 1; ++dx)
+      for (long dy = -1; dy <= 1; ++dy)
+        for (long dz = -1; dz <= 1; ++dz) {
+          const auto found = grid.find({home[0] + dx, home[1] + dy, home[2] + dz});
+          if (found == grid.end()) continue;
+          for (int i : found->second) {
+            vertex_distance[v] =
+                std::min(vertex_distance[v], distance_to_segment(mesh.vertices[v], rim[static_cast<std::size_t>(i)][0],
+                                                                 rim[static_cast<std::size_t>(i)][1]));
+          }
+        }
+  }
+  for (int t = 0; t < mesh.size(); ++t) {
+    // distance is 1-Lipschitz: any point of the triangle lies within `size` of the vertex where it is measured
+    double bound = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double size = std::max((mesh.corner(t, k) - mesh.corner(t, (k + 1) % 3)).norm(),
+                                   (mesh.corner(t, k) - mesh.corner(t, (k + 2) % 3)).norm());
+      bound = std::max(bound, vertex_distance[static_cast<std::size_t>(
+                                  mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] -
+                                  size);
+    }
+    distance[static_cast<std::size_t>(t)] = bound;
+  }
+  return distance;
+}
+
+SphereFit fit_sphere(const SurfaceMesh& surface) {
+  // |x|^2 = 2 c.x + (R^2 - |c|^2) is linear in c and the constant; centred for accuracy.
+  const Vector3d shift = surface_extent(surface).centroid;
+  Eigen::Matrix4d normal_matrix = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d rhs = Eigen::Vector4d::Zero();
+  for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
+    const Vector3d x = surface.vertices[v] - shift;
+    const Eigen::Vector4d row(2 * x.x(), 2 * x.y(), 2 * x.z(), 1.0);
+    normal_matrix += surface.vertex_areas[v] * row * row.transpose();
+    rhs += surface.vertex_areas[v] * x.squaredNorm() * row;
+  }
+  const Eigen::Vector4d solution = normal_matrix.completeOrthogonalDecomposition().solve(rhs);
+  SphereFit fit;
+  fit.center = solution.head<3>() + shift;
+  fit.radius = std::sqrt(std::max(0.0, solution[3] + solution.head<3>().squaredNorm()));
+  double sum = 0.0, area = 0.0;
+  for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
+    const double d = (surface.vertices[v] - fit.center).norm() - fit.radius;
+    sum += surface.vertex_areas[v] * d * d;
+    area += surface.vertex_areas[v];
+  }
+  fit.rms = area > 0 ? std::sqrt(sum / area) : 0.0;
+  return fit;
+}
+
+SurfaceExtent surface_extent(const SurfaceMesh& surface) {
+  SurfaceExtent extent;
+  for (int t = 0; t < surface.size(); ++t) {
+    extent.centroid += surface.areas[static_cast<std::size_t>(t)] * surface.centroid(t);
+    extent.area += surface.areas[static_cast<std::size_t>(t)];
+  }
+  if (extent.area <= 0) return extent;
+  extent.centroid /= extent.area;
+  double sum = 0.0;
+  for (int t = 0; t < surface.size(); ++t)
+    sum += surface.areas[static_cast<std::size_t>(t)] * (surface.centroid(t) - extent.centroid).squaredNorm();
+  extent.radius_of_gyration = std::sqrt(sum / extent.area);
+  return extent;
+}
+
+}  // namespace dea

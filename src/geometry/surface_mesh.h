@@ -1,0 +1,87 @@
+// febiodea/geometry/surface_mesh.h – a triangulated surface: vertices, oriented triangles, normals, rim.
+#pragma once
+#include <array>
+#include <vector>
+
+#include <febiodea/model/joint_model.h>
+
+namespace dea {
+
+/// Struct of arrays. Frame: global, reference configuration. The normals of an articular surface point out of
+/// its layer, those of a bone surface out of the bone (into the layer).
+struct SurfaceMesh {
+  std::vector<int> model_nodes;               ///< per vertex: index of the model's node
+  std::vector<Vector3d> vertices;             ///< per vertex: position
+  std::vector<std::array<int, 3>> triangles;  ///< per triangle: vertex numbers, counter-clockwise seen from outside
+  std::vector<int> facet;                     ///< per triangle: facet of the surface it was cut from
+  int facets = 0;                             ///< number of facets
+
+  // derived by finish_surface_mesh
+  std::vector<Vector3d> normals;               ///< per triangle, unit
+  std::vector<double> areas;                   ///< per triangle, > 0
+  std::vector<Vector3d> vertex_normals;        ///< per vertex: area-weighted average, unit
+  std::vector<double> vertex_areas;            ///< per vertex: a third of each triangle around it
+  std::vector<std::array<int, 3>> neighbours;  ///< per triangle: triangle across edge (k, k + 1); -1: rim
+  std::vector<std::array<double, 3>> bulge;    ///< per triangle and edge (k, k + 1): see bulge_height; 0 at sharp edges
+
+  int size() const { return static_cast<int>(triangles.size()); }
+  const Vector3d& corner(int triangle, int k) const {
+    return vertices[static_cast<std::size_t>(
+        triangles[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)])];
+  }
+  Vector3d centroid(int t) const { return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3.0; }
+};
+
+/// Cuts the facets (node lists into `positions`, see split_facet) into triangles and derives everything else.
+/// A facet of no area is left without triangles, its number is returned in `zero_area` (if given). So is a facet of no
+/// nodes, without a word.
+SurfaceMesh make_surface_mesh(const std::vector<int>& facet_begin, const std::vector<int>& facet_nodes,
+                              const std::vector<Vector3d>& positions, std::vector<int>* zero_area = nullptr);
+
+/// Height of the smooth surface that the facets stand for above a point of a triangle, along its normal (C0):
+///     H(w) = sum over edges (i, j) of w_i w_j b_ij,   b_ij = (x_i - x_j) . (n_i - n_j) / 2
+/// with the vertices x and the vertex normals n: the parabola through both ends that leaves them with the slopes the
+/// normals ask for. Exact to O(size^4 / R^3) on a sphere, continuous across edges, 0 at vertices, 0 on plane surfaces,
+/// and 0 along edges sharper than 40 degrees, which are meant to be sharp.
+double bulge_height(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& weights);
+/// Its gradient in the triangle's plane.
+Vector3d bulge_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& weights);
+
+/// Gradient in a triangle's plane of the linear interpolation of three corner values.
+Vector3d linear_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& corner_values);
+
+using Barycentric = std::array<double, 3>;
+/// Corners of the n^2 equal parts of a triangle, counter-clockwise, in the triangle's barycentric coordinates.
+std::vector<std::array<Barycentric, 3>> triangle_parts(int n);
+/// Number of the part that holds a point of the triangle.
+int part_at(int n, const Barycentric& w);
+/// The mesh with each triangle t cut into n^2 parts, numbers t n^2 + part. The parts lie in their triangles' planes: no
+/// bulge. Vertices of the mesh come first, in their order; the others have no node of the model (-1).
+SurfaceMesh divided(const SurfaceMesh& mesh, int n);
+
+double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d& b);
+
+/// The ends of the edges that only one triangle has.
+std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh);
+
+/// Per triangle a lower bound of the distance of all its points to the rim: exact enough to tell apart distances
+/// up to `reach`, beyond that only known to be larger. Infinity on a closed surface.
+std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach);
+
+/// Least-squares sphere through the vertices (algebraic fit, vertices weighted by their area).
+struct SphereFit {
+  Vector3d center = Vector3d::Zero();
+  double radius = 0.0;
+  double rms = 0.0;  ///< root mean square distance of the vertices from the sphere
+};
+SphereFit fit_sphere(const SurfaceMesh& surface);
+
+/// Centre and radius of gyration of a surface (area-weighted).
+struct SurfaceExtent {
+  Vector3d centroid = Vector3d::Zero();
+  double radius_of_gyration = 0.0;
+  double area = 0.0;
+};
+SurfaceExtent surface_extent(const SurfaceMesh& surface);
+
+}  // namespace dea

@@ -1,0 +1,166 @@
+#include <febiodea/joint/bodies.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/model/element_faces.h>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+int find_root(std::vector<int>& parent, int i) {
+  while (parent[at(i)] != i) {
+    parent[at(i)] = parent[at(parent[at(i)])];
+    i = parent[at(i)];
+  }
+  return i;
+}
+
+/// Area, centroid of a shell element's middle surface, and its mean thickness.
+void add_shell_mass(const JointModel& model, const Domain& domain, int element, double density, double* mass,
+                    Vector3d* moment) {
+  const int n = nodes_per_element(domain.shape);
+  const int* nodes = domain.nodes.data() + static_cast<std::ptrdiff_t>(element) * n;
+  double thickness = 0.0;
+  if (!domain.shell_thickness.empty()) {
+    for (int k = 0; k < n; ++k) thickness += domain.shell_thickness[at(element * n + k)];
+    thickness /= n;
+  }
+  for (const auto& t : split_facet(nodes, n, model.nodes)) {
+    const Vector3d &a = model.nodes[at(t[0])], &b = model.nodes[at(t[1])], &c = model.nodes[at(t[2])];
+    const double dm = density * thickness * 0.5 * (b - a).cross(c - a).norm();
+    *mass += dm;
+    *moment += dm * (a + b + c) / 3.0;
+  }
+}
+
+}  // namespace
+
+ElementVolume element_volume(const JointModel& model, const Domain& domain, int element) {
+  const int n = nodes_per_element(domain.shape);
+  const int* nodes = domain.nodes.data() + static_cast<std::ptrdiff_t>(element) * n;
+  ElementVolume v;
+  const Vector3d origin = model.nodes[at(nodes[0])];
+  int face_nodes[8];
+  for (const auto& face : element_faces(domain.shape)) {
+    for (std::size_t k = 0; k < face.size(); ++k) face_nodes[k] = nodes[face[k]];
+    for (const auto& t : split_facet(face_nodes, static_cast<int>(face.size()), model.nodes)) {
+      const Vector3d a = model.nodes[at(t[0])] - origin, b = model.nodes[at(t[1])] - origin,
+                     c = model.nodes[at(t[2])] - origin;
+      const double dv = a.dot(b.cross(c)) / 6.0;
+      v.volume += dv;
+      v.centroid += dv * (a + b + c) / 4.0;
+    }
+  }
+  v.centroid = v.volume != 0 ? Vector3d(origin + v.centroid / v.volume) : origin;
+  return v;
+}
+
+std::vector<char> rigid_materials(const JointModel& model, const Settings& settings) {
+  std::vector<char> rigid;
+  for (const Material& m : model.materials) rigid.push_back(m.rigid ? 1 : 0);
+  for (const std::string& name : settings.rigid) {
+    bool found = false;
+    for (std::size_t i = 0; i < model.materials.size(); ++i) {
+      if (model.materials[i].name != name) continue;
+      rigid[i] = 1;
+      found = true;
+    }
+    if (!found) {
+      std::vector<std::string> names;
+      for (const Material& m : model.materials) names.push_back(m.name);
+      throw UsageError(
+          fmt::format("--rigid {}: the model has no material of this name; it has {}", name, name_list(names, name)));
+    }
+  }
+  return rigid;
+}
+
+Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid, const std::vector<char>& layer_domains) {
+  const int n_materials = static_cast<int>(model.materials.size());
+  std::vector<int> parent(at(n_materials));
+  std::iota(parent.begin(), parent.end(), 0);
+  std::vector<int> node_material(model.nodes.size(), -1);
+  for (const Domain& domain : model.domains) {
+    if (domain.material < 0 || !rigid[at(domain.material)] || is_line(domain.shape)) continue;
+    for (int node : domain.nodes) {
+      int& first = node_material[at(node)];
+      if (first < 0) {
+        first = domain.material;
+      } else {
+        const int a = find_root(parent, first), b = find_root(parent, domain.material);
+        parent[at(std::max(a, b))] = std::min(a, b);
+      }
+    }
+  }
+  // A bone that the user takes as rigid and whose nodes the model gives to a rigid body is part of that body.
+  for (const RigidNodes& set : model.rigid_nodes) {
+    for (int node : set.nodes) {
+      const int m = node_material[at(node)];
+      if (m < 0 || model.materials[at(m)].rigid) continue;
+      const int a = find_root(parent, m), b = find_root(parent, set.material);
+      parent[at(std::max(a, b))] = std::min(a, b);
+    }
+  }
+  Bodies result;
+  result.of_material.assign(at(n_materials), -1);
+  for (int m = 0; m < n_materials; ++m) {
+    if (!rigid[at(m)]) continue;
+    const int root = find_root(parent, m);  // the first material of the body
+    if (root == m) {
+      Body body;
+      body.name = model.materials[at(m)].name;
+      result.of_material[at(m)] = static_cast<int>(result.bodies.size());
+      result.bodies.push_back(body);
+    }
+    result.of_material[at(m)] = result.of_material[at(root)];
+    result.bodies[at(result.of_material[at(m)])].materials.push_back(m);
+  }
+  std::vector<Vector3d> moments(result.bodies.size(), Vector3d::Zero());
+  for (const Domain& domain : model.domains) {
+    if (domain.material < 0 || !rigid[at(domain.material)]) continue;
+    const int b = result.of_material[at(domain.material)];
+    const double density = model.materials[at(domain.material)].density;
+    const int elements = static_cast<int>(domain.element_ids.size());
+    for (int e = 0; e < elements; ++e) {
+      if (is_shell(domain.shape)) {
+        add_shell_mass(model, domain, e, density, &result.bodies[at(b)].mass, &moments[at(b)]);
+      } else if (!is_line(domain.shape)) {
+        const ElementVolume v = element_volume(model, domain, e);
+        result.bodies[at(b)].mass += density * v.volume;
+        moments[at(b)] += density * v.volume * v.centroid;
+      }
+    }
+  }
+  for (std::size_t b = 0; b < result.bodies.size(); ++b) {
+    Body& body = result.bodies[b];
+    const auto& given = model.materials[at(body.materials.front())].center_of_mass;
+    if (given) {
+      body.center_of_mass = *given;
+      body.center_given = true;
+    } else if (body.mass > 0) {
+      body.center_of_mass = moments[b] / body.mass;
+    }
+  }
+  Body ground;
+  ground.name = "ground";
+  ground.ground = true;
+  result.bodies.push_back(ground);
+  result.of_node.assign(model.nodes.size(), -1);
+  for (std::size_t d = 0; d < model.domains.size(); ++d) {
+    const Domain& domain = model.domains[d];
+    if (domain.material < 0 || !rigid[at(domain.material)] || is_line(domain.shape)) continue;
+    if (!layer_domains.empty() && layer_domains[d]) continue;
+    for (int node : domain.nodes) result.of_node[at(node)] = result.of_material[at(domain.material)];
+  }
+  return result;
+}
+
+}  // namespace dea

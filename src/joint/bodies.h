@@ -1,0 +1,34 @@
+// febiodea/joint/bodies.h – rigid bodies of a model, and which nodes they hold.
+#pragma once
+#include <vector>
+
+#include <febiodea/joint/joint.h>
+
+namespace dea {
+
+/// Which material is rigid: rigid in the model, or taken as rigid by the user.
+/// Throws UsageError when a name in settings.rigid is no material of the model.
+std::vector<char> rigid_materials(const JointModel& model, const Settings& settings);
+
+/// One body per set of rigid materials whose elements share nodes, in the order of their first material; then the
+/// ground. The centre of mass is the given one, or integrated from the elements (solids: volume, shells: area times
+/// thickness; a body without any mass has it at the origin, as in FEBio).
+struct Bodies {
+  std::vector<Body> bodies;      ///< the last one is the ground
+  std::vector<int> of_material;  ///< per material: body, -1: not rigid
+  std::vector<int> of_node;      ///< per node: body whose rigid elements contain it, -1: none
+  int ground() const { return static_cast<int>(bodies.size()) - 1; }
+};
+/// `layer_domains`: per domain, elements of a rigid material that are cartilage all the same (of a contact of type
+/// "dea"): part of the body, but their nodes are not the bone's. Empty: none.
+Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid,
+                   const std::vector<char>& layer_domains = {});
+
+/// Signed volume of a solid element (> 0 when its nodes are in FEBio's order) and its centroid.
+struct ElementVolume {
+  double volume = 0.0;
+  Vector3d centroid = Vector3d::Zero();
+};
+ElementVolume element_volume(const JointModel& model, const Domain& domain, int element);
+
+}  // namespace dea

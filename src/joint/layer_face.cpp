@@ -1,0 +1,509 @@
+#include <febiodea/joint/layer_face.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include <febiodea/geometry/ray_caster.h>
+#include <febiodea/model/element_faces.h>
+
+namespace dea {
+
+namespace {
+
+constexpr double kCos40 = 0.76604444311897801;  // an edge that turns by more is the end of the face
+constexpr double kCos45 = 0.70710678118654752;
+constexpr double kCos60 = 0.5;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::vector<int> facet_nodes(const FacetList& list, int facet) {
+  return {list.nodes.begin() + list.begin[at(facet)], list.nodes.begin() + list.begin[at(facet) + 1]};
+}
+
+FaceKey key_of(const std::vector<int>& facet) {
+  return face_key(facet.data(), facet_corners(static_cast<int>(facet.size())));
+}
+
+std::vector<int> turned_round(std::vector<int> facet) {
+  const auto corners = facet_corners(static_cast<int>(facet.size()));
+  std::reverse(facet.begin() + 1, facet.begin() + corners);
+  if (static_cast<int>(facet.size()) >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
+  return facet;
+}
+
+/// Twice its area, along its normal.
+Vector3d area_vector(const JointModel& model, const std::array<int, 3>& t) {
+  const Vector3d& a = model.nodes[at(t[0])];
+  return (model.nodes[at(t[1])] - a).cross(model.nodes[at(t[2])] - a);
+}
+
+struct FacetShape {
+  Vector3d center = Vector3d::Zero(), normal = Vector3d::Zero();  // normal: zero for a facet of no area
+  double area = 0.0;
+};
+
+FacetShape shape_of(const JointModel& model, const std::vector<int>& facet) {
+  FacetShape shape;
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& t : split_facet(facet.data(), static_cast<int>(facet.size()), model.nodes)) {
+    const Vector3d v = area_vector(model, t);
+    const double area = 0.5 * v.norm();
+    shape.center += area / 3.0 * (model.nodes[at(t[0])] + model.nodes[at(t[1])] + model.nodes[at(t[2])]);
+    shape.area += area;
+    sum += v;
+  }
+  if (shape.area > 0) shape.center /= shape.area;
+  if (sum.norm() > 0) shape.normal = sum.normalized();
+  return shape;
+}
+
+/// Edges of facets from corner to corner, those of one place together.
+struct FacetEdge {
+  int low, high;    // corner nodes
+  int facet, edge;  // from corner `edge` to the next
+};
+
+std::vector<FacetEdge> facet_edges(const std::vector<std::vector<int>>& facets) {
+  std::vector<FacetEdge> edges;
+  for (int f = 0; f < static_cast<int>(facets.size()); ++f) {
+    const auto& facet = facets[at(f)];
+    const int corners = facet_corners(static_cast<int>(facet.size()));
+    for (int k = 0; k < corners; ++k) {
+      const int a = facet[at(k)], b = facet[at((k + 1) % corners)];
+      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), f, k});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const FacetEdge& a, const FacetEdge& b) {
+    return std::tie(a.low, a.high, a.facet, a.edge) < std::tie(b.low, b.high, b.facet, b.edge);
+  });
+  return edges;
+}
+
+/// Calls f(first, last) for the edges of each place.
+template <class F>
+void for_each_place(const std::vector<FacetEdge>& edges, F f) {
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t j = i;
+    while (j < edges.size() && edges[j].low == edges[i].low && edges[j].high == edges[i].high) ++j;
+    f(i, j);
+    i = j;
+  }
+}
+
+/// The pieces of a facet's edge: one, or two at a mid-side node.
+std::vector<std::array<int, 2>> edge_pieces(const std::vector<int>& facet, int edge) {
+  const int n = static_cast<int>(facet.size()), corners = facet_corners(n);
+  const int a = facet[at(edge)], b = facet[at((edge + 1) % corners)];
+  if (n < 2 * corners || n == 10) return {{a, b}};  // cubic: flat through its corners
+  const int mid = facet[at(corners + edge)];
+  return {{a, mid}, {mid, b}};
+}
+
+/// Normal of a facet beside one of its edges: of the triangles there, for a quadratic facet is curved.
+Vector3d normal_at_edge(const JointModel& model, const std::vector<int>& facet, int edge) {
+  const auto pieces = edge_pieces(facet, edge);
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& t : split_facet(facet.data(), static_cast<int>(facet.size()), model.nodes))
+    for (const auto& piece : pieces)
+      if (std::count(t.begin(), t.end(), piece[0]) + std::count(t.begin(), t.end(), piece[1]) == 2)
+        sum += area_vector(model, t);
+  return sum.norm() > 0 ? Vector3d(sum.normalized()) : sum;
+}
+
+bool smooth(const JointModel& model, const std::vector<std::vector<int>>& facets, const FacetEdge& a,
+            const FacetEdge& b) {
+  return normal_at_edge(model, facets[at(a.facet)], a.edge).dot(normal_at_edge(model, facets[at(b.facet)], b.edge)) >
+         kCos40;
+}
+
+/// Disjoint sets of facets.
+struct Patches {
+  std::vector<int> parent;
+  explicit Patches(std::size_t n) : parent(n) {
+    for (std::size_t i = 0; i < n; ++i) parent[i] = static_cast<int>(i);
+  }
+  int root(int i) {
+    while (parent[at(i)] != i) {
+      parent[at(i)] = parent[at(parent[at(i)])];
+      i = parent[at(i)];
+    }
+    return i;
+  }
+  void join(int a, int b) {
+    a = root(a);
+    b = root(b);
+    parent[at(std::max(a, b))] = std::min(a, b);
+  }
+};
+
+std::vector<std::vector<int>> all_facets(const FacetList& list) {
+  std::vector<std::vector<int>> facets;
+  for (int f = 0; f < list.size(); ++f) facets.push_back(facet_nodes(list, f));
+  return facets;
+}
+
+std::unordered_map<FaceKey, int, FaceKeyHash> index_of(const FacetList& list) {
+  std::unordered_map<FaceKey, int, FaceKeyHash> index;
+  for (int f = 0; f < list.size(); ++f) index.try_emplace(key_of(facet_nodes(list, f)), f);
+  return index;
+}
+
+bool any_held(const LayerBoundary& boundary, const std::vector<int>& facet) {
+  return std::any_of(facet.begin(), facet.end(), [&](int node) { return boundary.node_held[at(node)] != 0; });
+}
+
+/// Is the edge held by planes of symmetry? `outward`: unit, in the surface, away from it. The surface must run into the
+/// plane, not along it.
+bool mirrored(int held, const Vector3d& outward) {
+  for (int i = 0; i < 3; ++i)
+    if ((held >> i & 1) != 0 && std::abs(outward[i]) > 0.7) return true;
+  return false;
+}
+
+Vector3d outward_at(const SurfaceMesh& mesh, int t, int k) {
+  return (mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k)).cross(mesh.normals[at(t)]).normalized();
+}
+
+}  // namespace
+
+LayerBoundary find_layer_boundary(const JointModel& model, const std::vector<LayerElement>& elements,
+                                  std::vector<char> node_held) {
+  struct Found {
+    int count = 0;
+    LayerElement element = {-1, -1};
+    int face = -1;
+  };
+  std::unordered_map<FaceKey, Found, FaceKeyHash> faces;
+  faces.reserve(4 * elements.size());
+  std::vector<int> nodes;
+  const auto face_nodes = [&](const LayerElement& element, int face) {
+    const Domain& d = model.domains[at(element.domain)];
+    const int* first = d.nodes.data() + static_cast<std::ptrdiff_t>(element.element) * nodes_per_element(d.shape);
+    nodes.clear();
+    for (int k : element_faces(d.shape)[at(face)]) nodes.push_back(first[k]);
+  };
+  for (const LayerElement& element : elements) {
+    const int count = static_cast<int>(element_faces(model.domains[at(element.domain)].shape).size());
+    for (int face = 0; face < count; ++face) {
+      face_nodes(element, face);
+      Found& found = faces[key_of(nodes)];
+      if (found.count++ == 0) {
+        found.element = element;
+        found.face = face;
+      }
+    }
+  }
+  std::vector<const Found*> outer;
+  for (const auto& entry : faces)  // a collapsed face, an edge or a point, has no outside
+    if (entry.second.count == 1 && entry.first[1] >= 0) outer.push_back(&entry.second);
+  std::sort(outer.begin(), outer.end(), [](const Found* a, const Found* b) {
+    return std::tie(a->element.domain, a->element.element, a->face) <
+           std::tie(b->element.domain, b->element.element, b->face);
+  });
+  LayerBoundary boundary;
+  boundary.node_held = std::move(node_held);
+  for (const Found* f : outer) {
+    face_nodes(f->element, f->face);
+    const bool held =
+        std::all_of(nodes.begin(), nodes.end(), [&](int node) { return boundary.node_held[at(node)] != 0; });
+    boundary.faces.add(nodes);
+    boundary.kinds.push_back(held ? FaceKind::Bonded : FaceKind::Open);
+  }
+  return boundary;
+}
+
+void open_feather_facets(const JointModel& model, const FacetList& selected, LayerBoundary& boundary) {
+  const auto index = index_of(boundary.faces);
+  std::vector<int> both;  // selected and held
+  for (int f = 0; f < selected.size(); ++f) {
+    const auto found = index.find(key_of(facet_nodes(selected, f)));
+    if (found != index.end() && boundary.kinds[at(found->second)] == FaceKind::Bonded) both.push_back(found->second);
+  }
+  if (both.empty()) return;
+  std::vector<std::vector<int>> facets;
+  for (int f : both) facets.push_back(facet_nodes(boundary.faces, f));
+  Patches patches(both.size());
+  const std::vector<FacetEdge> edges = facet_edges(facets);
+  for_each_place(edges, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first + 1; i < last; ++i)
+      if (smooth(model, facets, edges[first], edges[i])) patches.join(edges[first].facet, edges[i].facet);
+  });
+  FacetList inwards;
+  for (int f = 0; f < boundary.faces.size(); ++f) inwards.add(turned_round(facet_nodes(boundary.faces, f)));
+  const SurfaceMesh mesh = make_surface_mesh(inwards.begin, inwards.nodes, model.nodes);
+  const RayCaster caster(mesh);
+  std::vector<double> sees_open(both.size(), 0.0);  // per patch: area that looks through the layer at an open face,
+                                                    // less that which looks at a held one
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    const FacetShape shape = shape_of(model, facets[i]);
+    if (!(shape.area > 0)) continue;
+    const LineHit hit = caster.nearest_facing(shape.center, -shape.normal, 0.0, 1e-9 * std::sqrt(shape.area),
+                                              std::numeric_limits<double>::infinity());
+    const bool held =
+        hit.point.triangle >= 0 && boundary.kinds[at(mesh.facet[at(hit.point.triangle)])] == FaceKind::Bonded;
+    sees_open[at(patches.root(static_cast<int>(i)))] += held ? -shape.area : shape.area;
+  }
+  for (std::size_t i = 0; i < both.size(); ++i)
+    if (sees_open[at(patches.root(static_cast<int>(i)))] < 0) boundary.kinds[at(both[i])] = FaceKind::Open;
+}
+
+SurfaceMesh bonded_surface(const JointModel& model, const LayerBoundary& boundary) {
+  FacetList bone;
+  for (int f = 0; f < boundary.faces.size(); ++f)
+    if (boundary.kinds[at(f)] == FaceKind::Bonded) bone.add(turned_round(facet_nodes(boundary.faces, f)));
+  return make_surface_mesh(bone.begin, bone.nodes, model.nodes);
+}
+
+void find_side_walls(const JointModel& model, const SurfaceMesh& bone, LayerBoundary& boundary) {
+  const std::vector<std::vector<int>> facets = all_facets(boundary.faces);
+  const RayCaster caster(bone);
+  struct Seen {
+    double distance = 0.0;  // of the closest bone
+    double cosine = 1.0;    // of the angle to it
+  };
+  std::vector<Seen> seen(facets.size());
+  std::vector<FacetShape> shapes(facets.size());
+  tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t f) {
+    if (boundary.kinds[f] != FaceKind::Open) return;
+    shapes[f] = shape_of(model, facets[f]);
+    const Vector3d &x = shapes[f].center, &n = shapes[f].normal;
+    if (!(n.norm() > 0)) return;
+    const SurfacePoint p = caster.closest(x);
+    seen[f].distance = (position(bone, p) - x).norm();
+    seen[f].cosine = n.dot(bone.normals[at(p.triangle)]);
+    if (seen[f].cosine >= kCos60) return;
+    for (int t : caster.within(x, 1.05 * seen[f].distance))  // over a ridge the other flank counts as well
+      seen[f].cosine = std::max(seen[f].cosine, n.dot(bone.normals[at(t)]));
+  });
+  double deepest = 0.0;
+  for (std::size_t f = 0; f < facets.size(); ++f)
+    if (boundary.kinds[f] == FaceKind::Open && seen[f].cosine >= kCos60) deepest = std::max(deepest, seen[f].distance);
+  // Where bone rises beside the layer (cartilage in a hollow) it is nearest, but the face looks at the bone below it.
+  std::vector<char> turned(facets.size(), 0);
+  tbb::parallel_for(std::size_t{0}, facets.size(), [&](std::size_t f) {
+    if (boundary.kinds[f] != FaceKind::Open || seen[f].cosine >= kCos60) return;
+    const LineHit hit = caster.nearest_facing(shapes[f].center, -shapes[f].normal, 0.0, 0.0, 2.0 * deepest, kCos45);
+    turned[f] = hit.point.triangle < 0 || hit.distance <= 0.0;
+  });
+  Patches patches(facets.size());
+  const std::vector<FacetEdge> edges = facet_edges(facets);
+  for_each_place(edges, [&](std::size_t first, std::size_t last) {
+    int before = -1;
+    for (std::size_t i = first; i < last; ++i) {
+      if (!turned[at(edges[i].facet)]) continue;
+      if (before >= 0) patches.join(before, edges[i].facet);
+      before = edges[i].facet;
+    }
+  });
+  // An isolated steep facet amid the face is no wall: a wall goes down to the bone, or looks back at it.
+  std::vector<char> wall(facets.size(), 0);
+  for (int f = 0; f < static_cast<int>(facets.size()); ++f)
+    if (turned[at(f)] && (any_held(boundary, facets[at(f)]) || seen[at(f)].cosine < -kCos60))
+      wall[at(patches.root(f))] = 1;
+  for (int f = 0; f < static_cast<int>(facets.size()); ++f)
+    if (turned[at(f)] && wall[at(patches.root(f))]) boundary.kinds[at(f)] = FaceKind::SideWall;
+}
+
+void find_side_walls(const JointModel& model, const FacetList& selected, LayerBoundary& boundary) {
+  const std::vector<std::vector<int>> facets = all_facets(boundary.faces);
+  Patches patches(facets.size());
+  const std::vector<FacetEdge> edges = facet_edges(facets);
+  const auto open = [&](int f) { return boundary.kinds[at(f)] == FaceKind::Open; };
+  for_each_place(edges, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      for (std::size_t j = i + 1; j < last; ++j)
+        if (open(edges[i].facet) && open(edges[j].facet) && smooth(model, facets, edges[i], edges[j]))
+          patches.join(edges[i].facet, edges[j].facet);
+  });
+  std::vector<double> area(facets.size(), 0.0);  // selected, per patch
+  std::vector<char> reaches(facets.size(), 0);
+  const auto index = index_of(boundary.faces);
+  for (int f = 0; f < selected.size(); ++f) {
+    const auto found = index.find(key_of(facet_nodes(selected, f)));
+    if (found != index.end() && open(found->second))
+      area[at(patches.root(found->second))] += shape_of(model, facets[at(found->second)]).area;
+  }
+  for (int f = 0; f < static_cast<int>(facets.size()); ++f)
+    if (open(f) && any_held(boundary, facets[at(f)])) reaches[at(patches.root(f))] = 1;
+  const int largest = static_cast<int>(std::max_element(area.begin(), area.end()) - area.begin());
+  for (int f = 0; f < static_cast<int>(facets.size()); ++f)
+    if (open(f) && patches.root(f) != largest && reaches[at(patches.root(f))])
+      boundary.kinds[at(f)] = FaceKind::SideWall;
+}
+
+std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& facets) {
+  const auto index = index_of(boundary.faces);
+  std::vector<FaceKind> kinds;
+  for (int f = 0; f < facets.size(); ++f) {
+    const auto found = index.find(key_of(facet_nodes(facets, f)));
+    kinds.push_back(found == index.end() ? FaceKind::Open : boundary.kinds[at(found->second)]);
+  }
+  return kinds;
+}
+
+LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
+                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror) {
+  // All that may meet at an edge: the boundary, and selected facets that are no part of it.
+  std::vector<std::vector<int>> facets = all_facets(boundary.faces);
+  std::vector<FaceKind> kinds = boundary.kinds;
+  const auto index = index_of(boundary.faces);
+  std::vector<char> in_face(facets.size(), 0);
+  for (int f = 0; f < selected.size(); ++f) {
+    const std::vector<int> facet = facet_nodes(selected, f);
+    if (facet.empty()) continue;
+    const auto found = index.find(key_of(facet));
+    if (found != index.end()) {
+      in_face[at(found->second)] = 1;
+      facets[at(found->second)] = facet;  // it may have more nodes than its element's face
+      continue;
+    }
+    facets.push_back(facet);
+    kinds.push_back(FaceKind::Open);
+    in_face.push_back(1);
+  }
+  const std::vector<FacetEdge> edges = facet_edges(facets);
+  struct Across {
+    int facet;
+    bool smooth;
+  };
+  std::vector<std::array<Across, 4>> across(facets.size(), {{{-1, false}, {-1, false}, {-1, false}, {-1, false}}});
+  for_each_place(edges, [&](std::size_t first, std::size_t last) {
+    if (last - first != 2) return;  // the rim of nothing, or faces that merely touch there
+    const FacetEdge &a = edges[first], &b = edges[first + 1];
+    const bool is_smooth = smooth(model, facets, a, b);
+    across[at(a.facet)][at(a.edge)] = {b.facet, is_smooth};
+    across[at(b.facet)][at(b.edge)] = {a.facet, is_smooth};
+  });
+
+  const RayCaster caster(articular);
+  std::vector<char> far(facets.size(), 0);
+  std::vector<int> open_ends, grown;
+  for (int f = 0; f < static_cast<int>(facets.size()); ++f)
+    if (in_face[at(f)]) open_ends.push_back(f);
+  while (!open_ends.empty()) {
+    const int f = open_ends.back();
+    open_ends.pop_back();
+    for (const Across& next : across[at(f)]) {
+      if (next.facet < 0 || !next.smooth || in_face[at(next.facet)] || far[at(next.facet)] ||
+          kinds[at(next.facet)] != FaceKind::Open)
+        continue;
+      const FacetShape shape = shape_of(model, facets[at(next.facet)]);
+      if ((position(articular, caster.closest(shape.center)) - shape.center).norm() > reach) {
+        far[at(next.facet)] = 1;
+        continue;
+      }
+      in_face[at(next.facet)] = 1;
+      grown.push_back(next.facet);
+      open_ends.push_back(next.facet);
+    }
+  }
+  std::sort(grown.begin(), grown.end());
+
+  LayerFace face;
+  face.pressed = articular.size();
+  if (grown.empty()) {
+    face.mesh = articular;
+  } else {
+    FacetList list = selected;
+    for (int f : grown) list.add(facets[at(f)]);
+    face.mesh = make_surface_mesh(list.begin, list.nodes, model.nodes);
+  }
+
+  // What is beyond the edges, by the ends of their pieces.
+  struct Beyond {
+    Rim rim = Rim::Free;
+    bool bonded = false;
+  };
+  std::unordered_map<long long, Beyond> beyond;
+  const auto piece_key = [&](int a, int b) {
+    return static_cast<long long>(std::min(a, b)) * static_cast<long long>(model.nodes.size()) + std::max(a, b);
+  };
+  for (int f = 0; f < static_cast<int>(facets.size()); ++f) {
+    if (!in_face[at(f)]) continue;
+    for (int k = 0; k < 4; ++k) {
+      const Across& next = across[at(f)][at(k)];
+      if (next.facet < 0 || !next.smooth || in_face[at(next.facet)]) continue;
+      const FaceKind kind = kinds[at(next.facet)];
+      if (kind == FaceKind::SideWall) continue;
+      const Beyond found = kind == FaceKind::Bonded ? Beyond{Rim::Wall, true} : Beyond{Rim::Continues, false};
+      for (const auto& piece : edge_pieces(facets[at(f)], k)) beyond[piece_key(piece[0], piece[1])] = found;
+    }
+  }
+  for (int t = 0; t < face.mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      if (face.mesh.neighbours[at(t)][at(k)] >= 0) continue;
+      const auto& tri = face.mesh.triangles[at(t)];
+      const int a = face.mesh.model_nodes[at(tri[at(k)])], b = face.mesh.model_nodes[at(tri[at((k + 1) % 3)])];
+      LayerFace::Edge edge = {t, k, Rim::Free, false};
+      const auto found = beyond.find(piece_key(a, b));
+      if (mirrored(mirror[at(a)] & mirror[at(b)], outward_at(face.mesh, t, k))) {
+        edge.rim = Rim::Wall;
+      } else if (found != beyond.end()) {
+        edge.rim = found->second.rim;
+        edge.bonded = found->second.bonded;
+      }
+      face.edges.push_back(edge);
+    }
+  return face;
+}
+
+LayerFace selected_face(const SurfaceMesh& articular, const std::vector<unsigned char>& mirror) {
+  LayerFace face;
+  face.mesh = articular;
+  face.pressed = articular.size();
+  for (int t = 0; t < face.mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      if (face.mesh.neighbours[at(t)][at(k)] >= 0) continue;
+      const auto& tri = face.mesh.triangles[at(t)];
+      const int held = mirror[at(face.mesh.model_nodes[at(tri[at(k)])])] &
+                       mirror[at(face.mesh.model_nodes[at(tri[at((k + 1) % 3)])])];
+      const Rim rim = mirrored(held, outward_at(face.mesh, t, k)) ? Rim::Wall : Rim::Free;
+      face.edges.push_back({t, k, rim, false});
+    }
+  return face;
+}
+
+std::vector<SelectionEdge> selection_rim(const LayerFace& face) {
+  const int selected = face.pressed;
+  std::vector<SelectionEdge> rim;
+  auto edge = face.edges.begin();
+  for (int t = 0; t < selected; ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int next = face.mesh.neighbours[at(t)][at(k)];
+      if (next >= 0 && next < selected) continue;
+      const auto& tri = face.mesh.triangles[at(t)];
+      SelectionEdge found = {{tri[at(k)], tri[at((k + 1) % 3)]}, next >= 0, {t, k, Rim::Continues, false}};
+      if (next < 0) {
+        while (edge != face.edges.end() && std::tie(edge->triangle, edge->edge) < std::tie(t, k)) ++edge;
+        if (edge == face.edges.end() || edge->triangle != t || edge->edge != k) continue;
+        found.edge = *edge;
+        found.goes_on = edge->rim == Rim::Continues;
+      }
+      rim.push_back(found);
+    }
+  return rim;
+}
+
+RimLengths rim_lengths(const LayerFace& face) {
+  RimLengths lengths;
+  for (const SelectionEdge& e : selection_rim(face)) {
+    const double length = (face.mesh.vertices[at(e.vertices[0])] - face.mesh.vertices[at(e.vertices[1])]).norm();
+    if (e.goes_on)
+      lengths.goes_on += length;
+    else if (e.edge.rim == Rim::Free)
+      lengths.free += length;
+    else if (e.edge.bonded)
+      lengths.bonded += length;
+    else
+      lengths.symmetry += length;
+  }
+  for (int t = face.pressed; t < face.mesh.size(); ++t) lengths.area_beyond += face.mesh.areas[at(t)];
+  return lengths;
+}
+
+}  // namespace dea

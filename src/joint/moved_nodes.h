@@ -1,0 +1,26 @@
+// febiodea/joint/moved_nodes.h – nodes whose displacement is prescribed, as bodies.
+//
+// A model may leave a bone out and move the nodes on the cartilage's bone side instead. Nodes whose x, y and z are all
+// given, and alike, move together and do not turn: a body without material.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/model/joint_model.h>
+
+namespace dea {
+
+/// Nodes that move alike.
+struct MovedNodes {
+  std::string name;             ///< of the first condition that moves them
+  std::vector<int> nodes;       ///< node indices, ascending
+  std::vector<int> conditions;  ///< indices into JointModel::prescribed_nodes: those of each node
+};
+
+/// Nodes of no body, grouped by their motion in all steps; components that are fixed stay at, or go back to, the
+/// reference. Nodes that are free in a component, or both fixed and moved in one, are no body: one line per condition
+/// in `faults`. `body_of_node`: per node, >= 0: a body has it.
+std::vector<MovedNodes> find_moved_nodes(const JointModel& model, const std::vector<int>& body_of_node,
+                                         std::vector<std::string>& faults);
+
+}  // namespace dea

@@ -1,0 +1,57 @@
+#include <febiodea/joint/thickness.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <limits>
+
+#include <febiodea/geometry/ray_caster.h>
+
+namespace dea {
+
+namespace {
+
+/// The same surface with its normals the other way.
+SurfaceMesh flipped(SurfaceMesh mesh) {
+  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  for (auto& n : mesh.neighbours) std::swap(n[0], n[2]);
+  for (auto& b : mesh.bulge) b = {-b[2], -b[1], -b[0]};
+  for (Vector3d& n : mesh.normals) n = -n;
+  for (Vector3d& n : mesh.vertex_normals) n = -n;
+  return mesh;
+}
+
+/// Rays leave `from` through the layer, along (side 1) or against (-1) its normals; the faces of `to` look against
+/// them.
+MeasuredThickness cast(const SurfaceMesh& from, double side, const SurfaceMesh& to) {
+  const RayCaster caster(to);
+  constexpr double kCos60 = 0.5;
+  MeasuredThickness found;
+  found.thickness.assign(from.vertices.size(), 0.0);
+  found.missed.assign(from.vertices.size(), 0);
+  tbb::parallel_for(std::size_t{0}, from.vertices.size(), [&](std::size_t v) {
+    const Vector3d& x = from.vertices[v];
+    const Vector3d direction = side * from.vertex_normals[v];
+    // Where the ray meets a face, it counts if nothing lies nearer than half as far: quicker to ask than the closest
+    // point, for which a layer much thicker than its facets offers many candidates. A vertex both surfaces share (a
+    // feather edge) has thickness 0 by its closest point.
+    const LineHit hit = caster.nearest_facing(x, direction, 0.0, 0.0, std::numeric_limits<double>::infinity(), kCos60);
+    if (hit.point.triangle >= 0 && hit.distance > 0.0 && caster.within(x, 0.5 * hit.distance).empty()) {
+      found.thickness[v] = std::max(0.0, hit.distance - bulge_height(to, hit.point.triangle, hit.point.weights));
+    } else {
+      found.thickness[v] = (position(to, caster.closest(x)) - x).norm();
+      found.missed[v] = found.thickness[v] > 0.0;
+    }
+  });
+  return found;
+}
+
+}  // namespace
+
+MeasuredThickness measure_thickness(const SurfaceMesh& from, const SurfaceMesh& bone) { return cast(from, -1.0, bone); }
+
+MeasuredThickness measure_thickness_from_bone(const SurfaceMesh& bone, const SurfaceMesh& articular) {
+  return cast(bone, 1.0, flipped(articular));
+}
+
+}  // namespace dea

@@ -1,0 +1,91 @@
+// febiodea/results/fields.h – results on the model's own surfaces and nodes, and the numbers that sum them up.
+#pragma once
+#include <array>
+#include <limits>
+#include <vector>
+
+#include <febiodea/equilibrium/equilibrium.h>
+
+namespace dea {
+
+/// Fields of one side of a contact. Facets and vertices are those of the layer's articular surface; the facets are in
+/// the order of the model's surface. Frame: global, current.
+struct SideFields {
+  // per facet
+  std::vector<double> pressure;  ///< area-weighted mean over the facet, >= 0
+  std::vector<double>
+      joint_space;  ///< signed g: > 0 apart, < 0 overlap; where no ray meets the other side, the closest distance
+  std::vector<double> overlap;  ///< Delta >= 0
+  std::vector<double> strain;   ///< of this layer, >= 0
+  // per vertex
+  std::vector<double> vertex_pressure;    ///< area-weighted average of the facets around the vertex
+  std::vector<double> vertex_thickness;   ///< cartilage thickness
+  std::vector<double> vertex_shortening;  ///< this layer's share of the overlap, >= 0
+  Vector3d force = Vector3d::Zero();      ///< of the contact on this side
+  double contact_area = 0.0;              ///< of whole facets with pressure > 0, current
+  double resultant_factor =
+      1.0;  ///< |sum of p A n over these facets| / |force|: 1 = the map carries the whole force; NaN without force
+};
+
+struct ContactFields {
+  SideFields sides[2];  ///< primary, secondary
+};
+
+/// Numbers per contact and state. NaN: undefined (no active spring).
+struct ContactStatistics {
+  int springs = 0;         ///< cast
+  int springs_hit = 0;     ///< of these, those that stand over the target
+  int springs_active = 0;  ///< of these, those that carry pressure
+  // over active springs, weighted by area
+  double peak = 0.0, p99 = 0.0, mean = 0.0, median = 0.0, p5 = 0.0, p25 = 0.0, p75 = 0.0, p95 = 0.0;
+  double contact_area = 0.0;  ///< of the active springs
+  // as Abraham et al. 2013 define them: over articular nodes of the source with p > 0, unweighted
+  double nodal_peak = 0.0, nodal_mean = 0.0, nodal_median = 0.0;
+  double facet_peak = 0.0;          ///< largest facet value of the source
+  double facet_contact_area = 0.0;  ///< whole facets of the source in contact
+  Vector3d center_of_pressure = Vector3d::Zero();
+  Vector3d force = Vector3d::Zero();   ///< of the contact on the target
+  Vector3d moment = Vector3d::Zero();  ///< the same, about the target's current centre of mass
+  double largest_strain = 0.0;
+  double complementarity =
+      std::numeric_limits<double>::quiet_NaN();  ///< Law::Layer: residual of (L4) over the largest pressure
+};
+
+/// Percentile of values weighted by `weights` (> 0): each sorted value stands at the middle of its share of the weight,
+/// between them linear, beyond the first and last constant. Equal weights: the usual median. NaN for no values.
+double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction);
+
+/// What fields need of a joint again and again: closest points between surfaces, depth of cartilage nodes.
+struct FieldMaps {
+  struct LayerMap {
+    std::vector<int> articular_vertex_facet_begin;  // per vertex: range in the next
+    std::vector<int> articular_vertex_facets;       // facets around each vertex
+    std::vector<double> facet_area;
+    std::vector<SurfacePoint> articular_to_bone;  // per articular vertex: closest bone point (bone variant)
+    std::vector<double> vertex_thickness;         // per articular vertex
+    std::vector<SurfacePoint> node_to_articular;  // per region node: closest articular point
+    std::vector<double> node_depth;               // per region node: 0 at the bone, 1 at the articular surface
+  };
+  struct ContactMap {
+    LayerMap layers[2];      // primary, secondary
+    RayCaster articular[2];  // primary, secondary
+  };
+  std::vector<ContactMap> contacts;
+};
+FieldMaps make_field_maps(const JointModel& model, const Joint& joint);
+
+/// Fields of every contact at an equilibrium. The source's facets carry the springs' own force exactly (articular
+/// springs); the target's facets get the law at their own overlap, and with
+/// springs at the bone every surface gets values by interpolation; `resultant_factor` says how well the force is kept.
+std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
+                                          const Equilibrium& e);
+
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
+                                                  const std::vector<ContactFields>& fields);
+
+/// Displacement of every model node: rigid with its body; cartilage nodes moved towards their bone by the layer's
+/// shortening, linearly through the thickness (squash).
+std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps,
+                                         const Equilibrium& e, const std::vector<ContactFields>& fields, bool squash);
+
+}  // namespace dea

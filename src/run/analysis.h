@@ -1,0 +1,80 @@
+// febiodea/run/analysis.h – the whole method, from model to results: read this first.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <febiodea/equilibrium/conditions.h>
+#include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/joint/joint.h>
+#include <febiodea/results/fields.h>
+
+namespace dea {
+
+struct StateResult {
+  TimePoint when;
+  Equilibrium equilibrium;
+  std::vector<ContactFields> fields;          ///< one per contact
+  std::vector<ContactStatistics> statistics;  ///< one per contact
+  std::vector<Vector3d> displacements;        ///< one per model node
+};
+
+struct Analysis {
+  Joint joint;
+  std::vector<StateResult> states;  ///< the wanted ones, in order of time
+  double seconds_joint = 0.0;       ///< recognition, thickness, springs
+  double seconds_solve = 0.0;       ///< equilibria and fields
+};
+
+/// What an analysis is at, told when it begins; of a state also before each pose that is tried.
+struct Activity {
+  enum class Stage {
+    Joint,    ///< recognition and thickness
+    Springs,  ///< their places; law layer: the layers' matrices
+    State
+  };
+  Stage stage = Stage::Joint;
+  std::size_t index = 0, count = 0;  ///< of states
+  SearchStatus search;
+};
+
+struct AnalysisOptions {
+  std::vector<TimePoint> times;  ///< states to solve in order; empty: model_times(model)
+  std::vector<char> wanted;      ///< per time: keep fields and result; empty: all
+  std::function<void(const StateResult&, std::size_t index, std::size_t count)>
+      progress;                                   ///< after every state; may be empty
+  std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
+  EquilibriumOptions equilibrium;
+};
+
+/// Refuses a model that holds something which changes the mechanics and is not supported (InputError at its place).
+void refuse_unsupported(const JointModel& model);
+
+/// Cartilage of no thickness cannot be compressed: InputError where such surfaces meet in this state, not a division.
+void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e);
+
+/// Joint, springs, equilibrium of every load case in order of time (each started from the one before), fields.
+/// The first state (time 0) is the reference configuration, not solved, as in FEBio's plot files.
+Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options = {});
+
+/// The seed's convergence study: the last state again with each spring triangle divided into refine^2, refine = 1, 2,
+/// 4, 8, ...: four times the springs each time
+struct ConvergenceRow {
+  int refine = 1;
+  int springs = 0, springs_hit = 0, springs_active = 0;
+  double peak = 0.0, mean = 0.0, area = 0.0;
+  double change_peak = 0.0, change_mean = 0.0, change_area = 0.0;  ///< relative to the row before; NaN in the first
+  Outcome outcome = Outcome::NotConverged;
+};
+struct Convergence {
+  std::string contact;
+  std::vector<ConvergenceRow> rows;
+  int springs_5_percent = -1;  ///< springs of the first row from which on every change is below 5%; -1: not reached
+  int springs_1_percent = -1;
+};
+/// One entry per contact. Stops when every change is below `target` (relative) or at max_springs springs.
+std::vector<Convergence> converge(const JointModel& model, Settings settings, double target, int max_springs,
+                                  const std::function<void(const ConvergenceRow&)>& progress = {},
+                                  const std::function<void(const Activity&)>& activity = {});
+
+}  // namespace dea

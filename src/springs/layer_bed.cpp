@@ -1,0 +1,167 @@
+#include <febiodea/springs/layer_bed.h>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The derivative only directs the next step.
+constexpr double kRateTolerance = 1e-4;
+
+/// Pressures to start from: those of the last pose, and what their rates make of the target's motion since, as seen
+/// from the source.
+Eigen::VectorXd pressures_to_start_from(const LayerBed& layers, const Pose& source, const Pose& target) {
+  if (layers.last_rates.size() == 0) return layers.last;
+  const Eigen::Matrix3d back = layers.last_source.rotation * source.rotation.transpose();
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(back * target.rotation * layers.last_target.rotation.transpose()));
+  Eigen::Matrix<double, 6, 1> motion;
+  motion << layers.last_source.center + back * (target.center - source.center) - layers.last_target.center,
+      turn.angle() * turn.axis();
+  return (layers.last + layers.last_rates * motion).cwiseMax(0.0);
+}
+
+/// The source's feet at a pose: a foot that lies over the target only in part carries its pressure on that part.
+LayerFeet covered_feet(const LayerOperator& source, const LayerFeet& whole, const Eigen::VectorXd& area) {
+  LayerFeet feet = whole;
+  for (int i = 0; i < feet.size(); ++i) {
+    const auto k = at(i);
+    const double share = feet.area[k] > 0 ? area[i] / feet.area[k] : 0.0;
+    if (share == 1.0) continue;
+    for (int j = feet.begin[k]; j < feet.begin[k + 1]; ++j) feet.weight[at(j)] *= share;
+    feet.volume[k] *= share;
+    feet.area[k] = area[i];
+  }
+  set_reach(feet, source);
+  return feet;
+}
+
+}  // namespace
+
+LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, const SpringStates& s,
+                         const Pose& source_pose, const Pose& target_pose, double reach) {
+  const LayerMesh& layer = target.mesh;
+  const int divide2 = layer.divide * layer.divide;
+  const RelativePose relative = relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
+  constexpr int kChunk = 256;  // fixed, so that the result does not depend on the number of threads
+  const int chunks = (s.size() + kChunk - 1) / kChunk;
+  std::vector<LayerFeet> of_chunk(at(chunks));
+  tbb::parallel_for(0, chunks, [&](int c) {
+    for (int i = c * kChunk; i < std::min(s.size(), (c + 1) * kChunk); ++i) {
+      const auto k = at(i);
+      std::vector<SurfacePart> parts;
+      if (s.triangle[k] >= 0 && s.area[k] > 0 && s.gap[k] < reach)
+        parts = parts_under_spring(bed, relative, layer.mesh, s, i,
+                                   s.triangle[k] * divide2 + part_at(layer.divide, s.end_weights[k]), layer.pressed);
+      add_foot(of_chunk[at(c)], target, parts, parts.empty() ? 0.0 : s.area[k]);
+    }
+  });
+  LayerFeet feet;
+  for (const LayerFeet& more : of_chunk) append(feet, more);
+  set_reach(feet, target);
+  return feet;
+}
+
+std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
+  const ContactPair& pair = *bed.pair;
+  const Layer &source = pair.source_layer(), &target = pair.target_layer();
+  auto layers = std::make_shared<LayerBed>();
+  if (!source.rigid) {
+    layers->source = make_layer_operator(make_layer_mesh(source.face, pair.refine), source.elasticity, pair.layer_fit);
+    layers->whole = feet_of_own_triangles(*layers->source);
+  }
+  if (!target.rigid)
+    layers->target = make_layer_operator(make_layer_mesh(target.face, pair.refine), target.elasticity, pair.layer_fit);
+  return layers;
+}
+
+void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target,
+                  const PressOptions& options) {
+  const ContactPair& pair = *bed.pair;
+  const int n = s.size();
+  s.rates.setZero(n, 6);
+  const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
+  if (!(deepest > 0)) return;
+
+  Eigen::VectorXd overlap = Eigen::VectorXd::Zero(n);
+  LayerContact contact;
+  contact.interface_compliance = pair.interface_compliance;
+  contact.area = Eigen::VectorXd::Zero(n);
+  for (int i = 0; i < n; ++i) {
+    // nothing bulges by more than it is pressed in elsewhere
+    if (!(s.area[at(i)] > 0) || s.gap[at(i)] >= deepest) continue;
+    overlap[i] = -s.gap[at(i)];
+    contact.area[i] = s.area[at(i)];
+  }
+  LayerFeet source_feet, target_feet;
+  if (layers.source) {
+    source_feet = covered_feet(*layers.source, layers.whole, contact.area);
+    contact.source.layer = &*layers.source;
+    contact.source.feet = &source_feet;
+  }
+  if (layers.target) {
+    target_feet = feet_on_target(bed, *layers.target, s, source, target, deepest);
+    contact.target.layer = &*layers.target;
+    contact.target.feet = &target_feet;
+  }
+  LayerContactOptions how;
+  how.tolerance = options.tolerance;
+  const LayerPressure result = solve_contact(contact, overlap, pressures_to_start_from(layers, source, target), how);
+  layers.last = result.pressure;
+  s.complementarity = result.residual;
+  s.complementary = result.converged;
+  const Elasticity &E_s = pair.source_layer().elasticity, &E_t = pair.target_layer().elasticity;
+
+  // How the overlap changes with small motions of the target relative to the source, about the target's centre: six
+  // columns (E2), (E3). The target's thickness at the spring's end counts with its strain, as in a spring.
+  Eigen::MatrixXd overlap_rates = Eigen::MatrixXd::Zero(n, 6);
+  for (int i = 0; i < n; ++i) {
+    const auto k = at(i);
+    if (!result.active[k]) continue;
+    s.pressure[k] = result.pressure[i];
+    // the layer's own shortening, whatever flows: no less than nothing, for what bulges at p > 0 is not stretched
+    s.strain_source[k] = s.t_source[k] > 0 ? std::max(0.0, result.sunk_source[i] / s.t_source[k]) : 0.0;
+    s.strain_target[k] = s.t_target[k] > 0 ? std::max(0.0, result.sunk_target[i] / s.t_target[k]) : 0.0;
+    s.strain[k] = std::max(s.strain_source[k], s.strain_target[k]);
+    const double confined =
+        (s.t_source[k] > 0 ? s.t_source[k] * strain_at_pressure(Law::NeoHookean, E_s, s.pressure[k]) : 0.0) +
+        (s.t_target[k] > 0 ? s.t_target[k] * strain_at_pressure(Law::NeoHookean, E_t, s.pressure[k]) : 0.0);
+    s.per_overlap[k] = spring_response(bed.law, E_s, E_t, s.t_source[k], s.t_target[k],
+                                       confined + pair.interface_compliance * s.pressure[k], pair.interface_compliance)
+                           .per_overlap;
+    const Vector3d per_motion = overlap_rate(bed, s, i, s.strain_target[k], target);
+    s.per_motion[k] = s.per_overlap[k] * per_motion;
+    overlap_rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
+  }
+  // Over the target's rim the foot moves in its plane, and the area that carries its pressure changes.
+  Eigen::MatrixXd force_rates = Eigen::MatrixXd::Zero(s.rim.empty() ? 0 : n, 6);
+  for (const RimSpring& rim : s.rim) {
+    const int i = rim.spring;
+    const auto k = at(i);
+    if (!result.active[k]) continue;
+    const Vector3d gradient =
+        source_overlap_gradient(bed, s, i, 0.0, source) - overlap_rate(bed, s, i, s.strain_target[k], target);
+    overlap_rates.row(i) += gradient.transpose() * rim.foot_rate.leftCols<6>();
+    force_rates.row(i) = result.pressure[i] * rim.area_rate.head<6>().transpose();
+  }
+  if (!s.rim.empty()) overlap_rates -= spread(contact, force_rates);
+  std::vector<int> columns;
+  for (int m = 0; m < 6; ++m)
+    if (options.motions[at(m)]) columns.push_back(m);
+  const Eigen::MatrixXd wanted = overlap_rates(Eigen::all, columns);
+  const Eigen::MatrixXd start =
+      layers.last_rates.size() > 0 ? Eigen::MatrixXd(layers.last_rates(Eigen::all, columns)) : Eigen::MatrixXd();
+  if (!columns.empty())
+    s.rates(Eigen::all, columns) = solve_active(contact, result.active, wanted, kRateTolerance, start).pressure;
+  layers.last_rates = s.rates;
+  layers.last_source = source;
+  layers.last_target = target;
+}
+
+}  // namespace dea

@@ -1,0 +1,70 @@
+// febiodea/springs/layer_contact.h – which feet touch and how hard, when both layers give way like elastic layers (L4).
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include <febiodea/springs/layer_operator.h>
+
+namespace dea {
+
+/// One side of a contact: a layer and what of it each foot stands on. A bare rigid side has no layer.
+struct LayerSide {
+  const LayerOperator* layer = nullptr;  ///< not owned
+  const LayerFeet* feet = nullptr;
+  Eigen::VectorXd softening;  ///< per foot: slopes of e(q) about which the contact is linear (L9); empty: small strain
+};
+
+/// One or two layers pressed together on the same feet.
+struct LayerContact {
+  LayerSide source, target;
+  Eigen::VectorXd area;               ///< per foot: what carries its pressure [mm^2]; 0: takes no part
+  double interface_compliance = 0.0;  ///< gap per pressure of what lies between the surfaces (S9)
+};
+
+/// w_s + w_t [mm] for pressures [MPa], both feet x columns, linear about the softenings. The two layers may be computed
+/// at the same time, each by itself: the result does not depend on the number of threads.
+Eigen::MatrixXd sinking(const LayerContact& contact, const Eigen::MatrixXd& pressure);
+/// Compliance of each foot for itself at small strain, the sum over the layers [mm/MPa]: what is left for short waves.
+Eigen::VectorXd local_compliance(const LayerContact& contact);
+
+/// The part of w that forces [N] on the feet bring about by what flows sideways, without what each foot gives way for
+/// itself; both feet x columns. Linear in the force, whatever area carries it.
+Eigen::MatrixXd spread(const LayerContact& contact, const Eigen::MatrixXd& force);
+
+struct LayerContactOptions {
+  double tolerance = 1e-9;      ///< of `residual`: far below any mesh's error, so that a solver above sees a function
+  int max_applications = 2000;  ///< of the compliance; a stop
+  bool large_strain = true;     ///< (L9); else w = C p
+};
+
+struct LayerPressure {
+  Eigen::VectorXd pressure;                  ///< per foot, >= 0 [MPa]
+  Eigen::VectorXd sunk_source, sunk_target;  ///< w of each layer [mm]; 0 on a bare rigid side
+  std::vector<char> active;                  ///< per foot: touches (p > 0)
+  double residual = 0.0;                     ///< max |min(p_i, (w_i - overlap_i) / local_i)| over max p
+  bool converged = false;
+  int applications = 0;  ///< of the compliance: each costs a sparse solution per layer and matrix
+};
+
+/// p >= 0,  w(p) >= overlap,  p (w - overlap) = 0.                                                               (L4)
+/// `overlap`: per foot, signed [mm]: minus the gap where apart, for what bulges may come to touch. `start`: pressures
+/// to start from, or empty. Newton's method on the convex energy of (L9), each step a quadratic problem with bounds
+/// that MPRGP solves (Dostal and Schoeberl 2005: conjugate gradients on the feet that touch, with projections where
+/// some come to touch or let go), scaled by the local compliance. `contact`: its softenings are set to those of the
+/// result.
+LayerPressure solve_contact(LayerContact& contact, const Eigen::VectorXd& overlap, const Eigen::VectorXd& start = {},
+                            const LayerContactOptions& options = {});
+
+/// Derivative of (L4) with the active set held: rates of p for rates of the overlap, both feet x columns (one per
+/// motion), about the contact's softenings. Rows of feet that are not active are ignored and come back zero.
+/// `tolerance`: per column, relative. `start`: rates to start from, or empty.
+struct ActiveRates {
+  Eigen::MatrixXd pressure;
+  bool converged = false;
+  int applications = 0;
+};
+ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& active,
+                         const Eigen::MatrixXd& overlap_rates, double tolerance = 1e-9,
+                         const Eigen::MatrixXd& start = {});
+
+}  // namespace dea

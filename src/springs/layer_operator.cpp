@@ -1,0 +1,611 @@
+#include <febiodea/springs/layer_operator.h>
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <utility>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// local pairs of vertices: diagonal, then the rest
+constexpr std::size_t kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
+
+/// Gradients of the hat functions of a triangle's corners: the opposite edge turned inwards, over twice the area.
+std::array<Vector3d, 3> hat_gradients(const SurfaceMesh& mesh, int t) {
+  std::array<Vector3d, 3> gradient;
+  for (int k = 0; k < 3; ++k)
+    gradient[at(k)] =
+        mesh.normals[at(t)].cross(mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3)) / (2 * mesh.areas[at(t)]);
+  return gradient;
+}
+
+/// Per vertex: distance from the nearest free edge of the face, from each edge over the triangles around, as far as it
+/// is felt.
+std::vector<double> edge_distances(const LayerFace& face, const LayerMesh& layer) {
+  const SurfaceMesh& mesh = layer.mesh;
+  const double reach =
+      kEdgeReach * (face.thickness.empty() ? 0.0 : *std::max_element(face.thickness.begin(), face.thickness.end()));
+  std::vector<double> distance(mesh.vertices.size(), reach);
+  std::vector<int> seen(at(mesh.size()), -1), front;
+  for (std::size_t k = 0; k < face.edges.size(); ++k) {
+    const LayerFace::Edge& edge = face.edges[k];
+    if (edge.rim != Rim::Free) continue;
+    const Vector3d &a = face.mesh.corner(edge.triangle, edge.edge),
+                   &b = face.mesh.corner(edge.triangle, (edge.edge + 1) % 3);
+    front.clear();
+    for (int p = 0; p < layer.divide * layer.divide; ++p) {
+      front.push_back(edge.triangle * layer.divide * layer.divide + p);
+      seen[at(front.back())] = static_cast<int>(k);
+    }
+    while (!front.empty()) {
+      const int t = front.back();
+      front.pop_back();
+      bool felt = false;
+      for (int v : mesh.triangles[at(t)]) {
+        const double d = distance_to_segment(mesh.vertices[at(v)], a, b);
+        felt = felt || d < reach;
+        distance[at(v)] = std::min(distance[at(v)], d);
+      }
+      if (!felt) continue;
+      for (const int next : mesh.neighbours[at(t)]) {
+        if (next < 0 || seen[at(next)] == static_cast<int>(k)) continue;
+        seen[at(next)] = static_cast<int>(k);
+        front.push_back(next);
+      }
+    }
+  }
+  return distance;
+}
+
+/// (L10), with the mass lumped, so that the least and the largest thickness bound it.
+std::vector<double> smeared_thickness(const SurfaceMesh& mesh, const std::vector<double>& t) {
+  const double beta = layer_law({1.0, 0.3}, LayerFit::TwoTerms).beta[1];  // the same for every nu
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(t.size()));
+  for (int k = 0; k < mesh.size(); ++k) {
+    const auto& corner = mesh.triangles[at(k)];
+    const double A = mesh.areas[at(k)], h[3] = {t[at(corner[0])], t[at(corner[1])], t[at(corner[2])]};
+    const double squared = (h[0] * (h[0] + h[1] + h[2]) + h[1] * (h[1] + h[2]) + h[2] * h[2]) / 6;
+    const auto gradient = hat_gradients(mesh, k);
+    for (std::size_t i = 0; i < 3; ++i) {
+      entries.emplace_back(corner[i], corner[i], A / 3);
+      right[corner[i]] += A / 3 * h[i];
+      for (std::size_t j = 0; j < 3; ++j)
+        entries.emplace_back(corner[i], corner[j], beta * A * squared * gradient[i].dot(gradient[j]));
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(right.size(), right.size());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::VectorXd smeared = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
+  const auto [least, most] = std::minmax_element(t.begin(), t.end());
+  std::vector<double> out(t.size());
+  for (std::size_t v = 0; v < t.size(); ++v) out[v] = std::clamp(smeared[static_cast<Eigen::Index>(v)], *least, *most);
+  return out;
+}
+
+/// Curvature of the free edges within the surface: how much the rim turns at each vertex, pi less the angles of the
+/// triangles there, spread along the rim over twice the thickness to both sides, so that zigzags cancel. In a plane of
+/// symmetry the rim has its mirror image beyond.
+std::vector<double> edge_curvatures(const LayerMesh& layer) {
+  const SurfaceMesh& mesh = layer.mesh;
+  std::vector<double> curvature(mesh.vertices.size(), 0.0), angles(mesh.vertices.size(), 0.0);
+  std::vector<int> out(mesh.vertices.size(), -1), in(mesh.vertices.size(), -1);  // free edge that leaves, that arrives
+  std::vector<char> walled(mesh.vertices.size(), 0), beside(mesh.vertices.size(), 0);
+  for (std::size_t k = 0; k < layer.edges.size(); ++k) {
+    const LayerMesh::Edge& edge = layer.edges[k];
+    if (edge.rim == Rim::Free) {
+      out[at(edge.a)] = in[at(edge.b)] = static_cast<int>(k);
+      beside[at(edge.a)] = beside[at(edge.b)] = 1;
+    } else if (edge.rim == Rim::Wall) {
+      walled[at(edge.a)] = walled[at(edge.b)] = 1;
+    }
+  }
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const int v = mesh.triangles[at(t)][at(c)];
+      if (!beside[at(v)]) continue;
+      const Vector3d a = mesh.corner(t, (c + 1) % 3) - mesh.corner(t, c),
+                     b = mesh.corner(t, (c + 2) % 3) - mesh.corner(t, c);
+      angles[at(v)] += std::atan2(a.cross(b).norm(), a.dot(b));
+    }
+  const double pi = std::acos(-1.0);
+  const auto turning = [&](int v) {
+    if (out[at(v)] >= 0 && in[at(v)] >= 0) return pi - angles[at(v)];
+    return walled[at(v)] ? pi - 2 * angles[at(v)] : 0.0;
+  };
+  for (std::size_t v = 0; v < curvature.size(); ++v) {
+    const double reach = 2 * layer.thickness[v];
+    if (!beside[v] || !(reach > 0)) continue;
+    double sum = turning(static_cast<int>(v));
+    for (const bool forwards : {true, false}) {
+      double way = 0.0;
+      int at_vertex = static_cast<int>(v);
+      bool onwards = forwards;
+      for (std::size_t steps = 0; steps <= layer.edges.size(); ++steps) {
+        int next = onwards ? out[at(at_vertex)] : in[at(at_vertex)];
+        if (next < 0 && walled[at(at_vertex)]) {  // the mirror image: back along the same edges
+          onwards = !onwards;
+          next = onwards ? out[at(at_vertex)] : in[at(at_vertex)];
+        }
+        if (next < 0) break;
+        const LayerMesh::Edge& edge = layer.edges[at(next)];
+        way += edge.length;
+        at_vertex = onwards ? edge.b : edge.a;
+        if (way >= reach) break;
+        sum += turning(at_vertex) * (1 - way / reach);
+      }
+    }
+    curvature[v] = sum / reach;
+  }
+  return curvature;
+}
+
+SymmetricPattern pattern_of(const SurfaceMesh& mesh) {
+  std::vector<std::array<int, 2>> pairs;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t e = 3; e < 6; ++e) pairs.push_back({t[kFirst[e]], t[kSecond[e]]});
+  return make_pattern(static_cast<int>(mesh.vertices.size()), pairs);
+}
+
+/// The vertices that lie no further than `reach` from some of `from`, along the mesh's edges.
+std::vector<int> within_way(const LayerMesh& layer, const std::vector<int>& from, double reach) {
+  std::vector<double> way(at(layer.nodes()), std::numeric_limits<double>::infinity());
+  std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> front;
+  for (const int v : from) {
+    way[at(v)] = 0;
+    front.emplace(0.0, v);
+  }
+  std::vector<int> found;
+  while (!front.empty()) {
+    const double so_far = front.top().first;
+    const int v = front.top().second;
+    front.pop();
+    if (so_far > way[at(v)]) continue;
+    found.push_back(v);
+    for (int k = layer.beside_begin[at(v)]; k < layer.beside_begin[at(v) + 1]; ++k) {
+      const int next = layer.beside[at(k)];
+      const double length = so_far + (layer.mesh.vertices[at(next)] - layer.mesh.vertices[at(v)]).norm();
+      if (length >= way[at(next)] || length > reach) continue;
+      way[at(next)] = length;
+      front.emplace(length, next);
+    }
+  }
+  return found;
+}
+
+/// Gives the vertices other numbers: `place` of each.
+void renumber(SurfaceMesh& mesh, const std::vector<int>& place) {
+  const SurfaceMesh old = mesh;
+  for (std::size_t v = 0; v < place.size(); ++v) {
+    mesh.model_nodes[at(place[v])] = old.model_nodes[v];
+    mesh.vertices[at(place[v])] = old.vertices[v];
+    mesh.vertex_normals[at(place[v])] = old.vertex_normals[v];
+    mesh.vertex_areas[at(place[v])] = old.vertex_areas[v];
+  }
+  for (auto& triangle : mesh.triangles)
+    for (int& v : triangle) v = place[at(v)];
+}
+
+}  // namespace
+
+LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
+  LayerMesh layer;
+  layer.divide = divide;
+  layer.pressed = face.pressed * divide * divide;
+  layer.mesh = divided(face.mesh, divide);
+  renumber(layer.mesh, sparse_order(pattern_of(layer.mesh)));
+  layer.thickness.assign(layer.mesh.vertices.size(), 0.0);
+  const auto parts = triangle_parts(divide);
+  for (int t = 0; t < face.mesh.size(); ++t) {
+    const auto& corner = face.mesh.triangles[at(t)];
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (std::size_t c = 0; c < 3; ++c) {
+        double h = 0;
+        for (std::size_t k = 0; k < 3; ++k) h += parts[p][c][k] * face.thickness[at(corner[k])];
+        layer.thickness[at(layer.mesh.triangles[at(t) * parts.size() + p][c])] = h;
+      }
+  }
+  constexpr double kOnEdge = 1e-9;
+  for (const LayerFace::Edge& edge : face.edges) {
+    const std::size_t across = at((edge.edge + 2) % 3);  // this coordinate is 0 along the edge
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t next = (c + 1) % 3;
+        if (parts[p][c][across] > kOnEdge || parts[p][next][across] > kOnEdge) continue;
+        const int triangle = edge.triangle * divide * divide + static_cast<int>(p);
+        const auto& corner = layer.mesh.triangles[at(triangle)];
+        layer.edges.push_back({corner[c], corner[next], triangle,
+                               (layer.mesh.vertices[at(corner[next])] - layer.mesh.vertices[at(corner[c])]).norm(),
+                               edge.rim});
+      }
+  }
+  std::vector<std::vector<int>> beside(layer.mesh.vertices.size());
+  for (const auto& t : layer.mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const int other : {t[(k + 1) % 3], t[(k + 2) % 3]}) {
+        auto& list = beside[at(t[k])];
+        if (std::find(list.begin(), list.end(), other) == list.end()) list.push_back(other);
+      }
+  layer.beside_begin.push_back(0);
+  for (const auto& list : beside) {
+    layer.beside.insert(layer.beside.end(), list.begin(), list.end());
+    layer.beside_begin.push_back(static_cast<int>(layer.beside.size()));
+  }
+  layer.edge_distance = edge_distances(face, layer);
+  layer.edge_curvature = edge_curvatures(layer);
+  layer.thickness = smeared_thickness(layer.mesh, layer.thickness);
+  return layer;
+}
+
+void add_foot(LayerFeet& feet, const LayerOperator& of, const std::vector<SurfacePart>& parts, double area) {
+  const LayerMesh& layer = of.mesh;
+  const double local = of.law.local, edge_own = of.edge.own;
+  double sum = 0;
+  for (const SurfacePart& part : parts) sum += part.area;
+  double volume = 0, own = 0;
+  if (sum > 0 && area > 0) {
+    const double scale = area / sum;
+    const std::size_t first = at(feet.begin.back());
+    for (const SurfacePart& part : parts) {
+      const auto& corner = layer.mesh.triangles[at(part.triangle)];
+      double t[3], d[3], shape = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        t[k] = layer.thickness[at(corner[k])];
+        d[k] = layer.edge_distance[at(corner[k])];
+      }
+      std::array<double, 3> b = {0, 0, 0};
+      double part_volume = 0, part_own = 0;
+      const auto piece = [&](int i) {  // fan of triangles: corners 0, i, i + 1
+        return std::array<const Barycentric*, 3>{&part.corner[0], &part.corner[at(i)], &part.corner[at(i + 1)]};
+      };
+      const auto size = [](const std::array<const Barycentric*, 3>& p) {
+        return std::abs(((*p[1])[0] - (*p[0])[0]) * ((*p[2])[1] - (*p[0])[1]) -
+                        ((*p[1])[1] - (*p[0])[1]) * ((*p[2])[0] - (*p[0])[0]));
+      };
+      for (int i = 1; i + 1 < part.corners; ++i) shape += size(piece(i));
+      if (!(shape > 0)) continue;
+      for (int i = 1; i + 1 < part.corners; ++i) {
+        const auto p = piece(i);
+        const double a = scale * part.area * size(p) / shape;
+        double at_corner[3], mean = 0, edge = 0, all[3] = {0, 0, 0};
+        for (std::size_t c = 0; c < 3; ++c) {
+          at_corner[c] = (*p[c])[0] * t[0] + (*p[c])[1] * t[1] + (*p[c])[2] * t[2];
+          mean += at_corner[c] / 3;
+          edge += ((*p[c])[0] * d[0] + (*p[c])[1] * d[1] + (*p[c])[2] * d[2]) / 3;
+          for (std::size_t k = 0; k < 3; ++k) all[k] += (*p[c])[k];
+        }
+        for (std::size_t k = 0; k < 3; ++k)  // integral of t N: (sum t N + sum t sum N)/12
+          b[k] +=
+              a / 12 *
+              (at_corner[0] * (*p[0])[k] + at_corner[1] * (*p[1])[k] + at_corner[2] * (*p[2])[k] + 3 * mean * all[k]);
+        part_volume += a * mean;
+        if (mean > 0)  // nothing beyond the reach, where the distance is not known
+          part_own += a * mean *
+                      (local + edge_own * std::max(0.0, std::exp(-kEdgeDecay * edge / mean) -
+                                                            std::exp(-kEdgeDecay * kEdgeReach)));
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::size_t i = first;
+        while (i < feet.node.size() && feet.node[i] != corner[k]) ++i;
+        if (i == feet.node.size()) {
+          feet.node.push_back(corner[k]);
+          feet.weight.push_back(0.0);
+        }
+        feet.weight[i] += b[k];
+      }
+      volume += part_volume;
+      own += part_own;
+    }
+  } else {
+    area = 0;
+  }
+  feet.begin.push_back(static_cast<int>(feet.node.size()));
+  feet.area.push_back(area);
+  feet.volume.push_back(volume);
+  feet.own.push_back(area > 0 ? own / area : 0.0);
+}
+
+void append(LayerFeet& feet, const LayerFeet& more) {
+  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  const int first = feet.begin.back();
+  for (std::size_t i = 1; i < more.begin.size(); ++i) feet.begin.push_back(first + more.begin[i]);
+  add(feet.node, more.node);
+  add(feet.weight, more.weight);
+  add(feet.area, more.area);
+  add(feet.volume, more.volume);
+  add(feet.own, more.own);
+}
+
+LayerFeet feet_of_own_triangles(const LayerOperator& layer) {
+  const LayerMesh& mesh = layer.mesh;
+  LayerFeet feet;
+  std::vector<SurfacePart> part(1);
+  part[0].corners = 3;
+  part[0].corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (int t = 0; t < mesh.pressed; ++t) {
+    part[0].triangle = t;
+    part[0].area = mesh.mesh.areas[at(t)];
+    add_foot(feet, layer, part, part[0].area);
+  }
+  set_reach(feet, layer);
+  return feet;
+}
+
+void set_reach(LayerFeet& feet, const LayerOperator& layer) {
+  const LayerMesh& mesh = layer.mesh;
+  std::vector<char> seen(at(mesh.nodes()), 0);
+  std::vector<int> under;
+  for (int i = 0; i < feet.size(); ++i) {
+    if (!(feet.area[at(i)] > 0)) continue;
+    for (int k = feet.begin[at(i)]; k < feet.begin[at(i + 1)]; ++k) {
+      const int v = feet.node[at(k)];
+      if (!seen[at(v)]) under.push_back(v);
+      seen[at(v)] = 1;
+    }
+  }
+  std::vector<int> in_first = under;
+  for (const LayerOperator::Outflow& out : layer.outflow) {  // what flows out there comes back
+    in_first.push_back(out.node);
+    in_first.insert(in_first.end(), mesh.beside.begin() + mesh.beside_begin[at(out.node)],
+                    mesh.beside.begin() + mesh.beside_begin[at(out.node) + 1]);
+  }
+  feet.columns[0] = columns_for(layer.factor[0], in_first);
+  feet.columns[1].clear();
+  if (layer.law.terms < 2) return;
+  const double most = mesh.thickness.empty() ? 0.0 : *std::max_element(mesh.thickness.begin(), mesh.thickness.end());
+  feet.columns[1] = columns_for(layer.factor[1], within_way(mesh, under, 3 * most));
+}
+
+StrainExcess strain_excess(const Elasticity& layer, double q) {
+  if (!(q > 0)) return {};
+  const double per_modulus = 1 / confined_modulus(layer.E, layer.nu);
+  const double strain = strain_at_pressure(Law::NeoHookean, layer, q);
+  return {q * per_modulus - strain, per_modulus - 1 / layer_response(Law::NeoHookean, layer, strain).slope};
+}
+
+namespace {
+
+/// M_t, K_t3, and along the edges the integral of t^2.
+struct Parts {
+  std::vector<double> mass, stiffness, free_edge, open_edge;
+};
+
+Parts assemble(const LayerMesh& layer, const SymmetricPattern& pattern) {
+  const SurfaceMesh& surface = layer.mesh;
+  const std::vector<double> none(at(pattern.entries()), 0.0);
+  Parts parts = {none, none, none, none};
+  for (int t = 0; t < surface.size(); ++t) {
+    const auto& corner = surface.triangles[at(t)];
+    const double A = surface.areas[at(t)];
+    const auto gradient = hat_gradients(surface, t);
+    const double h[3] = {layer.thickness[at(corner[0])], layer.thickness[at(corner[1])],
+                         layer.thickness[at(corner[2])]},
+                 sum = h[0] + h[1] + h[2];
+    // integrals of linear t: t^3 is the sum of its monomials of degree 3 over 10; t N_i N_j by products of N
+    const double cubed = (h[0] * h[0] * (h[0] + h[1] + h[2]) + h[1] * h[1] * (h[1] + h[2]) + h[2] * h[2] * h[2] +
+                          h[0] * h[1] * (h[1] + h[2]) + h[2] * h[2] * (h[0] + h[1])) /
+                         10;
+    for (std::size_t e = 0; e < 6; ++e) {
+      const std::size_t i = kFirst[e], j = kSecond[e], s = at(pattern.find(corner[i], corner[j]));
+      parts.mass[s] += i == j ? A * (2 * sum + 4 * h[i]) / 60 : A * (sum + h[i] + h[j]) / 60;
+      parts.stiffness[s] += A * cubed * gradient[i].dot(gradient[j]);
+    }
+  }
+  for (const LayerMesh::Edge& side : layer.edges) {
+    if (side.rim == Rim::Wall) continue;
+    std::vector<double>& along = side.rim == Rim::Free ? parts.free_edge : parts.open_edge;
+    // integral of t^2 N_i N_j along the edge, t linear
+    const double ta = layer.thickness[at(side.a)], tb = layer.thickness[at(side.b)], l = side.length / 30;
+    along[at(pattern.find(side.a, side.a))] += l * (6 * ta * ta + 3 * ta * tb + tb * tb);
+    along[at(pattern.find(side.b, side.b))] += l * (6 * tb * tb + 3 * ta * tb + ta * ta);
+    along[at(pattern.find(side.a, side.b))] += l * (1.5 * ta * ta + 2 * ta * tb + 1.5 * tb * tb);
+  }
+  return parts;
+}
+
+/// At a free edge what bulges escapes: q = 0 in the first term. The second decays within 0.4 t, which few meshes
+/// resolve: held, it would make coarse edges stiff; it goes on as beyond a loaded patch, and (L7) adds what is missing.
+/// Returns per vertex what the diagonal of S_0 gains where a hole's rim is not held.
+std::vector<double> hold_edges(LayerOperator& op) {
+  const LayerMesh& layer = op.mesh;
+  const std::size_t n = at(layer.nodes());
+  std::vector<char> carries(n, 0), bare(n, 0);
+  std::vector<double> share(n, 0.0);  // B_v
+  std::vector<double> gained(n, 0.0);
+  std::vector<char> free(n, 0);
+  for (const LayerMesh::Edge& side : layer.edges) {
+    if (side.rim != Rim::Free) continue;
+    for (const int v : {side.a, side.b}) {
+      share[at(v)] += 0.5 * side.length * layer.thickness[at(v)] * layer.thickness[at(v)];
+      free[at(v)] = 1;
+    }
+  }
+  for (const auto& corner : layer.mesh.triangles) {
+    double most = 0;
+    for (int v : corner) most = std::max(most, layer.thickness[at(v)]);
+    for (int v : corner) (most > 0 ? carries : bare)[at(v)] = 1;
+  }
+  for (auto& of_term : op.held) of_term.assign(n, 0);
+  constexpr double kMostRobin = 5.0;  // keeps the operator positive; larger ones are seen no more
+  for (std::size_t v = 0; v < n; ++v) {
+    op.held[1][v] = !carries[v];
+    op.held[0][v] = !carries[v] || bare[v];
+    if (op.held[0][v] || !free[v]) continue;
+    const double bend = std::min(layer.edge_curvature[v] * layer.thickness[v], 1.0),
+                 e = op.edge.straight + op.edge.curved * bend;
+    if (e < 0 && op.law.weight[0] < 0 && share[v] > 0) {
+      gained[v] = op.law.beta[0] * share[v] / std::min(e / op.law.weight[0], kMostRobin);
+      continue;
+    }
+    op.held[0][v] = 1;
+    if (e > 0 && share[v] > 0) op.outflow.push_back({static_cast<int>(v), e / (op.law.beta[0] * share[v])});
+  }
+  return gained;
+}
+
+}  // namespace
+
+LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit) {
+  LayerOperator op;
+  op.mesh = std::move(mesh);
+  op.elasticity = elasticity;
+  op.law = layer_law(elasticity, fit);
+  op.edge = edge_law(elasticity, fit);
+  op.pattern = pattern_of(op.mesh.mesh);
+  const SymmetricPattern& pattern = op.pattern;
+  const std::vector<double> gained = hold_edges(op);
+  const Parts parts = assemble(op.mesh, pattern);
+  const std::size_t entries = parts.mass.size();
+  std::vector<double> values(entries), unheld;
+  for (std::size_t k = 0; k < at(op.law.terms); ++k) {
+    const double beta = op.law.beta[k], root = std::sqrt(beta);
+    for (std::size_t s = 0; s < entries; ++s)
+      values[s] =
+          parts.mass[s] + beta * parts.stiffness[s] + root * (parts.open_edge[s] + (k == 1 ? parts.free_edge[s] : 0.0));
+    if (k == 0) {
+      for (int v = 0; v < pattern.size(); ++v) values[at(pattern.begin[at(v)])] += gained[at(v)];
+      unheld = values;
+    }
+    for (int column = 0; column < pattern.size(); ++column)
+      for (int s = pattern.begin[at(column)]; s < pattern.begin[at(column) + 1]; ++s) {
+        const int row = pattern.row[at(s)];
+        if (op.held[k][at(column)] || op.held[k][at(row)])  // the row says q = 0; the pattern stays
+          values[at(s)] = row == column ? 1.0 : 0.0;
+      }
+    op.factor[k] = factorise(pattern, values);
+  }
+  if (!op.outflow.empty()) op.unheld = std::move(unheld);
+  if (op.law.terms < 2) return op;
+  // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
+  // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
+  op.onwards.resize(entries);
+  for (std::size_t s = 0; s < entries; ++s)
+    op.onwards[s] = op.law.square * (parts.mass[s] + 0.5 * std::sqrt(op.law.beta[1]) * parts.open_edge[s]) +
+                    op.edge.around * parts.free_edge[s];
+  return op;
+}
+
+namespace {
+
+/// b p
+Nodal loads(const LayerOperator& op, const LayerFeet& feet, const Eigen::MatrixXd& p) {
+  Nodal load = Nodal::Zero(op.mesh.nodes(), p.cols());
+  if (p.cols() == 1) {  // most calls
+    double* f = load.data();
+    for (int i = 0; i < feet.size(); ++i) {
+      const double pressure = p(i, 0);
+      if (pressure == 0) continue;
+      for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k)
+        f[feet.node[at(k)]] += feet.weight[at(k)] * pressure;
+    }
+    return load;
+  }
+  for (int i = 0; i < feet.size(); ++i)
+    for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k)
+      load.row(feet.node[at(k)]) += feet.weight[at(k)] * p.row(i);
+  return load;
+}
+
+/// b_i . q of one foot
+double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
+  double sum = 0;
+  const double* value = q.data() + c;
+  const std::ptrdiff_t columns = q.cols();
+  for (int k = feet.begin[at(i)]; k < feet.begin[at(i) + 1]; ++k)
+    sum += feet.weight[at(k)] * value[columns * feet.node[at(k)]];
+  return sum;
+}
+
+/// q of one term for a load.
+Nodal term_pressure(const LayerOperator& op, const LayerFeet& feet, std::size_t term, Nodal load) {
+  for (const int v : feet.columns[term])
+    if (op.held[term][at(v)]) load.row(v).setZero();
+  solve(op.factor[term], feet.columns[term], load);
+  return load;
+}
+
+/// z (L7), for the load b p and its q_0.
+Nodal edge_stretch(const LayerOperator& op, const LayerFeet& feet, const Nodal& load, const Nodal& q) {
+  Nodal held = Nodal::Zero(q.rows(), q.cols()), z = held, right_side = held;
+  add_times(op.pattern, op.unheld, feet.columns[0], q, held);
+  for (const LayerOperator::Outflow& v : op.outflow) z.row(v.node) = v.stretch * (load.row(v.node) - held.row(v.node));
+  add_times(op.pattern, op.unheld, feet.columns[0], z, right_side);
+  return z - term_pressure(op, feet, 0, std::move(right_side));  // which holds the edge
+}
+
+/// w, with excess(i, q) the strain by which a foot answers less than linearly to the pressure q = (B p)_i; not `large`:
+/// small strain.
+template <class Excess>
+Eigen::MatrixXd flow(const LayerOperator& op, const LayerFeet& feet, const Eigen::MatrixXd& p, const Excess& excess,
+                     bool large) {
+  assert(p.rows() == feet.size());
+  const double own = op.law.own_share;
+  const Nodal load = loads(op, feet, p);
+  Nodal all = term_pressure(op, feet, 0, load);
+  if (op.outflow.empty())
+    all *= op.law.weight[0];
+  else
+    all = op.law.weight[0] * all + edge_stretch(op, feet, load, all);
+  Eigen::MatrixXd strain;
+  if (large) strain = Eigen::MatrixXd::Zero(p.rows(), p.cols());
+  const auto find_strain = [&](const Nodal* q) {
+    for (int i = 0; i < feet.size(); ++i)
+      for (Eigen::Index c = 0; c < p.cols() && feet.volume[at(i)] > 0; ++c) {
+        const double around = q && own < 1 ? gathered(feet, i, *q, c) / feet.volume[at(i)] : 0.0;
+        strain(i, c) = excess(i, own * p(i, c) + (1 - own) * around);
+      }
+  };
+  if (op.law.terms == 2) {
+    const Nodal q = term_pressure(op, feet, 1, load);
+    all += op.law.weight[1] * q;
+    Nodal right_side = Nodal::Zero(q.rows(), q.cols());  // the fraction's square: S^-1 M_t S^-1
+    add_times(op.pattern, op.onwards, feet.columns[1], q, right_side);
+    if (large) {
+      find_strain(&q);
+      right_side -= (1 - own) * loads(op, feet, strain);
+    }
+    all += term_pressure(op, feet, 1, std::move(right_side));
+  } else if (large) {
+    find_strain(nullptr);
+  }
+  Eigen::MatrixXd w = Eigen::MatrixXd::Zero(p.rows(), p.cols());
+  for (int i = 0; i < feet.size(); ++i)
+    for (Eigen::Index c = 0; c < p.cols() && feet.area[at(i)] > 0; ++c) {
+      w(i, c) = feet.own[at(i)] * p(i, c) + gathered(feet, i, all, c) / feet.area[at(i)];
+      if (large) w(i, c) -= own * feet.thickness(i) * strain(i, c);
+    }
+  return w;
+}
+
+}  // namespace
+
+Eigen::MatrixXd sinking(const LayerOperator& layer, const LayerFeet& feet, const Eigen::MatrixXd& pressure,
+                        const Eigen::VectorXd* softening) {
+  const auto excess = [&](int i, double q) { return softening ? (*softening)[i] * q : 0.0; };
+  return flow(layer, feet, pressure, excess, softening != nullptr);
+}
+
+Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet, const Eigen::VectorXd& pressure,
+                              Eigen::VectorXd& softening) {
+  softening.setZero(pressure.size());
+  const auto excess = [&](int i, double q) {
+    const StrainExcess e = strain_excess(layer.elasticity, q);
+    softening[i] = e.slope;
+    return e.strain;
+  };
+  return flow(layer, feet, pressure, excess, true);
+}
+
+double own_compliance(const LayerOperator& layer, const LayerFeet& feet, int foot, const Eigen::VectorXd* softening) {
+  const double own = layer.law.own_share;
+  return feet.own[at(foot)] - (softening ? own * own * feet.thickness(foot) * (*softening)[foot] : 0.0);
+}
+
+}  // namespace dea

@@ -1,0 +1,616 @@
+#include <febiodea/views/compare/compare_files.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <febiodea/base/error.h>
+#include <febiodea/version.h>
+
+namespace dea {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* kPressure = "contact pressure";
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// One surface of one file at its compared state.
+struct Side {
+  int surface = -1;
+  ResultSurface geometry;
+  SurfaceValues values;
+  std::vector<double> nodal;  ///< pressure
+  SurfaceFrame frame;         ///< of the reference configuration, whatever the areas
+  SurfaceFacts facts;
+};
+
+std::string quoted(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& n : names) text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ", n);
+  return text.empty() ? "none" : text;
+}
+
+std::vector<std::string> surfaces_with_pressure(const ResultFile& file, int state) {
+  std::vector<std::string> names;
+  const std::vector<XpltFacets>& surfaces = mesh_of(file, state).surfaces;
+  for (std::size_t s = 0; s < surfaces.size(); ++s)
+    if (surfaces[s].size() > 0 && !facet_values(file, state, static_cast<int>(s), kPressure).empty() &&
+        std::find(names.begin(), names.end(), surfaces[s].name) == names.end())
+      names.push_back(surfaces[s].name);
+  return names;
+}
+
+double largest_pressure(const ResultFile& file, int state, const std::string& name) {
+  const std::vector<double> p = facet_values(file, state, find_surface(file, state, name), kPressure);
+  return p.empty() ? 0.0 : *std::max_element(p.begin(), p.end());
+}
+
+/// "A=B" is one name per file, unless a file has a surface of that name.
+std::vector<std::string> split_names(const std::string& text, const std::vector<ResultFile>& files,
+                                     const std::vector<int>& states) {
+  for (std::size_t i = 0; i < files.size(); ++i)
+    if (find_surface(files[i], states[i], text) >= 0) return std::vector<std::string>(files.size(), text);
+  std::vector<std::string> names(1);
+  for (char c : text) {
+    if (c == '=')
+      names.emplace_back();
+    else
+      names.back() += c;
+  }
+  if (names.size() == 1) names.assign(files.size(), text);
+  if (names.size() != files.size())
+    throw UsageError(fmt::format("--surface {}: found {} names, expected one or one per file ({})", text, names.size(),
+                                 files.size()));
+  return names;
+}
+
+/// Names of the surfaces to compare, one per file each.
+std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFile>& files,
+                                                      const std::vector<int>& states, const CompareOptions& options,
+                                                      std::vector<std::string>& warnings) {
+  std::vector<std::vector<std::string>> with_pressure;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    with_pressure.push_back(surfaces_with_pressure(files[i], states[i]));
+    if (with_pressure.back().empty())
+      throw InputError(fmt::format("{}: found no surface with \"{}\" at time {:g}, expected one", files[i].path,
+                                   kPressure, files[i].plot.states[at(states[i])].time));
+  }
+  std::vector<std::vector<std::string>> chosen;
+  for (const std::string& text : options.surfaces) {
+    chosen.push_back(split_names(text, files, states));
+    for (std::size_t i = 0; i < files.size(); ++i)
+      if (std::find(with_pressure[i].begin(), with_pressure[i].end(), chosen.back()[i]) == with_pressure[i].end())
+        throw InputError(fmt::format("{}: found no surface \"{}\" with \"{}\", expected one of {}", files[i].path,
+                                     chosen.back()[i], kPressure, quoted(with_pressure[i])));
+    for (std::size_t k = 0; k + 1 < chosen.size(); ++k)
+      if (chosen[k].front() == chosen.back().front())
+        throw UsageError(fmt::format("--surface {}: surface \"{}\" given twice", text, chosen[k].front()));
+  }
+  if (!chosen.empty()) return chosen;
+
+  bool common = false;
+  std::vector<std::vector<std::string>> one_sided;
+  for (const std::string& name : with_pressure.front()) {
+    bool everywhere = true;
+    for (const auto& names : with_pressure)
+      everywhere = everywhere && std::find(names.begin(), names.end(), name) != names.end();
+    if (!everywhere) continue;
+    common = true;
+    int pressed = 0;
+    std::string unpressed;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (largest_pressure(files[i], states[i], name) > 0)
+        ++pressed;
+      else
+        unpressed += fmt::format("{}{}", unpressed.empty() ? "" : ", ", files[i].label);
+    }
+    if (pressed == 0) continue;
+    (unpressed.empty() ? chosen : one_sided).push_back(std::vector<std::string>(files.size(), name));
+    if (!unpressed.empty())
+      warnings.push_back(
+          fmt::format("note: surface \"{}\" has no pressure anywhere in {}; FEBio computes a contact's pressure on its "
+                      "primary surface only, unless "
+                      "told otherwise",
+                      name, unpressed));
+  }
+  if (!common) {
+    std::string have;
+    for (std::size_t i = 0; i < files.size(); ++i)
+      have += fmt::format("{}{} has {}", i > 0 ? "; " : "", files[i].path, quoted(with_pressure[i]));
+    throw InputError(
+        fmt::format("found no surface with \"{}\" that all files have, expected --surface A=B: {}", kPressure, have));
+  }
+  chosen.insert(chosen.end(), one_sided.begin(), one_sided.end());
+  if (chosen.empty())
+    throw InputError(
+        fmt::format("{}: found no \"{}\" above 0 on any common surface in any file", files.front().path, kPressure));
+  return chosen;
+}
+
+double resultant(const ResultSurface& surface, const std::vector<double>& pressure) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t f = 0; f < pressure.size(); ++f)
+    if (pressure[f] > 0) sum += pressure[f] * surface.area_vectors[f];
+  return sum.norm();
+}
+
+double total(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+/// dea's springs push on the areas of the mesh. Its files move the nodes of the layers, too, but that is a picture of
+/// how far they are squeezed and no solution.
+bool pressure_is_per_mesh_area(const ResultFile& file) { return file.plot.software.rfind("FEBioDEA", 0) == 0; }
+
+SurfaceFacts surface_facts(const ResultFile& file, int state, const Side& side, const ResultSurface& mesh) {
+  SurfaceFacts facts;
+  facts.area = total(mesh.facet_areas);
+  facts.resultant = resultant(mesh, side.values.pressure);
+  facts.deformed_area = facts.deformed_resultant = kNaN;
+  if (pressure_is_per_mesh_area(file)) {
+    facts.deformed_area = facts.area;
+    facts.deformed_resultant = facts.resultant;
+  } else if (const std::optional<ResultSurface> moved = deformed_surface(file, state, side.surface)) {
+    facts.deformed_area = total(moved->facet_areas);
+    facts.deformed_resultant = resultant(*moved, side.values.pressure);
+    double change = 0.0;
+    for (std::size_t f = 0; f < mesh.facet_areas.size(); ++f)
+      change += std::abs(moved->facet_areas[f] - mesh.facet_areas[f]);
+    // single precision: 7 digits of a place, which may be 1000 facets away from the origin
+    facts.deforms = change > 1e-3 * facts.area;
+  }
+  facts.contact_force = surface_vector(file, state, side.surface, "contact force");
+  facts.interface = interface_compliance(side.values.pressure, side.values.gap, side.geometry.facet_areas);
+  return facts;
+}
+
+/// What does not fit together: pressure, areas and contact force of one file.
+void note_areas_and_force(const Side& side, const ResultFile& file, CompareAreas areas,
+                          std::vector<std::string>& warnings) {
+  const SurfaceFacts& facts = side.facts;
+  const bool deformed = areas == CompareAreas::Deformed;
+  if (deformed && pressure_is_per_mesh_area(file))
+    warnings.push_back(
+        fmt::format("note: {}: dea's pressure is per area of the mesh: areas of \"{}\" are those of the mesh",
+                    file.label, side.geometry.name));
+  else if (deformed && !facts.deforms)
+    warnings.push_back(
+        fmt::format("note: {}: surface \"{}\" does not deform in its file: its areas are those of the mesh", file.label,
+                    side.geometry.name));
+  const double share = share_of_contact_force(facts, areas);
+  const double other = share_of_contact_force(facts, deformed ? CompareAreas::Reference : CompareAreas::Deformed);
+  if (!(facts.resultant > 0) || !(std::abs(share - 1) > 0.01)) return;
+  if (std::abs(other - 1) < 0.5 * std::abs(share - 1))
+    warnings.push_back(
+        fmt::format("note: {}: pressure on \"{}\" times {} areas is {:.1f}% of its contact force, times {} areas "
+                    "{:.1f}%: --areas {}",
+                    file.label, side.geometry.name, deformed ? "deformed" : "the reference mesh's", 100 * share,
+                    deformed ? "the reference mesh's" : "deformed", 100 * other, deformed ? "reference" : "deformed"));
+  else
+    warnings.push_back(fmt::format("note: {}: the pressure map of \"{}\" carries {:.1f}% of its contact force",
+                                   file.label, side.geometry.name, 100 * share));
+}
+
+Side make_side(const ResultFile& file, int state, const std::string& name, CompareAreas areas) {
+  Side side;
+  side.surface = find_surface(file, state, name);
+  const ResultSurface mesh = result_surface(file, state, side.surface);
+  side.frame = surface_frame(mesh);
+  side.geometry = compared_surface(file, state, side.surface, areas);
+  if (side.geometry.mesh.size() == 0) throw InputError(fmt::format("{}: surface \"{}\" has no area", file.path, name));
+  side.values.pressure = facet_values(file, state, side.surface, kPressure);
+  side.values.gap = facet_values(file, state, side.surface, "contact gap");
+  side.nodal = nodal_average(side.geometry, side.values.pressure);
+  side.facts = surface_facts(file, state, side, mesh);
+  return side;
+}
+
+/// Values of a surface per facet in every state up to `last` that has the same facets; states without values count as
+/// 0.
+struct History {
+  std::vector<double> times;
+  std::vector<std::vector<double>> pressure;
+  int left_out = 0;
+};
+History history(const ResultFile& file, int last, const std::string& name) {
+  History h;
+  const XpltMesh& mesh = mesh_of(file, last);
+  const XpltFacets& facets = mesh.surfaces[at(find_surface(file, last, name))];
+  for (int s = 0; s <= last; ++s) {
+    const int surface = find_surface(file, s, name);
+    if (surface < 0 || !(mesh_of(file, s).surfaces[at(surface)] == facets)) {
+      ++h.left_out;
+      continue;
+    }
+    h.times.push_back(file.plot.states[at(s)].time);
+    h.pressure.push_back(facet_values(file, s, surface, kPressure));
+    if (h.pressure.back().empty()) h.pressure.back().assign(at(facets.size()), 0.0);
+  }
+  return h;
+}
+
+TimeSums nodal_sums(const History& h, const ResultSurface& geometry, std::optional<double> dose_above) {
+  std::vector<std::vector<double>> nodal;
+  for (const auto& p : h.pressure) nodal.push_back(nodal_average(geometry, p));
+  return over_time(h.times, nodal, dose_above);
+}
+
+TimeMeasures time_measures(const TimeSums& sums, std::size_t states, const std::vector<double>& areas) {
+  TimeMeasures m;
+  double area = 0.0;
+  m.max_dose = m.mean_dose = sums.dose.empty() ? kNaN : 0.0;
+  for (std::size_t v = 0; v < areas.size(); ++v) {
+    if (!(areas[v] > 0 && sums.peak[v] > 0)) continue;
+    area += areas[v];
+    m.max_peak = std::max(m.max_peak, sums.peak[v]);
+    m.mean_peak += areas[v] * sums.peak[v];
+    m.max_exposure = std::max(m.max_exposure, sums.exposure[v]);
+    m.mean_exposure += areas[v] * sums.exposure[v];
+    if (sums.dose.empty()) continue;
+    m.max_dose = std::max(m.max_dose, sums.dose[v]);
+    m.mean_dose += areas[v] * sums.dose[v];
+  }
+  if (area > 0) {
+    m.mean_peak /= area;
+    m.mean_exposure /= area;
+    m.mean_dose /= area;
+  }
+  if (states < 2) m = {kNaN, kNaN, kNaN, kNaN, kNaN, kNaN};  // one state is no history
+  return m;
+}
+
+/// A region of every file: name and its facets there.
+struct Region {
+  std::string name;
+  std::vector<FacetMask> masks;
+};
+
+std::vector<Region> make_regions(const std::vector<ResultFile>& files, const std::vector<int>& states,
+                                 const std::vector<Side>& sides, const CompareOptions& options,
+                                 const SurfaceFrame& frame) {
+  std::vector<Region> regions = {{"", std::vector<FacetMask>(files.size())}};
+  for (const std::string& name : options.regions) {
+    Region region{name, {}};
+    for (std::size_t i = 0; i < files.size(); ++i)
+      region.masks.push_back(facets_in(files[i], states[i], sides[i].surface, name));
+    regions.push_back(std::move(region));
+  }
+  if (!options.thirds) return regions;
+  const char* names[3] = {"anterior", "superior", "posterior"};
+  for (const char* name : names) regions.push_back({name, {}});
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::array<FacetMask, 3> masks = thirds(sides[i].geometry, frame, options.up, options.anterior);
+    for (std::size_t k = 0; k < 3; ++k) regions[regions.size() - 3 + k].masks.push_back(masks[k]);
+  }
+  return regions;
+}
+
+std::vector<double> facet_correlations(const std::vector<Side>& sides, const std::vector<NodeMatch>& matches,
+                                       const FacetMask& mask) {
+  std::vector<double> out;
+  const Side& reference = sides.back();
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    if (!matches[i].same_mesh) {
+      out.push_back(kNaN);
+      continue;
+    }
+    std::vector<double> weights(reference.values.pressure.size(), 1.0);
+    for (std::size_t f = 0; f < mask.size(); ++f) weights[f] = mask[f] ? 1.0 : 0.0;
+    out.push_back(correlation(sides[i].values.pressure, reference.values.pressure, weights));
+  }
+  return out;
+}
+
+/// 1: it is all there.
+double carried_share(const Side& from, const Side& onto, const NodeMatch& match, std::vector<double> carried) {
+  const double own = resultant(from.geometry, from.values.pressure);
+  if (match.same_mesh || !(own > 0)) return 1.0;
+  for (double& p : carried)
+    if (std::isnan(p)) p = 0.0;
+  return resultant(onto.geometry, facet_average(onto.geometry, carried)) / own;
+}
+
+ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std::vector<int>& states,
+                                const std::vector<std::string>& names, const CompareOptions& options,
+                                const std::vector<double>& thresholds, std::vector<std::string>& warnings) {
+  ComparedSurface compared;
+  compared.names = names;
+  std::vector<Side> sides;
+  std::vector<TimeSums> sums;
+  std::vector<std::size_t> summed_states;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    sides.push_back(make_side(files[i], states[i], names[i], options.areas));
+    note_areas_and_force(sides.back(), files[i], options.areas, warnings);
+    compared.facets.push_back(sides.back().geometry.facets());
+    const History h = history(files[i], states[i], names[i]);
+    if (h.left_out > 0)
+      warnings.push_back(
+          fmt::format("warning: {}: {} states with another mesh of \"{}\" are left out of sums over time",
+                      files[i].path, h.left_out, names[i]));
+    summed_states.push_back(h.times.size());
+    sums.push_back(nodal_sums(h, sides.back().geometry, options.dose_above));
+  }
+  const Side& reference = sides.back();
+  std::vector<NodeMatch> matches;
+  std::vector<std::vector<double>> carried;  // nodal pressure of each file on the reference's nodes
+  for (std::size_t i = 0; i + 1 < files.size(); ++i) {
+    matches.push_back(match_nodes(reference.geometry, sides[i].geometry));
+    carried.push_back(carry(matches.back(), sides[i].geometry, sides[i].nodal));
+    compared.same_mesh.push_back(matches.back().same_mesh);
+    compared.covered.push_back(matches.back().covered);
+    sides[i].facts.carried = carried_share(sides[i], reference, matches.back(), carried.back());
+    if (!(matches.back().covered > 0))
+      throw InputError(fmt::format("{}: surface \"{}\" lies nowhere on \"{}\" of {}", files[i].path, names[i],
+                                   names.back(), files.back().path));
+    if (matches.back().covered < 0.99)
+      warnings.push_back(
+          fmt::format("warning: surface \"{}\" of {} covers only {:.1f}% of \"{}\" of {}; the rest is left out of "
+                      "correlation, rms and Dice",
+                      names[i], files[i].label, 100 * matches.back().covered, names.back(), files.back().label));
+    if (std::abs(sides[i].facts.carried - 1) > 0.01)
+      warnings.push_back(fmt::format(
+          "note: {}: its map of \"{}\", projected onto the mesh of {}, carries {:.1f}% of its own resultant there; "
+          "correlation, rms and Dice are of that",
+          files[i].label, names[i], files.back().label, 100 * sides[i].facts.carried));
+  }
+  for (const Side& side : sides) compared.facts.push_back(side.facts);
+
+  SurfaceFrame frame = reference.frame;
+  if (options.axis) frame.axis = options.axis->normalized();
+  if (options.center) frame.center = *options.center;
+  if ((options.thirds || options.profile) && !(frame.axis.norm() > 0))
+    throw UsageError(fmt::format("surface \"{}\" is closed and has no axis of its own: --axis x,y,z", names.back()));
+
+  for (const Region& region : make_regions(files, states, sides, options, frame)) {
+    ComparedRegion r;
+    r.name = region.name;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      r.results.push_back(measure(sides[i].geometry, sides[i].values, thresholds, region.masks[i]));
+      r.over_time.push_back(time_measures(sums[i], summed_states[i], nodal_areas(sides[i].geometry, region.masks[i])));
+    }
+    const std::vector<double> areas = nodal_areas(reference.geometry, region.masks.back());
+    for (std::size_t i = 0; i + 1 < files.size(); ++i)
+      r.differences.push_back(pattern_difference(carried[i], reference.nodal, areas, thresholds));
+    r.facet_correlation = facet_correlations(sides, matches, region.masks.back());
+    compared.regions.push_back(std::move(r));
+  }
+
+  if (options.profile) {
+    // by itself the axis points at the surface, whichever side its normals are on
+    if (!options.axis && frame.axis.dot(surface_extent(reference.geometry.mesh).centroid - frame.center) < 0)
+      frame.axis = -frame.axis;
+    for (const Side& side : sides)
+      compared.profiles.push_back(
+          pressure_profile(side.geometry, side.values.pressure, frame.axis, frame.center, options.bin));
+  }
+  compared.axis = frame.axis;
+  compared.center = frame.center;
+  return compared;
+}
+
+std::vector<ComparedBody> compare_bodies(const std::vector<ResultFile>& files, const std::vector<int>& states) {
+  std::vector<std::vector<BodyPose>> poses;
+  std::vector<ComparedBody> bodies;
+  for (std::size_t i = 0; i < files.size(); ++i) poses.push_back(body_poses(files[i], states[i]));
+  for (const auto& list : poses) {
+    for (const BodyPose& b : list) {
+      if (std::any_of(bodies.begin(), bodies.end(), [&](const ComparedBody& c) { return c.name == b.name; })) continue;
+      ComparedBody body;
+      body.name = b.name;
+      int found = 0;
+      for (const auto& other : poses) {
+        const auto same = std::find_if(other.begin(), other.end(), [&](const BodyPose& o) { return o.name == b.name; });
+        body.results.push_back(same == other.end() ? std::nullopt : std::optional<BodyPose>(*same));
+        found += same != other.end();
+      }
+      if (found < 2) continue;
+      for (std::size_t i = 0; i + 1 < files.size(); ++i)
+        body.differences.push_back(
+            body.results[i] && body.results.back()
+                ? std::optional<PoseDifference>(pose_difference(*body.results[i], *body.results.back()))
+                : std::nullopt);
+      bodies.push_back(std::move(body));
+    }
+  }
+  return bodies;
+}
+
+XpltVariable surface_variable(const std::string& name, const std::string& units) {
+  XpltVariable v;
+  v.group = XpltGroup::Surface;
+  v.type = XpltType::Float;
+  v.format = XpltFormat::Item;
+  v.name = name;
+  v.units = units;
+  return v;
+}
+
+std::vector<float> floats(const std::vector<double>& values) {
+  std::vector<float> out;
+  for (double x : values) out.push_back(static_cast<float>(x));
+  return out;
+}
+
+/// A file's facet values on the facets of the first file's surface.
+std::vector<double> on_first(const NodeMatch& match, const ResultSurface& first, const ResultSurface& own,
+                             const std::vector<double>& facets) {
+  if (match.same_mesh) return facets;
+  std::vector<double> nodal = carry(match, own, nodal_average(own, facets));
+  for (double& p : nodal)
+    if (std::isnan(p)) p = 0.0;
+  return facet_average(first, nodal);
+}
+
+/// Per written state the state of each file.
+std::vector<std::vector<int>> paired_states(const std::vector<ResultFile>& files, const CompareOptions& options,
+                                            const Comparison& comparison) {
+  std::vector<std::vector<int>> pairs;
+  if (!options.at) {
+    for (std::size_t s = 0; s < files.front().plot.states.size(); ++s) {
+      std::vector<int> pair = {static_cast<int>(s)};
+      for (std::size_t i = 1; i < files.size(); ++i) {
+        for (std::size_t k = 0; k < files[i].plot.states.size(); ++k) {
+          if (!same_time(files[i].plot.states[k].time, files.front().plot.states[s].time)) continue;
+          pair.push_back(static_cast<int>(k));
+          break;
+        }
+      }
+      bool same_meshes = pair.size() == files.size();
+      for (std::size_t i = 0; i < files.size() && same_meshes; ++i)
+        same_meshes = files[i].plot.states[at(pair[i])].mesh == files[i].plot.states[at(comparison.states[i])].mesh;
+      if (same_meshes) pairs.push_back(std::move(pair));
+    }
+  }
+  if (pairs.empty()) pairs.push_back(comparison.states);
+  return pairs;
+}
+
+}  // namespace
+
+double share_of_contact_force(const SurfaceFacts& facts, CompareAreas areas) {
+  if (!facts.contact_force || !(facts.contact_force->norm() > 0) || !(facts.resultant > 0)) return kNaN;
+  return (areas == CompareAreas::Deformed ? facts.deformed_resultant : facts.resultant) / facts.contact_force->norm();
+}
+
+ResultSurface compared_surface(const ResultFile& file, int state, int surface, CompareAreas areas) {
+  ResultSurface mesh = result_surface(file, state, surface);
+  if (areas == CompareAreas::Reference || pressure_is_per_mesh_area(file)) return mesh;
+  const std::optional<ResultSurface> moved = deformed_surface(file, state, surface);
+  if (!moved)
+    throw InputError(
+        fmt::format("{}: found no \"displacement\" of the nodes at time {:g}, expected one for --areas "
+                    "deformed; --areas reference needs none",
+                    file.path, file.plot.states[at(state)].time));
+  return with_areas_of(std::move(mesh), *moved);
+}
+
+Comparison compare_files(const std::vector<ResultFile>& files, const CompareOptions& options) {
+  Comparison c;
+  c.areas = options.areas;
+  c.thresholds = {0.0};
+  c.thresholds.insert(c.thresholds.end(), options.thresholds.begin(), options.thresholds.end());
+  c.dose_above = options.dose_above;
+  for (const ResultFile& file : files) {
+    c.labels.push_back(file.label);
+    c.paths.push_back(file.path);
+    c.states.push_back(options.at ? find_state(file, *options.at) : static_cast<int>(file.plot.states.size()) - 1);
+    c.times.push_back(file.plot.states[at(c.states.back())].time);
+    if (c.units.empty()) c.units = file.plot.units;
+    if (!file.plot.units.empty() && file.plot.units != c.units)
+      c.warnings.push_back(fmt::format("warning: {} is in {}, others are in {}: numbers are compared as they are",
+                                       file.path, file.plot.units, c.units));
+    if (file.plot.truncated)
+      c.warnings.push_back(
+          fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file.path,
+                      file.plot.states.back().time));
+    if (!same_time(c.times.back(), c.times.front()))
+      c.warnings.push_back(
+          fmt::format("warning: the last state of {} is at time {:g}, that of {} at {:g}; --at T compares at one time",
+                      files.front().label, c.times.front(), file.label, c.times.back()));
+  }
+  for (std::size_t i = 0; i + 1 < files.size(); ++i) {
+    const int n = c.states[i] + 1, reference = c.states.back() + 1;
+    if (n == 1 || reference == 1) continue;  // no sums over time
+    bool same = n == reference;
+    for (int s = 0; same && s < n; ++s)
+      same = same_time(files[i].plot.states[at(s)].time, files.back().plot.states[at(s)].time);
+    if (!same)
+      c.warnings.push_back(fmt::format(
+          "warning: up to the compared state {} has {} states and {} has {}, at other times: peaks and "
+          "integrals over time are not of the same moments; `dea run --times-from` solves at a file's times",
+          c.labels[i], n, c.labels.back(), reference));
+  }
+  for (const std::vector<std::string>& names : choose_surfaces(files, c.states, options, c.warnings))
+    c.surfaces.push_back(compare_surface(files, c.states, names, options, c.thresholds, c.warnings));
+  for (ComparedSurface& surface : c.surfaces)
+    for (const SurfaceMeasures& m : surface.regions.front().results)
+      surface.asked_for = surface.asked_for && (!options.surfaces.empty() || m.facets.front().area > 0);
+  c.bodies = compare_bodies(files, c.states);
+  return c;
+}
+
+XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOptions& options,
+                           const Comparison& comparison, bool time_fields, bool compressed) {
+  const ResultFile& first = files.front();
+  XpltFile out;
+  out.compressed = compressed;
+  out.software = fmt::format("FEBioDEA {}", kVersion);
+  out.units = comparison.units;
+  out.meshes = {mesh_of(first, comparison.states.front())};
+  out.meshes.front().objects = first.plot.meshes.front().objects;
+
+  const int displacement = find_variable(first.plot, XpltGroup::Nodal, "displacement");
+  if (displacement >= 0) out.variables.push_back(first.plot.variables[at(displacement)]);
+  const std::size_t fields = out.variables.size();
+  for (const std::string& label : comparison.labels)
+    out.variables.push_back(surface_variable(fmt::format("{} {}", kPressure, label), "P"));
+  for (std::size_t i = 0; i + 1 < files.size(); ++i)
+    out.variables.push_back(surface_variable(
+        files.size() == 2 ? "pressure difference" : fmt::format("pressure difference {}", comparison.labels[i]), "P"));
+  if (time_fields) {
+    for (const std::string& label : comparison.labels) {
+      out.variables.push_back(surface_variable(fmt::format("peak pressure {}", label), "P"));
+      out.variables.push_back(surface_variable(fmt::format("exposure {}", label), "P.t"));
+      if (options.dose_above)
+        out.variables.push_back(surface_variable(fmt::format("overpressure dose {}", label), "P.t"));
+    }
+  }
+
+  const std::vector<std::vector<int>> pairs = paired_states(files, options, comparison);
+  for (const std::vector<int>& pair : pairs) {
+    const XpltState& own = first.plot.states[at(pair.front())];
+    XpltState state;
+    state.time = own.time;
+    state.status = own.status;
+    state.element_flags = own.element_flags;
+    state.objects = own.objects;
+    state.variables.resize(out.variables.size());
+    if (displacement >= 0) state.variables[0] = own.variables[at(displacement)];
+    out.states.push_back(std::move(state));
+  }
+
+  for (const ComparedSurface& surface : comparison.surfaces) {
+    std::vector<Side> sides;
+    std::vector<NodeMatch> matches;
+    std::vector<History> histories;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      sides.push_back(make_side(files[i], comparison.states[i], surface.names[i], options.areas));
+      matches.push_back(match_nodes(sides.front().geometry, sides.back().geometry));
+    }
+    const int region = sides.front().surface + 1;
+    for (std::size_t s = 0; s < pairs.size(); ++s) {
+      XpltState& state = out.states[s];
+      std::vector<std::vector<double>> pressure;
+      for (std::size_t i = 0; i < files.size(); ++i) {
+        std::vector<double> p = facet_values(files[i], pairs[s][i], sides[i].surface, kPressure);
+        if (p.empty()) p.assign(at(sides[i].geometry.facets()), 0.0);
+        pressure.push_back(on_first(matches[i], sides.front().geometry, sides[i].geometry, p));
+        state.variables[fields + i].push_back({region, floats(pressure.back())});
+      }
+      for (std::size_t i = 0; i + 1 < files.size(); ++i) {
+        std::vector<double> difference;
+        for (std::size_t f = 0; f < pressure[i].size(); ++f) difference.push_back(pressure[i][f] - pressure.back()[f]);
+        state.variables[fields + files.size() + i].push_back({region, floats(difference)});
+      }
+      if (!time_fields) continue;
+      std::size_t v = fields + 2 * files.size() - 1;
+      for (std::size_t i = 0; i < files.size(); ++i) {
+        const History h = history(files[i], pairs[s][i], surface.names[i]);
+        const TimeSums sums = over_time(h.times, h.pressure, options.dose_above);
+        for (const std::vector<double>* values : {&sums.peak, &sums.exposure, &sums.dose}) {
+          if (values->empty()) continue;
+          state.variables[v++].push_back(
+              {region, floats(on_first(matches[i], sides.front().geometry, sides[i].geometry, *values))});
+        }
+      }
+    }
+  }
+  for (XpltState& state : out.states)
+    for (auto& regions : state.variables)
+      std::sort(regions.begin(), regions.end(),
+                [](const XpltRegion& a, const XpltRegion& b) { return a.region < b.region; });
+  return out;
+}
+
+}  // namespace dea

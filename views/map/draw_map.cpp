@@ -1,0 +1,822 @@
+#include <febiodea/views/map/draw_map.h>
+
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <cairo.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/encoded_text.h>
+#include <febiodea/views/map/map_scale.h>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMillimetre = 96.0 / 25.4;  // lengths on paper are in pixels of 1/96 inch, as in SVG
+constexpr int kBands = 128;                  // steps of colour: below what the eye tells apart
+constexpr double kText = 15.0, kBold = 15.5, kTitle = 18.0;
+constexpr double kMargin = 16.0, kGap = 22.0, kBarWidth = 17.0, kBarLine = 18.0;
+constexpr double kLegendLine = 24.0, kAxesRoom = 92.0;
+constexpr double kMostPixels = 20000.0;
+
+struct Paper {
+  Rgb background, text, faint, line, nothing, turned_away;
+};
+
+Paper paper(bool dark, ColourMap map) {
+  const auto grey = [](double x) { return Rgb{x, x, x + 0.012}; };
+  const double nothing =
+      dark ? (map == ColourMap::Diverging ? 0.24 : 0.36) : (map == ColourMap::Diverging ? 0.72 : 0.89);
+  if (dark) return {{0.051, 0.067, 0.09}, grey(0.92), grey(0.66), grey(0.75), grey(nothing), grey(nothing - 0.1)};
+  return {{1, 1, 1}, grey(0.08), grey(0.35), grey(0.3), grey(nothing), grey(nothing - 0.12)};
+}
+
+class Pen {
+ public:
+  Pen(cairo_surface_t* surface) : cairo_(cairo_create(surface), cairo_destroy) {
+    cairo_set_line_join(get(), CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_cap(get(), CAIRO_LINE_CAP_ROUND);
+  }
+  cairo_t* get() const { return cairo_.get(); }
+
+  void use(const Rgb& c, double alpha = 1.0) { cairo_set_source_rgba(get(), c.r, c.g, c.b, alpha); }
+  void font(double size, bool bold = false) {
+    cairo_select_font_face(get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(get(), size);
+  }
+  double width(const std::string& text) const {
+    cairo_text_extents_t e;
+    cairo_text_extents(get(), utf8(text).c_str(), &e);
+    return e.x_advance;
+  }
+  void text(double x, double y, const std::string& text) {
+    cairo_move_to(get(), x, y);
+    cairo_show_text(get(), utf8(text).c_str());
+  }
+  void rectangle(double x, double y, double w, double h) {
+    cairo_rectangle(get(), x, y, w, h);
+    cairo_fill(get());
+  }
+  void stroke(double line_width) {
+    cairo_set_line_width(get(), line_width);
+    cairo_stroke(get());
+  }
+
+ private:
+  std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo_;
+};
+
+/// From lengths of the surface to the paper.
+struct Placing {
+  Vector2d origin = Vector2d::Zero();  ///< on paper, of the map's origin
+  double scale = 1.0;
+  Vector2d operator()(const Vector2d& x) const { return {origin.x() + scale * x.x(), origin.y() - scale * x.y()}; }
+};
+
+double distance_to_chord(const Vector2d& x, const Vector2d& a, const Vector2d& b) {
+  const Vector2d d = b - a;
+  const double t = d.squaredNorm() > 0 ? std::clamp((x - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0.0;
+  return (x - a - t * d).norm();
+}
+
+/// Adds lines to the path, without points that a straight line passes within `tolerance` [px] anyway, and rounded to an
+/// eighth of a pixel: files stay small.
+void trace(Pen& pen, const Placing& place, const std::vector<Polyline>& lines, double tolerance = 0.0) {
+  for (const Polyline& line : lines) {
+    std::vector<Vector2d> points;
+    for (const Vector2d& point : line.points) {
+      const Vector2d p = (8.0 * place(point)).array().round() / 8.0;
+      if (points.empty() || p != points.back()) points.push_back(p);
+    }
+    if (points.empty()) continue;
+    cairo_move_to(pen.get(), points[0].x(), points[0].y());
+    for (std::size_t from = 0, to = 1; to < points.size(); ++to) {
+      if (to + 1 < points.size() && to - from < 50) {
+        bool straight = true;
+        for (std::size_t k = from + 1; k <= to && straight; ++k)
+          straight = distance_to_chord(points[k], points[from], points[to + 1]) <= tolerance;
+        if (straight) continue;
+      }
+      cairo_line_to(pen.get(), points[to].x(), points[to].y());
+      from = to;
+    }
+    if (line.closed) cairo_close_path(pen.get());
+  }
+}
+
+void fill(Pen& pen, const Placing& place, const std::vector<Polyline>& outline, const Rgb& colour,
+          double tolerance = 0.0) {
+  if (outline.empty()) return;
+  trace(pen, place, outline, tolerance);
+  pen.use(colour);
+  cairo_fill(pen.get());
+}
+
+int band(const MapFigure& figure, double value) {
+  const double f = (value - figure.low) / (figure.high - figure.low);
+  return std::clamp(static_cast<int>(std::floor(f * kBands)), 0, kBands - 1);
+}
+
+Rgb band_colour(const MapFigure& figure, int band) { return colour(figure.map, (band + 0.5) / kBands); }
+
+/// Every band is drawn over those below it, so that no light shines through between them.
+void fill_values(Pen& pen, const Placing& place, const MapFigure& figure, const MapPanel& panel,
+                 const TriangleMask& valued) {
+  const MapSurface& s = figure.surfaces[at(panel.surface)];
+  if (figure.smooth) {
+    double most = -1e300, least = 1e300;
+    for (int t = 0; t < s.mesh.size(); ++t) {
+      if (!valued[at(t)]) continue;
+      for (int v : s.mesh.triangles[at(t)]) {
+        most = std::max(most, panel.points[at(v)]);
+        least = std::min(least, panel.points[at(v)]);
+      }
+    }
+    const double start = std::max(panel.edge, least);
+    if (!(most >= start)) return;
+    for (int b = band(figure, start); b <= band(figure, most); ++b) {
+      const double level = std::max(start, figure.low + (figure.high - figure.low) * b / kBands);
+      const double from = b == band(figure, start) ? start : level;
+      // The line between two bands can hardly be seen, the edge of contact can.
+      fill(pen, place, region_above(s.mesh, s.projection, valued, panel.points, from), band_colour(figure, b),
+           from == start ? 0.0 : 0.2);
+    }
+    return;
+  }
+  std::vector<int> bands(s.mesh.triangles.size(), -1), present;
+  for (int t = 0; t < s.mesh.size(); ++t) {
+    if (!valued[at(t)]) continue;
+    bands[at(t)] = band(figure, panel.facets[at(s.mesh.facet[at(t)])]);
+    present.push_back(bands[at(t)]);
+  }
+  std::sort(present.begin(), present.end());
+  present.erase(std::unique(present.begin(), present.end()), present.end());
+  for (int b : present) {
+    TriangleMask in(bands.size());
+    for (std::size_t t = 0; t < bands.size(); ++t) in[t] = bands[t] >= b;
+    fill(pen, place, outline(s.mesh, s.projection, in), band_colour(figure, b));
+  }
+}
+
+void draw_contours(Pen& pen, const Placing& place, const MapFigure& figure, const MapPanel& panel,
+                   const TriangleMask& valued) {
+  const MapSurface& s = figure.surfaces[at(panel.surface)];
+  for (double level : figure.contours) {
+    if (level < panel.edge) continue;
+    std::vector<Polyline> lines = contour(s.mesh, s.projection, valued, panel.points, level);
+    for (Polyline& line : lines) line = smoothed(line);
+    const Rgb under = colour(figure.map, (level - figure.low) / (figure.high - figure.low));
+    trace(pen, place, lines);
+    pen.use(white_line(under) ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
+    pen.stroke(1.0);
+  }
+}
+
+/// Black on white, or white on black: to be seen on every colour.
+void stroke_marker(Pen& pen, double size) {
+  pen.use({1, 1, 1});
+  cairo_set_line_width(pen.get(), 4.0 * size);
+  cairo_stroke_preserve(pen.get());
+  pen.use({0, 0, 0});
+  pen.stroke(1.6 * size);
+}
+
+/// A triangle that stands on the place.
+void peak_marker(Pen& pen, const Vector2d& p, double size) {
+  cairo_move_to(pen.get(), p.x(), p.y());
+  cairo_line_to(pen.get(), p.x() - 5.5 * size, p.y() - 10.0 * size);
+  cairo_line_to(pen.get(), p.x() + 5.5 * size, p.y() - 10.0 * size);
+  cairo_close_path(pen.get());
+  stroke_marker(pen, size);
+}
+
+void center_marker(Pen& pen, const Vector2d& p, double size) {
+  const double a = 6.0 * size;
+  cairo_move_to(pen.get(), p.x() - a, p.y());
+  cairo_line_to(pen.get(), p.x() + a, p.y());
+  cairo_move_to(pen.get(), p.x(), p.y() - a);
+  cairo_line_to(pen.get(), p.x(), p.y() + a);
+  stroke_marker(pen, size);
+}
+
+struct Box {
+  Vector2d low = Vector2d::Constant(1e300), high = Vector2d::Constant(-1e300);
+};
+
+/// Angles from the pole of an unrolled map at which there are circles.
+std::vector<double> angle_circles(const MapSurface& s) {
+  double reach = 0.0;
+  for (int t = 0; t < s.mesh.size(); ++t)
+    if (s.projection.layer[at(t)] >= 0)
+      for (int v : s.mesh.triangles[at(t)]) reach = std::max(reach, s.projection.points[at(v)].norm());
+  const double most = 2.0 * std::asin(std::min(1.0, reach / (2.0 * s.view.radius))) * 180.0 / kPi;
+  const double step = most > 50 ? 30.0 : most > 25 ? 15.0 : most > 12 ? 5.0 : 2.0;
+  std::vector<double> angles;
+  for (double angle = step; angle < most + 0.02 * step && angle < 179; angle += step) angles.push_back(angle);
+  return angles;
+}
+
+double circle_radius(const MapSurface& s, double degrees) {
+  return 2.0 * s.view.radius * std::sin(0.5 * degrees * kPi / 180.0);
+}
+
+/// Of the surface on the map, and of the circles about its pole.
+Box extent(const MapSurface& s) {
+  Box box;
+  for (int t = 0; t < s.mesh.size(); ++t) {
+    if (s.projection.layer[at(t)] < 0) continue;
+    for (int v : s.mesh.triangles[at(t)]) {
+      box.low = box.low.cwiseMin(s.projection.points[at(v)]);
+      box.high = box.high.cwiseMax(s.projection.points[at(v)]);
+    }
+  }
+  if (!(box.high.x() >= box.low.x())) box.low = box.high = Vector2d::Zero();
+  if (s.view.unrolled) {
+    const std::vector<double> angles = angle_circles(s);
+    const double r = angles.empty() ? 0.0 : circle_radius(s, angles.back());
+    box.low = box.low.cwiseMin(Vector2d(-r, -r));
+    box.high = box.high.cwiseMax(Vector2d(r, r));
+  }
+  return box;
+}
+
+bool touches(const std::array<Vector2d, 3>& triangle, const Vector2d& low, const Vector2d& high) {
+  Vector2d a = triangle[0], b = triangle[0];
+  for (const Vector2d& p : triangle) {
+    a = a.cwiseMin(p);
+    b = b.cwiseMax(p);
+  }
+  if ((a.array() > high.array()).any() || (b.array() < low.array()).any()) return false;
+  for (int k = 0; k < 3; ++k) {  // an edge with the whole box beyond it
+    const Vector2d p = triangle[at(k)], d = triangle[at((k + 1) % 3)] - p, q = triangle[at((k + 2) % 3)] - p;
+    const double inside = d.x() * q.y() - d.y() * q.x() < 0 ? -1.0 : 1.0;
+    bool beyond = true;
+    for (const Vector2d& corner : {low, high, Vector2d(low.x(), high.y()), Vector2d(high.x(), low.y())})
+      beyond = beyond && inside * (d.x() * (corner - p).y() - d.y() * (corner - p).x()) < 0;
+    if (beyond) return false;
+  }
+  return true;
+}
+
+/// Circles of equal angle from the pole of an unrolled map, each with its angle: where there are no values, if
+/// possible.
+void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const MapSurface& s, const Box& box,
+                 const Paper& paper) {
+  const Vector2d middle = place(Vector2d(0, 0)), low = place({box.low.x(), box.high.y()}),
+                 high = place({box.high.x(), box.low.y()});
+  pen.font(12.5);
+  const double dashes[] = {1.0, 4.0};
+  std::vector<std::array<Vector2d, 3>> valued;  // on paper
+  for (int t = 0; t < s.mesh.size(); ++t) {
+    if (s.projection.layer[at(t)] < 0 || !std::isfinite(panel.facets[at(s.mesh.facet[at(t)])])) continue;
+    const auto corner = [&](std::size_t k) { return place(s.projection.points[at(s.mesh.triangles[at(t)][k])]); };
+    valued.push_back({corner(0), corner(1), corner(2)});
+  }
+  std::vector<Box> taken;
+  const auto take = [&](const Vector2d& p, double r) { taken.push_back({p - Vector2d(r, r), p + Vector2d(r, r)}); };
+  if (panel.peak) take(place(*panel.peak) - Vector2d(0, 5), 8);
+  if (panel.center_of_pressure) take(place(*panel.center_of_pressure), 8);
+  for (double angle : angle_circles(s)) {
+    const double r = circle_radius(s, angle) * place.scale;
+    cairo_new_sub_path(pen.get());
+    cairo_arc(pen.get(), middle.x(), middle.y(), r, 0, 2 * kPi);
+    cairo_set_dash(pen.get(), dashes, 2, 0.0);
+    pen.use({1, 1, 1}, 0.6);
+    cairo_set_line_width(pen.get(), 2.2);
+    cairo_stroke_preserve(pen.get());
+    pen.use({0, 0, 0}, 0.9);
+    pen.stroke(1.0);
+    cairo_set_dash(pen.get(), nullptr, 0, 0.0);
+  }
+  for (double angle : angle_circles(s)) {
+    const double r = circle_radius(s, angle) * place.scale;
+    const std::string text = fmt::format("{:g}\u00b0", angle);
+    const Vector2d half(0.5 * pen.width(text) + 2, 7);
+    std::size_t least = static_cast<std::size_t>(-1);
+    Vector2d best = middle + r * Vector2d(0, 1);
+    for (int k = 0; k < 48 && least > 0; ++k) {  // below the pole, or the next place to both sides
+      const double turn = (k % 2 == 0 ? 1 : -1) * ((k + 1) / 2) * 7.5 * kPi / 180.0;
+      const Vector2d p = middle + r * Vector2d(std::sin(turn), std::cos(turn));
+      if (p.x() < low.x() - 1 || p.x() > high.x() + 1 || p.y() < low.y() - 1 || p.y() > high.y() + 1) continue;
+      std::size_t covered = 0;
+      for (const auto& triangle : valued) covered += touches(triangle, p - half, p + half) ? 1 : 0;
+      for (const Box& b : taken)
+        if (((p + half).array() > b.low.array()).all() && ((p - half).array() < b.high.array()).all())
+          covered += 1000000;
+      if (covered >= least) continue;
+      least = covered;
+      best = p;
+    }
+    taken.push_back({best - half, best + half});
+    cairo_move_to(pen.get(), best.x() - half.x() + 2, best.y() + 4.5);
+    cairo_text_path(pen.get(), text.c_str());
+    pen.use(paper.background, 0.85);
+    cairo_set_line_width(pen.get(), 3.5);
+    cairo_stroke_preserve(pen.get());
+    pen.use(paper.text);
+    cairo_fill(pen.get());
+  }
+}
+
+/// `marks`: their size, 1 on a map of usual size.
+void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const MapPanel& panel, const Paper& paper,
+                double marks) {
+  const MapSurface& s = figure.surfaces[at(panel.surface)];
+  for (int layer = 0; layer < s.projection.layers; ++layer) {
+    const TriangleMask all = layer_triangles(s.mesh, s.projection, layer);
+    TriangleMask away(all.size()), valued(all.size()), interpolated(all.size());
+    for (std::size_t t = 0; t < all.size(); ++t) {
+      away[t] = all[t] && s.projection.back[t];
+      const auto& v = s.mesh.triangles[t];
+      const bool seen = all[t] && !away[t];
+      interpolated[t] =
+          seen && std::all_of(v.begin(), v.end(), [&](int i) { return std::isfinite(panel.points[at(i)]); });
+      valued[t] = figure.smooth ? interpolated[t] : seen && std::isfinite(panel.facets[at(s.mesh.facet[t])]);
+    }
+    fill(pen, place, outline(s.mesh, s.projection, all), paper.nothing);
+    fill(pen, place, outline(s.mesh, s.projection, away), paper.turned_away);
+    if (!figure.empty) {
+      fill_values(pen, place, figure, panel, valued);
+      draw_contours(pen, place, figure, panel, interpolated);
+    }
+    trace(pen, place, rim(s.mesh, s.projection, all));
+    pen.use(paper.line);
+    pen.stroke(1.0);
+  }
+  if (s.view.unrolled) draw_angles(pen, place, panel, s, extent(s), paper);
+  if (panel.center_of_pressure) center_marker(pen, place(*panel.center_of_pressure), marks);
+  if (panel.peak) peak_marker(pen, place(*panel.peak), marks);
+}
+
+std::string tick_text(double x, double step) {
+  const double size = std::max(std::abs(x), step);
+  const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
+  const std::string digits =
+      size >= 1e6 || step < 1e-4 ? fmt::format("{:.6g}", std::abs(x)) : fmt::format("{:.{}f}", std::abs(x), decimals);
+  return x < -1e-9 * step ? "\u2212" + digits : digits;
+}
+
+/// Where the letters of a text begin, and its end.
+std::vector<std::size_t> letters(const std::string& text) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if ((static_cast<unsigned char>(text[i]) & 0xC0) != 0x80) starts.push_back(i);
+  starts.push_back(text.size());
+  return starts;
+}
+
+/// Words cut in their middle to what there is room for; `kept` at their end stays.
+std::string fitted(const Pen& pen, const std::string& text, double room, const std::string& kept = "") {
+  if (pen.width(text) <= room) return text;
+  const std::string lead = text.substr(0, text.size() - kept.size());
+  const std::vector<std::size_t> at_letter = letters(lead);
+  const std::size_t n = at_letter.size() - 1,
+                    ends = kept.empty() ? 0 : std::min<std::size_t>(n, 2);  // the ", " before what is kept
+  for (std::size_t left = n - ends; left-- > 1;) {
+    const std::size_t front = (left + 1) / 2, back = left / 2;
+    std::string cut = lead.substr(0, at_letter[front]);
+    cut.append("\u2026").append(lead, at_letter[n - ends - back]).append(kept);
+    if (pen.width(cut) <= room) return cut;
+  }
+  return kept.empty() ? "\u2026" : kept;
+}
+
+/// Words in `lines` lines of about the same length.
+std::vector<std::string> broken(const Pen& pen, const std::string& text, int lines) {
+  std::vector<std::string> words(1), out(1);
+  for (char c : text) {
+    if (c == ' ')
+      words.emplace_back();
+    else
+      words.back() += c;
+  }
+  const double each = pen.width(text) / lines;
+  for (const std::string& word : words) {
+    const std::string longer = out.back().empty() ? word : out.back() + " " + word;
+    const bool full = !out.back().empty() && pen.width(longer) - 0.5 * pen.width(word) > each;
+    if (full && static_cast<int>(out.size()) < lines)
+      out.push_back(word);
+    else
+      out.back() = longer;
+  }
+  return out;
+}
+
+std::string bar_title(const MapFigure& figure) {
+  return figure.quantity + (figure.unit.empty() ? "" : " [" + figure.unit + "]");
+}
+
+/// Lines of the bar's title that are no longer than `room`; four, if they are all longer.
+std::vector<std::string> bar_title_lines(const Pen& pen, const MapFigure& figure, double room) {
+  std::vector<std::string> lines;
+  for (int n = 1; n <= 4; ++n) {
+    lines = broken(pen, bar_title(figure), n);
+    if (std::all_of(lines.begin(), lines.end(), [&](const std::string& s) { return pen.width(s) <= room; })) break;
+  }
+  return lines;
+}
+
+/// Colour bar with its ticks to the right; arrows where values go on beyond its ends. The title has room from `top` to
+/// `bottom`.
+void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, double y, double height, double top,
+              double bottom) {
+  const double each = height / kBands;
+  for (int b = 0; b < kBands; ++b) {  // each reaches down to the end, so that there are no seams
+    pen.use(band_colour(figure, kBands - 1 - b));
+    pen.rectangle(x, y + b * each, kBarWidth, height - b * each);
+  }
+  for (double level : figure.contours) {
+    const double f = (level - figure.low) / (figure.high - figure.low);
+    if (!(f > 0 && f < 1)) continue;
+    cairo_move_to(pen.get(), x, y + (1 - f) * height);
+    cairo_line_to(pen.get(), x + kBarWidth, y + (1 - f) * height);
+    pen.use(white_line(colour(figure.map, f)) ? Rgb{1, 1, 1} : Rgb{0, 0, 0}, 0.75);
+    pen.stroke(1.0);
+  }
+  const auto arrow = [&](double base, double tip, const Rgb& c) {
+    cairo_move_to(pen.get(), x, base);
+    cairo_line_to(pen.get(), x + kBarWidth, base);
+    cairo_line_to(pen.get(), x + 0.5 * kBarWidth, tip);
+    cairo_close_path(pen.get());
+    pen.use(c);
+    cairo_fill(pen.get());
+  };
+  if (figure.beyond_high) arrow(y, y - 12, band_colour(figure, kBands - 1));
+  if (figure.beyond_low) arrow(y + height, y + height + 12, band_colour(figure, 0));
+  pen.font(kText);
+  double widest = 0.0;
+  const double step = figure.ticks.size() > 1 ? figure.ticks[1] - figure.ticks[0] : 1.0;
+  for (double tick : figure.ticks) {
+    const double f = (tick - figure.low) / (figure.high - figure.low);
+    const double ty = y + (1 - f) * height;
+    cairo_move_to(pen.get(), x + kBarWidth, ty);
+    cairo_line_to(pen.get(), x + kBarWidth + 4, ty);
+    pen.use(paper.line);
+    pen.stroke(1.0);
+    pen.use(paper.text);
+    const std::string text = tick_text(tick, step);
+    pen.text(x + kBarWidth + 8, ty + 0.35 * kText, text);
+    widest = std::max(widest, pen.width(text));
+  }
+  const std::vector<std::string> lines = bar_title_lines(pen, figure, bottom - top);
+  double longest = 1e-9;
+  for (const std::string& line : lines) longest = std::max(longest, pen.width(line));
+  const double shrink = std::min(1.0, (bottom - top) / longest);
+  const double middle = std::clamp(y + 0.5 * height, top + 0.5 * shrink * longest, bottom - 0.5 * shrink * longest);
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    cairo_save(pen.get());
+    cairo_translate(pen.get(), x + kBarWidth + 8 + widest + 10 + 0.75 * kText + static_cast<double>(k) * kBarLine,
+                    middle);
+    cairo_rotate(pen.get(), -0.5 * kPi);
+    pen.font(kText * shrink);
+    pen.text(-0.5 * pen.width(lines[k]), 0, lines[k]);
+    cairo_restore(pen.get());
+  }
+  pen.font(kText);
+}
+
+double bar_room(const Pen& pen, const MapFigure& figure, std::size_t lines) {
+  double widest = 0.0;
+  const double step = figure.ticks.size() > 1 ? figure.ticks[1] - figure.ticks[0] : 1.0;
+  for (double tick : figure.ticks) widest = std::max(widest, pen.width(tick_text(tick, step)));
+  return kBarWidth + 8 + widest + 10 + kText + 4 + static_cast<double>(lines - 1) * kBarLine;
+}
+
+/// The global axes as they lie on the map, but one that points at the viewer or away.
+void draw_axes(Pen& pen, const MapView& view, const Paper& paper, double x, double y) {
+  constexpr double kLength = 24.0;
+  pen.font(12.5);
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d axis = Vector3d::Unit(k);
+    const Vector2d d(view.right.dot(axis), -view.up.dot(axis));
+    const std::string name(1, "xyz"[k]);
+    bool hidden = d.norm() < 0.12;
+    for (int other = 0; other < 3; ++other) {  // a short one on top of a longer one
+      const Vector2d o(view.right[other], -view.up[other]);
+      hidden = hidden || (d.norm() < 0.5 * o.norm() && d.dot(o) > 0.9 * d.norm() * o.norm());
+    }
+    if (hidden) continue;
+    const double tx = x + kLength * d.x(), ty = y + kLength * d.y();
+    cairo_move_to(pen.get(), x, y);
+    cairo_line_to(pen.get(), tx, ty);
+    pen.use(paper.faint);
+    pen.stroke(1.4);
+    const Vector2d u = d.normalized();
+    pen.use(paper.text);
+    pen.text(tx + 8 * u.x() - 0.5 * pen.width(name), ty + 8 * u.y() + 4, name);
+  }
+}
+
+double nice_length(double most) {
+  const double power = std::pow(10.0, std::floor(std::log10(most)));
+  for (double m : {5.0, 2.0})
+    if (m * power <= most) return m * power;
+  return power;
+}
+
+/// Where everything goes [px].
+struct Layout {
+  int columns = 1, rows = 1;
+  double width = 0, height = 0, panel_width = 0, map_height = 0, top = 0, header = 0, bar = 0, scale = 1, footer = 0;
+  double panel_x(int i) const { return kMargin + (i % columns) * (panel_width + kGap); }
+  double panel_y(int i) const { return top + (i / columns) * (header + map_height + kGap); }
+};
+
+/// One sign of the legend, its middle 8 px to the right of `p`, and what it means.
+struct Entry {
+  std::string text;
+  std::function<void(Pen&, const Vector2d& p)> sign;
+};
+
+/// The legend, from left to right and on in the next line. Draws only if told; returns its lines.
+int legend(Pen& pen, const std::vector<Entry>& entries, const Paper& paper, double left, double x, double y,
+           double right, bool drawn) {
+  int lines = 1;
+  pen.font(kText);
+  for (const Entry& e : entries) {
+    const double width = 23 + pen.width(e.text);
+    if (x + width > right && x > left) {
+      x = left;
+      y += kLegendLine;
+      ++lines;
+    }
+    if (drawn) {
+      e.sign(pen, {x, y});
+      pen.use(paper.text);
+      pen.text(x + 23, y + 0.35 * kText, e.text);
+    }
+    x += width + 22;
+  }
+  return lines;
+}
+
+bool one_view(const MapFigure& figure) {
+  const MapView& view = figure.surfaces.front().view;
+  return std::all_of(figure.surfaces.begin(), figure.surfaces.end(), [&](const MapSurface& s) {
+    return (s.view.toward - view.toward).norm() + (s.view.up - view.up).norm() < 1e-9;
+  });
+}
+
+std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
+  bool peak = false, center = false, nothing = false, away = false;
+  for (const MapPanel& panel : figure.panels) {
+    const MapSurface& s = figure.surfaces[at(panel.surface)];
+    peak = peak || panel.peak;
+    center = center || panel.center_of_pressure;
+    for (double v : panel.facets) nothing = nothing || !std::isfinite(v);
+    for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
+      away = away || (s.projection.back[t] && s.projection.layer[t] >= 0 && s.projection.hidden[t] < 0.99);
+  }
+  const auto square = [&paper](const Rgb& c) {
+    return [&paper, c](Pen& pen, const Vector2d& p) {
+      pen.use(c);
+      pen.rectangle(p.x() + 1, p.y() - 7, 14, 14);
+      cairo_rectangle(pen.get(), p.x() + 1, p.y() - 7, 14, 14);
+      pen.use(paper.line);
+      pen.stroke(0.8);
+    };
+  };
+  std::vector<Entry> entries;
+  if (peak)
+    entries.push_back({figure.pressure && figure.map == ColourMap::Sequential ? "peak" : "largest",
+                       [](Pen& pen, const Vector2d& p) { peak_marker(pen, p + Vector2d(8, 5), 1.0); }});
+  if (center)
+    entries.push_back(
+        {"centre of pressure", [](Pen& pen, const Vector2d& p) { center_marker(pen, p + Vector2d(8, 0), 1.0); }});
+  if (nothing) entries.push_back({figure.pressure ? "no contact" : "no value", square(paper.nothing)});
+  if (away) entries.push_back({"turned away", square(paper.turned_away)});
+  if (figure.surfaces.front().view.unrolled)
+    entries.push_back({"angle from the axis (equal-area map)", [&paper](Pen& pen, const Vector2d& p) {
+                         const double dashes[] = {1.0, 4.0};
+                         cairo_new_sub_path(pen.get());
+                         cairo_arc(pen.get(), p.x() + 8, p.y(), 7, 0, 2 * kPi);
+                         cairo_set_dash(pen.get(), dashes, 2, 0.0);
+                         pen.use(paper.text);
+                         pen.stroke(1.2);
+                         cairo_set_dash(pen.get(), nullptr, 0, 0.0);
+                       }});
+  return entries;
+}
+
+std::string scale_bar_text(const MapFigure& figure, double length) {
+  return fmt::format("{:g}{}", length, figure.length_unit.empty() ? "" : " " + figure.length_unit);
+}
+
+double scale_bar_length(const Layout& l) { return nice_length(std::min(90.0, 0.4 * l.panel_width) / l.scale); }
+
+/// Where the legend begins: right of axes and scale bar.
+double legend_start(const Pen& pen, const MapFigure& figure, const Layout& l) {
+  double x = kMargin + (one_view(figure) ? kAxesRoom : 0.0);
+  if (figure.surfaces.front().view.unrolled) return x;
+  const double length = scale_bar_length(l);
+  return x + length * l.scale + 8 + pen.width(scale_bar_text(figure, length)) + 26;
+}
+
+/// `bar_lines`: of the bar's title.
+Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options, const Paper& paper,
+               std::size_t bar_lines) {
+  Layout l;
+  const int n = static_cast<int>(figure.panels.size());
+  l.columns = figure.columns > 0 && figure.columns <= 6 ? figure.columns
+              : n <= 4                                  ? (n == 4 ? 2 : n)
+                                                        : std::min(6, static_cast<int>(std::ceil(std::sqrt(1.4 * n))));
+  if (options.columns > 0) l.columns = std::min(n, options.columns);
+  l.bar = figure.empty ? 0.0 : kGap + bar_room(pen, figure, bar_lines);
+  const double widths[] = {130, 190, 230};
+  const double millimetres = options.width > 0 ? options.width
+                             : l.columns <= 3  ? widths[l.columns - 1]
+                                               : 64.0 * l.columns + 30;
+  l.width = std::round(millimetres * kMillimetre);
+  const auto panel_width = [&](int columns) {
+    return (l.width - 2 * kMargin - l.bar - (columns - 1) * kGap) / columns;
+  };
+  const int wanted = l.columns;
+  // Fewer side by side where there is little room; a row of files stays whole, or is cut into equal parts.
+  while (options.columns <= 0 && l.columns > 1 &&
+         (panel_width(l.columns) < 120.0 || (figure.columns > 0 && wanted % l.columns != 0)))
+    --l.columns;
+  l.rows = (n + l.columns - 1) / l.columns;
+  l.panel_width = panel_width(l.columns);
+  if (!(l.panel_width >= 60))
+    throw UsageError(
+        fmt::format("--width {:g}: found {:.0f} mm for each of {} panels side by side, expected 16 mm or more: about "
+                    "--width {:.0f}",
+                    millimetres, std::max(0.0, l.panel_width / kMillimetre), l.columns,
+                    std::ceil((62 * l.columns + 2 * kMargin + l.bar + (l.columns - 1) * kGap) / kMillimetre)));
+  Vector2d most = Vector2d::Constant(1e-300);
+  for (const MapSurface& s : figure.surfaces) {
+    const Box box = extent(s);
+    most = most.cwiseMax(box.high - box.low);
+  }
+  constexpr double kRound = 8.0;  // room for markers and labels at the rim
+  l.scale = std::min((l.panel_width - 2 * kRound) / most.x(), (1.15 * l.panel_width - 2 * kRound) / most.y());
+  l.map_height = most.y() * l.scale + 2 * kRound;
+  l.map_height = std::max(l.map_height, l.rows == 1 && !figure.empty ? 110.0 : 30.0);
+  l.top = kMargin + (figure.title.empty() ? 0.0 : kTitle + 14);
+  l.header = 2 * kText + 14;
+  const double start = legend_start(pen, figure, l), left = kMargin + (one_view(figure) ? kAxesRoom : 0.0);
+  const int lines = legend(pen, legend_entries(figure, paper), paper, left, start, 0.0, l.width - kMargin, false);
+  l.footer = std::max(one_view(figure) ? 80.0 : 0.0, 26 + (lines - 1) * kLegendLine + 26.0);
+  l.height = std::ceil(l.panel_y(l.rows * l.columns - 1) + l.header + l.map_height + l.footer);
+  return l;
+}
+
+void draw_footer(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper) {
+  const MapView& view = figure.surfaces.front().view;
+  const double y = l.height - l.footer + 26;
+  double x = kMargin;
+  if (one_view(figure)) {
+    draw_axes(pen, view, paper, x + 36, l.height - l.footer + 36);
+    x += kAxesRoom;
+  }
+  pen.font(kText);
+  const double start = legend_start(pen, figure, l);
+  if (!view.unrolled) {
+    const double length = scale_bar_length(l), px = length * l.scale;
+    cairo_move_to(pen.get(), x, y - 4);
+    cairo_line_to(pen.get(), x, y + 4);
+    cairo_move_to(pen.get(), x, y);
+    cairo_line_to(pen.get(), x + px, y);
+    cairo_move_to(pen.get(), x + px, y - 4);
+    cairo_line_to(pen.get(), x + px, y + 4);
+    pen.use(paper.text);
+    pen.stroke(1.4);
+    pen.text(x + px + 8, y + 0.35 * kText, scale_bar_text(figure, length));
+  }
+  legend(pen, legend_entries(figure, paper), paper, x, start, y, l.width - kMargin, true);
+}
+
+void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper) {
+  pen.use(paper.background);
+  cairo_paint(pen.get());
+  if (!figure.title.empty()) {
+    pen.font(kTitle, true);
+    pen.use(paper.text);
+    pen.text(kMargin, kMargin + kTitle - 3, fitted(pen, figure.title, l.width - 2 * kMargin));
+  }
+  for (int i = 0; i < static_cast<int>(figure.panels.size()); ++i) {
+    const MapPanel& panel = figure.panels[at(i)];
+    const Box box = extent(figure.surfaces[at(panel.surface)]);
+    const double x = l.panel_x(i), y = l.panel_y(i);
+    pen.font(kBold, true);
+    pen.use(paper.text);
+    const double room = l.panel_width + 0.5 * kGap;
+    if (pen.width(panel.when) > room) pen.font(kBold * room / pen.width(panel.when), true);
+    pen.text(x, y + kBold - 2, fitted(pen, panel.title, room, panel.when));
+    pen.font(kText);
+    pen.use(paper.faint);
+    const auto line = std::find_if(panel.numbers.begin(), panel.numbers.end(),
+                                   [&](const std::string& text) { return pen.width(text) <= l.panel_width; });
+    pen.text(x, y + 2 * kText + 4, line == panel.numbers.end() ? panel.numbers.back() : *line);
+    Placing place;
+    place.scale = l.scale;
+    const Vector2d middle = 0.5 * (box.low + box.high);
+    place.origin = {x + 0.5 * l.panel_width - l.scale * middle.x(),
+                    y + l.header + 0.5 * l.map_height + l.scale * middle.y()};
+    draw_panel(pen, place, figure, panel, paper, std::clamp(std::min(l.panel_width, l.map_height) / 220.0, 0.45, 1.0));
+  }
+  if (!figure.empty) {
+    const double height = std::min(l.map_height - 16, 300.0);
+    draw_bar(pen, figure, paper, l.width - kMargin - l.bar + kGap, l.top + l.header + 0.5 * (l.map_height - height),
+             height, l.top, l.height - l.footer);
+  }
+  draw_footer(pen, figure, l, paper);
+}
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
+  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), n);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+/// Cairo numbers the drawings of a process; a file shall not depend on how many there were before.
+void drop_number(std::string& svg) {
+  const std::string word = "surface";
+  for (std::size_t i = svg.find(word); i != std::string::npos; i = svg.find(word, i + word.size())) {
+    std::size_t end = i + word.size();
+    while (end < svg.size() && std::isdigit(static_cast<unsigned char>(svg[end]))) ++end;
+    svg.erase(i + word.size(), end - i - word.size());
+  }
+}
+
+void require(cairo_status_t status) {
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw std::runtime_error(std::string("drawing failed: ") + cairo_status_to_string(status));
+}
+
+using SurfaceHolder = std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)>;
+
+}  // namespace
+
+std::string picture(const MapFigure& figure, const PictureOptions& options) {
+  const Paper colours = paper(options.dark, figure.map);
+  Layout layout;
+  {  // words have the same width on every paper
+    const SurfaceHolder probe(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1), cairo_surface_destroy);
+    Pen pen(probe.get());
+    pen.font(kText);
+    std::size_t lines = 1;
+    for (int k = 0; k < 4; ++k) {  // a longer title of the bar takes of the maps' room
+      layout = lay_out(pen, figure, options, colours, lines);
+      const std::size_t needed =
+          figure.empty ? 1 : bar_title_lines(pen, figure, layout.height - layout.footer - layout.top).size();
+      if (needed <= lines) break;
+      lines = needed;
+    }
+  }
+  std::string bytes;
+  SurfaceHolder surface(nullptr, cairo_surface_destroy);
+  double zoom = 1.0;
+  if (options.format == PictureFormat::Svg) {
+    surface.reset(cairo_svg_surface_create_for_stream(append, &bytes, layout.width, layout.height));
+    cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
+  } else if (options.format == PictureFormat::Pdf) {
+    zoom = 0.75;
+    surface.reset(cairo_pdf_surface_create_for_stream(append, &bytes, zoom * layout.width, zoom * layout.height));
+    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+  } else {
+    zoom = options.dpi / 96.0;
+    const double w = std::round(zoom * layout.width), h = std::round(zoom * layout.height);
+    if (w > kMostPixels || h > kMostPixels)
+      throw UsageError(
+          fmt::format("--dpi {:g}: found a picture of {:.0f} x {:.0f} pixels, expected {:.0f} or fewer "
+                      "each way: less --dpi or --width",
+                      options.dpi, w, h, kMostPixels));
+    surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(w), static_cast<int>(h)));
+  }
+  require(cairo_surface_status(surface.get()));
+  {
+    Pen pen(surface.get());
+    cairo_scale(pen.get(), zoom, zoom);
+    // Outlines of letters, not of pixels: the same shapes on every paper.
+    cairo_font_options_t* fonts = cairo_font_options_create();
+    cairo_font_options_set_hint_style(fonts, CAIRO_HINT_STYLE_NONE);
+    cairo_font_options_set_hint_metrics(fonts, CAIRO_HINT_METRICS_OFF);
+    cairo_font_options_set_antialias(fonts, CAIRO_ANTIALIAS_GRAY);
+    cairo_set_font_options(pen.get(), fonts);
+    cairo_font_options_destroy(fonts);
+    draw(pen, figure, layout, colours);
+    require(cairo_status(pen.get()));
+  }
+  if (options.format == PictureFormat::Png)
+    require(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
+  else
+    cairo_surface_finish(surface.get());
+  require(cairo_surface_status(surface.get()));
+  if (options.format == PictureFormat::Svg) drop_number(bytes);  // letters are shapes: no word of ours is in it
+  return bytes;
+}
+
+}  // namespace dea

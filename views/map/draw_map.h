@@ -1,0 +1,23 @@
+// febiodea/views/map/draw_map.h – panels on paper: PNG, SVG or PDF, by Cairo. SVG and PDF are lines and areas, no
+// bitmaps.
+#pragma once
+#include <string>
+
+#include <febiodea/views/map/map_figure.h>
+
+namespace dea {
+
+enum class PictureFormat { Png, Svg, Pdf };
+
+struct PictureOptions {
+  PictureFormat format = PictureFormat::Png;
+  double width = 0.0;  ///< [mm]; 0: by the number of panels
+  double dpi = 200.0;  ///< of PNG
+  bool dark = false;
+  int columns = 0;  ///< of panels; 0: by the figure, fewer where the width is too small for them
+};
+
+/// The file's bytes; the same for the same figure and fonts. Throws UsageError: too narrow, too many pixels.
+std::string picture(const MapFigure& figure, const PictureOptions& options);
+
+}  // namespace dea

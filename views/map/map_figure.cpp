@@ -1,0 +1,587 @@
+#include <febiodea/views/map/map_figure.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/io/files/unit_names.h>
+#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/views/map/map_scale.h>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMostPanels = 100;
+
+/// Three digits, as on paper.
+std::string number(double x, bool plus = false) {
+  const double size = std::abs(x);
+  const int before = size > 0 ? static_cast<int>(std::floor(std::log10(size))) : 0;
+  const std::string digits = size > 0 && (before > 5 || before < -4)
+                                 ? fmt::format("{:.2e}", size)
+                                 : fmt::format("{:.{}f}", size, std::clamp(2 - before, 0, 6));
+  return (x < 0 ? "\u2212" : plus && x > 0 ? "+" : "") + digits;
+}
+
+void require_field(const ResultFile& file, const std::string& field) {
+  if (find_variable(file.plot, XpltGroup::Surface, field) >= 0) return;
+  std::vector<std::string> scalars;
+  for (const XpltVariable& v : file.plot.variables)
+    if (v.group == XpltGroup::Surface && v.type == XpltType::Float && v.format != XpltFormat::Region)
+      scalars.push_back(v.name);
+  throw InputError(fmt::format("{}: found no surface field \"{}\"{}, expected one of {}", file.path, field,
+                               did_you_mean(field, scalars), name_list(scalars, field)));
+}
+
+int require_surface(const ResultFile& file, int state, const std::string& name) {
+  const int surface = find_surface(file, state, name);
+  if (surface >= 0) return surface;
+  std::vector<std::string> names;
+  for (const XpltFacets& s : mesh_of(file, state).surfaces) names.push_back(s.name);
+  throw InputError(fmt::format("{}: found no surface \"{}\"{}, expected one of {}", file.path, name,
+                               did_you_mean(name, names), name_list(names, name)));
+}
+
+/// One state of each file.
+using Row = std::vector<int>;
+
+std::vector<Row> choose_states(const std::vector<ResultFile>& files, const MapOptions& o) {
+  std::vector<Row> rows;
+  if (o.states == "last") {
+    Row row;
+    for (const ResultFile& file : files) row.push_back(static_cast<int>(file.plot.states.size()) - 1);
+    return {row};
+  }
+  std::vector<double> times;
+  if (o.states == "all") {
+    const std::vector<XpltState>& states = files.front().plot.states;
+    if (files.size() == 1) {  // a file may have two states at one time
+      for (int i = 0; i < static_cast<int>(states.size()); ++i) rows.push_back({i});
+      return rows;
+    }
+    for (const XpltState& state : states) times.push_back(state.time);
+  } else {
+    try {
+      times = parse_numbers(o.states);
+    } catch (const BadValue&) {
+    }
+    if (times.empty())
+      throw UsageError(
+          fmt::format("{}: found \"{}\", expected all, last or times t1,t2,...", o.states_option, o.states));
+  }
+  for (double t : times) {
+    Row row;
+    for (const ResultFile& file : files) row.push_back(find_state(file, t));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+constexpr const char* kPressure = "contact pressure";
+constexpr const char* kSpace = "joint space";
+
+/// The largest value of a field on a surface in any state; 0 where it has none.
+double largest_ever(const ResultFile& file, const std::string& surface, const std::string& field) {
+  double most = 0.0;
+  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+    const int index = find_surface(file, state, surface);
+    if (index < 0) continue;
+    for (double x : facet_values(file, state, index, field, true))
+      if (std::isfinite(x)) most = std::max(most, x);
+  }
+  return most;
+}
+
+/// The surfaces that carry the field in all files. First the one with the highest pressure anywhere in the first file,
+/// whatever is asked for: pictures of other fields and times are of the same surface. Then those with values. Files
+/// without pressure: as they come, FEBio's primary surface first.
+std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, const std::vector<Row>& rows,
+                                         const std::string& field) {
+  struct Found {
+    double pressure, most;
+    std::string name;
+  };
+  const ResultFile& first = files.front();
+  std::vector<Found> found;
+  for (const XpltFacets& s : mesh_of(first, rows.front().front()).surfaces) {
+    double most = 0.0;
+    bool carried = false, everywhere = true;
+    for (const Row& row : rows) {
+      for (std::size_t i = 0; i < files.size(); ++i) {
+        const int surface = find_surface(files[i], row[i], s.name);
+        if (surface < 0) {
+          everywhere = false;
+          continue;
+        }
+        const std::vector<double> values = facet_values(files[i], row[i], surface, field);
+        everywhere = everywhere && !values.empty();
+        carried = carried || !values.empty();
+        for (double x : values) most = std::max(most, std::abs(x));
+      }
+    }
+    if (carried && everywhere) found.push_back({largest_ever(first, s.name, kPressure), most, s.name});
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.pressure > b.pressure; });
+  std::vector<std::string> names;
+  for (const Found& f : found)
+    if (f.most > 0 || names.empty()) names.push_back(f.name);
+  return names;
+}
+
+MapValues field_values(const ResultFile& file, int state, const ResultSurface& surface, int index,
+                       const std::string& field, bool clamped) {
+  std::vector<double> facets = facet_values(file, state, index, field);
+  if (facets.empty())
+    throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {:g}", file.path, surface.name, field,
+                                 file.plot.states[at(state)].time));
+  if (clamped && is_pressure(field))
+    for (double& x : facets) x = std::max(x, 0.0);  // as everywhere: contact is where pressure is above 0
+  return map_values(surface, field, std::move(facets));
+}
+
+/// The state of the reference that belongs to a time.
+int reference_state(const ResultFile& minus, double time, bool last) {
+  if (!last) return find_state(minus, time);
+  return static_cast<int>(minus.plot.states.size()) - 1;
+}
+
+MapValues difference(const NodeMatch& match, const ResultSurface& surface, const MapValues& a,
+                     const ResultSurface& reference, const MapValues& b) {
+  MapValues d;
+  const std::vector<double> carried = carry(match, reference, b.vertices);
+  for (std::size_t i = 0; i < carried.size(); ++i)
+    d.vertices.push_back(a.vertices[i] == 0 && carried[i] == 0 ? kNaN : a.vertices[i] - carried[i]);
+  if (match.same_mesh) {
+    for (std::size_t f = 0; f < a.facets.size(); ++f)
+      d.facets.push_back(a.facets[f] == 0 && b.facets[f] == 0 ? kNaN : a.facets[f] - b.facets[f]);
+  } else {
+    const std::vector<double> b_facets = facet_average(surface, carried);
+    for (std::size_t f = 0; f < a.facets.size(); ++f)
+      d.facets.push_back(a.facets[f] == 0 && b_facets[f] == 0 ? kNaN : a.facets[f] - b_facets[f]);
+  }
+  return d;
+}
+
+std::vector<double> finite(const std::vector<double>& values) {
+  std::vector<double> out;
+  for (double x : values)
+    if (std::isfinite(x)) out.push_back(x);
+  return out;
+}
+
+bool to_be_seen(const MapSurface& s, int facet) {
+  for (int t = 0; t < s.mesh.size(); ++t)
+    if (s.mesh.facet[at(t)] == facet && s.projection.layer[at(t)] >= 0 && !s.projection.back[at(t)] &&
+        s.projection.hidden[at(t)] < 0.5)
+      return true;
+  return false;
+}
+
+/// Where the largest value (of absolute values, in a difference) is, if it can be seen.
+void mark_peak(const MapFigure& figure, MapPanel& panel) {
+  const MapSurface& s = figure.surfaces[at(panel.surface)];
+  const std::vector<double>& shown = figure.smooth ? panel.points : panel.facets;
+  const auto size = [&](double x) { return figure.map == ColourMap::Diverging ? std::abs(x) : x; };
+  int best = -1;
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    if (std::isfinite(shown[i]) && (best < 0 || size(shown[i]) > size(shown[at(best)]))) best = static_cast<int>(i);
+  if (best < 0 || !(size(shown[at(best)]) > 0)) return;
+  if (!figure.smooth) {
+    if (to_be_seen(s, best)) panel.peak = on_map(s.view, s.surface.facet_centers[at(best)]);
+    return;
+  }
+  for (int t = 0; t < s.mesh.size(); ++t) {
+    const auto& v = s.mesh.triangles[at(t)];
+    if (std::find(v.begin(), v.end(), best) == v.end() || !to_be_seen(s, s.mesh.facet[at(t)])) continue;
+    panel.peak = s.projection.points[at(best)];
+    return;
+  }
+}
+
+void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel) {
+  const MapSurface& s = figure.surfaces[at(panel.surface)];
+  const std::string unit = figure.unit.empty() ? "" : fmt::format(" {}", figure.unit);
+  const std::string area_unit = figure.length_unit.empty() ? "" : fmt::format(" {}\u00b2", figure.length_unit);
+  // All of nodes or all of facets, as dea compare has them in its rows.
+  const std::vector<double>& of = figure.smooth ? values.vertices : values.facets;
+  const std::vector<double> areas = figure.smooth ? nodal_areas(s.surface) : s.surface.facet_areas;
+  const char* where = figure.smooth ? "nodes" : "facets";
+  const std::vector<double> shown = finite(of);
+  // where two results agree exactly a difference of 0 is the answer
+  const bool zero = std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; });
+  if (shown.empty() || (zero && figure.map == ColourMap::Sequential)) {
+    panel.numbers = {figure.pressure ? "no contact" : "no values"};
+    return;
+  }
+  const auto [least, most] = std::minmax_element(shown.begin(), shown.end());
+  double area = 0.0, sum = 0.0, squares = 0.0;
+  Vector3d center = Vector3d::Zero();
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    if (!std::isfinite(of[i]) || (figure.pressure && figure.map == ColourMap::Sequential && !(of[i] > 0))) continue;
+    area += areas[i];
+    sum += areas[i] * of[i];
+    squares += areas[i] * of[i] * of[i];
+  }
+  if (figure.map == ColourMap::Diverging) {
+    const std::string range = fmt::format("{}: {} to {}", where, number(*least, true), number(*most, true));
+    panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
+    return;
+  }
+  if (!figure.pressure) {
+    const std::string range = fmt::format("{}: {} to {}", where, number(*least), number(*most));
+    panel.numbers = {fmt::format("{}, mean {}{}", range, number(sum / area), unit), range + unit, range};
+    return;
+  }
+  const std::string peak = fmt::format("{}: peak {}", where, number(*most)),
+                    means = fmt::format("{}, mean {}{}", peak, number(sum / area), unit);
+  panel.numbers = {fmt::format("{}, area {:.4g}{}", means, area, area_unit), means, peak + unit, peak,
+                   fmt::format("peak {}", number(*most))};
+  double force = 0.0;
+  for (std::size_t f = 0; f < values.facets.size(); ++f) {
+    if (!std::isfinite(values.facets[f])) continue;
+    const double weight = s.surface.facet_areas[f] * values.facets[f];
+    force += weight;
+    center += weight * s.surface.facet_centers[f];
+  }
+  if (force > 0) panel.center_of_pressure = on_map(s.view, center / force);
+}
+
+/// What the scale is for: the values of panels, or of all states of the files as they would be shown.
+struct Scaled {
+  ValueRange range;
+  std::vector<std::pair<double, double>> areas;  ///< of joint space: value, area
+};
+
+const std::vector<double>& shown(const MapFigure& figure, const MapValues& values) {
+  return figure.smooth ? values.vertices : values.facets;
+}
+
+/// All states in which the file (and the reference) has the field on the surface; a state that holds values that are no
+/// numbers is drawn by nobody, they are passed over.
+void add_states(const ResultFile& file, const ResultFile* minus, const std::string& name, const MapFigure& figure,
+                const MapOptions& o, Scaled& scaled) {
+  ResultSurface s, reference;
+  std::optional<NodeMatch> match;
+  int mesh = -1, other_mesh = -1;
+  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+    const int index = find_surface(file, state, name);
+    if (index < 0) continue;
+    std::vector<double> facets = facet_values(file, state, index, o.field, true);
+    if (facets.empty()) continue;
+    if (file.plot.states[at(state)].mesh != mesh) {
+      s = result_surface(file, state, index);
+      match.reset();
+    }
+    mesh = file.plot.states[at(state)].mesh;
+    if (is_pressure(o.field) && minus == nullptr)
+      for (double& x : facets) x = std::max(x, 0.0);
+    const MapValues v = map_values(s, o.field, std::move(facets));
+    if (minus == nullptr) {
+      scaled.range.add(shown(figure, v));
+      if (o.field == kSpace) add_areas(s, v.facets, scaled.areas);
+      continue;
+    }
+    for (int k = 0; k < static_cast<int>(minus->plot.states.size()); ++k) {
+      if (!same_time(minus->plot.states[at(k)].time, file.plot.states[at(state)].time)) continue;
+      const int other = find_surface(*minus, k, name);
+      std::vector<double> taken = other < 0 ? std::vector<double>() : facet_values(*minus, k, other, o.field, true);
+      if (taken.empty()) continue;
+      if (minus->plot.states[at(k)].mesh != other_mesh || !match) {
+        reference = result_surface(*minus, k, other);
+        match = match_nodes(s, reference);
+      }
+      other_mesh = minus->plot.states[at(k)].mesh;
+      scaled.range.add(shown(figure, difference(*match, s, v, reference, map_values(reference, o.field, taken))));
+      break;
+    }
+  }
+}
+
+void choose_scale(const std::vector<ResultFile>& files, const ResultFile* minus, const std::vector<std::string>& names,
+                  const MapOptions& o, MapFigure& figure) {
+  Scaled scaled;
+  ScaleKind kind;
+  kind.map = figure.map;
+  kind.pressure = figure.pressure;
+  kind.low = o.low;
+  kind.high = o.high;
+  ValueRange panels;
+  for (const MapPanel& panel : figure.panels) panels.add(figure.smooth ? panel.points : panel.facets);
+  scaled.range.add(panels);
+  // Joint space is also there where nothing faces, as the closest distance: the edge of a ball must not set the scale.
+  const bool space = o.field == kSpace && minus == nullptr;
+  if (o.scale_of_shown) {
+    for (const MapPanel& panel : figure.panels) {
+      if (!space) break;
+      std::vector<std::pair<double, double>> areas;
+      add_areas(figure.surfaces[at(panel.surface)].surface, panel.facets, areas);
+      kind.usual = std::max(kind.usual, most_of_area_below(std::move(areas)));
+    }
+  } else {
+    for (const ResultFile& file : files)
+      for (const std::string& name : names) {
+        scaled.areas.clear();
+        add_states(file, minus, name, figure, o, scaled);
+        if (space) kind.usual = std::max(kind.usual, most_of_area_below(std::move(scaled.areas)));
+      }
+  }
+  const MapScale scale = map_scale(kind, scaled.range);
+  const double least_width = 1e-5 * std::max(std::abs(scale.low), std::abs(scale.high));
+  if (!(scale.high > scale.low) || scale.high - scale.low < least_width)
+    throw UsageError(
+        fmt::format("--max {:g}: found no width of the colour scale, expected more than {:g}", scale.high, scale.low));
+  figure.low = scale.low;
+  figure.high = scale.high;
+  figure.empty = map_scale(kind, panels).empty;
+  const double tolerance = 1e-6 * (scale.high - scale.low);
+  figure.beyond_low = !figure.empty && panels.least < scale.low - tolerance;
+  figure.beyond_high = !figure.empty && panels.most > scale.high + tolerance;
+  figure.ticks = scale_ticks(scale);
+  figure.contours = o.contours ? *o.contours : scale_lines(scale, figure.map);
+}
+
+/// How much of what a panel shows is out of sight.
+void remark_hidden(MapFigure& figure) {
+  for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
+    const MapSurface& s = figure.surfaces[k];
+    double all = 0.0, hidden = 0.0;
+    for (const MapPanel& panel : figure.panels) {
+      if (panel.surface != static_cast<int>(k)) continue;
+      for (int t = 0; t < s.mesh.size(); ++t) {
+        const double x = panel.facets[at(s.mesh.facet[at(t)])];
+        if (!std::isfinite(x)) continue;
+        all += s.mesh.areas[at(t)];
+        const bool out = s.projection.layer[at(t)] < 0 || s.projection.back[at(t)];
+        hidden += s.mesh.areas[at(t)] * (out ? 1.0 : s.projection.hidden[at(t)]);
+      }
+    }
+    for (MapPanel& panel : figure.panels)  // a mark amid what is not to be seen would mislead
+      if (panel.surface == static_cast<int>(k) && hidden > 0.2 * all) panel.center_of_pressure.reset();
+    if (hidden > 0.01 * all)
+      figure.remarks.push_back(
+          fmt::format("note: surface \"{}\": {:.0f} % of the area with values is turned away or hidden in this view, "
+                      "choose another with --view x,y,z or --view unrolled",
+                      s.name, std::max(1.0, 100.0 * hidden / all)));
+    if (s.projection.from_behind)
+      figure.remarks.push_back(fmt::format("note: surface \"{}\" is seen from its bone's side", s.name));
+  }
+  std::sort(figure.remarks.begin(), figure.remarks.end());
+  figure.remarks.erase(std::unique(figure.remarks.begin(), figure.remarks.end()), figure.remarks.end());
+}
+
+/// Results that are cut off; and surfaces without pressure in one of them, which look as if nothing touched them.
+/// Returns, per file, the surfaces that have none.
+std::vector<std::vector<std::string>> remark_files(const std::vector<const ResultFile*>& files,
+                                                   const std::vector<std::string>& names, const MapOptions& o,
+                                                   MapFigure& figure) {
+  std::vector<std::vector<std::string>> without(files.size());
+  for (const ResultFile* file : files)
+    if (file->plot.truncated)
+      figure.remarks.push_back(
+          fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file->path,
+                      file->plot.states.back().time));
+  if (!is_pressure(o.field)) return without;
+  for (const std::string& name : names) {
+    std::vector<char> pressed;
+    for (const ResultFile* file : files) pressed.push_back(largest_ever(*file, name, o.field) > 0);
+    if (std::find(pressed.begin(), pressed.end(), 1) == pressed.end()) continue;
+    std::string unpressed;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (pressed[i]) continue;
+      without[i].push_back(name);
+      unpressed += fmt::format("{}{}", unpressed.empty() ? "" : ", ", files[i]->label);
+    }
+    if (!unpressed.empty())
+      figure.remarks.push_back(
+          fmt::format("note: surface \"{}\" has no pressure anywhere in {}; FEBio computes a contact's pressure on its "
+                      "primary surface only, unless told otherwise",
+                      name, unpressed));
+  }
+  return without;
+}
+
+void choose_units(const std::vector<const ResultFile*>& files, const MapOptions& o, MapFigure& figure) {
+  std::string system;
+  for (const ResultFile* file : files) {
+    if (system.empty()) system = file->plot.units;
+    if (!file->plot.units.empty() && file->plot.units != system)
+      throw InputError(
+          fmt::format("{}: found units {}, expected {} as in the files before", file->path, file->plot.units, system));
+  }
+  const ResultFile& first = *files.front();
+  std::string dimension = first.plot.variables[at(find_variable(first.plot, XpltGroup::Surface, o.field))].units;
+  if (dimension.empty() && is_pressure(o.field)) dimension.assign(1, 'P');
+  const UnitNames units = unit_names(system);
+  figure.unit = dimension == "P" ? units.pressure : dimension == "L" ? units.length : "";
+  figure.length_unit = units.length;
+}
+
+}  // namespace
+
+MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o) {
+  MapFigure figure;
+  figure.smooth = o.smooth;
+  figure.pressure = is_pressure(o.field);
+  figure.map = minus != nullptr || is_difference(o.field) ? ColourMap::Diverging : ColourMap::Sequential;
+  std::vector<const ResultFile*> all;
+  for (const ResultFile& file : files) all.push_back(&file);
+  if (minus != nullptr) all.push_back(minus);
+  for (const ResultFile* file : all) require_field(*file, o.field);
+  choose_units(all, o, figure);
+  figure.quantity = minus != nullptr ? "difference of " + o.field : o.field;
+
+  const std::vector<Row> rows = choose_states(files, o);
+  std::vector<std::string> names = o.surfaces;
+  if (names.empty()) {
+    const std::vector<std::string> loaded = loaded_surfaces(files, rows, o.field);
+    if (loaded.empty())
+      throw InputError(fmt::format("{}: found no surface{} with \"{}\"", files.front().path,
+                                   files.size() > 1 ? " of this and the other files" : "", o.field));
+    names = {loaded.front()};
+    if (loaded.size() > 1)
+      figure.remarks.push_back(fmt::format("note: shown is surface \"{}\"; there are values on {} too (--surface NAME)",
+                                           loaded.front(), name_list({loaded.begin() + 1, loaded.end()})));
+  }
+  const std::vector<std::vector<std::string>> without = remark_files(all, names, o, figure);
+  const auto has_none = [&](std::size_t file, const std::string& name) {
+    return std::find(without[file].begin(), without[file].end(), name) != without[file].end();
+  };
+  const std::size_t count = rows.size() * names.size() * files.size();
+  if (count > at(kMostPanels))
+    throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer: choose states with --at t1,t2,...",
+                                 count, kMostPanels));
+  if (files.size() > 1)
+    figure.columns = static_cast<int>(files.size());
+  else if (rows.size() > 1 && names.size() > 1)
+    figure.columns = static_cast<int>(names.size());
+
+  std::vector<MapValues> values;
+  std::vector<std::string> nothing_there;  // per panel: what stands in place of numbers
+  std::vector<std::pair<std::size_t, std::pair<std::string, int>>> key_of;  // file, surface, mesh -> figure.surfaces
+  for (const Row& row : rows) {
+    for (const std::string& name : names) {
+      for (std::size_t i = 0; i < files.size(); ++i) {
+        const ResultFile& file = files[i];
+        const int index = require_surface(file, row[i], name);
+        const std::pair<std::size_t, std::pair<std::string, int>> key = {i, {name, file.plot.states[at(row[i])].mesh}};
+        const auto known = std::find(key_of.begin(), key_of.end(), key);
+        MapPanel panel;
+        panel.surface = static_cast<int>(known - key_of.begin());
+        if (known == key_of.end()) {
+          key_of.push_back(key);
+          MapSurface s;
+          s.name = name;
+          s.surface = result_surface(file, row[i], index);
+          if (s.surface.mesh.size() == 0)
+            throw InputError(fmt::format("{}: surface \"{}\" has no area", file.path, name));
+          s.mesh = make_map_mesh(s.surface);
+          figure.surfaces.push_back(std::move(s));
+        }
+        const MapSurface& s = figure.surfaces[at(panel.surface)];
+        MapValues v = field_values(file, row[i], s.surface, index, o.field, minus == nullptr);
+        const double time = file.plot.states[at(row[i])].time;
+        bool same_times = true;
+        for (std::size_t k = 0; k < files.size(); ++k)
+          same_times = same_times && same_time(files[k].plot.states[at(row[k])].time, time);
+        if (minus != nullptr) {
+          const int state = reference_state(*minus, time, o.states == "last");
+          const int other = require_surface(*minus, state, name);
+          const ResultSurface reference = result_surface(*minus, state, other);
+          const NodeMatch match = match_nodes(s.surface, reference);
+          if (!(match.covered > 0))
+            throw InputError(
+                fmt::format("{}: surface \"{}\" lies nowhere on that of {}", file.path, name, minus->path));
+          if (match.covered < 0.99)
+            figure.remarks.push_back(fmt::format(
+                "warning: surface \"{}\" of {} covers only {:.1f} % of that of {}; grey: no difference there", name,
+                minus->label, 100 * match.covered, file.label));
+          v = difference(match, s.surface, v, reference, field_values(*minus, state, reference, other, o.field, false));
+          const double taken = minus->plot.states[at(state)].time;
+          if (!same_time(taken, time)) {
+            same_times = false;
+            figure.remarks.push_back(
+                fmt::format("warning: {} is shown at time {:g}, {} at {:g}; --at T compares at one time", file.label,
+                            time, minus->label, taken));
+          }
+        } else {
+          for (double& x : v.facets)
+            if (x == 0) x = kNaN;
+        }
+        const auto add = [&](const std::string& part) {
+          if (!panel.title.empty()) panel.title += ", ";
+          panel.title += part;
+        };
+        if (minus != nullptr)
+          add(fmt::format("{} \u2212 {}", file.label, minus->label));
+        else if (files.size() > 1)
+          add(file.label);
+        const bool alone = files.size() == 1 && minus == nullptr;
+        if (names.size() > 1 || (alone && rows.size() == 1)) add(name);
+        if (!same_times && minus == nullptr)
+          figure.remarks.push_back("warning: the files' last states are at different times; --at T shows one time");
+        if (rows.size() > 1 || !same_times || (alone && names.size() == 1)) {
+          add("");
+          panel.when = fmt::format("time {:.6g}", time);
+          panel.title += panel.when;
+        }
+        nothing_there.push_back(has_none(i, name) ? "no pressure in this file" : "");
+        if (minus != nullptr && (has_none(i, name) || has_none(files.size(), name)))
+          nothing_there.back() = "no pressure in " + (has_none(i, name) ? file : *minus).label;
+        panel.facets = v.facets;
+        panel.points = point_values(s.mesh, v.vertices);
+        values.push_back(std::move(v));
+        figure.panels.push_back(std::move(panel));
+      }
+    }
+  }
+
+  // One view for a surface in all files and states, found in the first.
+  for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
+    MapSurface& s = figure.surfaces[k];
+    const auto same = std::find_if(figure.surfaces.begin(), figure.surfaces.end(),
+                                   [&](const MapSurface& other) { return other.name == s.name; });
+    std::vector<double> load(at(s.surface.facets()), 0.0), weights(s.mesh.triangles.size(), 0.0);
+    for (const MapPanel& panel : figure.panels)
+      for (std::size_t f = 0; panel.surface == static_cast<int>(k) && f < load.size(); ++f)
+        if (std::isfinite(panel.facets[f])) load[f] += std::abs(panel.facets[f]);
+    for (std::size_t t = 0; t < weights.size(); ++t) weights[t] = s.mesh.areas[t] * load[at(s.mesh.facet[t])];
+    if (&*same != &s) {
+      s.view = same->view;
+    } else if (o.unrolled) {
+      if (!unroll(s.surface, o.up, s.view))
+        throw UsageError(fmt::format("--view unrolled: surface \"{}\" of {} is no part of a sphere; use --view x,y,z",
+                                     s.name, files.front().path));
+    } else {
+      const Vector3d toward = o.toward ? *o.toward : default_direction(s.surface, load);
+      if (o.up.norm() > 0 && !(o.up.normalized().cross(toward.normalized()).norm() > 1e-3))
+        throw UsageError(fmt::format("--up {:g},{:g},{:g}: is along the view, expected a direction across it", o.up[0],
+                                     o.up[1], o.up[2]));
+      s.view = view_from(toward, o.up);
+    }
+    s.projection = project(s.mesh, s.view, weights);
+    if (s.projection.layers == 0)
+      throw UsageError(fmt::format("--view: surface \"{}\" is seen edge-on, expected a direction across it", s.name));
+  }
+  for (std::size_t k = 0; k < figure.panels.size(); ++k) {
+    MapPanel& panel = figure.panels[k];
+    const MapSurface& s = figure.surfaces[at(panel.surface)];
+    panel.edge = figure.map == ColourMap::Sequential && zero_without_contact(o.field)
+                     ? edge_level(s.mesh, panel.facets, panel.points)
+                     : -std::numeric_limits<double>::infinity();
+    describe(figure, values[k], panel);
+    if (!nothing_there[k].empty()) panel.numbers = {nothing_there[k]};
+    mark_peak(figure, panel);
+  }
+  choose_scale(files, minus, names, o, figure);
+  remark_hidden(figure);
+  return figure;
+}
+
+}  // namespace dea

@@ -1,0 +1,571 @@
+#include <febiodea/views/map/map_geometry.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace dea {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+void find_neighbours(MapMesh& mesh) {
+  struct Edge {
+    int a, b, triangle, k;
+  };
+  std::vector<Edge> edges;
+  for (int t = 0; t < mesh.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(mesh.triangles[at(t)][at(k)], mesh.triangles[at(t)][at((k + 1) % 3)]);
+      edges.push_back({a, b, t, k});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) {
+    return std::tie(x.a, x.b, x.triangle) < std::tie(y.a, y.b, y.triangle);
+  });
+  mesh.neighbours.assign(mesh.triangles.size(), {-1, -1, -1});
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i;
+    while (end < edges.size() && edges[end].a == edges[i].a && edges[end].b == edges[i].b) ++end;
+    if (end - i == 2) {  // three facets at an edge have no neighbours there
+      const Edge &x = edges[i], &y = edges[i + 1];
+      const int from_x = mesh.triangles[at(x.triangle)][at(x.k)], from_y = mesh.triangles[at(y.triangle)][at(y.k)];
+      if (from_x != from_y) {  // turned alike
+        mesh.neighbours[at(x.triangle)][at(x.k)] = y.triangle;
+        mesh.neighbours[at(y.triangle)][at(y.k)] = x.triangle;
+      }
+    }
+    i = end;
+  }
+}
+
+using Triangle2 = std::array<Vector2d, 3>;
+
+/// What two triangles have in common: area and middle.
+double common_area(Triangle2 a, Triangle2 b, Vector2d& middle) {
+  for (Triangle2* t : {&a, &b})
+    if (cross((*t)[1] - (*t)[0], (*t)[2] - (*t)[0]) < 0) std::swap((*t)[1], (*t)[2]);
+  std::vector<Vector2d> polygon(a.begin(), a.end()), next;
+  for (int k = 0; k < 3 && !polygon.empty(); ++k) {
+    const Vector2d &p = b[at(k)], d = b[at((k + 1) % 3)] - b[at(k)];
+    next.clear();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Vector2d &x = polygon[i], &y = polygon[(i + 1) % polygon.size()];
+      const double sx = cross(d, x - p), sy = cross(d, y - p);
+      if (sx >= 0) next.push_back(x);
+      if ((sx > 0 && sy < 0) || (sx < 0 && sy > 0)) next.push_back(x + sx / (sx - sy) * (y - x));
+    }
+    polygon.swap(next);
+  }
+  double area = 0.0;
+  middle.setZero();
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    const double part = 0.5 * cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+    area += part;
+    middle += part / 3.0 * (polygon[0] + polygon[i - 1] + polygon[i]);
+  }
+  if (area > 0) middle /= area;
+  return area;
+}
+
+/// A triangle's height above the map at a place in it.
+double depth_at(const Triangle2& t, const Vector3d& depths, const Vector2d& x) {
+  const double whole = cross(t[1] - t[0], t[2] - t[0]);
+  const double u = cross(t[1] - x, t[2] - x) / whole, v = cross(t[2] - x, t[0] - x) / whole;
+  return u * depths[0] + v * depths[1] + (1.0 - u - v) * depths[2];
+}
+
+struct Cover {
+  int behind, before;
+  double area;
+};
+
+/// All pairs of triangles of which one covers the other, by way of a grid.
+std::vector<Cover> find_covers(const MapMesh& mesh, const Projection& p, const std::vector<double>& depth,
+                               const std::vector<double>& signed_areas) {
+  std::vector<Cover> covers;
+  Vector2d low = Vector2d::Constant(1e300), high = -low;
+  int drawn = 0;
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (p.layer[at(t)] < 0) continue;
+    ++drawn;
+    for (int v : mesh.triangles[at(t)]) {
+      low = low.cwiseMin(p.points[at(v)]);
+      high = high.cwiseMax(p.points[at(v)]);
+    }
+  }
+  if (drawn < 2) return covers;
+  const int n = std::clamp(static_cast<int>(std::sqrt(drawn / 2.0)), 1, 1000);
+  const Vector2d cell = ((high - low) / n).cwiseMax(1e-300);
+  const auto box = [&](int t) {
+    Vector2d a = p.points[at(mesh.triangles[at(t)][0])], b = a;
+    for (int v : mesh.triangles[at(t)]) {
+      a = a.cwiseMin(p.points[at(v)]);
+      b = b.cwiseMax(p.points[at(v)]);
+    }
+    std::array<int, 4> out;
+    for (int i = 0; i < 2; ++i) {
+      out[at(i)] = std::clamp(static_cast<int>((a[i] - low[i]) / cell[i]), 0, n - 1);
+      out[at(i + 2)] = std::clamp(static_cast<int>((b[i] - low[i]) / cell[i]), 0, n - 1);
+    }
+    return out;
+  };
+  std::vector<std::vector<int>> cells(at(n) * at(n));
+  std::vector<std::array<int, 4>> boxes(mesh.triangles.size());
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (p.layer[at(t)] < 0) continue;
+    boxes[at(t)] = box(t);
+    const auto& b = boxes[at(t)];
+    for (int j = b[1]; j <= b[3]; ++j)
+      for (int i = b[0]; i <= b[2]; ++i) cells[at(j) * at(n) + at(i)].push_back(t);
+  }
+  const auto corners = [&](int t) {
+    const auto& v = mesh.triangles[at(t)];
+    return Triangle2{p.points[at(v[0])], p.points[at(v[1])], p.points[at(v[2])]};
+  };
+  const auto depths = [&](int t) {
+    const auto& v = mesh.triangles[at(t)];
+    return Vector3d(depth[at(v[0])], depth[at(v[1])], depth[at(v[2])]);
+  };
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const std::vector<int>& here = cells[at(j) * at(n) + at(i)];
+      for (std::size_t x = 0; x < here.size(); ++x) {
+        for (std::size_t y = x + 1; y < here.size(); ++y) {
+          const int s = here[x], t = here[y];
+          const auto &bs = boxes[at(s)], &bt = boxes[at(t)];
+          if (i != std::max(bs[0], bt[0]) || j != std::max(bs[1], bt[1])) continue;  // each pair in one cell only
+          const double as = signed_areas[at(s)], area_t = signed_areas[at(t)];
+          const auto &vs = mesh.triangles[at(s)], &vt = mesh.triangles[at(t)];
+          if ((as > 0) == (area_t > 0) &&
+              std::any_of(vs.begin(), vs.end(), [&](int v) { return std::find(vt.begin(), vt.end(), v) != vt.end(); }))
+            continue;  // neighbours that face the same way lie side by side
+          Vector2d middle;
+          const Triangle2 cs = corners(s), ct = corners(t);
+          const double common = common_area(cs, ct, middle);
+          if (!(common > 1e-4 * std::min(std::abs(as), std::abs(area_t)))) continue;
+          const bool s_behind = depth_at(cs, depths(s), middle) < depth_at(ct, depths(t), middle);
+          covers.push_back(s_behind ? Cover{s, t, common} : Cover{t, s, common});
+        }
+      }
+    }
+  }
+  return covers;
+}
+
+/// Layer of a triangle: the longest chain of triangles behind it.
+void assign_layers(const MapMesh& mesh, Projection& p, const std::vector<double>& depth,
+                   const std::vector<Cover>& covers) {
+  std::vector<std::vector<int>> before(mesh.triangles.size());
+  std::vector<int> waiting(mesh.triangles.size(), 0);
+  for (const Cover& c : covers) {
+    before[at(c.behind)].push_back(c.before);
+    ++waiting[at(c.before)];
+  }
+  std::vector<int> order(mesh.triangles.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto middle_depth = [&](int t) {
+    const auto& v = mesh.triangles[at(t)];
+    return depth[at(v[0])] + depth[at(v[1])] + depth[at(v[2])];
+  };
+  std::sort(order.begin(), order.end(), [&](int s, int t) {
+    const double ds = middle_depth(s), dt = middle_depth(t);
+    return ds != dt ? ds < dt : s < t;
+  });
+  std::vector<char> done(mesh.triangles.size(), 0);
+  std::vector<int> ready;
+  const auto finish = [&](int t) {
+    done[at(t)] = 1;
+    for (int next : before[at(t)]) {
+      if (done[at(next)]) continue;
+      p.layer[at(next)] = std::max(p.layer[at(next)], p.layer[at(t)] + 1);
+      if (--waiting[at(next)] == 0) ready.push_back(next);
+    }
+  };
+  for (int start : order) {  // farthest first; three that cover each other in turn are cut open there
+    if (done[at(start)] || p.layer[at(start)] < 0 || waiting[at(start)] > 0) continue;
+    ready.push_back(start);
+    while (!ready.empty()) {
+      const int t = ready.back();
+      ready.pop_back();
+      if (!done[at(t)]) finish(t);
+    }
+  }
+  for (int start : order) {
+    if (done[at(start)] || p.layer[at(start)] < 0) continue;
+    ready.push_back(start);
+    while (!ready.empty()) {
+      const int t = ready.back();
+      ready.pop_back();
+      if (!done[at(t)]) finish(t);
+    }
+  }
+  for (int l : p.layer) p.layers = std::max(p.layers, l + 1);
+}
+
+/// A point of a map: a vertex (b = -1), or where a contour crosses the edge a < b.
+struct Place {
+  int a = 0, b = -1;
+  bool operator==(const Place&) const = default;
+  bool operator<(const Place& o) const { return std::tie(a, b) < std::tie(o.a, o.b); }
+};
+struct Piece {
+  Place from, to;
+  Vector2d x = Vector2d::Zero(), y = Vector2d::Zero();
+};
+
+/// Pieces joined end to end.
+std::vector<Polyline> chain(std::vector<Piece> pieces) {
+  std::sort(pieces.begin(), pieces.end(),
+            [](const Piece& p, const Piece& q) { return std::tie(p.from, p.to) < std::tie(q.from, q.to); });
+  std::vector<Place> ends;
+  for (const Piece& p : pieces) ends.push_back(p.to);
+  std::sort(ends.begin(), ends.end());
+  std::vector<char> used(pieces.size(), 0);
+  const auto next = [&](const Place& from) {
+    auto i = std::lower_bound(pieces.begin(), pieces.end(), from,
+                              [](const Piece& p, const Place& place) { return p.from < place; }) -
+             pieces.begin();
+    for (; i < static_cast<std::ptrdiff_t>(pieces.size()) && pieces[static_cast<std::size_t>(i)].from == from; ++i)
+      if (!used[static_cast<std::size_t>(i)]) return i;
+    return std::ptrdiff_t{-1};
+  };
+  std::vector<Polyline> lines;
+  const auto walk = [&](std::size_t start) {
+    Polyline line;
+    const Place first = pieces[start].from;
+    for (auto i = static_cast<std::ptrdiff_t>(start); i >= 0;) {
+      const Piece& piece = pieces[static_cast<std::size_t>(i)];
+      used[static_cast<std::size_t>(i)] = 1;
+      line.points.push_back(piece.x);
+      if (piece.to == first) {
+        line.closed = true;
+        break;
+      }
+      i = next(piece.to);
+      if (i < 0) line.points.push_back(piece.y);
+    }
+    lines.push_back(std::move(line));
+  };
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (!used[i] && !std::binary_search(ends.begin(), ends.end(), pieces[i].from)) walk(i);
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (!used[i]) walk(i);
+  return lines;
+}
+
+/// Pieces of the region's outline (`rims`) and of the contour itself, in one triangle.
+void cut_triangle(const MapMesh& mesh, const Projection& p, const TriangleMask& in, const std::vector<double>& values,
+                  double level, bool rims, int t, std::vector<Piece>& pieces) {
+  const auto& v = mesh.triangles[at(t)];
+  const auto above = [&](int k) { return values[at(v[at(k % 3)])] >= level; };
+  const auto corner = [&](int k) { return std::pair{Place{v[at(k % 3)], -1}, p.points[at(v[at(k % 3)])]}; };
+  const auto crossing = [&](int k) {
+    const auto [a, b] = std::minmax(v[at(k % 3)], v[at((k + 1) % 3)]);
+    const double s = (level - values[at(a)]) / (values[at(b)] - values[at(a)]);
+    return std::pair{Place{a, b}, Vector2d(p.points[at(a)] + s * (p.points[at(b)] - p.points[at(a)]))};
+  };
+  const auto add = [&](const std::pair<Place, Vector2d>& from, const std::pair<Place, Vector2d>& to) {
+    pieces.push_back({from.first, to.first, from.second, to.second});
+  };
+  int leaves = -1, enters = -1;
+  for (int k = 0; k < 3; ++k) {
+    if (above(k) && !above(k + 1)) leaves = k;
+    if (!above(k) && above(k + 1)) enters = k;
+    const int other = mesh.neighbours[at(t)][at(k)];
+    if (!rims || (other >= 0 && in[at(other)]) || (!above(k) && !above(k + 1))) continue;
+    add(above(k) ? corner(k) : crossing(k), above(k + 1) ? corner(k + 1) : crossing(k));
+  }
+  if (leaves >= 0 && enters >= 0) add(crossing(leaves), crossing(enters));
+}
+
+}  // namespace
+
+MapMesh make_map_mesh(const ResultSurface& surface) {
+  MapMesh mesh;
+  mesh.points = surface.mesh.vertices;
+  std::vector<char> quad(at(surface.facets()), 0);
+  for (int f = 0; f < surface.facets(); ++f) {
+    const int begin = surface.begin[at(f)];
+    if (surface.begin[at(f) + 1] - begin != 4) continue;
+    std::array<int, 4> v;
+    for (int k = 0; k < 4; ++k) v[at(k)] = surface.slot_vertex[at(begin + k)];
+    std::array<int, 4> sorted = v;
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted[0] < 0 || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) continue;  // collapsed
+    quad[at(f)] = 1;
+    const int middle = static_cast<int>(mesh.points.size());
+    mesh.middles.push_back(v);
+    mesh.points.push_back(
+        (mesh.points[at(v[0])] + mesh.points[at(v[1])] + mesh.points[at(v[2])] + mesh.points[at(v[3])]) / 4.0);
+    for (int k = 0; k < 4; ++k) {
+      mesh.triangles.push_back({v[at(k)], v[at((k + 1) % 4)], middle});
+      mesh.facet.push_back(f);
+    }
+  }
+  for (int t = 0; t < surface.mesh.size(); ++t) {
+    if (quad[at(surface.mesh.facet[at(t)])]) continue;
+    mesh.triangles.push_back(surface.mesh.triangles[at(t)]);
+    mesh.facet.push_back(surface.mesh.facet[at(t)]);
+  }
+  for (const auto& v : mesh.triangles)
+    mesh.areas.push_back(
+        0.5 *
+        (mesh.points[at(v[1])] - mesh.points[at(v[0])]).cross(mesh.points[at(v[2])] - mesh.points[at(v[0])]).norm());
+  find_neighbours(mesh);
+  return mesh;
+}
+
+std::vector<double> point_values(const MapMesh& mesh, const std::vector<double>& vertex_values) {
+  std::vector<double> values = vertex_values;
+  for (const auto& v : mesh.middles)
+    values.push_back((values[at(v[0])] + values[at(v[1])] + values[at(v[2])] + values[at(v[3])]) / 4.0);
+  return values;
+}
+
+Vector3d default_direction(const ResultSurface& surface, const std::vector<double>& load) {
+  Vector3d all = Vector3d::Zero(), loaded = Vector3d::Zero();
+  double area = 0.0;
+  for (int f = 0; f < surface.facets(); ++f) {
+    all += surface.area_vectors[at(f)];
+    loaded += load[at(f)] * surface.area_vectors[at(f)];
+    area += surface.facet_areas[at(f)];
+  }
+  const SurfaceExtent extent = surface_extent(surface.mesh);
+  double carried = 0.0, seen = 0.0, bulge = 0.0;
+  for (int f = 0; f < surface.facets(); ++f) {
+    const double weight = load[at(f)] * surface.facet_areas[at(f)];
+    carried += weight;
+    if (surface.area_vectors[at(f)].dot(all) > 0.2 * surface.facet_areas[at(f)] * all.norm()) seen += weight;
+    bulge += surface.area_vectors[at(f)].dot(surface.facet_centers[at(f)] - extent.centroid);
+  }
+  const bool ball = bulge > 0.05 * area * extent.radius_of_gyration;
+  if (!ball && all.norm() > 0.1 * area && seen >= 0.95 * carried) return all;
+  if (loaded.norm() > 1e-6 * carried && loaded.norm() > 0) return loaded;
+  return all.norm() > 1e-6 * area ? all : Vector3d(Vector3d::UnitZ());
+}
+
+MapView view_from(const Vector3d& toward, const Vector3d& up) {
+  MapView view;
+  view.toward = toward.normalized();
+  Vector3d across = up.norm() > 0 ? Vector3d(up.normalized().cross(view.toward)) : Vector3d(0, 0, 0);
+  if (!(across.norm() > 1e-6)) {
+    for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1)})
+      if (axis.cross(view.toward).norm() > 0.3) across = axis.cross(view.toward);  // the last one stays
+  }
+  view.right = across.normalized();
+  view.up = view.toward.cross(view.right);
+  return view;
+}
+
+bool unroll(const ResultSurface& surface, const Vector3d& up, MapView& view) {
+  const SurfaceExtent extent = surface_extent(surface.mesh);
+  const SphereFit sphere = fit_sphere(surface.mesh);
+  if (!(sphere.radius > 0) || sphere.radius > 10 * extent.radius_of_gyration || !(sphere.rms < 0.1 * sphere.radius))
+    return false;
+  Vector3d outward = extent.centroid - sphere.center;
+  if (outward.norm() < 1e-3 * sphere.radius) outward = Vector3d::UnitZ();  // a whole ball has no middle
+  double facing = 0.0;
+  for (int t = 0; t < surface.mesh.size(); ++t)
+    facing += surface.mesh.areas[at(t)] * surface.mesh.normals[at(t)].dot(surface.mesh.centroid(t) - sphere.center);
+  view = view_from(facing >= 0 ? outward : Vector3d(-outward), up);  // a socket is seen from within
+  view.unrolled = true;
+  view.center = sphere.center;
+  view.radius = sphere.radius;
+  view.pole = outward.normalized();
+  return true;
+}
+
+Vector2d on_map(const MapView& view, const Vector3d& x) {
+  if (!view.unrolled) return {view.right.dot(x), view.up.dot(x)};
+  const Vector3d d = x - view.center;
+  const double height = d.dot(view.pole);
+  const Vector2d across(view.right.dot(d), view.up.dot(d));
+  const double r = across.norm();
+  const double angle = std::atan2(r, height);
+  return r > 0 ? Vector2d(2.0 * view.radius * std::sin(0.5 * angle) / r * across) : Vector2d(0, 0);
+}
+
+Projection project(const MapMesh& mesh, const MapView& view, const std::vector<double>& weights) {
+  Projection p;
+  std::vector<double> depth;
+  for (const Vector3d& x : mesh.points) {
+    p.points.push_back(on_map(view, x));
+    depth.push_back(view.unrolled ? 0.0 : view.toward.dot(x));
+  }
+  std::vector<double> signed_areas;
+  double balance = 0.0, plain = 0.0;
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto& v = mesh.triangles[at(t)];
+    signed_areas.push_back(0.5 *
+                           cross(p.points[at(v[1])] - p.points[at(v[0])], p.points[at(v[2])] - p.points[at(v[0])]));
+    const double tilt = mesh.areas[at(t)] > 0 ? signed_areas.back() / mesh.areas[at(t)] : 0.0;
+    balance += tilt * weights[at(t)];
+    plain += signed_areas.back();
+  }
+  p.from_behind = (balance != 0 ? balance : plain) < 0;
+  p.layer.assign(mesh.triangles.size(), 0);
+  p.back.assign(mesh.triangles.size(), 0);
+  p.hidden.assign(mesh.triangles.size(), 0.0);
+  for (int t = 0; t < mesh.size(); ++t) {
+    const double a = signed_areas[at(t)];
+    if (!(std::abs(a) > 1e-6 * mesh.areas[at(t)])) p.layer[at(t)] = -1;
+    p.back[at(t)] = (a < 0) != p.from_behind;
+    if (!view.unrolled) continue;
+    // Round the antipode a triangle comes to lie across the whole map.
+    if (p.back[at(t)] || std::abs(a) > 4.0 * mesh.areas[at(t)]) p.layer[at(t)] = -1;
+  }
+  if (view.unrolled) {
+    p.layers = 1;
+    return p;
+  }
+  const std::vector<Cover> covers = find_covers(mesh, p, depth, signed_areas);
+  for (const Cover& c : covers)
+    p.hidden[at(c.behind)] = std::min(1.0, p.hidden[at(c.behind)] + c.area / std::abs(signed_areas[at(c.behind)]));
+  assign_layers(mesh, p, depth, covers);
+  return p;
+}
+
+TriangleMask layer_triangles(const MapMesh& mesh, const Projection& p, int layer) {
+  TriangleMask in(mesh.triangles.size(), 0);
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (p.layer[at(t)] == layer) in[at(t)] = 1;
+    // Neighbours of later layers, too, which are drawn over in the same place: no light shines through the seam.
+    if (p.layer[at(t)] > layer)
+      for (int n : mesh.neighbours[at(t)])
+        if (n >= 0 && p.layer[at(n)] == layer && p.back[at(n)] == p.back[at(t)]) in[at(t)] = 1;
+  }
+  return in;
+}
+
+std::vector<Polyline> outline(const MapMesh& mesh, const Projection& p, const TriangleMask& in) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (!in[at(t)]) continue;
+    for (int k = 0; k < 3; ++k) {
+      const int other = mesh.neighbours[at(t)][at(k)];
+      if (other >= 0 && in[at(other)]) continue;
+      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
+      pieces.push_back({{a, -1}, {b, -1}, p.points[at(a)], p.points[at(b)]});
+    }
+  }
+  return chain(std::move(pieces));
+}
+
+std::vector<Polyline> region_above(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
+                                   const std::vector<double>& values, double level) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t)
+    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, true, t, pieces);
+  return chain(std::move(pieces));
+}
+
+std::vector<Polyline> contour(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
+                              const std::vector<double>& values, double level) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t)
+    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, false, t, pieces);
+  return chain(std::move(pieces));
+}
+
+std::vector<Polyline> rim(const MapMesh& mesh, const Projection& p, const TriangleMask& in) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (!in[at(t)]) continue;
+    for (int k = 0; k < 3; ++k) {
+      const int other = mesh.neighbours[at(t)][at(k)];
+      if (other >= 0 && p.layer[at(other)] >= 0 && p.back[at(other)] == p.back[at(t)]) continue;
+      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
+      pieces.push_back({{a, -1}, {b, -1}, p.points[at(a)], p.points[at(b)]});
+    }
+  }
+  return chain(std::move(pieces));
+}
+
+Polyline smoothed(const Polyline& line) {
+  Polyline now = line;
+  for (int pass = 0; pass < 2 && now.points.size() > 2; ++pass) {
+    Polyline next;
+    next.closed = now.closed;
+    const std::size_t n = now.points.size();
+    if (!now.closed) next.points.push_back(now.points.front());
+    for (std::size_t i = 0; i + (now.closed ? 0 : 1) < n; ++i) {
+      const Vector2d &a = now.points[i], &b = now.points[(i + 1) % n];
+      if (now.closed || i > 0) next.points.push_back(0.75 * a + 0.25 * b);
+      if (now.closed || i + 2 < n) next.points.push_back(0.25 * a + 0.75 * b);
+    }
+    if (!now.closed) next.points.push_back(now.points.back());
+    now = std::move(next);
+  }
+  return now;
+}
+
+namespace {
+
+/// The part of a triangle's area where the linear interpolation of its corners' values is `level` or more.
+double share_above(const MapMesh& mesh, const std::vector<double>& values, int t, double level) {
+  const auto& v = mesh.triangles[at(t)];
+  std::array<double, 3> x = {values[at(v[0])] - level, values[at(v[1])] - level, values[at(v[2])] - level};
+  std::sort(x.begin(), x.end());
+  if (!std::isfinite(x[0]) || !std::isfinite(x[2]) || x[2] < 0) return 0.0;
+  if (x[1] < 0) return x[2] / (x[2] - x[1]) * x[2] / (x[2] - x[0]);
+  if (x[0] < 0) return 1.0 - x[0] / (x[0] - x[1]) * x[0] / (x[0] - x[2]);
+  return 1.0;
+}
+
+}  // namespace
+
+double area_above(const MapMesh& mesh, const std::vector<double>& values, double level) {
+  double area = 0.0;
+  for (int t = 0; t < mesh.size(); ++t) area += share_above(mesh, values, t, level) * mesh.areas[at(t)];
+  return area;
+}
+
+double edge_level(const MapMesh& mesh, const std::vector<double>& facets, const std::vector<double>& points) {
+  constexpr double kLeast = 1e-12;
+  double wanted = 0.0, low = 0.0, high = 0.0;
+  bool everywhere = true;
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (facets[at(mesh.facet[at(t)])] > 0)
+      wanted += mesh.areas[at(t)];
+    else
+      everywhere = false;
+  }
+  for (double x : points) high = std::max(high, x);
+  if (!(high > 0)) return std::numeric_limits<double>::infinity();
+  if (everywhere) return kLeast;
+  // Only triangles with values to both sides of the level are looked at again.
+  struct Cut {
+    int triangle;
+    double least, most;
+  };
+  std::vector<Cut> cut;
+  for (int t = 0; t < mesh.size(); ++t) {
+    const auto& v = mesh.triangles[at(t)];
+    const double a = points[at(v[0])], b = points[at(v[1])], c = points[at(v[2])];
+    const Cut x = {t, std::min({a, b, c}), std::max({a, b, c})};
+    if (std::isfinite(a + b + c) && x.most > 0) cut.push_back(x);
+  }
+  double whole = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    double area = whole;
+    for (const Cut& x : cut) area += share_above(mesh, points, x.triangle, middle) * mesh.areas[at(x.triangle)];
+    (area > wanted ? low : high) = middle;
+    cut.erase(std::remove_if(cut.begin(), cut.end(),
+                             [&](const Cut& x) {
+                               if (x.least >= high) whole += mesh.areas[at(x.triangle)];
+                               return x.least >= high || x.most < low;
+                             }),
+              cut.end());
+  }
+  return std::max(high, kLeast);
+}
+
+}  // namespace dea

@@ -1,0 +1,230 @@
+// What the page knows: the JSON of the report and its packed arrays, unpacked when they are first asked for.
+"use strict";
+
+const Report = JSON.parse(document.getElementById("report").textContent);
+
+const Data = (() => {
+  const cache = new Map();
+
+  async function inflated(id) {
+    const text = document.getElementById("array" + id).textContent;
+    let bytes;
+    if (Uint8Array.fromBase64) {
+      bytes = Uint8Array.fromBase64(text);
+    } else {
+      const raw = atob(text);
+      bytes = new Uint8Array(raw.length);
+      for (let i = 0; i < raw.length; ++i) bytes[i] = raw.charCodeAt(i);
+    }
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    return new Uint8Array(await new Response(stream).arrayBuffer());
+  }
+
+  // views/page/pack.h: byte planes, perhaps differences.
+  async function unpack(a) {
+    const planes = await inflated(a.id), n = a.count;
+    if (a.bytes === 2) {
+      const out = new Uint16Array(n);
+      for (let i = 0, before = 0; i < n; ++i) {
+        const word = planes[i] | (planes[n + i] << 8);
+        out[i] = before = a.delta ? (before + word) & 0xffff : word;
+      }
+      return out;
+    }
+    const out = new Int32Array(n);
+    for (let i = 0, before = 0; i < n; ++i) {
+      const word = planes[i] | (planes[n + i] << 8) | (planes[2 * n + i] << 16) | (planes[3 * n + i] << 24);
+      out[i] = before = a.delta ? (before + word) | 0 : word;
+    }
+    return a.real ? new Float32Array(out.buffer) : out;
+  }
+
+  function array(a) {
+    if (!cache.has(a.id)) cache.set(a.id, unpack(a));
+    return cache.get(a.id);
+  }
+
+  // A field of one result on one surface: value(s) per facet in each state; NaN where undefined.
+  class Field {
+    constructor(about, values) {
+      this.about = about;
+      this.values = values;
+      this.place = [];  // per state: its place among those that have values
+      let n = 0;
+      for (const range of about.ranges) this.place.push(range === null ? -1 : n++);
+      this.last = [-1, null];
+    }
+    // Level of nodal averages where contact ends (views/map/map_geometry.h, edge_level); null: the field has none.
+    edge(k) {
+      const s = this.about.fixed ? 0 : k;
+      return this.about.edges.length && this.place[s] >= 0 ? this.about.edges[s] ?? Infinity : null;
+    }
+    // Float32Array per facet, or null: this state has none.
+    state(k) {
+      if (k < 0) return null;
+      const s = this.about.fixed ? 0 : k, place = this.place[s];
+      if (place === undefined || place < 0) return null;
+      const n = this.about.facets, raw = this.values.subarray(place * n, (place + 1) * n);
+      if (this.about.exact) return raw;
+      if (this.last[0] === s) return this.last[1];
+      const [least, most] = this.about.ranges[s], out = new Float32Array(n), step = 1 / 65534;
+      for (let i = 0; i < n; ++i) {
+        const f = raw[i] * step;
+        out[i] = raw[i] === 65535 ? NaN : least * (1 - f) + most * f;
+      }
+      this.last = [s, out];
+      return out;
+    }
+  }
+
+  async function field(about) {
+    if (!about) return null;
+    return new Field(about, await array(about.values));
+  }
+
+  const meshes = new Map();
+  async function mesh(index) {
+    if (!meshes.has(index)) {
+      const about = Report.meshes[index], m = { index };
+      for (const key of Object.keys(about)) m[key] = await array(about[key]);
+      m.vertexCount = m.vertices.length / 3;
+      m.facetCount = m.begin.length - 1;
+      m.map = mapMesh(m);
+      meshes.set(index, m);
+    }
+    return meshes.get(index);
+  }
+
+  // Triangles of smooth maps, the same as dea plot's: quads cut into four about their middle (make_map_mesh). Points
+  // are the vertices, then the middles.
+  function mapMesh(m) {
+    const quads = [], of = (f) => m.corner.subarray(m.begin[f], m.begin[f + 1]), whole = new Uint8Array(m.facetCount);
+    for (let f = 0; f < m.facetCount; ++f) {
+      const v = of(f);
+      if (v.length === 4 && Math.min(...v) >= 0 && new Set(v).size === 4) { whole[f] = 1; quads.push(f); }
+    }
+    const points = new Float32Array(m.vertices.length + 3 * quads.length), triangles = [], facet = [], middles = [];
+    points.set(m.vertices);
+    quads.forEach((f, q) => {
+      const v = of(f), middle = m.vertexCount + q;
+      for (let k = 0; k < 4; ++k) {
+        for (let c = 0; c < 3; ++c) points[3 * middle + c] += m.vertices[3 * v[k] + c] / 4;
+        triangles.push(v[k], v[(k + 1) % 4], middle);
+        facet.push(f);
+        middles.push(v[k]);
+      }
+    });
+    for (let t = 0; t < m.facet.length; ++t) {
+      if (whole[m.facet[t]]) continue;
+      triangles.push(...m.triangles.subarray(3 * t, 3 * t + 3));
+      facet.push(m.facet[t]);
+    }
+    return { points, triangles: Int32Array.from(triangles), facet: Int32Array.from(facet), middles: Int32Array.from(middles) };
+  }
+  // Values per vertex -> per point; a middle has the mean of its corners.
+  function pointValues(m, values) {
+    const n = m.vertexCount, c = m.map.middles, out = new Float64Array(n + c.length / 4);
+    out.set(values);
+    for (let q = 0; 4 * q < c.length; ++q) out[n + q] = (values[c[4 * q]] + values[c[4 * q + 1]] + values[c[4 * q + 2]] + values[c[4 * q + 3]]) / 4;
+    return out;
+  }
+
+  // Everything of one surface: a mesh per result, its fields, how to carry values to the reference's nodes.
+  async function surface(index) {
+    const about = Report.surfaces[index];
+    const out = { about, index, meshes: [], carry: [], fields: {} };
+    for (const m of about.meshes) out.meshes.push(await mesh(m));
+    for (const c of about.carry)
+      out.carry.push(c === null ? null : { vertices: await array(c.vertices), weights: await array(c.weights) });
+    for (const key of Object.keys(about.fields)) {
+      out.fields[key] = [];
+      for (const f of about.fields[key]) out.fields[key].push(await field(f));
+    }
+    return out;
+  }
+
+  // Per vertex the area-weighted average of the facets around it (src/results/comparison.h, nodal_average).
+  function nodalAverage(m, values) {
+    const sum = new Float64Array(m.vertexCount), area = new Float64Array(m.vertexCount);
+    for (let f = 0; f < m.facetCount; ++f) {
+      const x = values[f], a = m.areas[f];
+      if (Number.isNaN(x)) continue;
+      for (let k = m.begin[f]; k < m.begin[f + 1]; ++k) {
+        const v = m.corner[k];
+        let seen = v < 0;
+        for (let j = m.begin[f]; j < k && !seen; ++j) seen = m.corner[j] === v;  // a collapsed quad names one twice
+        if (seen) continue;
+        sum[v] += a * x;
+        area[v] += a;
+      }
+    }
+    const out = new Float32Array(m.vertexCount);
+    for (let v = 0; v < out.length; ++v) out[v] = area[v] > 0 ? sum[v] / area[v] : NaN;
+    return out;
+  }
+
+  // Nodal values of a result at the reference's nodes; NaN where not covered.
+  function carried(surface, result, nodal) {
+    const c = surface.carry[result];
+    if (c === null) return nodal;
+    const n = c.vertices.length / 3, out = new Float32Array(n);
+    for (let i = 0; i < n; ++i) {
+      out[i] = c.vertices[3 * i] < 0 ? NaN : 0;
+      for (let k = 3 * i; k < 3 * i + 3 && c.vertices[k] >= 0; ++k) out[i] += c.weights[k] * nodal[c.vertices[k]];
+    }
+    return out;
+  }
+
+  return { array, surface, nodalAverage, carried, pointValues };
+})();
+
+// Numbers as people write them.
+const Format = {
+  number(x, digits = 4) {
+    if (x === null || x === undefined || Number.isNaN(x)) return "–";
+    if (x === 0) return "0";
+    const size = Math.abs(x);
+    let text = size >= 1e6 || size < 1e-4 ? x.toExponential(digits - 1) : x.toPrecision(digits);
+    if (text.includes("e+") && size < 1e6) text = String(Number(text));
+    return text.replace("-", "−");
+  },
+  // Ends without the zeros of toPrecision.
+  short(x, digits = 4) { return x === null || Number.isNaN(x) ? "–" : String(Number(Number(x).toPrecision(digits))).replace("-", "−"); },
+  unit(dimension) { return dimension === "degrees" ? "°" : Report.units[dimension] || ""; },
+  axis(quantity, dimension) {
+    const unit = Format.unit(dimension), name = quantity.charAt(0).toUpperCase() + quantity.slice(1);
+    return unit ? `${name} [${unit}]` : name;
+  },
+  with(x, dimension, digits) {
+    const unit = Format.unit(dimension);
+    return Format.number(x, digits) + (unit && x !== null && !Number.isNaN(x) ? " " + unit : "");
+  },
+  time(frame) { return frame.time === null ? "compared states" : Format.short(frame.time, 6); }
+};
+
+// Round steps for ticks: 1, 2, 2.5, 5 times a power of ten.
+function niceStep(range, count) {
+  const raw = range / count, power = Math.pow(10, Math.floor(Math.log10(raw)));
+  for (const m of [1, 2, 2.5, 5, 10]) if (m * power >= raw * 0.999) return m * power;
+  return 10 * power;
+}
+
+// From line to line, and from number to number of a colour bar (views/map/map_scale.h).
+function scaleStep(low, high) {
+  const raw = (high - low) / Report.steps.count, power = Math.pow(10, Math.floor(Math.log10(raw)));
+  for (const m of Report.steps.multiples) if (m * power >= raw * (1 - 1e-9)) return m * power;
+  return Report.steps.multiples.at(-1) * power;
+}
+
+// Elements without markup from text: names of files are never parsed.
+function make(tag, attributes, ...children) {
+  const element = document.createElement(tag);
+  for (const [key, value] of Object.entries(attributes || {})) {
+    if (value === null || value === undefined || value === false) continue;
+    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+    else if (key === "text") element.textContent = value;
+    else element.setAttribute(key, value === true ? "" : value);
+  }
+  for (const child of children) if (child !== null && child !== undefined) element.append(child);
+  return element;
+}

@@ -1,0 +1,520 @@
+// The page: puts controls, maps, figures and tables together, and holds what is being looked at.
+"use strict";
+
+const Page = (() => {
+  const compared = Report.kind === "compare", results = Report.results, last = results.length - 1;
+  const state = { surface: null, frame: Report.frame, region: 0, quantity: "pressure", smooth: true, pair: null, range: "all", most: null, theme: "light" };
+  const maps = new Maps();
+  const quantities = {
+    pressure: { title: "contact pressure", dimension: "pressure", none: "none", noneText: "no contact", shown: (x) => x > 0 },
+    space: { title: "joint space", dimension: "length", none: "none", noneText: "", shown: () => true },
+    thickness: { title: "cartilage thickness", dimension: "length", none: "none", noneText: "", shown: () => true },
+    gap: { title: "penetration (contact gap)", dimension: "length", none: "none", noneText: "none", shown: (x) => x > 0 }
+  };
+  const heads = { pressure: "Pressure", space: "Joint space", thickness: "Cartilage thickness", gap: "Penetration" };
+  const $ = (id) => document.getElementById(id);
+  let panels = [], figures = Figures.list(), playing = 0, busy = 0;
+
+  // ---- frame of the page ----
+  function option(value, text, selected) { return make("option", { value, text, selected }); }
+  function select(id, label, options, value, change) {
+    const s = make("select", { id, onchange: (e) => change(e.target.value) });
+    for (const [v, t] of options) s.append(option(v, t, v === value));
+    return make("label", { id: id + "-label" }, label, s);
+  }
+  function toggle(id, text, on, change) {
+    return make("button", { id, text, "aria-pressed": String(on), onclick: (e) => {
+      const now = e.target.getAttribute("aria-pressed") !== "true";
+      e.target.setAttribute("aria-pressed", String(now));
+      change(now);
+    } });
+  }
+
+  function build() {
+    const units = Report.units.name ? (Report.units.length ? `Units: ${[Report.units.length, Report.units.force, Report.units.pressure].join(", ")}.` : `Units: ${Report.units.name}.`) : "The files name no units.";
+    const files = results.length === 1 ? results[0].file : results.map((r) => r.file).join(", ");
+    $("head").append(make("div", { class: "top" },
+      make("div", {}, make("h1", { text: Report.title }),
+        make("p", { class: "sub", text: compared ? `Contact pressure of ${results.length} results, ${results[last].label} as the reference. ${units}` : `Contact pressure by discrete element analysis, ${files}. ${units}` })),
+      make("div", { class: "controls" }, make("button", { id: "theme", text: "Dark", title: "Light or dark page", onclick: () => setTheme(state.theme === "dark" ? "light" : "dark") }))));
+    warnings();
+    const main = $("main");
+    if (Report.surfaces.length) {
+      main.append(make("section", { id: "maps" }));
+      buildMaps($("maps"));
+    } else {
+      main.append(make("p", { class: "fault", text: "There is no contact surface to show." }));
+    }
+    for (const [key, title] of [["now", "Pressure at this state"], ["time", "Over time"]]) {
+      if (!figures[key].length) continue;
+      const place = make("div", { class: "figures" });
+      main.append(make("section", {}, make("h2", { text: title }), key === "now" || !compared ? regionControl(key) : null, place));
+      for (const f of figures[key]) place.append(figureElement(f));
+    }
+    tables(main);
+    foot();
+  }
+
+  function warnings() {
+    const lines = Report.warnings;
+    if (!lines.length) return;
+    const list = make("ul", {}, ...lines.map((l) => make("li", { text: l })));
+    $("head").append(make("div", { class: "warnings" }, lines.length > 4 ? make("details", {}, make("summary", { text: `${lines.length} notes and warnings` }), list) : list));
+  }
+
+  function regionControl(key) {
+    if (!Report.surfaces.some((s) => s.regions.length > 1) || key !== "now") return null;
+    const names = Report.surfaces.find((s) => s.regions.length > 1).regions;
+    return make("div", { class: "controls" }, select("region", "Region", names.map((n, i) => [String(i), n || "whole surface"]), "0", (v) => { state.region = Number(v); drawFigures(); }));
+  }
+
+  // ---- maps ----
+  function available() {
+    return Object.keys(quantities).filter((q) => Report.surfaces.some((s) => s.fields[q].some(Boolean)));
+  }
+  function buildMaps(section) {
+    const controls = make("div", { class: "controls" });
+    controls.append(select("surface", "Surface", Report.surfaces.map((s, i) => [String(i), s.title + (s.note ? ` (${s.note})` : "")]), "0", (v) => setSurface(Number(v))));
+    if (Report.surfaces.length === 1) controls.lastChild.querySelector("select").disabled = true;
+    if (compared) controls.append(select("quantity", "Show", available().map((q) => [q, heads[q].toLowerCase()]), "pressure", (v) => { state.quantity = v; layPanels(); }));
+    controls.append(make("span", { class: "group", role: "group" },
+      make("button", { id: "smooth", text: "smooth", title: "Area-weighted averages at the nodes", "aria-pressed": "true", onclick: () => setSmooth(true) }),
+      make("button", { id: "facets", text: "facets", title: "The facets' own values", "aria-pressed": "false", onclick: () => setSmooth(false) })));
+    controls.append(make("span", { class: "group", role: "group" },
+      toggle("contours", "contours", true, (on) => { maps.options.contours = on; update(); }),
+      toggle("marks", "marks", true, (on) => { maps.options.marks = on; maps.request(); }),
+      toggle("lines", "mesh", false, (on) => { maps.options.lines = on; maps.request(); }),
+      Report.context ? toggle("veil", "rest of the model", true, (on) => { maps.options.veil = on; maps.request(); }) : null));
+    controls.append(select("range", "Scale", [["all", "all states"], ["state", "this state"]], "all", (v) => { state.range = v; update(); }),
+      make("label", {}, "up to", make("input", { id: "most", type: "number", min: "0", step: "any", placeholder: "auto", onchange: (e) => { const x = Number(e.target.value); state.most = x > 0 ? x : null; update(); } })),
+      make("button", { id: "reset", text: "reset view", onclick: resetView }),
+      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles and colours, on white", onclick: saveMaps }));
+    section.append(controls);
+    if (maps.fault) section.append(make("p", { class: "fault", id: "nowebgl", text: maps.fault }));
+    section.append(make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }));
+    section.append(make("div", { class: "time", id: "time" },
+      make("button", { id: "play", text: "▶", title: "Play (space)", "aria-label": "Play", onclick: () => play(!playing) }),
+      make("input", { id: "slider", type: "range", min: "0", max: String(Report.frames.length - 1), step: "1", value: String(state.frame), "aria-label": "State", oninput: (e) => setFrame(Number(e.target.value)) }),
+      make("output", { id: "now" })));
+    if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; $("time").style.position = "static"; }
+    section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration. Ring: peak; cross: centre of pressure." }));
+    section.append(make("p", { class: "keys", id: "kinds", text: "Springs are where dea run works out the pressure, its table and curves count them one by one; a facet has the force of all its springs over its whole area (on the surface without springs: pressure carried over), and a node the average of the facets around it: peaks fall and contact areas grow from springs to facets to nodes. With “smooth” the edge of contact encloses as much area as the facets with pressure do." }));
+    if (Report.context_note) section.append(make("p", { class: "keys", text: Report.context_note }));
+  }
+
+  function pairs(s) {
+    const out = [];
+    for (let i = 0; i <= last; ++i)
+      for (let j = i + 1; j <= last; ++j)
+        if (j === last || s.about.meshes[i] === s.about.meshes[j]) out.push([i, j]);
+    out.sort((a, b) => b[1] - a[1] || a[0] - b[0]);
+    return out;
+  }
+
+  // Panels: compare: a result each and a difference; run: a quantity each.
+  function layPanels() {
+    const host = $("panels"), s = state.surface;
+    const wanted = compared ? results.map((r, i) => ({ result: i, quantity: state.quantity })) : available().filter((q) => s.fields[q][0]).map((q) => ({ result: 0, quantity: q }));
+    if (compared) wanted.push({ difference: true, quantity: state.quantity });
+    host.style.setProperty("--least", wanted.length > 4 ? "250px" : wanted.length === 4 ? "285px" : "300px");
+    host.style.setProperty("--count", String(Math.min(4, wanted.length)));  // on paper
+    host.replaceChildren();
+    panels = wanted.map((w, i) => {
+      const p = { ...w, canvas: make("canvas", { id: "map" + i, tabindex: "0", role: "img" }), readout: make("div", { class: "readout", id: "readout" + i }), marks: [] };
+      const name = make("div", { class: "name" });
+      if (w.difference) {
+        const all = pairs(s);
+        if (!state.pair || !all.some(([a, b]) => a === state.pair[0] && b === state.pair[1])) state.pair = all[0];
+        const chooser = make("select", { id: "pair", title: "Difference of which two results", "aria-label": "Difference", onchange: (e) => { state.pair = e.target.value.split(",").map(Number); update(); } });
+        for (const [a, b] of all) chooser.append(option(`${a},${b}`, `${results[a].label} − ${results[b].label}`, a === state.pair[0] && b === state.pair[1]));
+        name.append(chooser);
+        p.title = () => `${results[state.pair[0]].label} − ${results[state.pair[1]].label}`;
+      } else {
+        const title = compared ? results[w.result].label : heads[w.quantity];
+        name.append(make("h3", { text: title }));
+        if (compared && w.result === last) name.append(make("span", { class: "role", text: "reference" }));
+        p.title = () => title;
+      }
+      if (maps.fault) p.canvas.hidden = true;
+      host.append(make("div", { class: "panel" }, name, p.canvas, p.readout));
+      return p;
+    });
+    maps.setPanels(panels);
+    update();
+  }
+
+  const values = (q, i) => { const f = state.surface.fields[q][i]; return f ? f.state(Report.frames[state.frame].states[i]) : null; };
+  const edge = (q, i) => { const f = state.surface.fields[q][i]; return f ? f.edge(Report.frames[state.frame].states[i]) : null; };
+  const above = (list, level) => Float64Array.from(list, (x) => (Number.isNaN(x) ? -1 : x - level));
+  const nodalCache = new Map();
+  function nodal(q, i) {
+    const key = [state.surface.index, q, i, Report.frames[state.frame].states[i]].join();
+    if (!nodalCache.has(key)) {
+      if (nodalCache.size > 40) nodalCache.clear();
+      const v = values(q, i);
+      nodalCache.set(key, v ? Data.nodalAverage(state.surface.meshes[i], v) : null);
+    }
+    return nodalCache.get(key);
+  }
+  function measures(i) {
+    const k = Report.frames[state.frame].states[i], m = k < 0 ? null : state.surface.about.measures[i][k];
+    return m ? m[0] : null;
+  }
+
+  // Ends and lines come from the program, by the rule that `dea plot` draws with (views/map/map_scale.h); only what "up
+  // to" says is worked out here. `of`: the surface's scales or differences.
+  function scaleFrom(of, about) {
+    const scales = of && of[state.smooth ? "nodes" : "facets"];
+    const [least, most, level, lowest, highest] = (scales && (state.range === "all" ? scales.all : scales.frames[state.frame])) || [0, 1, 0.2, 0, 0];
+    return { map: "sequential", least, most, level, lowest, highest, none: about.none, noneText: about.noneText };
+  }
+  const said = (q) => (state.most !== null && q === (compared ? state.quantity : "pressure") ? state.most : null);
+  function beyond(scale) {
+    const margin = 1e-6 * (scale.most - scale.least);
+    scale.beyondMost = scale.highest > scale.most + margin;
+    scale.beyondLeast = scale.lowest < scale.least - margin;
+    return scale;
+  }
+
+  // One scale per quantity, for all its panels.
+  function scaleOf(q) {
+    const about = quantities[q], scale = scaleFrom(state.surface.about.scales.find((x) => x.field === q), about);
+    scale.title = Format.axis(about.title, about.dimension) + (q === "space" && scale.least < 0 ? ", below 0: overlap" : "");
+    const most = said(q);
+    if (most !== null && most > scale.least) { scale.most = most; scale.level = scaleStep(scale.least, most); }
+    scale.zero = scale.least < 0;  // a line at 0
+    return beyond(scale);
+  }
+
+  function differenceOf(q) {
+    const s = state.surface, [i, j] = state.pair, about = quantities[q], same = s.about.meshes[i] === s.about.meshes[j];
+    const out = { mesh: s.meshes[j], facets: null, vertices: null, message: "", shown: (x, k) => true };
+    const a = values(q, i), b = values(q, j);
+    if (!a || !b) {
+      const lacking = [[i, a], [j, b]].filter((x) => !x[1]).map((x) => results[x[0]].label);
+      out.message = `${lacking.join(" and ")}: no values`;
+      return out;
+    }
+    if (same && !state.smooth) {
+      out.facets = a.map((x, k) => x - b[k]);
+      const na = nodal(q, i), nb = nodal(q, j);
+      out.lines = na.map((x, k) => (q === "pressure" && !(na[k] > 0 || nb[k] > 0) ? NaN : x - nb[k]));
+      if (q === "pressure") out.shown = (x, k) => a[k] > 0 || b[k] > 0;
+    } else {
+      const na = same ? nodal(q, i) : Data.carried(s, i, nodal(q, i)), nb = nodal(q, j);
+      out.vertices = na.map((x, k) => x - nb[k]);
+      if (q === "pressure") out.over = [above(na, edge(q, i)), above(nb, edge(q, j))];
+    }
+    return out;
+  }
+
+  function differenceScale(q) {
+    const [i, j] = state.pair, about = quantities[q];
+    const scale = scaleFrom(state.surface.about.differences.find((x) => x.field === q && x.pair[0] === i && x.pair[1] === j), about);
+    if (scale.least >= 0) scale.least = -scale.most;
+    return beyond({ ...scale, map: "diverging", none: "none", noneText: q === "pressure" ? "no contact" : "", title: Format.axis(`difference of ${about.title}`, about.dimension) });
+  }
+
+  // What the panels show at this state.
+  function update() {
+    if (!state.surface) return;
+    const s = state.surface, scales = new Map();
+    for (const p of panels) {
+      p.message = "";
+      p.marks = [];
+      let what, scale;
+      if (p.difference) {
+        what = differenceOf(p.quantity);
+        scale = differenceScale(p.quantity);
+        p.message = what.message;
+        scales.set("difference", scale);
+      } else {
+        if (!scales.has(p.quantity)) scales.set(p.quantity, scaleOf(p.quantity));
+        scale = scales.get(p.quantity);
+        const v = values(p.quantity, p.result), q = quantities[p.quantity];
+        what = { mesh: s.meshes[p.result], facets: null, vertices: null, shown: q.shown };
+        if (!v) p.message = Report.frames[state.frame].states[p.result] < 0 ? "no state at this time" : `no ${q.title} in this file`;
+        else if (state.smooth) {
+          what.vertices = nodal(p.quantity, p.result);
+          const level = edge(p.quantity, p.result);
+          what.from = level;
+          if (level !== null) what.over = [above(what.vertices, level)];
+        }
+        else {
+          what.facets = v;
+          what.lines = nodal(p.quantity, p.result);
+          what.from = edge(p.quantity, p.result);
+        }
+        if (v && p.quantity === "pressure") {
+          const m = measures(p.result), peak = peakPlace(what);
+          if (m && m.center && m.center[0] !== null) p.marks.push({ kind: "center", at: m.center });
+          if (peak) p.marks.push({ kind: "peak", at: peak });
+        }
+      }
+      what.scale = scale;
+      maps.paint(p, what);
+      p.canvas.setAttribute("aria-label", `${p.title()}: ${scale.title}`);
+    }
+    bars(scales);
+    readouts();
+    const frame = Report.frames[state.frame];
+    $("slider").value = String(state.frame);
+    $("now").textContent = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}` + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
+    drawFigures();
+  }
+
+  function peakPlace(what) {
+    const source = what.facets || what.vertices, m = what.mesh;
+    let best = -1, most = 0;
+    for (let i = 0; i < source.length; ++i) if (source[i] > most) { most = source[i]; best = i; }
+    if (best < 0) return null;
+    if (what.vertices) return [...m.vertices.subarray(3 * best, 3 * best + 3)];
+    const sum = [0, 0, 0];
+    let n = 0;
+    for (let k = m.begin[best]; k < m.begin[best + 1]; ++k) if (m.corner[k] >= 0) { for (let c = 0; c < 3; ++c) sum[c] += m.vertices[3 * m.corner[k] + c]; ++n; }
+    return sum.map((x) => x / n);
+  }
+
+  function bars(scales) {
+    const host = $("bars"), ink = Colours.ink[state.theme], k = Math.min(2, window.devicePixelRatio || 1);
+    if (maps.fault) return;
+    while (host.children.length > scales.size) host.lastChild.remove();
+    while (host.children.length < scales.size) host.append(make("canvas", {}));
+    state.bars = [...scales.values()];
+    state.bars.forEach((scale, i) => {
+      const canvas = host.children[i], width = canvas.clientWidth;
+      canvas.width = Math.round(width * k);
+      canvas.height = Math.round(76 * k);
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", `Colours of ${scale.title}: ${Format.short(scale.least)} to ${Format.short(scale.most)}`);
+      drawBar(canvas.getContext("2d"), 0, 0, width, k, scale, ink, maps.options.contours);
+    });
+  }
+
+  // Below each map: what is under the pointer in all of them, or the numbers of the whole surface.
+  function line(...parts) {
+    const out = [], shown = parts.filter(Boolean);
+    shown.forEach((p, i) => out.push(make("span", {}, p, i + 1 < shown.length ? " ·" : null), " "));
+    return out;
+  }
+  const bold = (text) => make("b", { text });
+  function readouts() {
+    for (const p of panels) {
+      const q = quantities[p.quantity], m = p.what && p.what.mesh;
+      if (maps.hover && p.hit && m && !p.message) {
+        const hit = p.hit, node = `node ${m.nodes[hit.vertex]}`, facet = `facet ${hit.facet + 1}`, rows = [];
+        const facetValue = (quantity, i) => { const v = values(quantity, i); return v ? v[hit.facet] : null; };
+        if (p.difference) {
+          const w = p.what, x = w.facets ? w.facets[hit.facet] : w.vertices[hit.vertex];
+          rows.push(line(w.facets ? facet : node, bold(Format.with(x, q.dimension))));
+        } else {
+          const x = facetValue(p.quantity, p.result), n = nodal(p.quantity, p.result);
+          const t = p.quantity === "thickness" ? null : facetValue("thickness", p.result);
+          rows.push(line(facet, bold(Format.with(x, q.dimension)), t === null ? null : `thickness ${Format.with(t, "length", 3)}`));
+          rows.push([make("br"), ...line(`${node}, average ${Format.with(n[hit.vertex], q.dimension)}`)]);
+        }
+        p.readout.replaceChildren(...rows.flat());
+        p.readout.dataset.facet = String(hit.facet + 1);
+        continue;
+      }
+      delete p.readout.dataset.facet;
+      let words = [];
+      if (p.quantity === "pressure" && !p.message) {
+        if (p.difference) {
+          const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
+          if (pattern) words = line(`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`, "nodes");
+        } else {
+          const d = measures(p.result), kind = state.smooth ? "nodes" : "facets", of = d && d[kind];
+          if (d) words = line(`${kind}: peak ${Format.with(of.peak, "pressure", 3)}`, `mean ${Format.with(of.mean, "pressure", 3)}`, `area ${Format.with(of.area, "area", 4)}`, `force ${Format.with(d.force, "force", 4)}`);
+        }
+      }
+      p.readout.replaceChildren(...words);
+    }
+  }
+  maps.onpick = readouts;
+  maps.onreset = resetView;
+
+  function resetView() { maps.setView(state.surface.about.view); }
+
+  async function setSurface(index) {
+    const ticket = ++busy, surface = await Data.surface(index);
+    if (ticket !== busy) return;
+    state.surface = surface;
+    state.region = Math.min(state.region, surface.about.regions.length - 1);
+    nodalCache.clear();
+    if (!maps.fault) maps.setView(surface.about.view);
+    layPanels();
+  }
+
+  function setSmooth(on) {
+    state.smooth = on;
+    $("smooth").setAttribute("aria-pressed", String(on));
+    $("facets").setAttribute("aria-pressed", String(!on));
+    update();
+  }
+
+  function setFrame(frame) {
+    state.frame = Math.min(Report.frames.length - 1, Math.max(0, frame));
+    update();
+  }
+
+  function play(on) {
+    clearTimeout(playing);
+    playing = 0;
+    $("play").textContent = on ? "❚❚" : "▶";
+    $("play").setAttribute("aria-label", on ? "Pause" : "Play");
+    if (!on) return;
+    const step = () => {
+      maps.hurry();
+      setFrame((state.frame + 1) % Report.frames.length);
+      playing = setTimeout(step, state.frame === Report.frames.length - 1 ? 1100 : 320);
+    };
+    playing = setTimeout(step, 150);
+  }
+
+  // ---- figures ----
+  function fileName(id) { return `${Report.title} ${id}`.replace(/[^\p{L}\p{N}._-]+/gu, "_").slice(0, 100); }
+  function figureElement(f) {
+    f.plot = make("div", { class: "plot" });
+    f.words = make("figcaption", { class: "caption" });
+    f.element = make("figure", { id: "figure-" + f.id, class: f.wide ? "wide" : null },
+      make("div", { class: "title" }, make("h3", { text: f.title }),
+        make("span", { class: "save" },
+          make("button", { text: "PNG", title: "Save as PNG", "data-save": "png", onclick: () => Figures.savePng(f, state, fileName(f.id)) }),
+          make("button", { text: "SVG", title: "Save as SVG", "data-save": "svg", onclick: () => Figures.saveSvg(f, state, fileName(f.id)) }))),
+      f.plot, f.words);
+    return f.element;
+  }
+  let later = 0;
+  function drawFigures() {
+    // figures out of sight wait until the states stand still
+    const all = [...figures.now, ...figures.time];
+    if (!state.surface && Report.surfaces.length) return;
+    clearTimeout(later);
+    const waiting = [];
+    for (const f of all) {
+      if (f.when) f.element.hidden = !f.when(state);
+      if (f.element.hidden) continue;
+      const box = f.element.getBoundingClientRect();
+      if (box.top > window.innerHeight + 200 || box.bottom < -200) waiting.push(f);
+      else drawFigure(f);
+    }
+    if (waiting.length) later = setTimeout(() => waiting.forEach(drawFigure), playing ? 600 : 120);
+  }
+  function drawFigure(f) {
+    const width = Math.floor(Math.min(f.plot.clientWidth || 600, f.wide ? 1100 : 720));
+    if (width < 60) return;
+    f.plot.replaceChildren(f.build(state, width, Colours.ink[state.theme]));
+    f.words.textContent = f.caption(state);
+  }
+
+  // ---- all maps in one picture, on white ----
+  async function saveMaps() {
+    const k = 2.5, ink = Colours.ink.light, side = 340, gap = 14, headHeight = 34, pad = 16;
+    const columns = Math.min(panels.length, 4), rows = Math.ceil(panels.length / columns);
+    const width = Math.max(2 * pad + columns * side + (columns - 1) * gap, 420), barHeight = 76;
+    const perRow = width > 1000 ? 2 : 1, barRows = Math.ceil(state.bars.length / perRow);
+    const height = 2 * pad + rows * (side + headHeight) + (rows - 1) * gap + barRows * (barHeight + 6) + 8;
+    const canvas = document.createElement("canvas"), c = canvas.getContext("2d");
+    maps.plain = false;
+    canvas.width = Math.round(width * k);
+    canvas.height = Math.round(height * k);
+    c.fillStyle = ink.paper;
+    c.fillRect(0, 0, canvas.width, canvas.height);
+    const font = getComputedStyle(document.body).fontFamily;
+    panels.forEach((p, i) => {
+      const x = pad + (i % columns) * (side + gap), y = pad + Math.floor(i / columns) * (side + headHeight + gap);
+      c.fillStyle = ink.ink;
+      c.font = `600 ${16 * k}px ${font}`;
+      c.textAlign = "left";
+      c.textBaseline = "alphabetic";
+      c.fillText(Figures.cut(p.title(), 17, side), x * k, (y + 20) * k);
+      maps.drawPanel(p, c, Math.round(x * k), Math.round((y + headHeight - 6) * k), Math.round(side * k), Math.round(side * k), k, ink);
+    });
+    state.bars.forEach((scale, i) => {
+      const each = Math.min(700, (width - 2 * pad - (perRow - 1) * 30) / perRow);
+      drawBar(c, (pad + (i % perRow) * (each + 30)) * k, (height - pad - (barRows - Math.floor(i / perRow)) * (barHeight + 6)) * k, each, k, scale, ink, maps.options.contours);
+    });
+    Figures.save(await new Promise((done) => canvas.toBlob(done, "image/png")), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
+    maps.request();
+  }
+
+  // ---- tables, texts, provenance ----
+  function table(t) {
+    const cell = (tag, text, i) => make(tag, { text, class: t.left[i] === "l" ? "word" : null });
+    return make("div", { class: "scroll" }, make("table", {},
+      make("thead", {}, make("tr", {}, ...t.headings.map((h, i) => cell("th", h, i)))),
+      make("tbody", {}, ...t.rows.map((row) => make("tr", {}, ...row.map((x, i) => cell("td", x, i)))))));
+  }
+  function tables(main) {
+    if (!Report.tables.length) return;
+    const section = make("section", { id: "tables" }, make("h2", { text: "Numbers" }),
+      make("p", { class: "about", text: compared ? `As printed by dea compare, of the compared states; differences are relative to ${results[last].label}.` : "As printed by dea run." }));
+    for (const t of Report.tables) {
+      if (t.title) section.append(make("p", { class: "tabletitle", text: t.title.charAt(0).toUpperCase() + t.title.slice(1) }));
+      if (!t.headings.length) continue;
+      if (t.rows.length > 40) section.append(make("details", { open: true }, make("summary", { text: `${t.rows.length} rows` }), table(t)));
+      else section.append(table(t));
+    }
+    main.append(section);
+    for (const t of Report.texts)
+      main.append(make("section", {}, make("h2", { text: t.title }),
+        make("p", { class: "about", text: "What dea info prints: how the model was understood. Each line can be overridden on the command line or in a settings file: dea run --help." }),
+        make("pre", { text: t.text })));
+  }
+  function foot() {
+    const rows = results.map((r) => [r.label, r.file, r.software || "–", String(r.times.length), r.times.length ? `${Format.short(r.times[0], 6)} to ${Format.short(r.times[r.times.length - 1], 6)}` : "–"]);
+    $("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }),
+      table({ headings: ["result", "file", "written by", "states", "times"], left: "lllrl", rows }),
+      make("p", { class: "about", text: `${Report.program}. ${Report.exact ? "Maps hold the files’ own numbers." : "Maps hold numbers in 16 bits: within 1/65534 of the range of the state."} Numbers in figures and tables were computed from the files before. Nothing on this page comes from the network.` }),
+      make("details", { class: "licences" }, make("summary", { text: "Licences of the libraries in this page" }), make("pre", { text: $("licences").textContent.trim() })));
+  }
+
+  // ---- theme, keys, size, print ----
+  function setTheme(theme) {
+    state.theme = theme;
+    document.documentElement.dataset.theme = theme;
+    $("theme").textContent = theme === "dark" ? "Light" : "Dark";
+    maps.theme = theme;
+    maps.request();
+    update();
+    if (!Report.surfaces.length) drawFigures();
+  }
+  function keys(e) {
+    if (e.ctrlKey || e.metaKey || e.altKey || !Report.surfaces.length) return;
+    const tag = e.target.tagName, control = ["SELECT", "TEXTAREA", "SUMMARY"].includes(tag) || (tag === "INPUT" && e.target.type !== "range");
+    if (control) return;
+    if (e.key === " ") {
+      if (tag === "BUTTON") return;
+      e.preventDefault();
+      if (Report.frames.length > 1) play(!playing);
+    } else if (e.key === "ArrowLeft" || e.key === "ArrowRight") {
+      e.preventDefault();
+      play(false);
+      setFrame(state.frame + (e.key === "ArrowRight" ? 1 : -1));
+    }
+  }
+
+  async function start() {
+    build();
+    const dark = window.matchMedia("(prefers-color-scheme: dark)");
+    setTheme(dark.matches ? "dark" : "light");
+    dark.addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
+    document.addEventListener("keydown", keys);
+    let wide = window.innerWidth;
+    window.addEventListener("resize", () => { if (wide !== window.innerWidth) { wide = window.innerWidth; update(); } });
+    let before = "light";
+    window.addEventListener("beforeprint", () => { before = state.theme; play(false); setTheme("light"); maps.draw(); [...figures.now, ...figures.time].forEach((f) => f.element.hidden || drawFigure(f)); });
+    window.addEventListener("afterprint", () => setTheme(before));
+    if (Report.surfaces.length) await setSurface(0);
+    else drawFigures();
+    document.documentElement.dataset.ready = "true";
+    maps.setVeil(Report.context);
+  }
+  start().catch((error) => {
+    document.getElementById("main").prepend(make("p", { class: "fault", text: `This page could not be drawn: ${error.message}` }));
+    console.error(error);
+  });
+
+  return { state, maps, setFrame, setSurface, update, get panels() { return panels; } };
+})();

@@ -1,0 +1,352 @@
+#include <febiodea/views/page/write_report.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/encoded_text.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/version.h>
+#include <febiodea/views/data/report_json.h>
+#include <febiodea/views/map/colour_map.h>
+#include <febiodea/views/page/pack.h>
+#include <febiodea/views/page/page.h>
+#include <febiodea/views/text/report_info.h>
+
+namespace dea {
+
+namespace {
+
+/// So many values are written as they are; more are written in 16 bits.
+constexpr std::size_t kMostExactValues = 1000000;
+
+/// Arrays of the page; the JSON refers to them by number.
+struct Arrays {
+  std::string html;
+  int count = 0;
+
+  Json add(const PackedArray& a) {
+    const int id = count++;
+    html += fmt::format("<script type=\"text/plain\" id=\"array{}\">{}</script>\n", id, a.base64);
+    return {{"id", id}, {"count", a.count}, {"bytes", a.bytes}, {"delta", a.delta}, {"real", a.real}};
+  }
+};
+
+std::vector<float> coordinates(const std::vector<Vector3d>& points) {
+  std::vector<float> out;
+  for (const Vector3d& x : points)
+    for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(x[k]));
+  return out;
+}
+
+Json mesh_json(const ResultSurface& s, const std::vector<std::int32_t>& node_ids, Arrays& arrays) {
+  std::vector<std::int32_t> triangles, facet(s.mesh.facet.begin(), s.mesh.facet.end()),
+      begin(s.begin.begin(), s.begin.end()), corner(s.slot_vertex.begin(), s.slot_vertex.end());
+  for (const auto& t : s.mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+  return {{"vertices", arrays.add(pack_floats(coordinates(s.mesh.vertices)))},
+          {"nodes", arrays.add(pack_integers(node_ids))},
+          {"triangles", arrays.add(pack_integers(triangles))},
+          {"facet", arrays.add(pack_integers(facet))},
+          {"begin", arrays.add(pack_integers(begin))},
+          {"corner", arrays.add(pack_integers(corner))},
+          {"areas", arrays.add(pack_floats({s.facet_areas.begin(), s.facet_areas.end()}))}};
+}
+
+/// null; or { fixed, ranges: per state [least, most] (null: exact) or null where the state has none, edges: per state
+/// or empty, values: array of the states that have any, one after the other }.
+Json field_json(const std::optional<ReportField>& field, bool exact, Arrays& arrays) {
+  if (!field) return nullptr;
+  Json j;
+  j["fixed"] = field->fixed;
+  j["facets"] = 0;
+  j["ranges"] = Json::array();
+  std::vector<float> floats;
+  std::vector<std::uint16_t> all_codes;
+  for (const std::vector<double>& values : field->states) {
+    if (values.empty()) {
+      j["ranges"].push_back(nullptr);
+      continue;
+    }
+    j["facets"] = values.size();
+    if (exact) {
+      j["ranges"].push_back(Json::array({0, 0}));
+      for (double x : values) floats.push_back(static_cast<float>(x));
+    } else {
+      const Codes codes = quantise(values);
+      j["ranges"].push_back(Json::array({codes.least, codes.most}));
+      all_codes.insert(all_codes.end(), codes.codes.begin(), codes.codes.end());
+    }
+  }
+  j["edges"] = Json::array();
+  for (double x : field->edges) j["edges"].push_back(json_number(x));
+  j["exact"] = exact;
+  j["values"] = arrays.add(exact ? pack_floats(floats) : pack_codes(all_codes));
+  return j;
+}
+
+/// Twelve digits would be the machine's noise.
+Json short_number(double x) {
+  if (!std::isfinite(x)) return nullptr;
+  return Json(std::stod(fmt::format("{:.9g}", x)));
+}
+
+Json distribution_json(const Distribution& d) {
+  return {{"area", short_number(d.area)},     {"peak", short_number(d.peak)}, {"p99", short_number(d.p99)},
+          {"mean", short_number(d.mean)},     {"p5", short_number(d.p5)},     {"p25", short_number(d.p25)},
+          {"median", short_number(d.median)}, {"p75", short_number(d.p75)},   {"p95", short_number(d.p95)}};
+}
+
+Json measures_json(const ReportMeasures& m) {
+  if (!m.known) return nullptr;
+  return {{"nodes", distribution_json(m.values.nodes.front())},
+          {"facets", distribution_json(m.values.facets.front())},
+          {"force", short_number(m.values.resultant.norm())},
+          {"center", json_vector(m.values.center_of_pressure)}};
+}
+
+Json pattern_json(const std::optional<ReportPattern>& p) {
+  if (!p) return nullptr;
+  const PatternDifference& d = p->difference;
+  return {{"r", short_number(d.correlation)},
+          {"rms", short_number(d.rms)},
+          {"mean", short_number(d.mean)},
+          {"largest", short_number(d.largest)},
+          {"dice", d.dice.empty() ? Json(nullptr) : short_number(d.dice.front())},
+          {"slope", short_number(p->slope)},
+          {"intercept", short_number(p->intercept)}};
+}
+
+template <class List, class Get>
+Json list_json(const List& list, Get get) {
+  Json j = Json::array();
+  for (const auto& item : list) j.push_back(get(item));
+  return j;
+}
+
+/// [low, high, step, least, most]; null: there are no values.
+Json scale_json(const ReportScale& s) {
+  if (s.range.empty()) return nullptr;
+  return {short_number(s.scale.low), short_number(s.scale.high), short_number(s.scale.step),
+          short_number(s.range.least), short_number(s.range.most)};
+}
+
+Json scales_json(const ReportScales& s) {
+  return {{"all", scale_json(s.all)}, {"frames", list_json(s.frames, scale_json)}};
+}
+
+Json quantity_json(const ReportQuantity& q) {
+  return {{"field", q.field}, {"pair", {q.a, q.b}}, {"nodes", scales_json(q.nodes)}, {"facets", scales_json(q.facets)}};
+}
+
+Json surface_json(const ReportSurface& s, bool exact, Json& meshes, Arrays& arrays) {
+  Json j;
+  j["title"] = s.title;
+  j["note"] = s.note;
+  j["names"] = s.names;
+  j["meshes"] = Json::array();
+  const std::size_t reference = meshes.size();
+  meshes.push_back(mesh_json(s.geometry.back(), s.node_ids.back(), arrays));
+  for (std::size_t i = 0; i < s.geometry.size(); ++i) {
+    if (s.same_mesh[i]) {
+      j["meshes"].push_back(reference);
+      continue;
+    }
+    j["meshes"].push_back(meshes.size());
+    meshes.push_back(mesh_json(s.geometry[i], s.node_ids[i], arrays));
+  }
+  j["carry"] = list_json(s.carry, [&](const std::optional<ReportCarry>& c) -> Json {
+    if (!c) return nullptr;
+    return {{"vertices", arrays.add(pack_integers(c->vertices))}, {"weights", arrays.add(pack_floats(c->weights))}};
+  });
+  const auto field = [&](const std::optional<ReportField>& f) { return field_json(f, exact, arrays); };
+  j["fields"] = {{"pressure", list_json(s.pressure, field)},
+                 {"space", list_json(s.space, field)},
+                 {"thickness", list_json(s.thickness, field)},
+                 {"gap", list_json(s.gap, field)}};
+  j["scales"] = list_json(s.scales, quantity_json);
+  j["differences"] = list_json(s.differences, quantity_json);
+  j["regions"] = s.regions;
+  j["measures"] = list_json(s.measures, [](const auto& result) {
+    return list_json(result, [](const auto& state) { return list_json(state, measures_json); });
+  });
+  j["patterns"] = list_json(s.patterns, [](const auto& frame) {
+    return list_json(frame, [](const auto& region) { return list_json(region, pattern_json); });
+  });
+  j["bins"] = s.bins;
+  j["profiles"] = list_json(s.profiles, [](const auto& frame) {
+    return list_json(frame, [](const auto& result) { return list_json(result, short_number); });
+  });
+  j["view"] = {{"axis", json_vector(s.axis)},
+               {"up", json_vector(s.up)},
+               {"center", json_vector(s.center)},
+               {"radius", json_number(s.radius)}};
+  return j;
+}
+
+Json table_json(const TitledTable& t) {
+  return {{"title", t.title}, {"headings", t.table.headings}, {"left", t.table.left}, {"rows", t.table.rows}};
+}
+
+Json chart_json(const ReportChart& c) {
+  return {{"title", c.title},
+          {"caption", c.caption},
+          {"quantity", c.quantity},
+          {"dimension", c.dimension},
+          {"logarithmic", c.logarithmic},
+          {"times", list_json(c.times, short_number)},
+          {"names", c.names},
+          {"values", list_json(c.values, [](const auto& v) { return list_json(v, short_number); })}};
+}
+
+std::string table_hex(ColourMap map) {
+  std::string out;
+  for (const auto& rgb : colour_table(map)) out += fmt::format("{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+  return out;
+}
+
+/// A letter per colour of the table: w, b: lines on it are white, black.
+std::string table_lines(ColourMap map) {
+  std::string out;
+  for (int i = 0; i < 256; ++i) out += white_line(colour(map, i / 255.0)) ? 'w' : 'b';
+  return out;
+}
+
+std::size_t values_of(const ReportData& data) {
+  std::size_t n = 0;
+  for (const ReportSurface& s : data.surfaces)
+    for (const auto* fields : {&s.pressure, &s.space, &s.thickness, &s.gap})
+      for (const std::optional<ReportField>& f : *fields)
+        if (f)
+          for (const auto& values : f->states) n += values.size();
+  return n;
+}
+
+Json report_json(const ReportData& data, Arrays& arrays) {
+  const bool exact = values_of(data) <= kMostExactValues;
+  Json j;
+  j["schema"] = "dea.report/1";
+  j["kind"] = data.kind;
+  j["title"] = data.title;
+  j["program"] = fmt::format("FEBioDEA {} ({})", kVersion, kCommit);
+  j["command"] = data.command;
+  j["units"] = {{"name", data.units.system},
+                {"length", data.units.length},
+                {"force", data.units.force},
+                {"pressure", data.units.pressure},
+                {"area", data.units.area}};
+  j["exact"] = exact;
+  j["results"] = list_json(data.results, [](const ReportResult& r) -> Json {
+    return {
+        {"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, short_number)}};
+  });
+  j["frames"] = list_json(data.frames, [](const ReportFrame& f) -> Json {
+    return {{"time", short_number(f.time)}, {"states", f.states}};
+  });
+  j["frame"] = data.frame;
+  Json meshes = Json::array(), surfaces = Json::array();
+  for (const ReportSurface& s : data.surfaces) surfaces.push_back(surface_json(s, exact, meshes, arrays));
+  j["meshes"] = std::move(meshes);
+  j["surfaces"] = std::move(surfaces);
+  j["context"] = nullptr;
+  if (!data.context.triangles.empty())
+    j["context"] = {{"vertices", arrays.add(pack_floats(data.context.vertices))},
+                    {"triangles", arrays.add(pack_integers(data.context.triangles))},
+                    {"parts", data.context.parts},
+                    {"begin", data.context.begin}};
+  j["context_note"] = data.context.note;
+  j["charts"] = list_json(data.charts, chart_json);
+  j["tables"] = list_json(data.tables, table_json);
+  j["texts"] = list_json(data.texts, [](const ReportText& t) -> Json {
+    return {{"title", t.title}, {"text", t.text}};
+  });
+  j["warnings"] = data.warnings;
+  j["steps"] = {{"count", kScaleSteps}, {"multiples", kScaleMultiples}};
+  j["colours"] = {{"sequential", table_hex(ColourMap::Sequential)}, {"diverging", table_hex(ColourMap::Diverging)}};
+  j["lines"] = {{"sequential", table_lines(ColourMap::Sequential)}, {"diverging", table_lines(ColourMap::Diverging)}};
+  return j;
+}
+
+/// JSON inside a script element: without '<' nothing can end it or open a comment.
+std::string script_json(const Json& j) {
+  const std::string text = j.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string out;
+  out.reserve(text.size());
+  for (char c : text) {
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string report_html(const ReportData& data) {
+  Arrays arrays;
+  const std::string json = script_json(report_json(data, arrays));
+  const std::string title = escaped(utf8(data.title));
+  const std::map<std::string_view, std::string_view> parts = {{"title", title},
+                                                              {"style", page::style()},
+                                                              {"three", page::three()},
+                                                              {"plot", page::plot()},
+                                                              {"data_js", page::data()},
+                                                              {"scene", page::scene()},
+                                                              {"figures", page::figures()},
+                                                              {"main", page::main()},
+                                                              {"licences", page::licences()},
+                                                              {"report", json},
+                                                              {"arrays", arrays.html}};
+  // One pass: what has been put in is not looked through again.
+  const std::string_view frame = page::html();
+  std::string out;
+  out.reserve(frame.size() + arrays.html.size() + json.size() + page::three().size() + page::plot().size() + 200000);
+  for (std::size_t i = 0; i < frame.size();) {
+    const std::size_t mark = frame.find('@', i);
+    const std::size_t end = mark == std::string_view::npos ? mark : frame.find('@', mark + 1);
+    if (end == std::string_view::npos) {
+      out += frame.substr(i);
+      break;
+    }
+    const auto part = parts.find(frame.substr(mark + 1, end - mark - 1));
+    if (part == parts.end()) {
+      out += frame.substr(i, mark + 1 - i);
+      i = mark + 1;
+      continue;
+    }
+    out += frame.substr(i, mark - i);
+    out += part->second;
+    i = end + 1;
+  }
+  return out;
+}
+
+void write_report(const std::string& path, const ReportData& data) { write_text(path, report_html(data)); }
+
+void write_run_report(const std::string& path, const JointModel& model, const Settings& settings,
+                      const Analysis& analysis, XpltFile&& plot, const std::string& model_path,
+                      const std::string& output, const std::vector<std::string>& words,
+                      const std::vector<std::string>& paths) {
+  JointCheck check;
+  check_joint(model, settings, check);
+  const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(plot)};
+  write_report(path, run_report(model, analysis, result, info_text(model, settings, check), words, paths));
+}
+
+void require_page_name(const std::string& option, const std::string& path) {
+  if (path.empty()) return;
+  if (path == "-") throw UsageError(fmt::format("{} -: the page cannot go to standard output, give it a name", option));
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".html" && extension != ".htm")
+    throw UsageError(
+        fmt::format("{} {}: found \"{}\", expected a name that ends in .html or .htm", option, path, extension));
+}
+
+}  // namespace dea
