@@ -3,7 +3,7 @@
 
     docs/tables.py DEA [FOLDER_WITH_FEBIO_RESULTS] [--joint TITLE MODEL.feb FEBIO.xplt]... [--write]
 
-DEA: the built program, e.g. build/release/io/dea. With a folder that holds FEBio's plot files of the hip (see samples/hip), dea's
+DEA: the built program, e.g. build/release/app/dea. With a folder that holds FEBio's plot files of the hip (see samples/hip), dea's
 results are compared with them (dea compare --help has the definitions); models that lie there with FEBio's results are added.
 --joint adds a joint of one's own to tables and ranges: its first surface with pressure in both, its own loads, last states.
 --write puts the tables into the two files, between the lines <!-- tables.py NAME --> and <!-- end NAME -->.

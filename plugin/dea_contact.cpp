@@ -16,13 +16,12 @@
 #include <unordered_map>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/read_fe_model.h>
 #include <febiodea/run/analysis.h>
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 vec3d to_fe(const dea::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 dea::Vector3d from_fe(const vec3d& v) { return {v.x, v.y, v.z}; }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/run/analysis.h>
 #include "program.h"
@@ -19,8 +20,6 @@ namespace fs = std::filesystem;
 using test::Patch;
 
 const fs::path kCases = DEA_CASES_DIR;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Solved {
   StateResult state;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/conditions.h>
 #include <febiodea/joint/bodies.h>
 #include <febiodea/run/analysis.h>
@@ -15,8 +16,6 @@
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void refuse_settings(const Settings& s) {
   if (s.springs_at == SpringsAt::Bone)

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <set>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/convert/write_feb.h>
 #include <febiodea/io/feb/feb_xml.h>
 
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// An element to be changed is not in the model's own file.
 struct NotHere {

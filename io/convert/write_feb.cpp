@@ -10,13 +10,12 @@
 #include <set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/feb/feb_xml.h>
 
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string leaf(const std::string& name, const std::string& value) {
   return fmt::format("<{}>{}</{}>", name, escape_xml(value), name);

@@ -6,12 +6,12 @@
 namespace dea::feb {
 namespace {
 
-void read_boundary(Reading& reading, const XMLElement& section) {
+void read_boundary_20(Reading& reading, const XMLElement& section) {
   static constexpr TagReader readers[] = {{"fix", read_old_fix}, {"prescribe", read_old_prescribe}};
   read_children(reading, section, readers);
 }
 
-void read_contacts(Reading& reading, const XMLElement& section) {
+void read_contacts_20(Reading& reading, const XMLElement& section) {
   static constexpr TagReader readers[] = {{"contact", read_old_contact}};
   read_children(reading, section, readers);
 }
@@ -38,9 +38,9 @@ const Rules kRules20{
     .nested_k_adds = true,
     .unique_materials = false,
     .mesh = read_mesh,
-    .boundary = read_boundary,
+    .boundary = read_boundary_20,
     .rigid = nullptr,
-    .contact = read_contacts,
+    .contact = read_contacts_20,
     .constraints = read_constraints_20,
     .loads = read_loads_20,
     .discrete = read_discrete_20,

@@ -16,14 +16,14 @@ void read_prescribed_nodes(Reading& reading, const XMLElement& element) {
                   scale != nullptr ? scale : element.FirstChildElement("value"));
 }
 
-void read_rigid_nodes(Reading& reading, const XMLElement& element) {
+void read_rigid_nodes_25(Reading& reading, const XMLElement& element) {
   rigid_nodes(reading, element, need_attribute(reading, element, "rb"));
 }
 
-void read_boundary(Reading& reading, const XMLElement& section) {
+void read_boundary_25(Reading& reading, const XMLElement& section) {
   static constexpr TagReader readers[] = {{"fix", read_fixed_nodes},
                                           {"prescribe", read_prescribed_nodes},
-                                          {"rigid", read_rigid_nodes},
+                                          {"rigid", read_rigid_nodes_25},
                                           {"rigid_body", read_rigid_body}};
   read_children(reading, section, readers);
 }
@@ -44,7 +44,7 @@ const Rules kRules25{
     .nested_k_adds = true,
     .unique_materials = true,
     .mesh = read_mesh,
-    .boundary = read_boundary,
+    .boundary = read_boundary_25,
     .rigid = nullptr,
     .contact = read_contact,
     .constraints = read_constraints_25,

@@ -6,7 +6,7 @@
 namespace dea::feb {
 namespace {
 
-void read_boundary(Reading& reading, const XMLElement& section) {
+void read_boundary_30(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     const std::string type = attribute(child, "type");
     if (type == "fix") {
@@ -36,7 +36,7 @@ void read_fix(Reading& reading, const XMLElement& element) {
   reading.model.rigid_fixed.push_back(std::move(fixed));
 }
 
-void read_rigid(Reading& reading, const XMLElement& section) {
+void read_rigid_30(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     const std::string type = attribute(child, "type");
     if (type == "fix")
@@ -56,8 +56,8 @@ const Rules kRules30{
     .nested_k_adds = false,
     .unique_materials = true,
     .mesh = read_mesh,
-    .boundary = read_boundary,
-    .rigid = read_rigid,
+    .boundary = read_boundary_30,
+    .rigid = read_rigid_30,
     .contact = read_contact,
     .constraints = read_constraints,
     .loads = read_loads,

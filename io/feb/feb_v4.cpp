@@ -21,7 +21,7 @@ void read_zero_displacement(Reading& reading, const XMLElement& element) {
   fix_nodes(reading, element, dofs);
 }
 
-void read_boundary(Reading& reading, const XMLElement& section) {
+void read_boundary_40(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     const std::string type = attribute(child, "type");
     const std::string what =
@@ -41,7 +41,7 @@ void read_boundary(Reading& reading, const XMLElement& section) {
   }
 }
 
-void read_rigid(Reading& reading, const XMLElement& section) {
+void read_rigid_40(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     const std::string type = attribute(child, "type");
     if (rigid_condition(reading, child, type) || rigid_connector(reading, child, type)) continue;
@@ -57,8 +57,8 @@ const Rules kRules40{
     .nested_k_adds = false,
     .unique_materials = true,
     .mesh = read_mesh,
-    .boundary = read_boundary,
-    .rigid = read_rigid,
+    .boundary = read_boundary_40,
+    .rigid = read_rigid_40,
     .contact = read_contact,
     .constraints = read_constraints,
     .loads = read_loads,

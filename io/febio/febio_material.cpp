@@ -8,6 +8,7 @@
 #include <initializer_list>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/febio/febio_rules.h>
 
 namespace dea {
@@ -22,8 +23,6 @@ struct Reading {
   const std::string& name;
   bool nested_k_adds;
 };
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Small-strain stiffness of a material or of a part of one.
 struct Stiffness {

@@ -7,13 +7,12 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
 
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The format has no undefined values and viewers compute ranges from all of them.
 float number(double x) { return std::isfinite(x) ? static_cast<float>(x) + 0.0f : 0.0f; }

@@ -10,12 +10,11 @@
 #include <unordered_set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::vector<int> sorted(std::vector<int> nodes) {
   std::sort(nodes.begin(), nodes.end());

@@ -13,6 +13,7 @@
 #include <unordered_map>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/files/encoded_text.h>
 #include <febiodea/io/files/output.h>
 
@@ -21,8 +22,6 @@ namespace dea {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::vector<int> straight(int nodes) {
   std::vector<int> order;

@@ -162,7 +162,7 @@ void read_header(const Chunk& header, XpltFile& file) {
   bool has_version = false;
   for_each_child(header, [&](const Chunk& child) {
     switch (child.id) {
-      case kVersion:
+      case kVersionTag:
         file.version = read_u32(child);
         has_version = true;
         if (file.version < 0x30) {

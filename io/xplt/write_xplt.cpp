@@ -295,7 +295,7 @@ void put_item(Chunks& out, const XpltVariable& variable, bool with_units) {
 void put_root(Chunks& out, const XpltFile& file) {
   begin(out, kRoot);
   begin(out, kHeader);
-  leaf(out, kVersion, file.version);
+  leaf(out, kVersionTag, file.version);
   leaf(out, kCompression, file.compressed ? 1 : 0);
   if (!file.software.empty()) prefixed_name(out, kSoftware, file.software);
   if (!file.units.empty()) prefixed_name(out, kUnits, file.units);

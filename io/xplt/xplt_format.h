@@ -13,7 +13,7 @@ inline constexpr int kLargestFacet = 10;  // slots of a face record that FEBio's
 enum Id : std::uint32_t {
   kRoot = 0x01000000,
   kHeader = 0x01010000,
-  kVersion = 0x01010001,
+  kVersionTag = 0x01010001,
   kNodeCountV1 = 0x01010002,
   kMaxFacetV1 = 0x01010003,
   kCompression = 0x01010004,

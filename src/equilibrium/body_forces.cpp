@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea {
@@ -14,8 +15,6 @@ namespace dea {
 namespace {
 
 using Matrix3d = Eigen::Matrix3d;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Where a point of a body is, seen from its current centre of mass.
 Vector3d arm_of(const Joint& joint, int body, const Vector3d& reference, const std::vector<Pose>& poses) {

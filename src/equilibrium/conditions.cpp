@@ -7,13 +7,12 @@
 #include <cmath>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Two times that differ by rounding of n * step_size only.
 bool same_time(double a, double b, double scale) { return std::abs(a - b) <= 1e-9 * std::max(scale, 1e-300); }

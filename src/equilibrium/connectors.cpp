@@ -8,6 +8,9 @@
 #include <map>
 #include <numeric>
 
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/rotations.h>
+
 namespace dea {
 
 namespace {
@@ -16,14 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Matrix3d = Eigen::Matrix3d;
 using Motion = RigidJoint::Motion;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-Matrix3d rotation(const Vector3d& w) {
-  const double angle = w.norm();
-  if (angle < 1e-300) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
-}
 
 /// Rotation vector, angle in [0, pi]; small angles to full relative precision.
 Vector3d rotation_vector(const Matrix3d& r) {

@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/rotations.h>
 #include <febiodea/equilibrium/connectors.h>
 #include <febiodea/equilibrium/singular_parts.h>
 
@@ -22,19 +23,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Matrix3d = Eigen::Matrix3d;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 using Sparse = Eigen::SparseMatrix<double>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// Rotation by the vector w (angle times axis).
-Matrix3d rotation(const Vector3d& w) {
-  const double angle = w.norm();
-  if (angle < 1e-300) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
-}
 
 constexpr int kDenseUnknowns = 60;  // about ten bodies: measured, above it the sparse way is the faster one
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The part of a foot that lies over a triangle of a surface, both seen along n: corners in the barycentric
 /// coordinates of the triangle and of the foot.

@@ -7,13 +7,12 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/model/element_faces.h>
 
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 int find_root(std::vector<int>& parent, int i) {
   while (parent[at(i)] != i) {

@@ -12,6 +12,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/joint/bodies.h>
 #include <febiodea/joint/moved_nodes.h>
@@ -27,8 +28,6 @@ namespace {
 constexpr double kMostSprings = 2e7;
 /// Beyond, forces could overflow.
 constexpr double kMostModulus = 1e100;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A face of an element, found by its corner nodes.
 struct ElementFace {

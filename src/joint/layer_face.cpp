@@ -8,6 +8,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/model/element_faces.h>
 
@@ -18,8 +19,6 @@ namespace {
 constexpr double kCos40 = 0.76604444311897801;  // an edge that turns by more is the end of the face
 constexpr double kCos45 = 0.70710678118654752;
 constexpr double kCos60 = 0.5;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::vector<int> facet_nodes(const FacetList& list, int facet) {
   return {list.nodes.begin() + list.begin[at(facet)], list.nodes.begin() + list.begin[at(facet) + 1]};

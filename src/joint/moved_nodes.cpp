@@ -7,11 +7,11 @@
 #include <map>
 #include <tuple>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr int kFree = -1, kFixed = -2, kTwice = -3;  // else: class of a motion
 

@@ -7,15 +7,14 @@
 #include <unordered_map>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/results/fields.h>
 
 namespace dea {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 57.29577951308232;
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool in(const FacetMask& mask, int facet) { return mask.empty() || mask[at(facet)]; }
 

@@ -4,16 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
+
+#include <febiodea/base/numbers.h>
 
 namespace dea {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 FieldMaps::LayerMap make_layer_map(const JointModel& model, const Layer& layer, const RayCaster& articular) {
   FieldMaps::LayerMap map;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/conditions.h>
 #include <febiodea/joint/bodies.h>
 #include <febiodea/joint/joint.h>
@@ -13,8 +14,6 @@
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void add_once(std::vector<std::string>& lines, const std::string& line) {
   if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);

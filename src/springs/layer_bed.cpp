@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The derivative only directs the next step.
 constexpr double kRateTolerance = 1e-4;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
 using Eigen::Index;
@@ -14,8 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 MatrixXd layer_sinking(const LayerSide& side, const MatrixXd& pressure) {
   if (!side.layer) return MatrixXd::Zero(pressure.rows(), pressure.cols());

@@ -8,11 +8,11 @@
 #include <queue>
 #include <utility>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // local pairs of vertices: diagonal, then the rest
 constexpr std::size_t kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};

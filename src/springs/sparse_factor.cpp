@@ -6,11 +6,11 @@
 #include <new>
 #include <stdexcept>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// CHOLMOD's work space and objects, freed at the end of a scope.
 struct Cholmod {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/springs/layer_bed.h>
 
 namespace dea {
@@ -19,13 +19,7 @@ Eigen::Matrix3d skew(const Vector3d& a) {
   return m;
 }
 
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
+namespace {}  // namespace
 
 RelativePose relative_pose(const Pose& from, const Vector3d& from_center, const Pose& to, const Vector3d& to_center) {
   // x = c_f + R_f (X - C_f) = c_t + R_t (Y - C_t)  =>  Y = R_t^T R_f X + shift

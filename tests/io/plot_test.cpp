@@ -11,6 +11,7 @@
 #include <map>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/views/map/draw_map.h>
 #include <febiodea/views/map/map_figure.h>
 #include <febiodea/views/map/map_geometry.h>
@@ -25,8 +26,6 @@ using test::file_text;
 using test::Finished;
 using test::run_program;
 using test::TemporaryFolder;
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Facets by their nodes, and a field of one value per facet.
 struct Patch {

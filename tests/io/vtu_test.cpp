@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/vtu/write_vtu.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/model/element_faces.h>
@@ -22,8 +23,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Points = std::vector<Vector3d>;
 using Lists = std::vector<std::vector<int>>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // ---- node order
 

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <iostream>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/results/result_file.h>
 #include "febio_runs.h"
 
 namespace dea::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Times at which `y` goes upwards through `level`, linear between the samples.
 std::vector<double> upward_crossings(const std::vector<double>& t, const std::vector<double>& y, double level) {

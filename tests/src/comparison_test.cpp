@@ -8,11 +8,11 @@
 #include <numeric>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 
 namespace dea {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 using Field = std::function<double(const Vector3d&)>;
 
 /// [0, 1] x [0, 1] x 0 in n x m quads, facet (i, j) is number i + n j; normals along z.

@@ -10,6 +10,7 @@
 #include <set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/joint/joint.h>
 #include <febiodea/model/element_faces.h>
 #include "test_models.h"
@@ -18,8 +19,6 @@ namespace dea {
 namespace {
 
 using namespace test;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A face that one element alone has.
 struct OuterFace {

@@ -5,13 +5,12 @@
 #include <algorithm>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
 namespace dea {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void move_nodes(JointModel& model, const std::vector<int>& nodes, int component, double value, int step = -1,
                 bool relative = false) {

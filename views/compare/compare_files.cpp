@@ -7,15 +7,14 @@
 #include <numeric>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
 
 namespace dea {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kPressure = "contact pressure";
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// One surface of one file at its compared state.
 struct Side {

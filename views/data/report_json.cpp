@@ -4,14 +4,13 @@
 
 #include <cmath>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
 #include <febiodea/views/text/report_text.h>
 
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Json json_vector6_head(const Vector6& v) { return json_vector(v.head<3>()); }
 Json json_vector6_tail(const Vector6& v) { return json_vector(v.tail<3>()); }

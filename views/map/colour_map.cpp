@@ -7,11 +7,11 @@
 #include <cmath>
 #include <vector>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double to_linear(double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); }
 double from_linear(double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055; }

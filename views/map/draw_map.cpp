@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/files/encoded_text.h>
 #include <febiodea/views/map/map_scale.h>
 
@@ -21,9 +22,6 @@ namespace dea {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMillimetre = 96.0 / 25.4;  // lengths on paper are in pixels of 1/96 inch, as in SVG
 constexpr int kBands = 128;                  // steps of colour: below what the eye tells apart
 constexpr double kText = 15.0, kBold = 15.5, kTitle = 18.0;

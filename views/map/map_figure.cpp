@@ -8,6 +8,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/files/unit_names.h>
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/views/map/map_scale.h>
@@ -16,8 +17,6 @@ namespace dea {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMostPanels = 100;
 
 /// Three digits, as on paper.

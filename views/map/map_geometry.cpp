@@ -7,11 +7,11 @@
 #include <tuple>
 #include <utility>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 

@@ -4,13 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include <febiodea/base/numbers.h>
+
 namespace dea {
 
-namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 bool is_pressure(const std::string& field) {
   return field == "contact pressure" || field.rfind("contact pressure ", 0) == 0 || field == "nodal contact pressure" ||

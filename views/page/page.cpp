@@ -28,12 +28,12 @@
   }                                                                                                              \
   }
 
-DEA_EMBED(html, "page/page.html")
-DEA_EMBED(style, "page/style.css")
+DEA_EMBED(html, "html/page.html")
+DEA_EMBED(style, "html/style.css")
 DEA_EMBED(three, "vendor/three.min.js")
 DEA_EMBED(plot, "vendor/plot.min.js")
-DEA_EMBED(data, "page/data.js")
-DEA_EMBED(scene, "page/scene.js")
-DEA_EMBED(figures, "page/figures.js")
-DEA_EMBED(main, "page/page.js")
+DEA_EMBED(data, "html/data.js")
+DEA_EMBED(scene, "html/scene.js")
+DEA_EMBED(figures, "html/figures.js")
+DEA_EMBED(main, "html/page.js")
 DEA_EMBED(licences, "vendor/LICENCES.txt")

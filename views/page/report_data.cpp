@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/model/element_faces.h>
 #include <febiodea/views/map/map_geometry.h>
 #include <febiodea/views/text/report_compare.h>
@@ -21,11 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 57.29577951308232;
 constexpr const char* kAsTheyAre = "contact pressure";  ///< for map_values: 0 is a value
 constexpr std::size_t kMostContextTriangles = 150000;
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string file_name(const std::string& path) { return fs::path(path).filename().string(); }
 

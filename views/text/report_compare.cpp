@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
 
 namespace dea {
@@ -12,7 +13,6 @@ namespace dea {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x == 0 ? 0.0 : x) : "-"; }
 std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:+.1f}%", std::abs(x) < 0.05 ? 0.0 : x) : "-"; }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/run/refusals.h>
 #include <febiodea/version.h>
@@ -16,8 +17,6 @@
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 const char* word(DofState s) {
   switch (s) {

@@ -8,12 +8,11 @@
 #include <set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 
 namespace dea {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Characters on the screen: bytes that do not continue a UTF-8 character.
 std::size_t width(const std::string& text) {
