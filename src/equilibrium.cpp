@@ -68,7 +68,7 @@ struct Problem {
   VectorXd offset;        // per dof: part of the load held back (continuation)
   int casts = 0;
   double tolerance = kPressureTolerance;  // of the layers' pressures at the next poses
-  std::string undefined;  // why a step was refused, if a ligament's force had no value where it led
+  std::string undefined;                  // why a step was refused, if a ligament's force had no value where it led
   ConnectorGroups connectors;
   SearchStatus status = {};
   const std::function<void(const SearchStatus&)>* watch = nullptr;
@@ -538,9 +538,10 @@ double too_deep_area(const Problem& problem, const Evaluation& e) {
   return area;
 }
 
-/// By a motion of the unknowns, to first order (E2): how the gap of each spring of a contact changes. Zero for those that
-/// face nothing.
-std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std::size_t contact, const VectorXd& motion) {
+/// By a motion of the unknowns, to first order (E2): how the gap of each spring of a contact changes. Zero for those
+/// that face nothing.
+std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std::size_t contact,
+                                const VectorXd& motion) {
   const VectorXd all = on_all_dofs(problem, e, motion);
   const SpringStates& s = e.springs[contact];
   const SpringBed& bed = problem.beds.beds[contact];
