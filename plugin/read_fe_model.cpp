@@ -18,6 +18,7 @@
 #include <FECore/FENodalBC.h>
 #include <FECore/FENodalLoad.h>
 #include <FECore/FEShellDomain.h>
+#include <FECore/FESurfaceConstraint.h>
 #include <FECore/FESurfaceLoad.h>
 #include <FECore/FESurfacePairConstraint.h>
 #include <FECore/FETimeStepController.h>
@@ -550,27 +551,39 @@ void read_loads(Reading& reading) {
   }
 }
 
-void read_constraints(Reading& reading) {
-  for (int i = 0; i < reading.fem.NonlinearConstraints(); ++i) {
-    FENLConstraint& fe = *reading.fem.NonlinearConstraint(i);
-    const std::string type = type_of(fe);
-    if (read_connector(reading, fe)) continue;
-    if (type == "symmetry plane")
-      ignore(reading, "symmetry plane");
-    else
-      unsupported(reading, fmt::format("constraint {}", quote(type)),
-                  febio::word_advice(febio::WordOf::Connector, type));
-  }
-}
-
-// -- contact ------------------------------------------------------------------------------------------
-
 /// The facet set a contact's surface was built from; -1: none.
 int surface_index(const Reading& reading, FESurface* surface) {
   if (surface == nullptr) return -1;
   const auto place = reading.surfaces.find(surface->GetFacetSet());
   return place == reading.surfaces.end() ? -1 : place->second;
 }
+
+void read_constraints(Reading& reading) {
+  for (int i = 0; i < reading.fem.NonlinearConstraints(); ++i) {
+    FENLConstraint& fe = *reading.fem.NonlinearConstraint(i);
+    const std::string type = type_of(fe);
+    if (read_connector(reading, fe)) continue;
+    if (type == "symmetry plane") {
+      auto* on_surface = dynamic_cast<FESurfaceConstraint*>(&fe);
+      const int place = on_surface == nullptr ? -1 : surface_index(reading, on_surface->GetSurface());
+      const int axis =
+          place < 0 ? -1 : febio::plane_axis(reading.model, reading.model.surfaces[static_cast<std::size_t>(place)]);
+      if (axis < 0) {
+        unsupported(reading, "constraint \"symmetry plane\"", febio::kPlaneAdvice);
+      } else {
+        std::array<bool, 3> xyz = {};
+        xyz[static_cast<std::size_t>(axis)] = true;
+        add(reading, fe, reading.model.fixed_nodes,
+            FixedNodes{
+                febio::nodes_of_surface(reading.model.surfaces[static_cast<std::size_t>(place)]), xyz, -1, {}, {}});
+      }
+    } else
+      unsupported(reading, fmt::format("constraint {}", quote(type)),
+                  febio::word_advice(febio::WordOf::Connector, type));
+  }
+}
+
+// -- contact ------------------------------------------------------------------------------------------
 
 std::vector<std::string> ignored_parameters(Reading& reading, FECoreBase& fe, const std::string& type) {
   std::vector<std::string> ignored;

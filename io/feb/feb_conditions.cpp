@@ -648,7 +648,15 @@ void read_constraint(Reading& reading, const XMLElement& element) {
     name_connector_again(reading, element);
   } else if (type == "symmetry plane") {
     reading.connector_names.insert(attribute(element, "name"));
-    ignore(reading, element, "symmetry plane");
+    const auto found = reading.surface_index.find(attribute(element, "surface"));
+    const int place = found == reading.surface_index.end() ? -1 : found->second;
+    const int axis =
+        place < 0 ? -1 : febio::plane_axis(reading.model, reading.model.surfaces[static_cast<std::size_t>(place)]);
+    if (axis < 0)
+      unsupported(reading, element, "constraint \"symmetry plane\"", febio::kPlaneAdvice);
+    else
+      fix_nodes(reading, element, std::string(1, "xyz"[axis]),
+                febio::nodes_of_surface(reading.model.surfaces[static_cast<std::size_t>(place)]));
   } else if (!rigid_connector(reading, element, type)) {
     const std::string wall = "mesh the wall as rigid shells and give it a sliding contact, or take it out";
     unsupported(reading, element, fmt::format("constraint {}", quote(type)),

@@ -5,9 +5,17 @@
 
 #include <algorithm>
 
+<<<<<<< HEAD:io/febio/febio_rules.cpp
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/geometry/surface_mesh.h>
 #include <febiodea/model/load_curve.h>
+=======
+#include "error.h"
+#include "load_curve.h"
+#include "names.h"
+#include "surface_mesh.h"
+>>>>>>> work13:io/febio_rules.cpp
 
 namespace dea::febio {
 
@@ -215,6 +223,24 @@ std::string word_advice(WordOf place, const std::string& word) {
   if (!meant.empty() && std::find(listed.begin(), listed.end(), meant) == listed.end()) listed.push_back(meant);
   return fmt::format("{}DEA reads {}; {}", meant.empty() ? "" : fmt::format("did you mean {}? ", quote(meant)),
                      name_list(listed, meant, 12), words.otherwise);
+}
+
+std::vector<int> nodes_of_surface(const Surface& surface) {
+  std::vector<int> nodes = surface.nodes;
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+int plane_axis(const JointModel& model, const Surface& surface) {
+  int axis = -1;
+  const SurfaceMesh mesh = make_surface_mesh(surface.begin, surface.nodes, model.nodes);
+  for (const Vector3d& n : mesh.normals) {
+    int here = -1;
+    if (!(n.cwiseAbs().maxCoeff(&here) > 1 - 1e-6) || (axis >= 0 && here != axis)) return -1;
+    axis = here;
+  }
+  return axis;
 }
 
 std::string load_advice(const std::string& tag, const std::string& type) {

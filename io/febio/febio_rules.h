@@ -38,6 +38,15 @@ std::optional<Contact::Kind> contact_kind(const std::string& type);
 enum class WordOf { Contact, Connector, RigidCondition, DiscreteMaterial, Module, Boundary };
 std::string word_advice(WordOf place, const std::string& word);
 
+/// The axis (0, 1, 2) that a surface is at right angles to: a symmetry plane there holds its nodes in that component.
+/// -1: it is curved, or no axis is.
+int plane_axis(const JointModel& model, const Surface& surface);
+/// Each once, in order.
+std::vector<int> nodes_of_surface(const Surface& surface);
+inline constexpr const char* kPlaneAdvice =
+    "DEA knows planes of symmetry at right angles to x, y or z, on a surface of the model: turn the model, or hold the "
+    "plane's nodes in one component (zero displacement)";
+
 /// What to do about a load that is not on rigid bodies: type "pressure", "const", ... of element `tag`.
 std::string load_advice(const std::string& tag, const std::string& type);
 

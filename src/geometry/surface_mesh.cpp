@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <unordered_map>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/model/element_faces.h>
 
 namespace dea {
@@ -41,50 +43,137 @@ void find_neighbours(SurfaceMesh& mesh) {
   }
 }
 
-void find_bulges(SurfaceMesh& mesh) {
-  // Vertex normals that are exact where the vertices lie on a sphere, however uneven the facets: each corner's cross
-  // product of edges over the squares of their lengths (N. Max, Weights for computing vertex normals from facet
-  // normals, J. Graphics Tools 4(2), 1999).
-  std::vector<Vector3d> normals(mesh.vertices.size(), Vector3d::Zero());
-  for (int t = 0; t < mesh.size(); ++t) {
+/// How much the surface turns at an edge of a triangle, in radians. Nothing: there is no neighbour.
+std::optional<double> turn_at(const SurfaceMesh& mesh, int t, int k) {
+  const int other = mesh.neighbours[at(t)][at(k)];
+  if (other < 0) return std::nullopt;
+  const Vector3d &n = mesh.normals[at(t)], &m = mesh.normals[at(other)];
+  return std::atan2(n.cross(m).norm(), n.dot(m));
+}
+
+/// How much the surface turns at the next edge alongside edge k of triangle t: of the edges of the triangle and of its
+/// neighbours across its other two edges the one that is most nearly parallel. Nothing: the surface ends there.
+std::optional<double> next_turn(const SurfaceMesh& mesh, int t, int k) {
+  const Vector3d along = (mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k)).normalized();
+  double best = 0;
+  std::optional<double> turn;
+  const auto consider = [&](int triangle, int edge) {
+    const Vector3d way = mesh.corner(triangle, (edge + 1) % 3) - mesh.corner(triangle, edge);
+    const double parallel = std::abs(way.dot(along)) / way.norm();
+    if (parallel <= best) return;
+    best = parallel;
+    turn = turn_at(mesh, triangle, edge);
+  };
+  for (int own = 0; own < 3; ++own) {
+    if (own == k) continue;
+    consider(t, own);
+    const int beside = mesh.neighbours[at(t)][at(own)];
+    for (int edge = 0; beside >= 0 && edge < 3; ++edge)
+      if (mesh.neighbours[at(beside)][at(edge)] != t) consider(beside, edge);
+  }
+  return turn;
+}
+
+/// Per triangle and edge: does the surface it stands for have an edge there, too? It turns by more than 40 degrees, or
+/// by more than 15 and three times as much as alongside, on either side: coarse facets of a round surface turn alike.
+std::vector<std::array<char, 3>> find_creases(const SurfaceMesh& mesh) {
+  constexpr double kAlways = 40 * kPi / 180, kNever = 15 * kPi / 180, kTimes = 3;
+  std::vector<std::array<char, 3>> crease(at(mesh.size()), {0, 0, 0});
+  for (int t = 0; t < mesh.size(); ++t)
     for (int k = 0; k < 3; ++k) {
-      const Vector3d a = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k),
-                     b = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
-      normals[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)])] +=
-          a.cross(b) / (a.squaredNorm() * b.squaredNorm());
+      const int other = mesh.neighbours[at(t)][at(k)];
+      if (other < 0) continue;
+      const double turn = *turn_at(mesh, t, k);
+      if (turn <= kNever) continue;
+      bool sharp = turn > kAlways;
+      if (!sharp) {
+        const auto back = std::find(mesh.neighbours[at(other)].begin(), mesh.neighbours[at(other)].end(), t);
+        const auto here = next_turn(mesh, t, k),
+                   there = next_turn(mesh, other, static_cast<int>(back - mesh.neighbours[at(other)].begin()));
+        sharp = turn > kTimes * std::max(here.value_or(0.0), there.value_or(0.0)) && (here || there);
+      }
+      crease[at(t)][at(k)] = sharp;
+    }
+  return crease;
+}
+
+/// The smooth surface's normal at a corner of a triangle: that of the facets around the vertex up to creases.
+struct CornerNormal {
+  Vector3d normal = Vector3d::Zero();
+  bool one_sided = false;  // the facets end at a rim or at creases
+};
+
+/// Exact where the vertices lie on a sphere, however uneven the facets: each corner's cross product of edges over the
+/// squares of their lengths (N. Max, Weights for computing vertex normals from facet normals, J. Graphics Tools 4(2),
+/// 1999).
+std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
+                                                        const std::vector<std::array<char, 3>>& crease) {
+  std::vector<std::array<CornerNormal, 3>> normals(at(mesh.size()));
+  std::vector<std::vector<std::array<int, 2>>> around(mesh.vertices.size());  // corners of each vertex
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) around[at(mesh.triangles[at(t)][at(k)])].push_back({t, k});
+  std::vector<int> group;
+  for (const auto& corners : around) {
+    group.assign(corners.size(), -1);
+    const auto place = [&](int t) {
+      return static_cast<std::size_t>(
+          std::find_if(corners.begin(), corners.end(), [&](const auto& c) { return c[0] == t; }) - corners.begin());
+    };
+    for (std::size_t first = 0; first < corners.size(); ++first) {
+      if (group[first] >= 0) continue;
+      CornerNormal sum;
+      std::vector<std::size_t> members = {first};
+      group[first] = static_cast<int>(first);
+      for (std::size_t m = 0; m < members.size(); ++m) {
+        const int t = corners[members[m]][0], k = corners[members[m]][1];
+        const Vector3d a = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k),
+                       b = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
+        sum.normal += a.cross(b) / (a.squaredNorm() * b.squaredNorm());
+        for (const int edge : {k, (k + 2) % 3}) {
+          const int next = mesh.neighbours[at(t)][at(edge)];
+          if (next < 0 || crease[at(t)][at(edge)]) {
+            sum.one_sided = true;
+            continue;
+          }
+          const std::size_t i = place(next);
+          if (i == corners.size() || group[i] >= 0) continue;
+          group[i] = static_cast<int>(first);
+          members.push_back(i);
+        }
+      }
+      sum.normal.normalize();
+      for (const std::size_t m : members) normals[at(corners[m][0])][at(corners[m][1])] = sum;
     }
   }
-  for (Vector3d& n : normals) n.normalize();
-  std::vector<char> on_rim(mesh.vertices.size(), 0);
-  for (int t = 0; t < mesh.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k)
-      if (mesh.neighbours[static_cast<std::size_t>(t)][k] < 0) {
-        on_rim[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][k])] = 1;
-        on_rim[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][(k + 1) % 3])] = 1;
-      }
+  return normals;
+}
+
+void find_bulges(SurfaceMesh& mesh) {
+  const auto crease = find_creases(mesh);
+  const auto normals = corner_normals(mesh, crease);
   constexpr double kCos40 = 0.76604444311897801;
   mesh.bulge.assign(mesh.triangles.size(), {0, 0, 0});
   for (int t = 0; t < mesh.size(); ++t) {
-    const auto& tri = mesh.triangles[static_cast<std::size_t>(t)];
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto i = static_cast<std::size_t>(tri[k]), j = static_cast<std::size_t>(tri[(k + 1) % 3]);
-      const int other = mesh.neighbours[static_cast<std::size_t>(t)][k];
-      // sharp where the facets at the edge turn by more than 40 degrees, or a vertex normal is that far from them
-      const Vector3d& n = mesh.normals[static_cast<std::size_t>(t)];
-      double least = std::min(n.dot(normals[i]), n.dot(normals[j]));
+      if (crease[at(t)][k]) continue;
+      const CornerNormal &i = normals[at(t)][k], &j = normals[at(t)][(k + 1) % 3];
+      const int other = mesh.neighbours[at(t)][k];
+      // sharp, too, where a corner's normal is more than 40 degrees from the facets at the edge
+      const Vector3d& n = mesh.normals[at(t)];
+      double least = std::min(n.dot(i.normal), n.dot(j.normal));
       if (other >= 0) {
-        const Vector3d& m = mesh.normals[static_cast<std::size_t>(other)];
-        least = std::min({least, n.dot(m), m.dot(normals[i]), m.dot(normals[j])});
+        const Vector3d& m = mesh.normals[at(other)];
+        least = std::min({least, m.dot(i.normal), m.dot(j.normal)});
       }
       if (least < kCos40) continue;
-      const Vector3d edge = mesh.vertices[i] - mesh.vertices[j];
-      double& b = mesh.bulge[static_cast<std::size_t>(t)][k];
-      // A rim vertex has facets on one side only and no normal of its own worth the name: the curvature at the inner
-      // end serves for the whole edge (the normal mirrored in the edge's bisecting plane).
-      if (on_rim[i] == on_rim[j])
-        b = 0.5 * edge.dot(normals[i] - normals[j]);
+      const Vector3d edge = mesh.corner(t, static_cast<int>(k)) - mesh.corner(t, static_cast<int>((k + 1) % 3));
+      double& b = mesh.bulge[at(t)][k];
+      // A vertex at a rim or a crease has facets on one side only and no normal of its own worth the name: the
+      // curvature at the inner end serves for the whole edge (the normal mirrored in the edge's bisecting plane).
+      if (i.one_sided == j.one_sided)
+        b = 0.5 * edge.dot(i.normal - j.normal);
       else
-        b = on_rim[j] ? edge.dot(normals[i]) : -edge.dot(normals[j]);
+        b = j.one_sided ? edge.dot(i.normal) : -edge.dot(j.normal);
     }
   }
 }

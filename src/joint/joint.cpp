@@ -443,6 +443,32 @@ std::string mostly_left_out(const JointModel& model, const FacetList& facets, co
       surface);
 }
 
+/// Rims that are neither one thing nor the other, as a sentence; empty: none to speak of.
+std::string rim_note(const std::string& surface, const LayerFace& face) {
+  double rim = 0.0, stepped = 0.0, highest = 0.0;
+  for (const LayerFace::Edge& e : face.edges) {
+    const double length =
+        (face.mesh.corner(e.triangle, e.edge) - face.mesh.corner(e.triangle, (e.edge + 1) % 3)).norm();
+    rim += length;
+    if (e.step > 0.0) stepped += length;
+    highest = std::max(highest, e.step);
+  }
+  constexpr double kWorthSaying = 0.02;
+  std::string text;
+  if (face.bevelled > kWorthSaying * rim)
+    text = fmt::format(
+        "the layer ends in a bevel along {:.3g} of its rim (the next face turns by 20 to 65 degrees), which is taken "
+        "as "
+        "going on below 40 degrees and as a free edge above: pressures within a thickness of it may be a third off",
+        face.bevelled);
+  if (stepped > kWorthSaying * rim)
+    text += fmt::format(
+        "{}steps or notches of up to {:.3g} cross its face along {:.3g} of edges; they are taken as free edges, though "
+        "the layer goes on below them: pressures beside them come out too low; smooth the mesh, or merge its nodes",
+        text.empty() ? "" : "; ", highest, stepped);
+  return text.empty() ? text : fmt::format("surface \"{}\": {}", surface, text);
+}
+
 /// What was left out of a surface, as a sentence; empty: nothing.
 std::string left_out_note(const std::string& surface, const std::vector<FaceKind>& kinds) {
   const auto turned = std::count(kinds.begin(), kinds.end(), FaceKind::SideWall),
@@ -548,7 +574,6 @@ std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>
 
 /// How far the face is followed beyond the selection, in thicknesses: what is squeezed out decays within
 /// sqrt(2) of them (layer_kernel.h), by then to 3 %.
-constexpr double kFaceReach = 5.0;
 
 /// The boundary of a layer whose elements are rigid with their bone, as `dea convert` writes them: the solid elements
 /// under the surface, bonded where they share nodes with others of their body. They are the layer if they are as thick
@@ -714,6 +739,23 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
   }
   const GivenLayer given = given_layer(r, contact, side);
   const std::optional<double>&given_thickness = given.thickness, &given_E = given.E, &given_nu = given.nu;
+  // A layer in zones, or beside another tissue: one modulus for all is told, and refused where it would mean little.
+  const auto note_other_material = [&](int material, double E) {
+    const Material &other = model.materials[at(material)], &own = model.materials[at(layer.material)];
+    const double nu = given_nu.value_or(own.nu), ratio = other.E / E;
+    if ((given_E && given_nu) || (std::abs(ratio - 1) < 0.01 && std::abs(other.nu - nu) < 0.002)) return;
+    constexpr double kMostRatio = 1.25;
+    const std::string both = fmt::format("\"{}\" (E {:g}, nu {:g}) and \"{}\" (E {:g}, nu {:g})", own.name, E, nu,
+                                         other.name, other.E, other.nu);
+    if (ratio > kMostRatio || ratio < 1 / kMostRatio)
+      throw refuse(
+          fmt::format("its part consists of {}, but a layer has one modulus here; give one for all of it with --E "
+                      "\"{}=VALUE\" --nu \"{}=VALUE\", or make parts that are no cartilage rigid with --rigid \"{}\"",
+                      both, s.name, s.name, other.name));
+    layer.notes.push_back(fmt::format(
+        "surface \"{}\": its part consists of {}; the springs take the first for all of it (others with --E, --nu)",
+        s.name, both));
+  };
 
   // E and nu of a layer that is not rigid; why there are none.
   const auto set_modulus = [&]() -> std::string {
@@ -858,6 +900,7 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
                 ? "no modulus known"
                 : fmt::format("E = {:g} against {:g} of \"{}\"", other, E, model.materials[at(layer.material)].name),
             model.materials[at(m)].name));
+      note_other_material(m, E);
     }
 
     const std::string bone = surface_override(settings.bone, s.name);
@@ -977,6 +1020,48 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
   if (!layer.rigid && boundary.faces.size() > 0 && layer.springs_at == SpringsAt::Articular)
     find_layer_face(r, contact, carried, boundary, layer);
   return layer;
+}
+
+/// Contacts of different names that press facets of the same cartilage. InputError: the same facets twice, between the
+/// same bodies.
+void note_shared_layers(const JointModel& model, Joint& joint, const ContactPair& pair) {
+  for (const ContactPair& other : joint.contacts) {
+    if (pair.step >= 0 && other.step >= 0 && pair.step != other.step) continue;
+    for (const Layer& a : pair.layers)
+      for (const Layer& b : other.layers) {
+        if (a.rigid || b.rigid || a.body != b.body) continue;
+        std::set<std::array<int, 3>> triangles;
+        const auto corners = [](const SurfaceMesh& mesh, int t) {
+          std::array<int, 3> c;
+          for (std::size_t k = 0; k < 3; ++k) c[k] = mesh.model_nodes[at(mesh.triangles[at(t)][k])];
+          std::sort(c.begin(), c.end());
+          return c;
+        };
+        for (int t = 0; t < a.articular.size(); ++t) triangles.insert(corners(a.articular, t));
+        int twice = 0;
+        for (int t = 0; t < b.articular.size(); ++t)
+          twice += static_cast<int>(triangles.count(corners(b.articular, t)));
+        const std::string &one = model.surfaces[at(b.surface)].name, &two = model.surfaces[at(a.surface)].name;
+        const bool same_bodies =
+            pair.layers[0].body + pair.layers[1].body == other.layers[0].body + other.layers[1].body;
+        if (twice > 0 && same_bodies)
+          throw InputError(
+              model, model.contacts[at(pair.contact)].origin,
+              fmt::format("contacts \"{}\" and \"{}\" both press {} facets of the same layer (surfaces \"{}\" "
+                          "and \"{}\"), which would count twice: give each facet to one of them, or keep one "
+                          "contact with --contact \"{}\"",
+                          other.name, pair.name, (twice + 1) / 2, one, two, other.name));
+        const std::set<int> nodes(a.articular.model_nodes.begin(), a.articular.model_nodes.end());
+        if (std::any_of(b.articular.model_nodes.begin(), b.articular.model_nodes.end(),
+                        [&](int node) { return nodes.count(node) > 0; }))
+          joint.findings.push_back(fmt::format(
+              "contacts \"{}\" and \"{}\" press the same layer side by side (surfaces \"{}\", \"{}\"): each is solved "
+              "as "
+              "if the other did not press; where both press within two thicknesses of each other their pressures come "
+              "out too high or too low there: one contact with one surface tells it right",
+              other.name, pair.name, one, two));
+      }
+  }
 }
 
 /// Does a shell surface look away from its partner? Compared at the closest points, area-weighted.
@@ -1344,6 +1429,9 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
         layer.face.thickness = layer.thickness;
       }
     for (const Layer& layer : pair.layers) {
+      joint.findings.insert(joint.findings.end(), layer.notes.begin(), layer.notes.end());
+      const std::string rim = rim_note(model.surfaces[at(layer.surface)].name, layer.face);
+      if (!rim.empty()) joint.findings.push_back(rim);
       const std::string left_out = left_out_note(model.surfaces[at(layer.surface)].name, layer.facet_kinds);
       if (!left_out.empty()) joint.findings.push_back(left_out);
       const std::string shells = coating(r, layer);
@@ -1364,6 +1452,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       if (pair.layers[0].body == body) pair.source = 0;
       if (pair.layers[1].body == body) pair.source = 1;
     }
+    note_shared_layers(model, joint, pair);
     joint.contacts.push_back(std::move(pair));
   }
   if (!named)

@@ -44,6 +44,7 @@ struct Layer {
       mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
   std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
   std::vector<FaceKind> facet_kinds;  ///< per facet: all but Open are left out; empty: all are kept
+  std::vector<std::string> notes;     ///< what the user should know of it, a sentence each
   LayerFace face;                     ///< of a layer whose springs stand on the articular surface; else empty
 
   /// The surface thickness and springs live on.

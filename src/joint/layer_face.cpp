@@ -16,6 +16,8 @@ namespace dea {
 
 namespace {
 
+constexpr double kCos20 = 0.93969262078590838;
+constexpr double kCos65 = 0.42261826174069944;
 constexpr double kCos40 = 0.76604444311897801;  // an edge that turns by more is the end of the face
 constexpr double kCos45 = 0.70710678118654752;
 constexpr double kCos60 = 0.5;
@@ -114,10 +116,15 @@ Vector3d normal_at_edge(const JointModel& model, const std::vector<int>& facet, 
   return sum.norm() > 0 ? Vector3d(sum.normalized()) : sum;
 }
 
+/// Cosine of the angle by which the surface turns from a facet to the next.
+double turn_cosine(const JointModel& model, const std::vector<std::vector<int>>& facets, const FacetEdge& a,
+                   const FacetEdge& b) {
+  return normal_at_edge(model, facets[at(a.facet)], a.edge).dot(normal_at_edge(model, facets[at(b.facet)], b.edge));
+}
+
 bool smooth(const JointModel& model, const std::vector<std::vector<int>>& facets, const FacetEdge& a,
             const FacetEdge& b) {
-  return normal_at_edge(model, facets[at(a.facet)], a.edge).dot(normal_at_edge(model, facets[at(b.facet)], b.edge)) >
-         kCos40;
+  return turn_cosine(model, facets, a, b) > kCos40;
 }
 
 /// Disjoint sets of facets.
@@ -367,17 +374,28 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
   }
   const std::vector<FacetEdge> edges = facet_edges(facets);
   struct Across {
-    int facet;
-    bool smooth;
+    int facet = -1, edge = -1;
+    bool smooth = false, bevelled = false;
   };
-  std::vector<std::array<Across, 4>> across(facets.size(), {{{-1, false}, {-1, false}, {-1, false}, {-1, false}}});
+  std::vector<std::array<Across, 4>> across(facets.size());
   for_each_place(edges, [&](std::size_t first, std::size_t last) {
     if (last - first != 2) return;  // the rim of nothing, or faces that merely touch there
     const FacetEdge &a = edges[first], &b = edges[first + 1];
-    const bool is_smooth = smooth(model, facets, a, b);
-    across[at(a.facet)][at(a.edge)] = {b.facet, is_smooth};
-    across[at(b.facet)][at(b.edge)] = {a.facet, is_smooth};
+    const double cosine = turn_cosine(model, facets, a, b);
+    const bool bevelled = cosine < kCos20 && cosine > kCos65;
+    across[at(a.facet)][at(a.edge)] = {b.facet, b.edge, cosine > kCos40, bevelled};
+    across[at(b.facet)][at(b.edge)] = {a.facet, a.edge, cosine > kCos40, bevelled};
   });
+
+  LayerFace face;
+  for (int f = 0; f < static_cast<int>(facets.size()); ++f)
+    for (int k = 0; in_face[at(f)] && k < 4; ++k) {
+      const Across& next = across[at(f)][at(k)];
+      if (next.facet < 0 || !next.bevelled || in_face[at(next.facet)] || kinds[at(next.facet)] == FaceKind::Bonded)
+        continue;
+      for (const auto& piece : edge_pieces(facets[at(f)], k))
+        face.bevelled += (model.nodes[at(piece[0])] - model.nodes[at(piece[1])]).norm();
+    }
 
   const RayCaster caster(articular);
   std::vector<char> far(facets.size(), 0);
@@ -403,7 +421,6 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
   }
   std::sort(grown.begin(), grown.end());
 
-  LayerFace face;
   face.pressed = articular.size();
   if (grown.empty()) {
     face.mesh = articular;
@@ -417,6 +434,37 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
   struct Beyond {
     Rim rim = Rim::Free;
     bool bonded = false;
+    double step = 0.0;
+  };
+  // Over the walls of a step or a notch, the next facet that looks the same way: how far its edge is; 0: there is none.
+  const auto step_size = [&](int f, int k) {
+    const Vector3d normal = normal_at_edge(model, facets[at(f)], k);
+    const auto middle = [&](int facet, int edge) {
+      const auto& nodes = facets[at(facet)];
+      const int corners = facet_corners(static_cast<int>(nodes.size()));
+      return Vector3d(0.5 * (model.nodes[at(nodes[at(edge)])] + model.nodes[at(nodes[at((edge + 1) % corners)])]));
+    };
+    const auto outward = [&](int facet, int edge) {
+      const auto& nodes = facets[at(facet)];
+      const int corners = facet_corners(static_cast<int>(nodes.size()));
+      return Vector3d((model.nodes[at(nodes[at((edge + 1) % corners)])] - model.nodes[at(nodes[at(edge)])])
+                          .cross(normal_at_edge(model, facets[at(facet)], edge))
+                          .normalized());
+    };
+    constexpr std::size_t kMostWalls = 6;
+    std::vector<int> walls = {across[at(f)][at(k)].facet};
+    for (std::size_t w = 0; w < walls.size() && w < kMostWalls; ++w)
+      for (const Across& next : across[at(walls[w])]) {
+        if (next.facet < 0 || next.facet == f || kinds[at(next.facet)] == FaceKind::Bonded) continue;
+        const double distance = (middle(next.facet, next.edge) - middle(f, k)).norm();
+        if (!(distance < reach / kFaceReach)) continue;
+        if (normal_at_edge(model, facets[at(next.facet)], next.edge).dot(normal) <= kCos40) {
+          if (std::find(walls.begin(), walls.end(), next.facet) == walls.end()) walls.push_back(next.facet);
+        } else if (in_face[at(next.facet)] && outward(f, k).dot(outward(next.facet, next.edge)) < -0.5) {
+          return distance > 0 ? distance : std::numeric_limits<double>::min();
+        }
+      }
+    return 0.0;
   };
   std::unordered_map<long long, Beyond> beyond;
   const auto piece_key = [&](int a, int b) {
@@ -426,10 +474,19 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
     if (!in_face[at(f)]) continue;
     for (int k = 0; k < 4; ++k) {
       const Across& next = across[at(f)][at(k)];
-      if (next.facet < 0 || !next.smooth || in_face[at(next.facet)]) continue;
+      if (next.facet < 0) continue;
       const FaceKind kind = kinds[at(next.facet)];
-      if (kind == FaceKind::SideWall) continue;
-      const Beyond found = kind == FaceKind::Bonded ? Beyond{Rim::Wall, true} : Beyond{Rim::Continues, false};
+      Beyond found;
+      if (!next.smooth) {
+        if (kind != FaceKind::Bonded) found.step = step_size(f, k);
+      } else if (in_face[at(next.facet)]) {
+        continue;
+      } else if (kind == FaceKind::Bonded) {
+        found.rim = Rim::Wall;
+        found.bonded = true;
+      } else if (kind == FaceKind::Open) {
+        found.rim = Rim::Continues;
+      }
       for (const auto& piece : edge_pieces(facets[at(f)], k)) beyond[piece_key(piece[0], piece[1])] = found;
     }
   }
@@ -438,13 +495,16 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
       if (face.mesh.neighbours[at(t)][at(k)] >= 0) continue;
       const auto& tri = face.mesh.triangles[at(t)];
       const int a = face.mesh.model_nodes[at(tri[at(k)])], b = face.mesh.model_nodes[at(tri[at((k + 1) % 3)])];
-      LayerFace::Edge edge = {t, k, Rim::Free, false};
+      LayerFace::Edge edge;
+      edge.triangle = t;
+      edge.edge = k;
       const auto found = beyond.find(piece_key(a, b));
       if (mirrored(mirror[at(a)] & mirror[at(b)], outward_at(face.mesh, t, k))) {
         edge.rim = Rim::Wall;
       } else if (found != beyond.end()) {
         edge.rim = found->second.rim;
         edge.bonded = found->second.bonded;
+        edge.step = found->second.step;
       }
       face.edges.push_back(edge);
     }
@@ -462,7 +522,11 @@ LayerFace selected_face(const SurfaceMesh& articular, const std::vector<unsigned
       const int held = mirror[at(face.mesh.model_nodes[at(tri[at(k)])])] &
                        mirror[at(face.mesh.model_nodes[at(tri[at((k + 1) % 3)])])];
       const Rim rim = mirrored(held, outward_at(face.mesh, t, k)) ? Rim::Wall : Rim::Free;
-      face.edges.push_back({t, k, rim, false});
+      LayerFace::Edge edge;
+      edge.triangle = t;
+      edge.edge = k;
+      edge.rim = rim;
+      face.edges.push_back(edge);
     }
   return face;
 }
@@ -476,7 +540,10 @@ std::vector<SelectionEdge> selection_rim(const LayerFace& face) {
       const int next = face.mesh.neighbours[at(t)][at(k)];
       if (next >= 0 && next < selected) continue;
       const auto& tri = face.mesh.triangles[at(t)];
-      SelectionEdge found = {{tri[at(k)], tri[at((k + 1) % 3)]}, next >= 0, {t, k, Rim::Continues, false}};
+      SelectionEdge found = {{tri[at(k)], tri[at((k + 1) % 3)]}, next >= 0, {}};
+      found.edge.triangle = t;
+      found.edge.edge = k;
+      found.edge.rim = Rim::Continues;
       if (next < 0) {
         while (edge != face.edges.end() && std::tie(edge->triangle, edge->edge) < std::tie(t, k)) ++edge;
         if (edge == face.edges.end() || edge->triangle != t || edge->edge != k) continue;

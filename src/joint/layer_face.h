@@ -24,11 +24,13 @@ struct LayerFace {
     int triangle = -1, edge = -1;  ///< from corner `edge` of the triangle to the next
     Rim rim = Rim::Free;
     bool bonded = false;  ///< a wall for the layer goes on there, but bonded to bone: nothing flows under it
+    double step = 0.0;    ///< Free: height of a step in the layer [mm], beyond which its face goes on alike; 0: none
   };
   SurfaceMesh mesh;
   int pressed = 0;                ///< triangles of Layer::articular: the first ones
   std::vector<double> thickness;  ///< per vertex of `mesh`, >= 0
   std::vector<Edge> edges;        ///< of one triangle alone, sorted by triangle and edge
+  double bevelled = 0.0;          ///< length of the selection's rim where the next face turns by 20 to 65 degrees
 };
 
 /// Node lists into the model's nodes, oriented out of their elements. A facet may be empty.
@@ -81,6 +83,9 @@ void find_side_walls(const JointModel& model, const FacetList& selected, LayerBo
 
 /// Per facet: what it is. Open, if it is no face of the boundary.
 std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& facets);
+
+/// How far a face is followed beyond the selection, in greatest thicknesses: beyond, nothing is felt.
+inline constexpr double kFaceReach = 5.0;
 
 /// The face of a layer whose selected facets make up the mesh `articular` (cut from `selected`): goes on over open
 /// faces across edges that turn by less than 40 degrees, as far as `reach` from the selection. `mirror`: per node of

@@ -681,6 +681,18 @@ TEST_F(ReadFeb, SearchRadiusIsListedAwayFromTheDefaultOfItsType) {
 
 // -- what is left out --------------------------------------------------------------------------------
 
+// At right angles to an axis it holds its nodes in that component.
+TEST_F(ReadFeb, SymmetryPlanesHoldTheirNodes) {
+  const std::string plain = model_with("</Mesh>", "</Mesh>");
+  const std::size_t before = read(plain).fixed_nodes.size();
+  const JointModel model = read(model_with(
+      "</febio_spec>", R"(<Constraints><constraint type="symmetry plane" surface="top"/></Constraints></febio_spec>)"));
+  ASSERT_EQ(model.fixed_nodes.size(), before + 1);
+  const FixedNodes& held = model.fixed_nodes.back();
+  EXPECT_EQ(held.xyz, (std::array<bool, 3>{false, false, true}));
+  EXPECT_EQ(held.nodes.size(), 4u);
+}
+
 TEST_F(ReadFeb, WhatChangesTheMechanicsIsListedAsUnsupported) {
   const std::pair<const char*, const char*> cases[] = {
       {R"(<Rigid><rigid_load type="rigid_moment"><rb>femur</rb><dof>Ru</dof><value>1</value><load_type>FOLLOW</load_type></rigid_load></Rigid>)",
@@ -694,6 +706,8 @@ TEST_F(ReadFeb, WhatChangesTheMechanicsIsListedAsUnsupported) {
        "contact \"periodic boundary\""},
       {R"(<Contact><contact type="rigid_wall" surface="top"/></Contact>)", "contact \"rigid_wall\""},
       {R"(<Constraints><constraint type="volume" surface="top"/></Constraints>)", "constraint \"volume\""},
+      {R"(<Constraints><constraint type="symmetry plane" surface="nowhere"/></Constraints>)",
+       "constraint \"symmetry plane\""},
       {R"(<Boundary><bc type="prescribed displacement" node_set="side"><dof>z</dof><value lc="1">0.1*X</value></bc></Boundary>)",
        "prescribed displacement of nodes that differs from node to node"},
       {R"(<Boundary><bc type="linear constraint"/></Boundary>)", "bc \"linear constraint\""},
@@ -728,7 +742,6 @@ TEST_F(ReadFeb, WhatChangesTheMechanicsIsListedAsUnsupported) {
 
 TEST_F(ReadFeb, WhatIsHarmlessIsListedOnceAsIgnored) {
   const std::pair<const char*, const char*> cases[] = {
-      {R"(<Constraints><constraint type="symmetry plane" surface="top"/></Constraints>)", "symmetry plane"},
       {R"(<Rigid><rigid_connector type="rigid damper"/></Rigid>)", "rigid damper: statics has no velocity"},
       {R"(<Rigid><rigid_ic type="initial_rigid_velocity"><rb>femur</rb><value>1,0,0</value></rigid_ic></Rigid>)",
        "initial velocity of a rigid body"},

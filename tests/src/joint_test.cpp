@@ -119,6 +119,94 @@ TEST(Recognition, SeveralModuliOnOneSurfaceAreRefusedUnlessOneIsGiven) {
   EXPECT_EQ(refusal(model, settings), "");
 }
 
+// A layer in zones: what lies under the facets counts, too.
+TEST(Recognition, ALayerOfSeveralMaterialsIsRefusedOrTold) {
+  JointModel model = flat_plates(4, 10, 2, 0.0);
+  const Material own = model.materials[static_cast<std::size_t>(model.domains[0].material)];
+  const int other = add_material(model, "deep zone", false, own.E, own.nu);
+  Domain deep = model.domains[0];  // elements 1 to 16 lie on the bone
+  deep.material = other;
+  Domain& upper = model.domains[0];
+  deep.element_ids.assign(upper.element_ids.begin(), upper.element_ids.begin() + 16);
+  deep.nodes.assign(upper.nodes.begin(), upper.nodes.begin() + 128);
+  upper.element_ids.erase(upper.element_ids.begin(), upper.element_ids.begin() + 16);
+  upper.nodes.erase(upper.nodes.begin(), upper.nodes.begin() + 128);
+  model.domains.push_back(deep);
+  Material& zone = model.materials[static_cast<std::size_t>(other)];
+  EXPECT_TRUE(make_joint(model, {}).findings.empty());
+  for (const double factor : {0.01, 0.5, 0.7, 1.3, 4.9, 100.0}) {
+    zone.E = factor * own.E;
+    EXPECT_NE(refusal(model).find("deep zone"), std::string::npos) << factor << refusal(model);
+    Settings settings;
+    settings.E["layer"] = own.E;
+    settings.nu["layer"] = own.nu;
+    EXPECT_EQ(refusal(model, settings).empty(), factor < 5) << factor;
+  }
+  zone.E = 1.1 * own.E;
+  const Joint told = make_joint(model, {});
+  ASSERT_EQ(told.findings.size(), 1u);
+  EXPECT_NE(told.findings[0].find("deep zone"), std::string::npos) << told.findings[0];
+}
+
+// Surfaces that share facets count these twice; surfaces side by side do not feel each other.
+TEST(Recognition, ContactsThatShareALayer) {
+  for (const bool overlap : {true, false}) {
+    JointModel model = flat_plates(4, 10, 2, 0.0);
+    Surface& whole = model.surfaces[static_cast<std::size_t>(model.contacts[0].primary)];
+    Surface half = whole;
+    half.name = "half";
+    half.nodes.resize(32);
+    half.begin.resize(9);
+    if (!overlap) {
+      whole.nodes.erase(whole.nodes.begin(), whole.nodes.begin() + 32);
+      whole.begin.resize(9);
+    }
+    const int secondary = model.contacts[0].secondary;
+    model.surfaces.push_back(half);
+    add_contact(model, "second", static_cast<int>(model.surfaces.size()) - 1, secondary);
+    if (overlap) {
+      EXPECT_NE(refusal(model).find("8 facets of the same layer"), std::string::npos) << refusal(model);
+      continue;
+    }
+    const Joint joint = make_joint(model, {});
+    ASSERT_EQ(joint.findings.size(), 1u);
+    EXPECT_NE(joint.findings[0].find("side by side"), std::string::npos) << joint.findings[0];
+  }
+}
+
+// A roof of two flat halves, and of two with a rounded ridge between them: what is flat stays flat. A prism of 12
+// sides stands for the cylinder around it: (1 - cos 15 degrees) R high over the middle of its sides.
+TEST(SurfaceMesh, CreasesAreNotRounded) {
+  const auto strip = [](const std::vector<Eigen::Vector2d>& profile, int rows) {
+    JointModel model = empty_model();
+    std::vector<int> begin = {0}, nodes;
+    const int columns = static_cast<int>(profile.size());
+    for (int r = 0; r <= rows; ++r)
+      for (const auto& p : profile) model.nodes.emplace_back(p.x(), r, p.y());
+    for (int r = 0; r < rows; ++r)
+      for (int c = 0; c + 1 < columns; ++c) {
+        for (int n : {r * columns + c, r * columns + c + 1, (r + 1) * columns + c + 1, (r + 1) * columns + c})
+          nodes.push_back(n);
+        begin.push_back(static_cast<int>(nodes.size()));
+      }
+    return make_surface_mesh(begin, nodes, model.nodes);
+  };
+  for (const double degrees : {16.0, 25.0, 39.0, 45.0, 59.0, 80.0}) {
+    const double slope = std::tan(degrees * 3.14159265358979323846 / 180);
+    std::vector<Eigen::Vector2d> roof;
+    for (int i = 0; i <= 8; ++i) roof.emplace_back(i, i <= 4 ? 0 : (4 - i) * slope);
+    for (const auto& b : strip(roof, 5).bulge)
+      for (const double height : b) EXPECT_NEAR(height, 0, 1e-12) << degrees;
+  }
+  std::vector<Eigen::Vector2d> prism;
+  const double step = 3.14159265358979323846 / 6;
+  for (int i = 0; i <= 6; ++i) prism.emplace_back(-std::cos(i * step), std::sin(i * step));
+  const SurfaceMesh mesh = strip(prism, 5);
+  double highest = 0;
+  for (int t = 0; t < mesh.size(); ++t) highest = std::max(highest, bulge_height(mesh, t, {0.5, 0.5, 0}));
+  EXPECT_NEAR(highest, 1 - std::cos(step / 2), 0.02 * highest);
+}
+
 // The face of a collapsed hex repeats a node; however the facet is written, it looks out of its element.
 TEST(Recognition, CollapsedFacetsKeepTheirSide) {
   for (int rotation = 0; rotation < 4; ++rotation) {

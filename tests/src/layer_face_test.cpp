@@ -401,6 +401,49 @@ TEST(LayerFace, RoundedRim) {
   EXPECT_NEAR(length_of(layer.face, Rim::Free), 2 * (8 + 2 * 3 * arc) + 20, 1e-9);
 }
 
+// A riser of 0.5 amid the face, hardly inclined: both its edges are known as those of a step, no others.
+TEST(LayerFace, StepsAreKnown) {
+  for (const double rise : {0.0, 0.01, 0.5}) {
+    const int n = 9;
+    const auto place = [](double u) {  // columns of 1, the fifth of 0.002
+      const double column = u * 9;
+      return column <= 4 ? column : column >= 5 ? column - 0.998 : 4 + 0.002 * (column - 4);
+    };
+    Block block(
+        n, 6, 2, [&](double u, double v) { return Vector3d(place(u), 6 * v, -2); },
+        [&](double u, double v) { return Vector3d(place(u), 6 * v, u * 9 > 4.5 ? rise : 0); });
+    block.select([](const OuterFace& f) { return f.normal.z() > 0.5; });
+    const Layer layer = block.recognise();
+    double length = 0, highest = 0;
+    for (const LayerFace::Edge& e : layer.face.edges)
+      if (e.step > 0) {
+        length +=
+            (layer.face.mesh.corner(e.triangle, e.edge) - layer.face.mesh.corner(e.triangle, (e.edge + 1) % 3)).norm();
+        highest = std::max(highest, e.step);
+      }
+    EXPECT_NEAR(length, rise > 0 ? 2 * 6 : 0, 1e-9) << rise;
+    EXPECT_NEAR(highest, rise > 0 ? std::hypot(rise, 0.002) : 0, 1e-9);
+    EXPECT_EQ(layer.face.bevelled, 0.0);
+  }
+}
+
+// The outermost facets fall away on two sides: told from 20 to 65 degrees.
+TEST(LayerFace, BevelsAreKnown) {
+  for (const double degrees : {10.0, 19.0, 21.0, 39.0, 41.0, 64.0, 66.0, 80.0}) {
+    const double drop = std::tan(degrees * kPi / 180) * 0.2;
+    const auto place = [](int i) { return i == 0 ? -0.2 : i == 9 ? 7.2 : i - 1.0; };
+    Block block(
+        9, 6, 2, [&](double u, double v) { return Vector3d(place(static_cast<int>(std::lround(9 * u))), 6 * v, -2); },
+        [&](double u, double v) {
+          const int i = static_cast<int>(std::lround(9 * u));
+          return Vector3d(place(i), 6 * v, i == 0 || i == 9 ? -drop : 0);
+        });
+    block.select([](const OuterFace& f) { return f.normal.z() > 0.9999; });
+    const Layer layer = block.recognise();
+    EXPECT_NEAR(layer.face.bevelled, degrees > 20 && degrees < 65 ? 12 : 0, 1e-9) << degrees;
+  }
+}
+
 // Cartilage that runs out to the bone, gently or at 38 degrees: its facets look at bone through the layer, so none is a
 // wall although they reach down to the bone.
 TEST(LayerFace, ThinWedgeIsNoWall) {
