@@ -140,7 +140,7 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   // FEBio's accessors are not const.
   auto& self = const_cast<FEDeaContact&>(*this);
   const auto refuse = [&](const std::string& what) {
-    return dea::InputError(model, {0, 0}, fmt::format("contact \"{}\": {}", self.GetName(), what));
+    return dea::fault_at(model, {0, 0}, fmt::format("contact \"{}\": {}", self.GetName(), what));
   };
   dea::Contact contact;
   contact.name = self.GetName();
@@ -214,7 +214,7 @@ void refuse_doubled_contacts(const dea::JointModel& model) {
     for (std::size_t k = 0; k < i; ++k) {
       const dea::Contact &a = model.contacts[k], &b = model.contacts[i];
       if (a.dea && b.dea && dea::double_contact(a, b))
-        throw dea::InputError(model, {0, 0},
+        throw dea::fault_at(model, {0, 0},
                               fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time; remove "
                                           "one",
                                           a.name, b.name));
@@ -250,7 +250,7 @@ void FEDeaContact::build() {
     for (int k = 0; k < surface.Nodes(); ++k) {
       const int b = surface.Node(k).m_rid;
       if (b < 0 || (body >= 0 && b != body))
-        throw dea::InputError(
+        throw dea::fault_at(
             model, {0, 0},
             fmt::format("contact \"{}\": node {} of surface \"{}\" belongs to {}, but a dea contact joins two rigid "
                         "bodies; give the elements under the surface their bone's rigid material (`dea convert` does)",

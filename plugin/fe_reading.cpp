@@ -19,7 +19,7 @@ void unsupported(Reading& reading, const std::string& what, const std::string& a
   febio::list_once(reading.model.unsupported, reading.unsupported_index, what, kNowhere, advice);
 }
 
-void fail(const Reading& reading, const std::string& fault) { throw InputError(reading.model, kNowhere, fault); }
+void fail(const Reading& reading, const std::string& fault) { throw fault_at(reading.model, kNowhere, fault); }
 
 Vector3d vector_of(const vec3d& v) { return {v.x, v.y, v.z}; }
 

@@ -55,7 +55,7 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
   }
   if (!any) {
     const Contact& first = model.contacts[at(plan.joint.contacts.front().contact)];
-    throw InputError(model, first.origin,
+    throw fault_at(model, first.origin,
                      fmt::format("contact \"{}\" is of type dea already: nothing to convert", first.name));
   }
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
@@ -91,7 +91,7 @@ std::vector<int> cartilage_nodes(const JointModel& model, const ConversionPlan& 
       for (int node : layer.region_nodes) {
         int& known = body[at(node)];
         if (known >= 0 && known != layer.body)
-          throw InputError(
+          throw fault_at(
               model, model.surfaces[at(layer.surface)].origin,
               fmt::format("the cartilage under surface \"{}\" belongs to body \"{}\" for one contact and "
                           "to \"{}\" for another; it can be rigid with one of them only",
@@ -141,7 +141,7 @@ void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector
     for (const FixedNodes& f : model.fixed_nodes)
       if (f.step >= 0 && std::any_of(f.nodes.begin(), f.nodes.end(),
                                      [&](int node) { return plan.joint.node_body[at(node)] == static_cast<int>(b); }))
-        throw InputError(
+        throw fault_at(
             model, f.origin,
             fmt::format("fixed nodes \"{}\" hold bone \"{}\", which becomes a rigid body, in one step only: "
                         "make it a rigid body of the model and hold that",
@@ -255,7 +255,7 @@ void check_bodies(const JointModel& model, const ConversionPlan& plan, const std
   for (std::size_t a = 0; a < bodies.size(); ++a) {
     for (int m : bodies[a].materials) {
       if (!rigid[at(m)] || home[a] < 0 || after.of_material[at(m)] == after.of_material[at(home[a])]) continue;
-      throw InputError(model, model.materials[at(m)].origin,
+      throw fault_at(model, model.materials[at(m)].origin,
                        fmt::format("materials \"{}\" and \"{}\" are one body through rigid node sets; as rigid "
                                    "materials they would be two: give their elements one material",
                                    model.materials[at(home[a])].name, model.materials[at(m)].name));
@@ -297,7 +297,7 @@ void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartila
   for (const PrescribedNodes& p : model.prescribed_nodes)
     if (std::any_of(p.nodes.begin(), p.nodes.end(),
                     [&](int node) { return cartilage[at(node)] >= 0 || rigid_now[at(node)]; }))
-      throw InputError(model, p.origin,
+      throw fault_at(model, p.origin,
                        fmt::format("prescribed displacement \"{}\" moves nodes that the conversion makes rigid, "
                                    "and FEBio moves no nodes of rigid bodies: make the bone behind them a rigid "
                                    "body and prescribe its motion (`dea run` solves the model as it is)",
@@ -461,13 +461,13 @@ void check_faces(const JointModel& model, const Settings& settings, ConversionPl
       const auto left_out = static_cast<std::ptrdiff_t>(layer.facet_kinds.size()) -
                             std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open);
       if (left_out > 0)
-        throw InputError(
+        throw fault_at(
             model, surface.origin,
             fmt::format(
                 "surface \"{}\": {} of its facets are side wall or bonded to bone and left out here, but in the "
                 "converted model nothing tells them from the articular face: take them out of the surface",
                 surface.name, left_out));
-      throw InputError(
+      throw fault_at(
           model, surface.origin,
           fmt::format("surface \"{}\": its cartilage goes on beyond the selected facets, which the converted model "
                       "cannot tell (it knows those under contact surfaces that share nodes with their bone): select "
@@ -501,7 +501,7 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
                                    [](const Contact& c) { return c.kind != Contact::Kind::Sliding || c.dea; });
   for (const Contact& c : model.contacts)
     if (all_dea && c.dea)
-      throw InputError(model, c.origin,
+      throw fault_at(model, c.origin,
                        fmt::format("contact \"{}\" is of type dea already: nothing to convert", c.name));
   plan.joint = make_joint(model, settings);
   plan.target = model;

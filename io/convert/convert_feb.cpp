@@ -66,7 +66,7 @@ Conversion convert_feb(const JointModel& model, const Settings& settings, const 
     if (model.files.size() > 1) result.notes.push_back("the new file includes the same files as the model");
   } else if (!plan.left_to_febio.empty()) {
     const Remark& first = plan.left_to_febio.front();
-    throw InputError(
+    throw fault_at(
         model, first.origin,
         fmt::format("{} cannot be carried over: the file would have to be written anew, for {}; open it in "
                     "FEBio Studio and save it as one file of version 4.0",

@@ -580,7 +580,7 @@ void write_load_data(Writer& w) {
 /// What is read, but has no lines here: rather no file than one without it.
 void refuse_unwritable(const JointModel& model) {
   const auto refuse = [&](Origin origin, const std::string& what) {
-    throw InputError(model, origin,
+    throw fault_at(model, origin,
                      fmt::format("{} cannot be written into a new file: save the model as 4.0 in FEBio Studio, then "
                                  "dea convert leaves it as it is",
                                  what));

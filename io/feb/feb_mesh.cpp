@@ -736,22 +736,22 @@ void resolve_surface_maps(Reading& reading) {
     const auto map = std::find_if(reading.surface_maps.begin(), reading.surface_maps.end(),
                                   [&](const SurfaceMap& candidate) { return candidate.name == use.name; });
     if (map == reading.surface_maps.end()) {
-      throw InputError(model, use.origin,
+      throw fault_at(model, use.origin,
                        fmt::format("{} names no map, expected the name of a SurfaceData in MeshData", quote(use.name)));
     }
     map->used = true;
     if (!map->fault.empty()) {
-      throw InputError(model, map->fault_origin, fmt::format("SurfaceData {}: {}", quote(map->name), map->fault));
+      throw fault_at(model, map->fault_origin, fmt::format("SurfaceData {}: {}", quote(map->name), map->fault));
     }
     if (map->surface != index) {
-      throw InputError(
+      throw fault_at(
           model, use.origin,
           fmt::format("map {} is of surface {}, expected one of surface {}", quote(use.name),
                       quote(model.surfaces[static_cast<std::size_t>(map->surface)].name), quote(surface.name)));
     }
     for (const double value : map->values) {
       if (value < 0) {
-        throw InputError(
+        throw fault_at(
             model, map->origin,
             fmt::format("SurfaceData {} has a thickness of {:g}, need thickness >= 0", quote(map->name), value));
       }

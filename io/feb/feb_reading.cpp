@@ -38,7 +38,7 @@ int IdTable::find(int id) const {
 Origin origin_of(const Reading& reading, const XMLElement& element) { return {reading.file, element.GetLineNum()}; }
 
 void fail(const Reading& reading, const XMLElement& element, const std::string& fault) {
-  throw InputError(reading.model, origin_of(reading, element), fault);
+  throw fault_at(reading.model, origin_of(reading, element), fault);
 }
 
 void ignore(Reading& reading, const XMLElement& element, const std::string& what) {

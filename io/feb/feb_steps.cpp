@@ -97,7 +97,7 @@ int need_controller(const JointModel& model, int id, Origin origin) {
   }
   std::vector<std::string> ids;
   for (const LoadController& curve : model.controllers) ids.push_back(std::to_string(curve.id));
-  throw InputError(model, origin,
+  throw fault_at(model, origin,
                    fmt::format("lc = {}, but there is no load controller {}: add it to LoadData, or use one of those "
                                "there (ids {})",
                                id, id, name_list(ids)));
@@ -189,7 +189,7 @@ void finish(Reading& reading) {
     } else if (control.final_time && *control.final_time > 0) {
       step.duration = *control.final_time;
     } else {
-      throw InputError(model, control.origin, "time_steps = -1 without a final_time > 0: give one of them");
+      throw fault_at(model, control.origin, "time_steps = -1 without a final_time > 0: give one of them");
     }
     step.must_points = must_points(model, control, begin, begin + step.duration);
     begin += step.duration;

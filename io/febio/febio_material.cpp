@@ -98,11 +98,11 @@ Stiffness from_E_and_v(const Reading& reading, const MaterialTree& material) {
   const double nu = constant_of(material, "v", 0.0, s.note);
   if (!std::isnan(E) && E <= 0) {
     const std::string found = material.constants.count("E") == 0 ? "E is missing" : fmt::format("E = {:g}", E);
-    throw InputError(reading.model, place_of(material, "E"),
+    throw fault_at(reading.model, place_of(material, "E"),
                      fmt::format("material {}: {}, need E > 0", quote(reading.name), found));
   }
   if (!std::isnan(nu) && !(nu > -1 && nu < 0.5)) {
-    throw InputError(reading.model, place_of(material, "v"),
+    throw fault_at(reading.model, place_of(material, "v"),
                      fmt::format("material {}: v = {:g}, need -1 < v < 0.5", quote(reading.name), nu));
   }
   if (std::isnan(E) || std::isnan(nu)) return s;
@@ -287,7 +287,7 @@ void set_elasticity(Material& material, const MaterialTree& tree, bool nested_k_
 void set_density(Material& material, const MaterialTree& tree, const JointModel& model, std::string& why) {
   const double value = constant_of(tree, "density", 1.0, why);
   if (!std::isnan(value) && value < 0) {
-    throw InputError(model, place_of(tree, "density"),
+    throw fault_at(model, place_of(tree, "density"),
                      fmt::format("material {}: density = {:g}, need density >= 0", quote(material.name), value));
   }
   material.density = value;

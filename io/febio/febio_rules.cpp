@@ -5,17 +5,10 @@
 
 #include <algorithm>
 
-<<<<<<< HEAD:io/febio/febio_rules.cpp
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/geometry/surface_mesh.h>
 #include <febiodea/model/load_curve.h>
-=======
-#include "error.h"
-#include "load_curve.h"
-#include "names.h"
-#include "surface_mesh.h"
->>>>>>> work13:io/febio_rules.cpp
 
 namespace dea::febio {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/run/analysis.h>
-#include <febiodea/views/text/report_info.h>
+#include <febiodea/run/check.h>
 
 namespace dea {
 

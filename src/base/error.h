@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/model/joint_model.h>
-
 namespace dea {
 
 /// A fault in what the user gave us (exit code 3). what() is one line: "hip.feb:214: <fault>"; line 0: unknown.
@@ -15,9 +13,6 @@ struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
   InputError(const std::string& file, int line, const std::string& fault)
       : std::runtime_error(line > 0 ? file + ":" + std::to_string(line) + ": " + fault : file + ": " + fault) {}
-  /// A fault at a place of a model that has been read.
-  InputError(const JointModel& model, Origin origin, const std::string& fault)
-      : std::runtime_error(where(model, origin) + fault) {}
 };
 
 /// A fault in how the program was asked (exit code 2): an override that names nothing in the model.

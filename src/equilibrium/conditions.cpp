@@ -27,7 +27,7 @@ int body_of(const Joint& joint, int material) {
 double finite_value(const JointModel& model, const Scaled& scaled, double time, Origin origin) {
   const double v = value(model, scaled, time);
   if (std::isfinite(v)) return v;
-  throw InputError(model, origin,
+  throw fault_at(model, origin,
                    fmt::format("its value at time {:g} is no finite number (load curve {}): mend the curve's points",
                                time, scaled.controller >= 0 ? model.controllers[at(scaled.controller)].id : 0));
 }
@@ -124,7 +124,7 @@ void hold_by_nodes(const JointModel& model, const Joint& joint, int body, int st
   agree = agree && conditions_held == dofs_held && motion.tail<3>().norm() <= 1e-6 * largest;
   for (const Row& r : rows) agree = agree && std::abs(condition(r).dot(motion) - r.value) <= 1e-6 * largest;
   if (!agree)
-    throw InputError(
+    throw fault_at(
         model, mover->origin,
         fmt::format("prescribed displacement \"{}\": at time {:g} its nodes move bone \"{}\" otherwise than by one "
                     "translation along x, y or z, which DEA cannot follow; make the bone a rigid body of the model and "
@@ -304,14 +304,14 @@ std::vector<TimePoint> model_times(const JointModel& model, bool thin) {
   const double states = count_time_steps(model);
   const bool very_many = very_many_time_steps(model);
   if (very_many && !thin)
-    throw InputError(model, model.steps.front().origin,
+    throw fault_at(model, model.steps.front().origin,
                      fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
                                  "needs no small steps before it), or choose the states: --states last, --states "
                                  "t1,t2,...",
                                  states, kMostStates));
   const double stride = very_many ? std::ceil(states / kThinned) : 1.0;
   if (!(starts.back() > 0)) {
-    throw InputError(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
+    throw fault_at(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
                      "the model ends at time 0, so there is nothing to solve: need time_steps > 0 and step_size > 0");
   }
   for (int s = 0; s < static_cast<int>(model.steps.size()); ++s) {

@@ -18,7 +18,6 @@
 #include <febiodea/joint/moved_nodes.h>
 #include <febiodea/joint/thickness.h>
 #include <febiodea/model/element_faces.h>
-#include <febiodea/run/refusals.h>
 
 namespace dea {
 
@@ -299,10 +298,10 @@ struct CarriedSurface {
 InputError no_volume(const JointModel& model, const Domain& d, int element, double volume) {
   const std::string which = fmt::format("element {} of \"{}\"", d.element_ids[at(element)], d.name);
   if (volume < 0)
-    return InputError(
+    return fault_at(
         model, d.origin,
         fmt::format("{} is inside out (volume {:g}); check the node order of its elements", which, volume));
-  return InputError(model, d.origin,
+  return fault_at(model, d.origin,
                     fmt::format("{} has no volume; check its thickness and the positions of its nodes", which));
 }
 
@@ -310,7 +309,7 @@ CarriedSurface carry(const Recognition& r, int surface) {
   const JointModel& model = r.model;
   const Surface& s = model.surfaces[at(surface)];
   if (s.size() == 0)
-    throw InputError(model, s.origin,
+    throw fault_at(model, s.origin,
                      fmt::format("surface \"{}\" has no facets: define it again, or take its contact out", s.name));
   CarriedSurface out;
   int face_nodes[9];
@@ -322,7 +321,7 @@ CarriedSurface carry(const Recognition& r, int surface) {
       std::string ids;
       for (int k = 0; k < count; ++k)
         ids += fmt::format("{}{}", k ? "," : "", model.node_ids[at(s.nodes[at(first + k)])]);
-      throw InputError(model, s.origin,
+      throw fault_at(model, s.origin,
                        fmt::format("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the "
                                    "mesh do not fit together, define the surface again on this mesh",
                                    s.name, f + 1, ids));
@@ -675,7 +674,7 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
   const Settings& settings = r.settings;
   const Surface& s = model.surfaces[at(surface)];
   const auto refuse = [&](const std::string& text) -> InputError {
-    return InputError(model, s.origin, fmt::format("contact \"{}\", surface \"{}\": {}", contact.name, s.name, text));
+    return fault_at(model, s.origin, fmt::format("contact \"{}\", surface \"{}\": {}", contact.name, s.name, text));
   };
   const CarriedSurface carried = carry(r, surface);
   std::map<FaceKey, int> facet_at;
@@ -1045,7 +1044,7 @@ void note_shared_layers(const JointModel& model, Joint& joint, const ContactPair
         const bool same_bodies =
             pair.layers[0].body + pair.layers[1].body == other.layers[0].body + other.layers[1].body;
         if (twice > 0 && same_bodies)
-          throw InputError(
+          throw fault_at(
               model, model.contacts[at(pair.contact)].origin,
               fmt::format("contacts \"{}\" and \"{}\" both press {} facets of the same layer (surfaces \"{}\" "
                           "and \"{}\"), which would count twice: give each facet to one of them, or keep one "
@@ -1130,7 +1129,7 @@ void add_ligament(Joint& joint, const JointModel& model, Ligament l, const char*
   const double length = (l.point_b - l.point_a).norm();
   if (l.free_length <= 0) l.free_length = length;
   if (!(length > 0) || !std::isfinite(length))
-    throw InputError(model, origin,
+    throw fault_at(model, origin,
                      fmt::format("{} \"{}\" has no length: its two points coincide, move one", kind, l.name));
   joint.ligaments.push_back(std::move(l));
 }
@@ -1161,7 +1160,7 @@ void find_springs(const Recognition& r, Joint& joint) {
   }
   for (const DiscreteSprings& set : model.discrete_springs) {
     if (set.force && !set.force->unsupported.empty())
-      throw InputError(model, set.origin,
+      throw fault_at(model, set.origin,
                        fmt::format("spring \"{}\": its force is given by {}, which is not supported; give points",
                                    set.name, set.force->unsupported));
     for (const auto& pair : model.discrete_sets[at(set.set)].pairs) {
@@ -1171,7 +1170,7 @@ void find_springs(const Recognition& r, Joint& joint) {
       l.body_b = joint.node_body[at(pair[1])];
       for (int k = 0; k < 2; ++k)
         if (joint.node_body[at(pair[at(k)])] < 0)
-          throw InputError(
+          throw fault_at(
               model, set.origin,
               fmt::format("spring \"{}\" is fastened to node {}, which belongs to no rigid body: fasten it to "
                           "a node of a bone",
@@ -1213,10 +1212,10 @@ void find_cables(const Recognition& r, Joint& joint) {
       cable.points.push_back({body, reference_point(joint, body, p.position, c.from_centers)});
     }
     if (cable.points.empty())
-      throw InputError(r.model, c.origin, fmt::format("cable \"{}\" has no points: add those it runs through", c.name));
+      throw fault_at(r.model, c.origin, fmt::format("cable \"{}\" has no points: add those it runs through", c.name));
     for (std::size_t i = 1; i < cable.points.size(); ++i)
       if (!((cable.points[i].position - cable.points[i - 1].position).norm() > 0))
-        throw InputError(r.model, c.origin,
+        throw fault_at(r.model, c.origin,
                          fmt::format("cable \"{}\": points {} and {} coincide, so the cable has no direction there; "
                                      "take one out",
                                      c.name, i, i + 1));
@@ -1242,7 +1241,7 @@ void find_connectors(const Recognition& r, Joint& joint) {
     c.step = j.step;
     c.origin = j.origin;
     if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0))
-      throw InputError(r.model, j.origin,
+      throw fault_at(r.model, j.origin,
                        fmt::format("joint \"{}\": its axes span no right-handed frame; give two axes that are not "
                                    "parallel",
                                    j.name));
@@ -1270,7 +1269,7 @@ void find_point_loads(const Recognition& r, Joint& joint) {
   for (const NodalForce& f : model.nodal_forces) {
     for (int node : f.nodes) {
       if (body[at(node)] < 0)
-        throw InputError(model, f.origin,
+        throw fault_at(model, f.origin,
                          fmt::format("nodal force \"{}\" acts on node {}, which is part of no rigid body; DEA can load "
                                      "rigid bodies only: load a node of the bone, or use a rigid force",
                                      f.name, model.node_ids[at(node)]));
@@ -1322,6 +1321,30 @@ int Joint::find_body(const JointModel& model, const std::string& name) const {
   return body_by_name(model, bodies, name);
 }
 
+std::string no_sliding_contact(const JointModel& model) {
+  std::string found;
+  Origin first;
+  const auto list = [&](const std::string& what, Origin origin) {
+    if (found.empty()) first = origin;
+    found += (found.empty() ? "" : ", ") + what;
+  };
+  for (const Contact& c : model.contacts)
+    if (c.kind == Contact::Kind::Tied) list(fmt::format("\"{}\" of type {}", c.name, c.type), c.origin);
+  const bool tied = !found.empty();
+  for (const Remark& r : model.unsupported)
+    if (r.what.rfind("contact ", 0) == 0 || r.what.rfind("constraint \"rigid_wall", 0) == 0) {
+      const std::size_t question = r.advice.rfind("did you mean ", 0) == 0 ? r.advice.find('?') : std::string::npos;
+      list(r.what + (question == std::string::npos ? "" : " (" + r.advice.substr(0, question + 1) + ")"), r.origin);
+    }
+  return where(model, first) +
+         fmt::format(
+             "no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
+             "\"sliding-elastic\"){}{}",
+             found.empty() ? ", and there is no contact at all: add one, or there is nothing to solve for DEA"
+                           : "; found " + found,
+             tied ? ", which fastens surfaces: change its type if they are to slide" : "");
+}
+
 Joint make_joint(const JointModel& model, const Settings& settings) {
   Recognition r{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}, {}};
   find_faces(r);
@@ -1354,7 +1377,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     if (!settings.contact.empty() && c.name != settings.contact) continue;
     named = true;
     if (c.primary < 0 || c.secondary < 0)
-      throw InputError(model, c.origin, fmt::format("contact \"{}\" lacks a surface: give it two", c.name));
+      throw fault_at(model, c.origin, fmt::format("contact \"{}\" lacks a surface: give it two", c.name));
     ContactPair pair;
     pair.name = c.name;
     pair.contact = i;
@@ -1392,7 +1415,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
     for (const ContactPair& other : joint.contacts) {
       const Contact& o = model.contacts[at(other.contact)];
       if (double_contact(o, c))
-        throw InputError(model, c.origin,
+        throw fault_at(model, c.origin,
                          fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would "
                                      "share the load between them; "
                                      "keep one: --contact \"{}\"",
@@ -1404,7 +1427,7 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       continue;
     }
     if (pair.layers[0].rigid && pair.layers[1].rigid)
-      throw InputError(
+      throw fault_at(
           model, c.origin,
           fmt::format("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to "
                       "compress; give one a layer {}"

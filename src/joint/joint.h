@@ -9,7 +9,7 @@
 #include <febiodea/joint/layer_face.h>
 #include <febiodea/model/joint_model.h>
 #include <febiodea/model/settings.h>
-#include <febiodea/springs/spring_law.h>
+#include <febiodea/model/elasticity.h>
 
 namespace dea {
 
@@ -153,5 +153,8 @@ struct Joint {
 /// Finds bodies, layers, thicknesses and moduli (docs/theory.md, section 2). Throws InputError with the place in
 /// the model when the joint cannot be made of it, UsageError when an override names nothing in the model.
 Joint make_joint(const JointModel& model, const Settings& settings);
+
+/// Why a model has no contact that DEA could solve, where no sliding contact is there at all: names those that are.
+std::string no_sliding_contact(const JointModel& model);
 
 }  // namespace dea

@@ -12,6 +12,10 @@ std::string where(const JointModel& model, Origin origin) {
   return origin.line > 0 ? fmt::format("{}:{}: ", file, origin.line) : fmt::format("{}: ", file);
 }
 
+InputError fault_at(const JointModel& model, Origin origin, const std::string& fault) {
+  return InputError(where(model, origin) + fault);
+}
+
 bool double_contact(const Contact& a, const Contact& b) {
   const bool same_time = a.step == b.step || a.step < 0 || b.step < 0;
   return same_time && ((a.primary == b.primary && a.secondary == b.secondary) ||

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/base/error.h>
 #include <febiodea/model/settings.h>
 
 namespace dea {
@@ -385,6 +386,8 @@ struct JointModel {
 
 /// "hip.feb:214: " or "hip.feb: " when the line is unknown.
 std::string where(const JointModel& model, Origin origin);
+/// A fault at a place of a model that has been read.
+InputError fault_at(const JointModel& model, Origin origin, const std::string& fault);
 
 /// Do two contacts join the same surfaces at the same time? They would share the load between them.
 bool double_contact(const Contact& a, const Contact& b);

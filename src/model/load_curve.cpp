@@ -350,7 +350,7 @@ double value(const JointModel& model, const Scaled& scaled, double t) {
   try {
     return scaled.factor * value(curve, t);
   } catch (const InputError& error) {
-    throw InputError(model, curve.origin, fmt::format("load controller {}: {}", curve.id, error.what()));
+    throw fault_at(model, curve.origin, fmt::format("load controller {}: {}", curve.id, error.what()));
   }
 }
 

@@ -30,7 +30,7 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
       const SurfaceMesh& mesh = source.spring_surface();
       const int vertex = mesh.triangles[static_cast<std::size_t>(beds.beds[c].springs.surface_triangle[i])][0];
       const Surface& surface = model.surfaces[static_cast<std::size_t>(source.surface)];
-      throw InputError(
+      throw fault_at(
           model, surface.origin,
           fmt::format("contact \"{}\": there is no cartilage near node {} of surface \"{}\" where the bodies meet "
                       "(thickness {:.2g}); mend the "

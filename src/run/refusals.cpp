@@ -46,30 +46,6 @@ std::string no_rigid_body(const JointModel& model, const Settings& settings) {
 
 }  // namespace
 
-std::string no_sliding_contact(const JointModel& model) {
-  std::string found;
-  Origin first;
-  const auto list = [&](const std::string& what, Origin origin) {
-    if (found.empty()) first = origin;
-    found += (found.empty() ? "" : ", ") + what;
-  };
-  for (const Contact& c : model.contacts)
-    if (c.kind == Contact::Kind::Tied) list(fmt::format("\"{}\" of type {}", c.name, c.type), c.origin);
-  const bool tied = !found.empty();
-  for (const Remark& r : model.unsupported)
-    if (r.what.rfind("contact ", 0) == 0 || r.what.rfind("constraint \"rigid_wall", 0) == 0) {
-      const std::size_t question = r.advice.rfind("did you mean ", 0) == 0 ? r.advice.find('?') : std::string::npos;
-      list(r.what + (question == std::string::npos ? "" : " (" + r.advice.substr(0, question + 1) + ")"), r.origin);
-    }
-  return where(model, first) +
-         fmt::format(
-             "no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
-             "\"sliding-elastic\"){}{}",
-             found.empty() ? ", and there is no contact at all: add one, or there is nothing to solve for DEA"
-                           : "; found " + found,
-             tied ? ", which fastens surfaces: change its type if they are to slide" : "");
-}
-
 std::string unsupported_line(const JointModel& model, const Remark& r) {
   return fmt::format("{}{}{} is not supported and would change the result: {}", where(model, r.origin), r.what,
                      r.count > 1 ? fmt::format(" ({} times)", r.count) : "",

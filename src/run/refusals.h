@@ -21,9 +21,6 @@ std::vector<std::string> refusals(const JointModel& model, const Settings& setti
 InputError all_refusals(const JointModel& model, const Settings& settings, const InputError& found,
                         bool all_states = true);
 
-/// Why a model has no contact that DEA could solve, where no sliding contact is there at all: names those that are.
-std::string no_sliding_contact(const JointModel& model);
-
 /// A remark of `JointModel::unsupported` as lines, one per place that is known.
 std::vector<std::string> unsupported_lines(const JointModel& model, const Remark& remark);
 

@@ -6,8 +6,6 @@
 
 namespace dea {
 
-double confined_modulus(double E, double nu) { return E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)); }
-
 namespace {
 
 /// The law itself, for strains below the limit.

@@ -1,18 +1,10 @@
 // febiodea/springs/spring_law.h – contact pressure of a spring from its overlap: one or two layers of cartilage in
 // series.
 #pragma once
+#include <febiodea/model/elasticity.h>
 #include <febiodea/model/settings.h>
 
 namespace dea {
-
-/// Confined (aggregate) modulus M = E (1 - nu) / ((1 + nu)(1 - 2 nu)): a thin layer bonded to bone cannot spread.
-double confined_modulus(double E, double nu);
-
-/// Small-strain constants of one layer.
-struct Elasticity {
-  double E = 0.0;
-  double nu = 0.0;
-};
 
 /// Strain beyond which a law continues linearly (C1); a solution that ends there is no answer.
 inline constexpr double kStrainLimit = 0.9;

@@ -30,65 +30,6 @@ const char* word(DofState s) {
   return "";
 }
 
-/// Springs of every contact at the reference poses, also of those that a step switches on later.
-void check_contacts(const JointModel& model, JointCheck& check) {
-  const Joint& joint = check.joint;
-  check.beds = make_spring_beds(joint);
-  check.maps = make_field_maps(model, joint);
-  LoadCase at_rest;
-  at_rest.bodies.resize(joint.bodies.size());
-  at_rest.contact_active.assign(joint.contacts.size(), 1);
-  at_rest.ligament_active.assign(joint.ligaments.size(), 0);
-  check.reference = state_at(joint, check.beds, at_rest, reference_poses(joint));
-  check.fields = contact_fields(joint, check.beds, check.maps, check.reference);
-  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    ContactCheck found;
-    for (int side = 0; side < 2; ++side) {
-      const SurfaceMesh& surface = joint.contacts[c].layers[side].articular;
-      found.sides[side].sphere = fit_sphere(surface);
-      found.sides[side].area = surface_extent(surface).area;
-      const Layer& layer = joint.contacts[c].layers[side];
-      found.sides[side].whole_face = layer.face.mesh.size() > 0;
-      if (found.sides[side].whole_face) found.sides[side].rim = rim_lengths(layer.face);
-      for (FaceKind kind : layer.facet_kinds) {
-        found.sides[side].side_walls += kind == FaceKind::SideWall;
-        found.sides[side].bonded += kind == FaceKind::Bonded;
-      }
-    }
-    const SpringStates& springs = check.reference.springs[c];
-    std::vector<double> gaps;
-    for (int i = 0; i < springs.size(); ++i)
-      if (springs.triangle[at(i)] >= 0 && springs.coverage[at(i)] > 0) gaps.push_back(springs.gap[at(i)]);
-    std::sort(gaps.begin(), gaps.end());
-    found.springs = springs.size();
-    found.springs_hit = static_cast<int>(gaps.size());
-    const auto quantile = [&](double q) {
-      return gaps.empty() ? std::numeric_limits<double>::quiet_NaN()
-                          : gaps[static_cast<std::size_t>(q * static_cast<double>(gaps.size() - 1))];
-    };
-    found.gap_min = quantile(0.0);
-    found.gap_p5 = quantile(0.05);
-    found.gap_median = quantile(0.5);
-    found.gap_max = quantile(1.0);
-    check.contacts.push_back(found);
-  }
-}
-
-void check_steps(const JointModel& model, const Settings& settings, JointCheck& check) {
-  const std::vector<double> starts = step_starts(model);
-  for (int s = 0; s < static_cast<int>(model.steps.size()); ++s) {
-    StepCheck step;
-    step.name = model.steps[at(s)].name;
-    step.start = starts[at(s)];
-    step.end = starts[at(s) + 1];
-    step.step_size = model.steps[at(s)].step_size;
-    for (const TimePoint& t : check.times)
-      if (t.step == s && t.time > 0) ++step.states;
-    step.conditions = make_load_case(model, check.joint, settings, s, step.end);
-    check.steps.push_back(std::move(step));
-  }
-}
-
 std::string quoted(const std::string& name) { return fmt::format("\"{}\"", name); }
 
 std::string bodies_text(const JointModel& model, const JointCheck& check) {
@@ -362,24 +303,6 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
 }
 
 }  // namespace
-
-void check_joint(const JointModel& model, const Settings& settings, JointCheck& check) {
-  try {
-    check.joint = make_joint(model, settings);
-    check_contacts(model, check);
-    check.recognised = true;
-    check.times = model_times(model, true);
-    if (very_many_time_steps(model)) check.joint.findings.push_back(thinned_note(model, check.times.size()));
-    for (const LoadController& c : model.controllers)
-      if (!c.unsupported.empty()) refuse_unsupported(model);  // if it is used: the steps need its value
-    check_steps(model, settings, check);
-    refuse_unsupported(model);
-  } catch (const InputError& found) {
-    const InputError all = all_refusals(model, settings, found, false);
-    check.errors = all.others;
-    check.errors.insert(check.errors.begin(), all.what());
-  }
-}
 
 std::string info_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
   std::size_t elements = 0;

@@ -3,59 +3,10 @@
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
-#include <febiodea/equilibrium/conditions.h>
-#include <febiodea/equilibrium/equilibrium.h>
-#include <febiodea/results/fields.h>
+#include <febiodea/run/check.h>
 
 namespace dea {
-
-/// One side of a contact as found.
-struct SideCheck {
-  SphereFit sphere;         ///< least-squares sphere of the articular surface
-  double area = 0.0;        ///< of the articular surface, reference
-  bool whole_face = false;  ///< `rim` is known: a layer whose springs stand on the articular surface
-  RimLengths rim;
-  int side_walls = 0, bonded = 0;  ///< facets left out
-};
-
-/// The springs of one contact at the reference poses.
-struct ContactCheck {
-  SideCheck sides[2];
-  int springs = 0, springs_hit = 0;                       ///< cast; of these, over the target
-  double gap_min = 0.0, gap_median = 0.0, gap_max = 0.0;  ///< of those that hit; NaN: none did
-  double gap_p5 = 0.0;
-};
-
-/// Conditions at the end of one step.
-struct StepCheck {
-  std::string name;
-  double start = 0.0, end = 0.0, step_size = 0.0;
-  int states = 0;
-  LoadCase conditions;
-};
-
-/// Everything up to the point where something failed. `joint` and what follows refer to each other: not copyable.
-struct JointCheck {
-  JointCheck() = default;
-  JointCheck(const JointCheck&) = delete;
-  JointCheck& operator=(const JointCheck&) = delete;
-
-  bool recognised = false;  ///< joint, beds, contacts, fields are filled
-  Joint joint;
-  SpringBeds beds;
-  FieldMaps maps;
-  Equilibrium reference;              ///< all contacts at the reference poses
-  std::vector<ContactFields> fields;  ///< at the reference poses
-  std::vector<ContactCheck> contacts;
-  std::vector<StepCheck> steps;  ///< empty: conditions could not be made
-  std::vector<TimePoint> times;
-  std::vector<std::string> errors;  ///< why `dea run` would refuse this model, a line each, the most basic first
-};
-
-/// Never throws InputError: that is `error`. Throws UsageError for overrides that name nothing.
-void check_joint(const JointModel& model, const Settings& settings, JointCheck& check);
 
 std::string info_text(const JointModel& model, const Settings& settings, const JointCheck& check);
 nlohmann::ordered_json info_json(const JointModel& model, const Settings& settings, const JointCheck& check);
