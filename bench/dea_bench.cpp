@@ -23,6 +23,7 @@
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/springs/press.h>
 #include "src/test_models.h"
 
 namespace {
@@ -57,7 +58,7 @@ std::string ms(const Time& t) { return fmt::format("{:9.2f} ({:9.2f})", 1e3 * t.
 
 // ---- the ladder of springs ---------------------------------------------------------------------------------------
 
-/// The rays project_springs casts first, in the target's frame at a pose of the two bodies.
+/// The rays press_springs casts first, in the target's frame at a pose of the two bodies.
 struct Rays {
   std::vector<Vector3d> origin, direction;
   std::vector<double> deep;  // thickness of both layers
@@ -76,7 +77,7 @@ Rays rays_at(const SpringBed& bed, const Pose& source, const Pose& target) {
   return rays;
 }
 
-/// All rays once, split among the threads as project_springs does; how many met the target.
+/// All rays once, split among the threads as press_springs does; how many met the target.
 int cast(const SpringBed& bed, const Rays& rays, std::vector<LineHit>& hits) {
   hits.resize(rays.origin.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hits.size(), 256),
@@ -116,7 +117,7 @@ void spring_rung(int n, int threads, bool turns) {
   std::vector<double> casts, projections, solutions, ratios;
   for (int i = 0; i < repeats; ++i) {  // in turns: a busy moment of the machine then hits all three
     casts.push_back(seconds_of([&] { hit = cast(bed, rays, hits); }));
-    projections.push_back(seconds_of([&] { states = project_springs(bed, source, target); }));
+    projections.push_back(seconds_of([&] { states = press_springs(bed, source, target); }));
     solutions.push_back(seconds_of([&] { e = solve_equilibrium(joint, beds, conditions, start, start); }));
     ratios.push_back(solutions.back() / casts.back());
   }
@@ -133,7 +134,7 @@ void springs(const std::vector<int>& sizes) {
   fmt::print(
       "\nOne equilibrium of a ball in a socket, law linear, from the reference pose. Times in ms: least (median).\n");
   fmt::print("{:>8} {:>3} {:>4} {:>8} {:>21} {:>21} {:>21} {:>13} {:>5} {:>5}  {:>8}\n", "springs", "thr", "dofs",
-             "joint", "rays", "project_springs", "equilibrium", "equil./rays", "iter.", "casts", "unbal./load");
+             "joint", "rays", "press_springs", "equilibrium", "equil./rays", "iter.", "casts", "unbal./load");
   std::vector<int> threads = {1};
   const int all = static_cast<int>(std::thread::hardware_concurrency());
   if (all > 1) threads.push_back(all);

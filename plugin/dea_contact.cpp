@@ -20,6 +20,8 @@
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/read_fe_model.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/springs/press.h>
+#include <febiodea/springs/wrench.h>
 
 namespace {
 
@@ -118,6 +120,7 @@ struct FEDeaContact::Bed {
   bool evaluated = false;
   dea::SpringStates springs;
   dea::ContactWrench wrench;
+  dea::PressMemory memory;    // where the search for pressures starts
   dea::Pose output_poses[2];  // of the fields in the surfaces
   bool output = false;
 
@@ -215,9 +218,9 @@ void refuse_doubled_contacts(const dea::JointModel& model) {
       const dea::Contact &a = model.contacts[k], &b = model.contacts[i];
       if (a.dea && b.dea && dea::double_contact(a, b))
         throw dea::fault_at(model, {0, 0},
-                              fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time; remove "
-                                          "one",
-                                          a.name, b.name));
+                            fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time; remove "
+                                        "one",
+                                        a.name, b.name));
     }
   }
 }
@@ -403,7 +406,7 @@ bool FEDeaContact::evaluate(double alpha) {
     b.wrench.wrench.setConstant(std::numeric_limits<double>::quiet_NaN());
     return false;
   }
-  b.springs = dea::project_springs(b.bed(), source, target);
+  b.springs = dea::press_springs(b.bed(), source, target, {}, &b.memory);
   b.wrench = dea::contact_wrench(b.springs, source, target);
   b.evaluated = true;
   return true;

@@ -2,7 +2,7 @@
 // bodies.
 //
 // What is said in the model becomes a dea::Contact; recognition, springs, forces and their derivative are those of
-// src/ (project_springs, contact_wrench). Only the bodies' twelve equations are assembled.
+// src/ (press_springs, contact_wrench). Only the bodies' twelve equations are assembled.
 #pragma once
 #include <FEBioMech/FEContactInterface.h>
 #include <FEBioMech/FEContactSurface.h>

@@ -14,6 +14,10 @@
 #include <febiodea/base/rotations.h>
 #include <febiodea/equilibrium/connectors.h>
 #include <febiodea/equilibrium/singular_parts.h>
+#include <febiodea/springs/place.h>
+#include <febiodea/springs/press.h>
+#include <febiodea/springs/spring_law.h>
+#include <febiodea/springs/wrench.h>
 
 namespace dea {
 
@@ -25,7 +29,8 @@ using Matrix3d = Eigen::Matrix3d;
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr int kDenseUnknowns = 60;  // about ten bodies: measured, above it the sparse way is the faster one
+constexpr double kRateTolerance = 1e-4;  // the derivative only directs the next step
+constexpr int kDenseUnknowns = 60;       // about ten bodies: measured, above it the sparse way is the faster one
 
 // ---- forces at one set of poses ---------------------------------------------------------------------------------
 
@@ -52,9 +57,10 @@ struct Problem {
   const Joint& joint;
   const SpringBeds& beds;
   const LoadCase& conditions;
-  std::vector<int> free;  // dof numbers 6 * body + k
-  VectorXd scale;         // per free dof: 1 for translations, length for rotations
-  VectorXd offset;        // per dof: part of the load held back (continuation)
+  std::vector<int> free;             // dof numbers 6 * body + k
+  VectorXd scale;                    // per free dof: 1 for translations, length for rotations
+  VectorXd offset;                   // per dof: part of the load held back (continuation)
+  std::vector<PressMemory>& memory;  // per contact: where searches for pressures start
   int casts = 0;
   double tolerance = kPressureTolerance;  // of the layers' pressures at the next poses
   std::string undefined;                  // why a step was refused, if a ligament's force had no value where it led
@@ -103,7 +109,8 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
       continue;
     }
     const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-    e.springs.push_back(project_springs(bed, source, target, {free_motions(problem, bed), problem.tolerance}));
+    e.springs.push_back(press_springs(
+        bed, source, target, {free_motions(problem, bed), problem.tolerance, kRateTolerance}, &problem.memory[i]));
     if (bed.layers) e.tolerance = problem.tolerance;
     const ContactWrench w = contact_wrench(e.springs.back(), source, target);
     e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
@@ -264,7 +271,7 @@ struct SpringNormals {
 
 SpringNormals normals_of(const SpringBed& bed, const SpringStates& s, std::size_t k, const Pose& source,
                          const Pose& target) {
-  const SurfaceMesh &mesh_s = bed.pair->source_layer().spring_surface(), &mesh_t = bed.target.mesh();
+  const SurfaceMesh &mesh_s = bed.pair.source_layer().spring_surface(), &mesh_t = bed.target.mesh();
   const auto& tri_s = mesh_s.triangles[at(bed.springs.surface_triangle[k])];
   const auto& tri_t = mesh_t.triangles[at(s.triangle[k])];
   Vector3d n = Vector3d::Zero(), m = Vector3d::Zero();
@@ -1171,8 +1178,10 @@ void fill(Equilibrium& result, const Problem& problem, Evaluation e) {
   }
 }
 
-Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions) {
-  Problem problem{joint, beds, conditions, {}, {}, {}, 0, kPressureTolerance, {}, {}, {}, nullptr};
+Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
+                     std::vector<PressMemory>& memory) {
+  memory.resize(beds.beds.size());
+  Problem problem{joint, beds, conditions, {}, {}, {}, memory, 0, kPressureTolerance, {}, {}, {}, nullptr};
   problem.offset = VectorXd::Zero(6 * static_cast<Eigen::Index>(joint.bodies.size()));
   return problem;
 }
@@ -1210,7 +1219,7 @@ SpringBeds make_spring_beds(const Joint& joint) {
   double area = 0.0, inertia = 0.0;
   beds.reach = 0.0;
   for (const ContactPair& pair : joint.contacts) {
-    beds.beds.push_back(make_spring_bed(joint, pair));
+    beds.beds.push_back(place_springs(joint, pair));
     for (const Layer& layer : pair.layers) {
       const SurfaceExtent extent = surface_extent(layer.articular);
       area += extent.area;
@@ -1235,7 +1244,8 @@ std::vector<Pose> reference_poses(const Joint& joint) {
 
 BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
                      const std::vector<Pose>& poses) {
-  Problem problem = make_problem(joint, beds, conditions);
+  std::vector<PressMemory> memory;
+  Problem problem = make_problem(joint, beds, conditions, memory);
   Evaluation e = evaluate(problem, poses);
   BodyForces forces(joint.bodies.size());
   forces.value = e.residual();
@@ -1244,9 +1254,10 @@ BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
 }
 
 Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
-                     const std::vector<Pose>& poses) {
+                     const std::vector<Pose>& poses, std::vector<PressMemory>* memory) {
+  std::vector<PressMemory> own;
   if (const std::string fault = undefined_force(joint, conditions, poses); !fault.empty()) throw InputError(fault);
-  Problem problem = make_problem(joint, beds, conditions);
+  Problem problem = make_problem(joint, beds, conditions, memory ? *memory : own);
   problem.tolerance = kGivenPoseTolerance;
   Equilibrium result;
   result.outcome = Outcome::Prescribed;
@@ -1258,9 +1269,10 @@ Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
 
 Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const LoadCase& conditions,
                               const std::vector<Pose>& start, const std::vector<Pose>& step_start,
-                              const EquilibriumOptions& options) {
+                              const EquilibriumOptions& options, std::vector<PressMemory>* memory) {
   std::vector<Pose> poses = start;
-  Problem problem = make_problem(joint, beds, conditions);
+  std::vector<PressMemory> own;
+  Problem problem = make_problem(joint, beds, conditions, memory ? *memory : own);
   problem.watch = &options.watch;
   for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
     const BodyConditions& c = conditions.bodies[at(b)];
@@ -1290,7 +1302,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
     ConnectorRow worst;
     std::vector<Pose> closed = poses;
     if (!close_connectors(joint, conditions, problem.connectors, closed, &worst)) {
-      result = state_at(joint, beds, conditions, poses);
+      result = state_at(joint, beds, conditions, poses, &problem.memory);
       result.outcome = Outcome::NoEquilibrium;
       const Connector& c = joint.connectors[at(worst.connector)];
       result.message = fmt::format(
@@ -1303,7 +1315,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
     poses = std::move(closed);
   }
   if (problem.free.empty()) {
-    result = state_at(joint, beds, conditions, poses);
+    result = state_at(joint, beds, conditions, poses, &problem.memory);
     return result;
   }
   if (const std::string fault = undefined_force(joint, conditions, poses); !fault.empty()) throw InputError(fault);

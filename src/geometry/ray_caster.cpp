@@ -173,8 +173,11 @@ bool closest_callback(RTCPointQueryFunctionArguments* args) {
 
 }  // namespace
 
-RayCaster::RayCaster(const SurfaceMesh& mesh) : mesh_(&mesh), scene_(std::make_unique<Scene>()) {
-  Scene& s = *scene_;
+RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>(std::move(of))) {
+  const SurfaceMesh& mesh = *mesh_;
+  const auto scene = std::make_shared<Scene>();
+  scene_ = scene;
+  Scene& s = *scene;
   s.mesh = &mesh;
   Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
   if (!mesh.vertices.empty()) low = high = mesh.vertices[0];
@@ -189,7 +192,7 @@ RayCaster::RayCaster(const SurfaceMesh& mesh) : mesh_(&mesh), scene_(std::make_u
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.size()));
-  rtcSetGeometryUserData(geometry, scene_.get());
+  rtcSetGeometryUserData(geometry, scene.get());
   rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
   rtcSetGeometryIntersectFunction(geometry, intersect_callback);
   rtcSetGeometryPointQueryFunction(geometry, closest_callback);
@@ -198,10 +201,6 @@ RayCaster::RayCaster(const SurfaceMesh& mesh) : mesh_(&mesh), scene_(std::make_u
   rtcReleaseGeometry(geometry);
   rtcCommitScene(s.scene);
 }
-
-RayCaster::~RayCaster() = default;
-RayCaster::RayCaster(RayCaster&&) noexcept = default;
-RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 
 LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direction, double from, double limit,
                                   double to, double min_facing) const {

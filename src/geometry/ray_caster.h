@@ -29,11 +29,8 @@ class RayCaster {
  public:
   struct Scene;  ///< Embree's side, private to ray_caster.cpp
 
-  /// `mesh` is kept by reference and must outlive the caster.
-  explicit RayCaster(const SurfaceMesh& mesh);
-  ~RayCaster();
-  RayCaster(RayCaster&&) noexcept;
-  RayCaster& operator=(RayCaster&&) noexcept;
+  /// A value: it keeps the mesh, copies share it. Queries may run side by side.
+  explicit RayCaster(SurfaceMesh mesh);
 
   /// Of all crossings of the line origin + d * direction (direction: unit) with triangles that face against it
   /// (normal . direction < -min_facing) and d in (from, to), the one of smallest |d| with d > limit, or, if there is
@@ -51,8 +48,8 @@ class RayCaster {
   const SurfaceMesh& mesh() const { return *mesh_; }
 
  private:
-  const SurfaceMesh* mesh_;
-  std::unique_ptr<Scene> scene_;
+  std::shared_ptr<const SurfaceMesh> mesh_;
+  std::shared_ptr<const Scene> scene_;
 };
 
 /// Version of the ray library in use, "3.13.5".

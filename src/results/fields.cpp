@@ -7,6 +7,9 @@
 #include <numeric>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/springs/gaps.h>
+#include <febiodea/springs/press.h>
+#include <febiodea/springs/spring_law.h>
 
 namespace dea {
 
@@ -95,7 +98,7 @@ struct SpringAverages {
 };
 
 SpringAverages average_springs(const SpringBed& bed, const SpringStates& s) {
-  const SurfaceMesh& mesh = bed.pair->source_layer().spring_surface();
+  const SurfaceMesh& mesh = bed.pair.source_layer().spring_surface();
   const std::size_t n = mesh.triangles.size();
   SpringAverages a;
   a.pressure.assign(n, 0.0);
@@ -209,7 +212,7 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
     SpringStates inactive;
     const SpringStates* states = &e.springs[c];
     if (states->size() == 0) {  // contact not active in this step: geometry only, no pressure
-      inactive = project_springs(bed, source_pose, target_pose);
+      inactive = press_springs(bed, source_pose, target_pose);
       std::fill(inactive.pressure.begin(), inactive.pressure.end(), 0.0);
       std::fill(inactive.overlap.begin(), inactive.overlap.end(), 0.0);
       std::fill(inactive.strain_source.begin(), inactive.strain_source.end(), 0.0);

@@ -72,6 +72,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
   activity.count = times.size();
   std::vector<Pose> poses = reference_poses(joint), step_start = poses;  // `poses`: of the last state that was solved
   std::vector<Vector6> reaction(joint.bodies.size(), Vector6::Zero()), step_reaction = reaction;
+  std::vector<PressMemory> memory;
   int step = 0;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i].step != step) {
@@ -87,8 +88,8 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     StateResult state;
     state.when = times[i];
     const bool reference = i == 0 && times[i].time <= 0.0;
-    state.equilibrium = reference ? state_at(joint, beds, conditions, poses)
-                                  : solve_equilibrium(joint, beds, conditions, poses, step_start, search);
+    state.equilibrium = reference ? state_at(joint, beds, conditions, poses, &memory)
+                                  : solve_equilibrium(joint, beds, conditions, poses, step_start, search, &memory);
     // A load that cannot be carried may have moved a body far away: the next state starts from the last one that was
     // solved.
     const Outcome outcome = state.equilibrium.outcome;

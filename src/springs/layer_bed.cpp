@@ -7,24 +7,23 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/springs/gaps.h>
+#include <febiodea/springs/spring_law.h>
 
 namespace dea {
 
 namespace {
 
-/// The derivative only directs the next step.
-constexpr double kRateTolerance = 1e-4;
-
 /// Pressures to start from: those of the last pose, and what their rates make of the target's motion since, as seen
 /// from the source.
-Eigen::VectorXd pressures_to_start_from(const LayerBed& layers, const Pose& source, const Pose& target) {
-  if (layers.last_rates.size() == 0) return layers.last;
-  const Eigen::Matrix3d back = layers.last_source.rotation * source.rotation.transpose();
-  const Eigen::AngleAxisd turn(Eigen::Matrix3d(back * target.rotation * layers.last_target.rotation.transpose()));
+Eigen::VectorXd pressures_to_start_from(const PressMemory& memory, const Pose& source, const Pose& target) {
+  if (memory.rates.size() == 0) return memory.pressure;
+  const Eigen::Matrix3d back = memory.source.rotation * source.rotation.transpose();
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(back * target.rotation * memory.target.rotation.transpose()));
   Eigen::Matrix<double, 6, 1> motion;
-  motion << layers.last_source.center + back * (target.center - source.center) - layers.last_target.center,
+  motion << memory.source.center + back * (target.center - source.center) - memory.target.center,
       turn.angle() * turn.axis();
-  return (layers.last + layers.last_rates * motion).cwiseMax(0.0);
+  return (memory.pressure + memory.rates * motion).cwiseMax(0.0);
 }
 
 /// The source's feet at a pose: a foot that lies over the target only in part carries its pressure on that part.
@@ -68,8 +67,7 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
   return feet;
 }
 
-std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
-  const ContactPair& pair = *bed.pair;
+std::shared_ptr<const LayerBed> make_layer_bed(const ContactPair& pair) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
   auto layers = std::make_shared<LayerBed>();
   if (!source.rigid) {
@@ -81,9 +79,9 @@ std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed) {
   return layers;
 }
 
-void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target,
-                  const PressOptions& options) {
-  const ContactPair& pair = *bed.pair;
+void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target,
+                  const PressOptions& options, PressMemory* memory) {
+  const ContactPair& pair = bed.pair;
   const int n = s.size();
   s.rates.setZero(n, 6);
   const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
@@ -112,8 +110,8 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
   }
   LayerContactOptions how;
   how.tolerance = options.tolerance;
-  const LayerPressure result = solve_contact(contact, overlap, pressures_to_start_from(layers, source, target), how);
-  layers.last = result.pressure;
+  const LayerPressure result = solve_contact(
+      contact, overlap, memory ? pressures_to_start_from(*memory, source, target) : Eigen::VectorXd(), how);
   s.complementarity = result.residual;
   s.complementary = result.converged;
   const Elasticity &E_s = pair.source_layer().elasticity, &E_t = pair.target_layer().elasticity;
@@ -156,12 +154,10 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
     if (options.motions[at(m)]) columns.push_back(m);
   const Eigen::MatrixXd wanted = overlap_rates(Eigen::all, columns);
   const Eigen::MatrixXd start =
-      layers.last_rates.size() > 0 ? Eigen::MatrixXd(layers.last_rates(Eigen::all, columns)) : Eigen::MatrixXd();
+      memory && memory->rates.size() > 0 ? Eigen::MatrixXd(memory->rates(Eigen::all, columns)) : Eigen::MatrixXd();
   if (!columns.empty())
-    s.rates(Eigen::all, columns) = solve_active(contact, result.active, wanted, kRateTolerance, start).pressure;
-  layers.last_rates = s.rates;
-  layers.last_source = source;
-  layers.last_target = target;
+    s.rates(Eigen::all, columns) = solve_active(contact, result.active, wanted, options.rate_tolerance, start).pressure;
+  if (memory) *memory = {result.pressure, s.rates, source, target};
 }
 
 }  // namespace dea

@@ -8,21 +8,13 @@
 
 namespace dea {
 
-/// The two layers of a contact as operators, each on its own mesh: factorised once, whatever the poses. One bed serves
-/// one caller at a time.
+/// The two layers of a contact as operators, each on its own mesh: factorised once, whatever the poses.
 struct LayerBed {
   std::optional<LayerOperator> source, target;  ///< empty: a bare rigid surface
   LayerFeet whole;                              ///< the springs' whole feet on the source's layer
-
-  // where the next search starts: pressures of the last pose, their rates (feet x 6, as SpringStates::rates) and that
-  // pose
-  Eigen::VectorXd last;
-  Eigen::MatrixXd last_rates;
-  Pose last_source, last_target;
 };
 
-/// `bed`: all but its layers.
-std::shared_ptr<LayerBed> make_layer_bed(const SpringBed& bed);
+std::shared_ptr<const LayerBed> make_layer_bed(const ContactPair& pair);
 
 /// What of the target's layer each foot covers at a pose (L8): its triangle, seen along its direction, cut by the
 /// target's triangles, from the one at its spring's end on over their neighbours. Feet further from the target than
@@ -31,8 +23,8 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
                          const Pose& source_pose, const Pose& target_pose, double reach);
 
 /// Fills pressures, strains, `rates` and the target's parts of springs that carry nothing yet; their gaps, overlaps,
-/// feet and areas must be there. `source`, `target`: their poses.
-void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& source, const Pose& target,
-                  const PressOptions& options);
+/// feet and areas must be there. `source`, `target`: their poses. `memory`: as in press_springs.
+void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& source,
+                  const Pose& target, const PressOptions& options, PressMemory* memory);
 
 }  // namespace dea

@@ -1,34 +1,17 @@
-// febiodea/springs/springs.h – the bed of springs between two facing layers, and its state at a pose of the two bodies.
+// febiodea/springs/springs.h – the bed of springs between two facing layers, and its state at a pose: values.
 #pragma once
 #include <Eigen/Geometry>
 #include <array>
 #include <memory>
 #include <vector>
 
-#include <febiodea/geometry/foot_parts.h>
+#include <febiodea/geometry/pose.h>
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/joint/joint.h>
 
 namespace dea {
 
-/// The matrix of the cross product: skew(a) b = a x b.
-Eigen::Matrix3d skew(const Vector3d& a);
-
-/// Pose of a body: x = center + rotation * (X - center of mass in the reference).
-struct Pose {
-  Vector3d center = Vector3d::Zero();  ///< current centre of mass
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-};
-
 struct LayerBed;  // layer_bed.h
-
-/// One body seen from another's reference frame: Y = rotation * X + shift for a point X of the one's reference.
-struct RelativePose {
-  Eigen::Matrix3d rotation;
-  Vector3d shift;
-};
-/// `from_center`, `to_center`: reference centres of mass.
-RelativePose relative_pose(const Pose& from, const Vector3d& from_center, const Pose& to, const Vector3d& to_center);
 
 /// The springs of one contact. Frame: the source's reference configuration.
 struct Springs {
@@ -43,12 +26,9 @@ struct Springs {
   int size() const { return static_cast<int>(foot.size()); }
 };
 
-/// One spring per triangle of the source's spring surface, each divided into refine^2 equal ones.
-Springs make_springs(const Layer& source, int refine);
-
-/// Everything needed again and again at new poses.
+/// Everything needed again and again at new poses. A value: pressed by several callers at a time, it never changes.
 struct SpringBed {
-  const ContactPair* pair = nullptr;
+  ContactPair pair;
   int source_body = -1, target_body = -1;
   Vector3d source_center = Vector3d::Zero(), target_center = Vector3d::Zero();  ///< reference centres of mass
   Springs springs;
@@ -57,9 +37,8 @@ struct SpringBed {
   double foot_radius = 0.0;          ///< largest distance of a foot triangle's corner from its centroid
   double max_target_thickness = 0.0;
   Law law = Law::Linear;
-  std::shared_ptr<LayerBed> layers;  ///< Law::Layer, else empty
+  std::shared_ptr<const LayerBed> layers;  ///< Law::Layer, else empty
 };
-SpringBed make_spring_bed(const Joint& joint, const ContactPair& pair);
 
 /// A spring over the target's rim: how the covered part of its foot triangle changes with small motions. Order of the
 /// 12 unknowns as in ContactWrench.
@@ -99,23 +78,6 @@ struct SpringStates {
   int size() const { return static_cast<int>(gap.size()); }
 };
 
-/// What of the target's triangles lies under spring i, whose ray meets the target (L8). `surface`: the target's, whole
-/// or divided; `first`: its triangle that the ray meets; `end`: triangles from here on are no part of the contact.
-/// Never empty: where nothing but rounding is left, all on triangle `first`.
-std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,
-                                            const SurfaceMesh& surface, const SpringStates& states, int i, int first,
-                                            int end);
-
-/// kappa: d(overlap) = kappa . (delta_target - delta_source) at the end of spring i (E2), less what its rest length
-/// loses by the target's thickness there, times its strain (E3). Global frame.
-Vector3d overlap_rate(const SpringBed& bed, const SpringStates& states, int i, double strain_target,
-                      const Pose& target);
-
-/// How the overlap changes with the place of the spring's foot in its triangle, through the source's own bulge and
-/// thickness, per length, global frame.
-Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& states, int i, double strain_source,
-                                 const Pose& source);
-
 /// Springs whose pressure means nothing.
 struct SpringDepth {
   int strained = 0;      ///< beyond the law's strain limit (C1)
@@ -138,29 +100,15 @@ inline constexpr double kGivenPoseTolerance = 1e-7;
 struct PressOptions {
   Motions motions = kAllMotions;          ///< whose `rates`: they cost more than the pressures; the others' stay zero
   double tolerance = kPressureTolerance;  ///< of `complementarity`
+  double rate_tolerance = 1e-7;           ///< of `rates`, relative: Newton's method with them is quadratic down to it
 };
 
-/// Casts every spring's ray at this pose (S1-S5, E2-E4). Parallel over springs; each is computed by itself, so the
-/// result does not depend on the number of threads.
-SpringStates project_springs(const SpringBed& bed, const Pose& source, const Pose& target,
-                             const PressOptions& options = {});
-
-/// Force and moment of the contact on target and source, about their current centres of mass, and their
-/// derivative with respect to small motions (translation of the centre of mass, rotation) of both. Order of the
-/// 12 unknowns: target's translation, rotation, source's translation, rotation.
-struct ContactWrench {
-  Eigen::Matrix<double, 12, 1> wrench = Eigen::Matrix<double, 12, 1>::Zero();
-  Eigen::Matrix<double, 12, 12> derivative = Eigen::Matrix<double, 12, 12>::Zero();
-  double normal_force = 0.0;  ///< sum of p A: the scale of the contact's forces
+/// What a search may start from: pressures at one pose, their rates (springs x 6, as SpringStates::rates), that pose.
+/// Only the time changes with it: results do not, but in the last digits of the tolerance.
+struct PressMemory {
+  Eigen::VectorXd pressure;
+  Eigen::MatrixXd rates;
+  Pose source, target;
 };
-ContactWrench contact_wrench(const SpringStates& states, const Pose& source, const Pose& target);
-
-/// For surfaces apart, whose springs give Newton's method nothing to go by: a stiffness K (12x12, positive
-/// semidefinite, order of ContactWrench) under which `force` closes the gap in one step, K u = force with u the motion
-/// to just beyond first touch. It is that of all springs facing the target, taken as touching, divided by the way
-/// there; `force`: on target and source; `free`: of the 12 dofs, those that can move. Zero if no spring faces anything.
-Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const SpringStates& states, const Pose& source,
-                                                const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
-                                                const std::array<bool, 12>& free);
 
 }  // namespace dea

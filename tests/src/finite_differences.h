@@ -1,6 +1,8 @@
 // tests/src/finite_differences.h – the derivative of a contact's forces, by trying.
 #pragma once
+#include <febiodea/springs/press.h>
 #include <febiodea/springs/springs.h>
+#include <febiodea/springs/wrench.h>
 
 namespace dea::test {
 
@@ -19,7 +21,7 @@ inline Eigen::Matrix<double, 12, 12> numeric_derivative(const SpringBed& bed, co
         p.center[k % 6] += x;
       else
         p.rotation = Eigen::AngleAxisd(x, Vector3d::Unit(k % 6 - 3)).toRotationMatrix() * p.rotation;
-      side[sign] = contact_wrench(project_springs(bed, moved[1], moved[0]), moved[1], moved[0]).wrench;
+      side[sign] = contact_wrench(press_springs(bed, moved[1], moved[0]), moved[1], moved[0]).wrench;
     }
     numeric.col(k) = (side[0] - side[1]) / (2 * d);
   }

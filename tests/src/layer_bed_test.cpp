@@ -10,6 +10,9 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/springs/place.h>
+#include <febiodea/springs/press.h>
+#include <febiodea/springs/wrench.h>
 #include "finite_differences.h"
 #include "test_models.h"
 
@@ -35,7 +38,7 @@ SpringStates pressed(const JointModel& model, const Settings& settings, double d
   Pose source = at_rest(joint.bodies[static_cast<std::size_t>(bed.source_body)]),
        target = at_rest(joint.bodies[static_cast<std::size_t>(bed.target_body)]);
   target.center.z() -= depth;
-  return project_springs(bed, source, target);
+  return press_springs(bed, source, target);
 }
 
 /// A layer 7 wide on one that reaches `beyond` further on all sides, both 2 thick; the upper one, which has the
@@ -150,7 +153,7 @@ TEST(LayerBed, FeetOnTheTarget) {
            target = at_rest(joint.bodies[static_cast<std::size_t>(bed.target_body)]);
       target.center.z() += swapped ? -0.3 : 0.3;
       target.rotation = Eigen::AngleAxisd(0.013, Vector3d(1, 2, 0).normalized()).toRotationMatrix();
-      const SpringStates s = project_springs(bed, source, target);
+      const SpringStates s = press_springs(bed, source, target);
       const LayerFeet feet = feet_on_target(bed, *bed.layers->target, s, source, target, 1e9);
       double total = 0, most = 0;
       for (int i = 0; i < s.size(); ++i) {
@@ -269,7 +272,7 @@ TEST(LayerBed, DerivativeMeetsFiniteDifferences) {
          t = at_rest(joint.bodies[static_cast<std::size_t>(bed.target_body)]);
     t.center.z() -= 0.15;
     t.rotation = Eigen::AngleAxisd(0.01, Vector3d::UnitX()).toRotationMatrix();
-    const ContactWrench w = contact_wrench(project_springs(bed, s, t), s, t);
+    const ContactWrench w = contact_wrench(press_springs(bed, s, t), s, t);
     ASSERT_GT(w.normal_force, 10.0);
     const Eigen::Matrix<double, 12, 12> numeric = test::numeric_derivative(bed, s, t, 1e-5);
     // compare in units of force per length

@@ -6,6 +6,9 @@
 #include <cmath>
 
 #include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/springs/place.h>
+#include <febiodea/springs/press.h>
+#include <febiodea/springs/wrench.h>
 #include "finite_differences.h"
 #include "test_models.h"
 
@@ -64,7 +67,7 @@ TEST(Springs, DerivativeMeetsFiniteDifferences) {
                             {0.05, -0.02, bed.source_body == 0 ? 0.3 : -0.3}, {0.01, -0.02, 0.015});
         Pose t = small_pose(joint.bodies[static_cast<std::size_t>(bed.target_body)], {-0.03, 0.04, 0.0},
                             {-0.005, 0.01, 0.02});
-        const ContactWrench w = contact_wrench(project_springs(bed, s, t), s, t);
+        const ContactWrench w = contact_wrench(press_springs(bed, s, t), s, t);
         ASSERT_GT(w.normal_force, 100.0);
         const Eigen::Matrix<double, 12, 12> numeric = test::numeric_derivative(bed, s, t, 1e-7);
         // springs over the rim have a covered area that changes with the pose, which (E2-E4) leave out
@@ -81,7 +84,7 @@ TEST(Springs, ContactForcesAreOppositeAndActAlongTheSameLines) {
   const SpringBeds beds = make_spring_beds(joint);
   const Pose s = small_pose(joint.bodies[0], {0, 0, 0.4}, {0.01, 0.02, 0.01}),
              t = small_pose(joint.bodies[1], {0.1, 0, 0}, {0, 0.01, 0});
-  const ContactWrench w = contact_wrench(project_springs(beds.beds[0], s, t), s, t);
+  const ContactWrench w = contact_wrench(press_springs(beds.beds[0], s, t), s, t);
   const Vector3d F = w.wrench.segment<3>(0), M = w.wrench.segment<3>(3);
   EXPECT_LT((F + w.wrench.segment<3>(6)).norm(), 1e-12 * F.norm());
   // the moments about one common point, the origin, cancel
@@ -102,7 +105,7 @@ TEST(Springs, FlatPlates) {
       const SpringBeds beds = make_spring_beds(joint);
       std::vector<Pose> poses = reference_poses(joint);
       poses[1].center.z() -= d;
-      const SpringStates s = project_springs(beds.beds[0], poses[0], poses[1]);
+      const SpringStates s = press_springs(beds.beds[0], poses[0], poses[1]);
       const double p = confined_modulus(test::kE, test::kNu) * d / h;
       EXPECT_EQ(s.size(), 2 * 49 * refine * refine);
       for (int i = 0; i < s.size(); ++i) {
@@ -130,7 +133,7 @@ TEST(Springs, CoverageIsTheOverlappingArea) {
       poses[1].rotation = Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix();
       if (turn > 0 && shift > 1.0) continue;  // then its corner leaves the layer: the area below would not hold
       const double width = std::min(plate, 0.5 * (size + plate) - shift);
-      const ContactWrench w = contact_wrench(project_springs(beds.beds[0], poses[0], poses[1]), poses[0], poses[1]);
+      const ContactWrench w = contact_wrench(press_springs(beds.beds[0], poses[0], poses[1]), poses[0], poses[1]);
       EXPECT_NEAR(w.wrench[2] / (p * plate * width), 1.0, 1e-6) << "shift " << shift << " turn " << turn;
       // the resultant goes through the middle of the covered strip
       const double x = -w.wrench[4] / w.wrench[2] + poses[1].center.x();
@@ -177,7 +180,7 @@ TEST(Springs, SphereOnFlatLayerCarriesTheCapVolume) {
       std::vector<Pose> poses = reference_poses(joint);
       poses[1].center.z() -= d;
       error[level] =
-          contact_wrench(project_springs(beds.beds[0], poses[0], poses[1]), poses[0], poses[1]).wrench[2] / exact - 1;
+          contact_wrench(press_springs(beds.beds[0], poses[0], poses[1]), poses[0], poses[1]).wrench[2] / exact - 1;
     }
     EXPECT_LT(std::abs(error[1]), facets == Facets::Flat ? 6e-3 : 3e-4) << name(facets);
     if (facets == Facets::Flat) {
@@ -199,7 +202,7 @@ TEST(Springs, SphereAsSourceCarriesPiRdSquared) {
     const SpringBeds beds = make_spring_beds(joint);
     std::vector<Pose> poses = reference_poses(joint);
     poses[1].center.z() -= d;
-    const double F = -contact_wrench(project_springs(beds.beds[0], poses[1], poses[0]), poses[1], poses[0]).wrench[2];
+    const double F = -contact_wrench(press_springs(beds.beds[0], poses[1], poses[0]), poses[1], poses[0]).wrench[2];
     EXPECT_NEAR(F / (M * kPi * R * d * d / h), 1.0, 5e-4) << d;
   }
 }
@@ -251,7 +254,7 @@ TEST(Springs, SameBitsForAnyNumberOfThreads) {
   std::vector<ContactWrench, Eigen::aligned_allocator<ContactWrench>> w;
   for (std::size_t threads : {1u, 2u, 4u}) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    w.push_back(contact_wrench(project_springs(beds.beds[0], s, t), s, t));
+    w.push_back(contact_wrench(press_springs(beds.beds[0], s, t), s, t));
   }
   EXPECT_EQ(w[0].wrench, w[1].wrench);
   EXPECT_EQ(w[0].derivative, w[1].derivative);
@@ -266,7 +269,7 @@ TEST(ClosingStiffness, TakesAForceToFirstTouch) {
   const SpringBed& bed = plates.beds[0];
   std::vector<Pose> poses = reference_poses(flat);
   const auto source = static_cast<std::size_t>(bed.source_body), target = static_cast<std::size_t>(bed.target_body);
-  SpringStates s = project_springs(bed, poses[source], poses[target]);
+  SpringStates s = press_springs(bed, poses[source], poses[target]);
   Eigen::Matrix<double, 12, 1> force = Eigen::Matrix<double, 12, 1>::Zero();
   force[2] = -5;  // on the target, the plate above
   std::array<bool, 12> free = {};
@@ -282,14 +285,14 @@ TEST(ClosingStiffness, TakesAForceToFirstTouch) {
   const SpringBed& ball = beds.beds[0];
   Pose& moving = poses[static_cast<std::size_t>(ball.target_body)];
   moving.center.z() -= 1.0;
-  s = project_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
+  s = press_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
   ASSERT_EQ(contact_wrench(s, poses[static_cast<std::size_t>(ball.source_body)], moving).normal_force, 0.0);
   force << 30, -20, 100, 0, 0, 0, 0, 0, 0, 0, 0, 0;
   free = {true, true, true};
   const Eigen::Matrix<double, 12, 12> stiffness =
       closing_stiffness(ball, s, poses[static_cast<std::size_t>(ball.source_body)], moving, force, free);
   moving.center += stiffness.block<3, 3>(0, 0).ldlt().solve(Vector3d(force.segment<3>(0)));
-  s = project_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
+  s = press_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
   const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
   EXPECT_GT(deepest, 0.0);
   EXPECT_LT(deepest, 0.08);

@@ -1,0 +1,275 @@
+#include <febiodea/springs/gaps.h>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/springs/coverage.h>
+
+namespace dea {
+
+namespace {
+
+/// Gradient of the linear thickness field in a triangle.
+Vector3d thickness_gradient(const SurfaceMesh& mesh, const std::vector<double>& thickness, int t) {
+  const auto& tri = mesh.triangles[at(t)];
+  return linear_gradient(mesh, t, {thickness[at(tri[0])], thickness[at(tri[1])], thickness[at(tri[2])]});
+}
+
+LineHit cast(const SpringBed& bed, const Vector3d& foot, const Vector3d& n, double t_s) {
+  if (bed.pair.source_layer().springs_at == SpringsAt::Bone) {
+    // from bone to bone: a target bone behind the source's bone surface is too deep
+    return bed.target.nearest_facing(foot, n, -2.0 * (t_s + bed.max_target_thickness), 0.0, kInfinity);
+  }
+  const double deep = t_s + bed.max_target_thickness;
+  return bed.target.nearest_facing(foot, n, -4.0 * deep, -deep, kInfinity);
+}
+
+void set_hit(SpringStates& s, int i, const LineHit& hit) {
+  s.triangle[at(i)] = hit.point.triangle;
+  s.end_weights[at(i)] = hit.point.weights;
+  s.gap[at(i)] = hit.point.triangle >= 0 ? hit.distance : kInfinity;  // the ray's length, made a gap at the end
+  s.coverage[at(i)] = hit.point.triangle >= 0 ? 1.0 : 0.0;
+}
+
+/// A spring that may reach over the rim: how much of its foot triangle lies over the target, and the spring moved to
+/// the middle of that part. `distance`: along n to the target hereabouts.
+Coverage cover_spring(const SpringBed& bed, const RelativePose& relative, SpringStates& s, std::vector<double>& bulge,
+                      int i, double distance) {
+  const auto k = at(i);
+  const SurfaceMesh& target = bed.target.mesh();
+  const Vector3d n = relative.rotation * bed.springs.direction[k];
+  std::array<Vector3d, 3> foot;
+  for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * bed.springs.triangle[k][c] + relative.shift;
+  const Vector3d middle = (foot[0] + foot[1] + foot[2]) / 3.0;
+  const std::vector<int> near_by = bed.target.within(middle + distance * n, 3.0 * bed.foot_radius);
+  const Coverage covered = coverage(target, foot, n, near_by, bed.target_center);
+  if (covered.fraction >= 1.0 - 1e-9) return {};
+  if (covered.fraction <= 1e-9) {
+    s.triangle[k] = -1;
+    s.gap[k] = kInfinity;
+    s.coverage[k] = 0.0;
+    return {};
+  }
+  const std::array<double, 3> w = weights_in(foot, covered.centroid);
+  const auto& t = bed.springs.corner_thickness[k];
+  const double t_s = w[0] * t[0] + w[1] * t[1] + w[2] * t[2];
+  const LineHit hit = cast(bed, covered.centroid, n, t_s);
+  if (hit.point.triangle >= 0) {
+    set_hit(s, i, hit);
+    s.foot[k] = covered.centroid;
+    s.t_source[k] = t_s;
+    std::array<double, 3> in_surface = {0, 0, 0};
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t j = 0; j < 3; ++j) in_surface[j] += w[c] * bed.springs.weights[k][c][j];
+    bulge[k] = bulge_height(bed.pair.source_layer().spring_surface(), bed.springs.surface_triangle[k], in_surface);
+  } else if (s.triangle[k] < 0) {
+    return {};  // a covered part so far from convex that neither its middle nor the triangle's is covered: left out
+  }
+  s.coverage[k] = covered.fraction;
+  return covered;
+}
+
+template <class Body>
+void for_each_spring(int springs, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<int>(0, springs, 256), [&](const tbb::blocked_range<int>& range) {
+    for (int i = range.begin(); i < range.end(); ++i) body(i);
+  });
+}
+
+SpringStates empty_states(std::size_t n) {
+  SpringStates s;
+  s.triangle.resize(n);
+  s.coverage.resize(n);
+  s.foot.resize(n);
+  s.direction.resize(n);
+  s.end.resize(n);
+  s.normal.resize(n);
+  s.end_weights.resize(n);
+  s.gap.resize(n);
+  s.t_source.resize(n);
+  s.t_target.resize(n);
+  s.overlap.resize(n);
+  s.pressure.resize(n);
+  s.strain.resize(n);
+  s.strain_source.resize(n);
+  s.strain_target.resize(n);
+  s.per_overlap.resize(n);
+  s.per_motion.resize(n);
+  s.area.resize(n);
+  s.too_deep.resize(n);
+  return s;
+}
+
+/// A spring that may reach over the target's rim, and how far the target is hereabouts.
+struct NearRim {
+  int spring;
+  double distance;
+};
+
+/// Those whose ray met the target near its rim, and those beside one that hit.
+std::vector<NearRim> springs_near_rim(const SpringBed& bed, const RelativePose& relative, const SpringStates& s) {
+  const SurfaceMesh &source_mesh = bed.pair.source_layer().spring_surface(), &mesh = bed.target.mesh();
+  const Springs& springs = bed.springs;
+  std::vector<double> distance_at(source_mesh.triangles.size(), kInfinity);  // of a ray from this triangle
+  for (int i = 0; i < springs.size(); ++i)
+    if (s.triangle[at(i)] >= 0) distance_at[at(springs.surface_triangle[at(i)])] = s.gap[at(i)];
+  const auto distance_beside = [&](int t) {
+    double distance = distance_at[at(t)];
+    for (int first : source_mesh.neighbours[at(t)]) {
+      if (std::isfinite(distance)) return distance;
+      if (first < 0) continue;
+      distance = distance_at[at(first)];
+      for (int second : source_mesh.neighbours[at(first)]) {
+        if (std::isfinite(distance)) break;
+        if (second >= 0) distance = distance_at[at(second)];
+      }
+    }
+    return distance;
+  };
+  std::vector<NearRim> at_rim;
+  for (int i = 0; i < springs.size(); ++i) {
+    const int t = s.triangle[at(i)];
+    if (t < 0) {
+      const double distance = distance_beside(springs.surface_triangle[at(i)]);
+      if (std::isfinite(distance)) at_rim.push_back({i, distance});
+    } else {
+      if (bed.rim_distance[at(t)] >= 3.0 * bed.foot_radius) continue;  // most springs: no need to know the tilt
+      // the foot triangle, seen along n on a target tilted by m.n, reaches this far from q
+      const double tilt = -mesh.normals[at(t)].dot(relative.rotation * springs.direction[at(i)]);
+      if (bed.rim_distance[at(t)] < 1.5 * bed.foot_radius / std::max(tilt, 0.5)) at_rim.push_back({i, s.gap[at(i)]});
+    }
+  }
+  return at_rim;
+}
+
+/// Where spring i ends, and its gap, from the ray cast before: target's frame to global.
+void finish_gap(const SpringBed& bed, const RelativePose& relative, const Pose& target, double bulge, int i,
+                SpringStates& s) {
+  const SurfaceMesh& mesh = bed.target.mesh();
+  const auto k = at(i);
+  const Vector3d direction = relative.rotation * bed.springs.direction[k];
+  s.direction[k] = target.rotation * direction;
+  const Vector3d foot = s.foot[k];
+  s.foot[k] = target.center + target.rotation * (foot - bed.target_center);
+  s.area[k] = 0.0;
+  s.overlap[k] = s.pressure[k] = s.strain[k] = s.strain_source[k] = s.strain_target[k] = s.per_overlap[k] = 0.0;
+  s.per_motion[k].setZero();
+  s.too_deep[k] = 0;
+  s.t_target[k] = 0.0;
+  const int t = s.triangle[k];
+  if (t < 0) {
+    s.end[k] = s.foot[k];
+    s.normal[k] = -s.direction[k];
+    return;
+  }
+  const double distance = s.gap[k];
+  s.end[k] = target.center + target.rotation * (foot + distance * direction - bed.target_center);
+  const Vector3d m = mesh.normals[at(t)];
+  s.normal[k] = target.rotation * m;
+  s.t_target[k] = interpolate(mesh, bed.pair.target_layer().thickness, {t, s.end_weights[k]});
+  const double h = s.t_source[k] + s.t_target[k];
+  const double length = distance - bulge - bulge_height(mesh, t, s.end_weights[k]);  // between the smooth surfaces
+  s.gap[k] = bed.pair.source_layer().springs_at == SpringsAt::Bone ? length - h : length;  // (S2)
+  if (s.gap[k] <= -h) {
+    s.too_deep[k] = 1;
+    s.coverage[k] = 0.0;
+    return;
+  }
+  s.area[k] = s.coverage[k] * bed.springs.area[k];
+  s.overlap[k] = std::max(0.0, -s.gap[k]);
+}
+
+RimSpring rim_spring(int spring, const Coverage& c, const Pose& source, const Pose& target) {
+  RimSpring rim;
+  rim.spring = spring;
+  const Vector3d between = target.center - source.center;
+  const auto functional = [&](const Functional& f) {
+    const Vector3d force = target.rotation * f.force, moment = target.rotation * f.moment;
+    Eigen::Matrix<double, 12, 1> row;
+    row << force, moment, -force, -(moment + between.cross(force));
+    return row;
+  };
+  rim.area_rate = functional(c.area_rate);
+  rim.foot_rate = (target.rotation * c.e1) * functional(c.centroid_rate[0]).transpose() +
+                  (target.rotation * c.e2) * functional(c.centroid_rate[1]).transpose();
+  return rim;
+}
+
+}  // namespace
+
+SpringStates find_gaps(const SpringBed& bed, const Pose& source, const Pose& target) {
+  const Springs& springs = bed.springs;
+  SpringStates s = empty_states(static_cast<std::size_t>(springs.size()));
+  const RelativePose relative = relative_pose(source, bed.source_center, target, bed.target_center);
+  std::vector<double> bulge = springs.bulge;
+  for_each_spring(springs.size(), [&](int i) {
+    const auto& t = springs.corner_thickness[at(i)];
+    s.t_source[at(i)] = (t[0] + t[1] + t[2]) / 3.0;
+    s.foot[at(i)] = relative.rotation * springs.foot[at(i)] + relative.shift;
+    set_hit(s, i, cast(bed, s.foot[at(i)], relative.rotation * springs.direction[at(i)], s.t_source[at(i)]));
+  });
+  const std::vector<NearRim> at_rim = springs_near_rim(bed, relative, s);
+  std::vector<Coverage> covered(at_rim.size());
+  tbb::parallel_for(std::size_t{0}, at_rim.size(), [&](std::size_t i) {
+    covered[i] = cover_spring(bed, relative, s, bulge, at_rim[i].spring, at_rim[i].distance);
+  });
+  for_each_spring(springs.size(), [&](int i) { finish_gap(bed, relative, target, bulge[at(i)], i, s); });
+  for (std::size_t i = 0; i < at_rim.size(); ++i)
+    if (covered[i].fraction > 0 && s.area[at(at_rim[i].spring)] > 0)
+      s.rim.push_back(rim_spring(at_rim[i].spring, covered[i], source, target));
+  return s;
+}
+
+/// (E2), (E3) and the chain rule (E4): at the bone Delta = t_s + t_t - L, at the articular surface Delta = -g. The
+/// bulge at q changes like the thickness there.
+Vector3d overlap_rate(const SpringBed& bed, const SpringStates& s, int i, double strain_target, const Pose& target) {
+  const auto k = at(i);
+  const int t = s.triangle[k];
+  const SurfaceMesh& mesh = bed.target.mesh();
+  const Layer& layer = bed.pair.target_layer();
+  const Vector3d& m = mesh.normals[at(t)];
+  const Vector3d direction = target.rotation.transpose() * s.direction[k];
+  const double mn = m.dot(direction);
+  Vector3d gradient = bulge_gradient(mesh, t, s.end_weights[k]);
+  if (!layer.rigid) gradient -= strain_target * thickness_gradient(mesh, layer.thickness, t);
+  return target.rotation * Vector3d(-m / mn - (gradient - m * (direction.dot(gradient) / mn)));
+}
+
+Vector3d source_overlap_gradient(const SpringBed& bed, const SpringStates& s, int i, double strain_source,
+                                 const Pose& source) {
+  const Layer& layer = bed.pair.source_layer();
+  const SurfaceMesh& mesh = layer.spring_surface();
+  const int t = bed.springs.surface_triangle[at(i)];
+  const Vector3d foot = bed.source_center + source.rotation.transpose() * (s.foot[at(i)] - source.center);
+  Vector3d gradient =
+      bulge_gradient(mesh, t, weights_in({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}, foot));
+  if (!layer.rigid)
+    gradient += ((layer.springs_at == SpringsAt::Bone ? 1.0 : 0.0) - strain_source) *
+                thickness_gradient(mesh, layer.thickness, t);
+  return source.rotation * gradient;
+}
+
+std::vector<SurfacePart> parts_under_spring(const SpringBed& bed, const RelativePose& relative,
+                                            const SurfaceMesh& surface, const SpringStates& s, int i, int first,
+                                            int end) {
+  const auto k = at(i);
+  std::array<Vector3d, 3> foot;
+  for (std::size_t c = 0; c < 3; ++c) foot[c] = relative.rotation * bed.springs.triangle[k][c] + relative.shift;
+  std::vector<SurfacePart> parts =
+      parts_under_foot(foot, bed.springs.area[k], relative.rotation * bed.springs.direction[k], surface, first, end);
+  if (parts.empty()) {
+    SurfacePart part;
+    part.triangle = first;
+    part.area = s.area[k];
+    part.corners = 3;
+    part.corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+}  // namespace dea

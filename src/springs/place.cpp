@@ -1,0 +1,61 @@
+#include <febiodea/springs/place.h>
+
+#include <algorithm>
+#include <cassert>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/springs/layer_bed.h>
+
+namespace dea {
+
+Springs make_springs(const Layer& source, int refine) {
+  assert(refine >= 1);
+  const SurfaceMesh& mesh = source.spring_surface();
+  Springs s;
+  const auto parts = triangle_parts(refine);
+  const auto part_area = 1.0 / (refine * refine);
+  for (int t = 0; t < mesh.size(); ++t)
+    for (const auto& w : parts) {
+      std::array<Vector3d, 3> corners;
+      std::array<double, 3> thickness = {0, 0, 0};
+      for (std::size_t c = 0; c < 3; ++c) {
+        corners[c] = position(mesh, {t, w[c]});
+        thickness[c] = interpolate(mesh, source.thickness, {t, w[c]});
+      }
+      s.triangle.push_back(corners);
+      s.foot.push_back((corners[0] + corners[1] + corners[2]) / 3.0);
+      s.direction.push_back(mesh.normals[at(t)]);
+      s.area.push_back(mesh.areas[at(t)] * part_area);
+      s.corner_thickness.push_back(thickness);
+      s.surface_triangle.push_back(t);
+      s.bulge.push_back(bulge_height(
+          mesh, t,
+          {(w[0][0] + w[1][0] + w[2][0]) / 3, (w[0][1] + w[1][1] + w[2][1]) / 3, (w[0][2] + w[1][2] + w[2][2]) / 3}));
+      s.weights.push_back(w);
+    }
+  return s;
+}
+
+SpringBed place_springs(const Joint& joint, const ContactPair& pair) {
+  const Layer &source = pair.source_layer(), &target = pair.target_layer();
+  SpringBed bed{pair,
+                source.body,
+                target.body,
+                joint.bodies[at(source.body)].center_of_mass,
+                joint.bodies[at(target.body)].center_of_mass,
+                make_springs(source, pair.refine),
+                RayCaster(target.spring_surface()),
+                {},
+                0.0,
+                target.max_thickness(),
+                pair.law,
+                nullptr};
+  for (int i = 0; i < bed.springs.size(); ++i)
+    for (const Vector3d& corner : bed.springs.triangle[at(i)])
+      bed.foot_radius = std::max(bed.foot_radius, (corner - bed.springs.foot[at(i)]).norm());
+  bed.rim_distance = rim_distances(target.spring_surface(), 4.0 * bed.foot_radius);
+  if (bed.law == Law::Layer) bed.layers = make_layer_bed(pair);
+  return bed;
+}
+
+}  // namespace dea

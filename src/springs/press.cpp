@@ -1,0 +1,53 @@
+#include <febiodea/springs/press.h>
+
+#include <algorithm>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/springs/gaps.h>
+#include <febiodea/springs/layer_bed.h>
+#include <febiodea/springs/spring_law.h>
+
+namespace dea {
+
+namespace {
+
+/// Springs that know nothing of each other (S3-S6).
+void press_each(const SpringBed& bed, SpringStates& s, const Pose& target) {
+  const Layer &source_layer = bed.pair.source_layer(), &target_layer = bed.pair.target_layer();
+  const bool at_bone = source_layer.springs_at == SpringsAt::Bone;
+  for (int i = 0; i < s.size(); ++i) {
+    const auto k = at(i);
+    if (!(s.overlap[k] > 0.0)) continue;
+    const SpringResponse r = spring_response(bed.law, source_layer.elasticity, target_layer.elasticity, s.t_source[k],
+                                             s.t_target[k], s.overlap[k], bed.pair.interface_compliance);
+    s.pressure[k] = r.pressure;
+    s.strain_source[k] = r.strain_source;
+    s.strain_target[k] = r.strain_target;
+    s.strain[k] = std::max(r.strain_source, r.strain_target);
+    s.per_overlap[k] = r.per_overlap;
+    s.per_motion[k] =
+        r.per_overlap * overlap_rate(bed, s, i, at_bone ? r.strain_target - 1.0 : r.strain_target, target);
+  }
+}
+
+}  // namespace
+
+SpringStates press_springs(const SpringBed& bed, const Pose& source, const Pose& target, const PressOptions& options,
+                           PressMemory* memory) {
+  SpringStates s = find_gaps(bed, source, target);
+  if (bed.layers)
+    press_layers(*bed.layers, bed, s, source, target, options, memory);
+  else
+    press_each(bed, s, target);
+  const auto bare = [&](const RimSpring& rim) { return s.pressure[at(rim.spring)] <= 0; };
+  s.rim.erase(std::remove_if(s.rim.begin(), s.rim.end(), bare), s.rim.end());
+  for (RimSpring& rim : s.rim) {
+    if (bed.layers) break;  // there it is part of the rates
+    const auto k = at(rim.spring);
+    rim.pressure_gradient =
+        -s.per_motion[k] + s.per_overlap[k] * source_overlap_gradient(bed, s, rim.spring, s.strain_source[k], source);
+  }
+  return s;
+}
+
+}  // namespace dea

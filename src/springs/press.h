@@ -1,0 +1,13 @@
+// febiodea/springs/press.h – what the springs of a contact do at a pose of its two bodies.
+#pragma once
+#include <febiodea/springs/springs.h>
+
+namespace dea {
+
+/// Gaps, pressures and their derivatives at a pose (S1-S5, E2-E4; law layer: L1-L10). Pure: a bed may be pressed by
+/// several callers at a time, each with a memory of its own. `memory`: where the search for pressures starts, and what
+/// the next may start from; nullptr: from nothing. The result does not depend on the number of threads.
+SpringStates press_springs(const SpringBed& bed, const Pose& source, const Pose& target,
+                           const PressOptions& options = {}, PressMemory* memory = nullptr);
+
+}  // namespace dea

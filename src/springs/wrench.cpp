@@ -1,0 +1,122 @@
+#include <febiodea/springs/wrench.h>
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/springs/spring_law.h>
+
+namespace dea {
+
+ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Pose& target) {
+  using Vector12 = Eigen::Matrix<double, 12, 1>;
+  using Matrix12 = Eigen::Matrix<double, 12, 12>;
+  // Sums are made in chunks of a fixed size, added in their order: the same bits for any number of threads.
+  constexpr int kChunk = 2048;
+  const int chunks = (s.size() + kChunk - 1) / kChunk;
+  std::vector<ContactWrench, Eigen::aligned_allocator<ContactWrench>> partial(at(chunks));
+  tbb::parallel_for(0, chunks, [&](int c) {
+    ContactWrench& sum = partial[at(c)];
+    for (int i = c * kChunk; i < std::min(s.size(), (c + 1) * kChunk); ++i) {
+      const auto k = at(i);
+      if (s.area[k] <= 0 || s.pressure[k] <= 0) continue;
+      const Vector3d& n = s.direction[k];
+      const Vector3d arm_t = s.foot[k] - target.center, arm_s = s.foot[k] - source.center;
+      Vector12 w, kappa;
+      w << n, arm_t.cross(n), -n, -arm_s.cross(n);
+      const Vector3d& m = s.per_motion[k];
+      const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;
+      kappa << m, end_t.cross(m), -m, -end_s.cross(m);
+      if (s.rates.rows() > 0) {  // of the motion relative to the source, about the target's centre
+        const Vector3d a = s.rates.row(i).head<3>(), w = s.rates.row(i).tail<3>();
+        kappa << a, w, -a, -w - Vector3d(target.center - source.center).cross(a);
+      }
+      sum.wrench += s.pressure[k] * s.area[k] * w;
+      sum.derivative.noalias() += (s.area[k] * w) * kappa.transpose();
+      sum.normal_force += s.pressure[k] * s.area[k];
+    }
+  });
+  ContactWrench total;
+  // Over the rim the covered area and the foot change too.
+  for (const RimSpring& rim : s.rim) {
+    const auto k = at(rim.spring);
+    const Vector3d& n = s.direction[k];
+    const Vector3d force = s.pressure[k] * s.area[k] * n;
+    Vector12 w;
+    w << n, (s.foot[k] - target.center).cross(n), -n, -(s.foot[k] - source.center).cross(n);
+    total.derivative +=
+        w * (s.pressure[k] * rim.area_rate.transpose() + s.area[k] * rim.pressure_gradient.transpose() * rim.foot_rate);
+    total.derivative.block<3, 12>(3, 0) -= skew(force) * rim.foot_rate;
+    total.derivative.block<3, 12>(9, 0) += skew(force) * rim.foot_rate;
+  }
+  for (const ContactWrench& part : partial) {
+    total.wrench += part.wrench;
+    total.derivative += part.derivative;
+    total.normal_force += part.normal_force;
+  }
+  // The springs turn with the source: with F, M the force and moment on the target,
+  //   dF = w_s x F,   dM = (v_s - v_t) x F - w_s-terms that sum to  (-[M]x + [F]x [c_t - c_s]x) w_s,   dM_s = w_s x
+  //   M_s.
+  const Vector3d F = total.wrench.segment<3>(0), M = total.wrench.segment<3>(3), M_s = total.wrench.segment<3>(9);
+  Matrix12& K = total.derivative;
+  K.block<3, 3>(0, 9) -= skew(F);
+  K.block<3, 3>(6, 9) += skew(F);
+  K.block<3, 3>(3, 6) -= skew(F);
+  K.block<3, 3>(3, 0) += skew(F);
+  K.block<3, 3>(3, 9) += -skew(M) + skew(F) * skew(Vector3d(target.center - source.center));
+  K.block<3, 3>(9, 9) -= skew(M_s);
+  return total;
+}
+
+Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const SpringStates& s, const Pose& source,
+                                                const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
+                                                const std::array<bool, 12>& free) {
+  using Vector12 = Eigen::Matrix<double, 12, 1>;
+  const ContactPair& pair = *bed.pair;
+  Eigen::Matrix<double, 12, 12> K = Eigen::Matrix<double, 12, 12>::Zero();
+  std::vector<Vector12> opening(at(s.size()), Vector12::Zero());  // d(gap) of small motions
+  double least_thickness = kInfinity;
+  for (int i = 0; i < s.size(); ++i) {
+    const auto k = at(i);
+    if (s.triangle[k] < 0 || s.area[k] <= 0) continue;
+    const SpringResponse r = spring_response(bed.law, pair.source_layer().elasticity, pair.target_layer().elasticity,
+                                             s.t_source[k], s.t_target[k], 0.0, pair.interface_compliance);
+    const Vector3d& n = s.direction[k];
+    const Vector3d m = s.normal[k] / s.normal[k].dot(n);  // (E2)
+    const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;
+    opening[k] << m, end_t.cross(m), -m, -end_s.cross(m);
+    for (std::size_t d = 0; d < 12; ++d)
+      if (!free[d]) opening[k][static_cast<Eigen::Index>(d)] = 0.0;
+    K += r.per_overlap * s.area[k] * opening[k] * opening[k].transpose();
+    least_thickness = std::min(least_thickness, s.t_source[k] + s.t_target[k]);
+  }
+  // The motion under the force; rotations in units of a length, so that singular values can be told apart.
+  const double length =
+      std::max(1e-300, std::sqrt(K.diagonal().segment<3>(3).sum() + K.diagonal().segment<3>(9).sum()) /
+                           std::sqrt(std::max(1e-300, K.trace())));
+  Vector12 scale = Vector12::Ones();
+  scale.segment<3>(3).setConstant(1 / std::max(length, 1e-12));
+  scale.segment<3>(9) = scale.segment<3>(3);
+  Vector12 f = force;
+  for (std::size_t d = 0; d < 12; ++d)
+    if (!free[d]) f[static_cast<Eigen::Index>(d)] = 0.0;
+  Eigen::JacobiSVD<Eigen::Matrix<double, 12, 12>> svd(scale.asDiagonal() * K * scale.asDiagonal(),
+                                                      Eigen::ComputeFullU | Eigen::ComputeFullV);
+  svd.setThreshold(1e-6);
+  const Vector12 motion = scale.asDiagonal() * svd.solve(Vector12(scale.asDiagonal() * f));
+  double way = kInfinity, fastest = 0.0;
+  for (int i = 0; i < s.size(); ++i) {
+    const double closing = -opening[at(i)].dot(motion);
+    if (closing > 0) way = std::min(way, std::max(0.0, s.gap[at(i)]) / closing);
+    fastest = std::max(fastest, closing);
+  }
+  // The force opens the joint: what else holds the bodies decides. Enough to keep a solver's matrix regular, no more.
+  if (!std::isfinite(way) || fastest <= 0) return force.isZero() ? K : Eigen::Matrix<double, 12, 12>(1e-6 * K);
+  way += 0.01 * least_thickness / fastest;
+  return K / way;
+}
+
+}  // namespace dea

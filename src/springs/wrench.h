@@ -1,0 +1,27 @@
+// febiodea/springs/wrench.h – force and moment of a contact on its two bodies, and their derivative (E1-E5).
+#pragma once
+#include <array>
+
+#include <febiodea/springs/springs.h>
+
+namespace dea {
+
+/// Force and moment of the contact on target and source, about their current centres of mass, and their
+/// derivative with respect to small motions (translation of the centre of mass, rotation) of both. Order of the
+/// 12 unknowns: target's translation, rotation, source's translation, rotation.
+struct ContactWrench {
+  Eigen::Matrix<double, 12, 1> wrench = Eigen::Matrix<double, 12, 1>::Zero();
+  Eigen::Matrix<double, 12, 12> derivative = Eigen::Matrix<double, 12, 12>::Zero();
+  double normal_force = 0.0;  ///< sum of p A: the scale of the contact's forces
+};
+ContactWrench contact_wrench(const SpringStates& states, const Pose& source, const Pose& target);
+
+/// For surfaces apart, whose springs give Newton's method nothing to go by: a stiffness K (12x12, positive
+/// semidefinite, order of ContactWrench) under which `force` closes the gap in one step, K u = force with u the motion
+/// to just beyond first touch. It is that of all springs facing the target, taken as touching, divided by the way
+/// there; `force`: on target and source; `free`: of the 12 dofs, those that can move. Zero if no spring faces anything.
+Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const SpringStates& states, const Pose& source,
+                                                const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
+                                                const std::array<bool, 12>& free);
+
+}  // namespace dea
