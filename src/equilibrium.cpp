@@ -36,7 +36,8 @@ Matrix3d rotation(const Vector3d& w) {
   return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
 }
 
-constexpr int kDenseUnknowns = 60;  // about ten bodies: measured, above it the sparse way is the faster one
+constexpr double kRateTolerance = 1e-4;  // the derivative only directs the next step
+constexpr int kDenseUnknowns = 60;       // about ten bodies: measured, above it the sparse way is the faster one
 
 // ---- forces at one set of poses ---------------------------------------------------------------------------------
 
@@ -114,7 +115,8 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
       continue;
     }
     const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
-    e.springs.push_back(project_springs(bed, source, target, {free_motions(problem, bed), problem.tolerance}));
+    e.springs.push_back(
+        project_springs(bed, source, target, {free_motions(problem, bed), problem.tolerance, kRateTolerance}));
     if (bed.layers) e.tolerance = problem.tolerance;
     const ContactWrench w = contact_wrench(e.springs.back(), source, target);
     e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();

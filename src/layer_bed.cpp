@@ -12,9 +12,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// The derivative only directs the next step.
-constexpr double kRateTolerance = 1e-4;
-
 /// Pressures to start from: those of the last pose, and what their rates make of the target's motion since, as seen
 /// from the source.
 Eigen::VectorXd pressures_to_start_from(const LayerBed& layers, const Pose& source, const Pose& target) {
@@ -158,7 +155,7 @@ void press_layers(LayerBed& layers, const SpringBed& bed, SpringStates& s, const
   const Eigen::MatrixXd start =
       layers.last_rates.size() > 0 ? Eigen::MatrixXd(layers.last_rates(Eigen::all, columns)) : Eigen::MatrixXd();
   if (!columns.empty())
-    s.rates(Eigen::all, columns) = solve_active(contact, result.active, wanted, kRateTolerance, start).pressure;
+    s.rates(Eigen::all, columns) = solve_active(contact, result.active, wanted, options.rate_tolerance, start).pressure;
   layers.last_rates = s.rates;
   layers.last_source = source;
   layers.last_target = target;

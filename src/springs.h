@@ -138,6 +138,7 @@ inline constexpr double kGivenPoseTolerance = 1e-7;
 struct PressOptions {
   Motions motions = kAllMotions;          ///< whose `rates`: they cost more than the pressures; the others' stay zero
   double tolerance = kPressureTolerance;  ///< of `complementarity`
+  double rate_tolerance = 1e-7;           ///< of `rates`, relative: Newton's method with them is quadratic down to it
 };
 
 /// Casts every spring's ray at this pose (S1-S5, E2-E4). Parallel over springs; each is computed by itself, so the
