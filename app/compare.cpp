@@ -17,7 +17,7 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kCompareFooter = R"(
 The LAST file is the reference, usually FEA: differences are (FILE - LAST) / LAST. Files may be ours or FEBio's, compressed
 or not. Nothing is solved.
 
@@ -156,7 +156,7 @@ std::vector<std::string> make_labels(const CompareArguments& a) {
 
 CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   CLI::App* c = app.add_subcommand("compare", "Compare plot files: dea with FEBio, one setting with another");
-  c->footer(kFooter);
+  c->footer(kCompareFooter);
   const auto repeated = [&](const char* name, std::vector<std::string>& values, const char* type, const char* group,
                             const char* help) {
     c->add_option(name, values, help)

@@ -9,7 +9,7 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/run/analysis.h>
-#include <febiodea/run/refusals.h>
+#include <febiodea/run/recognise.h>
 #include <febiodea/views/data/report_json.h>
 #include <febiodea/views/text/report_text.h>
 
@@ -17,7 +17,7 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kConvergeFooter = R"(
 Solves the model again and again with each spring's triangle divided into 1, 4, 16, 64, ... and compares peak pressure,
 mean pressure and contact area of the last state with those before. Ends when all changes are below the target, or when
 the next division would need more springs than allowed: then the target is not reached and the exit code is 1.
@@ -31,7 +31,7 @@ Examples:
 
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   CLI::App* c = app.add_subcommand("converge", "Find how many springs the result needs");
-  c->footer(kFooter);
+  c->footer(kConvergeFooter);
   c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
   c->add_option("--target", a.target, "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]")
       ->type_name("CHANGE")
@@ -67,21 +67,16 @@ int converge_command(const ConvergeArguments& a) {
   check_outputs(inputs, outputs);
 
   double last = seconds();
-  std::vector<Convergence> studies;
-  try {
-    const auto watch = [&](const Activity& activity) { show_activity(progress, activity); };
-    const auto row = [&](const ConvergenceRow& r) {
-      const double now = seconds();
-      progress.step(fmt::format("{} springs solved", r.springs),
-                    fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}, {:.2f} s", r.springs, r.peak,
-                                r.mean, r.area, name(r.outcome), now - last),
-                    0, 0);
-      last = now;
-    };
-    studies = converge(model, settings, target, max_springs, row, watch);
-  } catch (const InputError& found) {
-    throw all_refusals(model, settings, found, false);
-  }
+  const auto watch = [&](const Activity& activity) { show_activity(progress, activity); };
+  const auto row = [&](const ConvergenceRow& r) {
+    const double now = seconds();
+    progress.step(fmt::format("{} springs solved", r.springs),
+                  fmt::format("{} springs: peak {:.4g}, mean {:.4g}, area {:.4g}, {}, {:.2f} s", r.springs, r.peak,
+                              r.mean, r.area, name(r.outcome), now - last),
+                  0, 0);
+    last = now;
+  };
+  const std::vector<Convergence> studies = converge(model, settings, target, max_springs, row, watch);
   progress.clear();
   if (!a.json.empty()) write_text(a.json, json_text(converge_json(model, settings, studies, target, max_springs)));
   if (!a.quiet && a.json != "-") print(converge_text(model, studies, max_springs));

@@ -11,7 +11,7 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kConvertFooter = R"(
 Writes the same joint for FEBio with the FEBioDEA plugin: its contacts are of type dea, the spring bed of dea run, and the
 cartilage is rigid with its bone. Modulus and thickness, measured here, are the contact's. A model of version 4.0 is
 edited, all else in it stays byte for byte; one of 2.5 or 3.0 is written anew as 4.0. Standard output lists what changed.
@@ -29,7 +29,7 @@ Examples:
 
 CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
   CLI::App* c = app.add_subcommand("convert", "Write the model anew for FEBio with the FEBioDEA plugin");
-  c->footer(kFooter);
+  c->footer(kConvertFooter);
   c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
   c->add_option("-o", a.output, "Converted model [MODEL without .feb + _dea.feb, beside the model]")
       ->type_name("FILE.feb")

@@ -13,7 +13,7 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kInfoFooter = R"(
 Units are the model's own. All options mean what they mean in dea run, so what is printed is what dea run would use. A
 model that dea run refuses is printed as far as it can be, then come all reasons, and the exit code is 3.
 
@@ -31,7 +31,7 @@ Examples:
 
 CLI::App* add_info(CLI::App& app, InfoArguments& a) {
   CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
-  c->footer(kFooter);
+  c->footer(kInfoFooter);
   c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
   c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals, rims, facets left out and springs")
       ->type_name("check.xplt")
@@ -52,11 +52,11 @@ int info(const InfoArguments& a) {
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
   const Settings settings = effective_settings(a.settings);
-  const JointModel model = read_feb(a.model);
+  JointModel read = read_feb(a.model);
   check_outputs(inputs, outputs);
-
-  JointCheck check;
-  check_joint(model, settings, check);
+  const Recognition recognition = recognise(std::move(read), settings);
+  const JointModel& model = recognition.model;
+  const JointCheck check = check_joint(recognition);
   if (!a.output.empty() && check.recognised) write_xplt(a.output, make_check_file(model, check));
   if (!a.json.empty()) write_text(a.json, json_text(info_json(model, settings, check)));
   if (a.json != "-") print(info_text(model, settings, check));

@@ -15,7 +15,7 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kPlotFooter = R"(
 Files may be ours or FEBio's, compressed or not. Facets are drawn as they are, in the reference configuration, all panels
 with one scale, that of all states of the files, as on the page of --report; colours are in 128 steps. Lines and --smooth are of nodal averages (area-weighted, of the facets around each
 node); with --smooth the edge of contact encloses as much area as the facets with pressure do. Numbers are of facets, with
@@ -129,7 +129,7 @@ std::vector<std::string> labels(const PlotArguments& a) {
 
 CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   CLI::App* c = app.add_subcommand("plot", "Draw the pressure map of plot files: PNG, SVG or PDF");
-  c->footer(kFooter);
+  c->footer(kPlotFooter);
   const auto once = [&](const char* name, std::string& value, const char* type, const char* group, const char* help) {
     c->add_option(name, value, help)->type_name(type)->group(group);
   };

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kPluginBuildFooter = R"(
 The plugin works with the version of FEBio it was compiled for and no other, so it is made where FEBio is. FEBIO_DIR is
 FEBio's installation or SDK folder, the one with include and lib/cmake/FEBio (also looked for in its folder sdk).
 Needed: cmake, a C++20 compiler and the libraries in packages.txt beside the source. It takes a minute or two.
@@ -174,7 +174,7 @@ std::string xml(const std::string& text) {
 
 CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& a) {
   CLI::App* c = app.add_subcommand("plugin-build", "Compile the plugin for the FEBio that is installed");
-  c->footer(kFooter);
+  c->footer(kPluginBuildFooter);
   c->add_option("FEBIO_DIR", a.febio, "Folder of FEBio or of its SDK")->required()->type_name("");
   c->add_option("-o", a.output, "Folder for the library [the current one]")->type_name("DIR")->group("Output");
   c->add_flag("-v,--verbose", a.verbose, "What cmake and the compiler say, on standard error")->group("Output");

@@ -17,7 +17,7 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kFooter = R"(
+constexpr const char* kRunFooter = R"(
 Units are the model's own everywhere; the ones in brackets are those of a model in mm, N, MPa. Names may hold spaces: put
 the word in quotes, as in --thickness "femoral cartilage=1.8". A name and its value are cut at the last '='.
 
@@ -37,7 +37,7 @@ Examples:
 
 CLI::App* add_run(CLI::App& app, RunArguments& a) {
   CLI::App* c = app.add_subcommand("run", "Solve the contact of a model and write a plot file, a table, JSON or CSV");
-  c->footer(kFooter);
+  c->footer(kRunFooter);
   c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
   c->add_option("-o", a.output, "Plot file [MODEL without .feb + _dea.xplt, beside the model]")
       ->type_name("FILE.xplt")
@@ -120,7 +120,7 @@ int run(const RunArguments& a) {
   Progress progress(progress_style(a.quiet, a.verbose));
   const auto begin = [&](const std::string& what) { progress.now(what, "", what); };
   begin("reading " + file_name(a.model));
-  const JointModel model = read_feb(a.model);
+  JointModel read = read_feb(a.model);
   check_outputs(inputs, outputs);
   const std::string name_note = plot_name_note(output_option, options.output);
   options.seconds_reading = seconds() - start;
@@ -139,16 +139,19 @@ int run(const RunArguments& a) {
         index + 1, count);
     last = now;
   };
+  show_activity(progress, {});
+  const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
+  const JointModel& model = recognition.model;
   if (!report.empty()) {
     options.also = [&](const Analysis& analysis, XpltFile&& plot) {
       std::vector<std::string> paths;
       for (const NamedPath& p : inputs) paths.push_back(p.path);
       for (const NamedPath& p : outputs) paths.push_back(p.path);
       begin("writing " + file_name(report));
-      write_run_report(report, model, settings, analysis, std::move(plot), a.model, options.output, a.words, paths);
+      write_run_report(report, recognition, analysis, std::move(plot), a.model, options.output, a.words, paths);
     };
   }
-  const RunResult result = run_model(model, settings, options);
+  const RunResult result = run_model(recognition, options);
   progress.clear();
 
   if (!a.quiet) {

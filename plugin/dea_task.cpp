@@ -72,17 +72,18 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   check_outputs(inputs, outputs);
   options.seconds_reading = seconds() - start;
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };
+  const Recognition recognition = recognise(model, file.settings, wants_all_states(options));
   if (!report.empty()) {
     options.also = [&](const Analysis& analysis, XpltFile&& plot) {
       std::vector<std::string> words = {"febio4", "-i", fem.GetInputFileName(), "-task=dea"}, paths;
       if (!settings_file.empty()) words.push_back(settings_file);
       for (const NamedPath& p : inputs) paths.push_back(p.path);
       for (const NamedPath& p : outputs) paths.push_back(p.path);
-      write_run_report(report, model, file.settings, analysis, std::move(plot), fem.GetInputFileName(), options.output,
-                       words, paths);
+      write_run_report(report, recognition, analysis, std::move(plot), fem.GetInputFileName(), options.output, words,
+                       paths);
     };
   }
-  const RunResult result = run_model(model, file.settings, options);
+  const RunResult result = run_model(recognition, options);
 
   for (const std::string& line : model_remarks(model, result.analysis.joint)) log_text(fem, line);
   for (const std::string& line : result_remarks(model, result.analysis)) log_text(fem, line);

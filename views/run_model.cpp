@@ -11,7 +11,6 @@
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/run/refusals.h>
 #include <febiodea/views/text/report_text.h>
 
 namespace dea {
@@ -102,11 +101,18 @@ Times choose_times(const JointModel& model, const std::string& states, const std
 
 }  // namespace
 
-namespace {
+bool wants_all_states(const RunOptions& options) { return options.states == "all" && options.times_from.empty(); }
 
-RunResult run_good_model(const JointModel& model, const Settings& settings, const RunOptions& options) {
+RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   const double start = seconds();
-  const Times times = choose_times(model, options.states, options.states_option, options.times_from);
+  const JointModel& model = recognition.model;
+  const Settings& settings = recognition.settings;
+  Times times;
+  try {
+    times = choose_times(model, options.states, options.states_option, options.times_from);
+  } catch (const InputError&) {
+    if (recognition.faults.empty()) throw;
+  }
   RunResult result;
   result.timings.read = options.seconds_reading + seconds() - start;
 
@@ -122,7 +128,7 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
                                    number_text(s.when.time), name(s.equilibrium.outcome), s.equilibrium.iterations));
     };
   }
-  result.analysis = analyse(model, settings, how);
+  result.analysis = analyse(recognition, how);
   const double steps = count_time_steps(model);
   if (options.states.empty() && options.times_from.empty() && very_many_time_steps(model))
     result.analysis.joint.findings.push_back(thinned_note(model, times.points.size()));
@@ -149,16 +155,6 @@ RunResult run_good_model(const JointModel& model, const Settings& settings, cons
   if (!options.facets_csv.empty()) write_text(options.facets_csv, facets_csv(model, result.analysis));
   if (options.also) options.also(result.analysis, std::move(plot));
   return result;
-}
-
-}  // namespace
-
-RunResult run_model(const JointModel& model, const Settings& settings, const RunOptions& options) {
-  try {
-    return run_good_model(model, settings, options);
-  } catch (const InputError& found) {
-    throw all_refusals(model, settings, found, options.states == "all" && options.times_from.empty());
-  }
 }
 
 bool all_solved(const Analysis& analysis) {

@@ -31,7 +31,10 @@ struct RunResult {
 };
 
 /// Solves every wanted state and writes plot file, VTK files, JSON and CSV. Throws UsageError, InputError, WriteError.
-RunResult run_model(const JointModel& model, const Settings& settings, const RunOptions& options);
+RunResult run_model(const Recognition& recognition, const RunOptions& options);
+
+/// Are all states of the model wanted, however many these are?
+bool wants_all_states(const RunOptions& options);
 
 /// True if every state that was asked for is a solution.
 bool all_solved(const Analysis& analysis);

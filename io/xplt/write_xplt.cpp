@@ -539,7 +539,7 @@ std::string packed(const std::string& bytes) {
 
 // ----------------------------------------------------------------------------------------------- disk
 
-std::string reason(int error) { return error == 0 ? "write error" : std::generic_category().message(error); }
+std::string cause_of(int error) { return error == 0 ? "write error" : std::generic_category().message(error); }
 
 // 0, or the system's reason why not all bytes arrived. Buffered data may fail as late as in fclose.
 int write_and_close(std::FILE* stream, const std::string& bytes) {
@@ -615,28 +615,28 @@ void write_xplt(const std::string& path, const XpltFile& file) {
     if (error) fail(error.message());
   }
   const fs::file_type type = fs::status(target, error).type();
-  if (type == fs::file_type::directory) fail(reason(EISDIR));
+  if (type == fs::file_type::directory) fail(cause_of(EISDIR));
 
   // A device or a pipe cannot be replaced by renaming a file over it.
   if (type != fs::file_type::regular && type != fs::file_type::not_found && type != fs::file_type::none &&
       type != fs::file_type::unknown) {
     errno = 0;
     std::FILE* stream = std::fopen(target.string().c_str(), "wb");
-    if (stream == nullptr) fail(reason(errno));
+    if (stream == nullptr) fail(cause_of(errno));
     const int why = write_and_close(stream, bytes);
-    if (why != 0) fail(reason(why));
+    if (why != 0) fail(cause_of(why));
     return;
   }
 
   fs::path temporary;
   std::FILE* stream = create_temporary(target.parent_path(), temporary);
-  if (stream == nullptr) fail(reason(errno));
+  if (stream == nullptr) fail(cause_of(errno));
   const int why = write_and_close(stream, bytes);
   if (why == 0) fs::rename(temporary, target, error);
   if (why == 0 && !error) return;
   std::error_code ignored;  // the first error is the one to report
   fs::remove(temporary, ignored);
-  fail(why != 0 ? reason(why) : error.message());
+  fail(why != 0 ? cause_of(why) : error.message());
 }
 
 }  // namespace dea

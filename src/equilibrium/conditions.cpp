@@ -347,4 +347,11 @@ std::vector<TimePoint> place_times(const JointModel& model, const std::vector<do
   return placed;
 }
 
+std::string thinned_note(const JointModel& model, std::size_t solved) {
+  return fmt::format(
+      "of the model's {:.0f} time steps {} are solved, evenly chosen besides ends of steps and must points: each is an "
+      "equilibrium of its own; others with --states t1,t2,...",
+      count_time_steps(model), solved);
+}
+
 }  // namespace dea

@@ -87,4 +87,7 @@ std::vector<double> step_starts(const JointModel& model);
 /// earlier step.
 std::vector<TimePoint> place_times(const JointModel& model, const std::vector<double>& times);
 
+/// That `solved` of very many time steps are solved, and how to have others.
+std::string thinned_note(const JointModel& model, std::size_t solved);
+
 }  // namespace dea

@@ -13,7 +13,10 @@ std::string where(const JointModel& model, Origin origin) {
 }
 
 InputError fault_at(const JointModel& model, Origin origin, const std::string& fault) {
-  return InputError(where(model, origin) + fault);
+  const std::string before = where(model, origin);
+  InputError error(before + fault);
+  if (before.size() > 2) error.place = before.substr(0, before.size() - 2);
+  return error;
 }
 
 bool double_contact(const Contact& a, const Contact& b) {

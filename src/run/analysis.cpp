@@ -43,7 +43,14 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
 }
 
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options) {
-  refuse_unsupported(model);
+  if (options.activity) options.activity({});
+  return analyse(recognise(model, settings), options);
+}
+
+Analysis analyse(const Recognition& recognition, const AnalysisOptions& options) {
+  if (!recognition.faults.empty()) throw as_error(recognition);
+  const JointModel& model = recognition.model;
+  const Settings& settings = recognition.settings;
   Analysis analysis;
   double clock = now();
   Activity activity;
@@ -51,13 +58,12 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
     activity.stage = stage;
     if (options.activity) options.activity(activity);
   };
-  tell(Activity::Stage::Joint);
-  analysis.joint = make_joint(model, settings);
+  analysis.joint = recognition.joint;
   const Joint& joint = analysis.joint;
   tell(Activity::Stage::Springs);
   const SpringBeds beds = make_spring_beds(joint);
   const FieldMaps maps = make_field_maps(model, joint);
-  analysis.seconds_joint = now() - clock;
+  analysis.seconds_joint = recognition.seconds + now() - clock;
 
   clock = now();
   const std::vector<TimePoint> times = options.times.empty() ? model_times(model) : options.times;
@@ -129,7 +135,6 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
 std::vector<Convergence> converge(const JointModel& model, Settings settings, double target, int max_springs,
                                   const std::function<void(const ConvergenceRow&)>& progress,
                                   const std::function<void(const Activity&)>& activity) {
-  refuse_unsupported(model);
   std::vector<Convergence> result;
   const std::vector<TimePoint> times = model_times(model, true);  // only the last is looked at
   for (int refine = 1;; refine *= 2) {

@@ -8,6 +8,7 @@
 #include <febiodea/equilibrium/equilibrium.h>
 #include <febiodea/joint/joint.h>
 #include <febiodea/results/fields.h>
+#include <febiodea/run/recognise.h>
 
 namespace dea {
 
@@ -22,7 +23,7 @@ struct StateResult {
 struct Analysis {
   Joint joint;
   std::vector<StateResult> states;  ///< the wanted ones, in order of time
-  double seconds_joint = 0.0;       ///< recognition, thickness, springs
+  double seconds_joint = 0.0;       ///< recognition and springs
   double seconds_solve = 0.0;       ///< equilibria and fields
 };
 
@@ -47,14 +48,14 @@ struct AnalysisOptions {
   EquilibriumOptions equilibrium;
 };
 
-/// Refuses a model that holds something which changes the mechanics and is not supported (InputError at its place).
-void refuse_unsupported(const JointModel& model);
-
 /// Cartilage of no thickness cannot be compressed: InputError where such surfaces meet in this state, not a division.
 void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e);
 
 /// Joint, springs, equilibrium of every load case in order of time (each started from the one before), fields.
 /// The first state (time 0) is the reference configuration, not solved, as in FEBio's plot files.
+/// InputError: the recognition has faults, or one is met while solving.
+Analysis analyse(const Recognition& recognition, const AnalysisOptions& options = {});
+/// The same from the start.
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options = {});
 
 /// The seed's convergence study: the last state again with each spring triangle divided into refine^2, refine = 1, 2,

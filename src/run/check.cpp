@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
-#include <febiodea/run/analysis.h>
-#include <febiodea/run/refusals.h>
 
 namespace dea {
 
@@ -72,22 +70,24 @@ void check_steps(const JointModel& model, const Settings& settings, JointCheck& 
 
 }  // namespace
 
-void check_joint(const JointModel& model, const Settings& settings, JointCheck& check) {
+JointCheck check_joint(const Recognition& recognition) {
+  const JointModel& model = recognition.model;
+  JointCheck check;
+  for (const Fault& fault : recognition.faults) check.errors.push_back(line(fault));
+  if (!recognition.recognised) return check;
   try {
-    check.joint = make_joint(model, settings);
+    check.joint = recognition.joint;
     check_contacts(model, check);
     check.recognised = true;
     check.times = model_times(model, true);
     if (very_many_time_steps(model)) check.joint.findings.push_back(thinned_note(model, check.times.size()));
-    for (const LoadController& c : model.controllers)
-      if (!c.unsupported.empty()) refuse_unsupported(model);  // if it is used: the steps need its value
-    check_steps(model, settings, check);
-    refuse_unsupported(model);
+    const bool controllers = std::all_of(model.controllers.begin(), model.controllers.end(),
+                                         [](const LoadController& c) { return c.unsupported.empty(); });
+    if (controllers) check_steps(model, recognition.settings, check);
   } catch (const InputError& found) {
-    const InputError all = all_refusals(model, settings, found, false);
-    check.errors = all.others;
-    check.errors.insert(check.errors.begin(), all.what());
+    if (check.errors.empty()) check.errors.push_back(found.what());
   }
+  return check;
 }
 
 }  // namespace dea

@@ -6,6 +6,7 @@
 #include <febiodea/equilibrium/conditions.h>
 #include <febiodea/equilibrium/equilibrium.h>
 #include <febiodea/results/fields.h>
+#include <febiodea/run/recognise.h>
 
 namespace dea {
 
@@ -34,12 +35,8 @@ struct StepCheck {
   LoadCase conditions;
 };
 
-/// Everything up to the point where something failed. `joint` and what follows refer to each other: not copyable.
+/// Everything up to the point where something failed.
 struct JointCheck {
-  JointCheck() = default;
-  JointCheck(const JointCheck&) = delete;
-  JointCheck& operator=(const JointCheck&) = delete;
-
   bool recognised = false;  ///< joint, beds, contacts, fields are filled
   Joint joint;
   SpringBeds beds;
@@ -52,7 +49,7 @@ struct JointCheck {
   std::vector<std::string> errors;  ///< why `dea run` would refuse this model, a line each, the most basic first
 };
 
-/// Never throws InputError: that is `error`. Throws UsageError for overrides that name nothing.
-void check_joint(const JointModel& model, const Settings& settings, JointCheck& check);
+/// Never throws InputError: what was found is in `errors`.
+JointCheck check_joint(const Recognition& recognition);
 
 }  // namespace dea

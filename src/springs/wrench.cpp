@@ -75,7 +75,7 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
                                                 const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
                                                 const std::array<bool, 12>& free) {
   using Vector12 = Eigen::Matrix<double, 12, 1>;
-  const ContactPair& pair = *bed.pair;
+  const ContactPair& pair = bed.pair;
   Eigen::Matrix<double, 12, 12> K = Eigen::Matrix<double, 12, 12>::Zero();
   std::vector<Vector12> opening(at(s.size()), Vector12::Zero());  // d(gap) of small motions
   double least_thickness = kInfinity;

@@ -6,6 +6,7 @@
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
+#include <febiodea/views/data/csv.h>
 #include <febiodea/views/text/report_text.h>
 
 namespace dea {
@@ -118,17 +119,6 @@ Json state_json(const Joint& joint, const StateResult& state) {
   }
   return j;
 }
-
-std::string csv_word(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted(1, '"');
-  for (char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  quoted += '"';
-  return quoted;
-}
-
-/// Shortest text that reads back as the same number; nothing where it is undefined.
-std::string csv_number(double x) { return std::isfinite(x) ? fmt::format("{}", x + 0.0) : std::string(); }
 
 }  // namespace
 

@@ -328,14 +328,13 @@ std::string report_html(const ReportData& data) {
 
 void write_report(const std::string& path, const ReportData& data) { write_text(path, report_html(data)); }
 
-void write_run_report(const std::string& path, const JointModel& model, const Settings& settings,
-                      const Analysis& analysis, XpltFile&& plot, const std::string& model_path,
-                      const std::string& output, const std::vector<std::string>& words,
-                      const std::vector<std::string>& paths) {
-  JointCheck check;
-  check_joint(model, settings, check);
+void write_run_report(const std::string& path, const Recognition& recognition, const Analysis& analysis,
+                      XpltFile&& plot, const std::string& model_path, const std::string& output,
+                      const std::vector<std::string>& words, const std::vector<std::string>& paths) {
   const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(plot)};
-  write_report(path, run_report(model, analysis, result, info_text(model, settings, check), words, paths));
+  write_report(path,
+               run_report(recognition.model, analysis, result,
+                          info_text(recognition.model, recognition.settings, check_joint(recognition)), words, paths));
 }
 
 void require_page_name(const std::string& option, const std::string& path) {

@@ -7,6 +7,7 @@
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
+#include <febiodea/views/data/csv.h>
 
 namespace dea {
 
@@ -305,15 +306,6 @@ Json pose_json(const std::optional<BodyPose>& pose) {
     j["rotation"] = json_vector(turn.angle() * turn.axis());
   }
   return j;
-}
-
-std::string csv_number(double x) { return std::isfinite(x) ? fmt::format("{}", x + 0.0) : std::string(); }
-
-std::string csv_word(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted(1, '"');
-  for (char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted + '"';
 }
 
 /// Every number of a file about a region, with its column's name.

@@ -9,7 +9,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/run/analysis.h>
-#include <febiodea/run/refusals.h>
+#include <febiodea/run/recognise.h>
 #include <febiodea/version.h>
 #include <febiodea/views/data/report_json.h>
 #include <febiodea/views/text/report_text.h>

@@ -20,9 +20,9 @@ std::size_t width(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-std::string short_number(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "-"; }
+std::string four_digits(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "-"; }
 std::string residual_number(double x) { return std::isfinite(x) ? fmt::format("{:.1e}", x) : "-"; }
-std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:.2f}%", 100.0 * x) : "-"; }
+std::string share_in_percent(double x) { return std::isfinite(x) ? fmt::format("{:.2f}%", 100.0 * x) : "-"; }
 
 /// For people: what is nothing but rounding beside `scale` is 0.
 Vector3d without_rounding(const Vector3d& v, double scale) {
@@ -176,8 +176,8 @@ std::vector<TitledTable> run_tables(const JointModel&, const Analysis& analysis)
       const ContactStatistics& s = state.statistics[c];
       contacts.rows.push_back(
           {number_text(state.when.time), joint.contacts[c].name, name(state.equilibrium.outcome),
-           fmt::format("{}", s.springs_active), fmt::format("{}", s.springs), short_number(s.peak), short_number(s.p99),
-           short_number(s.mean), short_number(s.median), short_number(s.contact_area), short_number(s.force.norm()),
+           fmt::format("{}", s.springs_active), fmt::format("{}", s.springs), four_digits(s.peak), four_digits(s.p99),
+           four_digits(s.mean), four_digits(s.median), four_digits(s.contact_area), four_digits(s.force.norm()),
            fmt::format("{}", state.equilibrium.iterations), residual_number(state.equilibrium.residual_force)});
     }
   }
@@ -249,13 +249,6 @@ std::vector<TitledTable> run_tables(const JointModel&, const Analysis& analysis)
 
 std::string run_text(const JointModel& model, const Analysis& analysis) {
   return units_text(model) + "\n" + laws_text(analysis.joint) + tables_text(run_tables(model, analysis));
-}
-
-std::string thinned_note(const JointModel& model, std::size_t solved) {
-  return fmt::format(
-      "of the model's {:.0f} time steps {} are solved, evenly chosen besides ends of steps and must points: each is an "
-      "equilibrium of its own; others with --states t1,t2,...",
-      count_time_steps(model), solved);
 }
 
 namespace {
@@ -406,9 +399,9 @@ std::string converge_text(const JointModel& model, const std::vector<Convergence
     table.left = "rrrrrrrrrl";
     for (const ConvergenceRow& r : study.rows)
       table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs),
-                            fmt::format("{}", r.springs_active), short_number(r.peak), short_number(r.mean),
-                            short_number(r.area), percent(r.change_peak), percent(r.change_mean),
-                            percent(r.change_area), name(r.outcome)});
+                            fmt::format("{}", r.springs_active), four_digits(r.peak), four_digits(r.mean),
+                            four_digits(r.area), share_in_percent(r.change_peak), share_in_percent(r.change_mean),
+                            share_in_percent(r.change_area), name(r.outcome)});
     text += table_text(table);
     const auto needed = [&](int springs, const char* limit) {
       return springs < 0

@@ -28,8 +28,6 @@ std::vector<TitledTable> run_tables(const JointModel& model, const Analysis& ana
 /// Units and laws, then these tables.
 std::string run_text(const JointModel& model, const Analysis& analysis);
 
-/// That `solved` of very many time steps are solved, and how to have others.
-std::string thinned_note(const JointModel& model, std::size_t solved);
 /// What was concluded, left out or is doubtful, a line each, each once: "note: ...", "ignored: ...", "warning: ...".
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint);
 std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis);

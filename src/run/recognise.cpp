@@ -1,27 +1,32 @@
-#include <febiodea/run/refusals.h>
+#include <febiodea/run/recognise.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
+#include <chrono>
 
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/conditions.h>
 #include <febiodea/joint/bodies.h>
-#include <febiodea/joint/joint.h>
-#include <febiodea/run/analysis.h>
 
 namespace dea {
 
 namespace {
 
-void add_once(std::vector<std::string>& lines, const std::string& line) {
-  if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
-}
-
-void add(std::vector<std::string>& lines, const InputError& error) {
-  add_once(lines, error.what());
-  for (const std::string& other : error.others) add_once(lines, other);
+/// Each once. A line begins with its place, if it has one: "hip.feb:214: ".
+void add(std::vector<Fault>& faults, const InputError& error) {
+  std::vector<std::string> lines = error.others;
+  lines.insert(lines.begin(), error.what());
+  for (const std::string& text : lines) {
+    Fault fault;
+    fault.text = text;
+    if (text == error.what() && !error.place.empty() && text.rfind(error.place + ": ", 0) == 0)
+      fault = {error.place, text.substr(error.place.size() + 2)};
+    if (std::none_of(faults.begin(), faults.end(), [&](const Fault& f) { return line(f) == line(fault); }))
+      faults.push_back(std::move(fault));
+  }
 }
 
 /// No rigid body, where nothing else than --rigid could give one: empty if there is one, or nodes that are moved.
@@ -61,55 +66,48 @@ void refuse_unsupported(const JointModel& model) {
   throw error;
 }
 
-std::vector<std::string> refusals(const JointModel& model, const Settings& settings, bool all_states) {
-  std::vector<std::string> lines;
+std::string line(const Fault& fault) { return fault.place.empty() ? fault.text : fault.place + ": " + fault.text; }
+
+InputError as_error(const Recognition& recognition) {
+  assert(!recognition.faults.empty());
+  InputError error(line(recognition.faults.front()));
+  for (std::size_t i = 1; i < recognition.faults.size(); ++i) error.others.push_back(line(recognition.faults[i]));
+  return error;
+}
+
+Recognition recognise(JointModel given, Settings settings, bool all_states) {
+  const auto start = std::chrono::steady_clock::now();
+  Recognition r;
+  r.model = std::move(given);
+  r.settings = std::move(settings);
+  const JointModel& model = r.model;
+  const auto try_to = [&](const auto& step) {
+    try {
+      step();
+      return true;
+    } catch (const InputError& error) {
+      add(r.faults, error);
+      return false;
+    }
+  };
   const bool sliding = std::any_of(model.contacts.begin(), model.contacts.end(),
                                    [](const Contact& c) { return c.kind == Contact::Kind::Sliding; });
-  if (!sliding) lines.push_back(no_sliding_contact(model));
-  const std::string no_body = no_rigid_body(model, settings);
-  if (!no_body.empty()) lines.push_back(no_body);
-  try {
-    refuse_unsupported(model);
-  } catch (const InputError& error) {
-    add(lines, error);
-  }
-  Joint joint;
-  bool recognised = false;
-  if (sliding && no_body.empty()) {
-    try {
-      joint = make_joint(model, settings);
-      recognised = true;
-    } catch (const InputError& error) {
-      add(lines, error);
-    }
-  }
+  if (!sliding) add(r.faults, InputError(no_sliding_contact(model)));
+  const std::string no_body = no_rigid_body(model, r.settings);
+  if (!no_body.empty()) add(r.faults, InputError(no_body));
+  try_to([&] { refuse_unsupported(model); });
+  if (sliding && no_body.empty()) r.recognised = try_to([&] { r.joint = make_joint(model, r.settings); });
   // the value of a controller that cannot be evaluated is asked for by no one
   const bool controllers = std::all_of(model.controllers.begin(), model.controllers.end(),
                                        [](const LoadController& c) { return c.unsupported.empty(); });
-  if (recognised && controllers) {
+  if (r.recognised && controllers) {
     const std::vector<double> starts = step_starts(model);
-    for (int s = 0; s < static_cast<int>(model.steps.size()); ++s) {
-      try {
-        make_load_case(model, joint, settings, s, starts[at(s) + 1]);
-      } catch (const InputError& error) {
-        add(lines, error);
-      }
-    }
+    for (int s = 0; s < static_cast<int>(model.steps.size()); ++s)
+      try_to([&] { make_load_case(model, r.joint, r.settings, s, starts[at(s) + 1]); });
   }
-  try {
-    model_times(model, !all_states);
-  } catch (const InputError& error) {
-    add(lines, error);
-  }
-  return lines;
-}
-
-InputError all_refusals(const JointModel& model, const Settings& settings, const InputError& found, bool all_states) {
-  std::vector<std::string> lines = refusals(model, settings, all_states);
-  if (lines.empty()) add(lines, found);  // found while solving
-  InputError error(lines.front());
-  error.others.assign(lines.begin() + 1, lines.end());
-  return error;
+  try_to([&] { model_times(model, !all_states); });
+  r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return r;
 }
 
 }  // namespace dea

@@ -1,0 +1,45 @@
+// febiodea/run/recognise.h – what joint a model describes, and every reason for which it cannot be solved.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/joint/joint.h>
+
+namespace dea {
+
+/// A reason for which a model cannot be solved.
+struct Fault {
+  std::string place;  ///< file and line, "hip.feb:214"; empty: no one place
+  std::string text;   ///< what was found, what is expected, what to do
+};
+/// "hip.feb:214: what was found, ..."
+std::string line(const Fault& fault);
+
+/// A model with what it was taken for. A value: it keeps the model and the settings it was made from, so that nothing
+/// can be asked of one model with another's joint.
+struct Recognition {
+  JointModel model;
+  Settings settings;
+  bool recognised = false;    ///< `joint` is filled: bodies, layers and contacts were found
+  Joint joint;                ///< frame: the model's, reference configuration
+  std::vector<Fault> faults;  ///< empty: the joint can be solved, as far as is known before solving
+  double seconds = 0.0;       ///< spent on it
+};
+
+/// Finds bodies, layers, contacts and what joins them (docs/theory.md, section 2). Faults, the most basic first: no
+/// sliding contact, no rigid body; then what is not supported, in the order of the file; then layers that cannot be
+/// recognised, in the order of the contacts; then motions, loads and times. What could only be found once something
+/// else is mended is not among them. `all_states`: every state of the model is wanted, so there must not be too many.
+/// Throws UsageError for settings that name nothing in the model.
+Recognition recognise(JointModel model, Settings settings = {}, bool all_states = false);
+
+/// The faults as one error: the most basic one, the rest as `others`. There must be one.
+InputError as_error(const Recognition& recognition);
+
+/// Refuses a model that holds something which changes the mechanics and is not supported (InputError at its place).
+void refuse_unsupported(const JointModel& model);
+
+/// A remark of `JointModel::unsupported` as a line.
+std::string unsupported_line(const JointModel& model, const Remark& remark);
+
+}  // namespace dea
