@@ -11,6 +11,7 @@
 #include <memory>
 
 #include <febiodea/model/joint_model.h>
+#include <febiodea/plugin/contact_statement.h>
 #include <febiodea/results/fields.h>
 
 class FERigidBody;
@@ -43,7 +44,7 @@ class FEDeaSurface : public FEContactSurface {
   std::vector<std::vector<int>> facet_vertices_;
 };
 
-class FEDeaContact : public FEContactInterface {
+class FEDeaContact : public FEContactInterface, public dea::StatesContact {
  public:
   explicit FEDeaContact(FEModel* fem);
   ~FEDeaContact() override;
@@ -62,9 +63,7 @@ class FEDeaContact : public FEContactInterface {
   void LoadVector(FEGlobalVector& R, const FETimeInfo& time) override;
   void StiffnessMatrix(FELinearSystem& system, const FETimeInfo& time) override;
 
-  /// What the model says of this contact. `model`: must hold both surfaces by name.
-  /// Throws dea::InputError naming the contact and the parameter.
-  dea::Contact statement(const dea::JointModel& model) const;
+  dea::Contact statement(const dea::JointModel& model) const override;
 
   /// Fields at the current poses into the surfaces, for output. Cheap when nothing has moved since. False: a fault, the
   /// run is to end.

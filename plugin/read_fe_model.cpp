@@ -34,7 +34,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/io/febio/febio_material.h>
 #include <febiodea/model/load_curve.h>
-#include <febiodea/plugin/dea_contact.h>
+#include <febiodea/plugin/contact_statement.h>
 #include <febiodea/plugin/fe_reading.h>
 
 namespace dea {
@@ -620,7 +620,7 @@ void read_contacts(Reading& reading) {
     contact.kind = *kind;
     if (FEParam* distance = fe.GetParameter("max_distance")) contact.max_distance = number_of(*distance).value_or(0.0);
     contact.ignored = ignored_parameters(reading, fe, contact.type);
-    if (auto* own = dynamic_cast<FEDeaContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
+    if (auto* own = dynamic_cast<StatesContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
     contact.step = steps_of(reading, fe).front();  // a contact is of one step, or of all
     reading.model.contacts.push_back(std::move(contact));
   }

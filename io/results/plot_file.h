@@ -9,6 +9,9 @@ namespace dea {
 /// Every wanted state with displacements, rigid bodies and the fields of each contact surface. A surface of several
 /// contacts shows the one that presses hardest on it in that state.
 XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed = false);
+inline XpltFile make_plot_file(const Recognition& recognition, const Analysis& analysis, bool compressed = false) {
+  return make_plot_file(recognition.model, analysis, compressed);
+}
 
 /// What `dea info -o` shows: thickness, initial gap, missed normals, rims and facets left out on the surfaces, and the
 /// springs that face something as line elements (on nodes of their own after the model's).

@@ -1,14 +1,29 @@
 // febiodea/joint/bodies.h – rigid bodies of a model, and which nodes they hold.
 #pragma once
+#include <string>
 #include <vector>
 
-#include <febiodea/joint/joint.h>
+#include <febiodea/model/joint_model.h>
+#include <febiodea/model/settings.h>
 
 namespace dea {
 
 /// Which material is rigid: rigid in the model, or taken as rigid by the user.
 /// Throws UsageError when a name in settings.rigid is no material of the model.
 std::vector<char> rigid_materials(const JointModel& model, const Settings& settings);
+
+/// A rigid body: one or more rigid materials whose elements share nodes, or the ground.
+struct Body {
+  std::string name;                            ///< of the first of its materials; "ground"
+  std::vector<int> materials;                  ///< indices into JointModel::materials; empty: ground, or moved nodes
+  Vector3d center_of_mass = Vector3d::Zero();  ///< reference position; given, or integrated from the elements
+  bool center_given = false;
+  double mass = 0.0;
+  bool ground = false;  ///< never moves
+  /// Indices into JointModel::prescribed_nodes: nodes that are moved together, a bone that the model leaves out. It has
+  /// no material and does not turn; `center_of_mass` is the mean of the nodes.
+  std::vector<int> moved_by;
+};
 
 /// One body per set of rigid materials whose elements share nodes, in the order of their first material; then the
 /// ground. The centre of mass is the given one, or integrated from the elements (solids: volume, shells: area times

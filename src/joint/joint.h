@@ -6,25 +6,13 @@
 #include <vector>
 
 #include <febiodea/geometry/surface_mesh.h>
+#include <febiodea/joint/bodies.h>
 #include <febiodea/joint/layer_face.h>
+#include <febiodea/model/elasticity.h>
 #include <febiodea/model/joint_model.h>
 #include <febiodea/model/settings.h>
-#include <febiodea/model/elasticity.h>
 
 namespace dea {
-
-/// A rigid body: one or more rigid materials whose elements share nodes, or the ground.
-struct Body {
-  std::string name;                            ///< of the first of its materials; "ground"
-  std::vector<int> materials;                  ///< indices into JointModel::materials; empty: ground, or moved nodes
-  Vector3d center_of_mass = Vector3d::Zero();  ///< reference position; given, or integrated from the elements
-  bool center_given = false;
-  double mass = 0.0;
-  bool ground = false;  ///< never moves
-  /// Indices into JointModel::prescribed_nodes: nodes that are moved together, a bone that the model leaves out. It has
-  /// no material and does not turn; `center_of_mass` is the mean of the nodes.
-  std::vector<int> moved_by;
-};
 
 /// A layer of cartilage between an articular surface and its bone, or the bare surface of a rigid body.
 struct Layer {

@@ -1,0 +1,59 @@
+"""Who includes whom: python3 includes.py SOURCE. Fails on an include that goes up the house, and on circles.
+
+Floors, lowest first. A file includes its own floor and those below; plugin never includes app."""
+import pathlib
+import re
+import sys
+
+FLOORS = ["base", "model", "geometry", "joint", "springs", "equilibrium", "results", "run", "io", "views", "app"]
+source = pathlib.Path(sys.argv[1])
+
+
+def floor(path):
+    part = path.split("/")[0]
+    return len(FLOORS) if part == "plugin" else FLOORS.index(part)
+
+
+def name(file):
+    path = file.relative_to(source).as_posix()
+    return path[4:] if path.startswith("src/") else path
+
+
+files = [f for folder in ("src", "io", "views", "app", "plugin") for f in sorted((source / folder).rglob("*"))
+         if f.suffix in (".h", ".cpp") and f.name != "febiodea.h"]
+faults, graph = [], {}
+for file in files:
+    text = file.read_text()
+    if re.search(r'^#include "', text, re.M):
+        faults.append(f"{name(file)}: an include in quotes; write <febiodea/...> in full")
+    for other in re.findall(r"^#include <febiodea/([^>]+)>", text, re.M):
+        if "/" not in other:
+            continue  # version.h
+        if floor(other) > floor(name(file)):
+            faults.append(f"{name(file)} includes {other}, which is a floor higher")
+        if floor(name(file)) == len(FLOORS) and other.startswith("app/"):
+            faults.append(f"{name(file)} includes {other}: the plugin knows nothing of the program")
+        # a .cpp file stands for its header: what one of the two includes, both depend on
+        graph.setdefault(re.sub(r"\.(h|cpp)$", "", name(file)), set()).add(re.sub(r"\.h$", "", other))
+seen, stack = {}, []
+
+
+def visit(node):
+    seen[node] = 1
+    stack.append(node)
+    for other in sorted(graph.get(node, ())):
+        if other == node:
+            continue
+        if seen.get(other) == 1:
+            faults.append("a circle: " + " -> ".join(stack[stack.index(other):] + [other]))
+        elif other not in seen:
+            visit(other)
+    stack.pop()
+    seen[node] = 2
+
+
+for node in sorted(graph):
+    if node not in seen:
+        visit(node)
+print("\n".join(faults) or f"{len(files)} files, no include goes up, no circle")
+sys.exit(bool(faults))

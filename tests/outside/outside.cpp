@@ -1,0 +1,14 @@
+// Usage: outside MODEL.feb RESULT.xplt. Prints peak pressure and force of the last state.
+#include <febiodea/febiodea.h>
+#include <cstdio>
+
+int main(int, char** arguments) {
+  const dea::Recognition found = dea::recognise(dea::read_feb(arguments[1]));
+  for (const dea::Fault& fault : found.faults) std::fprintf(stderr, "%s\n", dea::line(fault).c_str());
+  if (!found.faults.empty()) return 3;
+  const dea::Analysis result = dea::analyse(found);
+  dea::write_xplt(arguments[2], dea::make_plot_file(found, result));
+  const dea::ContactStatistics& contact = result.states.back().statistics.front();
+  std::printf("%.17g %.17g\n", contact.peak, contact.force.norm());
+  return dea::solved(result.states.back().equilibrium.outcome) ? 0 : 1;
+}

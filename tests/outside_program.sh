@@ -1,0 +1,14 @@
+#!/bin/sh
+# outside_program.sh BUILD SOURCE DEA CMAKE: installs the library, builds tests/outside against what was installed, and compares
+# its plot file with that of `dea run`, byte by byte.
+set -eu
+build=$1 source=$2 dea=$3 cmake=$4
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+"$cmake" --install "$build" --prefix "$folder/prefix" >"$folder/install.log"
+"$cmake" -S "$source/tests/outside" -B "$folder/build" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH="$folder/prefix" \
+  >"$folder/configure.log"
+"$cmake" --build "$folder/build" >"$folder/build.log" || { cat "$folder/build.log"; exit 1; }
+"$folder/build/outside" "$source/samples/hip/hip_walking.feb" "$folder/outside.xplt"
+"$dea" run "$source/samples/hip/hip_walking.feb" -o "$folder/dea.xplt" -q >/dev/null
+cmp "$folder/outside.xplt" "$folder/dea.xplt"
