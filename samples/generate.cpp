@@ -24,12 +24,12 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/numbers.h>
-
 namespace {
 
 using Eigen::Vector3d;
 using Quad = std::array<int, 4>;
+
+constexpr double kPi = 3.14159265358979323846;
 
 // ---------------------------------------------------------------------------------------------------------------------
 // Meshes

@@ -56,7 +56,7 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
   if (!any) {
     const Contact& first = model.contacts[at(plan.joint.contacts.front().contact)];
     throw fault_at(model, first.origin,
-                     fmt::format("contact \"{}\" is of type dea already: nothing to convert", first.name));
+                   fmt::format("contact \"{}\" is of type dea already: nothing to convert", first.name));
   }
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     const Contact& c = model.contacts[i];
@@ -141,11 +141,10 @@ void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector
     for (const FixedNodes& f : model.fixed_nodes)
       if (f.step >= 0 && std::any_of(f.nodes.begin(), f.nodes.end(),
                                      [&](int node) { return plan.joint.node_body[at(node)] == static_cast<int>(b); }))
-        throw fault_at(
-            model, f.origin,
-            fmt::format("fixed nodes \"{}\" hold bone \"{}\", which becomes a rigid body, in one step only: "
-                        "make it a rigid body of the model and hold that",
-                        f.name, body.name));
+        throw fault_at(model, f.origin,
+                       fmt::format("fixed nodes \"{}\" hold bone \"{}\", which becomes a rigid body, in one step only: "
+                                   "make it a rigid body of the model and hold that",
+                                   f.name, body.name));
     RigidFixed held;
     held.material = home[b];
     for (std::size_t k = 0; k < kDofs; ++k) held.dofs[k] = start.bodies[b].dofs[k] == DofState::Held;
@@ -256,9 +255,9 @@ void check_bodies(const JointModel& model, const ConversionPlan& plan, const std
     for (int m : bodies[a].materials) {
       if (!rigid[at(m)] || home[a] < 0 || after.of_material[at(m)] == after.of_material[at(home[a])]) continue;
       throw fault_at(model, model.materials[at(m)].origin,
-                       fmt::format("materials \"{}\" and \"{}\" are one body through rigid node sets; as rigid "
-                                   "materials they would be two: give their elements one material",
-                                   model.materials[at(home[a])].name, model.materials[at(m)].name));
+                     fmt::format("materials \"{}\" and \"{}\" are one body through rigid node sets; as rigid "
+                                 "materials they would be two: give their elements one material",
+                                 model.materials[at(home[a])].name, model.materials[at(m)].name));
     }
     for (std::size_t b = a + 1; b < bodies.size(); ++b) {
       if (home[a] < 0 || home[b] < 0 || after.of_material[at(home[a])] != after.of_material[at(home[b])]) continue;
@@ -298,10 +297,10 @@ void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartila
     if (std::any_of(p.nodes.begin(), p.nodes.end(),
                     [&](int node) { return cartilage[at(node)] >= 0 || rigid_now[at(node)]; }))
       throw fault_at(model, p.origin,
-                       fmt::format("prescribed displacement \"{}\" moves nodes that the conversion makes rigid, "
-                                   "and FEBio moves no nodes of rigid bodies: make the bone behind them a rigid "
-                                   "body and prescribe its motion (`dea run` solves the model as it is)",
-                                   p.name));
+                     fmt::format("prescribed displacement \"{}\" moves nodes that the conversion makes rigid, "
+                                 "and FEBio moves no nodes of rigid bodies: make the bone behind them a rigid "
+                                 "body and prescribe its motion (`dea run` solves the model as it is)",
+                                 p.name));
 }
 
 void convert_conditions(const JointModel& model, ConversionPlan& plan) {
@@ -501,8 +500,7 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
                                    [](const Contact& c) { return c.kind != Contact::Kind::Sliding || c.dea; });
   for (const Contact& c : model.contacts)
     if (all_dea && c.dea)
-      throw fault_at(model, c.origin,
-                       fmt::format("contact \"{}\" is of type dea already: nothing to convert", c.name));
+      throw fault_at(model, c.origin, fmt::format("contact \"{}\" is of type dea already: nothing to convert", c.name));
   plan.joint = make_joint(model, settings);
   plan.target = model;
   choose_contacts(model, settings, plan);

@@ -66,11 +66,10 @@ Conversion convert_feb(const JointModel& model, const Settings& settings, const 
     if (model.files.size() > 1) result.notes.push_back("the new file includes the same files as the model");
   } else if (!plan.left_to_febio.empty()) {
     const Remark& first = plan.left_to_febio.front();
-    throw fault_at(
-        model, first.origin,
-        fmt::format("{} cannot be carried over: the file would have to be written anew, for {}; open it in "
-                    "FEBio Studio and save it as one file of version 4.0",
-                    first.what, why));
+    throw fault_at(model, first.origin,
+                   fmt::format("{} cannot be carried over: the file would have to be written anew, for {}; open it in "
+                               "FEBio Studio and save it as one file of version 4.0",
+                               first.what, why));
   } else {
     std::vector<std::string> dropped;
     result.text = write_feb(model, plan, encoding_of(text), dropped);

@@ -581,9 +581,9 @@ void write_load_data(Writer& w) {
 void refuse_unwritable(const JointModel& model) {
   const auto refuse = [&](Origin origin, const std::string& what) {
     throw fault_at(model, origin,
-                     fmt::format("{} cannot be written into a new file: save the model as 4.0 in FEBio Studio, then "
-                                 "dea convert leaves it as it is",
-                                 what));
+                   fmt::format("{} cannot be written into a new file: save the model as 4.0 in FEBio Studio, then "
+                               "dea convert leaves it as it is",
+                               what));
   };
   for (const RigidJoint& j : model.rigid_joints) refuse(j.origin, j.type);
   for (const RigidFollower& f : model.rigid_followers) refuse(f.origin, "a follower force or moment");

@@ -737,7 +737,7 @@ void resolve_surface_maps(Reading& reading) {
                                   [&](const SurfaceMap& candidate) { return candidate.name == use.name; });
     if (map == reading.surface_maps.end()) {
       throw fault_at(model, use.origin,
-                       fmt::format("{} names no map, expected the name of a SurfaceData in MeshData", quote(use.name)));
+                     fmt::format("{} names no map, expected the name of a SurfaceData in MeshData", quote(use.name)));
     }
     map->used = true;
     if (!map->fault.empty()) {

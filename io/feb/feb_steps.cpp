@@ -98,9 +98,9 @@ int need_controller(const JointModel& model, int id, Origin origin) {
   std::vector<std::string> ids;
   for (const LoadController& curve : model.controllers) ids.push_back(std::to_string(curve.id));
   throw fault_at(model, origin,
-                   fmt::format("lc = {}, but there is no load controller {}: add it to LoadData, or use one of those "
-                               "there (ids {})",
-                               id, id, name_list(ids)));
+                 fmt::format("lc = {}, but there is no load controller {}: add it to LoadData, or use one of those "
+                             "there (ids {})",
+                             id, id, name_list(ids)));
 }
 
 void read_curve(const Reading& reading, const XMLElement& element, bool old, LoadController& curve) {

@@ -99,11 +99,11 @@ Stiffness from_E_and_v(const Reading& reading, const MaterialTree& material) {
   if (!std::isnan(E) && E <= 0) {
     const std::string found = material.constants.count("E") == 0 ? "E is missing" : fmt::format("E = {:g}", E);
     throw fault_at(reading.model, place_of(material, "E"),
-                     fmt::format("material {}: {}, need E > 0", quote(reading.name), found));
+                   fmt::format("material {}: {}, need E > 0", quote(reading.name), found));
   }
   if (!std::isnan(nu) && !(nu > -1 && nu < 0.5)) {
     throw fault_at(reading.model, place_of(material, "v"),
-                     fmt::format("material {}: v = {:g}, need -1 < v < 0.5", quote(reading.name), nu));
+                   fmt::format("material {}: v = {:g}, need -1 < v < 0.5", quote(reading.name), nu));
   }
   if (std::isnan(E) || std::isnan(nu)) return s;
   set_from_E_nu(s, E, nu);
@@ -288,7 +288,7 @@ void set_density(Material& material, const MaterialTree& tree, const JointModel&
   const double value = constant_of(tree, "density", 1.0, why);
   if (!std::isnan(value) && value < 0) {
     throw fault_at(model, place_of(tree, "density"),
-                     fmt::format("material {}: density = {:g}, need density >= 0", quote(material.name), value));
+                   fmt::format("material {}: density = {:g}, need density >= 0", quote(material.name), value));
   }
   material.density = value;
 }

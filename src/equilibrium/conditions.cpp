@@ -28,8 +28,8 @@ double finite_value(const JointModel& model, const Scaled& scaled, double time, 
   const double v = value(model, scaled, time);
   if (std::isfinite(v)) return v;
   throw fault_at(model, origin,
-                   fmt::format("its value at time {:g} is no finite number (load curve {}): mend the curve's points",
-                               time, scaled.controller >= 0 ? model.controllers[at(scaled.controller)].id : 0));
+                 fmt::format("its value at time {:g} is no finite number (load curve {}): mend the curve's points",
+                             time, scaled.controller >= 0 ? model.controllers[at(scaled.controller)].id : 0));
 }
 
 /// What fixed and prescribed nodes make of a bone that the user takes as rigid. Each is a row (e_k, d x e_k / length)
@@ -305,14 +305,14 @@ std::vector<TimePoint> model_times(const JointModel& model, bool thin) {
   const bool very_many = very_many_time_steps(model);
   if (very_many && !thin)
     throw fault_at(model, model.steps.front().origin,
-                     fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
-                                 "needs no small steps before it), or choose the states: --states last, --states "
-                                 "t1,t2,...",
-                                 states, kMostStates));
+                   fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
+                               "needs no small steps before it), or choose the states: --states last, --states "
+                               "t1,t2,...",
+                               states, kMostStates));
   const double stride = very_many ? std::ceil(states / kThinned) : 1.0;
   if (!(starts.back() > 0)) {
     throw fault_at(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
-                     "the model ends at time 0, so there is nothing to solve: need time_steps > 0 and step_size > 0");
+                   "the model ends at time 0, so there is nothing to solve: need time_steps > 0 and step_size > 0");
   }
   for (int s = 0; s < static_cast<int>(model.steps.size()); ++s) {
     const Step& step = model.steps[at(s)];

@@ -298,11 +298,10 @@ struct CarriedSurface {
 InputError no_volume(const JointModel& model, const Domain& d, int element, double volume) {
   const std::string which = fmt::format("element {} of \"{}\"", d.element_ids[at(element)], d.name);
   if (volume < 0)
-    return fault_at(
-        model, d.origin,
-        fmt::format("{} is inside out (volume {:g}); check the node order of its elements", which, volume));
+    return fault_at(model, d.origin,
+                    fmt::format("{} is inside out (volume {:g}); check the node order of its elements", which, volume));
   return fault_at(model, d.origin,
-                    fmt::format("{} has no volume; check its thickness and the positions of its nodes", which));
+                  fmt::format("{} has no volume; check its thickness and the positions of its nodes", which));
 }
 
 CarriedSurface carry(const Recognition& r, int surface) {
@@ -310,7 +309,7 @@ CarriedSurface carry(const Recognition& r, int surface) {
   const Surface& s = model.surfaces[at(surface)];
   if (s.size() == 0)
     throw fault_at(model, s.origin,
-                     fmt::format("surface \"{}\" has no facets: define it again, or take its contact out", s.name));
+                   fmt::format("surface \"{}\" has no facets: define it again, or take its contact out", s.name));
   CarriedSurface out;
   int face_nodes[9];
   for (int f = 0; f < s.size(); ++f) {
@@ -322,9 +321,9 @@ CarriedSurface carry(const Recognition& r, int surface) {
       for (int k = 0; k < count; ++k)
         ids += fmt::format("{}{}", k ? "," : "", model.node_ids[at(s.nodes[at(first + k)])]);
       throw fault_at(model, s.origin,
-                       fmt::format("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the "
-                                   "mesh do not fit together, define the surface again on this mesh",
-                                   s.name, f + 1, ids));
+                     fmt::format("surface \"{}\": facet {} (nodes {}) is no face of any element; the surface and the "
+                                 "mesh do not fit together, define the surface again on this mesh",
+                                 s.name, f + 1, ids));
     }
     const Domain& d = model.domains[at(c->domain)];
     out.carriers.push_back(*c);
@@ -1130,7 +1129,7 @@ void add_ligament(Joint& joint, const JointModel& model, Ligament l, const char*
   if (l.free_length <= 0) l.free_length = length;
   if (!(length > 0) || !std::isfinite(length))
     throw fault_at(model, origin,
-                     fmt::format("{} \"{}\" has no length: its two points coincide, move one", kind, l.name));
+                   fmt::format("{} \"{}\" has no length: its two points coincide, move one", kind, l.name));
   joint.ligaments.push_back(std::move(l));
 }
 
@@ -1161,8 +1160,8 @@ void find_springs(const Recognition& r, Joint& joint) {
   for (const DiscreteSprings& set : model.discrete_springs) {
     if (set.force && !set.force->unsupported.empty())
       throw fault_at(model, set.origin,
-                       fmt::format("spring \"{}\": its force is given by {}, which is not supported; give points",
-                                   set.name, set.force->unsupported));
+                     fmt::format("spring \"{}\": its force is given by {}, which is not supported; give points",
+                                 set.name, set.force->unsupported));
     for (const auto& pair : model.discrete_sets[at(set.set)].pairs) {
       Ligament l;
       l.name = set.name.empty() ? model.discrete_sets[at(set.set)].name : set.name;
@@ -1216,9 +1215,9 @@ void find_cables(const Recognition& r, Joint& joint) {
     for (std::size_t i = 1; i < cable.points.size(); ++i)
       if (!((cable.points[i].position - cable.points[i - 1].position).norm() > 0))
         throw fault_at(r.model, c.origin,
-                         fmt::format("cable \"{}\": points {} and {} coincide, so the cable has no direction there; "
-                                     "take one out",
-                                     c.name, i, i + 1));
+                       fmt::format("cable \"{}\": points {} and {} coincide, so the cable has no direction there; "
+                                   "take one out",
+                                   c.name, i, i + 1));
     cable.force = c.force;
     if (c.direction.norm() > 0) cable.direction = c.direction.normalized();
     cable.step = c.step;
@@ -1242,9 +1241,9 @@ void find_connectors(const Recognition& r, Joint& joint) {
     c.origin = j.origin;
     if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0))
       throw fault_at(r.model, j.origin,
-                       fmt::format("joint \"{}\": its axes span no right-handed frame; give two axes that are not "
-                                   "parallel",
-                                   j.name));
+                     fmt::format("joint \"{}\": its axes span no right-handed frame; give two axes that are not "
+                                 "parallel",
+                                 j.name));
     if (c.body_a == c.body_b) {
       joint.findings.push_back(fmt::format("joint \"{}\" joins two points of body \"{}\": left out", c.name,
                                            joint.bodies[at(c.body_a)].name));
@@ -1270,9 +1269,9 @@ void find_point_loads(const Recognition& r, Joint& joint) {
     for (int node : f.nodes) {
       if (body[at(node)] < 0)
         throw fault_at(model, f.origin,
-                         fmt::format("nodal force \"{}\" acts on node {}, which is part of no rigid body; DEA can load "
-                                     "rigid bodies only: load a node of the bone, or use a rigid force",
-                                     f.name, model.node_ids[at(node)]));
+                       fmt::format("nodal force \"{}\" acts on node {}, which is part of no rigid body; DEA can load "
+                                   "rigid bodies only: load a node of the bone, or use a rigid force",
+                                   f.name, model.node_ids[at(node)]));
       joint.point_loads.push_back(
           {f.name, body[at(node)], model.nodes[at(node)], f.value, f.controller, f.step, f.origin});
     }
@@ -1416,10 +1415,10 @@ Joint make_joint(const JointModel& model, const Settings& settings) {
       const Contact& o = model.contacts[at(other.contact)];
       if (double_contact(o, c))
         throw fault_at(model, c.origin,
-                         fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would "
-                                     "share the load between them; "
-                                     "keep one: --contact \"{}\"",
-                                     o.name, c.name, o.name));
+                       fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would "
+                                   "share the load between them; "
+                                   "keep one: --contact \"{}\"",
+                                   o.name, c.name, o.name));
     }
     if (pair.layers[0].body == pair.layers[1].body) {
       joint.findings.push_back(fmt::format("contact \"{}\": both surfaces belong to body \"{}\": left out", c.name,

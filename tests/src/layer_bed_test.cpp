@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include <febiodea/base/error.h>
 #include <febiodea/run/analysis.h>
@@ -302,6 +303,49 @@ TEST(LayerBed, PressureIsNeverNegativeAndThreadsDoNotMatter) {
 }
 
 /// The whole map moves with the model.
+// Four callers press one bed at poses of their own, at the same time: the bits of one after the other. A copy of the
+// bed serves as well when the first is gone.
+TEST(LayerBed, OneBedServesManyCallersAtATime) {
+  const JointModel model = concentric_spheres(12, 500, true, 3);
+  const Joint joint = make_joint(model, layer_settings());
+  SpringBeds beds = make_spring_beds(joint);
+  const SpringBed bed = beds.beds[0];
+  beds = {};
+  constexpr int kCallers = 4, kPoses = 3;
+  using Pressures = std::array<std::vector<double>, kPoses>;
+  const auto press = [&](int caller, Pressures& pressures) {
+    PressMemory memory;
+    for (int i = 0; i < kPoses; ++i) {
+      Pose source = at_rest(joint.bodies[static_cast<std::size_t>(bed.source_body)]),
+           target = at_rest(joint.bodies[static_cast<std::size_t>(bed.target_body)]);
+      target.center += Vector3d(0.01 * caller, 0.005 * i, -0.02 * (i + 1));
+      pressures[static_cast<std::size_t>(i)] = press_springs(bed, source, target, {}, &memory).pressure;
+    }
+  };
+  std::array<Pressures, kCallers> alone, together;
+  for (int c = 0; c < kCallers; ++c) press(c, alone[static_cast<std::size_t>(c)]);
+  std::vector<std::thread> threads;
+  for (int c = 0; c < kCallers; ++c) threads.emplace_back([&, c] { press(c, together[static_cast<std::size_t>(c)]); });
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(alone, together);
+  EXPECT_GT(*std::max_element(alone[3][2].begin(), alone[3][2].end()), 0.0);
+}
+
+// What was solved before does not matter, nor do other analyses that run at the same time.
+TEST(LayerBed, AnalysesDoNotFeelEachOther) {
+  const JointModel one = concentric_spheres(12, 500, true, 3), two = concentric_spheres(10, 300, false, 2);
+  const auto last = [](const JointModel& model) {
+    return analyse(model, layer_settings()).states.back().fields[0].sides[1].pressure;
+  };
+  const auto alone_one = last(one), alone_two = last(two);
+  std::vector<double> with_one, with_two;
+  std::thread first([&] { with_one = last(one); }), second([&] { with_two = last(two); });
+  first.join();
+  second.join();
+  EXPECT_EQ(alone_one, with_one);
+  EXPECT_EQ(alone_two, with_two);
+}
+
 TEST(LayerBed, RigidMotionOfTheModel) {
   const JointModel model = concentric_spheres(10, 300, true);
   JointModel turned = model;

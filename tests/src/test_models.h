@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/model/joint_model.h>
 
 namespace dea::test {
@@ -17,7 +18,7 @@ inline Settings linear() {
   return settings;
 }
 
-inline constexpr double kPi = 3.14159265358979323846;
+using dea::kPi;
 inline constexpr double kE = 11.85, kNu = 0.45;
 
 /// Point of a patch for parameters u, v in [0, 1].
