@@ -21,9 +21,12 @@
 #include <febiodea/plugin/read_fe_model.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/springs/press.h>
+#include <febiodea/springs/spring_law.h>
 #include <febiodea/springs/wrench.h>
 
 namespace {
+
+using dea::at;
 
 vec3d to_fe(const dea::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 dea::Vector3d from_fe(const vec3d& v) { return {v.x, v.y, v.z}; }
