@@ -100,7 +100,7 @@ inline constexpr double kGivenPoseTolerance = 1e-7;
 struct PressOptions {
   Motions motions = kAllMotions;          ///< whose `rates`: they cost more than the pressures; the others' stay zero
   double tolerance = kPressureTolerance;  ///< of `complementarity`
-  double rate_tolerance = 1e-7;           ///< of `rates`, relative: Newton's method with them is quadratic down to it
+  double rate_tolerance = 1e-7;           ///< of `rates`, relative
 };
 
 /// What a search may start from: pressures at one pose, their rates (springs x 6, as SpringStates::rates), that pose.
