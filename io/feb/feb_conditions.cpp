@@ -648,8 +648,7 @@ void read_constraint(Reading& reading, const XMLElement& element) {
     name_connector_again(reading, element);
   } else if (type == "symmetry plane") {
     reading.connector_names.insert(attribute(element, "name"));
-    const auto found = reading.surface_index.find(attribute(element, "surface"));
-    const int place = found == reading.surface_index.end() ? -1 : found->second;
+    const int place = find_name(reading.surface_index, attribute(element, "surface"));
     const int axis =
         place < 0 ? -1 : febio::plane_axis(reading.model, reading.model.surfaces[static_cast<std::size_t>(place)]);
     if (axis < 0)

@@ -147,11 +147,6 @@ void add_name(const Reading& reading, const XMLElement& element, Index& index, c
   }
 }
 
-int find_name(const std::map<std::string, int, std::less<>>& index, const std::string& name) {
-  const auto place = index.find(name);
-  return place == index.end() ? -1 : place->second;
-}
-
 // -- nodes and elements ------------------------------------------------------------------------------
 
 /// An id of the model for a node or element of an instance: the part's own unless it is taken.

@@ -245,4 +245,9 @@ int need_rigid(const Reading& reading, const XMLElement& element, const std::str
   return index;
 }
 
+int find_name(const std::map<std::string, int, std::less<>>& index, const std::string& name) {
+  const auto place = index.find(name);
+  return place == index.end() ? -1 : place->second;
+}
+
 }  // namespace dea::feb

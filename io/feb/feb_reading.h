@@ -354,4 +354,7 @@ int need_controller(const JointModel& model, int id, Origin origin);
 /// Load controllers by id, steps and must points: when every section has been read.
 void finish(Reading& reading);
 
+/// The place of a name in one of the indices; -1: it is not there.
+int find_name(const std::map<std::string, int, std::less<>>& index, const std::string& name);
+
 }  // namespace dea::feb

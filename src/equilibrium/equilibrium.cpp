@@ -534,11 +534,9 @@ double too_deep_area(const Problem& problem, const Evaluation& e) {
   return area;
 }
 
-/// By a motion of the unknowns, to first order (E2): how the gap of each spring of a contact changes. Zero for those
-/// that face nothing.
-std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std::size_t contact,
-                                const VectorXd& motion) {
-  const VectorXd all = on_all_dofs(problem, e, motion);
+/// By a motion of all dofs, to first order (E2): how the gap of each spring of a contact changes. Zero for those that
+/// face nothing.
+std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std::size_t contact, const VectorXd& all) {
   const SpringStates& s = e.springs[contact];
   const SpringBed& bed = problem.beds.beds[contact];
   const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
@@ -555,10 +553,11 @@ std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std
 
 /// How far along `direction` (a motion of the unknowns) the first spring closes, to first order: infinity if none does.
 double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
+  const VectorXd all = on_all_dofs(problem, e, direction);
   double first = kInfinity;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
-    const std::vector<double> opened = gap_motions(problem, e, c, direction);
+    const std::vector<double> opened = gap_motions(problem, e, c, all);
     for (std::size_t k = 0; k < opened.size(); ++k)
       if (s.coverage[k] > 0 && opened[k] < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -opened[k]);
   }
@@ -567,10 +566,11 @@ double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& 
 
 /// The most that any spring under pressure closes or opens by a motion of the unknowns, to first order.
 double closing_motion(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  const VectorXd all = on_all_dofs(problem, e, motion);
   double largest = 0.0;
   for (std::size_t c = 0; c < e.springs.size(); ++c) {
     const SpringStates& s = e.springs[c];
-    const std::vector<double> opened = gap_motions(problem, e, c, motion);
+    const std::vector<double> opened = gap_motions(problem, e, c, all);
     for (std::size_t k = 0; k < opened.size(); ++k)
       if (s.pressure[k] > 0) largest = std::max(largest, std::abs(opened[k]));
   }

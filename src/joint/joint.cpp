@@ -1020,44 +1020,49 @@ Layer make_layer(const Recognition& r, const Contact& contact, int side) {
   return layer;
 }
 
+/// The triangles that two surfaces share.
+int shared_triangles(const SurfaceMesh& a, const SurfaceMesh& b) {
+  const auto nodes = [](const SurfaceMesh& mesh, int t) {
+    std::array<int, 3> n;
+    for (std::size_t k = 0; k < 3; ++k) n[k] = mesh.model_nodes[at(mesh.triangles[at(t)][k])];
+    std::sort(n.begin(), n.end());
+    return n;
+  };
+  std::set<std::array<int, 3>> of_a;
+  for (int t = 0; t < a.size(); ++t) of_a.insert(nodes(a, t));
+  int shared = 0;
+  for (int t = 0; t < b.size(); ++t) shared += static_cast<int>(of_a.count(nodes(b, t)));
+  return shared;
+}
+
 /// Contacts of different names that press facets of the same cartilage. InputError: the same facets twice, between the
 /// same bodies.
 void note_shared_layers(const JointModel& model, Joint& joint, const ContactPair& pair) {
   for (const ContactPair& other : joint.contacts) {
     if (pair.step >= 0 && other.step >= 0 && pair.step != other.step) continue;
-    for (const Layer& a : pair.layers)
-      for (const Layer& b : other.layers) {
+    for (int side = 0; side < 2; ++side)
+      for (int other_side = 0; other_side < 2; ++other_side) {
+        const Layer &a = pair.layers[side], &b = other.layers[other_side];
         if (a.rigid || b.rigid || a.body != b.body) continue;
-        std::set<std::array<int, 3>> triangles;
-        const auto corners = [](const SurfaceMesh& mesh, int t) {
-          std::array<int, 3> c;
-          for (std::size_t k = 0; k < 3; ++k) c[k] = mesh.model_nodes[at(mesh.triangles[at(t)][k])];
-          std::sort(c.begin(), c.end());
-          return c;
-        };
-        for (int t = 0; t < a.articular.size(); ++t) triangles.insert(corners(a.articular, t));
-        int twice = 0;
-        for (int t = 0; t < b.articular.size(); ++t)
-          twice += static_cast<int>(triangles.count(corners(b.articular, t)));
+        const std::set<int> nodes(a.articular.model_nodes.begin(), a.articular.model_nodes.end());
+        if (std::none_of(b.articular.model_nodes.begin(), b.articular.model_nodes.end(),
+                         [&](int node) { return nodes.count(node) > 0; }))
+          continue;
         const std::string &one = model.surfaces[at(b.surface)].name, &two = model.surfaces[at(a.surface)].name;
-        const bool same_bodies =
-            pair.layers[0].body + pair.layers[1].body == other.layers[0].body + other.layers[1].body;
-        if (twice > 0 && same_bodies)
+        const bool same_partner = pair.layers[1 - side].body == other.layers[1 - other_side].body;
+        const int twice = same_partner ? shared_triangles(a.articular, b.articular) : 0;
+        if (twice > 0)
           throw fault_at(
               model, model.contacts[at(pair.contact)].origin,
               fmt::format("contacts \"{}\" and \"{}\" both press {} facets of the same layer (surfaces \"{}\" "
                           "and \"{}\"), which would count twice: give each facet to one of them, or keep one "
                           "contact with --contact \"{}\"",
                           other.name, pair.name, (twice + 1) / 2, one, two, other.name));
-        const std::set<int> nodes(a.articular.model_nodes.begin(), a.articular.model_nodes.end());
-        if (std::any_of(b.articular.model_nodes.begin(), b.articular.model_nodes.end(),
-                        [&](int node) { return nodes.count(node) > 0; }))
-          joint.findings.push_back(fmt::format(
-              "contacts \"{}\" and \"{}\" press the same layer side by side (surfaces \"{}\", \"{}\"): each is solved "
-              "as "
-              "if the other did not press; where both press within two thicknesses of each other their pressures come "
-              "out too high or too low there: one contact with one surface tells it right",
-              other.name, pair.name, one, two));
+        joint.findings.push_back(fmt::format(
+            "contacts \"{}\" and \"{}\" press the same layer side by side (surfaces \"{}\", \"{}\"): each is solved as "
+            "if the other did not press; where both press within two thicknesses of each other their pressures come "
+            "out too high or too low there: one contact with one surface tells it right",
+            other.name, pair.name, one, two));
       }
   }
 }

@@ -42,8 +42,7 @@ void check_contacts(const JointModel& model, JointCheck& check) {
     found.springs = springs.size();
     found.springs_hit = static_cast<int>(gaps.size());
     const auto quantile = [&](double q) {
-      return gaps.empty() ? std::numeric_limits<double>::quiet_NaN()
-                          : gaps[static_cast<std::size_t>(q * static_cast<double>(gaps.size() - 1))];
+      return gaps.empty() ? kNaN : gaps[static_cast<std::size_t>(q * static_cast<double>(gaps.size() - 1))];
     };
     found.gap_min = quantile(0.0);
     found.gap_p5 = quantile(0.05);

@@ -192,14 +192,14 @@ TEST(SurfaceMesh, CreasesAreNotRounded) {
     return make_surface_mesh(begin, nodes, model.nodes);
   };
   for (const double degrees : {16.0, 25.0, 39.0, 45.0, 59.0, 80.0}) {
-    const double slope = std::tan(degrees * 3.14159265358979323846 / 180);
+    const double slope = std::tan(degrees * kPi / 180);
     std::vector<Eigen::Vector2d> roof;
     for (int i = 0; i <= 8; ++i) roof.emplace_back(i, i <= 4 ? 0 : (4 - i) * slope);
     for (const auto& b : strip(roof, 5).bulge)
       for (const double height : b) EXPECT_NEAR(height, 0, 1e-12) << degrees;
   }
   std::vector<Eigen::Vector2d> prism;
-  const double step = 3.14159265358979323846 / 6;
+  const double step = kPi / 6;
   for (int i = 0; i <= 6; ++i) prism.emplace_back(-std::cos(i * step), std::sin(i * step));
   const SurfaceMesh mesh = strip(prism, 5);
   double highest = 0;
