@@ -1,6 +1,7 @@
 #include <febiodea/plugin/read_fe_model.h>
 
 #include <FEBioLib/FEBioModel.h>
+#include <FEBioMech/FERigidConnector.h>
 #include <FEBioMech/RigidBC.h>
 #include <FECore/FEAnalysis.h>
 #include <FECore/FEBodyLoad.h>
@@ -266,6 +267,14 @@ void set_expression(Reading& reading, FECoreBase& fe, LoadController& controller
   if (!fault.empty()) controller.unsupported = fmt::format("expression {}: {}", quote(controller.expression), fault);
 }
 
+/// Interpolation, extension and points of a curve.
+void set_curve(LoadController& curve, const FELoadCurve& fe) {
+  febio::set_interpolate(curve, std::to_string(fe.GetInterpolation()));
+  febio::set_extend(curve, std::to_string(fe.GetExtendMode()));
+  for (const vec2d& point : fe.GetPoints()) curve.points.push_back({point.x(), point.y()});
+  febio::check_times(curve);
+}
+
 void read_controllers(Reading& reading) {
   for (int i = 0; i < reading.fem.LoadControllers(); ++i) {
     FELoadController& fe = *reading.fem.GetLoadController(i);
@@ -273,7 +282,7 @@ void read_controllers(Reading& reading) {
     controller.id = i + 1;
     controller.name = fe.GetName();
     if (const auto* curve = dynamic_cast<const FELoadCurve*>(&fe))
-      set_curve(controller, curve->GetInterpolation(), curve->GetExtendMode(), curve->GetPoints());
+      set_curve(controller, *curve);
     else if (type_of(fe) == "math")
       set_expression(reading, fe, controller);
     else
@@ -319,236 +328,106 @@ void read_steps(Reading& reading) {
   if (model.steps.empty()) model.steps.push_back({"", 1.0, 0.1, {}, kNowhere});  // FEBio's defaults
 }
 
-// -- nodes -------------------------------------------------------------------------------------------
+// -- conditions ----------------------------------------------------------------------------------------
 
-std::vector<int> nodes_of(const Reading& reading, FENodalBC& condition) {
+/// Nodes of a set, for a condition of this name.
+febio::OnNodes on_nodes(const Reading& reading, const FEStepComponent& condition, const FENodeSet& set) {
+  febio::OnNodes on = {{}, condition.GetName(), set.GetName(), kNowhere, steps_of(reading, condition)};
+  for (int i = 0; i < set.Size(); ++i) on.nodes.push_back(set[i]);
+  return on;
+}
+
+febio::OnNodes on_nodes(const Reading& reading, FENodalBC& condition) {
   FENodeSet* set = condition.GetNodeSet();
   if (set == nullptr) fail(reading, fmt::format("bc {} without a node set", quote(type_of(condition))));
-  std::vector<int> nodes;
-  for (int i = 0; i < set->Size(); ++i) nodes.push_back((*set)[i]);
-  return nodes;
+  return on_nodes(reading, condition, *set);
 }
 
-/// Holds the nodes of a condition in x, y, z as flagged.
-void fix_nodes(Reading& reading, FENodalBC& condition, const std::array<bool, 3>& xyz) {
-  if (!xyz[0] && !xyz[1] && !xyz[2]) return;
-  add(reading, condition, reading.model.fixed_nodes, FixedNodes{nodes_of(reading, condition), xyz, -1, {}, {}});
-}
-
-void prescribe_nodes(Reading& reading, FENodalBC& condition, const char* value) {
-  const int dof = need_int(reading, condition, "dof");
-  const int place = xyz_of(reading, dof);
-  if (place < 0) {
-    const std::string name = dof_name(reading, dof);
-    if (one_of(name, {"u", "v", "w", "sx", "sy", "sz"}))
-      unsupported(reading, fmt::format("prescribed shell dof {}", quote(name)),
-                  "take it out: DEA has no deformable shells, take their material as rigid with --rigid");
-    else
-      ignore(reading, fmt::format("prescribed dof {}: no displacement", quote(name)));
-  } else if (is_zero(need_parameter(reading, condition, value)) && !flag(condition, "relative")) {
-    std::array<bool, 3> xyz = {};
-    xyz[static_cast<std::size_t>(place)] = true;
-    fix_nodes(reading, condition, xyz);
-  } else if (!number_of(need_parameter(reading, condition, value))) {  // a map or an expression of the place
-    unsupported(reading, febio::kMovedApart, febio::kMovedApartAdvice);
-  } else {
-    PrescribedNodes prescribed;
-    prescribed.nodes = nodes_of(reading, condition);
-    prescribed.component = place;
-    prescribed.value = need_scaled(reading, condition, value);
-    prescribed.relative = flag(condition, "relative");
-    const std::string set = condition.GetNodeSet()->GetName();
-    std::vector<PrescribedNodes>& all = reading.model.prescribed_nodes;
-    const std::size_t before = all.size();
-    add(reading, condition, all, prescribed);
-    for (std::size_t i = before; i < all.size(); ++i)
-      if (all[i].name.empty()) all[i].name = set.empty() ? "moved nodes" : set;
-  }
-}
-
+/// Before all other conditions: which nodes are a body's.
 void read_rigid_nodes(Reading& reading) {
   for (int i = 0; i < reading.fem.BoundaryConditions(); ++i) {
     auto* nodal = dynamic_cast<FENodalBC*>(reading.fem.BoundaryCondition(i));
     if (nodal == nullptr || type_of(*nodal) != "rigid") continue;
-    add(reading, *nodal, reading.model.rigid_nodes,
-        RigidNodes{body_of(reading, *nodal), nodes_of(reading, *nodal), -1, {}, {}});
+    const febio::OnNodes on = on_nodes(reading, *nodal);
+    febio::add(reading.model.rigid_nodes,
+               RigidNodes{febio::body_of(reading, component_of(reading, *nodal, "bc")), on.nodes, -1, {}, {}}, on.name,
+               kNowhere, on.steps);
   }
+}
+
+void read_boundary_condition(Reading& reading, FEBoundaryCondition& fe) {
+  const febio::Component component = component_of(reading, fe, "bc");
+  const std::string& type = component.type;
+  auto* nodal = dynamic_cast<FENodalBC*>(&fe);
+  const auto prescribe = [&](const char* value) {
+    febio::prescribe_nodes(reading, on_nodes(reading, *nodal), febio::text_of(component, "dof"),
+                           febio::find(component, value), febio::flag_of(reading, component, "relative"));
+  };
+  if (nodal == nullptr)
+    febio::other_boundary_condition(reading, component, fmt::format("bc {}", quote(type)));
+  else if (type == "zero displacement")
+    febio::zero_displacement(reading, component, on_nodes(reading, *nodal));
+  else if (type == "fix")
+    febio::fix_nodes(reading, on_nodes(reading, *nodal), febio::text_of(component, "dofs"));
+  else if (type == "prescribed displacement")
+    prescribe("value");
+  else if (type == "prescribe")
+    prescribe("scale");
+  else if (type != "rigid")  // read_rigid_nodes
+    febio::other_boundary_condition(reading, component, fmt::format("bc {}", quote(type)));
 }
 
 void read_boundary(Reading& reading) {
   for (int i = 0; i < reading.fem.BoundaryConditions(); ++i) {
     FEBoundaryCondition& fe = *reading.fem.BoundaryCondition(i);
-    const std::string type = type_of(fe);
-    auto* nodal = dynamic_cast<FENodalBC*>(&fe);
-    if (dynamic_cast<FERigidBC*>(&fe) != nullptr) continue;  // read_rigid_conditions
-    if (type == "zero displacement" && nodal != nullptr) {
-      const std::array<bool, 3> xyz = {flag(fe, "x_dof"), flag(fe, "y_dof"), flag(fe, "z_dof")};
-      if (!xyz[0] && !xyz[1] && !xyz[2]) ignore(reading, "zero displacement of no component");
-      fix_nodes(reading, *nodal, xyz);
-    } else if (type == "fix" && nodal != nullptr) {
-      std::array<bool, 3> xyz = {};
-      for (const int dof : need_parameter(reading, fe, "dofs").value<std::vector<int>>()) {
-        const int place = xyz_of(reading, dof);
-        if (place >= 0)
-          xyz[static_cast<std::size_t>(place)] = true;
-        else
-          ignore(reading, fmt::format("fixed dof {}: no displacement", quote(dof_name(reading, dof))));
-      }
-      fix_nodes(reading, *nodal, xyz);
-    } else if (type == "prescribed displacement" && nodal != nullptr) {
-      prescribe_nodes(reading, *nodal, "value");
-    } else if (type == "prescribe" && nodal != nullptr) {
-      prescribe_nodes(reading, *nodal, "scale");
-    } else if (type == "rigid" && nodal != nullptr) {
-      continue;  // read_rigid_nodes
-    } else if (type == "zero rotation" || type == "zero shell displacement" || has(type, "fluid") ||
-               has(type, "concentration") || has(type, "temperature")) {
-      ignore(reading, fmt::format("bc {}", quote(type)));
-    } else {
-      unsupported(reading, fmt::format("bc {}", quote(type)), febio::word_advice(febio::WordOf::Boundary, type));
-    }
+    if (dynamic_cast<FERigidBC*>(&fe) == nullptr) read_boundary_condition(reading, fe);  // read_rigid_conditions
   }
   if (reading.fem.GetLinearConstraintManager().LinearConstraints() > 0)
     unsupported(reading, "bc \"linear constraint\"", febio::word_advice(febio::WordOf::Boundary, "linear constraint"));
 }
 
-// -- rigid bodies ------------------------------------------------------------------------------------
-
-void add_prescribed(Reading& reading, FEStepComponent& fe, int dof, const Scaled& value) {
-  if (dof < 0 || dof >= kDofs) fail(reading, fmt::format("{} without a dof", quote(type_of(fe))));
-  RigidPrescribed motion;
-  motion.material = body_of(reading, fe);
-  motion.dof = dof;
-  motion.value = value;
-  motion.relative = flag(fe, "relative");
-  add(reading, fe, reading.model.rigid_prescribed, std::move(motion));
-}
-
-void remark_double_motion(Reading& reading) {
-  std::map<std::pair<int, int>, const RigidPrescribed*> before;  // of a material and dof
-  for (const RigidPrescribed& motion : reading.model.rigid_prescribed) {
-    const RigidPrescribed*& other = before[{motion.material, motion.dof}];
-    if (other != nullptr && (other->step == motion.step || other->step < 0)) {
-      ignore(reading, fmt::format("prescribed {} of {}: it is prescribed again, and the last one counts, as in FEBio",
-                                  kDofNames[motion.dof],
-                                  quote(reading.model.materials[static_cast<std::size_t>(motion.material)].name)));
-    }
-    other = &motion;
-  }
-}
-
-/// Euler angles [degrees]: x, then y, then z about the fixed axes. As a rotation vector if they are constant; a single
-/// angle may follow a load controller.
-void read_euler_angles(Reading& reading, FEStepComponent& fe) {
-  constexpr double kDegree = std::numbers::pi / 180.0;
-  std::array<Scaled, 3> angles;
-  int turning = 0, steered = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    angles[i] = need_scaled(reading, fe, std::array{"Ex", "Ey", "Ez"}[i]);
-    if (angles[i].factor == 0) angles[i].controller = -1;
-    angles[i].factor *= kDegree;
-    turning += angles[i].factor != 0 ? 1 : 0;
-    steered += angles[i].controller >= 0 ? 1 : 0;
-  }
-  if (turning > 1 && steered > 0) {
-    unsupported(reading, "rigid_euler_angles of which several turn and one follows a load controller",
-                "give rigid_rotation_vector, or let one angle alone turn");
-    return;
-  }
-  if (turning > 1) {
-    const Eigen::Quaterniond q = Eigen::AngleAxisd(angles[2].factor, Vector3d::UnitZ()) *
-                                 Eigen::AngleAxisd(angles[1].factor, Vector3d::UnitY()) *
-                                 Eigen::AngleAxisd(angles[0].factor, Vector3d::UnitX());
-    const Eigen::AngleAxisd turn(q);
-    for (int i = 0; i < 3; ++i) angles[static_cast<std::size_t>(i)].factor = turn.angle() * turn.axis()[i];
-  }
-  for (std::size_t i = 0; i < 3; ++i) add_prescribed(reading, fe, 3 + static_cast<int>(i), angles[i]);
-}
-
-/// Place of the dof among kDofNames; -1: none of them.
-int rigid_dof_of(Reading& reading, FECoreBase& fe) {
-  const int dof = need_int(reading, fe, "dof");
-  for (int i = 0; i < kDofs; ++i)
-    if (dof == reading.fem.GetDOFIndex(kDofNames[i])) return i;
-  return -1;
-}
-
 void read_rigid_conditions(Reading& reading) {
-  constexpr const char* kFlags[kDofs] = {"Rx_dof", "Ry_dof", "Rz_dof", "Ru_dof", "Rv_dof", "Rw_dof"};
   for (int i = 0; i < reading.fem.RigidBCs(); ++i) {
     FERigidBC& fe = *reading.fem.GetRigidBC(i);
-    const std::string type = type_of(fe);
-    if (type == "rigid_fixed" || type == "rigid_fixed_old") {
-      RigidFixed fixed;
-      fixed.material = body_of(reading, fe);
-      if (type == "rigid_fixed") {
-        for (std::size_t k = 0; k < kDofs; ++k) fixed.dofs[k] = flag(fe, kFlags[k]);
-      } else {
-        for (const int dof : need_parameter(reading, fe, "dofs").value<std::vector<int>>()) {
-          if (dof < 0 || dof >= kDofs) fail(reading, "rigid condition with a dof that is none of Rx,Ry,Rz,Ru,Rv,Rw");
-          fixed.dofs[static_cast<std::size_t>(dof)] = true;
-        }
-      }
-      add(reading, fe, reading.model.rigid_fixed, std::move(fixed));
-    } else if (type == "rigid_prescribed_old") {
-      add_prescribed(reading, fe, need_int(reading, fe, "dof"), need_scaled(reading, fe, "value"));
-    } else if (type == "rigid_displacement" || type == "rigid_rotation") {
-      add_prescribed(reading, fe, rigid_dof_of(reading, fe), need_scaled(reading, fe, "value"));
-    } else if (type == "rigid_rotation_vector") {
-      add_prescribed(reading, fe, 3, need_scaled(reading, fe, "vx"));
-      add_prescribed(reading, fe, 4, need_scaled(reading, fe, "vy"));
-      add_prescribed(reading, fe, 5, need_scaled(reading, fe, "vz"));
-    } else if (type == "rigid_euler_angles") {
-      read_euler_angles(reading, fe);
-    } else {
-      unsupported(reading, fmt::format("rigid_bc {}", quote(type)),
-                  febio::word_advice(febio::WordOf::RigidCondition, type));
-    }
+    febio::Component component = component_of(reading, fe, "rigid_bc");
+    // FEBio's words for what files before 4.0 say
+    if (component.type == "rigid_fixed_old") component.type = "fix";
+    if (component.type == "rigid_prescribed_old") component.type = "prescribe";
+    if (!febio::rigid_condition(reading, component, steps_of(reading, fe)))
+      unsupported(reading, fmt::format("rigid_bc {}", quote(component.type)),
+                  febio::word_advice(febio::WordOf::RigidCondition, component.type));
   }
 }
 
-/// A load whose factor, or all of whose values, are zero.
-bool is_zero_load(FEModelLoad& fe) {
-  FEParam* scale = fe.GetParameter("scale");
-  if (scale != nullptr && is_zero(*scale)) return true;
-  bool found = false;
-  for (const char* name : {"pressure", "traction", "value", "force"}) {
-    FEParam* parameter = fe.GetParameter(name);
-    if (parameter == nullptr) continue;
-    if (!is_zero(*parameter)) return false;
-    found = true;
-  }
-  return found;
+/// FEBio's section of a load: its tag in a file.
+const char* tag_of(FEModelLoad& fe) {
+  return dynamic_cast<FESurfaceLoad*>(&fe) != nullptr ? "surface_load"
+         : dynamic_cast<FENodalLoad*>(&fe) != nullptr ? "nodal_load"
+         : dynamic_cast<FEBodyLoad*>(&fe) != nullptr  ? "body_load"
+         : type_of(fe).rfind("rigid", 0) == 0         ? "rigid_load"
+                                                      : "load";
+}
+
+void read_nodal_load(Reading& reading, FENodalLoad& fe, const febio::Component& component) {
+  const FENodeSet* set = fe.GetNodeSet();
+  if (set == nullptr)
+    fail(reading, "nodal_load without a node set: FEBio 4 forgets it in files of version 2.0, save the file as 4.0");
+  febio::nodal_load(reading, component, on_nodes(reading, fe, *set));
 }
 
 void read_loads(Reading& reading) {
   for (int i = 0; i < reading.fem.ModelLoads(); ++i) {
     FEModelLoad& fe = *reading.fem.ModelLoad(i);
-    const std::string type = type_of(fe);
-    if (read_rigid_load(reading, fe)) continue;
-    const char* section = dynamic_cast<FESurfaceLoad*>(&fe) != nullptr ? "surface_load"
-                          : dynamic_cast<FENodalLoad*>(&fe) != nullptr ? "nodal_load"
-                          : dynamic_cast<FEBodyLoad*>(&fe) != nullptr  ? "body_load"
-                          : type.rfind("rigid", 0) == 0                ? "rigid_load"
-                                                                       : "load";
-    const std::string what = fmt::format("{} {}", section, quote(type));
-    const bool of_fluid =
-        type.rfind("fluid", 0) == 0 || type.rfind("solute", 0) == 0 || type.rfind("concentration", 0) == 0;
-    if (is_zero_load(fe))
-      ignore(reading, what + " of zero");
-    else if (of_fluid && !has(type, "FSI"))
-      ignore(reading, what);
+    if (febio::rigid_condition(reading, rigid_load_of(reading, fe), steps_of(reading, fe))) continue;
+    const febio::Component component = component_of(reading, fe, tag_of(fe));
+    auto* nodal = dynamic_cast<FENodalLoad*>(&fe);
+    if (nodal != nullptr && (component.type == "nodal_load" || component.type == "nodal_force"))
+      read_nodal_load(reading, *nodal, component);
     else
-      unsupported(reading, what, febio::load_advice(section, type));
+      febio::other_load(reading, component);
   }
-  for (int i = 0; i < reading.fem.InitialConditions(); ++i) {
-    const std::string type = type_of(*reading.fem.InitialCondition(i));
-    if (has(type, "prestrain"))
-      unsupported(reading, fmt::format("initial {}", quote(type)),
-                  "take it out: DEA's cartilage starts without stress");
-    else
-      ignore(reading, "initial conditions");
-  }
+  for (int i = 0; i < reading.fem.InitialConditions(); ++i)
+    febio::initial_condition(reading, component_of(reading, *reading.fem.InitialCondition(i), "ic"));
 }
 
 /// The facet set a contact's surface was built from; -1: none.
@@ -558,44 +437,26 @@ int surface_index(const Reading& reading, FESurface* surface) {
   return place == reading.surfaces.end() ? -1 : place->second;
 }
 
-void read_constraints(Reading& reading) {
-  for (int i = 0; i < reading.fem.NonlinearConstraints(); ++i) {
-    FENLConstraint& fe = *reading.fem.NonlinearConstraint(i);
-    const std::string type = type_of(fe);
-    if (read_connector(reading, fe)) continue;
-    if (type == "symmetry plane") {
-      auto* on_surface = dynamic_cast<FESurfaceConstraint*>(&fe);
-      const int place = on_surface == nullptr ? -1 : surface_index(reading, on_surface->GetSurface());
-      const int axis =
-          place < 0 ? -1 : febio::plane_axis(reading.model, reading.model.surfaces[static_cast<std::size_t>(place)]);
-      if (axis < 0) {
-        unsupported(reading, "constraint \"symmetry plane\"", febio::kPlaneAdvice);
-      } else {
-        std::array<bool, 3> xyz = {};
-        xyz[static_cast<std::size_t>(axis)] = true;
-        add(reading, fe, reading.model.fixed_nodes,
-            FixedNodes{
-                febio::nodes_of_surface(reading.model.surfaces[static_cast<std::size_t>(place)]), xyz, -1, {}, {}});
-      }
-    } else
-      unsupported(reading, fmt::format("constraint {}", quote(type)),
-                  febio::word_advice(febio::WordOf::Connector, type));
+void read_constraint(Reading& reading, FENLConstraint& fe) {
+  auto* connector = dynamic_cast<FERigidConnector*>(&fe);
+  const febio::Component component =
+      connector != nullptr ? connector_of(reading, *connector) : component_of(reading, fe, "constraint");
+  const febio::Steps steps = steps_of(reading, fe);
+  if (component.type == "symmetry plane") {
+    auto* plane = dynamic_cast<FESurfaceConstraint*>(&fe);
+    const int surface = plane == nullptr ? -1 : surface_index(reading, plane->GetSurface());
+    febio::symmetry_plane(reading, component, surface, steps);
+  } else if (!febio::rigid_connector(reading, component, steps)) {
+    febio::other_constraint(reading, component);
   }
+}
+
+void read_constraints(Reading& reading) {
+  for (int i = 0; i < reading.fem.NonlinearConstraints(); ++i)
+    read_constraint(reading, *reading.fem.NonlinearConstraint(i));
 }
 
 // -- contact ------------------------------------------------------------------------------------------
-
-std::vector<std::string> ignored_parameters(Reading& reading, FECoreBase& fe, const std::string& type) {
-  std::vector<std::string> ignored;
-  for (const febio::ContactParameter& usual : febio::unused_contact_parameters(type)) {
-    FEParam* parameter = fe.GetParameter(usual.name);
-    if (parameter == nullptr) continue;
-    const auto value = number_of(*parameter);
-    if (value && *value == usual.usual && controller_of(reading, *parameter) < 0) continue;
-    ignored.push_back(fmt::format("{} = {}", usual.name, value ? fmt::format("{:g}", *value) : "not one number"));
-  }
-  return ignored;
-}
 
 void read_contacts(Reading& reading) {
   for (int i = 0; i < reading.fem.SurfacePairConstraints(); ++i) {
@@ -618,8 +479,9 @@ void read_contacts(Reading& reading) {
     contact.name = fe.GetName();
     if (contact.name.empty()) contact.name = fmt::format("contact {}", reading.model.contacts.size() + 1);
     contact.kind = *kind;
-    if (FEParam* distance = fe.GetParameter("max_distance")) contact.max_distance = number_of(*distance).value_or(0.0);
-    contact.ignored = ignored_parameters(reading, fe, contact.type);
+    const febio::Component component = component_of(reading, fe, "contact");
+    contact.max_distance = febio::number_of(reading, component, "max_distance", 0.0);
+    contact.ignored = febio::ignored_contact_parameters(component);
     if (auto* own = dynamic_cast<StatesContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
     contact.step = steps_of(reading, fe).front();  // a contact is of one step, or of all
     reading.model.contacts.push_back(std::move(contact));
@@ -632,7 +494,7 @@ JointModel read_fe_model(FEModel& fem) {
   auto* mechanics = dynamic_cast<FEMechModel*>(&fem);
   if (mechanics == nullptr) throw InputError("a model without mechanics");
   auto* febio_model = dynamic_cast<FEBioModel*>(&fem);
-  Reading reading{*mechanics, mechanics->RigidBodies() > 0, {}, {}, {}, {}, {}, {}};
+  Reading reading(*mechanics);
   JointModel& model = reading.model;
   model.files = {febio_model != nullptr ? febio_model->GetInputFileName() : std::string("model")};
   model.module = fem.GetModuleName();
@@ -653,8 +515,9 @@ JointModel read_fe_model(FEModel& fem) {
   read_contacts(reading);
   read_discrete(reading);
   if (fem.MeshAdaptors() > 0) ignore(reading, "mesh adaptors");
-  check_joints(reading);
-  remark_double_motion(reading);
+  febio::resolve_controllers(model);
+  febio::check_joints(reading);
+  febio::remark_double_motion(reading);
   febio::refuse_moved_rigid_nodes(model, reading.unsupported_index);
   febio::refuse_unusable_controllers(model);
   return std::move(reading.model);

@@ -195,7 +195,7 @@ namespace {
 
 /// Gives a domain its material: by name, or by id where the format allows it.
 void assign_material(Reading& reading, const XMLElement& element, int domain, const std::string& mat, bool by_id) {
-  int material = find_material(reading, element, mat);
+  int material = febio::find_material(reading, origin_of(reading, element), mat);
   const auto id = whole_int(mat);
   if (material < 0 && by_id && id) {
     for (std::size_t i = 0; i < reading.model.materials.size(); ++i) {

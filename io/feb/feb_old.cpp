@@ -96,12 +96,23 @@ double value_of_all(const Reading& reading, const XMLElement& element) {
   return *value;
 }
 
+/// What a <spring> says of itself, in the words of a discrete material.
+febio::DiscreteMaterial old_material(Reading& reading, const XMLElement& element) {
+  febio::Component component = component_of(reading, element);
+  std::string& type = component.type;
+  if (type.empty() || type == "linear" || type == "tension-only linear" || type == "nonlinear")
+    type += type.empty() ? "linear spring" : " spring";
+  febio::DiscreteMaterial material = febio::discrete_material(reading, component);
+  if (!material.advice.empty()) material.unsupported = fmt::format("spring {}", quote(type));
+  return material;
+}
+
 }  // namespace
 
 void read_old_contact(Reading& reading, const XMLElement& element) {
   const std::string type = need_attribute(reading, element, "type");
   if (type == "rigid") return read_rigid_nodes(reading, element);
-  if (rigid_connector(reading, element, type)) return;
+  if (rigid_connector(reading, element)) return;
   if (!febio::contact_kind(type))
     return unsupported_word(reading, element, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
   std::string name = attribute(element, "name");
@@ -123,26 +134,7 @@ void read_old_contact(Reading& reading, const XMLElement& element) {
 }
 
 void read_old_spring(Reading& reading, const XMLElement& element) {
-  const std::string type = attribute(element, "type");
-  DiscreteMaterial material;
-  const bool linear = type.empty() || type == "linear" || type == "linear spring";
-  const bool tension_only = type == "tension-only linear" || type == "tension-only linear spring";
-  if (linear || tension_only) {
-    const XMLElement* E = element.FirstChildElement("E");
-    material.springs.tension_only = tension_only;
-    if (E != nullptr && (E->Attribute("lc") != nullptr || E->Attribute("type") != nullptr))
-      material.unsupported = "spring whose E is not one number";
-    else
-      material.springs.stiffness = child_double(reading, element, "E", 1.0);
-  } else if (type == "nonlinear" || type == "nonlinear spring") {
-    read_nonlinear(reading, element, material);
-    if (!material.springs.force->unsupported.empty())
-      material.unsupported = fmt::format("nonlinear spring with {}", material.springs.force->unsupported);
-  } else {
-    material.unsupported = fmt::format("spring {}", quote(type));
-    material.advice = febio::word_advice(febio::WordOf::DiscreteMaterial, type);
-  }
-
+  const febio::DiscreteMaterial material = old_material(reading, element);
   DiscreteSet set;
   set.name = attribute(element, "name");
   set.origin = origin_of(reading, element);
@@ -161,9 +153,9 @@ void read_old_spring(Reading& reading, const XMLElement& element) {
 
 void read_old_fix(Reading& reading, const XMLElement& element) {
   if (element.Attribute("bc") != nullptr)
-    return fix_nodes(reading, element, attribute(element, "bc"), nodes_of(reading, element));
+    return febio::fix_nodes(reading, on_nodes(reading, element), attribute(element, "bc"));
   for (NodeValues& group : node_values(reading, element, 0.0)) {
-    fix_nodes(reading, *group.element, group.dof, std::move(group.nodes));
+    febio::fix_nodes(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof);
   }
 }
 
@@ -171,24 +163,25 @@ void read_old_prescribe(Reading& reading, const XMLElement& element) {
   const bool relative = attribute(element, "type") == "relative";
   if (element.FirstChildElement("node") == nullptr) {
     const Scaled value = {value_of_all(reading, element), read_lc(reading, element)};
-    prescribe_nodes(reading, element, need_attribute(reading, element, "bc"), value, relative,
-                    nodes_of(reading, element));
+    febio::prescribe_nodes(reading, on_nodes(reading, element), need_attribute(reading, element, "bc"), value,
+                           relative);
     return;
   }
   for (NodeValues& group : node_values(reading, element, value_of_all(reading, element))) {
-    prescribe_nodes(reading, *group.element, group.dof, {group.value, group.controller}, relative,
-                    std::move(group.nodes));
+    febio::prescribe_nodes(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof,
+                           Scaled{group.value, group.controller}, relative);
   }
 }
 
 void read_old_nodal_force(Reading& reading, const XMLElement& element) {
   if (element.FirstChildElement("node") == nullptr) {
     const Scaled force = {value_of_all(reading, element), read_lc(reading, element)};
-    add_nodal_force(reading, element, need_attribute(reading, element, "bc"), force, nodes_of(reading, element));
+    febio::nodal_force(reading, on_nodes(reading, element), need_attribute(reading, element, "bc"), force);
     return;
   }
   for (NodeValues& group : node_values(reading, element, value_of_all(reading, element))) {
-    add_nodal_force(reading, *group.element, group.dof, {group.value, group.controller}, std::move(group.nodes));
+    febio::nodal_force(reading, on_nodes(reading, *group.element, std::move(group.nodes)), group.dof,
+                       {group.value, group.controller});
   }
 }
 

@@ -42,19 +42,11 @@ void fail(const Reading& reading, const XMLElement& element, const std::string& 
 }
 
 void ignore(Reading& reading, const XMLElement& element, const std::string& what) {
-  ignore(reading, origin_of(reading, element), what);
-}
-
-void ignore(Reading& reading, Origin origin, const std::string& what) {
-  febio::list_once(reading.model.ignored, reading.ignored_index, what, origin);
+  febio::ignore(reading, origin_of(reading, element), what);
 }
 
 void unsupported(Reading& reading, const XMLElement& element, const std::string& what, const std::string& advice) {
-  unsupported(reading, origin_of(reading, element), what, advice);
-}
-
-void unsupported(Reading& reading, Origin origin, const std::string& what, const std::string& advice) {
-  febio::list_once(reading.model.unsupported, reading.unsupported_index, what, origin, advice);
+  febio::unsupported(reading, origin_of(reading, element), what, advice);
 }
 
 void unsupported_word(Reading& reading, const XMLElement& element, const std::string& what, febio::WordOf place,
@@ -111,71 +103,43 @@ std::string need_attribute(const Reading& reading, const XMLElement& element, co
 }
 
 double read_double(const Reading& reading, const XMLElement& element) {
-  const std::string text = text_of(element);
-  const auto value = whole_double(text);
-  if (!value)
-    fail(reading, element,
-         fmt::format("{} = {}, expected a number of at most 1e30", element.Name(), quote(trim(text))));
-  return *value;
+  return febio::to_number(reading, origin_of(reading, element), element.Name(), text_of(element));
 }
 
 int read_int(const Reading& reading, const XMLElement& element) {
-  const std::string text = text_of(element);
-  const auto value = whole_int(text);
-  if (!value)
-    fail(reading, element, fmt::format("{} = {}, expected a whole number", element.Name(), quote(trim(text))));
-  return *value;
+  return febio::to_whole_number(reading, origin_of(reading, element), element.Name(), text_of(element));
 }
 
 bool read_bool(const Reading& reading, const XMLElement& element) {
-  const std::string text = text_of(element);
-  const auto value = whole_int(text);
-  // FEBio reads the word "true" as 0: rather refuse than follow it or guess.
-  if (!value) fail(reading, element, fmt::format("{} = {}, expected 0 or 1", element.Name(), quote(trim(text))));
-  return *value != 0;
+  return febio::to_flag(reading, origin_of(reading, element), element.Name(), text_of(element));
 }
 
 Vector3d read_vector(const Reading& reading, const XMLElement& element) {
-  const std::string text = text_of(element);
-  std::string_view rest = text;
-  Vector3d vector;
-  bool good = true;
-  for (int i = 0; i < 3 && good; ++i) {
-    good = (i == 0 || take_comma(rest)) && take_double(rest, vector[i]) == Number::Ok;
-  }
-  if (!good || !trim(rest).empty()) {
-    fail(reading, element,
-         fmt::format("{} = {}, expected three numbers x,y,z of at most 1e30", element.Name(), quote(trim(text))));
-  }
-  return vector;
+  return febio::to_vector(reading, origin_of(reading, element), element.Name(), text_of(element));
 }
 
 int read_lc(const Reading& reading, const XMLElement& element) {
   const char* lc = element.Attribute("lc");
-  if (lc == nullptr) return 0;
-  const auto id = whole_int(lc);
-  if (!id || *id < 1) {
-    fail(reading, element,
-         fmt::format("{} has lc = {}, expected the id of a load controller", element.Name(), quote(lc)));
-  }
-  return *id;
+  return lc == nullptr ? 0 : febio::to_controller(reading, origin_of(reading, element), element.Name(), lc);
 }
 
 Scaled read_scaled(const Reading& reading, const XMLElement& element) {
   return {read_double(reading, element), read_lc(reading, element)};
 }
 
-int read_word(const XMLElement& element, std::initializer_list<const char*> words) {
-  const std::string text = text_of(element);
-  const std::string_view word = trim(text);
-  int i = 0;
-  for (const char* candidate : words) {
-    if (same_word(word, candidate)) return i;
-    ++i;
-  }
-  const auto position = whole_int(word);
-  return position && *position >= 0 && *position < i ? *position : -1;
+febio::Component component_of(const Reading& reading, const XMLElement& element) {
+  febio::Component component;
+  component.tag = element.Name();
+  component.type = attribute(element, "type");
+  component.name = attribute(element, "name");
+  component.text = text_of(element);
+  if (const char* lc = element.Attribute("lc")) component.lc = lc;
+  component.origin = origin_of(reading, element);
+  for (const XMLElement& child : children(element)) component.parts.push_back(component_of(reading, child));
+  return component;
 }
+
+febio::Steps steps_of(const Reading& reading) { return {reading.step}; }
 
 double child_double(const Reading& reading, const XMLElement& parent, const char* name, double fallback) {
   const XMLElement* child = parent.FirstChildElement(name);
@@ -192,57 +156,8 @@ std::string child_text(const XMLElement& parent, const char* name) {
   return child == nullptr ? std::string() : text_of(*child);
 }
 
-Vector3d child_vector(Reading& reading, const XMLElement& parent, const char* name, const Vector3d& fallback) {
-  const XMLElement* child = parent.FirstChildElement(name);
-  if (child == nullptr) return fallback;
-  if (child->Attribute("lc") != nullptr)
-    unsupported(reading, *child, fmt::format("{} that follows a load controller", name));
-  return read_vector(reading, *child);
-}
-
-int child_body(const Reading& reading, const XMLElement& element, const char* tag) {
-  const XMLElement* child = element.FirstChildElement(tag);
-  if (child == nullptr)
-    fail(reading, element,
-         fmt::format("<{}> without <{}>: add it, with the name of a rigid material", element.Name(), tag));
-  return need_rigid(reading, *child, text_of(*child));
-}
-
-int find_material(const Reading& reading, const XMLElement& element, const std::string& name) {
-  const auto place = reading.material_index.find(name);
-  if (reading.ambiguous_materials.count(name) > 0)
-    fail(reading, element, fmt::format("several materials are called {}: name it by its id", quote(name)));
-  return place == reading.material_index.end() ? -1 : place->second;
-}
-
 int need_rigid(const Reading& reading, const XMLElement& element, const std::string& id_or_name) {
-  const JointModel& model = reading.model;
-  int index = -1;
-  if (const auto id = whole_int(id_or_name)) {  // a text that is a number is an id first
-    for (std::size_t i = 0; i < model.materials.size(); ++i) {
-      if (model.materials[i].id == *id) index = static_cast<int>(i);
-    }
-  }
-  for (const std::string& name : {id_or_name, std::string(trim(id_or_name))}) {
-    if (index < 0) index = find_material(reading, element, name);
-  }
-  const auto bodies = [&] {
-    std::vector<std::string> names;
-    for (const Material& material : model.materials)
-      if (material.rigid) names.push_back(material.name);
-    return did_you_mean(trim(id_or_name), names) + "; rigid bodies: " + name_list(names, trim(id_or_name));
-  };
-  if (index < 0) {
-    fail(reading, element,
-         fmt::format("{} names no material, expected the id or name of a rigid body{}", quote(id_or_name), bodies()));
-  }
-  const Material& material = model.materials[static_cast<std::size_t>(index)];
-  if (!material.rigid) {
-    fail(reading, element,
-         fmt::format("material {} is {}, expected a rigid body{}", quote(material.name), quote(material.type),
-                     bodies()));
-  }
-  return index;
+  return febio::need_rigid(reading, origin_of(reading, element), id_or_name);
 }
 
 int find_name(const std::map<std::string, int, std::less<>>& index, const std::string& name) {

@@ -18,6 +18,8 @@
 
 #include <febiodea/base/names.h>
 #include <febiodea/io/feb/feb_xml.h>
+#include <febiodea/io/febio/component.h>
+#include <febiodea/io/febio/interpret.h>
 #include <febiodea/model/joint_model.h>
 
 namespace dea::feb {
@@ -85,13 +87,6 @@ struct Control {
   Origin origin;
 };
 
-struct DiscreteMaterial {
-  DiscreteSprings springs;  ///< what the material says of them
-  int function = 0;         ///< id of the load curve that is their force, 0: none
-  double function_scale = 1.0;
-  std::string unsupported, advice;  ///< why it cannot be used, and what to do about it
-};
-
 /// Springs whose force is a load curve, resolved when all is read.
 struct FunctionUse {
   int springs = -1;  ///< index into JointModel::discrete_springs
@@ -139,8 +134,7 @@ struct MapUse {
   Origin origin;
 };
 
-struct Reading {
-  JointModel model;
+struct Reading : febio::Draft {
   const Rules* rules = nullptr;  ///< of the file being read
   int file = 0;                  ///< index into model.files
 
@@ -161,12 +155,11 @@ struct Reading {
   std::map<std::string, std::vector<std::string>, std::less<>> part_lists;
   std::map<std::string, std::vector<int>, std::less<>> edges;  ///< nodes of an Edge
   std::set<std::string> ambiguous_node_sets;                   ///< names with two different node lists
-  std::set<std::string> ambiguous_materials;                   ///< names of several materials
   std::size_t set_entries = 0;                                 ///< nodes and elements listed by sets so far
   std::map<std::string, SurfacePair, std::less<>> surface_pairs;
   std::set<std::string> connector_names;                                    ///< read so far, of any kind
   std::map<std::string, std::vector<std::size_t>, std::less<>> moments_of;  ///< a joint's entries of rigid_loads
-  std::vector<DiscreteMaterial> discrete_materials;
+  std::vector<febio::DiscreteMaterial> discrete_materials;
   std::vector<SurfaceMap> surface_maps;
   std::vector<MapUse> map_uses;
   std::vector<FunctionUse> function_uses;
@@ -175,8 +168,6 @@ struct Reading {
   std::vector<Control> controls;  ///< one per step
   int step = -1;                  ///< the step a section belongs to
   Control& control() { return step < 0 ? top_control : controls[static_cast<std::size_t>(step)]; }
-
-  febio::RemarkIndex ignored_index, unsupported_index;
 };
 
 // -- places and faults -----------------------------------------------------------------------------
@@ -185,11 +176,9 @@ Origin origin_of(const Reading& reading, const XMLElement& element);
 [[noreturn]] void fail(const Reading& reading, const XMLElement& element, const std::string& fault);
 /// Harmless: listed once with a count.
 void ignore(Reading& reading, const XMLElement& element, const std::string& what);
-void ignore(Reading& reading, Origin origin, const std::string& what);
 /// Changes the mechanics and cannot be taken into account: listed once with a count.
 /// `advice`: what to do about it; empty: take it out.
 void unsupported(Reading& reading, const XMLElement& element, const std::string& what, const std::string& advice = {});
-void unsupported(Reading& reading, Origin origin, const std::string& what, const std::string& advice = {});
 /// A type word that DEA does not take.
 void unsupported_word(Reading& reading, const XMLElement& element, const std::string& what, febio::WordOf place,
                       const std::string& word);
@@ -222,14 +211,14 @@ Vector3d read_vector(const Reading& reading, const XMLElement& element);
 int read_lc(const Reading& reading, const XMLElement& element);
 /// A number with an optional `lc`; its `controller` holds the id (0: none) until all is read.
 Scaled read_scaled(const Reading& reading, const XMLElement& element);
-/// The position of the element's word in `words`; FEBio also takes the position itself. -1: none of them.
-int read_word(const XMLElement& element, std::initializer_list<const char*> words);
+/// An element with its children, as it stands.
+febio::Component component_of(const Reading& reading, const XMLElement& element);
+/// The steps of what is read now.
+febio::Steps steps_of(const Reading& reading);
 /// Child elements by name; `fallback` if there is none.
 double child_double(const Reading& reading, const XMLElement& parent, const char* name, double fallback);
 bool child_bool(const Reading& reading, const XMLElement& parent, const char* name, bool fallback);
 std::string child_text(const XMLElement& parent, const char* name);
-/// A constant vector, `fallback` if there is none. One that follows a load controller is unsupported.
-Vector3d child_vector(Reading& reading, const XMLElement& parent, const char* name, const Vector3d& fallback);
 /// Two node ids "n1,n2" as indices.
 std::array<int, 2> read_node_pair(const Reading& reading, const XMLElement& element, const std::string& what);
 /// Interpolation, way to extend and points of a curve; the element's children, or for `old` its attributes and points.
@@ -247,12 +236,8 @@ int need_node(const Reading& reading, const XMLElement& element, int id);
 int need_listed_node(const Reading& reading, const XMLElement& element);
 /// Nodes of a node set, of a named Nodes section or of an implicit set ("@surface:NAME").
 std::vector<int> need_node_set(Reading& reading, const XMLElement& element, const std::string& name);
-/// Index of the material of this name, -1: none; a fault if several have it.
-int find_material(const Reading& reading, const XMLElement& element, const std::string& name);
 /// A rigid material by id or name, or a fault.
 int need_rigid(const Reading& reading, const XMLElement& element, const std::string& id_or_name);
-/// The rigid material that the child `tag` names.
-int child_body(const Reading& reading, const XMLElement& element, const char* tag = "rb");
 /// Place of the element with this id; nothing: none.
 std::optional<ElementPlace> find_element(const Reading& reading, int id);
 /// Nodes of `node_set` (`set` in older files), or listed as children.
@@ -286,13 +271,10 @@ void read_materials(Reading& reading, const XMLElement& section);
 void read_contact(Reading& reading, const XMLElement& section);
 void read_discrete(Reading& reading, const XMLElement& section);
 /// Springs of this material between the pairs of a discrete set.
-void add_springs(Reading& reading, const XMLElement& element, const DiscreteMaterial& material, int set);
-/// scale, measure and force of a nonlinear spring.
-void read_nonlinear(Reading& reading, const XMLElement& element, DiscreteMaterial& material);
-/// When every section has been read: motions of one body that another one overrides.
-void remark_double_motion(Reading& reading);
+void add_springs(Reading& reading, const XMLElement& element, const febio::DiscreteMaterial& material, int set);
 /// When every section has been read: springs whose force is a load curve.
 void resolve_functions(Reading& reading);
+void read_rigid(Reading& reading, const XMLElement& section);  // 3.0 and later
 void read_loads(Reading& reading, const XMLElement& section);
 void read_load(Reading& reading, const XMLElement& element);  ///< one of them
 void read_initial(Reading& reading, const XMLElement& section);
@@ -303,41 +285,27 @@ void read_load_data(Reading& reading, const XMLElement& section);
 
 // -- shared conditions, used by the rules of the versions -------------------------------------------
 
-/// Holds nodes in the listed dofs ("x,y,z" or "xyz"); others than displacements are ignored.
-void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dofs);
-void fix_nodes(Reading& reading, const XMLElement& element, std::string_view dofs, std::vector<int> nodes);
-/// A prescribed nodal dof: zero is a fixed node.
-void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const XMLElement* value);
-void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const Scaled& value,
-                     bool relative, std::vector<int> nodes);
+/// Which nodes a condition is on, what it is called and where it stands: those of its node set or listed inside.
+febio::OnNodes on_nodes(Reading& reading, const XMLElement& element);
+febio::OnNodes on_nodes(const Reading& reading, const XMLElement& element, std::vector<int> nodes);
+/// Displaces the element's nodes by a child's number.
+void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const char* value);
 /// Nodes of the element's `node_set` move with a body.
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body);
 /// fixed, prescribed, force and initial_velocity of a body (2.0, 2.5).
 void read_rigid_body(Reading& reading, const XMLElement& section);
-/// rigid_bc, rigid_load, rigid_ic of 4.0; false: not one of them.
-bool rigid_condition(Reading& reading, const XMLElement& element, const std::string& type);
+/// rigid_bc, rigid_load, rigid_ic; false: not one of them.
+bool rigid_condition(Reading& reading, const XMLElement& element);
 /// Any rigid connector of any version; false: not one.
-bool rigid_connector(Reading& reading, const XMLElement& element, const std::string& type);
+bool rigid_connector(Reading& reading, const XMLElement& element);
 /// A constraint without a type: the one of this name acts in this step too; one given outside steps only where steps
 /// name it, as in FEBio.
 void name_connector_again(Reading& reading, const XMLElement& element);
-/// When every section has been read: joints whose directions only agree with FEBio's if a body does not turn.
-void check_joints(Reading& reading);
 void read_axial_force(Reading& reading, const XMLElement& element);
-void read_cable(Reading& reading, const XMLElement& element);
-/// The same force along a nodal dof on each of the nodes; other dofs are left out with a remark.
-void add_nodal_force(Reading& reading, const XMLElement& element, std::string_view dof, const Scaled& force,
-                     std::vector<int> nodes);
 /// A load on nodes of 2.5 and later; false: none.
 bool nodal_load(Reading& reading, const XMLElement& element);
 /// A contact of known kind between two surfaces.
 void add_contact(Reading& reading, const XMLElement& element, int primary, int secondary);
-/// Position of a dof name in `names`, or the number itself; a fault otherwise.
-int read_dof(const Reading& reading, const XMLElement& element, std::string_view word,
-             std::initializer_list<const char*> names);
-/// True if the loads of the element are numbers and all zero.
-bool is_zero_load(const XMLElement& element);
-
 // -- shared by 1.2 and 2.0 (feb_old.cpp) -------------------------------------------------------------
 
 /// One <contact>: rigid nodes, a connector, or two surfaces inside it.
@@ -349,8 +317,6 @@ void read_old_prescribe(Reading& reading, const XMLElement& element);
 void read_old_nodal_force(Reading& reading, const XMLElement& element);
 void read_old_fix(Reading& reading, const XMLElement& element);
 
-/// Index of the load controller with this id, -1 for 0; a fault at `origin` if there is none. When all have been read.
-int need_controller(const JointModel& model, int id, Origin origin);
 /// Load controllers by id, steps and must points: when every section has been read.
 void finish(Reading& reading);
 

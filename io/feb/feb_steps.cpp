@@ -23,49 +23,12 @@ void read_analysis(Reading& reading, const XMLElement& element) {
 
 /// Points of a curve: children of any name, "t,v".
 void read_points(const Reading& reading, const XMLElement& element, LoadController& curve) {
-  for (const XMLElement& child : children(element)) {
-    const std::string text = text_of(child);
-    std::string_view rest = text;
-    std::array<double, 2> point = {0, 0};
-    if (take_double(rest, point[0]) != Number::Ok || !take_comma(rest) || take_double(rest, point[1]) != Number::Ok ||
-        !trim(rest).empty()) {
-      fail(reading, child,
-           fmt::format("point {} of load controller {}, expected two numbers time,value of at most 1e30",
-                       quote(trim(text)), curve.id));
-    }
-    curve.points.push_back(point);
-  }
-}
-
-/// Place of a word, or the place itself as a number; -1: neither.
-template <class Words>
-int place_of(const Words& words, std::string_view word) {
-  const auto position = whole_int(word);
-  for (int i = 0; i < static_cast<int>(words.size()); ++i) {
-    if (same_word(trim(word), words[static_cast<std::size_t>(i)]) || position == i) return i;
-  }
-  return -1;
-}
-
-void set_interpolate(LoadController& curve, std::string_view word) {
-  int place = place_of(febio::kInterpolateWords, word);
-  if (same_word(trim(word), "smooth-step")) place = static_cast<int>(LoadController::Interpolate::SmoothStep);
-  if (place >= 0)
-    febio::set_interpolate(curve, place);
-  else
-    curve.unsupported = fmt::format("interpolation {}", quote(trim(word)));
-}
-
-void set_extend(LoadController& curve, std::string_view word) {
-  const int place = place_of(febio::kExtendWords, word);
-  if (place >= 0)
-    curve.extend = static_cast<LoadController::Extend>(place);
-  else
-    curve.unsupported = fmt::format("extend {}", quote(trim(word)));
+  for (const XMLElement& child : children(element))
+    febio::add_point(reading, origin_of(reading, child), text_of(child), curve);
 }
 
 std::vector<double> must_points(JointModel& model, const Control& control, double begin, double end) {
-  const int index = need_controller(model, control.dtmax_controller, control.dtmax_origin);
+  const int index = febio::need_controller(model, control.dtmax_controller, control.dtmax_origin);
   if (index < 0) return {};
   const LoadController& curve = model.controllers[static_cast<std::size_t>(index)];
   if (curve.points.empty() && (!curve.unsupported.empty() || !curve.expression.empty())) {
@@ -90,27 +53,15 @@ void read_expression(const Reading& reading, const XMLElement& element, LoadCont
 
 }  // namespace
 
-int need_controller(const JointModel& model, int id, Origin origin) {
-  if (id <= 0) return -1;
-  for (std::size_t i = 0; i < model.controllers.size(); ++i) {
-    if (model.controllers[i].id == id) return static_cast<int>(i);
-  }
-  std::vector<std::string> ids;
-  for (const LoadController& curve : model.controllers) ids.push_back(std::to_string(curve.id));
-  throw fault_at(model, origin,
-                 fmt::format("lc = {}, but there is no load controller {}: add it to LoadData, or use one of those "
-                             "there (ids {})",
-                             id, id, name_list(ids)));
-}
-
 void read_curve(const Reading& reading, const XMLElement& element, bool old, LoadController& curve) {
   if (old) {
-    if (!attribute(element, "type").empty()) set_interpolate(curve, attribute(element, "type"));
-    if (element.Attribute("extend") != nullptr) set_extend(curve, attribute(element, "extend"));
+    if (!attribute(element, "type").empty()) febio::set_interpolate(curve, attribute(element, "type"));
+    if (element.Attribute("extend") != nullptr) febio::set_extend(curve, attribute(element, "extend"));
     read_points(reading, element, curve);
   } else {
-    if (const XMLElement* word = element.FirstChildElement("interpolate")) set_interpolate(curve, text_of(*word));
-    if (const XMLElement* word = element.FirstChildElement("extend")) set_extend(curve, text_of(*word));
+    if (const XMLElement* word = element.FirstChildElement("interpolate"))
+      febio::set_interpolate(curve, text_of(*word));
+    if (const XMLElement* word = element.FirstChildElement("extend")) febio::set_extend(curve, text_of(*word));
     if (const XMLElement* points = element.FirstChildElement("points")) read_points(reading, *points, curve);
   }
   febio::check_times(curve);
@@ -196,11 +147,10 @@ void finish(Reading& reading) {
     model.steps.push_back(std::move(step));
   }
   resolve_surface_maps(reading);
-  febio::for_each_controller(
-      model, [&](int& controller, Origin origin) { controller = need_controller(model, controller, origin); });
+  febio::resolve_controllers(model);
   resolve_functions(reading);
-  check_joints(reading);
-  remark_double_motion(reading);
+  febio::check_joints(reading);
+  febio::remark_double_motion(reading);
   febio::refuse_unusable_controllers(model);
   // A named Nodes section is a node set too; FEBio lists it before the others.
   std::vector<NodeSet> named;

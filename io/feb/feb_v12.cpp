@@ -134,7 +134,7 @@ bool facets_are_zero(const XMLElement& element) {
 }
 
 void read_body_force(Reading& reading, const XMLElement& element) {
-  if (is_zero_load(element))
+  if (febio::is_zero_load(component_of(reading, element)))
     ignore(reading, element, "body_force of zero");
   else
     unsupported(reading, element, "body_force", febio::load_advice("body_force", ""));

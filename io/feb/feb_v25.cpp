@@ -7,13 +7,12 @@ namespace dea::feb {
 namespace {
 
 void read_fixed_nodes(Reading& reading, const XMLElement& element) {
-  fix_nodes(reading, element, need_attribute(reading, element, "bc"));
+  febio::fix_nodes(reading, on_nodes(reading, element), need_attribute(reading, element, "bc"));
 }
 
 void read_prescribed_nodes(Reading& reading, const XMLElement& element) {
-  const XMLElement* scale = element.FirstChildElement("scale");
   prescribe_nodes(reading, element, need_attribute(reading, element, "bc"),
-                  scale != nullptr ? scale : element.FirstChildElement("value"));
+                  element.FirstChildElement("scale") != nullptr ? "scale" : "value");
 }
 
 void read_rigid_nodes_25(Reading& reading, const XMLElement& element) {

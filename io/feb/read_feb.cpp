@@ -181,7 +181,7 @@ void pass_over_section(Reading& reading, const XMLElement& section) {
   ignore(reading, section, fmt::format("section <{}>", section.Name()));
 }
 
-void read_rigid(Reading& reading, const XMLElement& section) {
+void read_rigid_section(Reading& reading, const XMLElement& section) {
   if (reading.rules->rigid != nullptr) return reading.rules->rigid(reading, section);
   unsupported(reading, section, "section <Rigid> in a version without one", "save it as 4.0");
 }
@@ -210,7 +210,7 @@ constexpr TagReader kSections[] = {{"Module", read_module},
                                    {"MeshDomains", read_mesh_domains},
                                    {"MeshData", read_mesh_data},
                                    {"Boundary", by_version<&Rules::boundary>},
-                                   {"Rigid", read_rigid},
+                                   {"Rigid", read_rigid_section},
                                    {"Loads", by_version<&Rules::loads>},
                                    {"Contact", by_version<&Rules::contact>},
                                    {"Constraints", by_version<&Rules::constraints>},

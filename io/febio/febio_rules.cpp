@@ -133,14 +133,6 @@ const Words& words_of(WordOf place) {
 
 }  // namespace
 
-std::string quote(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::string result = "\"";
-  for (const char c : text.substr(0, kLongest)) result += (static_cast<unsigned char>(c) < 32 || c == 127) ? ' ' : c;
-  if (text.size() > kLongest) result += "...";
-  return result + "\"";
-}
-
 void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
                const std::string& advice) {
   const auto [place, is_new] = index.places.try_emplace(what, remarks.size());
@@ -267,14 +259,6 @@ std::vector<ContactParameter> unused_contact_parameters(const std::string& type)
           {"offset_shells", 0},
           {"contact_frac", 0},
           {"max_traction", 0}};
-}
-
-bool is_damper(const std::string& connector_type) {
-  return one_of(connector_type, Names{"rigid damper", "rigid angular damper"});
-}
-
-void set_interpolate(LoadController& curve, int place) {
-  curve.interpolate = static_cast<LoadController::Interpolate>(place);
 }
 
 void check_times(LoadController& curve) {

@@ -8,12 +8,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include <febiodea/io/febio/febio_text.h>
 #include <febiodea/model/joint_model.h>
 
 namespace dea::febio {
-
-/// Shortened to one printable line and put in quotes, for messages.
-std::string quote(std::string_view text);
 
 /// Remarks listed once each, with how often they occur.
 struct RemarkIndex {
@@ -57,16 +55,11 @@ struct ContactParameter {
 };
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type);
 
-/// True for rigid conditions, loads and connectors that statics of rigid bodies has no use for.
-bool is_damper(const std::string& connector_type);
-
 /// FEBio's words, in the order of LoadController::Interpolate and Extend; FEBio also takes the place in this order.
 inline constexpr std::array<const char*, 8> kInterpolateWords = {
     "linear", "step", "smooth", "cubic spline", "control points", "approximation", "smooth step", "C2-smooth"};
 inline constexpr std::array<const char*, 4> kExtendWords = {"constant", "extrapolate", "repeat", "repeat offset"};
 
-/// `place` in kInterpolateWords.
-void set_interpolate(LoadController& curve, int place);
 /// Times or a number of points that a curve cannot be evaluated with; refused only where the curve is used.
 void check_times(LoadController& curve);
 /// Times of `curve` inside a step from `begin` to `end` that a result must have.

@@ -1,0 +1,231 @@
+#include <febiodea/io/febio/component.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
+
+namespace dea::febio {
+
+void fail(const Draft& draft, Origin origin, const std::string& fault) { throw fault_at(draft.model, origin, fault); }
+
+void ignore(Draft& draft, Origin origin, const std::string& what) {
+  list_once(draft.model.ignored, draft.ignored_index, what, origin);
+}
+
+void unsupported(Draft& draft, Origin origin, const std::string& what, const std::string& advice) {
+  list_once(draft.model.unsupported, draft.unsupported_index, what, origin, advice);
+}
+
+// -- values from text --------------------------------------------------------------------------------
+
+namespace {
+
+[[noreturn]] void fail_value(const Draft& draft, Origin origin, std::string_view name, std::string_view text,
+                             const char* expected) {
+  fail(draft, origin, fmt::format("{} = {}, expected {}", name, quote(trim(text)), expected));
+}
+
+}  // namespace
+
+double to_number(const Draft& draft, Origin origin, std::string_view name, std::string_view text) {
+  const auto value = whole_double(text);
+  if (!value) fail_value(draft, origin, name, text, "a number of at most 1e30");
+  return *value;
+}
+
+int to_whole_number(const Draft& draft, Origin origin, std::string_view name, std::string_view text) {
+  const auto value = whole_int(text);
+  if (!value) fail_value(draft, origin, name, text, "a whole number");
+  return *value;
+}
+
+bool to_flag(const Draft& draft, Origin origin, std::string_view name, std::string_view text) {
+  const auto value = whole_int(text);
+  if (!value) fail_value(draft, origin, name, text, "0 or 1");
+  return *value != 0;
+}
+
+Vector3d to_vector(const Draft& draft, Origin origin, std::string_view name, std::string_view text) {
+  std::string_view rest = text;
+  Vector3d vector;
+  bool good = true;
+  for (int i = 0; i < 3 && good; ++i) good = (i == 0 || take_comma(rest)) && take_double(rest, vector[i]) == Number::Ok;
+  if (!good || !trim(rest).empty()) fail_value(draft, origin, name, text, "three numbers x,y,z of at most 1e30");
+  return vector;
+}
+
+int to_controller(const Draft& draft, Origin origin, std::string_view name, std::string_view lc) {
+  const auto id = whole_int(lc);
+  if (!id || *id < 1)
+    fail(draft, origin, fmt::format("{} has lc = {}, expected the id of a load controller", name, quote(lc)));
+  return *id;
+}
+
+int place_of_word(std::string_view text, std::span<const char* const> words) {
+  const std::string_view word = trim(text);
+  for (std::size_t i = 0; i < words.size(); ++i)
+    if (same_word(word, words[i])) return static_cast<int>(i);
+  const auto position = whole_int(word);
+  return position && *position >= 0 && *position < static_cast<int>(words.size()) ? *position : -1;
+}
+
+int place_of_word(std::string_view word, std::initializer_list<const char*> words) {
+  return place_of_word(word, std::span(words.begin(), words.size()));
+}
+
+int need_place_of_word(const Draft& draft, Origin origin, std::string_view tag, std::string_view word,
+                       std::initializer_list<const char*> words) {
+  const int place = place_of_word(word, words);
+  if (place >= 0) return place;
+  std::string expected;
+  for (const char* name : words) expected += fmt::format("{}{}", expected.empty() ? "" : ", ", name);
+  fail(draft, origin, fmt::format("<{}> with dof {}, expected one of {}", tag, quote(word), expected));
+}
+
+int find_material(const Draft& draft, Origin origin, std::string_view name) {
+  if (draft.ambiguous_materials.count(name) > 0)
+    fail(draft, origin, fmt::format("several materials are called {}: name it by its id", quote(name)));
+  const std::vector<Material>& materials = draft.model.materials;
+  const auto place =
+      std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return m.name == name; });
+  return place == materials.end() ? -1 : static_cast<int>(place - materials.begin());
+}
+
+int need_rigid(const Draft& draft, Origin origin, std::string_view id_or_name) {
+  const std::vector<Material>& materials = draft.model.materials;
+  int index = -1;
+  if (const auto id = whole_int(id_or_name)) {
+    for (std::size_t i = 0; i < materials.size(); ++i)
+      if (materials[i].id == *id) index = static_cast<int>(i);
+  }
+  if (index < 0) index = find_material(draft, origin, id_or_name);
+  if (index < 0) index = find_material(draft, origin, trim(id_or_name));
+  const auto bodies = [&] {
+    std::vector<std::string> names;
+    for (const Material& material : materials)
+      if (material.rigid) names.push_back(material.name);
+    return did_you_mean(trim(id_or_name), names) + "; rigid bodies: " + name_list(names, trim(id_or_name));
+  };
+  if (index < 0)
+    fail(draft, origin,
+         fmt::format("{} names no material, expected the id or name of a rigid body{}", quote(id_or_name), bodies()));
+  const Material& material = materials[at(index)];
+  if (!material.rigid)
+    fail(draft, origin,
+         fmt::format("material {} is {}, expected a rigid body{}", quote(material.name), quote(material.type),
+                     bodies()));
+  return index;
+}
+
+// -- parts of a component ----------------------------------------------------------------------------
+
+const Component* find(const Component& component, std::string_view tag) {
+  const auto part = std::find_if(component.parts.begin(), component.parts.end(),
+                                 [&](const Component& candidate) { return candidate.tag == tag; });
+  return part == component.parts.end() ? nullptr : &*part;
+}
+
+double number_of(const Draft& draft, const Component& component, std::string_view tag, double fallback) {
+  const Component* part = find(component, tag);
+  return part == nullptr ? fallback : to_number(draft, part->origin, tag, part->text);
+}
+
+bool flag_of(const Draft& draft, const Component& component, std::string_view tag, bool fallback) {
+  const Component* part = find(component, tag);
+  return part == nullptr ? fallback : to_flag(draft, part->origin, tag, part->text);
+}
+
+Vector3d vector_of(Draft& draft, const Component& component, std::string_view tag, const Vector3d& fallback) {
+  const Component* part = find(component, tag);
+  if (part == nullptr) return fallback;
+  if (part->lc) unsupported(draft, part->origin, fmt::format("{} that follows a load controller", tag));
+  return to_vector(draft, part->origin, tag, part->text);
+}
+
+std::string text_of(const Component& component, std::string_view tag) {
+  const Component* part = find(component, tag);
+  return part == nullptr ? std::string() : part->text;
+}
+
+int controller_of(const Draft& draft, const Component& parameter) {
+  return parameter.lc ? to_controller(draft, parameter.origin, parameter.tag, *parameter.lc) : 0;
+}
+
+Scaled scaled(const Draft& draft, const Component& parameter) {
+  return {to_number(draft, parameter.origin, parameter.tag, parameter.text), controller_of(draft, parameter)};
+}
+
+Scaled scaled_of(const Draft& draft, const Component& component, std::string_view tag) {
+  const Component* part = find(component, tag);
+  return part == nullptr ? Scaled{0.0, 0} : scaled(draft, *part);
+}
+
+int body_of(const Draft& draft, const Component& component, std::string_view tag) {
+  const Component* part = find(component, tag);
+  if (part == nullptr)
+    fail(draft, component.origin,
+         fmt::format("<{}> without <{}>: add it, with the name of a rigid material", component.tag, tag));
+  return need_rigid(draft, part->origin, part->text);
+}
+
+// -- load controllers --------------------------------------------------------------------------------
+
+void set_interpolate(LoadController& curve, std::string_view word) {
+  using Interpolate = LoadController::Interpolate;
+  const int place = same_word(trim(word), "smooth-step") ? static_cast<int>(Interpolate::SmoothStep)
+                                                         : place_of_word(word, kInterpolateWords);
+  if (place >= 0)
+    curve.interpolate = static_cast<Interpolate>(place);
+  else
+    curve.unsupported = fmt::format("interpolation {}", quote(trim(word)));
+}
+
+void set_extend(LoadController& curve, std::string_view word) {
+  const int place = place_of_word(word, kExtendWords);
+  if (place >= 0)
+    curve.extend = static_cast<LoadController::Extend>(place);
+  else
+    curve.unsupported = fmt::format("extend {}", quote(trim(word)));
+}
+
+void add_point(const Draft& draft, Origin origin, std::string_view text, LoadController& curve) {
+  std::string_view rest = text;
+  std::array<double, 2> point = {0, 0};
+  if (take_double(rest, point[0]) != Number::Ok || !take_comma(rest) || take_double(rest, point[1]) != Number::Ok ||
+      !trim(rest).empty())
+    fail(draft, origin,
+         fmt::format("point {} of load controller {}, expected two numbers time,value of at most 1e30",
+                     quote(trim(text)), curve.id));
+  curve.points.push_back(point);
+}
+
+void read_curve(const Draft& draft, const Component& component, LoadController& curve) {
+  if (const Component* word = find(component, "interpolate")) set_interpolate(curve, word->text);
+  if (const Component* word = find(component, "extend")) set_extend(curve, word->text);
+  if (const Component* points = find(component, "points"))
+    for (const Component& point : points->parts) add_point(draft, point.origin, point.text, curve);
+  check_times(curve);
+}
+
+int need_controller(const JointModel& model, int id, Origin origin) {
+  if (id <= 0) return -1;
+  for (std::size_t i = 0; i < model.controllers.size(); ++i)
+    if (model.controllers[i].id == id) return static_cast<int>(i);
+  std::vector<std::string> ids;
+  for (const LoadController& curve : model.controllers) ids.push_back(std::to_string(curve.id));
+  throw fault_at(model, origin,
+                 fmt::format("lc = {}, but there is no load controller {}: add it to LoadData, or use one of those "
+                             "there (ids {})",
+                             id, id, name_list(ids)));
+}
+
+void resolve_controllers(JointModel& model) {
+  for_each_controller(model,
+                      [&](int& controller, Origin origin) { controller = need_controller(model, controller, origin); });
+}
+
+}  // namespace dea::febio

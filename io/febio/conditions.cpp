@@ -1,0 +1,425 @@
+// Conditions on nodes and rigid bodies, loads, contacts.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/io/febio/interpret.h>
+#include <febiodea/model/load_curve.h>
+
+namespace dea::febio {
+
+bool one_of(std::string_view word, std::initializer_list<const char*> words) {
+  return std::any_of(words.begin(), words.end(), [&](const char* candidate) { return word == candidate; });
+}
+
+// -- nodes -------------------------------------------------------------------------------------------
+
+namespace {
+
+/// True for FEBio's older "xy", "xyz", "uvw": letters in their order; "wx" is a fluid velocity.
+bool is_joined(std::string_view dof) {
+  constexpr std::string_view kLetters = "xyzuvw";
+  std::size_t next = 0;
+  for (const char letter : dof) {
+    const std::size_t place = kLetters.find(letter, next);
+    if (place == kLetters.npos) return false;
+    next = place + 1;
+  }
+  return dof.size() > 1;
+}
+
+/// 0, 1, 2 for x, y, z; -1: no displacement.
+int component_of(std::string_view dof) { return dof.size() == 1 && dof[0] >= 'x' && dof[0] <= 'z' ? dof[0] - 'x' : -1; }
+
+bool is_shell_dof(std::string_view dof) { return one_of(dof, {"u", "v", "w", "sx", "sy", "sz"}); }
+
+}  // namespace
+
+std::vector<std::string> split_dofs(std::string_view text) {
+  std::vector<std::string> dofs;
+  for (const std::string& word : split_words(text)) {
+    const std::string dof(trim(word));
+    if (dof == "xyzsxyz") {  // 2.0
+      for (const char* each : {"x", "y", "z", "sxyz"}) dofs.emplace_back(each);
+    } else if (is_joined(dof)) {
+      for (const char letter : dof) dofs.emplace_back(1, letter);
+    } else {
+      dofs.push_back(dof);
+    }
+  }
+  return dofs;
+}
+
+void fix_nodes(Draft& draft, const OnNodes& on, std::string_view dofs) {
+  std::array<bool, 3> xyz = {};
+  for (const std::string& dof : split_dofs(dofs)) {
+    const int component = component_of(dof);
+    if (component >= 0)
+      xyz[at(component)] = true;
+    else
+      ignore(draft, on.origin, fmt::format("fixed dof {}: no displacement", quote(dof)));
+  }
+  fix_nodes(draft, on, xyz);
+}
+
+void fix_nodes(Draft& draft, const OnNodes& on, const std::array<bool, 3>& xyz) {
+  if (!xyz[0] && !xyz[1] && !xyz[2]) return;
+  FixedNodes fixed;
+  fixed.nodes = on.nodes;
+  fixed.xyz = xyz;
+  add(draft.model.fixed_nodes, std::move(fixed), on.name, on.origin, on.steps);
+}
+
+void prescribe_nodes(Draft& draft, const OnNodes& on, std::string_view dof, const Scaled& value, bool relative) {
+  const std::string_view name = trim(dof);
+  const int component = component_of(name);
+  if (is_shell_dof(name)) {
+    unsupported(draft, on.origin, fmt::format("prescribed shell dof {}", quote(name)),
+                "take it out: DEA has no deformable shells, take their material as rigid with --rigid");
+  } else if (component < 0) {
+    ignore(draft, on.origin, fmt::format("prescribed dof {}: no displacement", quote(name)));
+  } else if (value.factor == 0.0 && !relative) {
+    fix_nodes(draft, on, name);
+  } else {
+    PrescribedNodes prescribed;
+    prescribed.nodes = on.nodes;
+    prescribed.component = component;
+    prescribed.value = value;
+    prescribed.relative = relative;
+    const std::string& called = !on.name.empty() ? on.name : on.node_set;
+    add(draft.model.prescribed_nodes, std::move(prescribed), called.empty() ? "moved nodes" : called, on.origin,
+        on.steps);
+  }
+}
+
+void prescribe_nodes(Draft& draft, const OnNodes& on, std::string_view dof, const Component* value, bool relative) {
+  if (value != nullptr && !whole_double(value->text))
+    return unsupported(draft, on.origin, kMovedApart, kMovedApartAdvice);
+  prescribe_nodes(draft, on, dof, value == nullptr ? Scaled{} : scaled(draft, *value), relative);
+}
+
+void zero_displacement(Draft& draft, const Component& component, const OnNodes& on) {
+  const std::array<bool, 3> xyz = {flag_of(draft, component, "x_dof"), flag_of(draft, component, "y_dof"),
+                                   flag_of(draft, component, "z_dof")};
+  if (!xyz[0] && !xyz[1] && !xyz[2]) ignore(draft, component.origin, "zero displacement of no component");
+  fix_nodes(draft, on, xyz);
+}
+
+void other_boundary_condition(Draft& draft, const Component& component, const std::string& what) {
+  const std::string& type = component.type;
+  const auto has = [&](const char* word) { return type.find(word) != type.npos; };
+  if (one_of(type, {"zero rotation", "zero shell displacement"}) || has("fluid") || has("concentration") ||
+      has("temperature"))
+    ignore(draft, component.origin, what);
+  else
+    unsupported(draft, component.origin, what, word_advice(WordOf::Boundary, type));
+}
+
+void symmetry_plane(Draft& draft, const Component& component, int surface, const Steps& steps) {
+  const int axis = surface < 0 ? -1 : plane_axis(draft.model, draft.model.surfaces[at(surface)]);
+  if (axis < 0) return unsupported(draft, component.origin, "constraint \"symmetry plane\"", kPlaneAdvice);
+  const OnNodes on = {nodes_of_surface(draft.model.surfaces[at(surface)]), component.name, "", component.origin, steps};
+  fix_nodes(draft, on, std::string(1, "xyz"[axis]));
+}
+
+void nodal_force(Draft& draft, const OnNodes& on, std::string_view dof, const Scaled& force) {
+  const std::string_view name = trim(dof);
+  const int component = component_of(name);
+  if (is_shell_dof(name)) {
+    unsupported(draft, on.origin, fmt::format("nodal load on the shell dof {}", quote(name)),
+                "take it out, or load x, y or z");
+  } else if (component < 0) {
+    ignore(draft, on.origin, fmt::format("nodal load on dof {}: no force", quote(name)));
+  } else if (force.factor == 0) {
+    ignore(draft, on.origin, "nodal load of zero");
+  } else {
+    NodalForce load;
+    load.nodes = on.nodes;
+    load.value[component] = force.factor;
+    load.controller = force.controller;
+    add(draft.model.nodal_forces, std::move(load), on.name, on.origin, on.steps);
+  }
+}
+
+namespace {
+
+/// A force vector on each of the nodes.
+void nodal_force_vector(Draft& draft, const Component& value, OnNodes on) {
+  NodalForce load;
+  load.value = to_vector(draft, value.origin, value.tag, value.text);
+  load.controller = controller_of(draft, value);
+  if (load.value.isZero(0)) return ignore(draft, on.origin, "nodal load of zero");
+  load.nodes = std::move(on.nodes);
+  add(draft.model.nodal_forces, std::move(load), on.name, value.origin, on.steps);
+}
+
+}  // namespace
+
+void nodal_load(Draft& draft, const Component& component, OnNodes on) {
+  const bool vector = component.type == "nodal_force";
+  const char* tag = vector ? "value" : "scale";
+  const Component* value = find(component, tag);
+  for (const char* flag : {"relative", "shell_bottom"}) {
+    if (!flag_of(draft, component, flag)) continue;
+    return unsupported(draft, on.origin, fmt::format("nodal load with {} = 1", flag), fmt::format("set {} to 0", flag));
+  }
+  if (value == nullptr) {
+    if (find(component, "value") != nullptr || find(component, "scale") != nullptr)
+      return unsupported(draft, on.origin, fmt::format("nodal load without <{}>", tag), fmt::format("add <{}>", tag));
+    return ignore(draft, on.origin, "nodal load of zero");
+  }
+  constexpr const char* kAdvice = "give a number, with lc=\"ID\" if it changes";
+  if (!one_of(value->type, {"", "const", "vector"}))
+    unsupported(draft, value->origin, fmt::format("nodal load whose {} is a {}", tag, quote(value->type)), kAdvice);
+  else if (!vector && value->type.empty() && !expression_variables(value->text).empty())
+    unsupported(draft, value->origin, fmt::format("nodal load whose scale is {}", quote(trim(value->text))), kAdvice);
+  else if (vector)
+    nodal_force_vector(draft, *value, std::move(on));
+  else
+    nodal_force(draft, on, text_of(component, "dof"), scaled(draft, *value));
+}
+
+// -- rigid bodies ------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr std::initializer_list<const char*> kDisplacements = {"x", "y", "z"}, kForces = {"Rx", "Ry", "Rz"},
+                                             kRotations = {"Ru", "Rv", "Rw"},
+                                             kAll = {"Rx", "Ry", "Rz", "Ru", "Rv", "Rw"};
+
+int dof_of(const Draft& draft, const Component& component, std::initializer_list<const char*> names) {
+  return need_place_of_word(draft, component.origin, component.tag, text_of(component, "dof"), names);
+}
+
+/// The flagged dofs, or those listed by `fix` of 3.0.
+void rigid_fixed(Draft& draft, const Component& component, const Steps& steps) {
+  constexpr const char* kFlags[kDofs] = {"Rx_dof", "Ry_dof", "Rz_dof", "Ru_dof", "Rv_dof", "Rw_dof"};
+  RigidFixed fixed;
+  fixed.material = body_of(draft, component);
+  if (component.type == "fix") {
+    for (const std::string& word : split_words(text_of(component, "dofs")))
+      fixed.dofs[at(need_place_of_word(draft, component.origin, component.tag, word, kAll))] = true;
+  } else {
+    for (std::size_t i = 0; i < kDofs; ++i) fixed.dofs[i] = flag_of(draft, component, kFlags[i]);
+  }
+  add(draft.model.rigid_fixed, std::move(fixed), component.name, component.origin, steps);
+}
+
+/// `value`: null: 0.
+void rigid_prescribed(Draft& draft, const Component& component, int dof, const Component* value, const Steps& steps) {
+  RigidPrescribed motion;
+  motion.material = body_of(draft, component);
+  motion.dof = dof;
+  motion.value = value == nullptr ? Scaled{0.0, 0} : scaled(draft, *value);
+  motion.relative = flag_of(draft, component, "relative");
+  add(draft.model.rigid_prescribed, std::move(motion), component.name,
+      value == nullptr ? component.origin : value->origin, steps);
+}
+
+/// In 4.0 the dofs of a displacement are x, y, z; a letter R before them is taken too.
+void rigid_displacement(Draft& draft, const Component& component, const Steps& steps) {
+  const std::string dof = lower(trim(text_of(component, "dof")));
+  const bool r = !dof.empty() && dof[0] == 'r';
+  rigid_prescribed(draft, component, dof_of(draft, component, r ? kForces : kDisplacements), find(component, "value"),
+                   steps);
+}
+
+/// Euler angles [degrees]: x, then y, then z about the fixed axes. As a rotation vector if they are constant; a single
+/// angle may follow a load controller.
+void rigid_euler_angles(Draft& draft, const Component& component, const Steps& steps) {
+  constexpr std::array kAngles = {"Ex", "Ey", "Ez"};
+  RigidPrescribed motion;
+  motion.material = body_of(draft, component);
+  std::array<Scaled, 3> angles;
+  int turning = 0, steered = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    angles[i] = scaled_of(draft, component, kAngles[i]);
+    if (angles[i].factor == 0) angles[i].controller = 0;
+    angles[i].factor *= kPi / 180.0;
+    turning += angles[i].factor != 0 ? 1 : 0;
+    steered += angles[i].controller != 0 ? 1 : 0;
+  }
+  if (turning > 1 && steered > 0) {
+    unsupported(draft, component.origin, "rigid_euler_angles of which several turn and one follows a load controller",
+                "give rigid_rotation_vector, or let one angle alone turn");
+    return;
+  }
+  if (turning > 1) {
+    const Eigen::Quaterniond q = Eigen::AngleAxisd(angles[2].factor, Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(angles[1].factor, Vector3d::UnitY()) *
+                                 Eigen::AngleAxisd(angles[0].factor, Vector3d::UnitX());
+    const Eigen::AngleAxisd turn(q);
+    for (int i = 0; i < 3; ++i) angles[at(i)].factor = turn.angle() * turn.axis()[i];
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    motion.dof = 3 + static_cast<int>(i);
+    motion.value = angles[i];
+    add(draft.model.rigid_prescribed, motion, component.name, component.origin, steps);
+  }
+}
+
+/// Force (dof 0-2) or moment (3-5).
+void rigid_load(Draft& draft, const Component& component, int dof, const Steps& steps) {
+  const Component* value = find(component, "value");
+  if (value == nullptr) fail(draft, component.origin, fmt::format("<{}> without <value>: add it", component.tag));
+  RigidLoad load;
+  load.material = body_of(draft, component);
+  load.dof = dof;
+  load.value = scaled(draft, *value);
+  const Component* type = find(component, "load_type");
+  const int load_type = type == nullptr ? 0 : place_of_word(type->text, {"LOAD", "FOLLOW", "TARGET"});
+  if (load_type < 0)
+    fail(draft, type->origin, fmt::format("load_type = {}, expected LOAD, FOLLOW or TARGET", quote(type->text)));
+  if (load_type == 1 && dof >= 3)
+    return unsupported(draft, component.origin, "rigid moment with load_type FOLLOW",
+                       "use rigid_follower_moment, or load_type LOAD");
+  load.kind = static_cast<RigidLoad::Kind>(load_type);
+  load.relative = load.kind == RigidLoad::Kind::Dead && flag_of(draft, component, "relative");
+  add(draft.model.rigid_loads, std::move(load), component.name, value->origin, steps);
+}
+
+/// Force or moment that turns with the body.
+void rigid_follower(Draft& draft, const Component& component, bool moment, const Steps& steps) {
+  const char* tag = moment ? "moment" : "force";
+  const Component* value = find(component, tag);
+  if (value == nullptr)
+    fail(draft, component.origin, fmt::format("<{}> without <{}>: add it, three numbers", component.tag, tag));
+  RigidFollower follower;
+  follower.material = body_of(draft, component);
+  follower.moment = moment;
+  follower.value = to_vector(draft, value->origin, tag, value->text);
+  follower.controller = controller_of(draft, *value);
+  if (!moment) {
+    follower.insertion = vector_of(draft, component, "insertion", Vector3d::Zero());
+    follower.from_center = flag_of(draft, component, "relative");
+  }
+  add(draft.model.rigid_followers, std::move(follower), component.name, value->origin, steps);
+}
+
+/// Motions; false: none.
+bool rigid_motion(Draft& draft, const Component& c, const Steps& steps) {
+  const std::string& type = c.type;
+  if (type == "rigid_fixed" || type == "fix") {
+    rigid_fixed(draft, c, steps);
+  } else if (type == "rigid_displacement") {
+    rigid_displacement(draft, c, steps);
+  } else if (type == "rigid_rotation") {
+    rigid_prescribed(draft, c, 3 + dof_of(draft, c, kRotations), find(c, "value"), steps);
+  } else if (type == "rigid_rotation_vector") {
+    rigid_prescribed(draft, c, 3, find(c, "vx"), steps);
+    rigid_prescribed(draft, c, 4, find(c, "vy"), steps);
+    rigid_prescribed(draft, c, 5, find(c, "vz"), steps);
+  } else if (type == "prescribe") {  // 3.0
+    rigid_prescribed(draft, c, dof_of(draft, c, kAll), find(c, "value"), steps);
+  } else if (type == "rigid_euler_angles") {
+    rigid_euler_angles(draft, c, steps);
+  } else if (one_of(type, {"initial_rigid_velocity", "initial_rigid_angular_velocity"})) {
+    ignore(draft, c.origin, "initial velocity of a rigid body");
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool rigid_condition(Draft& draft, const Component& component, const Steps& steps) {
+  const std::string& type = component.type;
+  if (rigid_motion(draft, component, steps)) return true;
+  if (type == "rigid_force")
+    rigid_load(draft, component, dof_of(draft, component, kForces), steps);
+  else if (type == "rigid_moment")
+    rigid_load(draft, component, 3 + dof_of(draft, component, kRotations), steps);
+  else if (type == "force")  // 3.0
+    rigid_load(draft, component, dof_of(draft, component, kAll), steps);
+  else if (one_of(type, {"rigid_follower_force", "follower force"}))
+    rigid_follower(draft, component, false, steps);
+  else if (one_of(type, {"rigid_follower_moment", "follower moment"}))
+    rigid_follower(draft, component, true, steps);
+  else if (type == "rigid_axial_force")
+    rigid_axial_force(draft, component, steps);
+  else if (type == "rigid_cable")
+    rigid_cable(draft, component, steps);
+  else
+    return false;
+  return true;
+}
+
+void remark_double_motion(Draft& draft) {
+  std::map<std::pair<int, int>, const RigidPrescribed*> before;  // of a material and dof
+  for (const RigidPrescribed& motion : draft.model.rigid_prescribed) {
+    const RigidPrescribed*& other = before[{motion.material, motion.dof}];
+    if (other != nullptr && (other->step == motion.step || other->step < 0))
+      ignore(draft, other->origin,
+             fmt::format("prescribed {} of {}: it is prescribed again{}, and the last one counts, as in FEBio",
+                         kDofNames[motion.dof], quote(draft.model.materials[at(motion.material)].name),
+                         motion.origin.line > 0 ? fmt::format(" in line {}", motion.origin.line) : ""));
+    other = &motion;
+  }
+}
+
+// -- loads, contact, initial conditions --------------------------------------------------------------
+
+namespace {
+
+/// Numbers separated by commas, all zero.
+bool is_zero(std::string_view text) {
+  const std::vector<std::string> words = split_words(text);
+  return std::all_of(words.begin(), words.end(), [](const std::string& word) {
+    const auto number = whole_double(word);
+    return number && *number == 0.0;
+  });
+}
+
+}  // namespace
+
+bool is_zero_load(const Component& component) {
+  const Component* scale = find(component, "scale");
+  if (scale != nullptr && is_zero(scale->text)) return true;
+  bool found = false;
+  for (const Component& part : component.parts) {
+    if (!one_of(part.tag, {"pressure", "traction", "value", "force", "x", "y", "z"})) continue;
+    if (!is_zero(part.text)) return false;
+    found = true;
+  }
+  return found;
+}
+
+void other_load(Draft& draft, const Component& component) {
+  const std::string& type = component.type;
+  const std::string what = type.empty() ? component.tag : fmt::format("{} {}", component.tag, quote(type));
+  const bool of_fluid =
+      type.rfind("fluid", 0) == 0 || type.rfind("solute", 0) == 0 || type.rfind("concentration", 0) == 0;
+  if (is_zero_load(component))
+    ignore(draft, component.origin, what + " of zero");
+  else if (of_fluid && type.find("FSI") == type.npos)
+    ignore(draft, component.origin, what);
+  else
+    unsupported(draft, component.origin, what, load_advice(component.tag, type));
+}
+
+void initial_condition(Draft& draft, const Component& component) {
+  if (component.type.find("prestrain") != component.type.npos)
+    unsupported(draft, component.origin, fmt::format("initial {}", quote(component.type)),
+                "take it out: DEA's cartilage starts without stress");
+  else
+    ignore(draft, component.origin, "initial conditions");
+}
+
+std::vector<std::string> ignored_contact_parameters(const Component& component) {
+  std::vector<std::string> ignored;
+  for (const ContactParameter& parameter : unused_contact_parameters(component.type)) {
+    const Component* part = find(component, parameter.name);
+    if (part == nullptr) continue;
+    const auto value = whole_double(part->text);
+    if (value && *value == parameter.usual && !part->lc) continue;
+    const std::string text = value ? fmt::format("{:g}", *value) : std::string(quote(trim(part->text)));
+    ignored.push_back(fmt::format("{} = {}", parameter.name, text));
+  }
+  return ignored;
+}
+
+}  // namespace dea::febio
