@@ -41,20 +41,20 @@ std::string text_of(const fs::path& path) {
   return text.str();
 }
 
-/// The folder with CMakeLists.txt: installed as share/febiodea/source, or the tree this program was built from.
-fs::path source_folder() {
+/// Where the plugin's source and the library are: installed beside this program, or the folder it was built in, which
+/// has them to install.
+struct Origins {
+  fs::path source;  ///< share/febiodea/source of the installed program; empty: not installed
+  fs::path build;   ///< the folder this program was built in
+};
+
+Origins find_origins() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folder = program.parent_path();
-  std::vector<fs::path> places = {folder.parent_path() / "share" / "febiodea" / "source"};
-  std::istringstream cache(text_of(folder.parent_path() / "CMakeCache.txt"));
-  const std::string key = "CMAKE_HOME_DIRECTORY:INTERNAL=";
-  for (std::string line; std::getline(cache, line);)
-    if (line.rfind(key, 0) == 0) places.emplace_back(line.substr(key.size()));
-  for (const fs::path& place : places)
-    if (fs::exists(place / "CMakeLists.txt", error) && fs::exists(place / "plugin" / "CMakeLists.txt", error))
-      return place;
-  throw InputError(fmt::format("{}: no source of the plugin, expected it in {}", program.string(), places[0].string()));
+  const fs::path folder = program.parent_path().parent_path(), source = folder / "share" / "febiodea" / "source";
+  if (fs::exists(source / "CMakeLists.txt", error)) return {source, {}};
+  if (fs::exists(folder / "CMakeCache.txt", error)) return {{}, folder};
+  throw InputError(fmt::format("{}: no source of the plugin, expected it in {}", program.string(), source.string()));
 }
 
 /// The folder with include/FECore and lib/cmake/FEBio.
@@ -192,11 +192,13 @@ int plugin_build(const PluginBuildArguments& a) {
   const fs::path output = a.output.empty() ? fs::current_path(error) : fs::absolute(a.output, error).lexically_normal();
   const fs::path sdk = sdk_folder(a.febio);
   if (!fs::is_directory(output, error)) throw WriteError(fmt::format("{}: there is no such folder", output.string()));
-  const fs::path source = source_folder();
+  const Origins origins = find_origins();
 
   Workshop workshop;
+  const fs::path prefix = workshop.path / "build" / "installed";
+  const fs::path source = origins.build.empty() ? origins.source : prefix / "share" / "febiodea" / "source";
   const std::string build = (workshop.path / "build").string(), log_file = a.verbose ? "" : workshop.log_file();
-  log(fmt::format("dea plugin-build: compiling {} with the SDK in {}, a minute or two", source.string(), sdk.string()));
+  log(fmt::format("dea plugin-build: compiling the plugin with the SDK in {}, a minute or two", sdk.string()));
   const auto run = [&](const char* doing, const std::vector<std::string>& words) {
     const int code = run_program(words, log_file);
     if (code == 0) return;
@@ -209,9 +211,11 @@ int plugin_build(const PluginBuildArguments& a) {
     throw InputError(fmt::format("dea plugin-build: {} failed{}{}; {}", doing, fault.empty() ? "" : ": ", fault,
                                  a.verbose ? "see above" : "all that was said is in " + log_file));
   };
+  if (!origins.build.empty())
+    run("preparing",
+        {"cmake", "--install", origins.build.string(), "--component", "plugin_build", "--prefix", prefix.string()});
   std::vector<std::string> configure = {"cmake", "-S", source.string(), "-B", build, "-DCMAKE_BUILD_TYPE=Release"};
   configure.push_back("-DFEBio_DIR=" + (sdk / "lib" / "cmake" / "FEBio").string());
-  configure.insert(configure.end(), {"-DBUILD_TESTING=OFF", "-DDEA_BENCH=OFF"});
   if (a.untested) configure.push_back("-DDEA_UNTESTED_FEBIO=ON");
   if (run_program({"ninja", "--version"}, "/dev/null") == 0) configure.insert(configure.end(), {"-G", "Ninja"});
   run("configuring", configure);
