@@ -25,7 +25,7 @@ namespace {
 constexpr const char* kPluginBuildFooter = R"(
 The plugin works with the version of FEBio it was compiled for and no other, so it is made where FEBio is. FEBIO_DIR is
 FEBio's installation or SDK folder, the one with include and lib/cmake/FEBio (also looked for in its folder sdk).
-Needed: cmake, a C++20 compiler and the libraries in packages.txt beside the source. It takes a minute or two.
+Needed: cmake, a C++20 compiler and the libraries in packages.txt beside the source. It takes about a minute.
 
 Standard output has the library's path and the line that febio.xml needs. FEBio's own folder is left alone unless -o
 names it. docs/plugin.md has what comes next.
@@ -198,7 +198,7 @@ int plugin_build(const PluginBuildArguments& a) {
   const fs::path prefix = workshop.path / "build" / "installed";
   const fs::path source = origins.build.empty() ? origins.source : prefix / "share" / "febiodea" / "source";
   const std::string build = (workshop.path / "build").string(), log_file = a.verbose ? "" : workshop.log_file();
-  log(fmt::format("dea plugin-build: compiling the plugin with the SDK in {}, a minute or two", sdk.string()));
+  log(fmt::format("dea plugin-build: compiling the plugin with the SDK in {}, about a minute", sdk.string()));
   const auto run = [&](const char* doing, const std::vector<std::string>& words) {
     const int code = run_program(words, log_file);
     if (code == 0) return;
