@@ -13,10 +13,11 @@ enum ExitCode { kSolved = 0, kNoSolution = 1, kWrongUse = 2, kInputRefused = 3, 
 
 struct RunArguments {
   std::vector<std::string> words;  ///< the command line, for the report
-  std::string model, output, json, csv, facets_csv, vtu, report;
+  std::string model;
+  OutputSettings outputs;  ///< as typed
   bool quiet = false, verbose = false;
   SettingsArguments settings;
-  std::string times_from, states;  ///< states: empty: all
+  std::string times_from;
   bool compress = false;
   std::string threads;
 };

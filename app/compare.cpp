@@ -7,8 +7,8 @@
 #include <febiodea/app/commands.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/views/compare/compare_files.h>
 #include <febiodea/views/page/write_report.h>
 #include <febiodea/views/text/report_compare.h>
@@ -215,7 +215,7 @@ int compare_command(const CompareArguments& a) {
   const std::vector<std::string> labels = make_labels(a);
   std::vector<NamedPath> inputs, outputs;
   for (const std::string& file : a.files) inputs.push_back({file, file});
-  if (a.output == "-") throw UsageError("-o -: the plot file cannot go to standard output, give it a name");
+  require_file("-o", a.output);
   if (a.output.empty() && (a.time_fields || a.compress))
     throw UsageError(fmt::format("--{} belongs to -o", a.time_fields ? "time-fields" : "compress"));
   if (!a.output.empty()) outputs.push_back({"-o", a.output});

@@ -46,7 +46,7 @@ CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")
       ->excludes(q)
       ->group("Output");
-  add_settings_options(*c, a.settings, false, false);
+  add_settings_options(*c, a.settings, {"refine", "squash"});
   add_threads_option(*c, a.threads);
   return c;
 }

@@ -35,7 +35,7 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
       ->type_name("FILE.feb")
       ->group("Output");
   c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
-  add_settings_options(*c, a.settings, true, false);
+  add_settings_options(*c, a.settings, {"squash"});
   add_threads_option(*c, a.threads);
   return c;
 }

@@ -39,7 +39,7 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
   c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the text")
       ->type_name("FILE|-")
       ->group("Output");
-  add_settings_options(*c, a.settings, true, false);
+  add_settings_options(*c, a.settings, {"squash"});
   add_threads_option(*c, a.threads);
   return c;
 }
@@ -47,7 +47,7 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
 int info(const InfoArguments& a) {
   std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
   if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
-  if (a.output == "-") throw UsageError("-o -: the plot file cannot go to standard output, give it a name");
+  require_file("-o", a.output);
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include <febiodea/app/progress.h>
-#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/io/settings/output_options.h>
+#include <febiodea/model/settings.h>
 #include <febiodea/run/analysis.h>
 
 namespace dea {
@@ -20,8 +21,9 @@ struct SettingsArguments {
   std::map<std::string, std::vector<std::string>> values;
 };
 
-/// `refine`, `squash`: whether this command has these options.
-void add_settings_options(CLI::App& command, SettingsArguments& arguments, bool refine, bool squash);
+/// All of setting_options, but for those of the names `without`; --settings.
+void add_settings_options(CLI::App& command, SettingsArguments& arguments,
+                          const std::vector<std::string>& without = {});
 
 /// Command line over settings file over the model's own. Throws UsageError, InputError (settings file). `outputs`: what
 /// the file says of output files and states; nullptr: of no interest.
@@ -37,6 +39,8 @@ double number_argument(const char* option, const std::string& text);
 
 /// What an analysis is at: "thickness", "springs", "state 4 of 23: iteration 2, unbalanced 3e-04".
 void show_activity(Progress& progress, const Activity& activity);
+/// Throws UsageError for a plot file "-".
+void require_file(const std::string& option, const std::string& path);
 /// What to tell of a plot file's name that does not end in .xplt, in whatever letters; empty: nothing.
 std::string plot_name_note(const std::string& option, const std::string& path);
 /// A path's last part.

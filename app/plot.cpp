@@ -6,8 +6,8 @@
 
 #include <febiodea/app/commands.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/views/map/draw_map.h>
 #include <febiodea/views/map/map_figure.h>
 
@@ -56,9 +56,7 @@ Vector3d direction(const char* option, const std::string& text, const char* expe
 }
 
 PictureFormat format_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extension_of(path);
   if (extension == ".png") return PictureFormat::Png;
   if (extension == ".svg") return PictureFormat::Svg;
   if (extension == ".pdf") return PictureFormat::Pdf;

@@ -176,6 +176,47 @@ TEST(SettingsXml, OutputFilesAndStates) {
   EXPECT_EQ(fault("<json>a</json>\n<json>b</json>"), ":3: <json>: found a second one, expected it once");
 }
 
+std::string text_of(const std::string& path) {
+  std::ifstream in(std::string(DEA_SAMPLES_DIR) + "/../" + path);
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
+// A setting that nobody can read of is none.
+TEST(SettingsTable, ManualAndReadmeNameEveryOption) {
+  const std::string manual = text_of("docs/settings.md"), readme = text_of("README.md");
+  const auto names = [](const std::string& text, const std::string& word) {
+    for (const char* after : {" ", "`", ",", ":"})
+      if (text.find(word + after) != std::string::npos) return true;
+    return false;
+  };
+  for (const SettingOption& o : setting_options()) {
+    const std::string name = o.name;
+    EXPECT_TRUE(names(manual, "--" + name)) << name;
+    EXPECT_NE(manual.find("</" + name + ">`"), std::string::npos) << name;
+    EXPECT_TRUE(names(readme, "--" + name) || (o.help_off && names(readme, "--no-" + name))) << name;
+  }
+  for (const OutputOption& o : output_options()) {
+    EXPECT_TRUE(names(manual, command_line_name(o))) << o.name;
+    EXPECT_NE(manual.find(std::string("</") + o.name + ">`"), std::string::npos) << o.name;
+    EXPECT_TRUE(names(readme, command_line_name(o))) << o.name;
+  }
+}
+
+// What is set is shown, and nothing is shown before.
+TEST(SettingsTable, ShowsWhatWasSet) {
+  const Settings s = with({value("law", "layer"), value("nu", "s=0.3"), value("free", "femur=x,Rw"),
+                           value("load-at", "femur=sphere-center"), value("layer-terms", "1")});
+  const auto shown = [&](const char* option) { return find_setting_option(option)->content(s); };
+  using Items = std::map<std::string, SettingItem>;
+  EXPECT_EQ(shown("law"), SettingContent(SettingItem(std::string("layer"))));
+  EXPECT_EQ(shown("facets"), SettingContent(SettingItem()));
+  EXPECT_EQ(shown("layer-terms"), SettingContent(SettingItem(1)));
+  EXPECT_EQ(shown("nu"), SettingContent(Items{{"s", 0.3}}));
+  EXPECT_EQ(shown("E"), SettingContent(Items{}));
+  EXPECT_EQ(shown("free"), SettingContent(Items{{"femur", std::vector<std::string>{"x", "Rw"}}}));
+  EXPECT_EQ(shown("load-at"), SettingContent(Items{{"femur", std::string("sphere-center")}}));
+}
+
 TEST(SettingsXml, RefusalsNameTheLine) {
   EXPECT_EQ(fault("<law>cubic</law>"),
             ":2: <law>: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer");

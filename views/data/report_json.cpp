@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/model/settings_table.h>
 #include <febiodea/version.h>
 #include <febiodea/views/data/csv.h>
 #include <febiodea/views/text/report_text.h>
@@ -16,9 +18,23 @@ namespace {
 Json json_vector6_head(const Vector6& v) { return json_vector(v.head<3>()); }
 Json json_vector6_tail(const Vector6& v) { return json_vector(v.tail<3>()); }
 
-Json json_map(const std::map<std::string, double>& values) {
+Json item_json(const SettingItem& item) {
+  struct {
+    Json operator()(std::monostate) const { return nullptr; }
+    Json operator()(double number) const { return json_number(number); }
+    Json operator()(const Vector3d& vector) const { return json_vector(vector); }
+    Json operator()(bool value) const { return value; }
+    Json operator()(int value) const { return value; }
+    Json operator()(const std::string& value) const { return value; }
+    Json operator()(const std::vector<std::string>& value) const { return value; }
+  } json;
+  return std::visit(json, item);
+}
+
+Json content_json(const SettingContent& content) {
+  if (const auto* item = std::get_if<SettingItem>(&content)) return item_json(*item);
   Json j = Json::object();
-  for (const auto& entry : values) j[entry.first] = json_number(entry.second);
+  for (const auto& entry : std::get<1>(content)) j[entry.first] = item_json(entry.second);
   return j;
 }
 
@@ -126,38 +142,20 @@ Json json_number(double x) { return std::isfinite(x) ? Json(x + 0.0) : Json(null
 
 Json json_vector(const Vector3d& v) { return Json::array({json_number(v[0]), json_number(v[1]), json_number(v[2])}); }
 
-Json settings_json(const Settings& s) {
+Json settings_json(const Settings& settings) {
   Json j;
-  j["contact"] = s.contact.empty() ? Json(nullptr) : Json(s.contact);
-  j["source"] = s.source.empty() ? Json(nullptr) : Json(s.source);
-  j["springs_at"] = name(s.springs_at);
-  j["law"] = s.law ? Json(name(*s.law)) : Json(nullptr);
-  j["layer_terms"] = s.layer_fit == LayerFit::OneTerm ? 1 : 2;
-  j["interface_stiffness"] = s.interface_stiffness ? json_number(*s.interface_stiffness) : Json(nullptr);
-  j["refine"] = s.refine ? Json(*s.refine) : Json(nullptr);
-  j["rigid"] = s.rigid;
-  j["keep_facets"] = s.keep_facets;
-  j["attach"] = Json::object();
-  for (const auto& entry : s.attach) j["attach"][entry.first] = entry.second;
-  j["bone"] = Json::object();
-  for (const auto& entry : s.bone) j["bone"][entry.first] = entry.second;
-  j["thickness"] = json_map(s.thickness);
-  j["E"] = json_map(s.E);
-  j["nu"] = json_map(s.nu);
-  j["free"] = Json::object();
-  for (const auto& entry : s.free) {
-    Json dofs = Json::array();
-    for (std::size_t k = 0; k < kDofs; ++k)
-      if (entry.second[k]) dofs.push_back(kDofNames[k]);
-    j["free"][entry.first] = dofs;
+  const auto add = [&](const std::string& option_name) {
+    const SettingOption& option = *find_setting_option(option_name);
+    std::string key = option_name;
+    std::replace(key.begin(), key.end(), '-', '_');
+    j[key] = content_json(option.content(settings));
+  };
+  for (const SettingOption& option : setting_options()) {
+    const std::string name = option.name;
+    if (name != "facets") add(name);
+    if (name == "rigid") add("keep-facets");  // where these two stand in dea.run/1
   }
-  j["force"] = Json::object();
-  for (const auto& entry : s.force) j["force"][entry.first] = json_vector(entry.second);
-  j["load_at"] = Json::object();
-  for (const auto& entry : s.load_at)
-    j["load_at"][entry.first] = entry.second.sphere_center ? Json("sphere-center") : json_vector(entry.second.point);
-  j["squash"] = s.squash;
-  j["facets"] = s.facets ? Json(name(*s.facets)) : Json(nullptr);
+  add("facets");
   return j;
 }
 
@@ -180,9 +178,7 @@ Json run_json(const JointModel& model, const Settings& settings, const Analysis&
   j["states"] = Json::array();
   for (const StateResult& state : analysis.states) j["states"].push_back(state_json(joint, state));
   j["units"] = model.units.empty() ? Json(nullptr) : Json(model.units);
-  std::vector<std::string> findings = model_remarks(model, joint);
-  for (const std::string& line : result_remarks(model, analysis)) findings.push_back(line);
-  j["findings"] = findings;
+  j["findings"] = run_remarks(model, analysis);
   return j;
 }
 

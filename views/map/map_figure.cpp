@@ -9,8 +9,8 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/files/unit_names.h>
-#include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/views/map/map_scale.h>
 
 namespace dea {

@@ -648,8 +648,7 @@ ReportData run_report(const JointModel& model, const Analysis& analysis, const R
   data.units = unit_names(plot.plot.units);
   const std::vector<ResultFile> files = {plot};
   add_results(files, data);
-  data.warnings = model_remarks(model, analysis.joint);
-  for (const std::string& line : result_remarks(model, analysis)) data.warnings.push_back(line);
+  data.warnings = run_remarks(model, analysis);
   if (!plot.plot.states.empty()) {
     const int last = static_cast<int>(plot.plot.states.size()) - 1;
     make_frames(files, {last}, data);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -330,7 +329,9 @@ void write_report(const std::string& path, const ReportData& data) { write_text(
 
 void write_run_report(const std::string& path, const Recognition& recognition, const Analysis& analysis,
                       XpltFile&& plot, const std::string& model_path, const std::string& output,
-                      const std::vector<std::string>& words, const std::vector<std::string>& paths) {
+                      const std::vector<std::string>& words, const std::vector<NamedPath>& files) {
+  std::vector<std::string> paths;
+  for (const NamedPath& file : files) paths.push_back(file.path);
   const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(plot)};
   write_report(path,
                run_report(recognition.model, analysis, result,
@@ -340,9 +341,7 @@ void write_run_report(const std::string& path, const Recognition& recognition, c
 void require_page_name(const std::string& option, const std::string& path) {
   if (path.empty()) return;
   if (path == "-") throw UsageError(fmt::format("{} -: the page cannot go to standard output, give it a name", option));
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extension_of(path);
   if (extension != ".html" && extension != ".htm")
     throw UsageError(
         fmt::format("{} {}: found \"{}\", expected a name that ends in .html or .htm", option, path, extension));

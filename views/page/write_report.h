@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include <febiodea/io/files/output.h>
 #include <febiodea/views/page/report_data.h>
 
 namespace dea {
@@ -14,10 +15,10 @@ std::string report_html(const ReportData& data);
 void write_report(const std::string& path, const ReportData& data);
 
 /// The page of a run whose plot file `output` has been written. `model_path`: gives it its title. `words`: the command;
-/// `paths`: the files in it, of which only the names are shown. Throws InputError, WriteError.
+/// `files`: those in it, of which only the names are shown. Throws InputError, WriteError.
 void write_run_report(const std::string& path, const Recognition& recognition, const Analysis& analysis,
                       XpltFile&& plot, const std::string& model_path, const std::string& output,
-                      const std::vector<std::string>& words, const std::vector<std::string>& paths);
+                      const std::vector<std::string>& words, const std::vector<NamedPath>& files);
 
 /// Empty: no page is wanted. `option`: "--report" or "<report>". Throws UsageError.
 void require_page_name(const std::string& option, const std::string& path);

@@ -389,6 +389,12 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   return lines;
 }
 
+std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis) {
+  std::vector<std::string> lines = model_remarks(model, analysis.joint);
+  for (const std::string& line : result_remarks(model, analysis)) lines.push_back(line);
+  return lines;
+}
+
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs) {
   std::string text = units_text(model) + "\n";
   for (const Convergence& study : studies) {

@@ -31,6 +31,8 @@ std::string run_text(const JointModel& model, const Analysis& analysis);
 /// What was concluded, left out or is doubtful, a line each, each once: "note: ...", "ignored: ...", "warning: ...".
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint);
 std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis);
+/// Both, of a run.
+std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis);
 
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs);
 
