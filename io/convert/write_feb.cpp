@@ -137,50 +137,6 @@ XmlLines plotfile_lines() {
 
 namespace {
 
-const char* element_type(ElementShape shape) {
-  switch (shape) {
-    case ElementShape::Hex8:
-      return "hex8";
-    case ElementShape::Hex20:
-      return "hex20";
-    case ElementShape::Hex27:
-      return "hex27";
-    case ElementShape::Penta6:
-      return "penta6";
-    case ElementShape::Penta15:
-      return "penta15";
-    case ElementShape::Tet4:
-      return "tet4";
-    case ElementShape::Tet5:
-      return "tet5";
-    case ElementShape::Tet10:
-      return "tet10";
-    case ElementShape::Tet15:
-      return "tet15";
-    case ElementShape::Tet20:
-      return "tet20";
-    case ElementShape::Pyra5:
-      return "pyra5";
-    case ElementShape::Pyra13:
-      return "pyra13";
-    case ElementShape::Tri3:
-      return "tri3";
-    case ElementShape::Tri6:
-      return "tri6";
-    case ElementShape::Quad4:
-      return "quad4";
-    case ElementShape::Quad8:
-      return "quad8";
-    case ElementShape::Quad9:
-      return "quad9";
-    case ElementShape::Line2:
-      return "line2";
-    case ElementShape::Line3:
-      return "line3";
-  }
-  return "";
-}
-
 std::string free_name(const std::string& wanted, std::set<std::string>& names) {
   std::string name = wanted;
   for (int i = 2; names.count(name) > 0; ++i) name = fmt::format("{}_{}", wanted, i);
@@ -261,8 +217,8 @@ void write_elements(Writer& w) {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return d.element_ids[a] < d.element_ids[b]; });
-    w.line(2,
-           fmt::format("<Elements type=\"{}\" name=\"{}\">", element_type(d.shape), escape_xml(w.domain_names.back())));
+    w.line(2, fmt::format("<Elements type=\"{}\" name=\"{}\">", element_type(d.shape).name,
+                          escape_xml(w.domain_names.back())));
     for (std::size_t e : order)
       w.line(3, fmt::format("<elem id=\"{}\">{}</elem>", d.element_ids[e], list(w, d.nodes.data() + e * n, n)));
     w.line(2, "</Elements>");

@@ -410,9 +410,6 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
 /// Triangles of faces that belong to one solid element only, and of shells.
 ReportContext make_context(const XpltMesh& mesh) {
   ReportContext context;
-  std::unordered_map<int, ElementShape> shapes;
-  for (int i = 0; i <= static_cast<int>(ElementShape::Line3); ++i)
-    shapes[xplt_element_type(static_cast<ElementShape>(i))] = static_cast<ElementShape>(i);
   std::vector<Vector3d> positions(mesh.node_ids.size());
   for (std::size_t i = 0; i < positions.size(); ++i)
     positions[i] = Vector3d(mesh.coordinates[3 * i], mesh.coordinates[3 * i + 1], mesh.coordinates[3 * i + 2]);
@@ -424,16 +421,16 @@ ReportContext make_context(const XpltMesh& mesh) {
   };
   std::map<std::vector<int>, Face> faces;  // by sorted corners
   for (const XpltDomain& domain : mesh.domains) {
-    const auto shape = shapes.find(domain.element_type);
-    if (shape == shapes.end() || domain.part < 1 || domain.part > static_cast<int>(mesh.parts.size())) continue;
+    const std::optional<ElementShape> shape = xplt_element_shape(domain.element_type);
+    if (!shape || domain.part < 1 || domain.part > static_cast<int>(mesh.parts.size())) continue;
     const int n = xplt_nodes_per_element(domain.element_type);
     if (faces.size() > 20 * kMostContextTriangles) break;
     for (int e = 0; e < xplt_elements(domain); ++e) {
-      for (const std::vector<int>& local : element_faces(shape->second)) {
+      for (const std::vector<int>& local : element_faces(*shape)) {
         Face face;
         for (int k : local) face.nodes.push_back(domain.nodes[at(e * n + k)]);
         face.part = domain.part - 1;
-        face.shell = element_faces(shape->second).size() == 1;
+        face.shell = element_faces(*shape).size() == 1;
         std::vector<int> key(face.nodes.begin(), face.nodes.begin() + facet_corners(static_cast<int>(local.size())));
         std::sort(key.begin(), key.end());
         Face& known = faces[key];
