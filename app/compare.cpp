@@ -10,8 +10,9 @@
 #include <febiodea/base/parse.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/views/compare/compare_files.h>
+#include <febiodea/views/data/compare_json.h>
 #include <febiodea/views/page/write_report.h>
-#include <febiodea/views/text/report_compare.h>
+#include <febiodea/views/text/compare_text.h>
 
 namespace dea {
 

@@ -10,8 +10,8 @@
 #include <febiodea/io/files/output.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/run/recognise.h>
-#include <febiodea/views/data/report_json.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/data/run_json.h>
+#include <febiodea/views/text/run_text.h>
 
 namespace dea {
 

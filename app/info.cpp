@@ -6,8 +6,8 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
-#include <febiodea/views/data/report_json.h>
-#include <febiodea/views/text/report_info.h>
+#include <febiodea/views/data/info_json.h>
+#include <febiodea/views/text/info_text.h>
 
 namespace dea {
 

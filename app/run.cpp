@@ -11,7 +11,8 @@
 #include <febiodea/io/settings/output_options.h>
 #include <febiodea/views/page/write_report.h>
 #include <febiodea/views/run_model.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/text/remarks.h>
+#include <febiodea/views/text/run_text.h>
 
 namespace dea {
 

@@ -11,7 +11,8 @@
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/data/run_csv.h>
+#include <febiodea/views/text/table.h>
 
 namespace dea {
 
@@ -163,7 +164,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   timings.total = options.seconds_reading + seconds() - start;
   if (!outputs.json.empty())
     write_text(outputs.json, json_text(run_json(model, recognition.settings, result.analysis, timings)));
-  if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(model, result.analysis));
+  if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(result.analysis));
   if (!outputs.facets_csv.empty()) write_text(outputs.facets_csv, facets_csv(model, result.analysis));
   if (options.with_plot) options.with_plot(result.analysis, std::move(xplt));
   return result;

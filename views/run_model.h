@@ -6,7 +6,7 @@
 #include <febiodea/io/settings/output_options.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/run/analysis.h>
-#include <febiodea/views/data/report_json.h>
+#include <febiodea/views/data/run_json.h>
 
 namespace dea {
 

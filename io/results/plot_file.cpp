@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -167,41 +168,41 @@ XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const s
 /// A field on contact surfaces: what it is, and its values on one side of a contact.
 struct SurfaceField {
   XpltVariable variable;
-  std::vector<float> (*values)(const Surface&, const Layer&, const SideFields&);
+  std::function<std::vector<float>(const Surface&, const Layer&, const SideFields&)> values;
 };
+
+SurfaceField facet_field(const FacetField& field) {
+  return {variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, field.name, field.unit),
+          [values = field.values](const Surface&, const Layer&, const SideFields& f) { return per_facet(f.*values); }};
+}
 
 std::vector<SurfaceField> surface_fields() {
   using S = const Surface&;
   using L = const Layer&;
   using F = const SideFields&;
-  const auto field = [](XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
+  const auto surface = [](XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
     return variable(XpltGroup::Surface, type, format, name, units);
   };
-  return {
-      {field(XpltType::Float, XpltFormat::Item, "contact pressure", "P"),
-       [](S, L, F f) { return per_facet(f.pressure); }},
-      // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
-      {field(XpltType::Float, XpltFormat::Item, "contact gap", "L"),
-       [](S s, L, F) { return std::vector<float>(at(s.size()), 0.0f); }},
-      {field(XpltType::Vec3, XpltFormat::Region, "contact force", "F"), [](S, L, F f) { return numbers(f.force); }},
-      {field(XpltType::Float, XpltFormat::Region, "contact area", "L^2"),
-       [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }},
-      {field(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P"),
-       [](S s, L l, F f) { return per_slot(s, l, f.vertex_pressure); }},
-      {field(XpltType::Float, XpltFormat::Item, "joint space", "L"),
-       [](S, L, F f) { return per_facet(f.joint_space); }},
-      {field(XpltType::Float, XpltFormat::Item, "overlap", "L"), [](S, L, F f) { return per_facet(f.overlap); }},
-      {field(XpltType::Float, XpltFormat::Item, "spring strain", ""), [](S, L, F f) { return per_facet(f.strain); }},
-      {field(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
-       [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }},
-  };
+  std::vector<SurfaceField> fields = {facet_field(facet_fields().front())};
+  // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
+  fields.push_back({surface(XpltType::Float, XpltFormat::Item, "contact gap", "L"),
+                    [](S s, L, F) { return std::vector<float>(at(s.size()), 0.0f); }});
+  fields.push_back(
+      {surface(XpltType::Vec3, XpltFormat::Region, "contact force", "F"), [](S, L, F f) { return numbers(f.force); }});
+  fields.push_back({surface(XpltType::Float, XpltFormat::Region, "contact area", "L^2"),
+                    [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }});
+  fields.push_back({surface(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P"),
+                    [](S s, L l, F f) { return per_slot(s, l, f.vertex_pressure); }});
+  for (std::size_t i = 1; i < facet_fields().size(); ++i) fields.push_back(facet_field(facet_fields()[i]));
+  fields.push_back({surface(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
+                    [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }});
+  return fields;
 }
 
 /// Rotations about z, y, x (applied in the order x, y, z), as FEBio's Euler angles, in degrees.
 Vector3d euler_degrees(const Eigen::Matrix3d& R) {
-  constexpr double kDegrees = 57.29577951308232;
-  return kDegrees * Vector3d(std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
-                             std::atan2(R(1, 0), R(0, 0)));
+  return kDegreesPerRadian * Vector3d(std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+                                      std::atan2(R(1, 0), R(0, 0)));
 }
 
 XpltObject rigid_body_object(const Body& body) {

@@ -94,23 +94,30 @@ void add_once(std::vector<std::string>& names, Text name) {
 
 SettingContent one(SettingItem item) { return item; }
 
-SettingContent word_or_nothing(Text word) { return word.empty() ? SettingItem() : SettingItem(word); }
+SettingContent word_or_nothing(Text word) {
+  SettingItem item;
+  if (!word.empty()) item = word;
+  return item;
+}
 
 template <class Word>
 SettingContent word_or_nothing(const std::optional<Word>& word) {
-  return word ? SettingItem(std::string(name(*word))) : SettingItem();
+  return word_or_nothing(word ? std::string(name(*word)) : std::string());
 }
 
 template <class Number>
 SettingContent number_or_nothing(const std::optional<Number>& number) {
-  return number ? SettingItem(*number) : SettingItem();
+  SettingItem item;
+  if (number) item = *number;
+  return item;
 }
 
 SettingItem item_of(Text word) { return word; }
 SettingItem item_of(double number) { return number; }
 SettingItem item_of(const Eigen::Vector3d& vector) { return vector; }
 SettingItem item_of(const LoadPoint& load_at) {
-  return load_at.sphere_center ? SettingItem(std::string("sphere-center")) : SettingItem(load_at.point);
+  if (load_at.sphere_center) return std::string("sphere-center");
+  return load_at.point;
 }
 SettingItem item_of(const std::array<bool, 6>& free) {
   std::vector<std::string> dofs;

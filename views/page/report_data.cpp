@@ -14,7 +14,9 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/model/element_faces.h>
 #include <febiodea/views/map/map_geometry.h>
-#include <febiodea/views/text/report_compare.h>
+#include <febiodea/views/text/compare_text.h>
+#include <febiodea/views/text/remarks.h>
+#include <febiodea/views/text/run_text.h>
 
 namespace dea {
 
@@ -22,7 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegrees = 57.29577951308232;
 constexpr const char* kAsTheyAre = "contact pressure";  ///< for map_values: 0 is a value
 constexpr std::size_t kMostContextTriangles = 150000;
 
@@ -546,7 +547,7 @@ std::vector<ReportChart> run_charts(const Analysis& analysis) {
              });
   body_chart("Rotation of the bodies", "Angle from the reference orientation.", "rotation", "degrees",
              [&](const StateResult& s, int b) {
-               return kDegrees * Eigen::AngleAxisd(s.equilibrium.poses[at(b)].rotation).angle();
+               return kDegreesPerRadian * Eigen::AngleAxisd(s.equilibrium.poses[at(b)].rotation).angle();
              });
 
   ReportChart springs{"Ligaments and cables", "Tension.", "tension", "force", false, times_of(analysis), {}, {}};
@@ -666,7 +667,7 @@ ReportData run_report(const JointModel& model, const Analysis& analysis, const R
     data.context = make_context(mesh_of(plot, last));
   }
   data.charts = run_charts(analysis);
-  data.tables = run_tables(model, analysis);
+  data.tables = run_tables(analysis);
   if (!recognised.empty()) data.texts.push_back({"What was recognised", recognised});
   std::vector<std::string> all = paths;
   all.insert(all.end(), model.files.begin(), model.files.end());

@@ -13,7 +13,7 @@
 #include <febiodea/run/analysis.h>
 #include <febiodea/views/compare/compare_files.h>
 #include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/text/table.h>
 
 namespace dea {
 

@@ -11,11 +11,11 @@
 #include <febiodea/io/files/encoded_text.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/version.h>
-#include <febiodea/views/data/report_json.h>
+#include <febiodea/views/data/json.h>
 #include <febiodea/views/map/colour_map.h>
 #include <febiodea/views/page/pack.h>
 #include <febiodea/views/page/page.h>
-#include <febiodea/views/text/report_info.h>
+#include <febiodea/views/text/info_text.h>
 
 namespace dea {
 

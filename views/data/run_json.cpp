@@ -1,4 +1,4 @@
-#include <febiodea/views/data/report_json.h>
+#include <febiodea/views/data/run_json.h>
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/model/settings_table.h>
 #include <febiodea/version.h>
-#include <febiodea/views/data/csv.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/text/remarks.h>
+#include <febiodea/views/text/run_text.h>
 
 namespace dea {
 
@@ -138,10 +138,6 @@ Json state_json(const Joint& joint, const StateResult& state) {
 
 }  // namespace
 
-Json json_number(double x) { return std::isfinite(x) ? Json(x + 0.0) : Json(nullptr); }  // + 0.0: no -0.0
-
-Json json_vector(const Vector3d& v) { return Json::array({json_number(v[0]), json_number(v[1]), json_number(v[2])}); }
-
 Json settings_json(const Settings& settings) {
   Json j;
   const auto add = [&](const std::string& option_name) {
@@ -177,7 +173,7 @@ Json run_json(const JointModel& model, const Settings& settings, const Analysis&
   for (int b : reported_bodies(joint)) j["bodies"].push_back(joint.bodies[at(b)].name);
   j["states"] = Json::array();
   for (const StateResult& state : analysis.states) j["states"].push_back(state_json(joint, state));
-  j["units"] = model.units.empty() ? Json(nullptr) : Json(model.units);
+  j["units"] = json_word(model.units);
   j["findings"] = run_remarks(model, analysis);
   return j;
 }
@@ -217,109 +213,6 @@ Json converge_json(const JointModel& model, const Settings& settings, const std:
     j["contacts"].push_back(c);
   }
   return j;
-}
-
-std::string json_text(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
-
-std::string run_csv(const JointModel&, const Analysis& analysis) {
-  const Joint& joint = analysis.joint;
-  std::string text =
-      "time,contact,outcome,iterations,residual_force,residual_moment,source,target,springs,springs_hit,springs_active,"
-      "peak_pressure,p99_pressure,mean_pressure,median_pressure,p5_pressure,p25_pressure,p75_pressure,p95_pressure,"
-      "contact_area,"
-      "facet_peak_pressure,nodal_peak_pressure,nodal_mean_pressure,nodal_median_pressure,facet_contact_area,"
-      "center_of_pressure_x,center_of_pressure_y,center_of_pressure_z,force_x,force_y,force_z,moment_x,moment_y,moment_"
-      "z,"
-      "largest_strain,source_resultant_factor,target_resultant_factor\n";
-  for (const StateResult& state : analysis.states) {
-    for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-      const ContactPair& pair = joint.contacts[c];
-      const ContactStatistics& s = state.statistics[c];
-      text += fmt::format(
-          "{},{},{},{},{},{},{},{},{},{},{}", csv_number(state.when.time), csv_word(pair.name),
-          name(state.equilibrium.outcome), state.equilibrium.iterations, csv_number(state.equilibrium.residual_force),
-          csv_number(state.equilibrium.residual_moment), csv_word(joint.bodies[at(pair.source_layer().body)].name),
-          csv_word(joint.bodies[at(pair.target_layer().body)].name), s.springs, s.springs_hit, s.springs_active);
-      for (double x : {s.peak, s.p99, s.mean, s.median, s.p5, s.p25, s.p75, s.p95, s.contact_area, s.facet_peak,
-                       s.nodal_peak, s.nodal_mean, s.nodal_median, s.facet_contact_area})
-        text += fmt::format(",{}", csv_number(x));
-      for (const Vector3d& v : {s.center_of_pressure, s.force, s.moment})
-        for (int k = 0; k < 3; ++k) text += fmt::format(",{}", csv_number(v[k]));
-      for (double x : {s.largest_strain, state.fields[c].sides[pair.source].resultant_factor,
-                       state.fields[c].sides[1 - pair.source].resultant_factor})
-        text += fmt::format(",{}", csv_number(x));
-      text += '\n';
-    }
-  }
-  return text;
-}
-
-namespace {
-
-/// Of the facets of a surface, in the reference configuration.
-struct FacetShape {
-  std::vector<double> area;
-  std::vector<Vector3d> centroid;
-  std::vector<double> thickness;  ///< of the surface's layer, mean over the facet
-};
-
-FacetShape facet_shape(const JointModel& model, const Layer& layer, const std::vector<double>& vertex_thickness) {
-  const Surface& surface = model.surfaces[at(layer.surface)];
-  const std::size_t n = at(surface.size());
-  FacetShape out{std::vector<double>(n, 0.0), std::vector<Vector3d>(n, Vector3d::Zero()), std::vector<double>(n, 0.0)};
-  const SurfaceMesh& mesh = layer.articular;
-  for (int t = 0; t < mesh.size(); ++t) {
-    const std::size_t f = at(mesh.facet[at(t)]);
-    const double area = mesh.areas[at(t)];
-    out.area[f] += area;
-    out.centroid[f] += area * mesh.centroid(t);
-    for (int vertex : mesh.triangles[at(t)]) out.thickness[f] += area / 3.0 * vertex_thickness[at(vertex)];
-  }
-  for (std::size_t f = 0; f < n; ++f) {
-    if (out.area[f] > 0) {
-      out.centroid[f] /= out.area[f];
-      out.thickness[f] /= out.area[f];
-      continue;
-    }
-    const int begin = surface.begin[f], count = surface.begin[f + 1] - begin;  // a facet of no area
-    for (int k = 0; k < count; ++k) out.centroid[f] += model.nodes[at(surface.nodes[at(begin + k)])] / count;
-    out.thickness[f] = std::nan("");
-  }
-  return out;
-}
-
-}  // namespace
-
-std::string facets_csv(const JointModel& model, const Analysis& analysis) {
-  const Joint& joint = analysis.joint;
-  std::string text =
-      "time,outcome,contact,surface,body,facet,reference_x,reference_y,reference_z,x,y,z,area,pressure,thickness,"
-      "joint_space,overlap,strain\n";
-  for (const StateResult& state : analysis.states) {
-    for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-      for (int side = 0; side < 2; ++side) {
-        const Layer& layer = joint.contacts[c].layers[side];
-        const SideFields& fields = state.fields[c].sides[side];
-        const Body& body = joint.bodies[at(layer.body)];
-        const Pose& pose = state.equilibrium.poses[at(layer.body)];
-        const FacetShape shape = facet_shape(model, layer, fields.vertex_thickness);
-        const std::string start = fmt::format("{},{},{},{},{}", csv_number(state.when.time),
-                                              name(state.equilibrium.outcome), csv_word(joint.contacts[c].name),
-                                              csv_word(model.surfaces[at(layer.surface)].name), csv_word(body.name));
-        for (std::size_t f = 0; f < shape.area.size(); ++f) {
-          const Vector3d now = pose.center + pose.rotation * (shape.centroid[f] - body.center_of_mass);
-          text += fmt::format("{},{}", start, f + 1);
-          for (const Vector3d& v : {shape.centroid[f], now})
-            for (int k = 0; k < 3; ++k) text += fmt::format(",{}", csv_number(v[k]));
-          for (double x : {shape.area[f], fields.pressure[f], shape.thickness[f], fields.joint_space[f],
-                           fields.overlap[f], fields.strain[f]})
-            text += fmt::format(",{}", csv_number(x));
-          text += '\n';
-        }
-      }
-    }
-  }
-  return text;
 }
 
 }  // namespace dea
