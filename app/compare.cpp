@@ -11,7 +11,7 @@
 #include <febiodea/io/files/output.h>
 #include <febiodea/views/compare/compare_files.h>
 #include <febiodea/views/data/compare_json.h>
-#include <febiodea/views/page/write_report.h>
+#include <febiodea/views/page/write_page.h>
 #include <febiodea/views/text/compare_text.h>
 
 namespace dea {
@@ -239,7 +239,7 @@ int compare_command(const CompareArguments& a) {
   if (!a.output.empty()) write_xplt(a.output, make_compare_file(files, options, comparison, a.time_fields, a.compress));
   if (!a.json.empty()) write_text(a.json, json_text(compare_json(comparison)));
   if (!a.csv.empty()) write_text(a.csv, compare_csv(comparison));
-  if (!a.report.empty()) write_report(a.report, compare_report(files, options, comparison, a.words));
+  if (!a.report.empty()) write_page(a.report, compare_page(files, options, comparison, a.words));
   progress.clear();
   if (a.quiet) return kSolved;
   for (const std::string& line : comparison.warnings) log(line);

@@ -9,7 +9,7 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/output_options.h>
-#include <febiodea/views/page/write_report.h>
+#include <febiodea/views/page/write_page.h>
 #include <febiodea/views/run_model.h>
 #include <febiodea/views/text/remarks.h>
 #include <febiodea/views/text/run_text.h>
@@ -118,10 +118,10 @@ int run(const RunArguments& a) {
   const Settings settings = effective_settings(a.settings, &file);
   if (typed.output.empty() && file.output.empty()) typed.output = default_output(a.model);
   RunOptions options = run_options(a, typed, file);
-  const std::string &xplt = options.outputs.output, &page = options.outputs.report;
-  const std::string xplt_option = given_as(&OutputSettings::output, typed);
+  const std::string &output = options.outputs.output, &page = options.outputs.report;
+  const std::string output_option = given_as(&OutputSettings::output, typed);
   require_page_name(given_as(&OutputSettings::report, typed), page);
-  require_file(xplt_option, xplt);
+  require_file(output_option, output);
 
   Progress progress(progress_style(a.quiet, a.verbose));
   begin(progress, "reading " + file_name(a.model));
@@ -130,15 +130,15 @@ int run(const RunArguments& a) {
   const std::vector<NamedPath> outputs = named_outputs(typed, file);
   check_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());
-  const std::string name_note = plot_name_note(xplt_option, xplt);
+  const std::string name_note = plot_name_note(output_option, output);
   options.seconds_reading = seconds() - start;
   watch(options, progress);
   show_activity(progress, {});
   const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
   if (!page.empty()) {
-    options.with_plot = [&](const Analysis& analysis, XpltFile&& plot) {
+    options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
       begin(progress, "writing " + file_name(page));
-      write_run_report(page, recognition, analysis, std::move(plot), a.model, xplt, a.words, files);
+      write_run_page(page, recognition, analysis, std::move(xplt), a.model, output, a.words, files);
     };
   }
   const RunResult result = run_model(recognition, options);

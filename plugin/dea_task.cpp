@@ -10,7 +10,7 @@
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/read_fe_model.h>
-#include <febiodea/views/page/write_report.h>
+#include <febiodea/views/page/write_page.h>
 #include <febiodea/views/run_model.h>
 #include <febiodea/views/text/remarks.h>
 #include <febiodea/views/text/run_text.h>
@@ -74,11 +74,11 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };
   const Recognition recognition = recognise(model, file.settings, wants_all_states(options));
   if (!file.outputs.report.empty()) {
-    options.with_plot = [&](const Analysis& analysis, XpltFile&& plot) {
+    options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
       std::vector<std::string> words = {"febio4", "-i", fem.GetInputFileName(), "-task=dea"};
       if (!settings_file.empty()) words.push_back(settings_file);
-      write_run_report(file.outputs.report, recognition, analysis, std::move(plot), fem.GetInputFileName(),
-                       file.outputs.output, words, files);
+      write_run_page(file.outputs.report, recognition, analysis, std::move(xplt), fem.GetInputFileName(),
+                     file.outputs.output, words, files);
     };
   }
   const RunResult result = run_model(recognition, options);

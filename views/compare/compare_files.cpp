@@ -75,7 +75,7 @@ std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFi
     with_pressure.push_back(surfaces_with_pressure(files[i], states[i]));
     if (with_pressure.back().empty())
       throw InputError(fmt::format("{}: found no surface with \"{}\" at time {:g}, expected one", files[i].path,
-                                   kPressure, files[i].plot.states[at(states[i])].time));
+                                   kPressure, files[i].xplt.states[at(states[i])].time));
   }
   std::vector<std::vector<std::string>> chosen;
   for (const std::string& text : options.surfaces) {
@@ -140,7 +140,7 @@ double total(const std::vector<double>& values) { return std::accumulate(values.
 
 /// dea's springs push on the areas of the mesh. Its files move the nodes of the layers, too, but that is a picture of
 /// how far they are squeezed and no solution.
-bool pressure_is_per_mesh_area(const ResultFile& file) { return file.plot.software.rfind("FEBioDEA", 0) == 0; }
+bool pressure_is_per_mesh_area(const ResultFile& file) { return file.xplt.software.rfind("FEBioDEA", 0) == 0; }
 
 SurfaceFacts surface_facts(const ResultFile& file, int state, const Side& side, const ResultSurface& mesh) {
   SurfaceFacts facts;
@@ -222,7 +222,7 @@ History history(const ResultFile& file, int last, const std::string& name) {
       ++h.left_out;
       continue;
     }
-    h.times.push_back(file.plot.states[at(s)].time);
+    h.times.push_back(file.xplt.states[at(s)].time);
     h.pressure.push_back(facet_values(file, s, surface, kPressure));
     if (h.pressure.back().empty()) h.pressure.back().assign(at(facets.size()), 0.0);
   }
@@ -446,18 +446,18 @@ std::vector<std::vector<int>> paired_states(const std::vector<ResultFile>& files
                                             const Comparison& comparison) {
   std::vector<std::vector<int>> pairs;
   if (!options.at) {
-    for (std::size_t s = 0; s < files.front().plot.states.size(); ++s) {
+    for (std::size_t s = 0; s < files.front().xplt.states.size(); ++s) {
       std::vector<int> pair = {static_cast<int>(s)};
       for (std::size_t i = 1; i < files.size(); ++i) {
-        for (std::size_t k = 0; k < files[i].plot.states.size(); ++k) {
-          if (!same_time(files[i].plot.states[k].time, files.front().plot.states[s].time)) continue;
+        for (std::size_t k = 0; k < files[i].xplt.states.size(); ++k) {
+          if (!same_time(files[i].xplt.states[k].time, files.front().xplt.states[s].time)) continue;
           pair.push_back(static_cast<int>(k));
           break;
         }
       }
       bool same_meshes = pair.size() == files.size();
       for (std::size_t i = 0; i < files.size() && same_meshes; ++i)
-        same_meshes = files[i].plot.states[at(pair[i])].mesh == files[i].plot.states[at(comparison.states[i])].mesh;
+        same_meshes = files[i].xplt.states[at(pair[i])].mesh == files[i].xplt.states[at(comparison.states[i])].mesh;
       if (same_meshes) pairs.push_back(std::move(pair));
     }
   }
@@ -480,7 +480,7 @@ ResultSurface compared_surface(const ResultFile& file, int state, int surface, C
     throw InputError(
         fmt::format("{}: found no \"displacement\" of the nodes at time {:g}, expected one for --areas "
                     "deformed; --areas reference needs none",
-                    file.path, file.plot.states[at(state)].time));
+                    file.path, file.xplt.states[at(state)].time));
   return with_areas_of(std::move(mesh), *moved);
 }
 
@@ -493,16 +493,16 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
   for (const ResultFile& file : files) {
     c.labels.push_back(file.label);
     c.paths.push_back(file.path);
-    c.states.push_back(options.at ? find_state(file, *options.at) : static_cast<int>(file.plot.states.size()) - 1);
-    c.times.push_back(file.plot.states[at(c.states.back())].time);
-    if (c.units.empty()) c.units = file.plot.units;
-    if (!file.plot.units.empty() && file.plot.units != c.units)
+    c.states.push_back(options.at ? find_state(file, *options.at) : static_cast<int>(file.xplt.states.size()) - 1);
+    c.times.push_back(file.xplt.states[at(c.states.back())].time);
+    if (c.units.empty()) c.units = file.xplt.units;
+    if (!file.xplt.units.empty() && file.xplt.units != c.units)
       c.warnings.push_back(fmt::format("warning: {} is in {}, others are in {}: numbers are compared as they are",
-                                       file.path, file.plot.units, c.units));
-    if (file.plot.truncated)
+                                       file.path, file.xplt.units, c.units));
+    if (file.xplt.truncated)
       c.warnings.push_back(
           fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file.path,
-                      file.plot.states.back().time));
+                      file.xplt.states.back().time));
     if (!same_time(c.times.back(), c.times.front()))
       c.warnings.push_back(
           fmt::format("warning: the last state of {} is at time {:g}, that of {} at {:g}; --at T compares at one time",
@@ -513,7 +513,7 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
     if (n == 1 || reference == 1) continue;  // no sums over time
     bool same = n == reference;
     for (int s = 0; same && s < n; ++s)
-      same = same_time(files[i].plot.states[at(s)].time, files.back().plot.states[at(s)].time);
+      same = same_time(files[i].xplt.states[at(s)].time, files.back().xplt.states[at(s)].time);
     if (!same)
       c.warnings.push_back(fmt::format(
           "warning: up to the compared state {} has {} states and {} has {}, at other times: peaks and "
@@ -537,10 +537,10 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
   out.software = fmt::format("FEBioDEA {}", kVersion);
   out.units = comparison.units;
   out.meshes = {mesh_of(first, comparison.states.front())};
-  out.meshes.front().objects = first.plot.meshes.front().objects;
+  out.meshes.front().objects = first.xplt.meshes.front().objects;
 
-  const int displacement = find_variable(first.plot, XpltGroup::Nodal, "displacement");
-  if (displacement >= 0) out.variables.push_back(first.plot.variables[at(displacement)]);
+  const int displacement = find_variable(first.xplt, XpltGroup::Nodal, "displacement");
+  if (displacement >= 0) out.variables.push_back(first.xplt.variables[at(displacement)]);
   const std::size_t fields = out.variables.size();
   for (const std::string& label : comparison.labels)
     out.variables.push_back(surface_variable(fmt::format("{} {}", kPressure, label), "P"));
@@ -558,7 +558,7 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
 
   const std::vector<std::vector<int>> pairs = paired_states(files, options, comparison);
   for (const std::vector<int>& pair : pairs) {
-    const XpltState& own = first.plot.states[at(pair.front())];
+    const XpltState& own = first.xplt.states[at(pair.front())];
     XpltState state;
     state.time = own.time;
     state.status = own.status;

@@ -30,9 +30,9 @@ std::string number(double x, bool plus = false) {
 }
 
 void require_field(const ResultFile& file, const std::string& field) {
-  if (find_variable(file.plot, XpltGroup::Surface, field) >= 0) return;
+  if (find_variable(file.xplt, XpltGroup::Surface, field) >= 0) return;
   std::vector<std::string> scalars;
-  for (const XpltVariable& v : file.plot.variables)
+  for (const XpltVariable& v : file.xplt.variables)
     if (v.group == XpltGroup::Surface && v.type == XpltType::Float && v.format != XpltFormat::Region)
       scalars.push_back(v.name);
   throw InputError(fmt::format("{}: found no surface field \"{}\"{}, expected one of {}", file.path, field,
@@ -55,12 +55,12 @@ std::vector<Row> choose_states(const std::vector<ResultFile>& files, const MapOp
   std::vector<Row> rows;
   if (o.states == "last") {
     Row row;
-    for (const ResultFile& file : files) row.push_back(static_cast<int>(file.plot.states.size()) - 1);
+    for (const ResultFile& file : files) row.push_back(static_cast<int>(file.xplt.states.size()) - 1);
     return {row};
   }
   std::vector<double> times;
   if (o.states == "all") {
-    const std::vector<XpltState>& states = files.front().plot.states;
+    const std::vector<XpltState>& states = files.front().xplt.states;
     if (files.size() == 1) {  // a file may have two states at one time
       for (int i = 0; i < static_cast<int>(states.size()); ++i) rows.push_back({i});
       return rows;
@@ -89,7 +89,7 @@ constexpr const char* kSpace = "joint space";
 /// The largest value of a field on a surface in any state; 0 where it has none.
 double largest_ever(const ResultFile& file, const std::string& surface, const std::string& field) {
   double most = 0.0;
-  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+  for (int state = 0; state < static_cast<int>(file.xplt.states.size()); ++state) {
     const int index = find_surface(file, state, surface);
     if (index < 0) continue;
     for (double x : facet_values(file, state, index, field, true))
@@ -139,7 +139,7 @@ MapValues field_values(const ResultFile& file, int state, const ResultSurface& s
   std::vector<double> facets = facet_values(file, state, index, field);
   if (facets.empty())
     throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {:g}", file.path, surface.name, field,
-                                 file.plot.states[at(state)].time));
+                                 file.xplt.states[at(state)].time));
   if (clamped && is_pressure(field))
     for (double& x : facets) x = std::max(x, 0.0);  // as everywhere: contact is where pressure is above 0
   return map_values(surface, field, std::move(facets));
@@ -148,7 +148,7 @@ MapValues field_values(const ResultFile& file, int state, const ResultSurface& s
 /// The state of the reference that belongs to a time.
 int reference_state(const ResultFile& minus, double time, bool last) {
   if (!last) return find_state(minus, time);
-  return static_cast<int>(minus.plot.states.size()) - 1;
+  return static_cast<int>(minus.xplt.states.size()) - 1;
 }
 
 MapValues difference(const NodeMatch& match, const ResultSurface& surface, const MapValues& a,
@@ -269,16 +269,16 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
   ResultSurface s, reference;
   std::optional<NodeMatch> match;
   int mesh = -1, other_mesh = -1;
-  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+  for (int state = 0; state < static_cast<int>(file.xplt.states.size()); ++state) {
     const int index = find_surface(file, state, name);
     if (index < 0) continue;
     std::vector<double> facets = facet_values(file, state, index, o.field, true);
     if (facets.empty()) continue;
-    if (file.plot.states[at(state)].mesh != mesh) {
+    if (file.xplt.states[at(state)].mesh != mesh) {
       s = result_surface(file, state, index);
       match.reset();
     }
-    mesh = file.plot.states[at(state)].mesh;
+    mesh = file.xplt.states[at(state)].mesh;
     if (is_pressure(o.field) && minus == nullptr)
       for (double& x : facets) x = std::max(x, 0.0);
     const MapValues v = map_values(s, o.field, std::move(facets));
@@ -287,16 +287,16 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
       if (o.field == kSpace) add_areas(s, v.facets, scaled.areas);
       continue;
     }
-    for (int k = 0; k < static_cast<int>(minus->plot.states.size()); ++k) {
-      if (!same_time(minus->plot.states[at(k)].time, file.plot.states[at(state)].time)) continue;
+    for (int k = 0; k < static_cast<int>(minus->xplt.states.size()); ++k) {
+      if (!same_time(minus->xplt.states[at(k)].time, file.xplt.states[at(state)].time)) continue;
       const int other = find_surface(*minus, k, name);
       std::vector<double> taken = other < 0 ? std::vector<double>() : facet_values(*minus, k, other, o.field, true);
       if (taken.empty()) continue;
-      if (minus->plot.states[at(k)].mesh != other_mesh || !match) {
+      if (minus->xplt.states[at(k)].mesh != other_mesh || !match) {
         reference = result_surface(*minus, k, other);
         match = match_nodes(s, reference);
       }
-      other_mesh = minus->plot.states[at(k)].mesh;
+      other_mesh = minus->xplt.states[at(k)].mesh;
       scaled.range.add(shown(figure, difference(*match, s, v, reference, map_values(reference, o.field, taken))));
       break;
     }
@@ -382,10 +382,10 @@ std::vector<std::vector<std::string>> remark_files(const std::vector<const Resul
                                                    MapFigure& figure) {
   std::vector<std::vector<std::string>> without(files.size());
   for (const ResultFile* file : files)
-    if (file->plot.truncated)
+    if (file->xplt.truncated)
       figure.remarks.push_back(
           fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file->path,
-                      file->plot.states.back().time));
+                      file->xplt.states.back().time));
   if (!is_pressure(o.field)) return without;
   for (const std::string& name : names) {
     std::vector<char> pressed;
@@ -409,13 +409,13 @@ std::vector<std::vector<std::string>> remark_files(const std::vector<const Resul
 void choose_units(const std::vector<const ResultFile*>& files, const MapOptions& o, MapFigure& figure) {
   std::string system;
   for (const ResultFile* file : files) {
-    if (system.empty()) system = file->plot.units;
-    if (!file->plot.units.empty() && file->plot.units != system)
+    if (system.empty()) system = file->xplt.units;
+    if (!file->xplt.units.empty() && file->xplt.units != system)
       throw InputError(
-          fmt::format("{}: found units {}, expected {} as in the files before", file->path, file->plot.units, system));
+          fmt::format("{}: found units {}, expected {} as in the files before", file->path, file->xplt.units, system));
   }
   const ResultFile& first = *files.front();
-  std::string dimension = first.plot.variables[at(find_variable(first.plot, XpltGroup::Surface, o.field))].units;
+  std::string dimension = first.xplt.variables[at(find_variable(first.xplt, XpltGroup::Surface, o.field))].units;
   if (dimension.empty() && is_pressure(o.field)) dimension.assign(1, 'P');
   const UnitNames units = unit_names(system);
   figure.unit = dimension == "P" ? units.pressure : dimension == "L" ? units.length : "";
@@ -471,7 +471,7 @@ struct PanelSource {
 
 bool row_at_one_time(const MapRequest& r, const Row& row, double time) {
   for (std::size_t k = 0; k < r.files.size(); ++k)
-    if (!same_time(r.files[k].plot.states[at(row[k])].time, time)) return false;
+    if (!same_time(r.files[k].xplt.states[at(row[k])].time, time)) return false;
   return true;
 }
 
@@ -481,7 +481,7 @@ using SurfaceKeys = std::vector<std::pair<std::size_t, std::pair<std::string, in
 /// The figure's surface for this source; added if it is not among them yet.
 int figure_surface(const MapRequest& r, const PanelSource& from, SurfaceKeys& keys, MapFigure& figure) {
   const ResultFile& file = r.files[from.file];
-  const SurfaceKeys::value_type key = {from.file, {from.name, file.plot.states[at(from.state)].mesh}};
+  const SurfaceKeys::value_type key = {from.file, {from.name, file.xplt.states[at(from.state)].mesh}};
   const auto known = std::find(keys.begin(), keys.end(), key);
   const int place = static_cast<int>(known - keys.begin());
   if (known != keys.end()) return place;
@@ -509,7 +509,7 @@ MapValues take_away(const MapRequest& r, PanelSource& from, const ResultSurface&
     figure.remarks.push_back(
         fmt::format("warning: surface \"{}\" of {} covers only {:.1f} % of that of {}; grey: no difference there",
                     from.name, minus.label, 100 * match.covered, file.label));
-  const double taken = minus.plot.states[at(state)].time;
+  const double taken = minus.xplt.states[at(state)].time;
   if (!same_time(taken, from.time)) {
     from.same_times = false;
     figure.remarks.push_back(fmt::format("warning: {} is shown at time {:g}, {} at {:g}; --at T compares at one time",
@@ -554,7 +554,7 @@ std::vector<MapValues> add_panels(const MapRequest& r, MapFigure& figure) {
     for (const std::string& name : r.names) {
       for (std::size_t i = 0; i < r.files.size(); ++i) {
         const ResultFile& file = r.files[i];
-        const double time = file.plot.states[at(row[i])].time;
+        const double time = file.xplt.states[at(row[i])].time;
         PanelSource from = {i, row[i], require_surface(file, row[i], name), name, time, row_at_one_time(r, row, time)};
         MapPanel panel;
         panel.surface = figure_surface(r, from, keys, figure);

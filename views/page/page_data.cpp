@@ -1,4 +1,4 @@
-#include <febiodea/views/page/report_data.h>
+#include <febiodea/views/page/page_data.h>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -12,8 +12,9 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
-#include <febiodea/model/element_faces.h>
 #include <febiodea/views/map/map_geometry.h>
+#include <febiodea/views/page/page_charts.h>
+#include <febiodea/views/page/page_context.h>
 #include <febiodea/views/text/compare_text.h>
 #include <febiodea/views/text/remarks.h>
 #include <febiodea/views/text/run_text.h>
@@ -25,7 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kAsTheyAre = "contact pressure";  ///< for map_values: 0 is a value
-constexpr std::size_t kMostContextTriangles = 150000;
 
 std::string file_name(const std::string& path) { return fs::path(path).filename().string(); }
 
@@ -38,7 +38,7 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
 bool same_surface(const ResultFile& file, int state, const std::string& name, int compared, int compared_surface) {
   const int surface = find_surface(file, state, name);
   if (surface < 0) return false;
-  if (file.plot.states[at(state)].mesh == file.plot.states[at(compared)].mesh) return surface == compared_surface;
+  if (file.xplt.states[at(state)].mesh == file.xplt.states[at(compared)].mesh) return surface == compared_surface;
   return mesh_of(file, state).surfaces[at(surface)] == mesh_of(file, compared).surfaces[at(compared_surface)] &&
          mesh_of(file, state).coordinates == mesh_of(file, compared).coordinates;
 }
@@ -52,10 +52,9 @@ bool same_values(const std::vector<double>& a, const std::vector<double>& b) {
 
 /// A scalar field of a surface in all states; none: no state has it, or it cannot be shown (a warning says why).
 /// `undefined`: values that are not finite are gaps of the map, otherwise refused. `zero`: 0 is a value.
-std::optional<ReportField> read_field(const ResultFile& file, const std::vector<int>& surfaces,
-                                      const std::string& field, bool undefined, bool zero,
-                                      std::vector<std::string>& warnings) {
-  ReportField out;
+std::optional<PageField> read_field(const ResultFile& file, const std::vector<int>& surfaces, const std::string& field,
+                                    bool undefined, bool zero, std::vector<std::string>& warnings) {
+  PageField out;
   bool any = false;
   try {
     for (std::size_t s = 0; s < surfaces.size(); ++s) {
@@ -78,7 +77,7 @@ std::optional<ReportField> read_field(const ResultFile& file, const std::vector<
   return out;
 }
 
-bool nothing_but_zeros(const ReportField& field) {
+bool nothing_but_zeros(const PageField& field) {
   for (const std::vector<double>& values : field.states)
     for (double x : values)
       if (x != 0 && !std::isnan(x)) return false;
@@ -86,8 +85,8 @@ bool nothing_but_zeros(const ReportField& field) {
 }
 
 /// The area-weighted least-squares line b -> a over the nodes that pattern_difference takes.
-ReportPattern pattern(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& areas) {
-  ReportPattern out;
+PagePattern pattern(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& areas) {
+  PagePattern out;
   out.difference = pattern_difference(a, b, areas, {0.0});
   double total = 0.0, mean_a = 0.0, mean_b = 0.0, ab = 0.0, bb = 0.0;
   const auto counts = [&](std::size_t i) { return !std::isnan(a[i]) && areas[i] > 0 && (a[i] > 0 || b[i] > 0); };
@@ -110,8 +109,8 @@ ReportPattern pattern(const std::vector<double>& a, const std::vector<double>& b
   return out;
 }
 
-ReportCarry make_carry(const NodeMatch& match, const ResultSurface& from) {
-  ReportCarry carry;
+PageCarry make_carry(const NodeMatch& match, const ResultSurface& from) {
+  PageCarry carry;
   for (const SurfacePoint& point : match.points) {
     for (std::size_t k = 0; k < 3; ++k) {
       carry.vertices.push_back(point.triangle < 0 ? -1 : from.mesh.triangles[at(point.triangle)][k]);
@@ -122,11 +121,11 @@ ReportCarry make_carry(const NodeMatch& match, const ResultSurface& from) {
 }
 
 /// What to look at first: the whole surface, as dea plot shows the first result's.
-void place_camera(ReportSurface& s, const ResultSurface& first, int state, const CompareOptions& options) {
+void place_camera(PageSurface& s, const ResultSurface& first, int state, const CompareOptions& options) {
   const ResultSurface& g = s.geometry.back();
   std::vector<double> load(at(first.facets()), 0.0);
   if (s.pressure.front()) {
-    const ReportField& field = *s.pressure.front();
+    const PageField& field = *s.pressure.front();
     const std::vector<double>& pressure = field.states[field.fixed ? 0 : at(state)];
     for (std::size_t f = 0; f < pressure.size(); ++f) load[f] = std::max(pressure[f], 0.0);
   }
@@ -144,7 +143,7 @@ void place_camera(ReportSurface& s, const ResultSurface& first, int state, const
 }
 
 std::vector<std::vector<FacetMask>> region_masks(const std::vector<ResultFile>& files, const std::vector<int>& states,
-                                                 const ReportSurface& s, const std::vector<ResultSurface>& own,
+                                                 const PageSurface& s, const std::vector<ResultSurface>& own,
                                                  const CompareOptions& options) {
   std::vector<std::vector<FacetMask>> masks(1, std::vector<FacetMask>(files.size()));  // region, result
   for (const std::string& name : options.regions) {
@@ -165,12 +164,12 @@ std::vector<std::vector<FacetMask>> region_masks(const std::vector<ResultFile>& 
 }
 
 /// States of the results that show the same time, and the compared ones.
-void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& compared, ReportData& data) {
-  std::vector<ReportFrame> all, common;
+void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& compared, PageData& data) {
+  std::vector<PageFrame> all, common;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    for (std::size_t k = 0; k < files[i].plot.states.size(); ++k) {
-      const double time = files[i].plot.states[k].time;
-      auto frame = std::find_if(all.begin(), all.end(), [&](const ReportFrame& f) {
+    for (std::size_t k = 0; k < files[i].xplt.states.size(); ++k) {
+      const double time = files[i].xplt.states[k].time;
+      auto frame = std::find_if(all.begin(), all.end(), [&](const PageFrame& f) {
         return same_time(f.time, time) && f.states[i] < 0;  // a file may have two states at one time
       });
       if (frame == all.end()) {
@@ -180,8 +179,8 @@ void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& c
       frame->states[i] = static_cast<int>(k);
     }
   }
-  std::stable_sort(all.begin(), all.end(), [](const ReportFrame& a, const ReportFrame& b) { return a.time < b.time; });
-  for (const ReportFrame& f : all)
+  std::stable_sort(all.begin(), all.end(), [](const PageFrame& a, const PageFrame& b) { return a.time < b.time; });
+  for (const PageFrame& f : all)
     if (std::find(f.states.begin(), f.states.end(), -1) == f.states.end()) common.push_back(f);
   data.frames = common.size() >= 2 ? common : all;
   for (std::size_t f = 0; f < data.frames.size(); ++f) {
@@ -194,9 +193,9 @@ void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& c
 }
 
 /// Ends and lines of one quantity's maps, and of its differences.
-void add_scales(const std::string& field, const std::vector<std::optional<ReportField>>& fields,
+void add_scales(const std::string& field, const std::vector<std::optional<PageField>>& fields,
                 const std::vector<ResultSurface>& own, const std::vector<NodeMatch>& matches,
-                const std::vector<ReportFrame>& frames, ReportSurface& s) {
+                const std::vector<PageFrame>& frames, PageSurface& s) {
   if (std::none_of(fields.begin(), fields.end(), [](const auto& f) { return f.has_value(); })) return;
   struct Found {
     ValueRange nodes, facets;
@@ -217,11 +216,11 @@ void add_scales(const std::string& field, const std::vector<std::optional<Report
       kind.map = map;
       kind.pressure = field == "pressure";
       kind.usual = found.usual;
-      return ReportScale{map_scale(kind, range), range};
+      return PageScale{map_scale(kind, range), range};
     };
     return std::pair{scale(found.nodes), scale(found.facets)};
   };
-  const auto fill = [&](const Found& all, const std::vector<Found>& each, ColourMap map, ReportQuantity& q) {
+  const auto fill = [&](const Found& all, const std::vector<Found>& each, ColourMap map, PageQuantity& q) {
     std::tie(q.nodes.all, q.facets.all) = finish(all, map);
     for (const Found& found : each) {
       const auto pair = finish(found, map);
@@ -302,10 +301,11 @@ void add_scales(const std::string& field, const std::vector<std::optional<Report
 }
 
 /// `compared`: the state of each file whose mesh is shown.
-ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vector<int>& compared,
-                           const std::vector<std::string>& names, const CompareOptions& options,
-                           const ComparedSurface* how, const ReportData& data, std::vector<std::string>& warnings) {
-  ReportSurface s;
+PageSurface make_surface(const std::vector<ResultFile>& files, const std::vector<int>& compared,
+                         const std::vector<std::string>& names, const CompareOptions& options,
+                         const ComparedSurface* of_surface, const PageData& data,
+                         std::vector<std::string>& warnings) {
+  PageSurface s;
   s.names = names;
   const std::size_t n = files.size();
   std::vector<ResultSurface> own;
@@ -313,7 +313,7 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
   for (std::size_t i = 0; i < n; ++i) {
     const int surface = find_surface(files[i], compared[i], names[i]);
     own.push_back(compared_surface(files[i], compared[i], surface, options.areas));
-    for (int k = 0; k < static_cast<int>(files[i].plot.states.size()); ++k)
+    for (int k = 0; k < static_cast<int>(files[i].xplt.states.size()); ++k)
       in_state[i].push_back(
           same_surface(files[i], k, names[i], compared[i], surface) ? find_surface(files[i], k, names[i]) : -1);
     s.pressure.push_back(read_field(files[i], in_state[i], "contact pressure", false, true, warnings));
@@ -333,7 +333,7 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
     s.node_ids.emplace_back();
     const XpltMesh& mesh = mesh_of(files[shown], compared[shown]);
     for (int node : own[shown].mesh.model_nodes) s.node_ids.back().push_back(mesh.node_ids[at(node)]);
-    s.carry.push_back(same ? std::nullopt : std::optional<ReportCarry>(make_carry(matches[i], own[i])));
+    s.carry.push_back(same ? std::nullopt : std::optional<PageCarry>(make_carry(matches[i], own[i])));
   }
   s.title = names.front();
   for (std::size_t i = 1; i < n; ++i)
@@ -341,7 +341,7 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
   place_camera(s, own.front(), compared.front(), options);
   for (std::size_t i = 0; i < n; ++i) {
     if (!s.pressure[i]) continue;
-    ReportField& field = *s.pressure[i];
+    PageField& field = *s.pressure[i];
     const MapMesh mesh = make_map_mesh(own[i]);
     field.edges.resize(field.states.size());
     tbb::parallel_for(std::size_t{0}, field.states.size(), [&](std::size_t k) {
@@ -369,7 +369,7 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
   };
   s.measures.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    s.measures[i].resize(files[i].plot.states.size(), std::vector<ReportMeasures>(masks.size()));
+    s.measures[i].resize(files[i].xplt.states.size(), std::vector<PageMeasures>(masks.size()));
     tbb::parallel_for(std::size_t{0}, s.measures[i].size(), [&](std::size_t k) {
       const SurfaceValues v = values(i, k);
       if (v.pressure.empty()) return;
@@ -377,9 +377,9 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
         s.measures[i][k][r] = {true, measure(own[i], v, {0.0}, masks[r][i])};
     });
   }
-  s.patterns.resize(data.frames.size(), std::vector<std::vector<std::optional<ReportPattern>>>(
-                                            masks.size(), std::vector<std::optional<ReportPattern>>(n)));
-  const bool profile = how != nullptr && !how->profiles.empty();
+  s.patterns.resize(data.frames.size(), std::vector<std::vector<std::optional<PagePattern>>>(
+                                            masks.size(), std::vector<std::optional<PagePattern>>(n)));
+  const bool profile = of_surface != nullptr && !of_surface->profiles.empty();
   if (profile) s.profiles.resize(data.frames.size(), std::vector<std::vector<double>>(n));
   std::vector<std::vector<double>> areas;
   for (const auto& mask : masks) areas.push_back(nodal_areas(own.back(), mask.back()));
@@ -392,7 +392,8 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
       if (p.empty()) continue;
       nodal[i] = nodal_average(own[i], p);
       if (profile)
-        for (const ProfileBin& bin : pressure_profile(own[i], p, how->axis, how->center, options.bin))
+        for (const ProfileBin& bin :
+             pressure_profile(own[i], p, of_surface->axis, of_surface->center, options.bin))
           s.profiles[f][i].push_back(bin.mean);
       if (i + 1 == n || nodal[n - 1].empty()) continue;
       const std::vector<double> carried = carry(matches[i], own[i], nodal[i]);
@@ -408,178 +409,35 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
   return s;
 }
 
-/// Triangles of faces that belong to one solid element only, and of shells.
-ReportContext make_context(const XpltMesh& mesh) {
-  ReportContext context;
-  std::vector<Vector3d> positions(mesh.node_ids.size());
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    positions[i] = Vector3d(mesh.coordinates[3 * i], mesh.coordinates[3 * i + 1], mesh.coordinates[3 * i + 2]);
-
-  struct Face {
-    std::vector<int> nodes;
-    int part = 0, times = 0;
-    bool shell = false;
-  };
-  std::map<std::vector<int>, Face> faces;  // by sorted corners
-  for (const XpltDomain& domain : mesh.domains) {
-    const std::optional<ElementShape> shape = xplt_element_shape(domain.element_type);
-    if (!shape || domain.part < 1 || domain.part > static_cast<int>(mesh.parts.size())) continue;
-    const int n = xplt_nodes_per_element(domain.element_type);
-    if (faces.size() > 20 * kMostContextTriangles) break;
-    for (int e = 0; e < xplt_elements(domain); ++e) {
-      for (const std::vector<int>& local : element_faces(*shape)) {
-        Face face;
-        for (int k : local) face.nodes.push_back(domain.nodes[at(e * n + k)]);
-        face.part = domain.part - 1;
-        face.shell = element_faces(*shape).size() == 1;
-        std::vector<int> key(face.nodes.begin(), face.nodes.begin() + facet_corners(static_cast<int>(local.size())));
-        std::sort(key.begin(), key.end());
-        Face& known = faces[key];
-        face.times = known.times + (face.shell ? 0 : 1);
-        if (known.nodes.empty() || (face.shell && !known.shell))
-          known = std::move(face);
-        else
-          known.times = face.times;
-      }
-    }
-  }
-  std::vector<std::vector<std::array<int, 3>>> triangles(mesh.parts.size());
-  std::size_t count = 0;
-  for (const auto& entry : faces) {
-    const Face& face = entry.second;
-    if (face.times > 1 && !face.shell) continue;
-    const bool finite =
-        std::all_of(face.nodes.begin(), face.nodes.end(), [&](int i) { return positions[at(i)].allFinite(); });
-    if (!finite) continue;
-    for (const auto& t : split_facet(face.nodes.data(), static_cast<int>(face.nodes.size()), positions)) {
-      triangles[at(face.part)].push_back(t);
-      ++count;
-    }
-  }
-  if (count > kMostContextTriangles || faces.size() > 20 * kMostContextTriangles) {
-    context.note = "The rest of the mesh is left out: it is too large to be drawn as a veil.";
-    return context;
-  }
-  std::unordered_map<int, std::int32_t> vertex;
-  for (std::size_t p = 0; p < triangles.size(); ++p) {
-    if (triangles[p].empty()) continue;
-    for (const auto& t : triangles[p]) {
-      for (int node : t) {
-        const auto added = vertex.try_emplace(node, static_cast<std::int32_t>(vertex.size()));
-        if (added.second)
-          for (int k = 0; k < 3; ++k) context.vertices.push_back(static_cast<float>(positions[at(node)][k]));
-        context.triangles.push_back(added.first->second);
-      }
-    }
-    context.parts.push_back(mesh.parts[p]);
-    context.begin.push_back(static_cast<std::int32_t>(context.triangles.size() / 3));
-  }
-  return context;
-}
-
-void add_results(const std::vector<ResultFile>& files, ReportData& data) {
+void add_results(const std::vector<ResultFile>& files, PageData& data) {
   for (const ResultFile& file : files) {
-    ReportResult r;
+    PageResult r;
     r.label = file.label;
     r.file = file_name(file.path);
-    r.software = file.plot.software;
-    for (const XpltState& state : file.plot.states) r.times.push_back(state.time);
+    r.software = file.xplt.software;
+    for (const XpltState& state : file.xplt.states) r.times.push_back(state.time);
     data.results.push_back(std::move(r));
   }
 }
 
 /// Cells may name files.
-void drop_folders(ReportData& data, const std::vector<std::string>& paths) {
+void drop_folders(PageData& data, const std::vector<std::string>& paths) {
   for (std::string& line : data.warnings) line = without_folders(line, paths);
-  for (ReportText& text : data.texts) text.text = without_folders(text.text, paths);
+  for (PageText& text : data.texts) text.text = without_folders(text.text, paths);
   for (TitledTable& t : data.tables) t.title = without_folders(t.title, paths);
 }
 
-std::vector<double> times_of(const Analysis& analysis) {
-  std::vector<double> times;
-  for (const StateResult& s : analysis.states) times.push_back(s.when.time);
-  return times;
-}
-
-/// A chart with a curve per contact.
-template <class Get>
-ReportChart contact_chart(const Analysis& analysis, const std::string& title, const std::string& caption,
-                          const std::string& quantity, const std::string& dimension, Get get) {
-  ReportChart chart{title, caption, quantity, dimension, false, times_of(analysis), {}, {}};
-  for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c) {
-    chart.names.push_back(analysis.joint.contacts[c].name);
-    chart.values.emplace_back();
-    for (const StateResult& s : analysis.states) chart.values.back().push_back(get(s.statistics[c]));
-  }
-  return chart;
-}
-
-std::vector<ReportChart> run_charts(const Analysis& analysis) {
-  const Joint& joint = analysis.joint;
-  std::vector<ReportChart> charts;
-  charts.push_back(contact_chart(analysis, "Contact force", "Resultant of each contact.", "force", "force",
-                                 [](const ContactStatistics& s) { return s.force.norm(); }));
-  charts.push_back(contact_chart(analysis, "Peak pressure", "Largest pressure of a spring.", "peak pressure",
-                                 "pressure", [](const ContactStatistics& s) { return s.peak; }));
-  charts.push_back(contact_chart(analysis, "Mean pressure", "Over the springs that carry, weighted by area.",
-                                 "mean pressure", "pressure", [](const ContactStatistics& s) { return s.mean; }));
-  charts.push_back(
-      contact_chart(analysis, "Contact area", "Of the springs that carry.", "contact area", "area",
-                    [](const ContactStatistics& s) { return s.springs_active > 0 ? s.contact_area : 0.0; }));
-
-  const std::vector<int> bodies = reported_bodies(joint);
-  const auto body_chart = [&](const std::string& title, const std::string& caption, const std::string& quantity,
-                              const std::string& dimension, auto get) {
-    ReportChart chart{title, caption, quantity, dimension, false, times_of(analysis), {}, {}};
-    for (int b : bodies) {
-      chart.names.push_back(joint.bodies[at(b)].name);
-      chart.values.emplace_back();
-      for (const StateResult& s : analysis.states) chart.values.back().push_back(get(s, b));
+/// The contacts' surfaces, each once: springs' surfaces first, whose facets carry the springs' own force.
+std::vector<std::string> contact_surfaces(const JointModel& model, const Joint& joint) {
+  std::vector<std::string> names;
+  for (const bool source : {true, false}) {
+    for (const ContactPair& pair : joint.contacts) {
+      const Layer& layer = source ? pair.source_layer() : pair.target_layer();
+      const std::string& name = model.surfaces[at(layer.surface)].name;
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }
-    const bool moves = std::any_of(chart.values.begin(), chart.values.end(), [](const std::vector<double>& v) {
-      return std::any_of(v.begin(), v.end(), [](double x) { return x != 0; });
-    });
-    if (moves) charts.push_back(std::move(chart));
-  };
-  body_chart("Motion of the bodies", "Distance of the centre of mass from its reference position.", "translation",
-             "length", [&](const StateResult& s, int b) {
-               return (s.equilibrium.poses[at(b)].center - joint.bodies[at(b)].center_of_mass).norm();
-             });
-  body_chart("Rotation of the bodies", "Angle from the reference orientation.", "rotation", "degrees",
-             [&](const StateResult& s, int b) {
-               return kDegreesPerRadian * Eigen::AngleAxisd(s.equilibrium.poses[at(b)].rotation).angle();
-             });
-
-  ReportChart springs{"Ligaments and cables", "Tension.", "tension", "force", false, times_of(analysis), {}, {}};
-  springs.names = spring_names(joint);
-  for (std::size_t l = 0; l < joint.ligaments.size(); ++l) {
-    springs.values.emplace_back();
-    for (const StateResult& s : analysis.states)
-      springs.values.back().push_back(l < s.equilibrium.ligament_force.size() ? s.equilibrium.ligament_force[l] : kNaN);
   }
-  for (std::size_t c = 0; c < joint.cables.size(); ++c) {
-    springs.values.emplace_back();
-    for (const StateResult& s : analysis.states)
-      springs.values.back().push_back(c < s.equilibrium.cable_force.size() ? s.equilibrium.cable_force[c] : kNaN);
-  }
-  if (!springs.names.empty()) charts.push_back(std::move(springs));
-
-  ReportChart balance{"Balance",
-                      "Force that is left unbalanced over the load; nothing where all motions are prescribed.",
-                      "unbalanced force / load",
-                      "",
-                      true,
-                      times_of(analysis),
-                      {"unbalanced force / load"},
-                      {{}}};
-  for (const StateResult& s : analysis.states) {
-    const double r = s.equilibrium.residual_force / s.equilibrium.load;
-    balance.values.front().push_back(std::isfinite(r) && r > 0 ? r : kNaN);
-  }
-  if (std::any_of(balance.values.front().begin(), balance.values.front().end(),
-                  [](double x) { return !std::isnan(x); }))
-    charts.push_back(std::move(balance));
-  return charts;
+  return names;
 }
 
 }  // namespace
@@ -613,9 +471,9 @@ std::string command_text(const std::vector<std::string>& words, const std::vecto
   return text;
 }
 
-ReportData compare_report(const std::vector<ResultFile>& files, const CompareOptions& options,
-                          const Comparison& comparison, const std::vector<std::string>& words) {
-  ReportData data;
+PageData compare_page(const std::vector<ResultFile>& files, const CompareOptions& options, const Comparison& comparison,
+                      const std::vector<std::string>& words) {
+  PageData data;
   data.kind = "compare";
   for (std::size_t i = 0; i + 1 < files.size(); ++i)
     data.title += fmt::format("{}{}", i == 0 ? "" : i + 2 == files.size() ? " and " : ", ", files[i].label);
@@ -636,35 +494,26 @@ ReportData compare_report(const std::vector<ResultFile>& files, const CompareOpt
   return data;
 }
 
-ReportData run_report(const JointModel& model, const Analysis& analysis, const ResultFile& plot,
-                      const std::string& recognised, const std::vector<std::string>& words,
-                      const std::vector<std::string>& paths) {
-  ReportData data;
+PageData run_page(const JointModel& model, const Analysis& analysis, const ResultFile& file,
+                  const std::string& recognised, const std::vector<std::string>& words,
+                  const std::vector<std::string>& paths) {
+  PageData data;
   data.kind = "run";
-  data.title = plot.label;
+  data.title = file.label;
   data.command = command_text(words, paths);
-  data.units = unit_names(plot.plot.units);
-  const std::vector<ResultFile> files = {plot};
+  data.units = unit_names(file.xplt.units);
+  const std::vector<ResultFile> files = {file};
   add_results(files, data);
   data.warnings = run_remarks(model, analysis);
-  if (!plot.plot.states.empty()) {
-    const int last = static_cast<int>(plot.plot.states.size()) - 1;
+  if (!file.xplt.states.empty()) {
+    const int last = static_cast<int>(file.xplt.states.size()) - 1;
     make_frames(files, {last}, data);
-    // springs' surfaces first: their facets carry the springs' own force
-    std::vector<std::string> names;
-    for (const bool source : {true, false}) {
-      for (const ContactPair& pair : analysis.joint.contacts) {
-        const Layer& layer = source ? pair.source_layer() : pair.target_layer();
-        const std::string& name = model.surfaces[at(layer.surface)].name;
-        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-      }
-    }
-    for (const std::string& name : names) {
-      const int surface = find_surface(plot, last, name);
-      if (surface < 0 || !(result_surface(plot, last, surface).mesh.size() > 0)) continue;
+    for (const std::string& name : contact_surfaces(model, analysis.joint)) {
+      const int surface = find_surface(file, last, name);
+      if (surface < 0 || !(result_surface(file, last, surface).mesh.size() > 0)) continue;
       data.surfaces.push_back(make_surface(files, {last}, {name}, {}, nullptr, data, data.warnings));
     }
-    data.context = make_context(mesh_of(plot, last));
+    data.context = make_context(mesh_of(file, last));
   }
   data.charts = run_charts(analysis);
   data.tables = run_tables(analysis);
