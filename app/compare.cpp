@@ -55,17 +55,6 @@ Examples:
 
 constexpr const char* kThirds = "anterior-superior-posterior";
 
-Vector3d vector_argument(const char* option, const std::string& text) {
-  std::vector<double> x;
-  try {
-    x = parse_numbers(text);
-  } catch (const BadValue&) {
-  }
-  if (x.size() != 3)
-    throw UsageError(fmt::format("--{} {}: found \"{}\", expected three numbers x,y,z", option, text, text));
-  return {x[0], x[1], x[2]};
-}
-
 Vector3d direction_argument(const char* option, const std::string& text) {
   const Vector3d v = vector_argument(option, text);
   if (!(v.norm() > 0))
@@ -200,11 +189,11 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   once("--report", a.report, "FILE.html", "Output",
        "Also write a page for any browser: maps side by side, differences, box plots, scatter, curves, tables");
   c->add_flag("--time-fields", a.time_fields, "In -o also peak, exposure and dose up to each state")->group("Output");
-  c->add_flag("--compress", a.compress, "Compress the plot file (zlib)")->group("Output");
+  add_compress_flag(*c, a.compress);
   once("--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
   once("--csv", a.csv, "FILE|-", "Output",
        "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
-  c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  add_quiet_flag(*c, a.quiet);
   return c;
 }
 

@@ -32,7 +32,7 @@ Examples:
 CLI::App* add_info(CLI::App& app, InfoArguments& a) {
   CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
   c->footer(kInfoFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+  add_model_argument(*c, a.model);
   c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals, rims, facets left out and springs")
       ->type_name("check.xplt")
       ->group("Output");
@@ -45,8 +45,8 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
 }
 
 int info(const InfoArguments& a) {
-  std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
-  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  const std::vector<NamedPath> inputs = input_files(a.model, a.settings);
+  std::vector<NamedPath> outputs;
   require_file("-o", a.output);
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});

@@ -82,6 +82,24 @@ Settings effective_settings(const SettingsArguments& arguments, OutputSettings* 
   return settings;
 }
 
+void add_model_argument(CLI::App& command, std::string& model) {
+  command.add_option("MODEL", model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+}
+
+CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet) {
+  return command.add_flag("-q,--quiet", quiet, "Print nothing but errors")->group("Output");
+}
+
+void add_compress_flag(CLI::App& command, bool& compress) {
+  command.add_flag("--compress", compress, "Compress the plot file (zlib)")->group("Output");
+}
+
+std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings) {
+  std::vector<NamedPath> inputs = {{"the model", model}};
+  if (!settings.file.empty()) inputs.push_back({"the settings file", settings.file});
+  return inputs;
+}
+
 void add_threads_option(CLI::App& command, std::string& threads) {
   command.add_option("--threads", threads, "Threads to use; results do not depend on it [all cores]")
       ->type_name("N")
@@ -95,20 +113,28 @@ std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads) {
                                                static_cast<std::size_t>(n));
 }
 
-int count_argument(const char* option, const std::string& text, int least, int most) {
+namespace {
+
+/// `parse` of a text; what it refuses becomes a fault of this option.
+template <class Parse>
+auto argument(const char* option, const std::string& text, Parse parse) {
   try {
-    return parse_count(text, least, most);
+    return parse(text);
   } catch (const BadValue& e) {
     throw UsageError(fmt::format("--{} {}: {}", option, text, e.what()));
   }
 }
 
-double number_argument(const char* option, const std::string& text) {
-  try {
-    return parse_number(text);
-  } catch (const BadValue& e) {
-    throw UsageError(fmt::format("--{} {}: {}", option, text, e.what()));
-  }
+}  // namespace
+
+int count_argument(const char* option, const std::string& text, int least, int most) {
+  return argument(option, text, [&](const std::string& t) { return parse_count(t, least, most); });
+}
+
+double number_argument(const char* option, const std::string& text) { return argument(option, text, parse_number); }
+
+Eigen::Vector3d vector_argument(const char* option, const std::string& text) {
+  return argument(option, text, parse_vector);
 }
 
 void show_activity(Progress& progress, const Activity& a) {

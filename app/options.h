@@ -29,13 +29,22 @@ void add_settings_options(CLI::App& command, SettingsArguments& arguments,
 /// the file says of output files and states; nullptr: of no interest.
 Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs = nullptr);
 
+/// MODEL, -q, --compress as all commands that have them spell them.
+void add_model_argument(CLI::App& command, std::string& model);
+CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet);
+void add_compress_flag(CLI::App& command, bool& compress);
+
+/// What must not be written over.
+std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings);
+
 void add_threads_option(CLI::App& command, std::string& threads);
 /// Holds for as long as the result lives; empty `threads`: all cores.
 std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
 
-/// Numbers of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
+/// Values of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
 int count_argument(const char* option, const std::string& text, int least, int most);
 double number_argument(const char* option, const std::string& text);
+Eigen::Vector3d vector_argument(const char* option, const std::string& text);
 
 /// What an analysis is at: "thickness", "springs", "state 4 of 23: iteration 2, unbalanced 3e-04".
 void show_activity(Progress& progress, const Activity& activity);

@@ -44,12 +44,11 @@ double number_option(const char* option, const std::string& text, double least, 
 }
 
 Vector3d direction(const char* option, const std::string& text, const char* expected) {
-  std::vector<double> x;
+  Vector3d v = Vector3d::Zero();
   try {
-    x = parse_numbers(text);
+    v = parse_vector(text);
   } catch (const BadValue&) {
   }
-  const Vector3d v = x.size() == 3 ? Vector3d(x[0], x[1], x[2]) : Vector3d(0, 0, 0);
   if (!(v.norm() > 0) || !std::isfinite(v.norm()))
     throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, expected));
   return v;
@@ -141,7 +140,7 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   };
   c->add_option("FILES", a.files, "Plot files (.xplt), a panel each")->required()->type_name("");
   once("-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
-  c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  add_quiet_flag(*c, a.quiet);
   repeated("--surface", a.surfaces, "What",
            "Surface to draw; may be repeated [the one with the highest pressure anywhere]");
   once("--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");

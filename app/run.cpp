@@ -39,13 +39,13 @@ Examples:
 CLI::App* add_run(CLI::App& app, RunArguments& a) {
   CLI::App* c = app.add_subcommand("run", "Solve the contact of a model and write a plot file, a table, JSON or CSV");
   c->footer(kRunFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+  add_model_argument(*c, a.model);
   const auto add_output = [&](const OutputOption& o) {
     c->add_option(command_line_name(o), a.outputs.*o.text, o.help)->type_name(o.type)->group("Output");
   };
   for (const OutputOption& o : output_options())
     if (o.kind != OutputOption::Kind::States) add_output(o);
-  CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose,
               "Print what is begun, every iteration, and a line per state: iterations, residual, seconds")
       ->excludes(q)
@@ -55,7 +55,7 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   c->add_option("--times-from", a.times_from, "Take the times of this FEA result instead of the model's")
       ->type_name("FEA.xplt")
       ->group("Output");
-  c->add_flag("--compress", a.compress, "Compress the plot file (zlib)")->group("Output");
+  add_compress_flag(*c, a.compress);
   add_settings_options(*c, a.settings);
   add_threads_option(*c, a.threads);
   return c;
@@ -63,10 +63,9 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
 
 namespace {
 
-std::vector<NamedPath> input_files(const RunArguments& a) {
-  std::vector<NamedPath> inputs = {{"the model", a.model}};
-  if (!a.times_from.empty()) inputs.push_back({"the FEA result", a.times_from});
-  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+std::vector<NamedPath> run_inputs(const RunArguments& a) {
+  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
+  if (!a.times_from.empty()) inputs.insert(inputs.begin() + 1, {"the FEA result", a.times_from});
   return inputs;
 }
 
@@ -126,7 +125,7 @@ int run(const RunArguments& a) {
   Progress progress(progress_style(a.quiet, a.verbose));
   begin(progress, "reading " + file_name(a.model));
   JointModel read = read_feb(a.model);
-  std::vector<NamedPath> files = input_files(a);
+  std::vector<NamedPath> files = run_inputs(a);
   const std::vector<NamedPath> outputs = named_outputs(typed, file);
   check_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());

@@ -44,6 +44,16 @@ int parse_count(const std::string& text, int least, int most) {
   return number;
 }
 
+Eigen::Vector3d parse_vector(const std::string& text) {
+  std::vector<double> numbers;
+  try {
+    numbers = parse_numbers(text);
+  } catch (const BadValue&) {
+  }
+  if (numbers.size() != 3) throw bad_value(text, "three numbers x,y,z");
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 std::string trimmed(const std::string& text) {
   constexpr const char* kSpace = " \t\r\n";
   const std::size_t first = text.find_first_not_of(kSpace);

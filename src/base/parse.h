@@ -1,5 +1,6 @@
 // febiodea/base/parse.h – values as a user writes them: the whole text must be one, in any locale.
 #pragma once
+#include <Eigen/Core>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ BadValue bad_value(const std::string& found, const std::string& expected);
 double parse_number(const std::string& text);
 std::vector<double> parse_numbers(const std::string& text);  ///< separated by commas
 int parse_count(const std::string& text, int least, int most);
+Eigen::Vector3d parse_vector(const std::string& text);  ///< three numbers separated by commas
 
 /// Without white space at both ends.
 std::string trimmed(const std::string& text);

@@ -55,16 +55,6 @@ double parse_poisson_ratio(Text text) {
   return nu;
 }
 
-Eigen::Vector3d parse_vector(Text text) {
-  std::vector<double> numbers;
-  try {
-    numbers = parse_numbers(text);
-  } catch (const BadValue&) {
-  }
-  if (numbers.size() != 3) throw bad_value(text, "three numbers x,y,z");
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
 LoadPoint parse_load_point(Text text) {
   LoadPoint point;
   point.sphere_center = lower_case(text) == "sphere-center";

@@ -38,7 +38,8 @@ std::string run_line(const Analysis& analysis, const StateRun& run) {
                      run.last - run.first + 1, run.what, time(run.last), run.detail);
 }
 
-/// Who prescribes a rotation wants bodies to turn, those that follow too: the sum of all that is prescribed [degrees].
+/// How far bodies are meant to turn [degrees]: the sum of all rotations that the model prescribes, of bodies and in
+/// joints; a body may follow any of them.
 double prescribed_turn(const JointModel& model, const Joint& joint, const Equilibrium& last) {
   double sum = 0.0;
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
