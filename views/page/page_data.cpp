@@ -13,8 +13,6 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/views/map/map_geometry.h>
-#include <febiodea/views/page/page_charts.h>
-#include <febiodea/views/page/page_context.h>
 #include <febiodea/views/text/compare_text.h>
 #include <febiodea/views/text/remarks.h>
 #include <febiodea/views/text/run_text.h>

@@ -13,6 +13,8 @@
 #include <febiodea/run/analysis.h>
 #include <febiodea/views/compare/compare_files.h>
 #include <febiodea/views/map/map_scale.h>
+#include <febiodea/views/page/page_charts.h>
+#include <febiodea/views/page/page_context.h>
 #include <febiodea/views/text/table.h>
 
 namespace dea {
@@ -87,26 +89,6 @@ struct PageSurface {
 struct PageFrame {
   double time = 0.0;        ///< NaN: the compared states, whose times differ
   std::vector<int> states;  ///< per result; -1: it has none at this time
-};
-
-/// A curve over time of `dea run`.
-struct PageChart {
-  std::string title, caption;
-  std::string quantity;   ///< of the axis
-  std::string dimension;  ///< "pressure", "force", "length", "area", "degrees", "": pure number
-  bool logarithmic = false;
-  std::vector<double> times;
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> values;  ///< per name; NaN: a gap
-};
-
-/// Outside of the first result's elements, coarse enough to be drawn as a veil.
-struct PageContext {
-  std::vector<float> vertices;            ///< 3 each
-  std::vector<std::int32_t> triangles;    ///< 3 each
-  std::vector<std::string> parts;         ///< materials
-  std::vector<std::int32_t> begin = {0};  ///< per part + 1: range of its triangles
-  std::string note;                       ///< why there is none
 };
 
 struct PageText {
