@@ -7,8 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <tuple>
-#include <unordered_map>
+#include <utility>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
@@ -190,139 +189,176 @@ void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& c
   data.frame = static_cast<int>(data.frames.size()) - 1;
 }
 
-/// Ends and lines of one quantity's maps, and of its differences.
-void add_scales(const std::string& field, const std::vector<std::optional<PageField>>& fields,
-                const std::vector<ResultSurface>& own, const std::vector<NodeMatch>& matches,
-                const std::vector<PageFrame>& frames, PageSurface& s) {
-  if (std::none_of(fields.begin(), fields.end(), [](const auto& f) { return f.has_value(); })) return;
-  struct Found {
-    ValueRange nodes, facets;
-    double usual = 0.0;  ///< largest of the results'
-    void add(const Found& other) {
-      nodes.add(other.nodes);
-      facets.add(other.facets);
-      usual = std::max(usual, other.usual);
-    }
-  };
-  const std::size_t n = fields.size();
-  // gaps have been taken out by read_field: what is 0 now is one
-  const auto shown = [&](std::size_t i, std::size_t k) { return map_values(own[i], kAsTheyAre, fields[i]->states[k]); };
-  const auto finish = [&](const Found& found, ColourMap map) {
-    const auto scale = [&](ValueRange range) {
-      if (field == "gap" && map == ColourMap::Sequential && !range.empty()) range.least = std::max(range.least, 0.0);
-      ScaleKind kind;
-      kind.map = map;
-      kind.pressure = field == "pressure";
-      kind.usual = found.usual;
-      return PageScale{map_scale(kind, range), range};
-    };
-    return std::pair{scale(found.nodes), scale(found.facets)};
-  };
-  const auto fill = [&](const Found& all, const std::vector<Found>& each, ColourMap map, PageQuantity& q) {
-    std::tie(q.nodes.all, q.facets.all) = finish(all, map);
-    for (const Found& found : each) {
-      const auto pair = finish(found, map);
-      q.nodes.frames.push_back(pair.first);
-      q.facets.frames.push_back(pair.second);
-    }
-  };
-
-  Found all;
-  std::vector<Found> of_frames(frames.size());
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!fields[i]) continue;
-    std::vector<Found> of_states(fields[i]->states.size());
-    tbb::parallel_for(std::size_t{0}, of_states.size(), [&](std::size_t k) {
-      if (fields[i]->states[k].empty()) return;
-      const MapValues v = shown(i, k);
-      of_states[k].nodes.add(v.vertices);
-      of_states[k].facets.add(v.facets);
-      if (field != "space") return;
-      std::vector<std::pair<double, double>> areas;
-      add_areas(own[i], v.facets, areas);
-      of_states[k].usual = most_of_area_below(std::move(areas));
-    });
-    Found mine;
-    for (const Found& found : of_states) mine.add(found);
-    if (field == "space") {
-      std::vector<std::pair<double, double>> areas;
-      for (const std::vector<double>& values : fields[i]->states) add_areas(own[i], values, areas);
-      mine.usual = most_of_area_below(std::move(areas));
-    }
-    all.add(mine);
-    for (std::size_t f = 0; f < frames.size(); ++f)
-      if (frames[f].states[i] >= 0) of_frames[f].add(of_states[fields[i]->fixed ? 0 : at(frames[f].states[i])]);
+/// What maps hold, at nodes and facets.
+struct Found {
+  ValueRange nodes, facets;
+  double usual = 0.0;  ///< largest of the results'
+  void add(const Found& other) {
+    nodes.add(other.nodes);
+    facets.add(other.facets);
+    usual = std::max(usual, other.usual);
   }
-  s.scales.push_back({field, -1, -1, {}, {}});
-  fill(all, of_frames, ColourMap::Sequential, s.scales.back());
+};
 
-  struct Pair {
-    std::size_t a, b;
-    bool same;
-    std::vector<Found> frames;
-  };
-  std::vector<Pair> pairs;
-  for (std::size_t a = 0; a < n; ++a) {
-    for (std::size_t b = a + 1; b < n; ++b) {
-      const bool same = s.same_mesh[a] && s.same_mesh[b];
-      if (fields[a] && fields[b] && (b + 1 == n || same))
-        pairs.push_back({a, b, same, std::vector<Found>(frames.size())});
-    }
-  }
-  tbb::parallel_for(std::size_t{0}, pairs.empty() ? 0 : frames.size(), [&](std::size_t f) {
-    std::vector<std::optional<MapValues>> values(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!fields[i] || frames[f].states[i] < 0) continue;
-      const std::size_t k = fields[i]->fixed ? 0 : at(frames[f].states[i]);
-      if (!fields[i]->states[k].empty()) values[i] = shown(i, k);
-    }
-    for (Pair& pair : pairs) {
-      if (!values[pair.a] || !values[pair.b]) continue;
-      const MapValues &x = *values[pair.a], &y = *values[pair.b];
-      Found& found = pair.frames[f];
-      const std::vector<double> carried =
-          pair.same ? std::vector<double>() : carry(matches[pair.a], own[pair.a], x.vertices);
-      const std::vector<double>& from = pair.same ? x.vertices : carried;
-      for (std::size_t i = 0; i < y.vertices.size(); ++i) found.nodes.add(from[i] - y.vertices[i]);
-      if (pair.same)
-        for (std::size_t i = 0; i < y.facets.size(); ++i) found.facets.add(x.facets[i] - y.facets[i]);
-      else
-        found.facets = found.nodes;  // facets of other meshes have no difference: nodes are shown
-    }
-  });
-  for (const Pair& pair : pairs) {
-    Found together;
-    for (const Found& found : pair.frames) together.add(found);
-    s.differences.push_back({field, static_cast<int>(pair.a), static_cast<int>(pair.b), {}, {}});
-    fill(together, pair.frames, ColourMap::Diverging, s.differences.back());
+/// One quantity of a surface in all results.
+struct Quantity {
+  std::string name;  ///< as in PageQuantity::field
+  const std::vector<std::optional<PageField>>& fields;
+  const std::vector<ResultSurface>& own;
+  const std::vector<NodeMatch>& matches;
+  const std::vector<PageFrame>& frames;
+};
+
+/// Gaps have been taken out by read_field: what is 0 now is one.
+MapValues shown_values(const Quantity& q, std::size_t result, std::size_t state) {
+  return map_values(q.own[result], kAsTheyAre, q.fields[result]->states[state]);
+}
+
+/// Which list of values a frame shows; the result has a state in it.
+std::size_t state_in_frame(const Quantity& q, std::size_t result, std::size_t frame) {
+  return q.fields[result]->fixed ? 0 : at(q.frames[frame].states[result]);
+}
+
+PageScale page_scale(const Quantity& q, ValueRange range, double usual, ColourMap map) {
+  if (q.name == "gap" && map == ColourMap::Sequential && !range.empty()) range.least = std::max(range.least, 0.0);
+  ScaleKind kind;
+  kind.map = map;
+  kind.pressure = q.name == "pressure";
+  kind.usual = usual;
+  return {map_scale(kind, range), range};
+}
+
+/// `each`: per frame.
+void set_scales(const Quantity& q, const Found& all, const std::vector<Found>& each, ColourMap map, PageQuantity& out) {
+  out.nodes.all = page_scale(q, all.nodes, all.usual, map);
+  out.facets.all = page_scale(q, all.facets, all.usual, map);
+  for (const Found& found : each) {
+    out.nodes.frames.push_back(page_scale(q, found.nodes, found.usual, map));
+    out.facets.frames.push_back(page_scale(q, found.facets, found.usual, map));
   }
 }
 
-/// `compared`: the state of each file whose mesh is shown.
-PageSurface make_surface(const std::vector<ResultFile>& files, const std::vector<int>& compared,
-                         const std::vector<std::string>& names, const CompareOptions& options,
-                         const ComparedSurface* of_surface, const PageData& data,
-                         std::vector<std::string>& warnings) {
-  PageSurface s;
-  s.names = names;
-  const std::size_t n = files.size();
-  std::vector<ResultSurface> own;
-  std::vector<std::vector<int>> in_state(n);  // result, state -> surface of the state's mesh, -1
-  for (std::size_t i = 0; i < n; ++i) {
-    const int surface = find_surface(files[i], compared[i], names[i]);
-    own.push_back(compared_surface(files[i], compared[i], surface, options.areas));
-    for (int k = 0; k < static_cast<int>(files[i].xplt.states.size()); ++k)
-      in_state[i].push_back(
-          same_surface(files[i], k, names[i], compared[i], surface) ? find_surface(files[i], k, names[i]) : -1);
-    s.pressure.push_back(read_field(files[i], in_state[i], "contact pressure", false, true, warnings));
-    s.thickness.push_back(read_field(files[i], in_state[i], "cartilage thickness", true, false, warnings));
-    s.space.push_back(read_field(files[i], in_state[i], "joint space", true, false, warnings));
-    s.gap.push_back(read_field(files[i], in_state[i], "contact gap", true, true, warnings));
-    if (s.gap.back() && nothing_but_zeros(*s.gap.back())) s.gap.back().reset();
-  }
+/// Per list of values of a result.
+std::vector<Found> find_in_states(const Quantity& q, std::size_t result) {
+  const PageField& field = *q.fields[result];
+  std::vector<Found> found(field.states.size());
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t k) {
+    if (field.states[k].empty()) return;
+    const MapValues v = shown_values(q, result, k);
+    found[k].nodes.add(v.vertices);
+    found[k].facets.add(v.facets);
+    if (q.name != "space") return;
+    std::vector<std::pair<double, double>> areas;
+    add_areas(q.own[result], v.facets, areas);
+    found[k].usual = most_of_area_below(std::move(areas));
+  });
+  return found;
+}
 
-  std::vector<NodeMatch> matches;
-  for (std::size_t i = 0; i + 1 < n; ++i) matches.push_back(match_nodes(own.back(), own[i]));
+/// In all states of a result together.
+Found find_in_result(const Quantity& q, std::size_t result, const std::vector<Found>& in_states) {
+  Found together;
+  for (const Found& found : in_states) together.add(found);
+  if (q.name != "space") return together;
+  std::vector<std::pair<double, double>> areas;
+  for (const std::vector<double>& values : q.fields[result]->states) add_areas(q.own[result], values, areas);
+  together.usual = most_of_area_below(std::move(areas));
+  return together;
+}
+
+/// Two results of which the page can show the difference.
+struct ResultPair {
+  std::size_t a, b;
+  bool same_mesh;
+  std::vector<Found> frames;
+};
+
+std::vector<ResultPair> result_pairs(const Quantity& q, const PageSurface& s) {
+  const std::size_t n = q.fields.size();
+  std::vector<ResultPair> pairs;
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = a + 1; b < n; ++b) {
+      const bool same = s.same_mesh[a] && s.same_mesh[b];
+      if (q.fields[a] && q.fields[b] && (b + 1 == n || same))
+        pairs.push_back({a, b, same, std::vector<Found>(q.frames.size())});
+    }
+  }
+  return pairs;
+}
+
+/// The difference of a pair in one frame.
+Found find_difference(const Quantity& q, const ResultPair& pair, const MapValues& x, const MapValues& y) {
+  Found found;
+  const std::vector<double> carried =
+      pair.same_mesh ? std::vector<double>() : carry(q.matches[pair.a], q.own[pair.a], x.vertices);
+  const std::vector<double>& from = pair.same_mesh ? x.vertices : carried;
+  for (std::size_t i = 0; i < y.vertices.size(); ++i) found.nodes.add(from[i] - y.vertices[i]);
+  if (pair.same_mesh)
+    for (std::size_t i = 0; i < y.facets.size(); ++i) found.facets.add(x.facets[i] - y.facets[i]);
+  else
+    found.facets = found.nodes;  // facets of other meshes have no difference: nodes are shown
+  return found;
+}
+
+void find_differences(const Quantity& q, std::vector<ResultPair>& pairs) {
+  tbb::parallel_for(std::size_t{0}, pairs.empty() ? 0 : q.frames.size(), [&](std::size_t f) {
+    std::vector<std::optional<MapValues>> values(q.fields.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!q.fields[i] || q.frames[f].states[i] < 0) continue;
+      const std::size_t k = state_in_frame(q, i, f);
+      if (!q.fields[i]->states[k].empty()) values[i] = shown_values(q, i, k);
+    }
+    for (ResultPair& pair : pairs)
+      if (values[pair.a] && values[pair.b]) pair.frames[f] = find_difference(q, pair, *values[pair.a], *values[pair.b]);
+  });
+}
+
+/// Ends and lines of one quantity's maps, and of its differences.
+void add_scales(const Quantity& q, PageSurface& s) {
+  if (std::none_of(q.fields.begin(), q.fields.end(), [](const auto& f) { return f.has_value(); })) return;
+  Found all;
+  std::vector<Found> of_frames(q.frames.size());
+  for (std::size_t i = 0; i < q.fields.size(); ++i) {
+    if (!q.fields[i]) continue;
+    const std::vector<Found> in_states = find_in_states(q, i);
+    all.add(find_in_result(q, i, in_states));
+    for (std::size_t f = 0; f < q.frames.size(); ++f)
+      if (q.frames[f].states[i] >= 0) of_frames[f].add(in_states[state_in_frame(q, i, f)]);
+  }
+  s.scales.push_back({q.name, -1, -1, {}, {}});
+  set_scales(q, all, of_frames, ColourMap::Sequential, s.scales.back());
+
+  std::vector<ResultPair> pairs = result_pairs(q, s);
+  find_differences(q, pairs);
+  for (const ResultPair& pair : pairs) {
+    Found together;
+    for (const Found& found : pair.frames) together.add(found);
+    s.differences.push_back({q.name, static_cast<int>(pair.a), static_cast<int>(pair.b), {}, {}});
+    set_scales(q, together, pair.frames, ColourMap::Diverging, s.differences.back());
+  }
+}
+
+/// Per state of a file the surface of its mesh that is the compared one; -1: none.
+std::vector<int> surfaces_in_states(const ResultFile& file, int compared, int surface, const std::string& name) {
+  std::vector<int> surfaces;
+  for (int k = 0; k < static_cast<int>(file.xplt.states.size()); ++k)
+    surfaces.push_back(same_surface(file, k, name, compared, surface) ? find_surface(file, k, name) : -1);
+  return surfaces;
+}
+
+void read_fields(const ResultFile& file, const std::vector<int>& surfaces, PageSurface& s,
+                 std::vector<std::string>& warnings) {
+  s.pressure.push_back(read_field(file, surfaces, "contact pressure", false, true, warnings));
+  s.thickness.push_back(read_field(file, surfaces, "cartilage thickness", true, false, warnings));
+  s.space.push_back(read_field(file, surfaces, "joint space", true, false, warnings));
+  s.gap.push_back(read_field(file, surfaces, "contact gap", true, true, warnings));
+  if (s.gap.back() && nothing_but_zeros(*s.gap.back())) s.gap.back().reset();
+}
+
+/// The mesh each result is shown on: the last one's, or its own where that is another.
+void add_geometry(const std::vector<ResultFile>& files, const std::vector<int>& compared,
+                  const std::vector<ResultSurface>& own, const std::vector<NodeMatch>& matches, PageSurface& s) {
+  const std::size_t n = files.size();
   for (std::size_t i = 0; i < n; ++i) {
     const bool same = i + 1 == n || matches[i].same_mesh;
     const std::size_t shown = same ? n - 1 : i;
@@ -333,77 +369,107 @@ PageSurface make_surface(const std::vector<ResultFile>& files, const std::vector
     for (int node : own[shown].mesh.model_nodes) s.node_ids.back().push_back(mesh.node_ids[at(node)]);
     s.carry.push_back(same ? std::nullopt : std::optional<PageCarry>(make_carry(matches[i], own[i])));
   }
-  s.title = names.front();
-  for (std::size_t i = 1; i < n; ++i)
-    if (names[i] != names.front()) s.title += " = " + names[i];
-  place_camera(s, own.front(), compared.front(), options);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!s.pressure[i]) continue;
-    PageField& field = *s.pressure[i];
-    const MapMesh mesh = make_map_mesh(own[i]);
-    field.edges.resize(field.states.size());
-    tbb::parallel_for(std::size_t{0}, field.states.size(), [&](std::size_t k) {
-      const std::vector<double>& p = field.states[k];
-      field.edges[k] = p.empty() ? std::numeric_limits<double>::infinity()
-                                 : edge_level(mesh, p, point_values(mesh, nodal_average(own[i], p)));
-    });
-  }
+}
 
-  add_scales("pressure", s.pressure, own, matches, data.frames, s);
-  add_scales("thickness", s.thickness, own, matches, data.frames, s);
-  add_scales("space", s.space, own, matches, data.frames, s);
-  add_scales("gap", s.gap, own, matches, data.frames, s);
+void add_edges(const ResultSurface& own, PageField& field) {
+  const MapMesh mesh = make_map_mesh(own);
+  field.edges.resize(field.states.size());
+  tbb::parallel_for(std::size_t{0}, field.states.size(), [&](std::size_t k) {
+    const std::vector<double>& p = field.states[k];
+    field.edges[k] = p.empty() ? kInfinity : edge_level(mesh, p, point_values(mesh, nodal_average(own, p)));
+  });
+}
 
-  s.regions = {""};
-  s.regions.insert(s.regions.end(), options.regions.begin(), options.regions.end());
-  if (options.thirds) s.regions.insert(s.regions.end(), {"anterior", "superior", "posterior"});
-  const std::vector<std::vector<FacetMask>> masks = region_masks(files, compared, s, own, options);
+/// Of a result in one of its states; empty: none.
+std::vector<double> pressure_in(const PageSurface& s, std::size_t result, std::size_t state) {
+  const std::optional<PageField>& field = s.pressure[result];
+  return field ? field->states[field->fixed ? 0 : state] : std::vector<double>();
+}
 
-  // Numbers of every state, and what frames need of them: pressure at the result's own nodes, at the reference's.
-  const auto values = [&](std::size_t i, std::size_t k) {
-    SurfaceValues v;
-    if (s.pressure[i]) v.pressure = s.pressure[i]->states[s.pressure[i]->fixed ? 0 : k];
-    return v;
-  };
-  s.measures.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
+/// The numbers of every state. `masks`: per region and result.
+void add_measures(const std::vector<ResultFile>& files, const std::vector<ResultSurface>& own,
+                  const std::vector<std::vector<FacetMask>>& masks, PageSurface& s) {
+  s.measures.resize(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
     s.measures[i].resize(files[i].xplt.states.size(), std::vector<PageMeasures>(masks.size()));
     tbb::parallel_for(std::size_t{0}, s.measures[i].size(), [&](std::size_t k) {
-      const SurfaceValues v = values(i, k);
+      SurfaceValues v;
+      v.pressure = pressure_in(s, i, k);
       if (v.pressure.empty()) return;
       for (std::size_t r = 0; r < masks.size(); ++r)
         s.measures[i][k][r] = {true, measure(own[i], v, {0.0}, masks[r][i])};
     });
   }
-  s.patterns.resize(data.frames.size(), std::vector<std::vector<std::optional<PagePattern>>>(
-                                            masks.size(), std::vector<std::optional<PagePattern>>(n)));
+}
+
+/// Per frame what needs the pressure at nodes: patterns against the last result, profiles (`of_surface` has any).
+void add_patterns(const std::vector<PageFrame>& frames, const std::vector<ResultSurface>& own,
+                  const std::vector<NodeMatch>& matches, const std::vector<std::vector<FacetMask>>& masks,
+                  const ComparedSurface* of_surface, double bin, PageSurface& s) {
+  const std::size_t n = own.size();
+  s.patterns.resize(frames.size(), std::vector<std::vector<std::optional<PagePattern>>>(
+                                       masks.size(), std::vector<std::optional<PagePattern>>(n)));
   const bool profile = of_surface != nullptr && !of_surface->profiles.empty();
-  if (profile) s.profiles.resize(data.frames.size(), std::vector<std::vector<double>>(n));
+  if (profile) s.profiles.resize(frames.size(), std::vector<std::vector<double>>(n));
   std::vector<std::vector<double>> areas;
   for (const auto& mask : masks) areas.push_back(nodal_areas(own.back(), mask.back()));
-  tbb::parallel_for(std::size_t{0}, data.frames.size(), [&](std::size_t f) {
-    const std::vector<int>& states = data.frames[f].states;
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t f) {
+    const std::vector<int>& states = frames[f].states;
     std::vector<std::vector<double>> nodal(n);
     for (std::size_t i = n; i-- > 0;) {
       if (states[i] < 0) continue;
-      const std::vector<double> p = values(i, at(states[i])).pressure;
+      const std::vector<double> p = pressure_in(s, i, at(states[i]));
       if (p.empty()) continue;
       nodal[i] = nodal_average(own[i], p);
       if (profile)
-        for (const ProfileBin& bin :
-             pressure_profile(own[i], p, of_surface->axis, of_surface->center, options.bin))
-          s.profiles[f][i].push_back(bin.mean);
+        for (const ProfileBin& b : pressure_profile(own[i], p, of_surface->axis, of_surface->center, bin))
+          s.profiles[f][i].push_back(b.mean);
       if (i + 1 == n || nodal[n - 1].empty()) continue;
       const std::vector<double> carried = carry(matches[i], own[i], nodal[i]);
       for (std::size_t r = 0; r < masks.size(); ++r) s.patterns[f][r][i] = pattern(carried, nodal[n - 1], areas[r]);
     }
   });
-  if (profile) {
-    std::size_t bins = 0;
-    for (const auto& frame : s.profiles)
-      for (const auto& p : frame) bins = std::max(bins, p.size());
-    for (std::size_t b = 0; b <= bins; ++b) s.bins.push_back(options.bin * static_cast<double>(b));
+  if (!profile) return;
+  std::size_t bins = 0;
+  for (const auto& frame : s.profiles)
+    for (const auto& p : frame) bins = std::max(bins, p.size());
+  for (std::size_t b = 0; b <= bins; ++b) s.bins.push_back(bin * static_cast<double>(b));
+}
+
+/// `compared`: the state of each file whose mesh is shown.
+PageSurface make_surface(const std::vector<ResultFile>& files, const std::vector<int>& compared,
+                         const std::vector<std::string>& names, const CompareOptions& options,
+                         const ComparedSurface* of_surface, const PageData& data, std::vector<std::string>& warnings) {
+  PageSurface s;
+  s.names = names;
+  const std::size_t n = files.size();
+  std::vector<ResultSurface> own;
+  for (std::size_t i = 0; i < n; ++i) {
+    const int surface = find_surface(files[i], compared[i], names[i]);
+    own.push_back(compared_surface(files[i], compared[i], surface, options.areas));
+    read_fields(files[i], surfaces_in_states(files[i], compared[i], surface, names[i]), s, warnings);
   }
+  std::vector<NodeMatch> matches;
+  for (std::size_t i = 0; i + 1 < n; ++i) matches.push_back(match_nodes(own.back(), own[i]));
+  add_geometry(files, compared, own, matches, s);
+  s.title = names.front();
+  for (std::size_t i = 1; i < n; ++i)
+    if (names[i] != names.front()) s.title += " = " + names[i];
+  place_camera(s, own.front(), compared.front(), options);
+  for (std::size_t i = 0; i < n; ++i)
+    if (s.pressure[i]) add_edges(own[i], *s.pressure[i]);
+
+  add_scales({"pressure", s.pressure, own, matches, data.frames}, s);
+  add_scales({"thickness", s.thickness, own, matches, data.frames}, s);
+  add_scales({"space", s.space, own, matches, data.frames}, s);
+  add_scales({"gap", s.gap, own, matches, data.frames}, s);
+
+  s.regions = {""};
+  s.regions.insert(s.regions.end(), options.regions.begin(), options.regions.end());
+  if (options.thirds) s.regions.insert(s.regions.end(), {"anterior", "superior", "posterior"});
+  const std::vector<std::vector<FacetMask>> masks = region_masks(files, compared, s, own, options);
+  add_measures(files, own, masks, s);
+  add_patterns(data.frames, own, matches, masks, of_surface, options.bin, s);
   return s;
 }
 
