@@ -35,11 +35,11 @@ std::vector<std::vector<int>> set_members(const XpltMesh& mesh, const std::strin
   if (!members.empty()) return members;
   for (const XpltSet& set : mesh.element_sets) {
     if (set.name != name) continue;
-    const std::unordered_set<int> wanted(set.items.begin(), set.items.end());
+    const std::unordered_set<int> in_set(set.items.begin(), set.items.end());
     for (const XpltDomain& domain : mesh.domains) {
       const int n = xplt_nodes_per_element(domain.element_type);
       for (int e = 0; e < xplt_elements(domain); ++e)
-        if (wanted.count(domain.element_ids[at(e)]))
+        if (in_set.count(domain.element_ids[at(e)]))
           members.push_back(sorted({domain.nodes.begin() + e * n, domain.nodes.begin() + (e + 1) * n}));
     }
     break;
