@@ -53,6 +53,8 @@ TEST(Numbers, WholeTextFiniteDecimalPoint) {
     EXPECT_THROW(parse_number(text), BadValue) << text;
   EXPECT_EQ(parse_numbers("-1, 2,3"), (std::vector<double>{-1, 2, 3}));
   EXPECT_THROW(parse_numbers("1,,2"), BadValue);
+  EXPECT_EQ(parse_vector("-1, 2,3"), Eigen::Vector3d(-1, 2, 3));
+  EXPECT_EQ(message_of([] { parse_vector("1,2"); }), "found \"1,2\", expected three numbers x,y,z");
   EXPECT_EQ(parse_count("12", 1, 1000), 12);
   for (const char* text : {"0", "1.5", "1001", "-3", "", "99999999999999"})
     EXPECT_THROW(parse_count(text, 1, 1000), BadValue) << text;
