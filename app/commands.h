@@ -12,11 +12,12 @@ namespace dea {
 enum ExitCode { kSolved = 0, kNoSolution = 1, kWrongUse = 2, kInputRefused = 3, kCannotWrite = 4, kInternalError = 70 };
 
 struct RunArguments {
-  std::vector<std::string> words;  ///< the command line, for the report
-  std::string model, output, json, csv, facets_csv, vtu, report;
+  std::vector<std::string> words;  ///< the command line, for the page
+  std::string model;
+  OutputSettings outputs;  ///< as typed
   bool quiet = false, verbose = false;
   SettingsArguments settings;
-  std::string times_from, states;  ///< states: empty: all
+  std::string times_from;
   bool compress = false;
   std::string threads;
 };
@@ -58,7 +59,7 @@ CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& arguments);
 int plugin_build(const PluginBuildArguments& arguments);
 
 struct CompareArguments {
-  std::vector<std::string> words;  ///< the command line, for the report
+  std::vector<std::string> words;  ///< the command line, for the page
   std::vector<std::string> files, labels, surfaces, thresholds, regions;
   std::string at, areas, dose_above, up, anterior, axis, center, bin;
   bool profile = false;

@@ -7,11 +7,12 @@
 #include <febiodea/app/commands.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/views/compare/compare_files.h>
-#include <febiodea/views/page/write_report.h>
-#include <febiodea/views/text/report_compare.h>
+#include <febiodea/views/data/compare_json.h>
+#include <febiodea/views/page/write_page.h>
+#include <febiodea/views/text/compare_text.h>
 
 namespace dea {
 
@@ -53,17 +54,6 @@ Examples:
   dea compare ball_dea.xplt ball.xplt --profile --axis 0,0,1 --center 0,0,0 --bin 2)";
 
 constexpr const char* kThirds = "anterior-superior-posterior";
-
-Vector3d vector_argument(const char* option, const std::string& text) {
-  std::vector<double> x;
-  try {
-    x = parse_numbers(text);
-  } catch (const BadValue&) {
-  }
-  if (x.size() != 3)
-    throw UsageError(fmt::format("--{} {}: found \"{}\", expected three numbers x,y,z", option, text, text));
-  return {x[0], x[1], x[2]};
-}
 
 Vector3d direction_argument(const char* option, const std::string& text) {
   const Vector3d v = vector_argument(option, text);
@@ -199,11 +189,11 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   once("--report", a.report, "FILE.html", "Output",
        "Also write a page for any browser: maps side by side, differences, box plots, scatter, curves, tables");
   c->add_flag("--time-fields", a.time_fields, "In -o also peak, exposure and dose up to each state")->group("Output");
-  c->add_flag("--compress", a.compress, "Compress the plot file (zlib)")->group("Output");
+  add_compress_flag(*c, a.compress);
   once("--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
   once("--csv", a.csv, "FILE|-", "Output",
        "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
-  c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  add_quiet_flag(*c, a.quiet);
   return c;
 }
 
@@ -215,7 +205,7 @@ int compare_command(const CompareArguments& a) {
   const std::vector<std::string> labels = make_labels(a);
   std::vector<NamedPath> inputs, outputs;
   for (const std::string& file : a.files) inputs.push_back({file, file});
-  if (a.output == "-") throw UsageError("-o -: the plot file cannot go to standard output, give it a name");
+  require_file("-o", a.output);
   if (a.output.empty() && (a.time_fields || a.compress))
     throw UsageError(fmt::format("--{} belongs to -o", a.time_fields ? "time-fields" : "compress"));
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
@@ -238,7 +228,7 @@ int compare_command(const CompareArguments& a) {
   if (!a.output.empty()) write_xplt(a.output, make_compare_file(files, options, comparison, a.time_fields, a.compress));
   if (!a.json.empty()) write_text(a.json, json_text(compare_json(comparison)));
   if (!a.csv.empty()) write_text(a.csv, compare_csv(comparison));
-  if (!a.report.empty()) write_report(a.report, compare_report(files, options, comparison, a.words));
+  if (!a.report.empty()) write_page(a.report, compare_page(files, options, comparison, a.words));
   progress.clear();
   if (a.quiet) return kSolved;
   for (const std::string& line : comparison.warnings) log(line);

@@ -10,8 +10,8 @@
 #include <febiodea/io/files/output.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/run/recognise.h>
-#include <febiodea/views/data/report_json.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/data/run_json.h>
+#include <febiodea/views/text/run_text.h>
 
 namespace dea {
 
@@ -32,7 +32,7 @@ Examples:
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   CLI::App* c = app.add_subcommand("converge", "Find how many springs the result needs");
   c->footer(kConvergeFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+  add_model_argument(*c, a.model);
   c->add_option("--target", a.target, "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]")
       ->type_name("CHANGE")
       ->group("Study");
@@ -42,11 +42,11 @@ CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the table")
       ->type_name("FILE|-")
       ->group("Output");
-  CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")
       ->excludes(q)
       ->group("Output");
-  add_settings_options(*c, a.settings, false, false);
+  add_settings_options(*c, a.settings, {"refine", "squash"});
   add_threads_option(*c, a.threads);
   return c;
 }
@@ -56,8 +56,8 @@ int converge_command(const ConvergeArguments& a) {
   if (!(target > 0 && target < 1))
     throw UsageError(fmt::format("--target {}: found \"{}\", expected a number between 0 and 1", a.target, a.target));
   const int max_springs = count_argument("max-springs", a.max_springs, 1, 100000000);
-  std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
-  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  const std::vector<NamedPath> inputs = input_files(a.model, a.settings);
+  std::vector<NamedPath> outputs;
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
   const Settings settings = effective_settings(a.settings);

@@ -30,12 +30,12 @@ Examples:
 CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
   CLI::App* c = app.add_subcommand("convert", "Write the model anew for FEBio with the FEBioDEA plugin");
   c->footer(kConvertFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+  add_model_argument(*c, a.model);
   c->add_option("-o", a.output, "Converted model [MODEL without .feb + _dea.feb, beside the model]")
       ->type_name("FILE.feb")
       ->group("Output");
-  c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
-  add_settings_options(*c, a.settings, true, false);
+  add_quiet_flag(*c, a.quiet);
+  add_settings_options(*c, a.settings, {"squash"});
   add_threads_option(*c, a.threads);
   return c;
 }
@@ -43,8 +43,7 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
 int convert(const ConvertArguments& a) {
   const std::string output = a.output.empty() ? default_output(a.model, ".feb") : a.output;
   if (output == "-") throw UsageError("-o -: the list of changes goes to standard output, give the model a name");
-  std::vector<NamedPath> inputs = {{"the model", a.model}};
-  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
+  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
   const auto threads = limit_threads(a.threads);
   const Settings settings = effective_settings(a.settings);
   const JointModel model = read_feb(a.model);

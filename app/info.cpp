@@ -6,8 +6,8 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
-#include <febiodea/views/data/report_json.h>
-#include <febiodea/views/text/report_info.h>
+#include <febiodea/views/data/info_json.h>
+#include <febiodea/views/text/info_text.h>
 
 namespace dea {
 
@@ -32,22 +32,22 @@ Examples:
 CLI::App* add_info(CLI::App& app, InfoArguments& a) {
   CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
   c->footer(kInfoFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+  add_model_argument(*c, a.model);
   c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals, rims, facets left out and springs")
       ->type_name("check.xplt")
       ->group("Output");
   c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the text")
       ->type_name("FILE|-")
       ->group("Output");
-  add_settings_options(*c, a.settings, true, false);
+  add_settings_options(*c, a.settings, {"squash"});
   add_threads_option(*c, a.threads);
   return c;
 }
 
 int info(const InfoArguments& a) {
-  std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs;
-  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
-  if (a.output == "-") throw UsageError("-o -: the plot file cannot go to standard output, give it a name");
+  const std::vector<NamedPath> inputs = input_files(a.model, a.settings);
+  std::vector<NamedPath> outputs;
+  require_file("-o", a.output);
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);

@@ -3,92 +3,57 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/settings_xml.h>
 
 namespace dea {
 
 namespace {
 
-struct OptionHelp {
-  const char* name;
-  const char* type;
-  const char* group;
-  const char* text;
-};
+/// "[SURFACE=]LENGTH"
+std::string type_of(const SettingOption& option) {
+  const std::string value = option.help_value != nullptr ? option.help_value : option.value;
+  if (option.key == nullptr) return value;
+  const std::string key = std::string(option.key) == "body" ? "BODY=" : "SURFACE=";
+  return (option.per_surface != nullptr ? fmt::format("[{}]", key) : key) + value;
+}
 
-constexpr const char* kJoint = "Joint (names are the model's own)";
-constexpr const char* kCartilage = "Cartilage and springs";
-constexpr const char* kLoads = "Motion and loads";
+void add_switch(CLI::App& command, std::vector<std::string>& values, const SettingOption& option) {
+  const auto add = [&](const std::string& name, const char* value, const char* help) {
+    command
+        .add_flag_callback(
+            name, [&values, value] { values = {value}; }, help)
+        ->group(option.group);
+  };
+  add(fmt::format("--no-{}", option.name), "false", option.help_off);
+  add(fmt::format("--{}", option.name), "true", option.help);
+}
 
-constexpr OptionHelp kOptions[] = {
-    {"contact", "NAME", kJoint, "Analyse this contact only [all that join two bodies]"},
-    {"source", "BODY", kJoint, "Body whose layer carries the springs [each contact's primary side]"},
-    {"rigid", "MATERIAL", kJoint, "Take a deformable material as rigid bone; may be repeated"},
-    {"attach", "SURFACE=BODY", kJoint,
-     "Body a contact surface belongs to (\"ground\" for none that moves); may be repeated [found from the mesh]"},
-    {"bone", "SURFACE=SURFACE", kJoint,
-     "Bone surface under a contact surface; may be repeated [faces held by the body]"},
-    {"keep-facets", "SURFACE", kJoint,
-     "Leave no facet of this contact surface out, though it looks like a side wall or is bonded to bone; may be "
-     "repeated"},
-    {"springs-at", "articular|bone", kCartilage,
-     "Surface of the source's layer on which the springs stand [articular]"},
-    {"law", "linear|logarithmic|neo-Hookean|layer", kCartilage,
-     "Pressure as a function of strain; layer: springs that share the cartilage's sideways flow; the others: a spring "
-     "bed [layer; springs at the bone: linear]"},
-    {"layer-terms", "1|2", kCartilage,
-     "Law layer: terms of the law; one is faster, and too wide at the edge of contact [2]"},
-    {"interface-stiffness", "STIFFNESS", kCartilage,
-     "Stiffness per area between the surfaces, in series with the cartilage, as a contact penalty has (MPa/mm) [none]"},
-    {"facets", "curved|flat", kCartilage, "Take facets as the smooth surface they stand for, or as they are [curved]"},
-    {"refine", "N", kCartilage, "Divide every facet of the springs and, with law layer, of both layers into N*N [1]"},
-    {"thickness", "[SURFACE=]LENGTH", kCartilage,
-     "Constant cartilage thickness, in the model's length (mm); may be repeated [measured]"},
-    {"E", "[SURFACE=]MODULUS", kCartilage,
-     "Young's modulus, in the model's pressure (MPa); may be repeated [the material's]"},
-    {"nu", "[SURFACE=]RATIO", kCartilage, "Poisson's ratio, -1 < nu < 0.5; may be repeated [the material's]"},
-    {"free", "BODY=x,y,z,Ru,Rv,Rw", kLoads,
-     "Dofs left free, all others that are not prescribed are held (\"none\": all held); may be repeated [the model's]"},
-    {"force", "BODY=x,y,z", kLoads,
-     "Force in place of the model's, growing from 0 over the last step, in the model's force (N); may be repeated"},
-    {"load-at", "BODY=x,y,z|sphere-center", kLoads,
-     "Where the force acts: a point of the reference configuration, or the centre of the articular surface's sphere; "
-     "may be repeated [centre of mass]"},
-};
+void add_value(CLI::App& command, std::vector<std::string>& values, const SettingOption& option) {
+  const bool several = option.key != nullptr || option.repeatable;
+  // One word per use, also when it begins with '-' or '[': the rest of the line is not ours to swallow.
+  command.add_option(fmt::format("--{}", option.name), values, option.help)
+      ->type_name(type_of(option))
+      ->allow_extra_args(false)
+      ->group(option.group)
+      ->expected(1)
+      ->multi_option_policy(several ? CLI::MultiOptionPolicy::TakeAll : CLI::MultiOptionPolicy::Throw);
+}
 
 }  // namespace
 
-void add_settings_options(CLI::App& command, SettingsArguments& arguments, bool refine, bool squash) {
-  for (const OptionHelp& help : kOptions) {
-    const std::string name = help.name;
-    if (name == "refine" && !refine) continue;
-    std::vector<std::string>& values = arguments.values[name];
-    const SettingOption& option = *find_setting_option(name);
-    // One word per use, also when it begins with '-' or '[': the rest of the line is not ours to swallow.
-    CLI::Option* added = command.add_option("--" + name, values, help.text)
-                             ->type_name(help.type)
-                             ->allow_extra_args(false)
-                             ->group(help.group);
-    if (option.key || option.repeatable)
-      added->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+void add_settings_options(CLI::App& command, SettingsArguments& arguments, const std::vector<std::string>& without) {
+  for (const SettingOption& option : setting_options()) {
+    if (std::find(without.begin(), without.end(), option.name) != without.end()) continue;
+    std::vector<std::string>& values = arguments.values[option.name];
+    if (option.help_off != nullptr)
+      add_switch(command, values, option);
     else
-      added->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
-  }
-  if (squash) {
-    command
-        .add_flag_callback(
-            "--no-squash", [&arguments] { arguments.values["squash"] = {"false"}; },
-            "Show cartilage rigid with its bone, not compressed")
-        ->group("Output");
-    command
-        .add_flag_callback(
-            "--squash", [&arguments] { arguments.values["squash"] = {"true"}; }, "Show cartilage compressed [default]")
-        ->group("Output");
+      add_value(command, values, option);
   }
   command
       .add_option("--settings", arguments.file,
@@ -117,6 +82,24 @@ Settings effective_settings(const SettingsArguments& arguments, OutputSettings* 
   return settings;
 }
 
+void add_model_argument(CLI::App& command, std::string& model) {
+  command.add_option("MODEL", model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+}
+
+CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet) {
+  return command.add_flag("-q,--quiet", quiet, "Print nothing but errors")->group("Output");
+}
+
+void add_compress_flag(CLI::App& command, bool& compress) {
+  command.add_flag("--compress", compress, "Compress the plot file (zlib)")->group("Output");
+}
+
+std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings) {
+  std::vector<NamedPath> inputs = {{"the model", model}};
+  if (!settings.file.empty()) inputs.push_back({"the settings file", settings.file});
+  return inputs;
+}
+
 void add_threads_option(CLI::App& command, std::string& threads) {
   command.add_option("--threads", threads, "Threads to use; results do not depend on it [all cores]")
       ->type_name("N")
@@ -130,20 +113,28 @@ std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads) {
                                                static_cast<std::size_t>(n));
 }
 
-int count_argument(const char* option, const std::string& text, int least, int most) {
+namespace {
+
+/// `parse` of a text; what it refuses becomes a fault of this option.
+template <class Parse>
+auto argument(const char* option, const std::string& text, Parse parse) {
   try {
-    return parse_count(text, least, most);
+    return parse(text);
   } catch (const BadValue& e) {
     throw UsageError(fmt::format("--{} {}: {}", option, text, e.what()));
   }
 }
 
-double number_argument(const char* option, const std::string& text) {
-  try {
-    return parse_number(text);
-  } catch (const BadValue& e) {
-    throw UsageError(fmt::format("--{} {}: {}", option, text, e.what()));
-  }
+}  // namespace
+
+int count_argument(const char* option, const std::string& text, int least, int most) {
+  return argument(option, text, [&](const std::string& t) { return parse_count(t, least, most); });
+}
+
+double number_argument(const char* option, const std::string& text) { return argument(option, text, parse_number); }
+
+Eigen::Vector3d vector_argument(const char* option, const std::string& text) {
+  return argument(option, text, parse_vector);
 }
 
 void show_activity(Progress& progress, const Activity& a) {
@@ -161,10 +152,13 @@ void show_activity(Progress& progress, const Activity& a) {
   progress.now(fmt::format("state {} of {}", a.index + 1, a.count), within, details, a.index, a.count);
 }
 
+void require_file(const std::string& option, const std::string& path) {
+  if (path == "-")
+    throw UsageError(fmt::format("{} -: the plot file cannot go to standard output, give it a name", option));
+}
+
 std::string plot_name_note(const std::string& option, const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extension_of(path);
   std::error_code error;
   if (extension == ".feb")
     throw UsageError(

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include <febiodea/app/progress.h>
-#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/io/settings/output_options.h>
+#include <febiodea/model/settings.h>
 #include <febiodea/run/analysis.h>
 
 namespace dea {
@@ -20,23 +21,35 @@ struct SettingsArguments {
   std::map<std::string, std::vector<std::string>> values;
 };
 
-/// `refine`, `squash`: whether this command has these options.
-void add_settings_options(CLI::App& command, SettingsArguments& arguments, bool refine, bool squash);
+/// All of setting_options, but for those of the names `without`; --settings.
+void add_settings_options(CLI::App& command, SettingsArguments& arguments,
+                          const std::vector<std::string>& without = {});
 
 /// Command line over settings file over the model's own. Throws UsageError, InputError (settings file). `outputs`: what
 /// the file says of output files and states; nullptr: of no interest.
 Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs = nullptr);
 
+/// MODEL, -q, --compress as all commands that have them spell them.
+void add_model_argument(CLI::App& command, std::string& model);
+CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet);
+void add_compress_flag(CLI::App& command, bool& compress);
+
+/// What must not be written over.
+std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings);
+
 void add_threads_option(CLI::App& command, std::string& threads);
 /// Holds for as long as the result lives; empty `threads`: all cores.
 std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
 
-/// Numbers of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
+/// Values of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
 int count_argument(const char* option, const std::string& text, int least, int most);
 double number_argument(const char* option, const std::string& text);
+Eigen::Vector3d vector_argument(const char* option, const std::string& text);
 
 /// What an analysis is at: "thickness", "springs", "state 4 of 23: iteration 2, unbalanced 3e-04".
 void show_activity(Progress& progress, const Activity& activity);
+/// Throws UsageError for a plot file "-".
+void require_file(const std::string& option, const std::string& path);
 /// What to tell of a plot file's name that does not end in .xplt, in whatever letters; empty: nothing.
 std::string plot_name_note(const std::string& option, const std::string& path);
 /// A path's last part.

@@ -6,8 +6,8 @@
 
 #include <febiodea/app/commands.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/views/map/draw_map.h>
 #include <febiodea/views/map/map_figure.h>
 
@@ -44,21 +44,18 @@ double number_option(const char* option, const std::string& text, double least, 
 }
 
 Vector3d direction(const char* option, const std::string& text, const char* expected) {
-  std::vector<double> x;
+  Vector3d v = Vector3d::Zero();
   try {
-    x = parse_numbers(text);
+    v = parse_vector(text);
   } catch (const BadValue&) {
   }
-  const Vector3d v = x.size() == 3 ? Vector3d(x[0], x[1], x[2]) : Vector3d(0, 0, 0);
   if (!(v.norm() > 0) || !std::isfinite(v.norm()))
     throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, expected));
   return v;
 }
 
 PictureFormat format_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extension_of(path);
   if (extension == ".png") return PictureFormat::Png;
   if (extension == ".svg") return PictureFormat::Svg;
   if (extension == ".pdf") return PictureFormat::Pdf;
@@ -143,7 +140,7 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   };
   c->add_option("FILES", a.files, "Plot files (.xplt), a panel each")->required()->type_name("");
   once("-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
-  c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  add_quiet_flag(*c, a.quiet);
   repeated("--surface", a.surfaces, "What",
            "Surface to draw; may be repeated [the one with the highest pressure anywhere]");
   once("--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");

@@ -8,10 +8,11 @@
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
-#include <febiodea/io/settings/settings_xml.h>
-#include <febiodea/views/page/write_report.h>
+#include <febiodea/io/settings/output_options.h>
+#include <febiodea/views/page/write_page.h>
 #include <febiodea/views/run_model.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/text/remarks.h>
+#include <febiodea/views/text/run_text.h>
 
 namespace dea {
 
@@ -38,96 +39,55 @@ Examples:
 CLI::App* add_run(CLI::App& app, RunArguments& a) {
   CLI::App* c = app.add_subcommand("run", "Solve the contact of a model and write a plot file, a table, JSON or CSV");
   c->footer(kRunFooter);
-  c->add_option("MODEL", a.model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
-  c->add_option("-o", a.output, "Plot file [MODEL without .feb + _dea.xplt, beside the model]")
-      ->type_name("FILE.xplt")
-      ->group("Output");
-  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output")->type_name("FILE|-")->group("Output");
-  c->add_option("--csv", a.csv, "Also write CSV, a line per state and contact, \"-\" to standard output")
-      ->type_name("FILE|-")
-      ->group("Output");
-  c->add_option(
-       "--facets-csv", a.facets_csv,
-       "Also write CSV, a line per state, contact and facet: pressure, joint space, overlap; \"-\" to standard "
-       "output")
-      ->type_name("FILE|-")
-      ->group("Output");
-  c->add_option("--report", a.report, "Also write a page for any browser: maps, curves, tables, what was recognised")
-      ->type_name("FILE.html")
-      ->group("Output");
-  c->add_option("--vtu", a.vtu, "Also write files for ParaView into this folder: open its results.pvd")
-      ->type_name("FOLDER")
-      ->group("Output");
-  CLI::Option* q = c->add_flag("-q,--quiet", a.quiet, "Print nothing but errors")->group("Output");
+  add_model_argument(*c, a.model);
+  const auto add_output = [&](const OutputOption& o) {
+    c->add_option(command_line_name(o), a.outputs.*o.text, o.help)->type_name(o.type)->group("Output");
+  };
+  for (const OutputOption& o : output_options())
+    if (o.kind != OutputOption::Kind::States) add_output(o);
+  CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose,
               "Print what is begun, every iteration, and a line per state: iterations, residual, seconds")
       ->excludes(q)
       ->group("Output");
-  c->add_option("--states", a.states,
-                "States to write: all, last, or times t1,t2,... [all; about 1000 where there are more than 10000]")
-      ->type_name("all|last|t1,t2,...")
-      ->group("Output");
+  for (const OutputOption& o : output_options())
+    if (o.kind == OutputOption::Kind::States) add_output(o);
   c->add_option("--times-from", a.times_from, "Take the times of this FEA result instead of the model's")
       ->type_name("FEA.xplt")
       ->group("Output");
-  c->add_flag("--compress", a.compress, "Compress the plot file (zlib)")->group("Output");
-  add_settings_options(*c, a.settings, true, true);
+  add_compress_flag(*c, a.compress);
+  add_settings_options(*c, a.settings);
   add_threads_option(*c, a.threads);
   return c;
 }
 
-int run(const RunArguments& a) {
-  const double start = seconds();
-  const auto threads = limit_threads(a.threads);
-  OutputSettings file;
-  const Settings settings = effective_settings(a.settings, &file);
-  const auto first = [](const std::string& typed, const std::string& in_file) {
-    return typed.empty() ? in_file : typed;
-  };
+namespace {
 
+std::vector<NamedPath> run_inputs(const RunArguments& a) {
+  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
+  if (!a.times_from.empty()) inputs.insert(inputs.begin() + 1, {"the FEA result", a.times_from});
+  return inputs;
+}
+
+RunOptions run_options(const RunArguments& a, const OutputSettings& typed, const OutputSettings& file) {
   RunOptions options;
-  options.output = first(a.output, file.output);
-  const char* output_option = a.output.empty() && !file.output.empty() ? "<output>" : "-o";
-  if (options.output.empty()) options.output = default_output(a.model);
-  options.json = first(a.json, file.json);
-  options.csv = first(a.csv, file.csv);
-  options.facets_csv = first(a.facets_csv, file.facets_csv);
-  options.vtu = first(a.vtu, file.vtu);
+  options.outputs = over(typed, file);
   options.times_from = a.times_from;
   options.compress = a.compress;
-  if (!a.states.empty()) {
-    options.states = a.states;
-    options.states_option = fmt::format("--states {}", a.states);
-  } else if (!file.states.empty()) {
-    options.states = file.states;
+  if (!typed.states.empty())
+    options.states_option = fmt::format("--states {}", typed.states);
+  else if (!file.states.empty())
     options.states_option = fmt::format("{}: <states>", a.settings.file);
-  }
-  const std::string report = first(a.report, file.report);
-  const char* report_option = a.report.empty() ? "<report>" : "--report";
-  require_page_name(report_option, report);
-  if (options.output == "-")
-    throw UsageError(fmt::format("{} -: the plot file cannot go to standard output, give it a name", output_option));
-  std::vector<NamedPath> inputs = {{"the model", a.model}}, outputs = {{output_option, options.output}};
-  if (!a.times_from.empty()) inputs.push_back({"the FEA result", a.times_from});
-  if (!a.settings.file.empty()) inputs.push_back({"the settings file", a.settings.file});
-  if (!options.json.empty()) outputs.push_back({a.json.empty() ? "<json>" : "--json", options.json});
-  if (!options.csv.empty()) outputs.push_back({a.csv.empty() ? "<csv>" : "--csv", options.csv});
-  if (!options.facets_csv.empty())
-    outputs.push_back({a.facets_csv.empty() ? "<facets-csv>" : "--facets-csv", options.facets_csv});
-  if (!report.empty()) outputs.push_back({report_option, report});
-  if (!options.vtu.empty()) outputs.push_back({a.vtu.empty() ? "<vtu>" : "--vtu", options.vtu, true});
+  return options;
+}
 
-  Progress progress(progress_style(a.quiet, a.verbose));
-  const auto begin = [&](const std::string& what) { progress.now(what, "", what); };
-  begin("reading " + file_name(a.model));
-  JointModel read = read_feb(a.model);
-  check_outputs(inputs, outputs);
-  const std::string name_note = plot_name_note(output_option, options.output);
-  options.seconds_reading = seconds() - start;
-  double last = seconds();
-  options.on_activity = [&](const Activity& activity) { show_activity(progress, activity); };
-  options.on_writing = [&](const std::string& path) { begin("writing " + file_name(path)); };
-  options.on_state = [&](const StateResult& s, std::size_t index, std::size_t count) {
+void begin(Progress& progress, const std::string& what) { progress.now(what, "", what); }
+
+/// `options` and `progress` live as long as the run.
+void watch(RunOptions& options, Progress& progress) {
+  options.on_activity = [&progress](const Activity& activity) { show_activity(progress, activity); };
+  options.on_writing = [&progress](const std::string& path) { begin(progress, "writing " + file_name(path)); };
+  options.on_state = [&progress, last = seconds()](const StateResult& s, std::size_t index, std::size_t count) mutable {
     const Equilibrium& e = s.equilibrium;
     const std::string what = fmt::format("state {} of {}", index + 1, count);
     const double now = seconds();
@@ -139,16 +99,45 @@ int run(const RunArguments& a) {
         index + 1, count);
     last = now;
   };
+}
+
+void print_result(const JointModel& model, const RunOptions& options, const RunResult& result) {
+  for (const std::string& line : run_remarks(model, result.analysis)) log(line);
+  const OutputSettings& o = options.outputs;
+  if (o.json != "-" && o.csv != "-" && o.facets_csv != "-") print(run_text(model, result.analysis));
+  log(run_summary(options, result));
+}
+
+}  // namespace
+
+int run(const RunArguments& a) {
+  const double start = seconds();
+  const auto threads = limit_threads(a.threads);
+  OutputSettings typed = a.outputs, file;
+  const Settings settings = effective_settings(a.settings, &file);
+  if (typed.output.empty() && file.output.empty()) typed.output = default_output(a.model);
+  RunOptions options = run_options(a, typed, file);
+  const std::string &output = options.outputs.output, &page = options.outputs.report;
+  const std::string output_option = given_as(&OutputSettings::output, typed);
+  require_page_name(given_as(&OutputSettings::report, typed), page);
+  require_file(output_option, output);
+
+  Progress progress(progress_style(a.quiet, a.verbose));
+  begin(progress, "reading " + file_name(a.model));
+  JointModel read = read_feb(a.model);
+  std::vector<NamedPath> files = run_inputs(a);
+  const std::vector<NamedPath> outputs = named_outputs(typed, file);
+  check_outputs(files, outputs);
+  files.insert(files.end(), outputs.begin(), outputs.end());
+  const std::string name_note = plot_name_note(output_option, output);
+  options.seconds_reading = seconds() - start;
+  watch(options, progress);
   show_activity(progress, {});
   const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
-  const JointModel& model = recognition.model;
-  if (!report.empty()) {
-    options.also = [&](const Analysis& analysis, XpltFile&& plot) {
-      std::vector<std::string> paths;
-      for (const NamedPath& p : inputs) paths.push_back(p.path);
-      for (const NamedPath& p : outputs) paths.push_back(p.path);
-      begin("writing " + file_name(report));
-      write_run_report(report, recognition, analysis, std::move(plot), a.model, options.output, a.words, paths);
+  if (!page.empty()) {
+    options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
+      begin(progress, "writing " + file_name(page));
+      write_run_page(page, recognition, analysis, std::move(xplt), a.model, output, a.words, files);
     };
   }
   const RunResult result = run_model(recognition, options);
@@ -156,10 +145,7 @@ int run(const RunArguments& a) {
 
   if (!a.quiet) {
     if (!name_note.empty()) log(name_note);
-    for (const std::string& line : model_remarks(model, result.analysis.joint)) log(line);
-    for (const std::string& line : result_remarks(model, result.analysis)) log(line);
-    if (options.json != "-" && options.csv != "-" && options.facets_csv != "-") print(run_text(model, result.analysis));
-    log(run_summary(options, result));
+    print_result(recognition.model, options, result);
   }
   return all_solved(result.analysis) ? kSolved : kNoSolution;
 }

@@ -10,9 +10,10 @@
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/read_fe_model.h>
-#include <febiodea/views/page/write_report.h>
+#include <febiodea/views/page/write_page.h>
 #include <febiodea/views/run_model.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/text/remarks.h>
+#include <febiodea/views/text/run_text.h>
 
 namespace {
 
@@ -25,9 +26,19 @@ std::string plot_file_name(FEBioModel& fem) {
   return plot.empty() || plot == usual ? default_output(model) : plot;
 }
 
-std::string need_file_name(const char* element, const std::string& name) {
-  if (name == "-") throw UsageError(fmt::format("<{}> -: standard output is FEBio's, give it a file name", element));
-  return name;
+/// FEBio has no command line for these, and keeps standard output for itself.
+void check_names(const OutputSettings& outputs) {
+  for (const OutputOption& o : output_options())
+    if (o.kind == OutputOption::Kind::File && outputs.*o.text == "-")
+      throw UsageError(fmt::format("<{}> -: standard output is FEBio's, give it a file name", o.name));
+  require_page_name("<report>", outputs.report);
+}
+
+std::vector<NamedPath> input_files(FEBioModel& fem, const std::string& settings_file) {
+  std::vector<NamedPath> inputs = {{"the model", fem.GetInputFileName()}};
+  if (!settings_file.empty()) inputs.push_back({"the settings file", settings_file});
+  if (!fem.GetLogfileName().empty()) inputs.push_back({"FEBio's log file", fem.GetLogfileName()});
+  return inputs;
 }
 
 /// The first state that is no solution, and how many there are.
@@ -47,50 +58,36 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   const double start = seconds();
   SettingsFile file;
   if (!settings_file.empty()) file = read_settings_file(settings_file);
+  check_names(file.outputs);
+  const bool named = !file.outputs.output.empty();
+  if (!named) file.outputs.output = plot_file_name(fem);
   RunOptions options;
-  options.output = need_file_name("output", file.outputs.output);
-  options.json = need_file_name("json", file.outputs.json);
-  options.csv = need_file_name("csv", file.outputs.csv);
-  options.facets_csv = need_file_name("facets-csv", file.outputs.facets_csv);
-  const std::string report = need_file_name("report", file.outputs.report);
-  require_page_name("<report>", report);
-  options.vtu = file.outputs.vtu;
-  if (!file.outputs.states.empty()) options.states = file.outputs.states;
+  options.outputs = file.outputs;
   options.states_option = fmt::format("{}: <states>", settings_file);
-  std::vector<NamedPath> inputs = {{"the model", fem.GetInputFileName()}}, outputs;
-  if (!settings_file.empty()) inputs.push_back({"the settings file", settings_file});
-  if (!fem.GetLogfileName().empty()) inputs.push_back({"FEBio's log file", fem.GetLogfileName()});
-  if (options.output.empty()) options.output = plot_file_name(fem);
-  outputs.push_back({file.outputs.output.empty() ? "-p" : "<output>", options.output});
-  if (!options.json.empty()) outputs.push_back({"<json>", options.json});
-  if (!options.csv.empty()) outputs.push_back({"<csv>", options.csv});
-  if (!options.facets_csv.empty()) outputs.push_back({"<facets-csv>", options.facets_csv});
-  if (!report.empty()) outputs.push_back({"<report>", report});
-  if (!options.vtu.empty()) outputs.push_back({"<vtu>", options.vtu, true});
+  std::vector<NamedPath> files = input_files(fem, settings_file), outputs = named_outputs({}, file.outputs);
+  if (!named) outputs.front().option = "-p";
 
   const JointModel model = read_fe_model(fem);
-  check_outputs(inputs, outputs);
+  check_outputs(files, outputs);
+  files.insert(files.end(), outputs.begin(), outputs.end());
   options.seconds_reading = seconds() - start;
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };
   const Recognition recognition = recognise(model, file.settings, wants_all_states(options));
-  if (!report.empty()) {
-    options.also = [&](const Analysis& analysis, XpltFile&& plot) {
-      std::vector<std::string> words = {"febio4", "-i", fem.GetInputFileName(), "-task=dea"}, paths;
+  if (!file.outputs.report.empty()) {
+    options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
+      std::vector<std::string> words = {"febio4", "-i", fem.GetInputFileName(), "-task=dea"};
       if (!settings_file.empty()) words.push_back(settings_file);
-      for (const NamedPath& p : inputs) paths.push_back(p.path);
-      for (const NamedPath& p : outputs) paths.push_back(p.path);
-      write_run_report(report, recognition, analysis, std::move(plot), fem.GetInputFileName(), options.output, words,
-                       paths);
+      write_run_page(file.outputs.report, recognition, analysis, std::move(xplt), fem.GetInputFileName(),
+                     file.outputs.output, words, files);
     };
   }
   const RunResult result = run_model(recognition, options);
 
-  for (const std::string& line : model_remarks(model, result.analysis.joint)) log_text(fem, line);
-  for (const std::string& line : result_remarks(model, result.analysis)) log_text(fem, line);
+  for (const std::string& line : run_remarks(model, result.analysis)) log_text(fem, line);
   log_text(fem, run_text(model, result.analysis));
   log_text(fem, run_summary(options, result));
   if (all_solved(result.analysis)) return true;
-  log_error(fem, no_solution(result.analysis, options.output));
+  log_error(fem, no_solution(result.analysis, file.outputs.output));
   return false;
 }
 

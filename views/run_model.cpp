@@ -7,11 +7,12 @@
 #include <cmath>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
-#include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/data/run_csv.h>
+#include <febiodea/views/text/table.h>
 
 namespace dea {
 
@@ -20,7 +21,7 @@ namespace {
 /// Times to solve, and which of them are written.
 struct Times {
   std::vector<TimePoint> points;
-  std::vector<char> wanted;
+  std::vector<char> keep_state;
 };
 
 /// Plot files hold times in single precision.
@@ -67,7 +68,7 @@ Times choose_times(const JointModel& model, const std::string& states, const std
   times.points = times_from.empty() ? model_times(model, states != "all") : fea_times(model, times_from, fea);
   const bool all = states == "all" || states.empty();
   if (all && times_from.empty()) {
-    times.wanted.assign(times.points.size(), 1);
+    times.keep_state.assign(times.points.size(), 1);
     return times;
   }
   std::vector<double> chosen;
@@ -90,70 +91,82 @@ Times choose_times(const JointModel& model, const std::string& states, const std
     insert_time(model, times.points, std::min(t, end), end);
   }
   for (const TimePoint& p : times.points)
-    times.wanted.push_back(
+    times.keep_state.push_back(
         std::any_of(chosen.begin(), chosen.end(), [&](double t) { return same_time(t, p.time, end); }));
-  while (!times.wanted.empty() && !times.wanted.back()) {  // nothing follows from what comes after
-    times.wanted.pop_back();
+  while (!times.keep_state.empty() && !times.keep_state.back()) {  // nothing follows from what comes after
+    times.keep_state.pop_back();
     times.points.pop_back();
   }
   return times;
 }
 
+/// What the user should know of the states that are solved.
+void note_states(const JointModel& model, const RunOptions& options, const Times& times,
+                 std::vector<std::string>& findings) {
+  if (!options.times_from.empty()) return;
+  const std::string& states = options.outputs.states;
+  const double steps = count_time_steps(model);
+  if (states.empty() && very_many_time_steps(model))
+    findings.push_back(thinned_note(model, times.points.size()));
+  else if (!states.empty() && states != "all" && steps > 2.0 * static_cast<double>(times.points.size()) &&
+           times.points.back().time >= 0.5 * step_starts(model).back())
+    findings.push_back(
+        fmt::format("of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an "
+                    "equilibrium of its own",
+                    steps, times.points.size()));
+}
+
+AnalysisOptions analysis_options(const RunOptions& options, const Times& times) {
+  AnalysisOptions out;
+  out.times = times.points;
+  out.wanted = times.keep_state;
+  out.activity = options.on_activity;
+  if (!options.progress && !options.on_state) return out;
+  out.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
+    if (options.on_state) options.on_state(s, index, count);
+    if (!options.progress) return;
+    options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count,
+                                 number_text(s.when.time), name(s.equilibrium.outcome), s.equilibrium.iterations));
+  };
+  return out;
+}
+
 }  // namespace
 
-bool wants_all_states(const RunOptions& options) { return options.states == "all" && options.times_from.empty(); }
+bool wants_all_states(const RunOptions& options) {
+  return options.outputs.states == "all" && options.times_from.empty();
+}
 
 RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   const double start = seconds();
   const JointModel& model = recognition.model;
-  const Settings& settings = recognition.settings;
+  const OutputSettings& outputs = options.outputs;
   Times times;
   try {
-    times = choose_times(model, options.states, options.states_option, options.times_from);
+    times = choose_times(model, outputs.states, options.states_option, options.times_from);
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }
   RunResult result;
-  result.timings.read = options.seconds_reading + seconds() - start;
-
-  AnalysisOptions how;
-  how.times = times.points;
-  how.wanted = times.wanted;
-  how.activity = options.on_activity;
-  if (options.progress || options.on_state) {
-    how.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
-      if (options.on_state) options.on_state(s, index, count);
-      if (!options.progress) return;
-      options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count,
-                                   number_text(s.when.time), name(s.equilibrium.outcome), s.equilibrium.iterations));
-    };
-  }
-  result.analysis = analyse(recognition, how);
-  const double steps = count_time_steps(model);
-  if (options.states.empty() && options.times_from.empty() && very_many_time_steps(model))
-    result.analysis.joint.findings.push_back(thinned_note(model, times.points.size()));
-  else if (!options.states.empty() && options.states != "all" && options.times_from.empty() &&
-           steps > 2.0 * static_cast<double>(times.points.size()) &&
-           times.points.back().time >= 0.5 * step_starts(model).back())
-    result.analysis.joint.findings.push_back(
-        fmt::format("of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an "
-                    "equilibrium of its own",
-                    steps, times.points.size()));
-  result.timings.joint = result.analysis.seconds_joint;
-  result.timings.solve = result.analysis.seconds_solve;
+  Timings& timings = result.timings;
+  timings.read = options.seconds_reading + seconds() - start;
+  result.analysis = analyse(recognition, analysis_options(options, times));
+  note_states(model, options, times, result.analysis.joint.findings);
+  timings.joint = result.analysis.seconds_joint;
+  timings.solve = result.analysis.seconds_solve;
 
   const double write_start = seconds();
-  if (options.on_writing) options.on_writing(options.output);
-  XpltFile plot = make_plot_file(model, result.analysis, options.compress);
-  write_xplt(options.output, plot);
-  if (!options.vtu.empty()) write_vtu(options.vtu, plot);
-  result.timings.write = seconds() - write_start;
-  result.timings.total = options.seconds_reading + seconds() - start;
-  if (!options.json.empty())
-    write_text(options.json, json_text(run_json(model, settings, result.analysis, result.timings)));
-  if (!options.csv.empty()) write_text(options.csv, run_csv(model, result.analysis));
-  if (!options.facets_csv.empty()) write_text(options.facets_csv, facets_csv(model, result.analysis));
-  if (options.also) options.also(result.analysis, std::move(plot));
+  if (options.on_writing) options.on_writing(outputs.output);
+  XpltFile xplt = make_plot_file(model, result.analysis, options.compress);
+  write_xplt(outputs.output, xplt);
+  if (!outputs.vtu.empty()) write_vtu(outputs.vtu, xplt);
+  timings.write = seconds() - write_start;
+  timings.total = options.seconds_reading + seconds() - start;
+  if (!outputs.json.empty())
+    write_text(outputs.json, json_text(run_json(model, recognition.settings, result.analysis, timings)));
+  if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(result.analysis));
+  if (!outputs.facets_csv.empty()) write_text(outputs.facets_csv, facets_csv(model, result.analysis));
+  if (options.with_plot) options.with_plot(result.analysis, std::move(xplt));
   return result;
 }
 
@@ -165,7 +178,7 @@ bool all_solved(const Analysis& analysis) {
 std::string run_summary(const RunOptions& options, const RunResult& result) {
   const Timings& t = result.timings;
   return fmt::format("{}: {} states in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})",
-                     options.output, result.analysis.states.size(), t.total, t.read, t.joint, t.solve, t.write);
+                     options.outputs.output, result.analysis.states.size(), t.total, t.read, t.joint, t.solve, t.write);
 }
 
 }  // namespace dea

@@ -3,26 +3,25 @@
 #include <functional>
 #include <string>
 
+#include <febiodea/io/settings/output_options.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/run/analysis.h>
-#include <febiodea/views/data/report_json.h>
+#include <febiodea/views/data/run_json.h>
 
 namespace dea {
 
 struct RunOptions {
-  std::string output;                 ///< plot file
-  std::string json, csv, facets_csv;  ///< "" none, "-" standard output
-  std::string vtu;                    ///< folder of the files for ParaView; "" none
-  std::string states;  ///< all, last, or times t1,t2,...; empty: all, or about 1000 of them where there are very many
-  std::string states_option;                              ///< how the user calls it, for messages: "--states last"
+  OutputSettings outputs;  ///< where to; the plot file is always written, the page by `with_plot`. States: empty: all,
+                           ///< or about 1000 of them where there are very many
+  std::string states_option;                              ///< how the user calls the states: "--states last"
   std::string times_from;                                 ///< FEA result whose times to take; "" the model's
   bool compress = false;                                  ///< the plot file
   double seconds_reading = 0.0;                           ///< spent on the model before
   std::function<void(const std::string& line)> progress;  ///< a line per state; may be empty
   std::function<void(const StateResult&, std::size_t index, std::size_t count)> on_state;  ///< the same, as numbers
-  std::function<void(const Activity&)> on_activity;         ///< what is being worked out; may be empty
-  std::function<void(const std::string& file)> on_writing;  ///< before the plot file is written; may be empty
-  std::function<void(const Analysis&, XpltFile&&)> also;  ///< what else to make of the written plot file; may be empty
+  std::function<void(const Activity&)> on_activity;            ///< what is being worked out; may be empty
+  std::function<void(const std::string& file)> on_writing;     ///< before the plot file is written; may be empty
+  std::function<void(const Analysis&, XpltFile&&)> with_plot;  ///< what else to make of the plot file; may be empty
 };
 
 struct RunResult {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/conditions.h>
 #include <febiodea/joint/bodies.h>
@@ -27,13 +28,6 @@ void refuse_settings(const Settings& s) {
   if (!s.force.empty()) throw UsageError(fmt::format("--force {}: {}", s.force.begin()->first, kOwn));
   if (!s.load_at.empty()) throw UsageError(fmt::format("--load-at {}: {}", s.load_at.begin()->first, kOwn));
   if (!s.free.empty()) throw UsageError(fmt::format("--free {}: {}", s.free.begin()->first, kOwn));
-}
-
-/// A name none of `names` has: `wanted`, or with a number.
-std::string free_name(const std::string& wanted, const std::set<std::string>& names) {
-  std::string name = wanted;
-  for (int i = 2; names.count(name) > 0; ++i) name = fmt::format("{}_{}", wanted, i);
-  return name;
 }
 
 /// Contacts of the joint that become contacts of type dea.
@@ -69,16 +63,16 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
 
 /// Per body the rigid material its cartilage takes: the first the model has, else the first taken as rigid (--rigid).
 /// The ground gets a new one when it carries cartilage.
-std::vector<int> home_materials(const JointModel& model, const ConversionPlan& plan) {
-  std::vector<int> home;
+std::vector<int> rigid_material_of_bodies(const JointModel& model, const ConversionPlan& plan) {
+  std::vector<int> rigid_material;
   for (const Body& body : plan.joint.bodies) {
     int material = -1;
     for (int m : body.materials)
       if (material < 0 && model.materials[at(m)].rigid) material = m;
     if (material < 0 && !body.materials.empty()) material = body.materials.front();
-    home.push_back(material);
+    rigid_material.push_back(material);
   }
-  return home;
+  return rigid_material;
 }
 
 /// Per node the body whose converted cartilage it belongs to, -1: none.
@@ -103,7 +97,7 @@ std::vector<int> cartilage_nodes(const JointModel& model, const ConversionPlan& 
   return body;
 }
 
-void add_ground(const JointModel& model, ConversionPlan& plan, std::vector<int>& home,
+void add_ground(const JointModel& model, ConversionPlan& plan, std::vector<int>& rigid_material,
                 const std::vector<int>& cartilage) {
   const int ground = static_cast<int>(plan.joint.bodies.size()) - 1;
   if (std::find(cartilage.begin(), cartilage.end(), ground) == cartilage.end()) return;
@@ -114,12 +108,12 @@ void add_ground(const JointModel& model, ConversionPlan& plan, std::vector<int>&
     material.id = std::max(material.id, m.id);
   }
   ++material.id;
-  material.name = free_name("ground", names);
+  material.name = take_free_name("ground", names);
   material.type = "rigid body";
   material.rigid = true;
   material.center_of_mass = Vector3d::Zero();
   plan.ground = static_cast<int>(plan.target.materials.size());
-  home[at(ground)] = plan.ground;
+  rigid_material[at(ground)] = plan.ground;
   plan.target.materials.push_back(material);
   RigidFixed fixed;
   fixed.material = plan.ground;
@@ -131,13 +125,13 @@ void add_ground(const JointModel& model, ConversionPlan& plan, std::vector<int>&
 }
 
 /// Bones taken as rigid that fixed nodes hold: the nodes become rigid, so the body is held instead.
-void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector<int>& home) {
+void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector<int>& rigid_material) {
   const LoadCase start = make_load_case(model, plan.joint, {}, 0, 0.0);
   for (std::size_t b = 0; b < plan.joint.bodies.size(); ++b) {
     const Body& body = plan.joint.bodies[b];
     const bool by_user =
         std::any_of(body.materials.begin(), body.materials.end(), [&](int m) { return !model.materials[at(m)].rigid; });
-    if (!by_user || home[b] < 0) continue;
+    if (!by_user || rigid_material[b] < 0) continue;
     for (const FixedNodes& f : model.fixed_nodes)
       if (f.step >= 0 && std::any_of(f.nodes.begin(), f.nodes.end(),
                                      [&](int node) { return plan.joint.node_body[at(node)] == static_cast<int>(b); }))
@@ -146,7 +140,7 @@ void hold_bones(const JointModel& model, ConversionPlan& plan, const std::vector
                                    "make it a rigid body of the model and hold that",
                                    f.name, body.name));
     RigidFixed held;
-    held.material = home[b];
+    held.material = rigid_material[b];
     for (std::size_t k = 0; k < kDofs; ++k) held.dofs[k] = start.bodies[b].dofs[k] == DofState::Held;
     for (const RigidFixed& f : model.rigid_fixed)
       if (f.step < 0 && std::find(body.materials.begin(), body.materials.end(), f.material) != body.materials.end())
@@ -165,7 +159,7 @@ bool is_layer_shape(const Domain& d) { return !is_line(d.shape) && !is_shell(d.s
 
 /// The elements of a domain that go to each body (-1: stay), in parts of their own where they are several.
 void convert_domain(const JointModel& model, int index, const std::vector<int>& body_of_element,
-                    const std::vector<int>& home, ConversionPlan& plan, std::set<std::string>& names) {
+                    const std::vector<int>& rigid_material, ConversionPlan& plan, std::set<std::string>& names) {
   const Domain& d = model.domains[at(index)];
   const std::string old = model.materials[at(d.material)].name;
   std::vector<int> bodies = body_of_element;
@@ -183,10 +177,9 @@ void convert_domain(const JointModel& model, int index, const std::vector<int>& 
       const auto begin = d.nodes.begin() + static_cast<std::ptrdiff_t>(e * n);
       part.nodes.insert(part.nodes.end(), begin, begin + static_cast<std::ptrdiff_t>(n));
     }
-    if (bodies[b] >= 0) part.material = home[at(bodies[b])];
+    if (bodies[b] >= 0) part.material = rigid_material[at(bodies[b])];
     if (b > 0) {
-      part.name = free_name(d.name, names);
-      names.insert(part.name);
+      part.name = take_free_name(d.name, names);
       plan.split = true;
     }
     if (bodies[b] >= 0)
@@ -199,7 +192,7 @@ void convert_domain(const JointModel& model, int index, const std::vector<int>& 
   }
 }
 
-void convert_domains(const JointModel& model, const std::vector<char>& rigid, const std::vector<int>& home,
+void convert_domains(const JointModel& model, const std::vector<char>& rigid, const std::vector<int>& rigid_material,
                      const std::vector<int>& cartilage, const std::vector<int>& body_of_material,
                      ConversionPlan& plan) {
   std::set<std::string> names;
@@ -212,7 +205,7 @@ void convert_domains(const JointModel& model, const std::vector<char>& rigid, co
     if (rigid[at(d.material)]) {
       if (is_line(d.shape)) continue;
       bodies.assign(bodies.size(), body_of_material[at(d.material)]);
-      const int to = home[at(bodies.front())];
+      const int to = rigid_material[at(bodies.front())];
       if (to == d.material) continue;  // that material itself becomes rigid
     } else if (is_layer_shape(d)) {
       for (std::size_t e = 0; e < bodies.size(); ++e) bodies[e] = cartilage[at(d.nodes[e * n])];
@@ -220,15 +213,15 @@ void convert_domains(const JointModel& model, const std::vector<char>& rigid, co
     } else {
       continue;
     }
-    convert_domain(model, i, bodies, home, plan, names);
+    convert_domain(model, i, bodies, rigid_material, plan, names);
   }
 }
 
-void convert_materials(const std::vector<int>& home, ConversionPlan& plan) {
+void convert_materials(const std::vector<int>& rigid_material, ConversionPlan& plan) {
   for (std::size_t b = 0; b < plan.joint.bodies.size(); ++b) {
     const Body& body = plan.joint.bodies[b];
-    if (body.ground || home[b] < 0) continue;
-    Material& material = plan.target.materials[at(home[b])];
+    if (body.ground || rigid_material[b] < 0) continue;
+    Material& material = plan.target.materials[at(rigid_material[b])];
     if (!material.rigid) {
       plan.changes.push_back(
           fmt::format("material \"{}\": type {} becomes rigid body (--rigid)", material.name, material.type));
@@ -246,21 +239,25 @@ void convert_materials(const std::vector<int>& home, ConversionPlan& plan) {
 
 /// FEBio makes one body of rigid materials whose elements share nodes: after the conversion these must be the bodies
 /// there were.
-void check_bodies(const JointModel& model, const ConversionPlan& plan, const std::vector<int>& home) {
+void check_bodies(const JointModel& model, const ConversionPlan& plan, const std::vector<int>& rigid_material) {
   std::vector<char> rigid;
   for (const Material& m : plan.target.materials) rigid.push_back(m.rigid);
   const Bodies after = find_bodies(plan.target, rigid);
   const auto& bodies = plan.joint.bodies;
   for (std::size_t a = 0; a < bodies.size(); ++a) {
     for (int m : bodies[a].materials) {
-      if (!rigid[at(m)] || home[a] < 0 || after.of_material[at(m)] == after.of_material[at(home[a])]) continue;
+      if (!rigid[at(m)] || rigid_material[a] < 0 ||
+          after.of_material[at(m)] == after.of_material[at(rigid_material[a])])
+        continue;
       throw fault_at(model, model.materials[at(m)].origin,
                      fmt::format("materials \"{}\" and \"{}\" are one body through rigid node sets; as rigid "
                                  "materials they would be two: give their elements one material",
-                                 model.materials[at(home[a])].name, model.materials[at(m)].name));
+                                 model.materials[at(rigid_material[a])].name, model.materials[at(m)].name));
     }
     for (std::size_t b = a + 1; b < bodies.size(); ++b) {
-      if (home[a] < 0 || home[b] < 0 || after.of_material[at(home[a])] != after.of_material[at(home[b])]) continue;
+      if (rigid_material[a] < 0 || rigid_material[b] < 0 ||
+          after.of_material[at(rigid_material[a])] != after.of_material[at(rigid_material[b])])
+        continue;
       throw InputError(where(model, {0, 0}) +
                        fmt::format("the cartilage shares nodes with bodies \"{}\" and \"{}\", which would become one "
                                    "rigid body; give each its own nodes",
@@ -269,16 +266,24 @@ void check_bodies(const JointModel& model, const ConversionPlan& plan, const std
   }
 }
 
-void mark_rigid_nodes(ConversionPlan& plan) {
-  plan.node_rigid.assign(plan.target.nodes.size(), 0);
-  for (const Domain& d : plan.target.domains)
-    if (d.material >= 0 && plan.target.materials[at(d.material)].rigid && !is_line(d.shape))
-      for (int node : d.nodes) plan.node_rigid[at(node)] = 1;
+/// Per node of the model: does it belong to an element of one of these materials?
+std::vector<char> nodes_of_materials(const JointModel& model, const std::vector<char>& materials) {
+  std::vector<char> nodes(model.nodes.size(), 0);
+  for (const Domain& d : model.domains)
+    if (d.material >= 0 && materials[at(d.material)] && !is_line(d.shape))
+      for (int node : d.nodes) nodes[at(node)] = 1;
+  return nodes;
+}
+
+std::vector<char> rigid_nodes(const JointModel& model) {
+  std::vector<char> rigid;
+  for (const Material& m : model.materials) rigid.push_back(m.rigid);
+  return nodes_of_materials(model, rigid);
 }
 
 /// Takes the nodes that became rigid out of a condition. True: none is left.
 template <class Condition>
-bool strip(const std::vector<char>& was_rigid, const std::vector<char>& is_rigid, Condition& condition) {
+bool remove_rigid_nodes(const std::vector<char>& was_rigid, const std::vector<char>& is_rigid, Condition& condition) {
   const auto became = [&](int node) { return is_rigid[at(node)] && !was_rigid[at(node)]; };
   if (std::none_of(condition.nodes.begin(), condition.nodes.end(), became)) return false;
   auto& nodes = condition.nodes;
@@ -289,10 +294,7 @@ bool strip(const std::vector<char>& was_rigid, const std::vector<char>& is_rigid
 
 /// FEBio moves no nodes of rigid bodies.
 void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartilage, const std::vector<char>& rigid) {
-  std::vector<char> rigid_now(model.nodes.size(), 0);
-  for (const Domain& d : model.domains)
-    if (d.material >= 0 && rigid[at(d.material)] && !is_line(d.shape))
-      for (int node : d.nodes) rigid_now[at(node)] = 1;
+  const std::vector<char> rigid_now = nodes_of_materials(model, rigid);
   for (const PrescribedNodes& p : model.prescribed_nodes)
     if (std::any_of(p.nodes.begin(), p.nodes.end(),
                     [&](int node) { return cartilage[at(node)] >= 0 || rigid_now[at(node)]; }))
@@ -304,12 +306,9 @@ void refuse_moved_nodes(const JointModel& model, const std::vector<int>& cartila
 }
 
 void convert_conditions(const JointModel& model, ConversionPlan& plan) {
-  std::vector<char> was_rigid(model.nodes.size(), 0);
-  for (const Domain& d : model.domains)
-    if (d.material >= 0 && model.materials[at(d.material)].rigid && !is_line(d.shape))
-      for (int node : d.nodes) was_rigid[at(node)] = 1;
+  const std::vector<char> was_rigid = rigid_nodes(model);
   const auto one = [&](auto& condition, std::size_t before, const std::string& what, std::vector<char>& gone) {
-    gone.push_back(strip(was_rigid, plan.node_rigid, condition));
+    gone.push_back(remove_rigid_nodes(was_rigid, plan.node_rigid, condition));
     if (gone.back())
       plan.changes.push_back(fmt::format("{} \"{}\": taken out, its nodes are rigid now", what, condition.name));
     else if (condition.nodes.size() < before)
@@ -403,10 +402,7 @@ void convert_contacts(const JointModel& model, ConversionPlan& plan) {
         thickness = fmt::format("thickness {:g}", *dea.layers[side].thickness);
       } else {
         std::string& map = plan.map_of_surface[at(layer.surface)];
-        if (map.empty()) {
-          map = free_name(surface + "_thickness", names);
-          names.insert(map);
-        }
+        if (map.empty()) map = take_free_name(surface + "_thickness", names);
         thickness = fmt::format("thickness {:.4g} to {:.4g} (mean {:.4g}) as map \"{}\"", layer.min_thickness(),
                                 layer.max_thickness(), layer.mean_thickness(), map);
         if (layer.missed_count() > 0)
@@ -509,14 +505,14 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
   const Bodies bodies = find_bodies(model, rigid);
   const std::vector<int> cartilage = cartilage_nodes(model, plan);
   refuse_moved_nodes(model, cartilage, rigid);
-  std::vector<int> home = home_materials(model, plan);
+  std::vector<int> rigid_material = rigid_material_of_bodies(model, plan);
   convert_contacts(model, plan);
-  add_ground(model, plan, home, cartilage);
-  hold_bones(model, plan, home);
-  convert_materials(home, plan);
-  convert_domains(model, rigid, home, cartilage, bodies.of_material, plan);
-  check_bodies(model, plan, home);
-  mark_rigid_nodes(plan);
+  add_ground(model, plan, rigid_material, cartilage);
+  hold_bones(model, plan, rigid_material);
+  convert_materials(rigid_material, plan);
+  convert_domains(model, rigid, rigid_material, cartilage, bodies.of_material, plan);
+  check_bodies(model, plan, rigid_material);
+  plan.node_rigid = rigid_nodes(plan.target);
   convert_conditions(model, plan);
   check_faces(model, settings, plan);
   return plan;

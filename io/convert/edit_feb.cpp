@@ -8,6 +8,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/convert/write_feb.h>
 #include <febiodea/io/feb/feb_xml.h>
+#include <febiodea/io/files/encoded_text.h>
 
 namespace dea {
 
@@ -64,7 +65,7 @@ void edit_materials(Editing& e) {
   if (e.plan.ground < 0) return;
   const Material& ground = e.plan.target.materials[at(e.plan.ground)];
   XmlLines lines = {
-      {0, fmt::format("<material id=\"{}\" name=\"{}\" type=\"rigid body\">", ground.id, escape_xml(ground.name))}};
+      {0, fmt::format("<material id=\"{}\" name=\"{}\" type=\"rigid body\">", ground.id, escaped(ground.name))}};
   for (const XmlLine& line : rigid_material_lines(ground)) lines.push_back({1, line.text});
   lines.push_back({0, "</material>"});
   e.edits.append_child(need_section(e, "Material"), lines);
@@ -134,7 +135,7 @@ void edit_node_conditions(Editing& e, const std::vector<Condition>& before, cons
     std::string list;
     for (int node : after[i].nodes) list += fmt::format("{}{}", list.empty() ? "" : ",", e.model.node_ids[at(node)]);
     e.edits.append_child(need_section(e, "Mesh"),
-                         {{0, fmt::format("<NodeSet name=\"{}\">{}</NodeSet>", escape_xml(name), list)}});
+                         {{0, fmt::format("<NodeSet name=\"{}\">{}</NodeSet>", escaped(name), list)}});
     e.edits.set_attribute(element, "node_set", name);
     e.plan.changes.push_back(fmt::format("node set \"{}\": new, what is left for \"{}\"", name, before[i].name));
   }

@@ -10,15 +10,17 @@
 #include <set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/feb/feb_xml.h>
+#include <febiodea/io/files/encoded_text.h>
 
 namespace dea {
 
 namespace {
 
 std::string leaf(const std::string& name, const std::string& value) {
-  return fmt::format("<{}>{}</{}>", name, escape_xml(value), name);
+  return fmt::format("<{}>{}</{}>", name, escaped(value), name);
 }
 
 /// A rigid body where FEBio takes a number for an id and else a name.
@@ -47,14 +49,14 @@ XmlLines dea_contact_lines(const ConversionPlan& plan, const Contact& contact) {
     else
       lines.push_back(
           {0, fmt::format("<{0}thickness type=\"map\">{1}</{0}thickness>", prefix,
-                          escape_xml(plan.map_of_surface[at(side == 0 ? contact.primary : contact.secondary)]))});
+                          escaped(plan.map_of_surface[at(side == 0 ? contact.primary : contact.secondary)]))});
   }
   return lines;
 }
 
 XmlLines thickness_map_lines(const Surface& surface, const std::vector<double>& values, const std::string& name) {
-  XmlLines lines = {{0, fmt::format("<SurfaceData name=\"{}\" surface=\"{}\" data_type=\"scalar\">", escape_xml(name),
-                                    escape_xml(surface.name))}};
+  XmlLines lines = {{0, fmt::format("<SurfaceData name=\"{}\" surface=\"{}\" data_type=\"scalar\">", escaped(name),
+                                    escaped(surface.name))}};
   int largest = 0;
   for (std::size_t f = 0; f + 1 < surface.begin.size(); ++f)
     largest = std::max(largest, surface.begin[f + 1] - surface.begin[f]);
@@ -88,7 +90,7 @@ XmlLines rigid_material_lines(const Material& material) {
 
 XmlLines rigid_fixed_lines(const JointModel& model, const RigidFixed& fixed) {
   constexpr const char* kFlags[kDofs] = {"Rx_dof", "Ry_dof", "Rz_dof", "Ru_dof", "Rv_dof", "Rw_dof"};
-  XmlLines lines = {{0, fmt::format("<rigid_bc name=\"{}\" type=\"rigid_fixed\">", escape_xml(fixed.name))},
+  XmlLines lines = {{0, fmt::format("<rigid_bc name=\"{}\" type=\"rigid_fixed\">", escaped(fixed.name))},
                     {1, leaf("rb", body_reference(model.materials[at(fixed.material)]))}};
   for (std::size_t i = 0; i < kDofs; ++i) lines.push_back({1, leaf(kFlags[i], fixed.dofs[i] ? "1" : "0")});
   lines.push_back({0, "</rigid_bc>"});
@@ -110,7 +112,7 @@ const std::vector<SolverParameter>& solver_parameters() {
 }
 
 XmlLines solver_lines(const std::string& module) {
-  XmlLines lines = {{0, fmt::format("<solver type=\"{}\">", module.empty() ? "solid" : escape_xml(module))}};
+  XmlLines lines = {{0, fmt::format("<solver type=\"{}\">", module.empty() ? "solid" : escaped(module))}};
   for (const SolverParameter& p : solver_parameters()) lines.push_back({1, leaf(p.name, p.value)});
   for (const XmlLine& line :
        XmlLines{{1, "<qn_method type=\"BFGS\">"}, {2, "<max_ups>0</max_ups>"}, {1, "</qn_method>"}})
@@ -136,57 +138,6 @@ XmlLines plotfile_lines() {
 }
 
 namespace {
-
-const char* element_type(ElementShape shape) {
-  switch (shape) {
-    case ElementShape::Hex8:
-      return "hex8";
-    case ElementShape::Hex20:
-      return "hex20";
-    case ElementShape::Hex27:
-      return "hex27";
-    case ElementShape::Penta6:
-      return "penta6";
-    case ElementShape::Penta15:
-      return "penta15";
-    case ElementShape::Tet4:
-      return "tet4";
-    case ElementShape::Tet5:
-      return "tet5";
-    case ElementShape::Tet10:
-      return "tet10";
-    case ElementShape::Tet15:
-      return "tet15";
-    case ElementShape::Tet20:
-      return "tet20";
-    case ElementShape::Pyra5:
-      return "pyra5";
-    case ElementShape::Pyra13:
-      return "pyra13";
-    case ElementShape::Tri3:
-      return "tri3";
-    case ElementShape::Tri6:
-      return "tri6";
-    case ElementShape::Quad4:
-      return "quad4";
-    case ElementShape::Quad8:
-      return "quad8";
-    case ElementShape::Quad9:
-      return "quad9";
-    case ElementShape::Line2:
-      return "line2";
-    case ElementShape::Line3:
-      return "line3";
-  }
-  return "";
-}
-
-std::string free_name(const std::string& wanted, std::set<std::string>& names) {
-  std::string name = wanted;
-  for (int i = 2; names.count(name) > 0; ++i) name = fmt::format("{}_{}", wanted, i);
-  names.insert(name);
-  return name;
-}
 
 /// Everything written anew is on its way into one text, a section at a time.
 struct Writer {
@@ -222,7 +173,7 @@ void write_materials(Writer& w) {
       continue;
     }
     m.id = ++id;
-    w.line(2, fmt::format("<material id=\"{}\" name=\"{}\" type=\"rigid body\">", id, escape_xml(m.name)));
+    w.line(2, fmt::format("<material id=\"{}\" name=\"{}\" type=\"rigid body\">", id, escaped(m.name)));
     w.lines(3, rigid_material_lines(m));
     w.line(2, "</material>");
   }
@@ -251,7 +202,7 @@ void write_elements(Writer& w) {
     const bool kept =
         d.material >= 0 && w.model.materials[at(d.material)].rigid && !is_line(d.shape) && !d.element_ids.empty();
     w.domain_kept.push_back(kept);
-    w.domain_names.push_back(kept ? free_name(d.name.empty() ? "part" : d.name, names) : d.name);
+    w.domain_names.push_back(kept ? take_free_name(d.name.empty() ? "part" : d.name, names) : d.name);
     if (!kept) {
       drop(w, fmt::format("elements \"{}\" ({})", d.name, d.element_ids.size()));
       continue;
@@ -261,8 +212,8 @@ void write_elements(Writer& w) {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return d.element_ids[a] < d.element_ids[b]; });
-    w.line(2,
-           fmt::format("<Elements type=\"{}\" name=\"{}\">", element_type(d.shape), escape_xml(w.domain_names.back())));
+    w.line(2, fmt::format("<Elements type=\"{}\" name=\"{}\">", element_type(d.shape).name,
+                          escaped(w.domain_names.back())));
     for (std::size_t e : order)
       w.line(3, fmt::format("<elem id=\"{}\">{}</elem>", d.element_ids[e], list(w, d.nodes.data() + e * n, n)));
     w.line(2, "</Elements>");
@@ -271,7 +222,7 @@ void write_elements(Writer& w) {
 
 void write_surfaces(Writer& w) {
   for (const Surface& s : w.model.surfaces) {
-    w.line(2, fmt::format("<Surface name=\"{}\">", escape_xml(s.name)));
+    w.line(2, fmt::format("<Surface name=\"{}\">", escaped(s.name)));
     for (std::size_t f = 0; f + 1 < s.begin.size(); ++f) {
       const int count = s.begin[f + 1] - s.begin[f];
       w.line(3, fmt::format("<{0}{1} id=\"{2}\">{3}</{0}{1}>", count % 4 == 0 || count == 9 ? "quad" : "tri", count,
@@ -293,8 +244,8 @@ std::vector<NodeCondition> write_node_sets(Writer& w) {
   std::set<std::string> names = {"all_nodes"};
   for (const NodeSet& s : w.model.node_sets) {
     if (s.nodes.empty() || !names.insert(s.name).second) continue;
-    w.line(2, fmt::format("<NodeSet name=\"{}\">{}</NodeSet>", escape_xml(s.name),
-                          list(w, s.nodes.data(), s.nodes.size())));
+    w.line(2,
+           fmt::format("<NodeSet name=\"{}\">{}</NodeSet>", escaped(s.name), list(w, s.nodes.data(), s.nodes.size())));
   }
   std::set<int> fastened;
   for (const DiscreteSet& s : w.model.discrete_sets)
@@ -311,8 +262,8 @@ std::vector<NodeCondition> write_node_sets(Writer& w) {
         drop(w, fmt::format("{} \"{}\"", what, list_of[i].name));
         continue;
       }
-      const std::string set = free_name(list_of[i].name.empty() ? "held_nodes" : list_of[i].name, names);
-      w.line(2, fmt::format("<NodeSet name=\"{}\">{}</NodeSet>", escape_xml(set), list(w, nodes.data(), nodes.size())));
+      const std::string set = take_free_name(list_of[i].name.empty() ? "held_nodes" : list_of[i].name, names);
+      w.line(2, fmt::format("<NodeSet name=\"{}\">{}</NodeSet>", escaped(set), list(w, nodes.data(), nodes.size())));
       conditions.push_back({set, fixed, i});
     }
   };
@@ -332,14 +283,14 @@ void write_pairs(Writer& w) {
       if (!w.plan.contact_gone[i]) drop(w, fmt::format("contact \"{}\" ({})", c.name, c.type));
       continue;
     }
-    w.pair_of_contact[i] = free_name(c.name.empty() ? "joint" : c.name, names);
-    w.line(2, fmt::format("<SurfacePair name=\"{}\">", escape_xml(w.pair_of_contact[i])));
+    w.pair_of_contact[i] = take_free_name(c.name.empty() ? "joint" : c.name, names);
+    w.line(2, fmt::format("<SurfacePair name=\"{}\">", escaped(w.pair_of_contact[i])));
     w.line(3, leaf("primary", w.model.surfaces[at(c.primary)].name));
     w.line(3, leaf("secondary", w.model.surfaces[at(c.secondary)].name));
     w.line(2, "</SurfacePair>");
   }
   for (const DiscreteSet& s : w.model.discrete_sets) {
-    w.line(2, fmt::format("<DiscreteSet name=\"{}\">", escape_xml(s.name)));
+    w.line(2, fmt::format("<DiscreteSet name=\"{}\">", escaped(s.name)));
     for (const auto& pair : s.pairs) w.line(3, fmt::format("<delem>{}</delem>", list(w, pair.data(), 2)));
     w.line(2, "</DiscreteSet>");
   }
@@ -356,7 +307,7 @@ void write_domains(Writer& w) {
     const Domain& d = w.model.domains[i];
     const std::string start =
         fmt::format("<{} name=\"{}\" mat=\"{}\"", is_shell(d.shape) ? "ShellDomain" : "SolidDomain",
-                    escape_xml(w.domain_names[i]), escape_xml(w.model.materials[at(d.material)].name));
+                    escaped(w.domain_names[i]), escaped(w.model.materials[at(d.material)].name));
     if (is_shell(d.shape) && (d.shell_thickness.empty() || uniform(d.shell_thickness))) {
       w.line(2, start + ">");
       w.line(3, leaf("shell_thickness", exact(d.shell_thickness.empty() ? 0.0 : d.shell_thickness.front())));
@@ -371,7 +322,7 @@ void write_domains(Writer& w) {
   for (std::size_t i = 0; i < w.model.domains.size(); ++i) {
     const Domain& d = w.model.domains[i];
     if (!w.domain_kept[i] || d.shell_thickness.empty() || uniform(d.shell_thickness)) continue;
-    w.line(2, fmt::format("<ElementData type=\"shell thickness\" elem_set=\"{}\">", escape_xml(w.domain_names[i])));
+    w.line(2, fmt::format("<ElementData type=\"shell thickness\" elem_set=\"{}\">", escaped(w.domain_names[i])));
     const std::size_t n = at(nodes_per_element(d.shape));
     for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
       std::string values;
@@ -403,7 +354,7 @@ XmlLines rigid_lines(const Writer& w, int step) {
     if (f.step == step) add(rigid_fixed_lines(w.model, f));
   for (const RigidPrescribed& p : w.model.rigid_prescribed) {
     if (p.step != step) continue;
-    add({{0, fmt::format("<rigid_bc name=\"{}\" type=\"{}\">", escape_xml(p.name),
+    add({{0, fmt::format("<rigid_bc name=\"{}\" type=\"{}\">", escaped(p.name),
                          p.dof < 3 ? "rigid_displacement" : "rigid_rotation")},
          {1, leaf("rb", body(w, p.material))},
          {1, leaf("dof", p.dof < 3 ? kDofNames[p.dof] : kForces[p.dof])},
@@ -413,7 +364,7 @@ XmlLines rigid_lines(const Writer& w, int step) {
   }
   for (const RigidLoad& l : w.model.rigid_loads) {
     if (l.step != step) continue;
-    add({{0, fmt::format("<rigid_load name=\"{}\" type=\"{}\">", escape_xml(l.name),
+    add({{0, fmt::format("<rigid_load name=\"{}\" type=\"{}\">", escaped(l.name),
                          l.dof < 3 ? "rigid_force" : "rigid_moment")},
          {1, leaf("rb", body(w, l.material))},
          {1, leaf("dof", kForces[l.dof])},
@@ -424,7 +375,7 @@ XmlLines rigid_lines(const Writer& w, int step) {
   }
   for (const RigidSpring& s : w.model.rigid_springs) {
     if (s.step != step) continue;
-    add({{0, fmt::format("<rigid_connector name=\"{}\" type=\"rigid spring\">", escape_xml(s.name))},
+    add({{0, fmt::format("<rigid_connector name=\"{}\" type=\"rigid spring\">", escaped(s.name))},
          {1, leaf("body_a", body(w, s.material_a))},
          {1, leaf("body_b", body(w, s.material_b))},
          {1, leaf("k", exact(s.k))},
@@ -449,15 +400,15 @@ void write_conditions(Writer& w, int depth, int step, const std::vector<NodeCond
     if (c.fixed) {
       const FixedNodes& f = w.model.fixed_nodes[c.index];
       if (f.step != step) continue;
-      boundary.push_back({0, fmt::format("<bc name=\"{}\" type=\"zero displacement\" node_set=\"{}\">",
-                                         escape_xml(f.name), escape_xml(c.set))});
+      boundary.push_back({0, fmt::format("<bc name=\"{}\" type=\"zero displacement\" node_set=\"{}\">", escaped(f.name),
+                                         escaped(c.set))});
       for (std::size_t k = 0; k < 3; ++k)
         boundary.push_back({1, leaf(fmt::format("{}_dof", kDofNames[k]), f.xyz[k] ? "1" : "0")});
     } else {
       const RigidNodes& r = w.model.rigid_nodes[c.index];
       if (r.step != step) continue;
       boundary.push_back(
-          {0, fmt::format("<bc name=\"{}\" type=\"rigid\" node_set=\"{}\">", escape_xml(r.name), escape_xml(c.set))});
+          {0, fmt::format("<bc name=\"{}\" type=\"rigid\" node_set=\"{}\">", escaped(r.name), escaped(c.set))});
       boundary.push_back({1, leaf("rb", body(w, r.material))});
     }
     boundary.push_back({0, "</bc>"});
@@ -469,8 +420,8 @@ void write_conditions(Writer& w, int depth, int step, const std::vector<NodeCond
   for (std::size_t i = 0; i < w.model.contacts.size(); ++i) {
     const Contact& c = w.model.contacts[i];
     if (!c.dea || c.step != step) continue;
-    contact.push_back({0, fmt::format("<contact name=\"{}\" type=\"dea\" surface_pair=\"{}\">", escape_xml(c.name),
-                                      escape_xml(w.pair_of_contact[i]))});
+    contact.push_back({0, fmt::format("<contact name=\"{}\" type=\"dea\" surface_pair=\"{}\">", escaped(c.name),
+                                      escaped(w.pair_of_contact[i]))});
     for (const XmlLine& one : dea_contact_lines(w.plan, c)) contact.push_back({1, one.text});
     contact.push_back({0, "</contact>"});
   }
@@ -481,12 +432,12 @@ void write_conditions(Writer& w, int depth, int step, const std::vector<NodeCond
     if (s.step != step) continue;
     ++w.discrete_materials;
     discrete.push_back(
-        {0, fmt::format("<discrete_material id=\"{}\" name=\"{}\" type=\"{}\">", w.discrete_materials,
-                        escape_xml(s.name), s.tension_only ? "tension-only linear spring" : "linear spring")});
+        {0, fmt::format("<discrete_material id=\"{}\" name=\"{}\" type=\"{}\">", w.discrete_materials, escaped(s.name),
+                        s.tension_only ? "tension-only linear spring" : "linear spring")});
     discrete.push_back({1, leaf("E", exact(s.stiffness))});
     discrete.push_back({0, "</discrete_material>"});
     discrete.push_back({0, fmt::format("<discrete dmat=\"{}\" discrete_set=\"{}\"/>", w.discrete_materials,
-                                       escape_xml(w.model.discrete_sets[at(s.set)].name))});
+                                       escaped(w.model.discrete_sets[at(s.set)].name))});
   }
   section("Discrete", discrete);
 }
@@ -510,7 +461,7 @@ void write_steps(Writer& w, const std::vector<NodeCondition>& on_nodes) {
   for (std::size_t i = 0; i < w.model.steps.size(); ++i) {
     const Step& s = w.model.steps[i];
     w.line(2, fmt::format("<step id=\"{}\" name=\"{}\">", i + 1,
-                          escape_xml(s.name.empty() ? fmt::format("Step{:02}", i + 1) : s.name)));
+                          escaped(s.name.empty() ? fmt::format("Step{:02}", i + 1) : s.name)));
     w.line(3, "<Control>");
     w.line(4, leaf("analysis", "STATIC"));
     // FEBio ends a step after its number of steps, or at its final time where must points make steps of other sizes.
@@ -560,7 +511,7 @@ void write_load_data(Writer& w) {
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const LoadController& c = curves[i];
     w.line(2, fmt::format("<load_controller id=\"{}\" name=\"{}\" type=\"{}\">", i + 1,
-                          escape_xml(c.name.empty() ? fmt::format("LC{}", i + 1) : c.name),
+                          escaped(c.name.empty() ? fmt::format("LC{}", i + 1) : c.name),
                           c.expression.empty() ? "loadcurve" : "math"));
     if (!c.expression.empty()) {
       w.line(3, leaf("math", c.expression));

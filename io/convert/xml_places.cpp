@@ -1,4 +1,5 @@
 #include <febiodea/io/convert/xml_places.h>
+#include <febiodea/io/files/encoded_text.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -187,23 +188,6 @@ std::optional<XmlPlaces> find_places(std::string text) {
   return places;
 }
 
-std::string escape_xml(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += c;
-  }
-  return result;
-}
-
 XmlEdits::XmlEdits(const XmlPlaces& places) : places_(places), removed_(places.elements.size(), 0) {
   const std::size_t first = places.text.find('\n');
   line_end_ = first != std::string::npos && first > 0 && places.text[first - 1] == '\r' ? "\r\n" : "\n";
@@ -240,7 +224,7 @@ std::string XmlEdits::join(const XmlLines& lines, const std::string& indent) con
 
 void XmlEdits::set_attribute(int element, std::string_view name, const std::string& value) {
   const XmlAttribute* a = places_.at(element).attribute(name);
-  if (a != nullptr) edits_.push_back({a->begin, a->end, escape_xml(value)});
+  if (a != nullptr) edits_.push_back({a->begin, a->end, escaped(value)});
 }
 
 void XmlEdits::remove_attribute(int element, std::string_view name) {
@@ -279,28 +263,30 @@ void XmlEdits::insert_after(int element, const XmlLines& lines) {
 
 void XmlEdits::remove(int element) { removed_[static_cast<std::size_t>(element)] = 1; }
 
-std::string XmlEdits::apply() const {
-  std::vector<Edit> edits = edits_;
-  const std::string& text = places_.text;
-
+std::vector<char> XmlEdits::removed_with_empty_parents() const {
   std::vector<char> removed = removed_;
+  const auto is_removed = [&](int element) { return removed[static_cast<std::size_t>(element)] != 0; };
   for (bool more = true; more;) {
     more = false;
     for (std::size_t i = 1; i < places_.elements.size(); ++i) {
       const XmlPlace& place = places_.elements[i];
-      const int index = static_cast<int>(i);
-      if (removed[i] || place.children.empty() || place.parent < 0 || appended_.count(index) > 0) continue;
-      if (!std::all_of(place.children.begin(), place.children.end(),
-                       [&](int c) { return removed[static_cast<std::size_t>(c)] != 0; }))
+      if (removed[i] || place.children.empty() || place.parent < 0 || appended_.count(static_cast<int>(i)) > 0)
         continue;
+      if (!std::all_of(place.children.begin(), place.children.end(), is_removed)) continue;
       removed[i] = more = true;
     }
   }
+  return removed;
+}
+
+std::vector<XmlEdits::Edit> XmlEdits::removals(const std::vector<char>& removed) const {
+  const std::string& text = places_.text;
   const auto inside_removed = [&](int element) {
     for (int p = places_.at(element).parent; p >= 0; p = places_.at(p).parent)
       if (removed[static_cast<std::size_t>(p)]) return true;
     return false;
   };
+  std::vector<Edit> edits;
   for (std::size_t i = 1; i < places_.elements.size(); ++i) {
     if (!removed[i] || inside_removed(static_cast<int>(i))) continue;
     const XmlPlace& place = places_.elements[i];
@@ -312,42 +298,36 @@ std::string XmlEdits::apply() const {
     }
     edits.push_back({begin, place.end, ""});
   }
-  for (const auto& entry : appended_) {
-    const XmlPlace& place = places_.at(entry.first);
-    const std::string indent = indent_of(place.begin);
-    if (place.self_closing()) {
-      const std::size_t slash = text.rfind('/', place.end);
-      edits.push_back(
-          {slash, place.end, ">" + join(entry.second, indent + unit_) + line_end_ + indent + "</" + place.name + ">"});
-      continue;
-    }
-    int last_kept = -1;
-    for (int c : place.children)
-      if (!removed[static_cast<std::size_t>(c)]) last_kept = c;
-    if (last_kept < 0) {
-      edits.push_back(
-          {place.close_begin, place.close_begin,
-           join(entry.second, indent + unit_) + (starts_line(place.close_begin) ? "" : line_end_ + indent)});
-      if (starts_line(place.close_begin)) {  // the end tag keeps its line
-        Edit& edit = edits.back();
-        edit.begin = edit.end = place.close_begin - indent_of(place.close_begin).size();
-        edit.text = edit.text.substr(line_end_.size()) + line_end_;
-      }
-    } else {
-      const XmlPlace& last = places_.at(last_kept);
-      const bool own_line = starts_line(last.begin);
-      const std::string tail = own_line || starts_line(place.close_begin) ? "" : line_end_ + indent;
-      edits.push_back(
-          {last.end, last.end, join(entry.second, own_line ? indent_of(last.begin) : indent + unit_) + tail});
-    }
-  }
-  for (const auto& entry : after_) {
-    const XmlPlace& place = places_.at(entry.first);
-    edits.push_back({place.end, place.end, join(entry.second, indent_of(place.begin))});
-  }
+  return edits;
+}
 
+XmlEdits::Edit XmlEdits::appended(int element, const XmlLines& lines, const std::vector<char>& removed) const {
+  const XmlPlace& place = places_.at(element);
+  const std::string indent = indent_of(place.begin);
+  if (place.self_closing()) {
+    const std::size_t slash = places_.text.rfind('/', place.end);
+    return {slash, place.end, ">" + join(lines, indent + unit_) + line_end_ + indent + "</" + place.name + ">"};
+  }
+  const bool end_tag_alone = starts_line(place.close_begin);
+  int last_kept = -1;
+  for (int c : place.children)
+    if (!removed[static_cast<std::size_t>(c)]) last_kept = c;
+  if (last_kept >= 0) {
+    const XmlPlace& last = places_.at(last_kept);
+    const bool own_line = starts_line(last.begin);
+    const std::string tail = own_line || end_tag_alone ? "" : line_end_ + indent;
+    return {last.end, last.end, join(lines, own_line ? indent_of(last.begin) : indent + unit_) + tail};
+  }
+  const std::string text = join(lines, indent + unit_);
+  if (!end_tag_alone) return {place.close_begin, place.close_begin, text + line_end_ + indent};
+  const std::size_t begin = place.close_begin - indent_of(place.close_begin).size();  // the end tag keeps its line
+  return {begin, begin, text.substr(line_end_.size()) + line_end_};
+}
+
+std::string XmlEdits::applied(std::vector<Edit> edits) const {
   std::stable_sort(edits.begin(), edits.end(),
                    [](const Edit& a, const Edit& b) { return a.begin != b.begin ? a.begin < b.begin : a.end < b.end; });
+  const std::string& text = places_.text;
   std::string result;
   std::size_t done = 0;
   for (const Edit& edit : edits) {
@@ -358,6 +338,19 @@ std::string XmlEdits::apply() const {
   }
   result.append(text, done, text.size() - done);
   return result;
+}
+
+std::string XmlEdits::apply() const {
+  const std::vector<char> removed = removed_with_empty_parents();
+  std::vector<Edit> edits = edits_;
+  const std::vector<Edit> gone = removals(removed);
+  edits.insert(edits.end(), gone.begin(), gone.end());
+  for (const auto& entry : appended_) edits.push_back(appended(entry.first, entry.second, removed));
+  for (const auto& entry : after_) {
+    const XmlPlace& place = places_.at(entry.first);
+    edits.push_back({place.end, place.end, join(entry.second, indent_of(place.begin))});
+  }
+  return applied(std::move(edits));
 }
 
 }  // namespace dea

@@ -55,9 +55,6 @@ struct XmlLine {
 };
 using XmlLines = std::vector<XmlLine>;
 
-/// Text for attribute values and contents.
-std::string escape_xml(std::string_view text);
-
 /// Changes of a text, gathered and made at once. New lines take the indentation and the line ends of their
 /// surroundings.
 class XmlEdits {
@@ -84,6 +81,10 @@ class XmlEdits {
   std::string indent_of(std::size_t begin) const;  ///< white space before it on its line
   bool starts_line(std::size_t begin) const;
   std::string join(const XmlLines& lines, const std::string& indent) const;  ///< each line after a line end
+  std::vector<char> removed_with_empty_parents() const;
+  std::vector<Edit> removals(const std::vector<char>& removed) const;
+  Edit appended(int element, const XmlLines& lines, const std::vector<char>& removed) const;
+  std::string applied(std::vector<Edit> edits) const;
 
   const XmlPlaces& places_;
   std::string line_end_, unit_;

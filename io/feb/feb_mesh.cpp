@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/feb_reading.h>
@@ -13,49 +14,35 @@
 namespace dea::feb {
 namespace {
 
-struct ShapeName {
-  const char* name;
-  ElementShape shape;
-};
-
-/// Names without an integration rule; longer ones first where one starts another.
-constexpr ShapeName kShapes[] = {
-    {"hex8", ElementShape::Hex8},     {"hex20", ElementShape::Hex20},     {"hex27", ElementShape::Hex27},
-    {"penta6", ElementShape::Penta6}, {"penta15", ElementShape::Penta15}, {"pyra5", ElementShape::Pyra5},
-    {"pyra13", ElementShape::Pyra13}, {"tet4", ElementShape::Tet4},       {"tet5", ElementShape::Tet5},
-    {"tet10", ElementShape::Tet10},   {"tet15", ElementShape::Tet15},     {"tet20", ElementShape::Tet20},
-    {"quad4", ElementShape::Quad4},   {"quad8", ElementShape::Quad8},     {"quad9", ElementShape::Quad9},
-    {"tri3", ElementShape::Tri3},     {"tri6", ElementShape::Tri6},       {"truss2", ElementShape::Line2},
-    {"line2", ElementShape::Line2},   {"line3", ElementShape::Line3},     {"ut4", ElementShape::Tet4},
-    {"q4eas", ElementShape::Quad4},   {"q4ans", ElementShape::Quad4},     {"q4s", ElementShape::Quad4},
-    {"tri3s", ElementShape::Tri3},
-};
+/// Is the word this name, or this name with FEBio's integration rule: "HEX20G8", "TET10G4_S3", "hex8ri"?
+bool is_element_name(const std::string& word, std::string_view name) {
+  if (word.compare(0, name.size(), name) != 0) return false;
+  const std::string_view rule = std::string_view(word).substr(name.size());
+  return rule.empty() || rule.front() == 'g' || rule == "ri";
+}
 
 }  // namespace
 
-/// "hex8", or with FEBio's integration rule: "HEX20G8", "TET10G4_S3", "hex8ri".
+/// "hex8", or with FEBio's integration rule; FEBio has further names for some shapes.
 std::optional<ElementShape> shape_of(const std::string& type) {
+  constexpr std::pair<const char*, ElementShape> kOtherNames[] = {
+      {"truss2", ElementShape::Line2}, {"ut4", ElementShape::Tet4},  {"q4eas", ElementShape::Quad4},
+      {"q4ans", ElementShape::Quad4},  {"q4s", ElementShape::Quad4}, {"tri3s", ElementShape::Tri3}};
   const std::string word = lower(type);
-  for (const ShapeName& entry : kShapes) {
-    if (word == entry.name) return entry.shape;
-    const std::size_t length = std::strlen(entry.name);
-    if (word.compare(0, length, entry.name) == 0 &&
-        (word[length] == 'g' || word.compare(length, word.npos, "ri") == 0)) {
-      return entry.shape;
-    }
-  }
+  for (const ElementType& row : element_types())
+    if (is_element_name(word, row.name)) return row.shape;
+  for (const auto& other : kOtherNames)
+    if (is_element_name(word, other.first)) return other.second;
   return std::nullopt;
 }
 
 namespace {
 
+/// Nodes of a facet that is called like a shell, or is one of those that are no shells; 0: there is none of this name.
 int facet_nodes(std::string_view tag) {
-  constexpr std::pair<std::string_view, int> kFacets[] = {{"quad4", 4}, {"tri3", 3}, {"quad8", 8}, {"tri6", 6},
-                                                          {"quad9", 9}, {"tri7", 7}, {"tri10", 10}};
-  for (const auto& facet : kFacets) {
-    if (facet.first == tag) return facet.second;
-  }
-  return 0;
+  for (const ElementType& row : element_types())
+    if (row.kind == ElementKind::Shell && tag == row.name) return row.nodes;
+  return tag == "tri7" ? 7 : tag == "tri10" ? 10 : 0;
 }
 
 int read_id(const Reading& reading, const XMLElement& element, const char* name = "id") {

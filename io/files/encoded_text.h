@@ -1,6 +1,7 @@
 // febiodea/io/files/encoded_text.h – bytes and names as text inside other text.
 #pragma once
 #include <string>
+#include <string_view>
 
 namespace dea {
 
@@ -11,6 +12,6 @@ std::string base64(const std::string& bytes);
 std::string utf8(const std::string& text);
 
 /// Text that is no markup, in XML and HTML: between tags or in an attribute within double quotes.
-std::string escaped(const std::string& text);
+std::string escaped(std::string_view text);
 
 }  // namespace dea

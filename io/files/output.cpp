@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 
 namespace dea {
 
@@ -123,6 +124,8 @@ std::string default_output(const std::string& model, const std::string& extensio
   const fs::path path = model;
   return (path.parent_path() / (path.stem().string() + "_dea" + extension)).string();
 }
+
+std::string extension_of(const std::string& path) { return lower_case(fs::path(path).extension().string()); }
 
 bool stderr_is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -39,17 +40,10 @@ int max_nodes(const Surface& s) {
   return most;
 }
 
-MeshMap make_mesh(const JointModel& model) {
-  MeshMap map;
-  XpltMesh& mesh = map.mesh;
-  mesh.node_ids = model.node_ids;
-  for (const Vector3d& x : model.nodes) append(mesh.coordinates, x);
-  for (const Material& m : model.materials) mesh.parts.push_back(m.name);
-
-  std::unordered_set<int> written;  // element ids
-  int next_id = 1;
+/// Domains with a material, element sets of the same elements. Returns the ids of the elements written.
+std::unordered_set<int> add_domains(const JointModel& model, MeshMap& map) {
+  std::unordered_set<int> written;
   for (const Domain& d : model.domains) {
-    for (int id : d.element_ids) next_id = std::max(next_id, id + 1);
     if (d.material < 0 || d.element_ids.empty()) continue;  // FEBio has no domain without material
     XpltDomain domain;
     domain.element_type = xplt_element_type(d.shape);
@@ -59,12 +53,20 @@ MeshMap make_mesh(const JointModel& model) {
     domain.nodes = d.nodes;
     written.insert(d.element_ids.begin(), d.element_ids.end());
     map.material_of_domain.push_back(d.material);
-    mesh.domains.push_back(std::move(domain));
-    mesh.element_sets.push_back({d.name, d.element_ids});
+    map.mesh.domains.push_back(std::move(domain));
+    map.mesh.element_sets.push_back({d.name, d.element_ids});
   }
+  return written;
+}
+
+/// Discrete springs as lines. Their materials are not among the model's: one part for all of them.
+void add_discrete_sets(const JointModel& model, MeshMap& map) {
+  XpltMesh& mesh = map.mesh;
+  int next_id = 1;
+  for (const Domain& d : model.domains)
+    for (int id : d.element_ids) next_id = std::max(next_id, id + 1);
   for (const DiscreteSet& set : model.discrete_sets) {
     if (set.pairs.empty()) continue;
-    // discrete materials are not among the model's materials: one part for all of them
     if (mesh.parts.size() == model.materials.size()) mesh.parts.push_back("discrete springs");
     XpltDomain domain;
     domain.element_type = xplt_element_type(ElementShape::Line2);
@@ -77,8 +79,9 @@ MeshMap make_mesh(const JointModel& model) {
     map.material_of_domain.push_back(-1);
     mesh.domains.push_back(std::move(domain));
   }
-  for (const XpltDomain& d : mesh.domains) map.elements += d.element_ids.size();
+}
 
+void add_surfaces(const JointModel& model, MeshMap& map) {
   for (const Surface& s : model.surfaces) {
     map.surface.push_back(0);
     if (s.size() == 0) continue;
@@ -87,11 +90,23 @@ MeshMap make_mesh(const JointModel& model) {
     facets.begin = s.begin;
     facets.nodes = s.nodes;
     facets.max_nodes = max_nodes(s);
-    mesh.surfaces.push_back(facets);
-    map.surface.back() = static_cast<int>(mesh.surfaces.size());
+    map.mesh.surfaces.push_back(facets);
+    map.surface.back() = static_cast<int>(map.mesh.surfaces.size());
     facets.max_nodes = 10;  // what FEBio has for facet sets
-    mesh.facet_sets.push_back(std::move(facets));
+    map.mesh.facet_sets.push_back(std::move(facets));
   }
+}
+
+MeshMap make_mesh(const JointModel& model) {
+  MeshMap map;
+  XpltMesh& mesh = map.mesh;
+  mesh.node_ids = model.node_ids;
+  for (const Vector3d& x : model.nodes) append(mesh.coordinates, x);
+  for (const Material& m : model.materials) mesh.parts.push_back(m.name);
+  const std::unordered_set<int> written = add_domains(model, map);
+  add_discrete_sets(model, map);
+  for (const XpltDomain& d : mesh.domains) map.elements += d.element_ids.size();
+  add_surfaces(model, map);
   for (const NodeSet& s : model.node_sets) mesh.node_sets.push_back({s.name, s.nodes});
   for (const ElementSet& s : model.element_sets) {
     XpltSet set;
@@ -167,41 +182,41 @@ XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const s
 /// A field on contact surfaces: what it is, and its values on one side of a contact.
 struct SurfaceField {
   XpltVariable variable;
-  std::vector<float> (*values)(const Surface&, const Layer&, const SideFields&);
+  std::function<std::vector<float>(const Surface&, const Layer&, const SideFields&)> values;
 };
+
+SurfaceField facet_field(const FacetField& field) {
+  return {variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, field.name, field.unit),
+          [values = field.values](const Surface&, const Layer&, const SideFields& f) { return per_facet(f.*values); }};
+}
 
 std::vector<SurfaceField> surface_fields() {
   using S = const Surface&;
   using L = const Layer&;
   using F = const SideFields&;
-  const auto field = [](XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
+  const auto surface = [](XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
     return variable(XpltGroup::Surface, type, format, name, units);
   };
-  return {
-      {field(XpltType::Float, XpltFormat::Item, "contact pressure", "P"),
-       [](S, L, F f) { return per_facet(f.pressure); }},
-      // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
-      {field(XpltType::Float, XpltFormat::Item, "contact gap", "L"),
-       [](S s, L, F) { return std::vector<float>(at(s.size()), 0.0f); }},
-      {field(XpltType::Vec3, XpltFormat::Region, "contact force", "F"), [](S, L, F f) { return numbers(f.force); }},
-      {field(XpltType::Float, XpltFormat::Region, "contact area", "L^2"),
-       [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }},
-      {field(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P"),
-       [](S s, L l, F f) { return per_slot(s, l, f.vertex_pressure); }},
-      {field(XpltType::Float, XpltFormat::Item, "joint space", "L"),
-       [](S, L, F f) { return per_facet(f.joint_space); }},
-      {field(XpltType::Float, XpltFormat::Item, "overlap", "L"), [](S, L, F f) { return per_facet(f.overlap); }},
-      {field(XpltType::Float, XpltFormat::Item, "spring strain", ""), [](S, L, F f) { return per_facet(f.strain); }},
-      {field(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
-       [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }},
-  };
+  std::vector<SurfaceField> fields = {facet_field(facet_fields().front())};
+  // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
+  fields.push_back({surface(XpltType::Float, XpltFormat::Item, "contact gap", "L"),
+                    [](S s, L, F) { return std::vector<float>(at(s.size()), 0.0f); }});
+  fields.push_back(
+      {surface(XpltType::Vec3, XpltFormat::Region, "contact force", "F"), [](S, L, F f) { return numbers(f.force); }});
+  fields.push_back({surface(XpltType::Float, XpltFormat::Region, "contact area", "L^2"),
+                    [](S, L, F f) { return std::vector<float>{number(f.contact_area)}; }});
+  fields.push_back({surface(XpltType::Float, XpltFormat::Mult, "nodal contact pressure", "P"),
+                    [](S s, L l, F f) { return per_slot(s, l, f.vertex_pressure); }});
+  for (std::size_t i = 1; i < facet_fields().size(); ++i) fields.push_back(facet_field(facet_fields()[i]));
+  fields.push_back({surface(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
+                    [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }});
+  return fields;
 }
 
 /// Rotations about z, y, x (applied in the order x, y, z), as FEBio's Euler angles, in degrees.
 Vector3d euler_degrees(const Eigen::Matrix3d& R) {
-  constexpr double kDegrees = 57.29577951308232;
-  return kDegrees * Vector3d(std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
-                             std::atan2(R(1, 0), R(0, 0)));
+  return kDegreesPerRadian * Vector3d(std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+                                      std::atan2(R(1, 0), R(0, 0)));
 }
 
 XpltObject rigid_body_object(const Body& body) {
@@ -267,120 +282,109 @@ std::vector<double> left_out_facets(const Surface& s, const Layer& layer) {
   return kinds;
 }
 
-}  // namespace
-
-XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed) {
-  const Joint& joint = analysis.joint;
-  MeshMap map = make_mesh(model);
-  XpltFile file = empty_file(model);
-  file.compressed = compressed;
-
-  file.variables = {variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
-                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
-                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
-                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
-  const std::vector<SurfaceField> on_surfaces = surface_fields();
-  for (const SurfaceField& f : on_surfaces) file.variables.push_back(f.variable);
-
-  std::vector<int> bodies;
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    if (joint.bodies[b].ground) continue;
-    bodies.push_back(static_cast<int>(b));
-    map.mesh.objects.push_back(rigid_body_object(joint.bodies[b]));
+/// Forces and places of rigid bodies, per domain of their materials; `first`: index of "rigid force".
+void add_rigid_bodies(const MeshMap& map, const Joint& joint, const Equilibrium& e, std::size_t first,
+                      XpltState& state) {
+  for (std::size_t d = 0; d < map.material_of_domain.size(); ++d) {
+    const int b = map.material_of_domain[d] < 0 ? -1 : body_of_material(joint, map.material_of_domain[d]);
+    if (b < 0) continue;
+    const int region = static_cast<int>(d) + 1;
+    state.variables[first].push_back({region, numbers(e.reaction[at(b)].head<3>())});
+    state.variables[first + 1].push_back({region, numbers(e.reaction[at(b)].tail<3>())});
+    state.variables[first + 2].push_back({region, numbers(e.poses[at(b)].center)});
   }
-
-  for (const StateResult& result : analysis.states) {
-    const Equilibrium& e = result.equilibrium;
-    XpltState state;
-    state.time = number(result.when.time);
-    state.element_flags.assign(map.elements, 1);
-    state.variables.resize(file.variables.size());
-
-    std::vector<float> displacements;
-    displacements.reserve(3 * result.displacements.size());
-    for (const Vector3d& u : result.displacements) append(displacements, u);
-    state.variables[0].push_back({0, std::move(displacements)});
-
-    for (std::size_t d = 0; d < map.material_of_domain.size(); ++d) {
-      const int b = map.material_of_domain[d] < 0 ? -1 : body_of_material(joint, map.material_of_domain[d]);
-      if (b < 0) continue;
-      const int region = static_cast<int>(d) + 1;
-      state.variables[1].push_back({region, numbers(e.reaction[at(b)].head<3>())});
-      state.variables[2].push_back({region, numbers(e.reaction[at(b)].tail<3>())});
-      state.variables[3].push_back({region, numbers(e.poses[at(b)].center)});
-    }
-
-    const std::vector<Shown> shown = shown_contacts(model, joint, result.fields);
-    for (std::size_t s = 0; s < shown.size(); ++s) {
-      if (shown[s].contact < 0 || map.surface[s] == 0) continue;
-      const Layer& layer = joint.contacts[at(shown[s].contact)].layers[shown[s].side];
-      const SideFields& side = result.fields[at(shown[s].contact)].sides[shown[s].side];
-      for (std::size_t v = 0; v < on_surfaces.size(); ++v)
-        state.variables[4 + v].push_back({map.surface[s], on_surfaces[v].values(model.surfaces[s], layer, side)});
-    }
-
-    for (int b : bodies) state.objects.push_back(rigid_body_state(e.poses[at(b)], e.reaction[at(b)]));
-    file.states.push_back(std::move(state));
-  }
-  file.meshes.push_back(std::move(map.mesh));
-  return file;
 }
 
-XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
-  const Joint& joint = check.joint;
-  MeshMap map = make_mesh(model);
-  XpltMesh& mesh = map.mesh;
-  XpltFile file = empty_file(model);
-  file.variables = {variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
-                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "joint space", "L"),
-                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "missed normal", ""),
-                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Mult, "rim", ""),
-                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "left out", "")};
-  XpltState state;
-  state.variables.resize(file.variables.size());
+/// Fields on contact surfaces; `first`: index of the first of them.
+void add_surface_fields(const JointModel& model, const MeshMap& map, const Joint& joint,
+                        const std::vector<ContactFields>& contacts, const std::vector<SurfaceField>& fields,
+                        std::size_t first, XpltState& state) {
+  const std::vector<Shown> shown = shown_contacts(model, joint, contacts);
+  for (std::size_t s = 0; s < shown.size(); ++s) {
+    if (shown[s].contact < 0 || map.surface[s] == 0) continue;
+    const Layer& layer = joint.contacts[at(shown[s].contact)].layers[shown[s].side];
+    const SideFields& side = contacts[at(shown[s].contact)].sides[shown[s].side];
+    for (std::size_t v = 0; v < fields.size(); ++v)
+      state.variables[first + v].push_back({map.surface[s], fields[v].values(model.surfaces[s], layer, side)});
+  }
+}
 
-  std::vector<char> done(model.surfaces.size(), 0);
-  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    for (int side = 0; side < 2; ++side) {
-      const Layer& layer = joint.contacts[c].layers[side];
-      const FieldMaps::LayerMap& maps = check.maps.contacts[c].layers[side];
-      if (map.surface[at(layer.surface)] == 0 || done[at(layer.surface)]) continue;
-      done[at(layer.surface)] = 1;
-      const Surface& s = model.surfaces[at(layer.surface)];
-      const int region = map.surface[at(layer.surface)];
-      std::vector<double> missed(layer.articular.vertices.size(), 0.0);
-      for (std::size_t v = 0; v < missed.size(); ++v) {
-        if (layer.rigid) continue;
-        if (layer.springs_at == SpringsAt::Articular) {
-          missed[v] = layer.missed[v] ? 1.0 : 0.0;
-        } else if (v < maps.articular_to_bone.size() && maps.articular_to_bone[v].triangle >= 0) {
-          for (int corner : layer.bone.triangles[at(maps.articular_to_bone[v].triangle)])
-            if (layer.missed[at(corner)]) missed[v] = 1.0;
-        }
-      }
-      state.variables[0].push_back({region, per_slot(s, layer, check.fields[c].sides[side].vertex_thickness)});
-      state.variables[1].push_back({region, per_facet(check.fields[c].sides[side].joint_space)});
-      state.variables[2].push_back({region, per_slot(s, layer, missed)});
-      state.variables[3].push_back({region, per_slot(s, layer, rim_at_vertices(layer))});
-      state.variables[4].push_back({region, per_facet(left_out_facets(s, layer))});
+/// Per vertex of the articular surface: 1 where its normal (bone variant: one of a bone triangle below) meets no bone.
+std::vector<double> missed_normals(const Layer& layer, const FieldMaps::LayerMap& map) {
+  std::vector<double> missed(layer.articular.vertices.size(), 0.0);
+  for (std::size_t v = 0; v < missed.size(); ++v) {
+    if (layer.rigid) continue;
+    if (layer.springs_at == SpringsAt::Articular) {
+      missed[v] = layer.missed[v] ? 1.0 : 0.0;
+    } else if (v < map.articular_to_bone.size() && map.articular_to_bone[v].triangle >= 0) {
+      for (int corner : layer.bone.triangles[at(map.articular_to_bone[v].triangle)])
+        if (layer.missed[at(corner)]) missed[v] = 1.0;
     }
   }
+  return missed;
+}
 
+/// A field of the check file, and its values on one side of a contact.
+struct CheckField {
+  XpltVariable variable;
+  std::vector<float> (*values)(const Surface&, const Layer&, const FieldMaps::LayerMap&, const SideFields&);
+};
+
+std::vector<CheckField> check_fields() {
+  using S = const Surface&;
+  using L = const Layer&;
+  using M = const FieldMaps::LayerMap&;
+  using F = const SideFields&;
+  const auto surface = [](XpltFormat format, const std::string& name, const std::string& units) {
+    return variable(XpltGroup::Surface, XpltType::Float, format, name, units);
+  };
+  return {
+      {surface(XpltFormat::Mult, "cartilage thickness", "L"),
+       [](S s, L l, M, F f) { return per_slot(s, l, f.vertex_thickness); }},
+      {surface(XpltFormat::Item, "joint space", "L"), [](S, L, M, F f) { return per_facet(f.joint_space); }},
+      {surface(XpltFormat::Mult, "missed normal", ""),
+       [](S s, L l, M m, F) { return per_slot(s, l, missed_normals(l, m)); }},
+      {surface(XpltFormat::Mult, "rim", ""), [](S s, L l, M, F) { return per_slot(s, l, rim_at_vertices(l)); }},
+      {surface(XpltFormat::Item, "left out", ""), [](S s, L l, M, F) { return per_facet(left_out_facets(s, l)); }},
+  };
+}
+
+/// Each surface once, at the first contact that has it.
+void add_check_fields(const JointModel& model, const MeshMap& map, const JointCheck& check,
+                      const std::vector<CheckField>& fields, XpltState& state) {
+  std::vector<char> done(model.surfaces.size(), 0);
+  for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
+    for (int side = 0; side < 2; ++side) {
+      const Layer& layer = check.joint.contacts[c].layers[side];
+      const int region = map.surface[at(layer.surface)];
+      if (region == 0 || done[at(layer.surface)]) continue;
+      done[at(layer.surface)] = 1;
+      for (std::size_t v = 0; v < fields.size(); ++v)
+        state.variables[v].push_back(
+            {region, fields[v].values(model.surfaces[at(layer.surface)], layer, check.maps.contacts[c].layers[side],
+                                      check.fields[c].sides[side])});
+    }
+  }
   for (auto& regions : state.variables)
     std::sort(regions.begin(), regions.end(),
               [](const XpltRegion& a, const XpltRegion& b) { return a.region < b.region; });
+}
 
+/// The springs of every contact as lines through both layers, as a part of their own.
+void add_spring_lines(const JointCheck& check, MeshMap& map) {
+  XpltMesh& mesh = map.mesh;
   int next_node = 1, next_element = 1;
   for (int id : mesh.node_ids) next_node = std::max(next_node, id + 1);
   for (const XpltDomain& d : mesh.domains)
     for (int id : d.element_ids) next_element = std::max(next_element, id + 1);
-  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+  for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
+    const ContactPair& pair = check.joint.contacts[c];
     const SpringStates& springs = check.reference.springs[c];
     XpltDomain lines;
     lines.element_type = xplt_element_type(ElementShape::Line2);
     lines.part = static_cast<int>(mesh.parts.size()) + 1;
-    lines.name = fmt::format("springs {}", joint.contacts[c].name);
-    const bool articular = joint.contacts[c].source_layer().springs_at == SpringsAt::Articular;
+    lines.name = fmt::format("springs {}", pair.name);
+    const bool articular = pair.source_layer().springs_at == SpringsAt::Articular;
     for (int i = 0; i < springs.size(); ++i) {
       const std::size_t k = at(i);
       const double t_s = springs.t_source[k], t_t = springs.t_target[k];
@@ -401,7 +405,60 @@ XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
     mesh.domains.push_back(std::move(lines));
   }
   if (mesh.domains.size() > map.material_of_domain.size()) mesh.parts.push_back("springs");
+}
 
+}  // namespace
+
+XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed) {
+  const Joint& joint = analysis.joint;
+  MeshMap map = make_mesh(model);
+  XpltFile file = empty_file(model);
+  file.compressed = compressed;
+
+  constexpr std::size_t kRigidForce = 1;
+  file.variables = {variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
+                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
+                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
+                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
+  const std::size_t first_on_surfaces = file.variables.size();
+  const std::vector<SurfaceField> on_surfaces = surface_fields();
+  for (const SurfaceField& f : on_surfaces) file.variables.push_back(f.variable);
+
+  std::vector<int> bodies;
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    if (joint.bodies[b].ground) continue;
+    bodies.push_back(static_cast<int>(b));
+    map.mesh.objects.push_back(rigid_body_object(joint.bodies[b]));
+  }
+
+  for (const StateResult& result : analysis.states) {
+    const Equilibrium& e = result.equilibrium;
+    XpltState state;
+    state.time = number(result.when.time);
+    state.element_flags.assign(map.elements, 1);
+    state.variables.resize(file.variables.size());
+    std::vector<float> displacements;
+    displacements.reserve(3 * result.displacements.size());
+    for (const Vector3d& u : result.displacements) append(displacements, u);
+    state.variables[0].push_back({0, std::move(displacements)});
+    add_rigid_bodies(map, joint, e, kRigidForce, state);
+    add_surface_fields(model, map, joint, result.fields, on_surfaces, first_on_surfaces, state);
+    for (int b : bodies) state.objects.push_back(rigid_body_state(e.poses[at(b)], e.reaction[at(b)]));
+    file.states.push_back(std::move(state));
+  }
+  file.meshes.push_back(std::move(map.mesh));
+  return file;
+}
+
+XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
+  MeshMap map = make_mesh(model);
+  XpltFile file = empty_file(model);
+  const std::vector<CheckField> fields = check_fields();
+  for (const CheckField& f : fields) file.variables.push_back(f.variable);
+  XpltState state;
+  state.variables.resize(file.variables.size());
+  add_check_fields(model, map, check, fields, state);
+  add_spring_lines(check, map);
   state.element_flags.assign(map.elements, 1);
   file.meshes.push_back(std::move(map.mesh));
   file.states.push_back(std::move(state));

@@ -35,11 +35,11 @@ std::vector<std::vector<int>> set_members(const XpltMesh& mesh, const std::strin
   if (!members.empty()) return members;
   for (const XpltSet& set : mesh.element_sets) {
     if (set.name != name) continue;
-    const std::unordered_set<int> wanted(set.items.begin(), set.items.end());
+    const std::unordered_set<int> in_set(set.items.begin(), set.items.end());
     for (const XpltDomain& domain : mesh.domains) {
       const int n = xplt_nodes_per_element(domain.element_type);
       for (int e = 0; e < xplt_elements(domain); ++e)
-        if (wanted.count(domain.element_ids[at(e)]))
+        if (in_set.count(domain.element_ids[at(e)]))
           members.push_back(sorted({domain.nodes.begin() + e * n, domain.nodes.begin() + (e + 1) * n}));
     }
     break;
@@ -51,21 +51,21 @@ std::vector<std::vector<int>> set_members(const XpltMesh& mesh, const std::strin
 
 ResultFile read_result(const std::string& path, const std::string& label) {
   ResultFile result{path, label, read_xplt(path)};
-  if (result.plot.states.empty()) throw InputError(path + ": found no complete state, expected at least one");
+  if (result.xplt.states.empty()) throw InputError(path + ": found no complete state, expected at least one");
   return result;
 }
 
 const XpltMesh& mesh_of(const ResultFile& result, int state) {
-  return result.plot.meshes[at(result.plot.states[at(state)].mesh)];
+  return result.xplt.meshes[at(result.xplt.states[at(state)].mesh)];
 }
 
 bool same_time(double a, double b) { return std::abs(a - b) <= 1e-6 * std::max({std::abs(a), std::abs(b), 1e-30}); }
 
 int find_state(const ResultFile& result, double time) {
-  for (std::size_t s = 0; s < result.plot.states.size(); ++s)
-    if (same_time(result.plot.states[s].time, time)) return static_cast<int>(s);
+  for (std::size_t s = 0; s < result.xplt.states.size(); ++s)
+    if (same_time(result.xplt.states[s].time, time)) return static_cast<int>(s);
   std::string times;
-  for (const XpltState& state : result.plot.states)
+  for (const XpltState& state : result.xplt.states)
     times += fmt::format("{}{:.6g}", times.empty() ? "" : ", ", state.time);
   throw InputError(fmt::format("{}: found no state at time {:g}, expected one of {}", result.path, time, times));
 }
@@ -108,9 +108,9 @@ ResultSurface result_surface(const ResultFile& result, int state, int surface) {
 }
 
 std::optional<ResultSurface> deformed_surface(const ResultFile& result, int state, int surface) {
-  const int index = find_variable(result.plot, XpltGroup::Nodal, "displacement");
+  const int index = find_variable(result.xplt, XpltGroup::Nodal, "displacement");
   if (index < 0) return std::nullopt;
-  for (const XpltRegion& region : result.plot.states[at(state)].variables[at(index)])
+  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)])
     if (region.values.size() == mesh_of(result, state).coordinates.size())
       return make_surface(result, state, surface, &region.values);
   return std::nullopt;
@@ -118,18 +118,18 @@ std::optional<ResultSurface> deformed_surface(const ResultFile& result, int stat
 
 std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field,
                                  bool undefined) {
-  const int index = find_variable(result.plot, XpltGroup::Surface, field);
+  const int index = find_variable(result.xplt, XpltGroup::Surface, field);
   if (index < 0) return {};
-  const XpltVariable& variable = result.plot.variables[at(index)];
+  const XpltVariable& variable = result.xplt.variables[at(index)];
   const XpltFacets& facets = mesh_of(result, state).surfaces[at(surface)];
-  for (const XpltRegion& region : result.plot.states[at(state)].variables[at(index)]) {
+  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)]) {
     if (region.region != surface + 1) continue;
     if (variable.type != XpltType::Float || variable.format == XpltFormat::Region)
       throw InputError(fmt::format("{}: \"{}\" is not one number per facet or node", result.path, field));
     for (float x : region.values)
       if (!std::isfinite(x) && !undefined)
         throw InputError(fmt::format("{}: surface \"{}\", time {:g}: \"{}\" is not a number somewhere", result.path,
-                                     facets.name, result.plot.states[at(state)].time, field));
+                                     facets.name, result.xplt.states[at(state)].time, field));
     std::vector<double> values;
     if (variable.format == XpltFormat::Item) {
       values.assign(region.values.begin(), region.values.end());
@@ -155,9 +155,9 @@ std::vector<double> facet_values(const ResultFile& result, int state, int surfac
 }
 
 std::optional<Vector3d> surface_vector(const ResultFile& result, int state, int surface, const std::string& field) {
-  const int index = find_variable(result.plot, XpltGroup::Surface, field);
+  const int index = find_variable(result.xplt, XpltGroup::Surface, field);
   if (index < 0) return std::nullopt;
-  for (const XpltRegion& region : result.plot.states[at(state)].variables[at(index)])
+  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)])
     if (region.region == surface + 1 && region.values.size() == 3)
       return Vector3d(region.values[0], region.values[1], region.values[2]);
   return std::nullopt;
@@ -165,14 +165,14 @@ std::optional<Vector3d> surface_vector(const ResultFile& result, int state, int 
 
 std::vector<BodyPose> body_poses(const ResultFile& result, int state) {
   const XpltMesh& mesh = mesh_of(result, state);
-  const XpltState& values = result.plot.states[at(state)];
+  const XpltState& values = result.xplt.states[at(state)];
   std::vector<BodyPose> bodies;
   const auto body = [&](const std::string& name) {
     for (BodyPose& b : bodies)
       if (b.name == name) return &b;
     return static_cast<BodyPose*>(nullptr);
   };
-  const int index = find_variable(result.plot, XpltGroup::Domain, "rigid position");
+  const int index = find_variable(result.xplt, XpltGroup::Domain, "rigid position");
   if (index >= 0) {
     for (const XpltRegion& region : values.variables[at(index)]) {
       const std::string& name = mesh.parts[at(mesh.domains[at(region.region - 1)].part - 1)];
@@ -180,7 +180,7 @@ std::vector<BodyPose> body_poses(const ResultFile& result, int state) {
       bodies.push_back({name, Vector3d(region.values[0], region.values[1], region.values[2]), {}});
     }
   }
-  const std::vector<XpltObject>& objects = result.plot.meshes.front().objects;
+  const std::vector<XpltObject>& objects = result.xplt.meshes.front().objects;
   for (std::size_t o = 0; o < objects.size() && o < values.objects.size(); ++o) {
     if (objects[o].line || objects[o].tag != 1) continue;
     const XpltObjectState& s = values.objects[o];

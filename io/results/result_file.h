@@ -12,7 +12,7 @@ namespace dea {
 struct ResultFile {
   std::string path;
   std::string label;  ///< its name in tables and fields
-  XpltFile plot;      ///< at least one state
+  XpltFile xplt;      ///< at least one state
 };
 
 /// Throws InputError: not a plot file, no complete state.

@@ -1,6 +1,10 @@
 #include <febiodea/io/xplt/xplt.h>
 
+#include <algorithm>
+#include <array>
 #include <cassert>
+
+#include <febiodea/base/numbers.h>
 
 namespace dea {
 
@@ -27,55 +31,38 @@ int floats_per_value(const XpltVariable& variable) {
   return 0;
 }
 
+namespace {
+
+/// Code of a facet that is no element of ours.
+constexpr int kTri10 = 15;
+
+/// By the format's code.
+const auto& shapes_by_code() {
+  using E = ElementShape;
+  static constexpr std::array<std::optional<E>, 20> kShapes = {
+      E::Hex8, E::Penta6, E::Tet4,  E::Quad4,   E::Tri3,  E::Line2,     E::Hex20, E::Tet10, E::Tet15,  E::Hex27,
+      E::Tri6, E::Quad8,  E::Quad9, E::Penta15, E::Tet20, std::nullopt, E::Pyra5, E::Tet5,  E::Pyra13, E::Line3};
+  return kShapes;
+}
+
+}  // namespace
+
+std::optional<ElementShape> xplt_element_shape(int element_type) {
+  const auto& shapes = shapes_by_code();
+  return element_type >= 0 && element_type < static_cast<int>(shapes.size()) ? shapes[at(element_type)] : std::nullopt;
+}
+
 int xplt_nodes_per_element(int element_type) {
-  static constexpr int kNodes[] = {8, 6, 4, 4, 3, 2, 20, 10, 15, 27, 6, 8, 9, 15, 20, 10, 5, 5, 13, 3};
-  constexpr int kTypes = static_cast<int>(sizeof kNodes / sizeof *kNodes);
-  return element_type >= 0 && element_type < kTypes ? kNodes[element_type] : 0;
+  if (element_type == kTri10) return 10;
+  const std::optional<ElementShape> shape = xplt_element_shape(element_type);
+  return shape ? nodes_per_element(*shape) : 0;
 }
 
 int xplt_element_type(ElementShape shape) {
-  switch (shape) {
-    case ElementShape::Hex8:
-      return 0;
-    case ElementShape::Penta6:
-      return 1;
-    case ElementShape::Tet4:
-      return 2;
-    case ElementShape::Quad4:
-      return 3;
-    case ElementShape::Tri3:
-      return 4;
-    case ElementShape::Line2:
-      return 5;
-    case ElementShape::Hex20:
-      return 6;
-    case ElementShape::Tet10:
-      return 7;
-    case ElementShape::Tet15:
-      return 8;
-    case ElementShape::Hex27:
-      return 9;
-    case ElementShape::Tri6:
-      return 10;
-    case ElementShape::Quad8:
-      return 11;
-    case ElementShape::Quad9:
-      return 12;
-    case ElementShape::Penta15:
-      return 13;
-    case ElementShape::Tet20:
-      return 14;
-    case ElementShape::Pyra5:
-      return 16;
-    case ElementShape::Tet5:
-      return 17;
-    case ElementShape::Pyra13:
-      return 18;
-    case ElementShape::Line3:
-      return 19;
-  }
-  assert(false);
-  return -1;
+  const auto& shapes = shapes_by_code();
+  const auto found = std::find(shapes.begin(), shapes.end(), shape);
+  assert(found != shapes.end());
+  return static_cast<int>(found - shapes.begin());
 }
 
 int xplt_elements(const XpltDomain& domain) { return static_cast<int>(domain.element_ids.size()); }

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -121,6 +122,8 @@ int floats_per_value(const XpltVariable& variable);
 int xplt_nodes_per_element(int element_type);
 /// The file format's code of an element shape.
 int xplt_element_type(ElementShape shape);
+/// The same backwards; nothing: an unknown code, or tri10.
+std::optional<ElementShape> xplt_element_shape(int element_type);
 /// Number of elements of a domain.
 int xplt_elements(const XpltDomain& domain);
 

@@ -83,4 +83,10 @@ std::string name_list(std::vector<std::string> names, std::string_view word, std
   return text.empty() ? "none" : text;
 }
 
+std::string take_free_name(const std::string& wanted, std::set<std::string>& names) {
+  std::string name = wanted;
+  for (int i = 2; !names.insert(name).second; ++i) name = wanted + "_" + std::to_string(i);
+  return name;
+}
+
 }  // namespace dea

@@ -1,5 +1,6 @@
 // febiodea/base/names.h – names in messages: those there are, and the one that was meant.
 #pragma once
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,5 +19,8 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 
 /// "a", "b", ... in quotes, at most `most` of them: of more those nearest to `word`; "none".
 std::string name_list(std::vector<std::string> names, std::string_view word = {}, std::size_t most = 8);
+
+/// `wanted`, with a number if it is among `names` already ("part_2"); it is among them then.
+std::string take_free_name(const std::string& wanted, std::set<std::string>& names);
 
 }  // namespace dea

@@ -1,4 +1,5 @@
-// febiodea/model/element_faces.h – the faces of each element shape and how a facet is cut into triangles.
+// febiodea/model/element_faces.h – facets: their corners, what two elements that share one agree on, how it is cut into
+// triangles.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -7,11 +8,6 @@
 #include <febiodea/model/joint_model.h>
 
 namespace dea {
-
-/// Faces of a solid element as lists of local node numbers, corners first, then mid-edge nodes (edge k joins
-/// corners k and k + 1), then the centre node if the shape has one. Corners run counter-clockwise seen from
-/// outside, so that the right-hand normal points out of the element. A shell has one face: itself. Lines: none.
-const std::vector<std::vector<int>>& element_faces(ElementShape shape);
 
 /// Number of corners of a facet with this many nodes (3, 6, 7, 10: triangle; 4, 8, 9: quad); 0: no such facet.
 int facet_corners(int facet_nodes);

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cassert>
-
 namespace dea {
 
 std::string where(const JointModel& model, Origin origin) {
@@ -24,57 +22,5 @@ bool double_contact(const Contact& a, const Contact& b) {
   return same_time && ((a.primary == b.primary && a.secondary == b.secondary) ||
                        (a.primary == b.secondary && a.secondary == b.primary));
 }
-
-int nodes_per_element(ElementShape shape) {
-  switch (shape) {
-    case ElementShape::Hex8:
-      return 8;
-    case ElementShape::Hex20:
-      return 20;
-    case ElementShape::Hex27:
-      return 27;
-    case ElementShape::Penta6:
-      return 6;
-    case ElementShape::Penta15:
-      return 15;
-    case ElementShape::Tet4:
-      return 4;
-    case ElementShape::Tet5:
-      return 5;
-    case ElementShape::Tet10:
-      return 10;
-    case ElementShape::Tet15:
-      return 15;
-    case ElementShape::Tet20:
-      return 20;
-    case ElementShape::Pyra5:
-      return 5;
-    case ElementShape::Pyra13:
-      return 13;
-    case ElementShape::Tri3:
-      return 3;
-    case ElementShape::Tri6:
-      return 6;
-    case ElementShape::Quad4:
-      return 4;
-    case ElementShape::Quad8:
-      return 8;
-    case ElementShape::Quad9:
-      return 9;
-    case ElementShape::Line2:
-      return 2;
-    case ElementShape::Line3:
-      return 3;
-  }
-  assert(false);
-  return 0;
-}
-
-bool is_shell(ElementShape shape) {
-  return shape == ElementShape::Tri3 || shape == ElementShape::Tri6 || shape == ElementShape::Quad4 ||
-         shape == ElementShape::Quad8 || shape == ElementShape::Quad9;
-}
-
-bool is_line(ElementShape shape) { return shape == ElementShape::Line2 || shape == ElementShape::Line3; }
 
 }  // namespace dea

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <febiodea/base/error.h>
+#include <febiodea/model/element_shape.h>
 #include <febiodea/model/settings.h>
 
 namespace dea {
@@ -24,29 +25,6 @@ using Eigen::Vector3d;
 struct Origin {
   int file = 0;
   int line = 0;
-};
-
-/// Element shapes, FEBio's node order (docs/formats.md).
-enum class ElementShape {
-  Hex8,
-  Hex20,
-  Hex27,
-  Penta6,
-  Penta15,
-  Tet4,
-  Tet5,
-  Tet10,
-  Tet15,
-  Tet20,
-  Pyra5,
-  Pyra13,
-  Tri3,
-  Tri6,
-  Quad4,
-  Quad8,
-  Quad9,
-  Line2,
-  Line3
 };
 
 /// One set of elements of one shape and one material (an `Elements` section).
@@ -391,14 +369,5 @@ InputError fault_at(const JointModel& model, Origin origin, const std::string& f
 
 /// Do two contacts join the same surfaces at the same time? They would share the load between them.
 bool double_contact(const Contact& a, const Contact& b);
-
-/// Number of nodes of an element of this shape.
-int nodes_per_element(ElementShape shape);
-
-/// True for triangles and quads (shells).
-bool is_shell(ElementShape shape);
-
-/// True for lines (trusses, beams, springs).
-bool is_line(ElementShape shape);
 
 }  // namespace dea

@@ -14,8 +14,6 @@ namespace dea {
 
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
-
 bool in(const FacetMask& mask, int facet) { return mask.empty() || mask[at(facet)]; }
 
 /// The vertices of a facet, each once: a collapsed quad names one twice.
@@ -350,7 +348,7 @@ std::vector<ProfileBin> pressure_profile(const ResultSurface& s, const std::vect
   for (std::size_t f = 0; f < s.facet_areas.size(); ++f) {
     if (!(s.facet_areas[f] > 0)) continue;
     const Vector3d d = s.facet_centers[f] - center;
-    const double angle = kDegrees * std::atan2(axis.cross(d).norm(), axis.dot(d));
+    const double angle = kDegreesPerRadian * std::atan2(axis.cross(d).norm(), axis.dot(d));
     const std::size_t bin = static_cast<std::size_t>(angle / bin_degrees);
     while (bins.size() <= bin) {
       const double from = bin_degrees * static_cast<double>(bins.size());

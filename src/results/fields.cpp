@@ -381,6 +381,14 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
   return all;
 }
 
+const std::vector<FacetField>& facet_fields() {
+  static const std::vector<FacetField> fields = {{"contact pressure", "pressure", "P", &SideFields::pressure},
+                                                 {"joint space", "joint_space", "L", &SideFields::joint_space},
+                                                 {"overlap", "overlap", "L", &SideFields::overlap},
+                                                 {"spring strain", "strain", "", &SideFields::strain}};
+  return fields;
+}
+
 double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

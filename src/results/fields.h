@@ -27,6 +27,16 @@ struct SideFields {
       1.0;  ///< |sum of p A n over these facets| / |force|: 1 = the map carries the whole force; NaN without force
 };
 
+/// The fields per facet by name. Plot file, VTU and CSV walk through them: a new one is a member of SideFields and a
+/// row.
+struct FacetField {
+  const char* name;    ///< "contact pressure", in the plot file
+  const char* column;  ///< "pressure", in CSV
+  const char* unit;    ///< FEBio's dimension code: "P", "L", "": none
+  std::vector<double> SideFields::*values;
+};
+const std::vector<FacetField>& facet_fields();
+
 struct ContactFields {
   SideFields sides[2];  ///< primary, secondary
 };

@@ -232,10 +232,10 @@ TEST(CompareFiles, OneFileWithBothPressuresTheirDifferenceAndItsResultants) {
   const Comparison c = compare_files(files, options);
   const ResultFile both =
       named("both", xplt_from_bytes(xplt_bytes(make_compare_file(files, options, c, true, true)), "both.xplt"));
-  ASSERT_EQ(both.plot.states.size(), 2u);  // b has nothing at 1
-  EXPECT_EQ(both.plot.states[1].time, 2.0f);
-  EXPECT_EQ(both.plot.states[1].variables[0], files[0].plot.states[2].variables[0]);  // displacement
-  EXPECT_EQ(both.plot.states[1].objects, files[0].plot.states[2].objects);
+  ASSERT_EQ(both.xplt.states.size(), 2u);  // b has nothing at 1
+  EXPECT_EQ(both.xplt.states[1].time, 2.0f);
+  EXPECT_EQ(both.xplt.states[1].variables[0], files[0].xplt.states[2].variables[0]);  // displacement
+  EXPECT_EQ(both.xplt.states[1].objects, files[0].xplt.states[2].objects);
   const ResultSurface top = result_surface(both, 1, 1);
   const std::vector<double> a = facet_values(both, 1, 1, "contact pressure a"),
                             b = facet_values(both, 1, 1, "contact pressure b"),
@@ -292,11 +292,11 @@ TEST(CompareFiles, WithoutPressureThereIsNothingToCompare) {
   EXPECT_EQ(fault({named("flat", make_file(4, {1}, [](double, double, double) { return 0.0; })),
                    named("flat too", make_file(4, {1}, [](double, double, double) { return 0.0; }))}),
             "flat.xplt: found no \"contact pressure\" above 0 on any common surface in any file");
-  XpltFile other = good.plot;
+  XpltFile other = good.xplt;
   other.variables[2].name = "contact traction";
   EXPECT_EQ(fault({good, named("other", other)}),
             "other.xplt: found no surface with \"contact pressure\" at time 1, expected one");
-  other = good.plot;
+  other = good.xplt;
   other.meshes[0].surfaces[1].name = "lid";
   EXPECT_EQ(fault({good, named("other", other)}),
             "found no surface with \"contact pressure\" that all files have, expected --surface A=B: good.xplt has "
@@ -305,10 +305,10 @@ TEST(CompareFiles, WithoutPressureThereIsNothingToCompare) {
   options.surfaces = {"bottom"};
   EXPECT_EQ(fault({good, good}, options),
             "good.xplt: found no surface \"bottom\" with \"contact pressure\", expected one of \"top\"");
-  other = good.plot;
+  other = good.xplt;
   for (float& x : other.meshes[0].coordinates) x += 50.0f;
   EXPECT_EQ(fault({good, named("far", other)}), "good.xplt: surface \"top\" lies nowhere on \"top\" of far.xplt");
-  other = good.plot;
+  other = good.xplt;
   other.states[0].variables[2][0].values[3] = std::nanf("");
   EXPECT_EQ(fault({good, named("other", other)}),
             "other.xplt: surface \"top\", time 1: \"contact pressure\" is not a number somewhere");

@@ -443,7 +443,7 @@ TEST(MapFigure, TheScaleIsThatOfAllStates) {
   EXPECT_EQ(make_map_figure({a}, nullptr, o).contours, (std::vector<double>{0.5, 1, 1.5, 2, 2.5}));
   // A state that is not drawn may hold what is no number.
   ResultFile c = a;
-  c.plot.states[1].variables[0][0].values[1] = std::numeric_limits<float>::quiet_NaN();
+  c.xplt.states[1].variables[0][0].values[1] = std::numeric_limits<float>::quiet_NaN();
   o.scale_of_shown = false;
   EXPECT_EQ(make_map_figure({c}, nullptr, o).high, 9);
 }
@@ -504,7 +504,7 @@ TEST(MapFigure, AFileWithoutPressureIsNoJointWithoutContact) {
 
 TEST(MapFigure, CutOffFilesAreSaid) {
   ResultFile a = result_of("a", sheet(2, 1, 2, 1), {{1, 2}});
-  a.plot.truncated = true;
+  a.xplt.truncated = true;
   const MapFigure f = make_map_figure({a}, nullptr, plain());
   ASSERT_EQ(f.remarks.size(), 1u);
   EXPECT_EQ(f.remarks[0], "warning: a.xplt: the last state is cut off and left out; the one before is at time 0");
@@ -513,9 +513,9 @@ TEST(MapFigure, CutOffFilesAreSaid) {
 TEST(MapFigure, OneSurfaceForAllFieldsAndTimes) {
   // "bare" has the higher pressure, but not in state 0, and the smaller joint space.
   ResultFile a = result_of("a", sheet(2, 1, 2, 1), {{1, 2}, {1, 2}});
-  a.plot.states[0].variables[0].push_back({2, {0, 0}});
-  a.plot.states[1].variables[0].push_back({2, {0, 5}});
-  for (XpltState& s : a.plot.states) s.variables[1].push_back({2, {0.5f, 0.25f}});
+  a.xplt.states[0].variables[0].push_back({2, {0, 0}});
+  a.xplt.states[1].variables[0].push_back({2, {0, 5}});
+  for (XpltState& s : a.xplt.states) s.variables[1].push_back({2, {0.5f, 0.25f}});
   for (const char* field : {"contact pressure", "joint space"}) {
     for (const char* states : {"0", "last", "all"}) {
       MapOptions o = plain();
@@ -597,7 +597,7 @@ TEST(MapFigure, SignedFieldsKeepTheirSign) {
   const Patch p = sheet(3, 1, 3, 1);
   for (const char* name : {"pressure difference", "pressure gap"}) {
     ResultFile a = result_of("a", p, {{-2, 1, 3}});
-    for (XpltVariable& v : a.plot.variables)
+    for (XpltVariable& v : a.xplt.variables)
       if (v.name == "contact pressure") v.name = name;
     MapOptions o = plain();
     o.field = name;
@@ -779,12 +779,12 @@ struct Folder : ::testing::Test {
   void SetUp() override {
     const Patch p = cap(20, 80, 8, 24, true);
     const std::vector<double> some(p.facets.size(), 2.0), none(p.facets.size(), 0.0);
-    write_xplt((folder.path / "a.xplt").string(), result_of("a", p, {none, some}, "mm-N-s").plot);
-    write_xplt((folder.path / "b.xplt").string(), result_of("b", p, {none, some, some}).plot);
-    write_xplt((folder.path / "si.xplt").string(), result_of("si", p, {none, some}, "SI").plot);
-    write_xplt((folder.path / "flat.xplt").string(), result_of("f", sheet(2, 2, 1, 1), {{1, 2, 3, 4}}).plot);
+    write_xplt((folder.path / "a.xplt").string(), result_of("a", p, {none, some}, "mm-N-s").xplt);
+    write_xplt((folder.path / "b.xplt").string(), result_of("b", p, {none, some, some}).xplt);
+    write_xplt((folder.path / "si.xplt").string(), result_of("si", p, {none, some}, "SI").xplt);
+    write_xplt((folder.path / "flat.xplt").string(), result_of("f", sheet(2, 2, 1, 1), {{1, 2, 3, 4}}).xplt);
     ResultFile bad = result_of("n", sheet(2, 2, 1, 1), {{1, 2, 3, 4}});
-    write_xplt((folder.path / "zero.xplt").string(), result_of("z", p, {none}).plot);
+    write_xplt((folder.path / "zero.xplt").string(), result_of("z", p, {none}).xplt);
     std::ofstream(folder.path / "text.xplt") << "no plot file";
     std::ofstream(folder.path / "hip.feb") << "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n</febio_spec>\n";
   }

@@ -53,6 +53,8 @@ TEST(Numbers, WholeTextFiniteDecimalPoint) {
     EXPECT_THROW(parse_number(text), BadValue) << text;
   EXPECT_EQ(parse_numbers("-1, 2,3"), (std::vector<double>{-1, 2, 3}));
   EXPECT_THROW(parse_numbers("1,,2"), BadValue);
+  EXPECT_EQ(parse_vector("-1, 2,3"), Eigen::Vector3d(-1, 2, 3));
+  EXPECT_EQ(message_of([] { parse_vector("1,2"); }), "found \"1,2\", expected three numbers x,y,z");
   EXPECT_EQ(parse_count("12", 1, 1000), 12);
   for (const char* text : {"0", "1.5", "1001", "-3", "", "99999999999999"})
     EXPECT_THROW(parse_count(text, 1, 1000), BadValue) << text;
@@ -174,6 +176,47 @@ TEST(SettingsXml, OutputFilesAndStates) {
   EXPECT_EQ(fault("<csv a=\"1\">x</csv>"), ":2: <csv>: found attribute \"a\", expected none");
   EXPECT_EQ(fault("<output>a<b/></output>"), ":2: <output>: found <b>, expected a file name");
   EXPECT_EQ(fault("<json>a</json>\n<json>b</json>"), ":3: <json>: found a second one, expected it once");
+}
+
+std::string text_of(const std::string& path) {
+  std::ifstream in(std::string(DEA_SAMPLES_DIR) + "/../" + path);
+  return std::string(std::istreambuf_iterator<char>(in), {});
+}
+
+// A setting that nobody can read of is none.
+TEST(SettingsTable, ManualAndReadmeNameEveryOption) {
+  const std::string manual = text_of("docs/settings.md"), readme = text_of("README.md");
+  const auto names = [](const std::string& text, const std::string& word) {
+    for (const char* after : {" ", "`", ",", ":"})
+      if (text.find(word + after) != std::string::npos) return true;
+    return false;
+  };
+  for (const SettingOption& o : setting_options()) {
+    const std::string name = o.name;
+    EXPECT_TRUE(names(manual, "--" + name)) << name;
+    EXPECT_NE(manual.find("</" + name + ">`"), std::string::npos) << name;
+    EXPECT_TRUE(names(readme, "--" + name) || (o.help_off && names(readme, "--no-" + name))) << name;
+  }
+  for (const OutputOption& o : output_options()) {
+    EXPECT_TRUE(names(manual, command_line_name(o))) << o.name;
+    EXPECT_NE(manual.find(std::string("</") + o.name + ">`"), std::string::npos) << o.name;
+    EXPECT_TRUE(names(readme, command_line_name(o))) << o.name;
+  }
+}
+
+// What is set is shown, and nothing is shown before.
+TEST(SettingsTable, ShowsWhatWasSet) {
+  const Settings s = with({value("law", "layer"), value("nu", "s=0.3"), value("free", "femur=x,Rw"),
+                           value("load-at", "femur=sphere-center"), value("layer-terms", "1")});
+  const auto shown = [&](const char* option) { return find_setting_option(option)->content(s); };
+  using Items = std::map<std::string, SettingItem>;
+  EXPECT_EQ(shown("law"), SettingContent(SettingItem(std::string("layer"))));
+  EXPECT_EQ(shown("facets"), SettingContent(SettingItem()));
+  EXPECT_EQ(shown("layer-terms"), SettingContent(SettingItem(1)));
+  EXPECT_EQ(shown("nu"), SettingContent(Items{{"s", 0.3}}));
+  EXPECT_EQ(shown("E"), SettingContent(Items{}));
+  EXPECT_EQ(shown("free"), SettingContent(Items{{"femur", std::vector<std::string>{"x", "Rw"}}}));
+  EXPECT_EQ(shown("load-at"), SettingContent(Items{{"femur", std::string("sphere-center")}}));
 }
 
 TEST(SettingsXml, RefusalsNameTheLine) {

@@ -828,9 +828,12 @@ TEST(Xplt, ElementTypesHaveTheNodesOfTheirShapes) {
   for (int i = 0; i <= static_cast<int>(ElementShape::Line3); ++i) {
     const auto shape = static_cast<ElementShape>(i);
     EXPECT_EQ(xplt_nodes_per_element(xplt_element_type(shape)), nodes_per_element(shape)) << i;
+    EXPECT_EQ(xplt_element_shape(xplt_element_type(shape)), shape) << i;
   }
   EXPECT_EQ(xplt_nodes_per_element(-1), 0);
   EXPECT_EQ(xplt_nodes_per_element(20), 0);
+  EXPECT_EQ(xplt_nodes_per_element(15), 10);  // tri10, a facet
+  EXPECT_EQ(xplt_element_shape(15), std::nullopt);
 }
 
 TEST(Xplt, FloatsInRegion) {

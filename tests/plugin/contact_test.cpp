@@ -54,8 +54,8 @@ struct Agreement {
 Agreement compare(const fs::path& a, const fs::path& b) {
   Agreement result;
   const ResultFile x = read_result(a.string(), "a"), y = read_result(b.string(), "b");
-  for (int i = 0; i < static_cast<int>(x.plot.states.size()); ++i) {
-    const int j = find_state(y, x.plot.states[static_cast<std::size_t>(i)].time);
+  for (int i = 0; i < static_cast<int>(x.xplt.states.size()); ++i) {
+    const int j = find_state(y, x.xplt.states[static_cast<std::size_t>(i)].time);
     ++result.states;
     const std::vector<BodyPose> p = body_poses(x, i), q = body_poses(y, j);
     EXPECT_EQ(p.size(), q.size());

@@ -70,7 +70,7 @@ TEST(ContactDea, OscillatesWithThePeriodOnPaper) {
   ASSERT_EQ(f.code, 0) << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
 
   const ResultFile result = read_result((folder.path / "plate.xplt").string(), "plate");
-  ASSERT_EQ(result.plot.states.size(), static_cast<std::size_t>(1 + 4 + kSteps));
+  ASSERT_EQ(result.xplt.states.size(), static_cast<std::size_t>(1 + 4 + kSteps));
   std::vector<double> times, heights;  // of the swing, from the static equilibrium on; the file's times are rounded
   for (int i = 4; i < 5 + kSteps; ++i)
     for (const BodyPose& body : body_poses(result, i)) {

@@ -14,7 +14,7 @@
 #include <febiodea/views/map/map_geometry.h>
 #include <febiodea/views/map/map_scale.h>
 #include <febiodea/views/page/pack.h>
-#include <febiodea/views/page/write_report.h>
+#include <febiodea/views/page/write_page.h>
 #include "program.h"
 #include "synthetic.h"
 
@@ -106,7 +106,7 @@ struct PageParts {
 };
 
 std::string page_of(const std::vector<ResultFile>& files, const CompareOptions& options = {}) {
-  return report_html(compare_report(files, options, compare_files(files, options), {"dea", "compare"}));
+  return page_html(compare_page(files, options, compare_files(files, options), {"dea", "compare"}));
 }
 
 std::size_t times_in(const std::string& text, const std::string& what) {
@@ -202,14 +202,14 @@ TEST(ReportPage, HoldsTheFilesNumbersExactlyWhenFew) {
     const Json& field = surface["fields"]["pressure"][i];
     const std::vector<std::uint32_t> back = page.array(field["values"]);
     std::size_t at = 0;
-    for (const XpltState& state : files[i].plot.states)
+    for (const XpltState& state : files[i].xplt.states)
       for (float x : state.variables[0][0].values) ASSERT_EQ(as_float(back.at(at++)), x);
     EXPECT_EQ(at, back.size());
   }
   // undefined joint space stays undefined
   const std::vector<std::uint32_t> space = page.array(surface["fields"]["space"][0]["values"]);
   std::size_t undefined = 0, at = 0;
-  for (const XpltState& state : files[0].plot.states)
+  for (const XpltState& state : files[0].xplt.states)
     for (float x : state.variables[1][0].values) {
       ASSERT_EQ(std::isnan(as_float(space.at(at))), std::isnan(x));
       undefined += std::isnan(as_float(space.at(at++)));
@@ -224,8 +224,8 @@ TEST(ReportPage, NumbersAreThoseOfCompare) {
   options.profile = true;
   options.at = 0.5;
   const Comparison c = compare_files(files, options);
-  const ReportData data = compare_report(files, options, c, {"dea"});
-  const PageParts page(report_html(data));
+  const PageData data = compare_page(files, options, c, {"dea"});
+  const PageParts page(page_html(data));
   const ComparedSurface& compared = c.surfaces[0];
   const Json& surface = page.report["surfaces"][0];
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -263,12 +263,12 @@ TEST(ReportPage, NumbersAreThoseOfCompare) {
 TEST(ReportPage, EdgesEncloseTheFacetsAreaAndTheViewIsThePictures) {
   const std::vector<ResultFile> files = test::awkward_results();
   const Comparison c = compare_files(files, {});
-  const ReportData data = compare_report(files, {}, c, {"dea"});
-  const PageParts page(report_html(data));
+  const PageData data = compare_page(files, {}, c, {"dea"});
+  const PageParts page(page_html(data));
   const Json& surface = page.report["surfaces"][0];
   int compared = 0;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const ReportField& field = *data.surfaces[0].pressure[i];
+    const PageField& field = *data.surfaces[0].pressure[i];
     const ResultSurface own = result_surface(files[i], 0, 0);
     const MapMesh mesh = make_map_mesh(own);
     ASSERT_EQ(surface["fields"]["pressure"][i]["edges"].size(), field.states.size());
@@ -302,7 +302,7 @@ TEST(ReportPage, EdgesEncloseTheFacetsAreaAndTheViewIsThePictures) {
 }
 
 /// Ends, lines and largest value of a picture as the page has them.
-void expect_scale_of(const MapFigure& figure, const ReportScale& page, const std::string& what) {
+void expect_scale_of(const MapFigure& figure, const PageScale& page, const std::string& what) {
   EXPECT_DOUBLE_EQ(page.scale.low, figure.low) << what;
   EXPECT_DOUBLE_EQ(page.scale.high, figure.high) << what;
   EXPECT_EQ(scale_lines(page.scale, figure.map), figure.contours) << what;
@@ -311,16 +311,16 @@ void expect_scale_of(const MapFigure& figure, const ReportScale& page, const std
 TEST(ReportPage, ScalesAreThoseOfPictures) {
   const std::vector<ResultFile> files = test::large_results(14, 5);
   CompareOptions options;
-  const ReportData data = compare_report(files, options, compare_files(files, options), {"dea", "compare"});
+  const PageData data = compare_page(files, options, compare_files(files, options), {"dea", "compare"});
   ASSERT_EQ(data.surfaces.size(), 1u);
-  const ReportSurface& s = data.surfaces.front();
+  const PageSurface& s = data.surfaces.front();
   const std::map<std::string, std::string> fields = {
       {"pressure", "contact pressure"}, {"space", "joint space"}, {"thickness", "cartilage thickness"}};
   ASSERT_EQ(s.scales.size(), 3u);
   ASSERT_EQ(data.frames.size(), 5u);
   for (const bool smooth : {true, false}) {
-    for (const ReportQuantity& q : s.scales) {
-      const ReportScales& scales = smooth ? q.nodes : q.facets;
+    for (const PageQuantity& q : s.scales) {
+      const PageScales& scales = smooth ? q.nodes : q.facets;
       MapOptions o;
       o.smooth = smooth;
       o.field = fields.at(q.field);
@@ -335,7 +335,7 @@ TEST(ReportPage, ScalesAreThoseOfPictures) {
       }
     }
     int compared = 0;
-    for (const ReportQuantity& q : s.differences) {
+    for (const PageQuantity& q : s.differences) {
       MapOptions o;
       o.smooth = smooth;
       o.field = fields.at(q.field);
@@ -353,10 +353,10 @@ TEST(ReportPage, ScalesAreThoseOfPictures) {
 TEST(ReportPage, DifferencesAreOfTimesThatBothHave) {
   std::vector<ResultFile> files = test::large_results(14, 5);
   files.erase(files.begin() + 1);
-  files.back().plot.states.erase(files.back().plot.states.begin(), files.back().plot.states.end() - 1);
-  const ReportData data = compare_report(files, {}, compare_files(files, {}), {"dea"});
+  files.back().xplt.states.erase(files.back().xplt.states.begin(), files.back().xplt.states.end() - 1);
+  const PageData data = compare_page(files, {}, compare_files(files, {}), {"dea"});
   ASSERT_EQ(data.frames.size(), 5u);
-  const ReportQuantity& q = data.surfaces.front().differences.front();
+  const PageQuantity& q = data.surfaces.front().differences.front();
   MapOptions o;
   expect_scale_of(make_map_figure({files[0]}, &files[1], o), q.facets.all, "one time");
   for (std::size_t f = 0; f < 4; ++f) EXPECT_TRUE(q.nodes.frames[f].range.empty()) << f;
@@ -366,8 +366,8 @@ TEST(ReportPage, DifferencesAreOfTimesThatBothHave) {
 TEST(ReportPage, CarriesValuesToTheReferencesNodesAsCompareDoes) {
   const std::vector<ResultFile> files = test::awkward_results();
   const Comparison c = compare_files(files, {});
-  const ReportData data = compare_report(files, {}, c, {"dea"});
-  const ReportSurface& s = data.surfaces[0];
+  const PageData data = compare_page(files, {}, c, {"dea"});
+  const PageSurface& s = data.surfaces[0];
   ASSERT_FALSE(s.carry[0]);  // the reference's own mesh
   ASSERT_TRUE(s.carry[1]);
   const std::vector<double> nodal = nodal_average(s.geometry[1], s.pressure[1]->states.back());
@@ -389,8 +389,8 @@ TEST(ReportPage, SlopeOfAMultiple) {
   const std::vector<ResultFile> files = {
       test::make_dome_result("a.xplt", "a", dome, {0.0, 1.0}, {{"contact pressure", a}}),
       test::make_dome_result("b.xplt", "b", dome, {0.0, 1.0}, {{"contact pressure", b}})};
-  const ReportData data = compare_report(files, {}, compare_files(files, {}), {"dea"});
-  const ReportPattern& p = *data.surfaces[0].patterns[1][0][0];
+  const PageData data = compare_page(files, {}, compare_files(files, {}), {"dea"});
+  const PagePattern& p = *data.surfaces[0].patterns[1][0][0];
   EXPECT_NEAR(p.slope, 2.5, 1e-5);
   EXPECT_NEAR(p.intercept, 0.0, 1e-4);
   EXPECT_NEAR(p.difference.correlation, 1.0, 1e-9);
@@ -398,8 +398,8 @@ TEST(ReportPage, SlopeOfAMultiple) {
 }
 
 TEST(ReportPage, FramesPairTimes) {
-  const ReportData data =
-      compare_report(test::awkward_results(), {}, compare_files(test::awkward_results(), {}), {"dea"});
+  const PageData data =
+      compare_page(test::awkward_results(), {}, compare_files(test::awkward_results(), {}), {"dea"});
   ASSERT_EQ(data.frames.size(), 4u);  // the second result has no state at 0.75
   EXPECT_EQ(data.frames[3].states, (std::vector<int>{4, 3, 4}));
   EXPECT_EQ(data.frame, 3);
@@ -408,7 +408,7 @@ TEST(ReportPage, FramesPairTimes) {
     return test::make_dome_result(name, name, dome, times, {{"contact pressure", test::wandering(5, 6, 0)}});
   };
   const std::vector<ResultFile> apart = {at("a", {0.4}), at("b", {0.2, 0.5})};
-  const ReportData other = compare_report(apart, {}, compare_files(apart, {}), {"dea"});
+  const PageData other = compare_page(apart, {}, compare_files(apart, {}), {"dea"});
   ASSERT_EQ(other.frames.size(), 4u);  // each time by itself, then the compared states
   EXPECT_EQ(other.frames[0].states, (std::vector<int>{-1, 0}));
   EXPECT_EQ(other.frames[1].states, (std::vector<int>{0, -1}));
@@ -424,14 +424,14 @@ TEST(ReportPage, SaysNothingOfFoldersAndIsTheSameTwice) {
   for (const ResultFile& f : files) words.push_back(f.path);
   Comparison c = compare_files(files, {});
   c.warnings.push_back("warning: /some/where/first.xplt: something");
-  const std::string page = report_html(compare_report(files, {}, c, words));
+  const std::string page = page_html(compare_page(files, {}, c, words));
   EXPECT_EQ(page.find("/some/where"), std::string::npos);
   EXPECT_EQ(page.find("secret"), std::string::npos);
   const PageParts parts(page);
   EXPECT_EQ(parts.report["command"],
             "dea compare --report r.html --surface 'a=/b c' first.xplt second.xplt third.xplt");
   EXPECT_EQ(parts.report["warnings"].back(), "warning: first.xplt: something");
-  EXPECT_EQ(page, report_html(compare_report(files, {}, c, words)));
+  EXPECT_EQ(page, page_html(compare_page(files, {}, c, words)));
 }
 
 TEST(ReportPage, UnitsOnlyWhereTheFilesNameThem) {
@@ -443,7 +443,7 @@ TEST(ReportPage, UnitsOnlyWhereTheFilesNameThem) {
 
 TEST(ReportPage, FiftyThousandFacetsAndFiftyStatesStayBelowThirtyMegabytes) {
   const std::vector<ResultFile> files = test::large_results(224, 50, true);
-  ASSERT_GE(files[0].plot.meshes[0].surfaces[0].size(), 50000);
+  ASSERT_GE(files[0].xplt.meshes[0].surfaces[0].size(), 50000);
   const PageParts page(page_of(files));
   EXPECT_LT(page.html.size(), 30u * 1000 * 1000);
   EXPECT_GT(page.html.size(), 1000u * 1000);
@@ -456,7 +456,7 @@ TEST(ReportPage, FiftyThousandFacetsAndFiftyStatesStayBelowThirtyMegabytes) {
     ASSERT_EQ(codes.size(), 50 * n);
     for (std::size_t s = 0; s < 50; s += 7) {
       const double least = field["ranges"][s][0], most = field["ranges"][s][1];
-      const std::vector<float>& values = files[i].plot.states[s].variables[0][0].values;
+      const std::vector<float>& values = files[i].xplt.states[s].variables[0][0].values;
       for (std::size_t f = 0; f < n; f += 3) {
         const double code = codes[s * n + f], x = least * (1 - code / 65534) + most * code / 65534;
         ASSERT_LE(std::abs(x - values[f]), (most - least) / 65534) << s << " " << f;

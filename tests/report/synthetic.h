@@ -35,8 +35,8 @@ inline ResultFile make_dome_result(const std::string& path, const std::string& l
   ResultFile result;
   result.path = path;
   result.label = label;
-  result.plot.software = "made up";
-  result.plot.units = "mm-N-s";
+  result.xplt.software = "made up";
+  result.xplt.units = "mm-N-s";
   const int n = dome.n;
   XpltMesh mesh;
   const auto x_of = [&](double i) { return dome.size * (i / n - 0.5); };
@@ -67,8 +67,8 @@ inline ResultFile make_dome_result(const std::string& path, const std::string& l
   }
   mesh.surfaces = {facets};
   mesh.domains = {shells};
-  result.plot.meshes = {mesh};
-  for (const auto& field : fields) result.plot.variables.push_back(surface_variable(field.first));
+  result.xplt.meshes = {mesh};
+  for (const auto& field : fields) result.xplt.variables.push_back(surface_variable(field.first));
   for (double t : times) {
     XpltState state;
     state.time = static_cast<float>(t);
@@ -81,7 +81,7 @@ inline ResultFile make_dome_result(const std::string& path, const std::string& l
           region.values.push_back(static_cast<float>(fields[f].second(x_of(i + 0.5), x_of(j + 0.5), t)));
       state.variables[f].push_back(std::move(region));
     }
-    result.plot.states.push_back(std::move(state));
+    result.xplt.states.push_back(std::move(state));
   }
   return result;
 }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace dea {
 namespace {
 
@@ -53,6 +55,14 @@ TEST(Names, ListsAreShortAndOneLine) {
   EXPECT_EQ(name_list({"far", "hop", "hip"}, "hip", 2), "\"hip\", \"hop\", ...");
   EXPECT_EQ(name_list({"two\nlines"}), "\"two lines\"");
   EXPECT_EQ(name_list({std::string(100, 'x')}), "\"" + std::string(60, 'x') + "...\"");
+}
+
+TEST(Names, FreeNameCountsOn) {
+  std::set<std::string> names = {"part"};
+  EXPECT_EQ(take_free_name("ground", names), "ground");
+  EXPECT_EQ(take_free_name("part", names), "part_2");
+  EXPECT_EQ(take_free_name("part", names), "part_3");
+  EXPECT_EQ(names.size(), 4u);
 }
 
 }  // namespace

@@ -66,17 +66,10 @@ std::vector<std::string> split_names(const std::string& text, const std::vector<
   return names;
 }
 
-/// Names of the surfaces to compare, one per file each.
-std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFile>& files,
-                                                      const std::vector<int>& states, const CompareOptions& options,
-                                                      std::vector<std::string>& warnings) {
-  std::vector<std::vector<std::string>> with_pressure;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    with_pressure.push_back(surfaces_with_pressure(files[i], states[i]));
-    if (with_pressure.back().empty())
-      throw InputError(fmt::format("{}: found no surface with \"{}\" at time {:g}, expected one", files[i].path,
-                                   kPressure, files[i].plot.states[at(states[i])].time));
-  }
+/// Of --surface. `with_pressure`: per file.
+std::vector<std::vector<std::string>> asked_surfaces(const std::vector<ResultFile>& files,
+                                                     const std::vector<int>& states, const CompareOptions& options,
+                                                     const std::vector<std::vector<std::string>>& with_pressure) {
   std::vector<std::vector<std::string>> chosen;
   for (const std::string& text : options.surfaces) {
     chosen.push_back(split_names(text, files, states));
@@ -88,14 +81,20 @@ std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFi
       if (chosen[k].front() == chosen.back().front())
         throw UsageError(fmt::format("--surface {}: surface \"{}\" given twice", text, chosen[k].front()));
   }
-  if (!chosen.empty()) return chosen;
+  return chosen;
+}
 
+/// Surfaces of the same name in all files, pressed in one of them at least; first those that are pressed in all.
+std::vector<std::vector<std::string>> common_surfaces(const std::vector<ResultFile>& files,
+                                                      const std::vector<int>& states,
+                                                      const std::vector<std::vector<std::string>>& with_pressure,
+                                                      std::vector<std::string>& warnings) {
   bool common = false;
-  std::vector<std::vector<std::string>> one_sided;
+  std::vector<std::vector<std::string>> chosen, one_sided;
   for (const std::string& name : with_pressure.front()) {
-    bool everywhere = true;
-    for (const auto& names : with_pressure)
-      everywhere = everywhere && std::find(names.begin(), names.end(), name) != names.end();
+    const bool everywhere = std::all_of(with_pressure.begin(), with_pressure.end(), [&](const auto& names) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    });
     if (!everywhere) continue;
     common = true;
     int pressed = 0;
@@ -123,6 +122,23 @@ std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFi
         fmt::format("found no surface with \"{}\" that all files have, expected --surface A=B: {}", kPressure, have));
   }
   chosen.insert(chosen.end(), one_sided.begin(), one_sided.end());
+  return chosen;
+}
+
+/// Names of the surfaces to compare, one per file each.
+std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFile>& files,
+                                                      const std::vector<int>& states, const CompareOptions& options,
+                                                      std::vector<std::string>& warnings) {
+  std::vector<std::vector<std::string>> with_pressure;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    with_pressure.push_back(surfaces_with_pressure(files[i], states[i]));
+    if (with_pressure.back().empty())
+      throw InputError(fmt::format("{}: found no surface with \"{}\" at time {:g}, expected one", files[i].path,
+                                   kPressure, files[i].xplt.states[at(states[i])].time));
+  }
+  std::vector<std::vector<std::string>> chosen = asked_surfaces(files, states, options, with_pressure);
+  if (!chosen.empty()) return chosen;
+  chosen = common_surfaces(files, states, with_pressure, warnings);
   if (chosen.empty())
     throw InputError(
         fmt::format("{}: found no \"{}\" above 0 on any common surface in any file", files.front().path, kPressure));
@@ -140,7 +156,7 @@ double total(const std::vector<double>& values) { return std::accumulate(values.
 
 /// dea's springs push on the areas of the mesh. Its files move the nodes of the layers, too, but that is a picture of
 /// how far they are squeezed and no solution.
-bool pressure_is_per_mesh_area(const ResultFile& file) { return file.plot.software.rfind("FEBioDEA", 0) == 0; }
+bool pressure_is_per_mesh_area(const ResultFile& file) { return file.xplt.software.rfind("FEBioDEA", 0) == 0; }
 
 SurfaceFacts surface_facts(const ResultFile& file, int state, const Side& side, const ResultSurface& mesh) {
   SurfaceFacts facts;
@@ -222,7 +238,7 @@ History history(const ResultFile& file, int last, const std::string& name) {
       ++h.left_out;
       continue;
     }
-    h.times.push_back(file.plot.states[at(s)].time);
+    h.times.push_back(file.xplt.states[at(s)].time);
     h.pressure.push_back(facet_values(file, s, surface, kPressure));
     if (h.pressure.back().empty()) h.pressure.back().assign(at(facets.size()), 0.0);
   }
@@ -310,76 +326,110 @@ double carried_share(const Side& from, const Side& onto, const NodeMatch& match,
   return resultant(onto.geometry, facet_average(onto.geometry, carried)) / own;
 }
 
-ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std::vector<int>& states,
-                                const std::vector<std::string>& names, const CompareOptions& options,
-                                const std::vector<double>& thresholds, std::vector<std::string>& warnings) {
-  ComparedSurface compared;
-  compared.names = names;
-  std::vector<Side> sides;
-  std::vector<TimeSums> sums;
-  std::vector<std::size_t> summed_states;
+/// One surface in all files, before anything is compared.
+struct SurfaceInFiles {
+  std::vector<Side> sides;                   ///< per file; the last is the reference
+  std::vector<TimeSums> sums;                ///< per file, over `summed_states`
+  std::vector<std::size_t> summed_states;    ///< per file
+  std::vector<NodeMatch> matches;            ///< per file but the reference
+  std::vector<std::vector<double>> carried;  ///< nodal pressure of each of them on the reference's nodes
+};
+
+SurfaceInFiles read_sides(const std::vector<ResultFile>& files, const std::vector<int>& states,
+                          const std::vector<std::string>& names, const CompareOptions& options,
+                          std::vector<std::string>& warnings) {
+  SurfaceInFiles in;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    sides.push_back(make_side(files[i], states[i], names[i], options.areas));
-    note_areas_and_force(sides.back(), files[i], options.areas, warnings);
-    compared.facets.push_back(sides.back().geometry.facets());
+    in.sides.push_back(make_side(files[i], states[i], names[i], options.areas));
+    note_areas_and_force(in.sides.back(), files[i], options.areas, warnings);
     const History h = history(files[i], states[i], names[i]);
     if (h.left_out > 0)
       warnings.push_back(
           fmt::format("warning: {}: {} states with another mesh of \"{}\" are left out of sums over time",
                       files[i].path, h.left_out, names[i]));
-    summed_states.push_back(h.times.size());
-    sums.push_back(nodal_sums(h, sides.back().geometry, options.dose_above));
+    in.summed_states.push_back(h.times.size());
+    in.sums.push_back(nodal_sums(h, in.sides.back().geometry, options.dose_above));
   }
-  const Side& reference = sides.back();
-  std::vector<NodeMatch> matches;
-  std::vector<std::vector<double>> carried;  // nodal pressure of each file on the reference's nodes
+  return in;
+}
+
+/// Finds the reference's nodes on the other files' surfaces, and says how well they fit.
+void match_sides(const std::vector<ResultFile>& files, const std::vector<std::string>& names, SurfaceInFiles& in,
+                 std::vector<std::string>& warnings) {
+  const Side& reference = in.sides.back();
+  const ResultFile& last = files.back();
   for (std::size_t i = 0; i + 1 < files.size(); ++i) {
-    matches.push_back(match_nodes(reference.geometry, sides[i].geometry));
-    carried.push_back(carry(matches.back(), sides[i].geometry, sides[i].nodal));
-    compared.same_mesh.push_back(matches.back().same_mesh);
-    compared.covered.push_back(matches.back().covered);
-    sides[i].facts.carried = carried_share(sides[i], reference, matches.back(), carried.back());
-    if (!(matches.back().covered > 0))
+    Side& side = in.sides[i];
+    const NodeMatch match = match_nodes(reference.geometry, side.geometry);
+    in.carried.push_back(carry(match, side.geometry, side.nodal));
+    side.facts.carried = carried_share(side, reference, match, in.carried.back());
+    if (!(match.covered > 0))
       throw InputError(fmt::format("{}: surface \"{}\" lies nowhere on \"{}\" of {}", files[i].path, names[i],
-                                   names.back(), files.back().path));
-    if (matches.back().covered < 0.99)
+                                   names.back(), last.path));
+    if (match.covered < 0.99)
       warnings.push_back(
           fmt::format("warning: surface \"{}\" of {} covers only {:.1f}% of \"{}\" of {}; the rest is left out of "
                       "correlation, rms and Dice",
-                      names[i], files[i].label, 100 * matches.back().covered, names.back(), files.back().label));
-    if (std::abs(sides[i].facts.carried - 1) > 0.01)
+                      names[i], files[i].label, 100 * match.covered, names.back(), last.label));
+    if (std::abs(side.facts.carried - 1) > 0.01)
       warnings.push_back(fmt::format(
           "note: {}: its map of \"{}\", projected onto the mesh of {}, carries {:.1f}% of its own resultant there; "
           "correlation, rms and Dice are of that",
-          files[i].label, names[i], files.back().label, 100 * sides[i].facts.carried));
+          files[i].label, names[i], last.label, 100 * side.facts.carried));
+    in.matches.push_back(match);
   }
-  for (const Side& side : sides) compared.facts.push_back(side.facts);
+}
 
+ComparedRegion compare_region(const SurfaceInFiles& in, const Region& region, const std::vector<double>& thresholds) {
+  ComparedRegion r;
+  r.name = region.name;
+  for (std::size_t i = 0; i < in.sides.size(); ++i) {
+    const Side& side = in.sides[i];
+    r.results.push_back(measure(side.geometry, side.values, thresholds, region.masks[i]));
+    r.over_time.push_back(time_measures(in.sums[i], in.summed_states[i], nodal_areas(side.geometry, region.masks[i])));
+  }
+  const Side& reference = in.sides.back();
+  const std::vector<double> areas = nodal_areas(reference.geometry, region.masks.back());
+  for (const std::vector<double>& carried : in.carried)
+    r.differences.push_back(pattern_difference(carried, reference.nodal, areas, thresholds));
+  r.facet_correlation = facet_correlations(in.sides, in.matches, region.masks.back());
+  return r;
+}
+
+/// Axis and centre of thirds and profile.
+SurfaceFrame choose_frame(const Side& reference, const CompareOptions& options, const std::string& name) {
   SurfaceFrame frame = reference.frame;
   if (options.axis) frame.axis = options.axis->normalized();
   if (options.center) frame.center = *options.center;
   if ((options.thirds || options.profile) && !(frame.axis.norm() > 0))
-    throw UsageError(fmt::format("surface \"{}\" is closed and has no axis of its own: --axis x,y,z", names.back()));
+    throw UsageError(fmt::format("surface \"{}\" is closed and has no axis of its own: --axis x,y,z", name));
+  return frame;
+}
 
-  for (const Region& region : make_regions(files, states, sides, options, frame)) {
-    ComparedRegion r;
-    r.name = region.name;
-    for (std::size_t i = 0; i < files.size(); ++i) {
-      r.results.push_back(measure(sides[i].geometry, sides[i].values, thresholds, region.masks[i]));
-      r.over_time.push_back(time_measures(sums[i], summed_states[i], nodal_areas(sides[i].geometry, region.masks[i])));
-    }
-    const std::vector<double> areas = nodal_areas(reference.geometry, region.masks.back());
-    for (std::size_t i = 0; i + 1 < files.size(); ++i)
-      r.differences.push_back(pattern_difference(carried[i], reference.nodal, areas, thresholds));
-    r.facet_correlation = facet_correlations(sides, matches, region.masks.back());
-    compared.regions.push_back(std::move(r));
+ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std::vector<int>& states,
+                                const std::vector<std::string>& names, const CompareOptions& options,
+                                const std::vector<double>& thresholds, std::vector<std::string>& warnings) {
+  ComparedSurface compared;
+  compared.names = names;
+  SurfaceInFiles in = read_sides(files, states, names, options, warnings);
+  match_sides(files, names, in, warnings);
+  for (const NodeMatch& match : in.matches) {
+    compared.same_mesh.push_back(match.same_mesh);
+    compared.covered.push_back(match.covered);
   }
-
+  for (const Side& side : in.sides) {
+    compared.facets.push_back(side.geometry.facets());
+    compared.facts.push_back(side.facts);
+  }
+  const Side& reference = in.sides.back();
+  SurfaceFrame frame = choose_frame(reference, options, names.back());
+  for (const Region& region : make_regions(files, states, in.sides, options, frame))
+    compared.regions.push_back(compare_region(in, region, thresholds));
   if (options.profile) {
     // by itself the axis points at the surface, whichever side its normals are on
     if (!options.axis && frame.axis.dot(surface_extent(reference.geometry.mesh).centroid - frame.center) < 0)
       frame.axis = -frame.axis;
-    for (const Side& side : sides)
+    for (const Side& side : in.sides)
       compared.profiles.push_back(
           pressure_profile(side.geometry, side.values.pressure, frame.axis, frame.center, options.bin));
   }
@@ -446,23 +496,80 @@ std::vector<std::vector<int>> paired_states(const std::vector<ResultFile>& files
                                             const Comparison& comparison) {
   std::vector<std::vector<int>> pairs;
   if (!options.at) {
-    for (std::size_t s = 0; s < files.front().plot.states.size(); ++s) {
+    for (std::size_t s = 0; s < files.front().xplt.states.size(); ++s) {
       std::vector<int> pair = {static_cast<int>(s)};
       for (std::size_t i = 1; i < files.size(); ++i) {
-        for (std::size_t k = 0; k < files[i].plot.states.size(); ++k) {
-          if (!same_time(files[i].plot.states[k].time, files.front().plot.states[s].time)) continue;
+        for (std::size_t k = 0; k < files[i].xplt.states.size(); ++k) {
+          if (!same_time(files[i].xplt.states[k].time, files.front().xplt.states[s].time)) continue;
           pair.push_back(static_cast<int>(k));
           break;
         }
       }
       bool same_meshes = pair.size() == files.size();
       for (std::size_t i = 0; i < files.size() && same_meshes; ++i)
-        same_meshes = files[i].plot.states[at(pair[i])].mesh == files[i].plot.states[at(comparison.states[i])].mesh;
+        same_meshes = files[i].xplt.states[at(pair[i])].mesh == files[i].xplt.states[at(comparison.states[i])].mesh;
       if (same_meshes) pairs.push_back(std::move(pair));
     }
   }
   if (pairs.empty()) pairs.push_back(comparison.states);
   return pairs;
+}
+
+/// After the displacement: pressures, differences, and with `time_fields` peaks, exposures and doses, file by file.
+std::vector<XpltVariable> compare_variables(const CompareOptions& options, const std::vector<std::string>& labels,
+                                            bool time_fields) {
+  std::vector<XpltVariable> variables;
+  for (const std::string& label : labels)
+    variables.push_back(surface_variable(fmt::format("{} {}", kPressure, label), "P"));
+  for (std::size_t i = 0; i + 1 < labels.size(); ++i)
+    variables.push_back(surface_variable(
+        labels.size() == 2 ? "pressure difference" : fmt::format("pressure difference {}", labels[i]), "P"));
+  if (!time_fields) return variables;
+  for (const std::string& label : labels) {
+    variables.push_back(surface_variable(fmt::format("peak pressure {}", label), "P"));
+    variables.push_back(surface_variable(fmt::format("exposure {}", label), "P.t"));
+    if (options.dose_above) variables.push_back(surface_variable(fmt::format("overpressure dose {}", label), "P.t"));
+  }
+  return variables;
+}
+
+/// One surface of all files, on the first file's facets.
+struct SurfaceOnFirst {
+  std::vector<std::string> names;
+  std::vector<Side> sides;
+  std::vector<NodeMatch> matches;
+  int region() const { return sides.front().surface + 1; }
+  std::vector<double> carried(std::size_t file, const std::vector<double>& facets) const {
+    return on_first(matches[file], sides.front().geometry, sides[file].geometry, facets);
+  }
+};
+
+/// Values of compare_variables in one state: `pair` has the state of each file, `v` is the place of the first variable.
+void add_compared_values(const std::vector<ResultFile>& files, const SurfaceOnFirst& surface,
+                         const std::vector<int>& pair, const CompareOptions& options, bool time_fields, std::size_t v,
+                         XpltState& state) {
+  const auto add = [&](const std::vector<double>& values) {
+    state.variables[v++].push_back({surface.region(), floats(values)});
+  };
+  std::vector<std::vector<double>> pressure;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    std::vector<double> p = facet_values(files[i], pair[i], surface.sides[i].surface, kPressure);
+    if (p.empty()) p.assign(at(surface.sides[i].geometry.facets()), 0.0);
+    pressure.push_back(surface.carried(i, p));
+    add(pressure.back());
+  }
+  for (std::size_t i = 0; i + 1 < files.size(); ++i) {
+    std::vector<double> difference;
+    for (std::size_t f = 0; f < pressure[i].size(); ++f) difference.push_back(pressure[i][f] - pressure.back()[f]);
+    add(difference);
+  }
+  if (!time_fields) return;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const History h = history(files[i], pair[i], surface.names[i]);
+    const TimeSums sums = over_time(h.times, h.pressure, options.dose_above);
+    for (const std::vector<double>* values : {&sums.peak, &sums.exposure, &sums.dose})
+      if (!values->empty()) add(surface.carried(i, *values));
+  }
 }
 
 }  // namespace
@@ -480,7 +587,7 @@ ResultSurface compared_surface(const ResultFile& file, int state, int surface, C
     throw InputError(
         fmt::format("{}: found no \"displacement\" of the nodes at time {:g}, expected one for --areas "
                     "deformed; --areas reference needs none",
-                    file.path, file.plot.states[at(state)].time));
+                    file.path, file.xplt.states[at(state)].time));
   return with_areas_of(std::move(mesh), *moved);
 }
 
@@ -493,16 +600,16 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
   for (const ResultFile& file : files) {
     c.labels.push_back(file.label);
     c.paths.push_back(file.path);
-    c.states.push_back(options.at ? find_state(file, *options.at) : static_cast<int>(file.plot.states.size()) - 1);
-    c.times.push_back(file.plot.states[at(c.states.back())].time);
-    if (c.units.empty()) c.units = file.plot.units;
-    if (!file.plot.units.empty() && file.plot.units != c.units)
+    c.states.push_back(options.at ? find_state(file, *options.at) : static_cast<int>(file.xplt.states.size()) - 1);
+    c.times.push_back(file.xplt.states[at(c.states.back())].time);
+    if (c.units.empty()) c.units = file.xplt.units;
+    if (!file.xplt.units.empty() && file.xplt.units != c.units)
       c.warnings.push_back(fmt::format("warning: {} is in {}, others are in {}: numbers are compared as they are",
-                                       file.path, file.plot.units, c.units));
-    if (file.plot.truncated)
+                                       file.path, file.xplt.units, c.units));
+    if (file.xplt.truncated)
       c.warnings.push_back(
           fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file.path,
-                      file.plot.states.back().time));
+                      file.xplt.states.back().time));
     if (!same_time(c.times.back(), c.times.front()))
       c.warnings.push_back(
           fmt::format("warning: the last state of {} is at time {:g}, that of {} at {:g}; --at T compares at one time",
@@ -513,7 +620,7 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
     if (n == 1 || reference == 1) continue;  // no sums over time
     bool same = n == reference;
     for (int s = 0; same && s < n; ++s)
-      same = same_time(files[i].plot.states[at(s)].time, files.back().plot.states[at(s)].time);
+      same = same_time(files[i].xplt.states[at(s)].time, files.back().xplt.states[at(s)].time);
     if (!same)
       c.warnings.push_back(fmt::format(
           "warning: up to the compared state {} has {} states and {} has {}, at other times: peaks and "
@@ -537,28 +644,17 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
   out.software = fmt::format("FEBioDEA {}", kVersion);
   out.units = comparison.units;
   out.meshes = {mesh_of(first, comparison.states.front())};
-  out.meshes.front().objects = first.plot.meshes.front().objects;
+  out.meshes.front().objects = first.xplt.meshes.front().objects;
 
-  const int displacement = find_variable(first.plot, XpltGroup::Nodal, "displacement");
-  if (displacement >= 0) out.variables.push_back(first.plot.variables[at(displacement)]);
+  const int displacement = find_variable(first.xplt, XpltGroup::Nodal, "displacement");
+  if (displacement >= 0) out.variables.push_back(first.xplt.variables[at(displacement)]);
   const std::size_t fields = out.variables.size();
-  for (const std::string& label : comparison.labels)
-    out.variables.push_back(surface_variable(fmt::format("{} {}", kPressure, label), "P"));
-  for (std::size_t i = 0; i + 1 < files.size(); ++i)
-    out.variables.push_back(surface_variable(
-        files.size() == 2 ? "pressure difference" : fmt::format("pressure difference {}", comparison.labels[i]), "P"));
-  if (time_fields) {
-    for (const std::string& label : comparison.labels) {
-      out.variables.push_back(surface_variable(fmt::format("peak pressure {}", label), "P"));
-      out.variables.push_back(surface_variable(fmt::format("exposure {}", label), "P.t"));
-      if (options.dose_above)
-        out.variables.push_back(surface_variable(fmt::format("overpressure dose {}", label), "P.t"));
-    }
-  }
+  for (XpltVariable& v : compare_variables(options, comparison.labels, time_fields))
+    out.variables.push_back(std::move(v));
 
   const std::vector<std::vector<int>> pairs = paired_states(files, options, comparison);
   for (const std::vector<int>& pair : pairs) {
-    const XpltState& own = first.plot.states[at(pair.front())];
+    const XpltState& own = first.xplt.states[at(pair.front())];
     XpltState state;
     state.time = own.time;
     state.status = own.status;
@@ -568,42 +664,15 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
     if (displacement >= 0) state.variables[0] = own.variables[at(displacement)];
     out.states.push_back(std::move(state));
   }
-
-  for (const ComparedSurface& surface : comparison.surfaces) {
-    std::vector<Side> sides;
-    std::vector<NodeMatch> matches;
-    std::vector<History> histories;
+  for (const ComparedSurface& compared : comparison.surfaces) {
+    SurfaceOnFirst surface;
+    surface.names = compared.names;
     for (std::size_t i = 0; i < files.size(); ++i) {
-      sides.push_back(make_side(files[i], comparison.states[i], surface.names[i], options.areas));
-      matches.push_back(match_nodes(sides.front().geometry, sides.back().geometry));
+      surface.sides.push_back(make_side(files[i], comparison.states[i], compared.names[i], options.areas));
+      surface.matches.push_back(match_nodes(surface.sides.front().geometry, surface.sides.back().geometry));
     }
-    const int region = sides.front().surface + 1;
-    for (std::size_t s = 0; s < pairs.size(); ++s) {
-      XpltState& state = out.states[s];
-      std::vector<std::vector<double>> pressure;
-      for (std::size_t i = 0; i < files.size(); ++i) {
-        std::vector<double> p = facet_values(files[i], pairs[s][i], sides[i].surface, kPressure);
-        if (p.empty()) p.assign(at(sides[i].geometry.facets()), 0.0);
-        pressure.push_back(on_first(matches[i], sides.front().geometry, sides[i].geometry, p));
-        state.variables[fields + i].push_back({region, floats(pressure.back())});
-      }
-      for (std::size_t i = 0; i + 1 < files.size(); ++i) {
-        std::vector<double> difference;
-        for (std::size_t f = 0; f < pressure[i].size(); ++f) difference.push_back(pressure[i][f] - pressure.back()[f]);
-        state.variables[fields + files.size() + i].push_back({region, floats(difference)});
-      }
-      if (!time_fields) continue;
-      std::size_t v = fields + 2 * files.size() - 1;
-      for (std::size_t i = 0; i < files.size(); ++i) {
-        const History h = history(files[i], pairs[s][i], surface.names[i]);
-        const TimeSums sums = over_time(h.times, h.pressure, options.dose_above);
-        for (const std::vector<double>* values : {&sums.peak, &sums.exposure, &sums.dose}) {
-          if (values->empty()) continue;
-          state.variables[v++].push_back(
-              {region, floats(on_first(matches[i], sides.front().geometry, sides[i].geometry, *values))});
-        }
-      }
-    }
+    for (std::size_t s = 0; s < pairs.size(); ++s)
+      add_compared_values(files, surface, pairs[s], options, time_fields, fields, out.states[s]);
   }
   for (XpltState& state : out.states)
     for (auto& regions : state.variables)

@@ -641,10 +641,10 @@ Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options,
   const auto panel_width = [&](int columns) {
     return (l.width - 2 * kMargin - l.bar - (columns - 1) * kGap) / columns;
   };
-  const int wanted = l.columns;
+  const int usual = l.columns;
   // Fewer side by side where there is little room; a row of files stays whole, or is cut into equal parts.
   while (options.columns <= 0 && l.columns > 1 &&
-         (panel_width(l.columns) < 120.0 || (figure.columns > 0 && wanted % l.columns != 0)))
+         (panel_width(l.columns) < 120.0 || (figure.columns > 0 && usual % l.columns != 0)))
     --l.columns;
   l.rows = (n + l.columns - 1) / l.columns;
   l.panel_width = panel_width(l.columns);

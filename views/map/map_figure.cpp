@@ -9,8 +9,8 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/files/unit_names.h>
-#include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/views/map/map_scale.h>
 
 namespace dea {
@@ -30,9 +30,9 @@ std::string number(double x, bool plus = false) {
 }
 
 void require_field(const ResultFile& file, const std::string& field) {
-  if (find_variable(file.plot, XpltGroup::Surface, field) >= 0) return;
+  if (find_variable(file.xplt, XpltGroup::Surface, field) >= 0) return;
   std::vector<std::string> scalars;
-  for (const XpltVariable& v : file.plot.variables)
+  for (const XpltVariable& v : file.xplt.variables)
     if (v.group == XpltGroup::Surface && v.type == XpltType::Float && v.format != XpltFormat::Region)
       scalars.push_back(v.name);
   throw InputError(fmt::format("{}: found no surface field \"{}\"{}, expected one of {}", file.path, field,
@@ -55,12 +55,12 @@ std::vector<Row> choose_states(const std::vector<ResultFile>& files, const MapOp
   std::vector<Row> rows;
   if (o.states == "last") {
     Row row;
-    for (const ResultFile& file : files) row.push_back(static_cast<int>(file.plot.states.size()) - 1);
+    for (const ResultFile& file : files) row.push_back(static_cast<int>(file.xplt.states.size()) - 1);
     return {row};
   }
   std::vector<double> times;
   if (o.states == "all") {
-    const std::vector<XpltState>& states = files.front().plot.states;
+    const std::vector<XpltState>& states = files.front().xplt.states;
     if (files.size() == 1) {  // a file may have two states at one time
       for (int i = 0; i < static_cast<int>(states.size()); ++i) rows.push_back({i});
       return rows;
@@ -89,7 +89,7 @@ constexpr const char* kSpace = "joint space";
 /// The largest value of a field on a surface in any state; 0 where it has none.
 double largest_ever(const ResultFile& file, const std::string& surface, const std::string& field) {
   double most = 0.0;
-  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+  for (int state = 0; state < static_cast<int>(file.xplt.states.size()); ++state) {
     const int index = find_surface(file, state, surface);
     if (index < 0) continue;
     for (double x : facet_values(file, state, index, field, true))
@@ -139,7 +139,7 @@ MapValues field_values(const ResultFile& file, int state, const ResultSurface& s
   std::vector<double> facets = facet_values(file, state, index, field);
   if (facets.empty())
     throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {:g}", file.path, surface.name, field,
-                                 file.plot.states[at(state)].time));
+                                 file.xplt.states[at(state)].time));
   if (clamped && is_pressure(field))
     for (double& x : facets) x = std::max(x, 0.0);  // as everywhere: contact is where pressure is above 0
   return map_values(surface, field, std::move(facets));
@@ -148,7 +148,7 @@ MapValues field_values(const ResultFile& file, int state, const ResultSurface& s
 /// The state of the reference that belongs to a time.
 int reference_state(const ResultFile& minus, double time, bool last) {
   if (!last) return find_state(minus, time);
-  return static_cast<int>(minus.plot.states.size()) - 1;
+  return static_cast<int>(minus.xplt.states.size()) - 1;
 }
 
 MapValues difference(const NodeMatch& match, const ResultSurface& surface, const MapValues& a,
@@ -269,16 +269,16 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
   ResultSurface s, reference;
   std::optional<NodeMatch> match;
   int mesh = -1, other_mesh = -1;
-  for (int state = 0; state < static_cast<int>(file.plot.states.size()); ++state) {
+  for (int state = 0; state < static_cast<int>(file.xplt.states.size()); ++state) {
     const int index = find_surface(file, state, name);
     if (index < 0) continue;
     std::vector<double> facets = facet_values(file, state, index, o.field, true);
     if (facets.empty()) continue;
-    if (file.plot.states[at(state)].mesh != mesh) {
+    if (file.xplt.states[at(state)].mesh != mesh) {
       s = result_surface(file, state, index);
       match.reset();
     }
-    mesh = file.plot.states[at(state)].mesh;
+    mesh = file.xplt.states[at(state)].mesh;
     if (is_pressure(o.field) && minus == nullptr)
       for (double& x : facets) x = std::max(x, 0.0);
     const MapValues v = map_values(s, o.field, std::move(facets));
@@ -287,16 +287,16 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
       if (o.field == kSpace) add_areas(s, v.facets, scaled.areas);
       continue;
     }
-    for (int k = 0; k < static_cast<int>(minus->plot.states.size()); ++k) {
-      if (!same_time(minus->plot.states[at(k)].time, file.plot.states[at(state)].time)) continue;
+    for (int k = 0; k < static_cast<int>(minus->xplt.states.size()); ++k) {
+      if (!same_time(minus->xplt.states[at(k)].time, file.xplt.states[at(state)].time)) continue;
       const int other = find_surface(*minus, k, name);
       std::vector<double> taken = other < 0 ? std::vector<double>() : facet_values(*minus, k, other, o.field, true);
       if (taken.empty()) continue;
-      if (minus->plot.states[at(k)].mesh != other_mesh || !match) {
+      if (minus->xplt.states[at(k)].mesh != other_mesh || !match) {
         reference = result_surface(*minus, k, other);
         match = match_nodes(s, reference);
       }
-      other_mesh = minus->plot.states[at(k)].mesh;
+      other_mesh = minus->xplt.states[at(k)].mesh;
       scaled.range.add(shown(figure, difference(*match, s, v, reference, map_values(reference, o.field, taken))));
       break;
     }
@@ -382,10 +382,10 @@ std::vector<std::vector<std::string>> remark_files(const std::vector<const Resul
                                                    MapFigure& figure) {
   std::vector<std::vector<std::string>> without(files.size());
   for (const ResultFile* file : files)
-    if (file->plot.truncated)
+    if (file->xplt.truncated)
       figure.remarks.push_back(
           fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file->path,
-                      file->plot.states.back().time));
+                      file->xplt.states.back().time));
   if (!is_pressure(o.field)) return without;
   for (const std::string& name : names) {
     std::vector<char> pressed;
@@ -409,17 +409,215 @@ std::vector<std::vector<std::string>> remark_files(const std::vector<const Resul
 void choose_units(const std::vector<const ResultFile*>& files, const MapOptions& o, MapFigure& figure) {
   std::string system;
   for (const ResultFile* file : files) {
-    if (system.empty()) system = file->plot.units;
-    if (!file->plot.units.empty() && file->plot.units != system)
+    if (system.empty()) system = file->xplt.units;
+    if (!file->xplt.units.empty() && file->xplt.units != system)
       throw InputError(
-          fmt::format("{}: found units {}, expected {} as in the files before", file->path, file->plot.units, system));
+          fmt::format("{}: found units {}, expected {} as in the files before", file->path, file->xplt.units, system));
   }
   const ResultFile& first = *files.front();
-  std::string dimension = first.plot.variables[at(find_variable(first.plot, XpltGroup::Surface, o.field))].units;
+  std::string dimension = first.xplt.variables[at(find_variable(first.xplt, XpltGroup::Surface, o.field))].units;
   if (dimension.empty() && is_pressure(o.field)) dimension.assign(1, 'P');
   const UnitNames units = unit_names(system);
   figure.unit = dimension == "P" ? units.pressure : dimension == "L" ? units.length : "";
   figure.length_unit = units.length;
+}
+
+/// What is asked for, and what of the files answers it.
+struct MapRequest {
+  const std::vector<ResultFile>& files;
+  const ResultFile* minus;
+  const MapOptions& options;
+  std::vector<Row> rows;
+  std::vector<std::string> names;                 ///< of surfaces
+  std::vector<std::vector<std::string>> without;  ///< per file, last of minus: surfaces that have no pressure in it
+};
+
+bool has_none(const MapRequest& r, std::size_t file, const std::string& name) {
+  return std::find(r.without[file].begin(), r.without[file].end(), name) != r.without[file].end();
+}
+
+/// The surfaces to show.
+std::vector<std::string> choose_names(const std::vector<ResultFile>& files, const std::vector<Row>& rows,
+                                      const MapOptions& o, MapFigure& figure) {
+  if (!o.surfaces.empty()) return o.surfaces;
+  const std::vector<std::string> loaded = loaded_surfaces(files, rows, o.field);
+  if (loaded.empty())
+    throw InputError(fmt::format("{}: found no surface{} with \"{}\"", files.front().path,
+                                 files.size() > 1 ? " of this and the other files" : "", o.field));
+  if (loaded.size() > 1)
+    figure.remarks.push_back(fmt::format("note: shown is surface \"{}\"; there are values on {} too (--surface NAME)",
+                                         loaded.front(), name_list({loaded.begin() + 1, loaded.end()})));
+  return {loaded.front()};
+}
+
+/// A column per file, else per surface; 0: as fits.
+int choose_columns(const MapRequest& r) {
+  const std::size_t count = r.rows.size() * r.names.size() * r.files.size();
+  if (count > at(kMostPanels))
+    throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer: choose states with --at t1,t2,...",
+                                 count, kMostPanels));
+  if (r.files.size() > 1) return static_cast<int>(r.files.size());
+  return r.rows.size() > 1 && r.names.size() > 1 ? static_cast<int>(r.names.size()) : 0;
+}
+
+/// What a panel shows.
+struct PanelSource {
+  std::size_t file;
+  int state, surface;  ///< in the file
+  std::string name;    ///< of the surface
+  double time;
+  bool same_times;  ///< are the states of its row, and of what is taken away, at one time?
+};
+
+bool row_at_one_time(const MapRequest& r, const Row& row, double time) {
+  for (std::size_t k = 0; k < r.files.size(); ++k)
+    if (!same_time(r.files[k].xplt.states[at(row[k])].time, time)) return false;
+  return true;
+}
+
+/// File, surface and mesh of each of the figure's surfaces.
+using SurfaceKeys = std::vector<std::pair<std::size_t, std::pair<std::string, int>>>;
+
+/// The figure's surface for this source; added if it is not among them yet.
+int figure_surface(const MapRequest& r, const PanelSource& from, SurfaceKeys& keys, MapFigure& figure) {
+  const ResultFile& file = r.files[from.file];
+  const SurfaceKeys::value_type key = {from.file, {from.name, file.xplt.states[at(from.state)].mesh}};
+  const auto known = std::find(keys.begin(), keys.end(), key);
+  const int place = static_cast<int>(known - keys.begin());
+  if (known != keys.end()) return place;
+  keys.push_back(key);
+  MapSurface s;
+  s.name = from.name;
+  s.surface = result_surface(file, from.state, from.surface);
+  if (s.surface.mesh.size() == 0) throw InputError(fmt::format("{}: surface \"{}\" has no area", file.path, from.name));
+  s.mesh = make_map_mesh(s.surface);
+  figure.surfaces.push_back(std::move(s));
+  return place;
+}
+
+/// `values` minus those of the result to take away. Sets from.same_times.
+MapValues take_away(const MapRequest& r, PanelSource& from, const ResultSurface& surface, const MapValues& values,
+                    MapFigure& figure) {
+  const ResultFile &file = r.files[from.file], &minus = *r.minus;
+  const int state = reference_state(minus, from.time, r.options.states == "last");
+  const int other = require_surface(minus, state, from.name);
+  const ResultSurface reference = result_surface(minus, state, other);
+  const NodeMatch match = match_nodes(surface, reference);
+  if (!(match.covered > 0))
+    throw InputError(fmt::format("{}: surface \"{}\" lies nowhere on that of {}", file.path, from.name, minus.path));
+  if (match.covered < 0.99)
+    figure.remarks.push_back(
+        fmt::format("warning: surface \"{}\" of {} covers only {:.1f} % of that of {}; grey: no difference there",
+                    from.name, minus.label, 100 * match.covered, file.label));
+  const double taken = minus.xplt.states[at(state)].time;
+  if (!same_time(taken, from.time)) {
+    from.same_times = false;
+    figure.remarks.push_back(fmt::format("warning: {} is shown at time {:g}, {} at {:g}; --at T compares at one time",
+                                         file.label, from.time, minus.label, taken));
+  }
+  return difference(match, surface, values, reference,
+                    field_values(minus, state, reference, other, r.options.field, false));
+}
+
+void set_title(const MapRequest& r, const PanelSource& from, MapPanel& panel) {
+  const auto add = [&](const std::string& part) {
+    if (!panel.title.empty()) panel.title += ", ";
+    panel.title += part;
+  };
+  if (r.minus != nullptr)
+    add(fmt::format("{} \u2212 {}", r.files[from.file].label, r.minus->label));
+  else if (r.files.size() > 1)
+    add(r.files[from.file].label);
+  const bool alone = r.files.size() == 1 && r.minus == nullptr;
+  if (r.names.size() > 1 || (alone && r.rows.size() == 1)) add(from.name);
+  if (r.rows.size() > 1 || !from.same_times || (alone && r.names.size() == 1)) {
+    add("");
+    panel.when = fmt::format("time {:.6g}", from.time);
+    panel.title += panel.when;
+  }
+}
+
+/// What stands in place of a panel's numbers; empty: numbers.
+std::string nothing_there(const MapRequest& r, const PanelSource& from) {
+  const bool none = has_none(r, from.file, from.name);
+  if (r.minus == nullptr) return none ? "no pressure in this file" : "";
+  if (!none && !has_none(r, r.files.size(), from.name)) return "";
+  return "no pressure in " + (none ? r.files[from.file] : *r.minus).label;
+}
+
+/// Panels by state, surface and file. Returns their values; panels of which there is nothing to describe have their
+/// numbers already.
+std::vector<MapValues> add_panels(const MapRequest& r, MapFigure& figure) {
+  std::vector<MapValues> values;
+  SurfaceKeys keys;
+  for (const Row& row : r.rows) {
+    for (const std::string& name : r.names) {
+      for (std::size_t i = 0; i < r.files.size(); ++i) {
+        const ResultFile& file = r.files[i];
+        const double time = file.xplt.states[at(row[i])].time;
+        PanelSource from = {i, row[i], require_surface(file, row[i], name), name, time, row_at_one_time(r, row, time)};
+        MapPanel panel;
+        panel.surface = figure_surface(r, from, keys, figure);
+        const MapSurface& s = figure.surfaces[at(panel.surface)];
+        MapValues v = field_values(file, row[i], s.surface, from.surface, r.options.field, r.minus == nullptr);
+        if (r.minus != nullptr)
+          v = take_away(r, from, s.surface, v, figure);
+        else
+          std::replace(v.facets.begin(), v.facets.end(), 0.0, kNaN);
+        set_title(r, from, panel);
+        if (!from.same_times && r.minus == nullptr)
+          figure.remarks.push_back("warning: the files' last states are at different times; --at T shows one time");
+        const std::string nothing = nothing_there(r, from);
+        if (!nothing.empty()) panel.numbers = {nothing};
+        panel.facets = v.facets;
+        panel.points = point_values(s.mesh, v.vertices);
+        values.push_back(std::move(v));
+        figure.panels.push_back(std::move(panel));
+      }
+    }
+  }
+  return values;
+}
+
+/// Per facet: the sum of all panels of this surface.
+std::vector<double> facet_load(const MapFigure& figure, int surface) {
+  std::vector<double> load(at(figure.surfaces[at(surface)].surface.facets()), 0.0);
+  for (const MapPanel& panel : figure.panels)
+    for (std::size_t f = 0; panel.surface == surface && f < load.size(); ++f)
+      if (std::isfinite(panel.facets[f])) load[f] += std::abs(panel.facets[f]);
+  return load;
+}
+
+MapView choose_view(const MapRequest& r, const MapSurface& s, const std::vector<double>& load) {
+  const MapOptions& o = r.options;
+  MapView view;
+  if (o.unrolled) {
+    if (!unroll(s.surface, o.up, view))
+      throw UsageError(fmt::format("--view unrolled: surface \"{}\" of {} is no part of a sphere; use --view x,y,z",
+                                   s.name, r.files.front().path));
+    return view;
+  }
+  const Vector3d toward = o.toward ? *o.toward : default_direction(s.surface, load);
+  if (o.up.norm() > 0 && !(o.up.normalized().cross(toward.normalized()).norm() > 1e-3))
+    throw UsageError(fmt::format("--up {:g},{:g},{:g}: is along the view, expected a direction across it", o.up[0],
+                                 o.up[1], o.up[2]));
+  return view_from(toward, o.up);
+}
+
+/// One view for a surface in all files and states, found in the first.
+void project_surfaces(const MapRequest& r, MapFigure& figure) {
+  for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
+    MapSurface& s = figure.surfaces[k];
+    const auto same = std::find_if(figure.surfaces.begin(), figure.surfaces.end(),
+                                   [&](const MapSurface& other) { return other.name == s.name; });
+    const std::vector<double> load = facet_load(figure, static_cast<int>(k));
+    std::vector<double> weights(s.mesh.triangles.size(), 0.0);
+    for (std::size_t t = 0; t < weights.size(); ++t) weights[t] = s.mesh.areas[t] * load[at(s.mesh.facet[t])];
+    s.view = &*same != &s ? same->view : choose_view(r, s, load);
+    s.projection = project(s.mesh, s.view, weights);
+    if (s.projection.layers == 0)
+      throw UsageError(fmt::format("--view: surface \"{}\" is seen edge-on, expected a direction across it", s.name));
+  }
 }
 
 }  // namespace
@@ -436,149 +634,22 @@ MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile
   choose_units(all, o, figure);
   figure.quantity = minus != nullptr ? "difference of " + o.field : o.field;
 
-  const std::vector<Row> rows = choose_states(files, o);
-  std::vector<std::string> names = o.surfaces;
-  if (names.empty()) {
-    const std::vector<std::string> loaded = loaded_surfaces(files, rows, o.field);
-    if (loaded.empty())
-      throw InputError(fmt::format("{}: found no surface{} with \"{}\"", files.front().path,
-                                   files.size() > 1 ? " of this and the other files" : "", o.field));
-    names = {loaded.front()};
-    if (loaded.size() > 1)
-      figure.remarks.push_back(fmt::format("note: shown is surface \"{}\"; there are values on {} too (--surface NAME)",
-                                           loaded.front(), name_list({loaded.begin() + 1, loaded.end()})));
-  }
-  const std::vector<std::vector<std::string>> without = remark_files(all, names, o, figure);
-  const auto has_none = [&](std::size_t file, const std::string& name) {
-    return std::find(without[file].begin(), without[file].end(), name) != without[file].end();
-  };
-  const std::size_t count = rows.size() * names.size() * files.size();
-  if (count > at(kMostPanels))
-    throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer: choose states with --at t1,t2,...",
-                                 count, kMostPanels));
-  if (files.size() > 1)
-    figure.columns = static_cast<int>(files.size());
-  else if (rows.size() > 1 && names.size() > 1)
-    figure.columns = static_cast<int>(names.size());
-
-  std::vector<MapValues> values;
-  std::vector<std::string> nothing_there;  // per panel: what stands in place of numbers
-  std::vector<std::pair<std::size_t, std::pair<std::string, int>>> key_of;  // file, surface, mesh -> figure.surfaces
-  for (const Row& row : rows) {
-    for (const std::string& name : names) {
-      for (std::size_t i = 0; i < files.size(); ++i) {
-        const ResultFile& file = files[i];
-        const int index = require_surface(file, row[i], name);
-        const std::pair<std::size_t, std::pair<std::string, int>> key = {i, {name, file.plot.states[at(row[i])].mesh}};
-        const auto known = std::find(key_of.begin(), key_of.end(), key);
-        MapPanel panel;
-        panel.surface = static_cast<int>(known - key_of.begin());
-        if (known == key_of.end()) {
-          key_of.push_back(key);
-          MapSurface s;
-          s.name = name;
-          s.surface = result_surface(file, row[i], index);
-          if (s.surface.mesh.size() == 0)
-            throw InputError(fmt::format("{}: surface \"{}\" has no area", file.path, name));
-          s.mesh = make_map_mesh(s.surface);
-          figure.surfaces.push_back(std::move(s));
-        }
-        const MapSurface& s = figure.surfaces[at(panel.surface)];
-        MapValues v = field_values(file, row[i], s.surface, index, o.field, minus == nullptr);
-        const double time = file.plot.states[at(row[i])].time;
-        bool same_times = true;
-        for (std::size_t k = 0; k < files.size(); ++k)
-          same_times = same_times && same_time(files[k].plot.states[at(row[k])].time, time);
-        if (minus != nullptr) {
-          const int state = reference_state(*minus, time, o.states == "last");
-          const int other = require_surface(*minus, state, name);
-          const ResultSurface reference = result_surface(*minus, state, other);
-          const NodeMatch match = match_nodes(s.surface, reference);
-          if (!(match.covered > 0))
-            throw InputError(
-                fmt::format("{}: surface \"{}\" lies nowhere on that of {}", file.path, name, minus->path));
-          if (match.covered < 0.99)
-            figure.remarks.push_back(fmt::format(
-                "warning: surface \"{}\" of {} covers only {:.1f} % of that of {}; grey: no difference there", name,
-                minus->label, 100 * match.covered, file.label));
-          v = difference(match, s.surface, v, reference, field_values(*minus, state, reference, other, o.field, false));
-          const double taken = minus->plot.states[at(state)].time;
-          if (!same_time(taken, time)) {
-            same_times = false;
-            figure.remarks.push_back(
-                fmt::format("warning: {} is shown at time {:g}, {} at {:g}; --at T compares at one time", file.label,
-                            time, minus->label, taken));
-          }
-        } else {
-          for (double& x : v.facets)
-            if (x == 0) x = kNaN;
-        }
-        const auto add = [&](const std::string& part) {
-          if (!panel.title.empty()) panel.title += ", ";
-          panel.title += part;
-        };
-        if (minus != nullptr)
-          add(fmt::format("{} \u2212 {}", file.label, minus->label));
-        else if (files.size() > 1)
-          add(file.label);
-        const bool alone = files.size() == 1 && minus == nullptr;
-        if (names.size() > 1 || (alone && rows.size() == 1)) add(name);
-        if (!same_times && minus == nullptr)
-          figure.remarks.push_back("warning: the files' last states are at different times; --at T shows one time");
-        if (rows.size() > 1 || !same_times || (alone && names.size() == 1)) {
-          add("");
-          panel.when = fmt::format("time {:.6g}", time);
-          panel.title += panel.when;
-        }
-        nothing_there.push_back(has_none(i, name) ? "no pressure in this file" : "");
-        if (minus != nullptr && (has_none(i, name) || has_none(files.size(), name)))
-          nothing_there.back() = "no pressure in " + (has_none(i, name) ? file : *minus).label;
-        panel.facets = v.facets;
-        panel.points = point_values(s.mesh, v.vertices);
-        values.push_back(std::move(v));
-        figure.panels.push_back(std::move(panel));
-      }
-    }
-  }
-
-  // One view for a surface in all files and states, found in the first.
-  for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
-    MapSurface& s = figure.surfaces[k];
-    const auto same = std::find_if(figure.surfaces.begin(), figure.surfaces.end(),
-                                   [&](const MapSurface& other) { return other.name == s.name; });
-    std::vector<double> load(at(s.surface.facets()), 0.0), weights(s.mesh.triangles.size(), 0.0);
-    for (const MapPanel& panel : figure.panels)
-      for (std::size_t f = 0; panel.surface == static_cast<int>(k) && f < load.size(); ++f)
-        if (std::isfinite(panel.facets[f])) load[f] += std::abs(panel.facets[f]);
-    for (std::size_t t = 0; t < weights.size(); ++t) weights[t] = s.mesh.areas[t] * load[at(s.mesh.facet[t])];
-    if (&*same != &s) {
-      s.view = same->view;
-    } else if (o.unrolled) {
-      if (!unroll(s.surface, o.up, s.view))
-        throw UsageError(fmt::format("--view unrolled: surface \"{}\" of {} is no part of a sphere; use --view x,y,z",
-                                     s.name, files.front().path));
-    } else {
-      const Vector3d toward = o.toward ? *o.toward : default_direction(s.surface, load);
-      if (o.up.norm() > 0 && !(o.up.normalized().cross(toward.normalized()).norm() > 1e-3))
-        throw UsageError(fmt::format("--up {:g},{:g},{:g}: is along the view, expected a direction across it", o.up[0],
-                                     o.up[1], o.up[2]));
-      s.view = view_from(toward, o.up);
-    }
-    s.projection = project(s.mesh, s.view, weights);
-    if (s.projection.layers == 0)
-      throw UsageError(fmt::format("--view: surface \"{}\" is seen edge-on, expected a direction across it", s.name));
-  }
+  MapRequest request = {files, minus, o, choose_states(files, o), {}, {}};
+  request.names = choose_names(files, request.rows, o, figure);
+  request.without = remark_files(all, request.names, o, figure);
+  figure.columns = choose_columns(request);
+  const std::vector<MapValues> values = add_panels(request, figure);
+  project_surfaces(request, figure);
   for (std::size_t k = 0; k < figure.panels.size(); ++k) {
     MapPanel& panel = figure.panels[k];
     const MapSurface& s = figure.surfaces[at(panel.surface)];
     panel.edge = figure.map == ColourMap::Sequential && zero_without_contact(o.field)
                      ? edge_level(s.mesh, panel.facets, panel.points)
-                     : -std::numeric_limits<double>::infinity();
-    describe(figure, values[k], panel);
-    if (!nothing_there[k].empty()) panel.numbers = {nothing_there[k]};
+                     : -kInfinity;
+    if (panel.numbers.empty()) describe(figure, values[k], panel);
     mark_peak(figure, panel);
   }
-  choose_scale(files, minus, names, o, figure);
+  choose_scale(files, minus, request.names, o, figure);
   remark_hidden(figure);
   return figure;
 }

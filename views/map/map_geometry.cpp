@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -86,72 +87,83 @@ struct Cover {
   double area;
 };
 
-/// All pairs of triangles of which one covers the other, by way of a grid.
-std::vector<Cover> find_covers(const MapMesh& mesh, const Projection& p, const std::vector<double>& depth,
-                               const std::vector<double>& signed_areas) {
-  std::vector<Cover> covers;
+/// Triangles of the map by the cells of n x n that they may touch.
+struct MapGrid {
+  int n = 0;                              ///< 0: fewer than two triangles are drawn
+  std::vector<std::vector<int>> cells;    ///< j * n + i
+  std::vector<std::array<int, 4>> boxes;  ///< per triangle: least i, j, largest i, j
+};
+
+MapGrid make_grid(const MapMesh& mesh, const Projection& p) {
+  MapGrid grid;
+  const auto extend = [&](int t, Vector2d& low, Vector2d& high) {
+    for (int v : mesh.triangles[at(t)]) {
+      low = low.cwiseMin(p.points[at(v)]);
+      high = high.cwiseMax(p.points[at(v)]);
+    }
+  };
   Vector2d low = Vector2d::Constant(1e300), high = -low;
   int drawn = 0;
   for (int t = 0; t < mesh.size(); ++t) {
     if (p.layer[at(t)] < 0) continue;
     ++drawn;
-    for (int v : mesh.triangles[at(t)]) {
-      low = low.cwiseMin(p.points[at(v)]);
-      high = high.cwiseMax(p.points[at(v)]);
-    }
+    extend(t, low, high);
   }
-  if (drawn < 2) return covers;
-  const int n = std::clamp(static_cast<int>(std::sqrt(drawn / 2.0)), 1, 1000);
+  if (drawn < 2) return grid;
+  const int n = grid.n = std::clamp(static_cast<int>(std::sqrt(drawn / 2.0)), 1, 1000);
   const Vector2d cell = ((high - low) / n).cwiseMax(1e-300);
-  const auto box = [&](int t) {
-    Vector2d a = p.points[at(mesh.triangles[at(t)][0])], b = a;
-    for (int v : mesh.triangles[at(t)]) {
-      a = a.cwiseMin(p.points[at(v)]);
-      b = b.cwiseMax(p.points[at(v)]);
-    }
-    std::array<int, 4> out;
-    for (int i = 0; i < 2; ++i) {
-      out[at(i)] = std::clamp(static_cast<int>((a[i] - low[i]) / cell[i]), 0, n - 1);
-      out[at(i + 2)] = std::clamp(static_cast<int>((b[i] - low[i]) / cell[i]), 0, n - 1);
-    }
-    return out;
-  };
-  std::vector<std::vector<int>> cells(at(n) * at(n));
-  std::vector<std::array<int, 4>> boxes(mesh.triangles.size());
+  grid.cells.resize(at(n) * at(n));
+  grid.boxes.resize(mesh.triangles.size());
   for (int t = 0; t < mesh.size(); ++t) {
     if (p.layer[at(t)] < 0) continue;
-    boxes[at(t)] = box(t);
-    const auto& b = boxes[at(t)];
-    for (int j = b[1]; j <= b[3]; ++j)
-      for (int i = b[0]; i <= b[2]; ++i) cells[at(j) * at(n) + at(i)].push_back(t);
+    Vector2d a = p.points[at(mesh.triangles[at(t)][0])], b = a;
+    extend(t, a, b);
+    auto& box = grid.boxes[at(t)];
+    for (int i = 0; i < 2; ++i) {
+      box[at(i)] = std::clamp(static_cast<int>((a[i] - low[i]) / cell[i]), 0, n - 1);
+      box[at(i + 2)] = std::clamp(static_cast<int>((b[i] - low[i]) / cell[i]), 0, n - 1);
+    }
+    for (int j = box[1]; j <= box[3]; ++j)
+      for (int i = box[0]; i <= box[2]; ++i) grid.cells[at(j) * at(n) + at(i)].push_back(t);
   }
-  const auto corners = [&](int t) {
-    const auto& v = mesh.triangles[at(t)];
+  return grid;
+}
+
+/// Which of two triangles covers the other, if they overlap on the map.
+std::optional<Cover> cover_of(const MapMesh& mesh, const Projection& p, const std::vector<double>& depth,
+                              const std::vector<double>& signed_areas, int s, int t) {
+  const double area_s = signed_areas[at(s)], area_t = signed_areas[at(t)];
+  const auto &vs = mesh.triangles[at(s)], &vt = mesh.triangles[at(t)];
+  if ((area_s > 0) == (area_t > 0) &&
+      std::any_of(vs.begin(), vs.end(), [&](int v) { return std::find(vt.begin(), vt.end(), v) != vt.end(); }))
+    return std::nullopt;  // neighbours that face the same way lie side by side
+  const auto corners = [&](const std::array<int, 3>& v) {
     return Triangle2{p.points[at(v[0])], p.points[at(v[1])], p.points[at(v[2])]};
   };
-  const auto depths = [&](int t) {
-    const auto& v = mesh.triangles[at(t)];
+  const auto depths = [&](const std::array<int, 3>& v) {
     return Vector3d(depth[at(v[0])], depth[at(v[1])], depth[at(v[2])]);
   };
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const std::vector<int>& here = cells[at(j) * at(n) + at(i)];
+  Vector2d middle;
+  const Triangle2 cs = corners(vs), ct = corners(vt);
+  const double common = common_area(cs, ct, middle);
+  if (!(common > 1e-4 * std::min(std::abs(area_s), std::abs(area_t)))) return std::nullopt;
+  const bool s_behind = depth_at(cs, depths(vs), middle) < depth_at(ct, depths(vt), middle);
+  return s_behind ? Cover{s, t, common} : Cover{t, s, common};
+}
+
+/// All pairs of triangles of which one covers the other, by way of a grid.
+std::vector<Cover> find_covers(const MapMesh& mesh, const Projection& p, const std::vector<double>& depth,
+                               const std::vector<double>& signed_areas) {
+  std::vector<Cover> covers;
+  const MapGrid grid = make_grid(mesh, p);
+  for (int j = 0; j < grid.n; ++j) {
+    for (int i = 0; i < grid.n; ++i) {
+      const std::vector<int>& here = grid.cells[at(j) * at(grid.n) + at(i)];
       for (std::size_t x = 0; x < here.size(); ++x) {
         for (std::size_t y = x + 1; y < here.size(); ++y) {
-          const int s = here[x], t = here[y];
-          const auto &bs = boxes[at(s)], &bt = boxes[at(t)];
-          if (i != std::max(bs[0], bt[0]) || j != std::max(bs[1], bt[1])) continue;  // each pair in one cell only
-          const double as = signed_areas[at(s)], area_t = signed_areas[at(t)];
-          const auto &vs = mesh.triangles[at(s)], &vt = mesh.triangles[at(t)];
-          if ((as > 0) == (area_t > 0) &&
-              std::any_of(vs.begin(), vs.end(), [&](int v) { return std::find(vt.begin(), vt.end(), v) != vt.end(); }))
-            continue;  // neighbours that face the same way lie side by side
-          Vector2d middle;
-          const Triangle2 cs = corners(s), ct = corners(t);
-          const double common = common_area(cs, ct, middle);
-          if (!(common > 1e-4 * std::min(std::abs(as), std::abs(area_t)))) continue;
-          const bool s_behind = depth_at(cs, depths(s), middle) < depth_at(ct, depths(t), middle);
-          covers.push_back(s_behind ? Cover{s, t, common} : Cover{t, s, common});
+          const auto &a = grid.boxes[at(here[x])], &b = grid.boxes[at(here[y])];
+          if (i != std::max(a[0], b[0]) || j != std::max(a[1], b[1])) continue;  // each pair in one cell only
+          if (const auto cover = cover_of(mesh, p, depth, signed_areas, here[x], here[y])) covers.push_back(*cover);
         }
       }
     }

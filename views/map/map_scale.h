@@ -1,5 +1,5 @@
 // febiodea/views/map/map_scale.h – the one rule for the scale of maps: where its ends are, which lines of equal value
-// are drawn. For pictures (`dea plot`) and for the report's page, which gets the numbers.
+// are drawn. For pictures (`dea plot`) and for the page, which gets the numbers.
 #pragma once
 #include <array>
 #include <limits>

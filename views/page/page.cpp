@@ -10,7 +10,7 @@
       "_begin\n"                                                                                                 \
       "dea_page_" #name                                                                                          \
       "_begin:\n"                                                                                                \
-      ".incbin \"" DEA_REPORT_DIR "/" file                                                                       \
+      ".incbin \"" DEA_PAGE_DIR "/" file                                                                         \
       "\"\n"                                                                                                     \
       ".global dea_page_" #name                                                                                  \
       "_end\n"                                                                                                   \

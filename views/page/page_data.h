@@ -1,4 +1,4 @@
-// febiodea/views/page/report_data.h – everything a report's page shows, as plain numbers: made here, drawn there.
+// febiodea/views/page/page_data.h – everything a page shows, as plain numbers: made here, drawn there.
 //
 // Frame: reference configuration, as in src/results/comparison.h: a surface keeps its place while the states go by.
 // Whatever is printed as a number on the page is computed here or comes from `compare_files` and `analyse`; the page
@@ -13,17 +13,19 @@
 #include <febiodea/run/analysis.h>
 #include <febiodea/views/compare/compare_files.h>
 #include <febiodea/views/map/map_scale.h>
-#include <febiodea/views/text/report_text.h>
+#include <febiodea/views/page/page_charts.h>
+#include <febiodea/views/page/page_context.h>
+#include <febiodea/views/text/table.h>
 
 namespace dea {
 
-struct ReportResult {
+struct PageResult {
   std::string label, file, software;  ///< file: without its folder
   std::vector<double> times;
 };
 
 /// One value per facet in each state of a result; a state's list is empty where it has none. `fixed`: one list for all.
-struct ReportField {
+struct PageField {
   bool fixed = false;
   std::vector<std::vector<double>> states;
   std::vector<double>
@@ -31,101 +33,81 @@ struct ReportField {
 };
 
 /// What one result says of a surface in one state.
-struct ReportMeasures {
+struct PageMeasures {
   bool known = false;      ///< false: the state has no pressure on it, or another mesh
   SurfaceMeasures values;  ///< thresholds: 0 only
 };
 
 /// The pattern of one result against the reference's in one frame.
-struct ReportPattern {
+struct PagePattern {
   PatternDifference difference;
   double slope = 0.0, intercept = 0.0;  ///< of the area-weighted least-squares line, over the same nodes; NaN: none
 };
 
 /// Where a result's nodal values are taken for the reference's nodes: three of its vertices and their weights each.
-struct ReportCarry {
+struct PageCarry {
   std::vector<std::int32_t> vertices;  ///< -1: not covered
   std::vector<float> weights;
 };
 
 /// Ends and lines of maps (views/map/map_scale.h), and the values they are for.
-struct ReportScale {
+struct PageScale {
   MapScale scale;
   ValueRange range;
 };
-struct ReportScales {
-  ReportScale all;  ///< of all states of all results
-  std::vector<ReportScale> frames;
+struct PageScales {
+  PageScale all;  ///< of all states of all results
+  std::vector<PageScale> frames;
 };
 /// Of one quantity's maps of all results; or of differences of result `b` from result `a`.
-struct ReportQuantity {
+struct PageQuantity {
   std::string field;  ///< "pressure", "space", "thickness", "gap"
   int a = -1, b = -1;
-  ReportScales nodes, facets;
+  PageScales nodes, facets;
 };
 
-struct ReportSurface {
+struct PageSurface {
   std::string title;
   std::string note;                                 ///< why it stands last
   std::vector<std::string> names;                   ///< one per result
   std::vector<ResultSurface> geometry;              ///< one per result; the reference's own where meshes are the same
   std::vector<std::vector<std::int32_t>> node_ids;  ///< per result and vertex
   std::vector<char> same_mesh;                      ///< per result: as the reference's
-  std::vector<std::optional<ReportCarry>> carry;    ///< per result; none: same mesh
-  std::vector<std::optional<ReportField>> pressure, thickness, space, gap;  ///< one per result
-  std::vector<ReportQuantity> scales, differences;
-  std::vector<std::string> regions;                                              ///< "" first: the whole surface
-  std::vector<std::vector<std::vector<ReportMeasures>>> measures;                ///< result, state, region
-  std::vector<std::vector<std::vector<std::optional<ReportPattern>>>> patterns;  ///< frame, region, result
-  std::vector<double> bins;                                                      ///< of the profile: edges [degrees]
-  std::vector<std::vector<std::vector<double>>> profiles;                        ///< frame, result, bin
+  std::vector<std::optional<PageCarry>> carry;      ///< per result; none: same mesh
+  std::vector<std::optional<PageField>> pressure, thickness, space, gap;  ///< one per result
+  std::vector<PageQuantity> scales, differences;
+  std::vector<std::string> regions;                                            ///< "" first: the whole surface
+  std::vector<std::vector<std::vector<PageMeasures>>> measures;                ///< result, state, region
+  std::vector<std::vector<std::vector<std::optional<PagePattern>>>> patterns;  ///< frame, region, result
+  std::vector<double> bins;                                                    ///< of the profile: edges [degrees]
+  std::vector<std::vector<std::vector<double>>> profiles;                      ///< frame, result, bin
   Vector3d axis = Vector3d::UnitZ(), up = Vector3d::UnitY(), center = Vector3d::Zero();  ///< how to look at it first
   double radius = 1.0;                                                                   ///< of a ball about it
 };
 
 /// States that are shown together.
-struct ReportFrame {
+struct PageFrame {
   double time = 0.0;        ///< NaN: the compared states, whose times differ
   std::vector<int> states;  ///< per result; -1: it has none at this time
 };
 
-/// A curve over time of `dea run`.
-struct ReportChart {
-  std::string title, caption;
-  std::string quantity;   ///< of the axis
-  std::string dimension;  ///< "pressure", "force", "length", "area", "degrees", "": pure number
-  bool logarithmic = false;
-  std::vector<double> times;
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> values;  ///< per name; NaN: a gap
-};
-
-/// Outside of the first result's elements, coarse enough to be drawn as a veil.
-struct ReportContext {
-  std::vector<float> vertices;            ///< 3 each
-  std::vector<std::int32_t> triangles;    ///< 3 each
-  std::vector<std::string> parts;         ///< materials
-  std::vector<std::int32_t> begin = {0};  ///< per part + 1: range of its triangles
-  std::string note;                       ///< why there is none
-};
-
-struct ReportText {
+struct PageText {
   std::string title, text;
 };
 
-struct ReportData {
+struct PageData {
   std::string kind;  ///< "run", "compare"
   std::string title;
   std::string command;
-  UnitNames units;                    ///< words for axes
-  std::vector<ReportResult> results;  ///< compare: the last one is the reference
-  std::vector<ReportFrame> frames;
+  UnitNames units;                  ///< words for axes
+  std::vector<PageResult> results;  ///< compare: the last one is the reference
+  std::vector<PageFrame> frames;
   int frame = 0;  ///< shown first
-  std::vector<ReportSurface> surfaces;
-  ReportContext context;
-  std::vector<ReportChart> charts;
+  std::vector<PageSurface> surfaces;
+  PageContext context;
+  std::vector<PageChart> charts;
   std::vector<TitledTable> tables;
-  std::vector<ReportText> texts;
+  std::vector<PageText> texts;
   std::vector<std::string> warnings;
 };
 
@@ -135,12 +117,12 @@ std::string command_text(const std::vector<std::string>& words, const std::vecto
 std::string without_folders(std::string text, const std::vector<std::string>& files);
 
 /// `files`, `options`: as `comparison` was made of. Throws InputError.
-ReportData compare_report(const std::vector<ResultFile>& files, const CompareOptions& options,
-                          const Comparison& comparison, const std::vector<std::string>& words);
+PageData compare_page(const std::vector<ResultFile>& files, const CompareOptions& options, const Comparison& comparison,
+                      const std::vector<std::string>& words);
 
-/// `plot`: what was written. `recognised`: text of `dea info`. Throws InputError.
-ReportData run_report(const JointModel& model, const Analysis& analysis, const ResultFile& plot,
-                      const std::string& recognised, const std::vector<std::string>& words,
-                      const std::vector<std::string>& paths);
+/// `file`: what was written. `recognised`: text of `dea info`. Throws InputError.
+PageData run_page(const JointModel& model, const Analysis& analysis, const ResultFile& file,
+                  const std::string& recognised, const std::vector<std::string>& words,
+                  const std::vector<std::string>& paths);
 
 }  // namespace dea

@@ -1,9 +1,8 @@
-#include <febiodea/views/page/write_report.h>
+#include <febiodea/views/page/write_page.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -12,11 +11,11 @@
 #include <febiodea/io/files/encoded_text.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/version.h>
-#include <febiodea/views/data/report_json.h>
+#include <febiodea/views/data/json.h>
 #include <febiodea/views/map/colour_map.h>
 #include <febiodea/views/page/pack.h>
 #include <febiodea/views/page/page.h>
-#include <febiodea/views/text/report_info.h>
+#include <febiodea/views/text/info_text.h>
 
 namespace dea {
 
@@ -59,7 +58,7 @@ Json mesh_json(const ResultSurface& s, const std::vector<std::int32_t>& node_ids
 
 /// null; or { fixed, ranges: per state [least, most] (null: exact) or null where the state has none, edges: per state
 /// or empty, values: array of the states that have any, one after the other }.
-Json field_json(const std::optional<ReportField>& field, bool exact, Arrays& arrays) {
+Json field_json(const std::optional<PageField>& field, bool exact, Arrays& arrays) {
   if (!field) return nullptr;
   Json j;
   j["fixed"] = field->fixed;
@@ -101,7 +100,7 @@ Json distribution_json(const Distribution& d) {
           {"median", short_number(d.median)}, {"p75", short_number(d.p75)},   {"p95", short_number(d.p95)}};
 }
 
-Json measures_json(const ReportMeasures& m) {
+Json measures_json(const PageMeasures& m) {
   if (!m.known) return nullptr;
   return {{"nodes", distribution_json(m.values.nodes.front())},
           {"facets", distribution_json(m.values.facets.front())},
@@ -109,7 +108,7 @@ Json measures_json(const ReportMeasures& m) {
           {"center", json_vector(m.values.center_of_pressure)}};
 }
 
-Json pattern_json(const std::optional<ReportPattern>& p) {
+Json pattern_json(const std::optional<PagePattern>& p) {
   if (!p) return nullptr;
   const PatternDifference& d = p->difference;
   return {{"r", short_number(d.correlation)},
@@ -129,21 +128,21 @@ Json list_json(const List& list, Get get) {
 }
 
 /// [low, high, step, least, most]; null: there are no values.
-Json scale_json(const ReportScale& s) {
+Json scale_json(const PageScale& s) {
   if (s.range.empty()) return nullptr;
   return {short_number(s.scale.low), short_number(s.scale.high), short_number(s.scale.step),
           short_number(s.range.least), short_number(s.range.most)};
 }
 
-Json scales_json(const ReportScales& s) {
+Json scales_json(const PageScales& s) {
   return {{"all", scale_json(s.all)}, {"frames", list_json(s.frames, scale_json)}};
 }
 
-Json quantity_json(const ReportQuantity& q) {
+Json quantity_json(const PageQuantity& q) {
   return {{"field", q.field}, {"pair", {q.a, q.b}}, {"nodes", scales_json(q.nodes)}, {"facets", scales_json(q.facets)}};
 }
 
-Json surface_json(const ReportSurface& s, bool exact, Json& meshes, Arrays& arrays) {
+Json surface_json(const PageSurface& s, bool exact, Json& meshes, Arrays& arrays) {
   Json j;
   j["title"] = s.title;
   j["note"] = s.note;
@@ -159,11 +158,11 @@ Json surface_json(const ReportSurface& s, bool exact, Json& meshes, Arrays& arra
     j["meshes"].push_back(meshes.size());
     meshes.push_back(mesh_json(s.geometry[i], s.node_ids[i], arrays));
   }
-  j["carry"] = list_json(s.carry, [&](const std::optional<ReportCarry>& c) -> Json {
+  j["carry"] = list_json(s.carry, [&](const std::optional<PageCarry>& c) -> Json {
     if (!c) return nullptr;
     return {{"vertices", arrays.add(pack_integers(c->vertices))}, {"weights", arrays.add(pack_floats(c->weights))}};
   });
-  const auto field = [&](const std::optional<ReportField>& f) { return field_json(f, exact, arrays); };
+  const auto field = [&](const std::optional<PageField>& f) { return field_json(f, exact, arrays); };
   j["fields"] = {{"pressure", list_json(s.pressure, field)},
                  {"space", list_json(s.space, field)},
                  {"thickness", list_json(s.thickness, field)},
@@ -192,7 +191,7 @@ Json table_json(const TitledTable& t) {
   return {{"title", t.title}, {"headings", t.table.headings}, {"left", t.table.left}, {"rows", t.table.rows}};
 }
 
-Json chart_json(const ReportChart& c) {
+Json chart_json(const PageChart& c) {
   return {{"title", c.title},
           {"caption", c.caption},
           {"quantity", c.quantity},
@@ -216,17 +215,17 @@ std::string table_lines(ColourMap map) {
   return out;
 }
 
-std::size_t values_of(const ReportData& data) {
+std::size_t values_of(const PageData& data) {
   std::size_t n = 0;
-  for (const ReportSurface& s : data.surfaces)
+  for (const PageSurface& s : data.surfaces)
     for (const auto* fields : {&s.pressure, &s.space, &s.thickness, &s.gap})
-      for (const std::optional<ReportField>& f : *fields)
+      for (const std::optional<PageField>& f : *fields)
         if (f)
           for (const auto& values : f->states) n += values.size();
   return n;
 }
 
-Json report_json(const ReportData& data, Arrays& arrays) {
+Json page_json(const PageData& data, Arrays& arrays) {
   const bool exact = values_of(data) <= kMostExactValues;
   Json j;
   j["schema"] = "dea.report/1";
@@ -240,16 +239,16 @@ Json report_json(const ReportData& data, Arrays& arrays) {
                 {"pressure", data.units.pressure},
                 {"area", data.units.area}};
   j["exact"] = exact;
-  j["results"] = list_json(data.results, [](const ReportResult& r) -> Json {
+  j["results"] = list_json(data.results, [](const PageResult& r) -> Json {
     return {
         {"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, short_number)}};
   });
-  j["frames"] = list_json(data.frames, [](const ReportFrame& f) -> Json {
+  j["frames"] = list_json(data.frames, [](const PageFrame& f) -> Json {
     return {{"time", short_number(f.time)}, {"states", f.states}};
   });
   j["frame"] = data.frame;
   Json meshes = Json::array(), surfaces = Json::array();
-  for (const ReportSurface& s : data.surfaces) surfaces.push_back(surface_json(s, exact, meshes, arrays));
+  for (const PageSurface& s : data.surfaces) surfaces.push_back(surface_json(s, exact, meshes, arrays));
   j["meshes"] = std::move(meshes);
   j["surfaces"] = std::move(surfaces);
   j["context"] = nullptr;
@@ -261,9 +260,7 @@ Json report_json(const ReportData& data, Arrays& arrays) {
   j["context_note"] = data.context.note;
   j["charts"] = list_json(data.charts, chart_json);
   j["tables"] = list_json(data.tables, table_json);
-  j["texts"] = list_json(data.texts, [](const ReportText& t) -> Json {
-    return {{"title", t.title}, {"text", t.text}};
-  });
+  j["texts"] = list_json(data.texts, [](const PageText& t) -> Json { return {{"title", t.title}, {"text", t.text}}; });
   j["warnings"] = data.warnings;
   j["steps"] = {{"count", kScaleSteps}, {"multiples", kScaleMultiples}};
   j["colours"] = {{"sequential", table_hex(ColourMap::Sequential)}, {"diverging", table_hex(ColourMap::Diverging)}};
@@ -287,9 +284,9 @@ std::string script_json(const Json& j) {
 
 }  // namespace
 
-std::string report_html(const ReportData& data) {
+std::string page_html(const PageData& data) {
   Arrays arrays;
-  const std::string json = script_json(report_json(data, arrays));
+  const std::string json = script_json(page_json(data, arrays));
   const std::string title = escaped(utf8(data.title));
   const std::map<std::string_view, std::string_view> parts = {{"title", title},
                                                               {"style", page::style()},
@@ -326,23 +323,23 @@ std::string report_html(const ReportData& data) {
   return out;
 }
 
-void write_report(const std::string& path, const ReportData& data) { write_text(path, report_html(data)); }
+void write_page(const std::string& path, const PageData& data) { write_text(path, page_html(data)); }
 
-void write_run_report(const std::string& path, const Recognition& recognition, const Analysis& analysis,
-                      XpltFile&& plot, const std::string& model_path, const std::string& output,
-                      const std::vector<std::string>& words, const std::vector<std::string>& paths) {
-  const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(plot)};
-  write_report(path,
-               run_report(recognition.model, analysis, result,
-                          info_text(recognition.model, recognition.settings, check_joint(recognition)), words, paths));
+void write_run_page(const std::string& path, const Recognition& recognition, const Analysis& analysis, XpltFile&& xplt,
+                    const std::string& model_path, const std::string& output, const std::vector<std::string>& words,
+                    const std::vector<NamedPath>& files) {
+  std::vector<std::string> paths;
+  for (const NamedPath& file : files) paths.push_back(file.path);
+  const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(xplt)};
+  write_page(path,
+             run_page(recognition.model, analysis, result,
+                      info_text(recognition.model, recognition.settings, check_joint(recognition)), words, paths));
 }
 
 void require_page_name(const std::string& option, const std::string& path) {
   if (path.empty()) return;
   if (path == "-") throw UsageError(fmt::format("{} -: the page cannot go to standard output, give it a name", option));
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extension_of(path);
   if (extension != ".html" && extension != ".htm")
     throw UsageError(
         fmt::format("{} {}: found \"{}\", expected a name that ends in .html or .htm", option, path, extension));

@@ -1,0 +1,80 @@
+#include <febiodea/base/parse.h>
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+namespace dea {
+
+BadValue bad_value(const std::string& found, const std::string& expected) {
+  return BadValue(fmt::format("found \"{}\", expected {}", found, expected));
+}
+
+double parse_number(const std::string& text) {
+  const std::string word = trimmed(text);
+  const char* begin = word.data();
+  const char* end = begin + word.size();
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') ++begin;  // from_chars knows no plus sign
+  double number = 0.0;
+  const auto result = std::from_chars(begin, end, number);
+  if (result.ec != std::errc() || result.ptr != end || !std::isfinite(number)) throw bad_value(text, "a number");
+  return number;
+}
+
+std::vector<double> parse_numbers(const std::string& text) {
+  std::vector<double> numbers;
+  for (const std::string& word : split_at_commas(text)) {
+    try {
+      numbers.push_back(parse_number(word));
+    } catch (const BadValue&) {
+      throw bad_value(text, "numbers separated by commas");
+    }
+  }
+  return numbers;
+}
+
+int parse_count(const std::string& text, int least, int most) {
+  const std::string word = trimmed(text);
+  int number = 0;
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (result.ec != std::errc() || result.ptr != word.data() + word.size() || number < least || number > most)
+    throw bad_value(text, fmt::format("a whole number from {} to {}", least, most));
+  return number;
+}
+
+Eigen::Vector3d parse_vector(const std::string& text) {
+  std::vector<double> numbers;
+  try {
+    numbers = parse_numbers(text);
+  } catch (const BadValue&) {
+  }
+  if (numbers.size() != 3) throw bad_value(text, "three numbers x,y,z");
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+std::string trimmed(const std::string& text) {
+  constexpr const char* kSpace = " \t\r\n";
+  const std::size_t first = text.find_first_not_of(kSpace);
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::vector<std::string> split_at_commas(const std::string& text) {
+  std::vector<std::string> words;
+  std::size_t begin = 0;
+  for (;;) {
+    const std::size_t comma = text.find(',', begin);
+    words.push_back(trimmed(text.substr(begin, comma == std::string::npos ? comma : comma - begin)));
+    if (comma == std::string::npos) return words;
+    begin = comma + 1;
+  }
+}
+
+}  // namespace dea

@@ -1,0 +1,31 @@
+// febiodea/base/parse.h – values as a user writes them: the whole text must be one, in any locale.
+#pragma once
+#include <Eigen/Core>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace dea {
+
+/// A value that cannot be used. what(): `found "1,2", expected three numbers x,y,z`. Who asked adds where.
+struct BadValue : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// `found "FOUND", expected EXPECTED`
+BadValue bad_value(const std::string& found, const std::string& expected);
+
+/// Finite, with a decimal point. Throws BadValue, as those below do.
+double parse_number(const std::string& text);
+std::vector<double> parse_numbers(const std::string& text);  ///< separated by commas
+int parse_count(const std::string& text, int least, int most);
+Eigen::Vector3d parse_vector(const std::string& text);  ///< three numbers separated by commas
+
+/// Without white space at both ends.
+std::string trimmed(const std::string& text);
+/// Capitals (of ASCII) as small letters.
+std::string lower_case(std::string text);
+/// "a, b,c" as "a", "b", "c".
+std::vector<std::string> split_at_commas(const std::string& text);
+
+}  // namespace dea

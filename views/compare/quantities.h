@@ -1,0 +1,36 @@
+// febiodea/views/compare/quantities.h – the numbers of a comparison by name, for tables, JSON and CSV.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/views/compare/compare_files.h>
+
+namespace dea {
+
+/// A number that exists for every file, and how to call it.
+struct Quantity {
+  std::string name;  ///< of the table
+  std::string key;   ///< of CSV
+  std::vector<double> values;
+  bool compared = true;  ///< false: a difference of two of them says nothing
+};
+
+template <class Get>
+Quantity quantity(const std::string& name, const std::string& key, const ComparedRegion& region, Get get) {
+  Quantity q{name, key, {}};
+  for (const SurfaceMeasures& m : region.results) q.values.push_back(get(m));
+  return q;
+}
+
+/// The numbers of a distribution of pressure.
+struct DistributionNumber {
+  const char* name;
+  double Distribution::*value;
+};
+inline constexpr DistributionNumber kDistributionNumbers[] = {
+    {"peak", &Distribution::peak}, {"p99", &Distribution::p99}, {"mean", &Distribution::mean},
+    {"p5", &Distribution::p5},     {"p25", &Distribution::p25}, {"median", &Distribution::median},
+    {"p75", &Distribution::p75},   {"p95", &Distribution::p95}, {"p99_unweighted", &Distribution::p99_unweighted},
+    {"area", &Distribution::area}};
+
+}  // namespace dea

@@ -1,0 +1,259 @@
+#include <febiodea/views/data/compare_json.h>
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/version.h>
+#include <febiodea/views/compare/quantities.h>
+#include <febiodea/views/data/csv.h>
+
+namespace dea {
+
+namespace {
+
+Json distribution_json(const Distribution& d, double threshold) {
+  Json j;
+  j["above"] = threshold;
+  for (const DistributionNumber& share : kDistributionNumbers) j[share.name] = json_number(d.*share.value);
+  return j;
+}
+
+Json percent_json(const Distribution& a, const Distribution& b, double threshold) {
+  Json j;
+  j["above"] = threshold;
+  for (const DistributionNumber& share : kDistributionNumbers)
+    j[share.name] = json_number(percent_difference(a.*share.value, b.*share.value));
+  return j;
+}
+
+Json result_json(const Comparison& c, const ComparedRegion& region, std::size_t i) {
+  const SurfaceMeasures& m = region.results[i];
+  const TimeMeasures& t = region.over_time[i];
+  Json j;
+  j["label"] = c.labels[i];
+  for (const bool nodes : {true, false}) {
+    Json& list = j[nodes ? "nodes" : "facets"] = Json::array();
+    for (std::size_t k = 0; k < c.thresholds.size(); ++k)
+      list.push_back(distribution_json(nodes ? m.nodes[k] : m.facets[k], c.thresholds[k]));
+  }
+  j["resultant"] = json_vector(m.resultant);
+  j["center_of_pressure"] = json_vector(m.center_of_pressure);
+  j["mean_penetration"] = json_number(m.mean_penetration);
+  j["max_penetration"] = json_number(m.max_penetration);
+  j["over_time"] = {{"max_peak", json_number(t.max_peak)},         {"mean_peak", json_number(t.mean_peak)},
+                    {"max_exposure", json_number(t.max_exposure)}, {"mean_exposure", json_number(t.mean_exposure)},
+                    {"max_dose", json_number(t.max_dose)},         {"mean_dose", json_number(t.mean_dose)}};
+  return j;
+}
+
+Json facts_json(const Comparison& c, const SurfaceFacts& f, std::size_t i) {
+  Json j;
+  j["label"] = c.labels[i];
+  j["area"] = {{"reference", json_number(f.area)}, {"deformed", json_number(f.deformed_area)}};
+  j["deforms"] = f.deforms;
+  j["resultant"] = {{"reference", json_number(f.resultant)}, {"deformed", json_number(f.deformed_resultant)}};
+  j["contact_force"] = f.contact_force ? json_vector(*f.contact_force) : Json(nullptr);
+  j["resultant_over_contact_force"] = {{"reference", json_number(share_of_contact_force(f, CompareAreas::Reference))},
+                                       {"deformed", json_number(share_of_contact_force(f, CompareAreas::Deformed))}};
+  j["carried"] = json_number(f.carried);
+  j["interface"] = nullptr;
+  if (f.interface.compliance > 0)
+    j["interface"] = {{"compliance", json_number(f.interface.compliance)},
+                      {"stiffness", json_number(1 / f.interface.compliance)},
+                      {"compliance_p5", json_number(f.interface.p5)},
+                      {"compliance_p95", json_number(f.interface.p95)},
+                      {"facets", f.interface.facets}};
+  return j;
+}
+
+Json difference_json(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region, std::size_t i) {
+  const SurfaceMeasures &a = region.results[i], &b = region.results.back();
+  const PatternDifference& d = region.differences[i];
+  Json j;
+  j["label"] = c.labels[i];
+  j["against"] = c.labels.back();
+  j["same_mesh"] = surface.same_mesh[i] != 0;
+  j["covered"] = json_number(surface.covered[i]);
+  j["correlation"] = json_number(d.correlation);
+  j["facet_correlation"] = json_number(region.facet_correlation[i]);
+  j["rms"] = json_number(d.rms);
+  j["mean"] = json_number(d.mean);
+  j["largest"] = json_number(d.largest);
+  j["dice"] = Json::array();
+  for (std::size_t k = 0; k < d.dice.size(); ++k)
+    j["dice"].push_back({{"above", c.thresholds[k]}, {"dice", json_number(d.dice[k])}});
+  const Vector3d shift = a.center_of_pressure - b.center_of_pressure;
+  j["center_of_pressure"] = json_vector(shift);
+  j["center_of_pressure_distance"] = json_number(shift.norm());
+  Json& p = j["percent"];
+  for (const bool nodes : {true, false}) {
+    Json& list = p[nodes ? "nodes" : "facets"] = Json::array();
+    for (std::size_t k = 0; k < c.thresholds.size(); ++k)
+      list.push_back(percent_json(nodes ? a.nodes[k] : a.facets[k], nodes ? b.nodes[k] : b.facets[k], c.thresholds[k]));
+  }
+  p["resultant"] = json_number(percent_difference(a.resultant.norm(), b.resultant.norm()));
+  return j;
+}
+
+Json pose_json(const std::optional<BodyPose>& pose) {
+  if (!pose) return nullptr;
+  Json j;
+  j["position"] = json_vector(pose->position);
+  j["rotation"] = nullptr;
+  if (pose->rotation) {
+    const Eigen::AngleAxisd turn(pose->rotation->normalized());
+    j["rotation"] = json_vector(turn.angle() * turn.axis());
+  }
+  return j;
+}
+
+/// Every number of a file about a region, with its column's name.
+std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface& surface,
+                                     const ComparedRegion& region) {
+  std::vector<Quantity> out;
+  for (std::size_t k = 0; k < c.thresholds.size(); ++k) {
+    for (const bool nodes : {true, false}) {
+      for (const DistributionNumber& share : kDistributionNumbers) {
+        const auto value = share.value;
+        out.push_back(
+            quantity("", fmt::format("{}_{}_above_{:g}", nodes ? "nodal" : "facet", share.name, c.thresholds[k]),
+                     region, [=](const SurfaceMeasures& m) { return (nodes ? m.nodes[k] : m.facets[k]).*value; }));
+      }
+    }
+  }
+  const char* xyz[3] = {"x", "y", "z"};
+  for (int k = 0; k < 3; ++k)
+    out.push_back(quantity("", fmt::format("resultant_{}", xyz[k]), region,
+                           [k](const SurfaceMeasures& m) { return m.resultant[k]; }));
+  for (int k = 0; k < 3; ++k)
+    out.push_back(quantity("", fmt::format("center_of_pressure_{}", xyz[k]), region,
+                           [k](const SurfaceMeasures& m) { return m.center_of_pressure[k]; }));
+  out.push_back(quantity("", "mean_penetration", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }));
+  out.push_back(quantity("", "max_penetration", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
+  const std::pair<const char*, double TimeMeasures::*> sums[] = {
+      {"max_peak_over_time", &TimeMeasures::max_peak}, {"mean_peak_over_time", &TimeMeasures::mean_peak},
+      {"max_exposure", &TimeMeasures::max_exposure},   {"mean_exposure", &TimeMeasures::mean_exposure},
+      {"max_dose", &TimeMeasures::max_dose},           {"mean_dose", &TimeMeasures::mean_dose}};
+  for (const auto& sum : sums) {
+    Quantity q{"", sum.first, {}};
+    for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*sum.second);
+    out.push_back(std::move(q));
+  }
+  const auto difference = [&](const std::string& key, auto get) {
+    Quantity q{"", key, {}};
+    for (std::size_t i = 0; i < region.differences.size(); ++i) q.values.push_back(get(i));
+    q.values.push_back(kNaN);
+    out.push_back(std::move(q));
+  };
+  difference("correlation", [&](std::size_t i) { return region.differences[i].correlation; });
+  difference("facet_correlation", [&](std::size_t i) { return region.facet_correlation[i]; });
+  difference("rms_difference", [&](std::size_t i) { return region.differences[i].rms; });
+  difference("mean_difference", [&](std::size_t i) { return region.differences[i].mean; });
+  difference("largest_difference", [&](std::size_t i) { return region.differences[i].largest; });
+  for (std::size_t k = 0; k < c.thresholds.size(); ++k)
+    difference(fmt::format("dice_above_{:g}", c.thresholds[k]),
+               [&, k](std::size_t i) { return region.differences[i].dice[k]; });
+  difference("covered", [&](std::size_t i) { return surface.covered[i]; });
+  return out;
+}
+
+Json region_json(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region) {
+  Json j;
+  j["name"] = json_word(region.name);
+  j["results"] = Json::array();
+  for (std::size_t i = 0; i < c.labels.size(); ++i) j["results"].push_back(result_json(c, region, i));
+  j["differences"] = Json::array();
+  for (std::size_t i = 0; i + 1 < c.labels.size(); ++i)
+    j["differences"].push_back(difference_json(c, surface, region, i));
+  return j;
+}
+
+Json profile_json(const Comparison& c, const ComparedSurface& surface) {
+  Json j;
+  j["axis"] = json_vector(surface.axis);
+  j["center"] = json_vector(surface.center);
+  j["results"] = Json::array();
+  for (std::size_t i = 0; i < c.labels.size(); ++i) {
+    Json bins = Json::array();
+    for (const ProfileBin& b : surface.profiles[i])
+      bins.push_back({{"from", b.from}, {"to", b.to}, {"area", json_number(b.area)}, {"mean", json_number(b.mean)}});
+    j["results"].push_back({{"label", c.labels[i]}, {"bins", std::move(bins)}});
+  }
+  return j;
+}
+
+Json surface_json(const Comparison& c, const ComparedSurface& surface) {
+  Json j;
+  j["names"] = surface.names;
+  j["facets"] = surface.facets;
+  j["files"] = Json::array();
+  for (std::size_t i = 0; i < c.labels.size(); ++i) j["files"].push_back(facts_json(c, surface.facts[i], i));
+  j["regions"] = Json::array();
+  for (const ComparedRegion& region : surface.regions) j["regions"].push_back(region_json(c, surface, region));
+  if (!surface.profiles.empty()) j["profile"] = profile_json(c, surface);
+  return j;
+}
+
+Json compared_body_json(const ComparedBody& body) {
+  Json j;
+  j["name"] = body.name;
+  j["results"] = Json::array();
+  for (const auto& pose : body.results) j["results"].push_back(pose_json(pose));
+  j["differences"] = Json::array();
+  for (const auto& d : body.differences) {
+    Json difference = nullptr;
+    if (d) {
+      difference = {{"translation", json_vector(d->translation)}, {"rotation", nullptr}};
+      if (d->rotation) difference["rotation"] = json_vector(*d->rotation);
+    }
+    j["differences"].push_back(std::move(difference));
+  }
+  return j;
+}
+
+}  // namespace
+
+Json compare_json(const Comparison& c) {
+  Json j;
+  j["schema"] = "dea.compare/1";
+  j["version"] = kVersion;
+  j["reference"] = c.labels.back();
+  j["units"] = json_word(c.units);
+  j["thresholds"] = c.thresholds;
+  j["dose_above"] = c.dose_above ? Json(*c.dose_above) : Json(nullptr);
+  j["areas"] = c.areas == CompareAreas::Deformed ? "deformed" : "reference";
+  j["results"] = Json::array();
+  for (std::size_t i = 0; i < c.labels.size(); ++i)
+    j["results"].push_back({{"label", c.labels[i]}, {"file", c.paths[i]}, {"time", json_number(c.times[i])}});
+  j["surfaces"] = Json::array();
+  for (const ComparedSurface& surface : c.surfaces) j["surfaces"].push_back(surface_json(c, surface));
+  j["bodies"] = Json::array();
+  for (const ComparedBody& body : c.bodies) j["bodies"].push_back(compared_body_json(body));
+  j["warnings"] = c.warnings;
+  return j;
+}
+
+std::string compare_csv(const Comparison& c) {
+  std::string text;
+  for (const ComparedSurface& surface : c.surfaces) {
+    for (const ComparedRegion& region : surface.regions) {
+      const std::vector<Quantity> quantities = csv_quantities(c, surface, region);
+      if (text.empty()) {
+        text = "label,file,time,surface,region";
+        for (const Quantity& q : quantities) text += fmt::format(",{}", q.key);
+        text += ",areas\n";
+      }
+      for (std::size_t i = 0; i < c.labels.size(); ++i) {
+        text += fmt::format("{},{},{},{},{}", csv_word(c.labels[i]), csv_word(c.paths[i]), csv_number(c.times[i]),
+                            csv_word(surface.names[i]), csv_word(region.name));
+        for (const Quantity& q : quantities) text += fmt::format(",{}", csv_number(q.values[i]));
+        text += c.areas == CompareAreas::Deformed ? ",deformed\n" : ",reference\n";
+      }
+    }
+  }
+  return text;
+}
+
+}  // namespace dea

@@ -1,0 +1,215 @@
+#include <febiodea/views/data/info_json.h>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/version.h>
+#include <febiodea/views/data/run_json.h>
+#include <febiodea/views/text/info_words.h>
+#include <febiodea/views/text/run_text.h>
+
+namespace dea {
+
+namespace {
+
+Json remarks_json(const JointModel& model, const std::vector<Remark>& remarks) {
+  Json list = Json::array();
+  for (const Remark& r : remarks) {
+    Json j;
+    j["what"] = r.what;
+    j["count"] = r.count;
+    j["file"] = r.origin.file >= 0 && r.origin.file < static_cast<int>(model.files.size())
+                    ? model.files[at(r.origin.file)]
+                    : "";
+    j["line"] = r.origin.line;
+    list.push_back(j);
+  }
+  return list;
+}
+
+Json layer_json(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side) {
+  Json j;
+  j["surface"] = model.surfaces[at(layer.surface)].name;
+  j["facets"] = model.surfaces[at(layer.surface)].size();
+  j["area"] = json_number(side.area);
+  j["body"] = check.joint.bodies[at(layer.body)].name;
+  j["attached_by"] = layer.attached_by;
+  j["rigid"] = layer.rigid;
+  j["material"] = layer.material < 0 ? Json(nullptr) : Json(model.materials[at(layer.material)].name);
+  j["E"] = json_number(layer.rigid ? kNaN : layer.elasticity.E);
+  j["nu"] = json_number(layer.rigid ? kNaN : layer.elasticity.nu);
+  j["confined_modulus"] = json_number(layer.rigid ? kNaN : confined_modulus(layer.elasticity.E, layer.elasticity.nu));
+  j["thickness_min"] = json_number(layer.min_thickness());
+  j["thickness_mean"] = json_number(layer.mean_thickness());
+  j["thickness_max"] = json_number(layer.max_thickness());
+  j["thickness_given"] = layer.thickness_given;
+  j["vertices"] = layer.missed.size();
+  j["missed_normals"] = layer.missed_count();
+  j["rim"] = nullptr;  // null: no layer, or springs at the bone
+  if (side.whole_face)
+    j["rim"] = Json{{"free", json_number(side.rim.free)},
+                    {"goes_on", json_number(side.rim.goes_on)},
+                    {"symmetry", json_number(side.rim.symmetry)},
+                    {"bonded", json_number(side.rim.bonded)},
+                    {"area_beyond", json_number(side.rim.area_beyond)}};
+  j["left_out"] = Json{{"side_wall", side.side_walls}, {"bonded", side.bonded}};
+  Json sphere;
+  sphere["center"] = json_vector(side.sphere.center);
+  sphere["radius"] = json_number(side.sphere.radius);
+  sphere["rms"] = json_number(side.sphere.rms);
+  j["sphere"] = sphere;
+  return j;
+}
+
+Json step_json(const JointCheck& check, const StepCheck& step) {
+  Json j;
+  j["name"] = step.name;
+  j["start"] = step.start;
+  j["duration"] = step.end - step.start;
+  j["step_size"] = step.step_size;
+  j["states"] = step.states;
+  j["bodies"] = Json::object();
+  for (int b : reported_bodies(check.joint)) {
+    const BodyConditions& c = step.conditions.bodies[at(b)];
+    Json body;
+    body["dofs"] = Json::object();
+    for (int k = 0; k < kDofs; ++k) body["dofs"][kDofNames[k]] = word(c.dofs[at(k)]);
+    Json value = Json::array();
+    for (int k = 0; k < kDofs; ++k)
+      value.push_back(c.dofs[at(k)] == DofState::Prescribed ? json_number(c.value[k]) : Json(nullptr));
+    body["prescribed"] = value;
+    body["force"] = json_vector(c.dead.head<3>());
+    body["moment"] = json_vector(c.dead.tail<3>());
+    body["following_force"] = json_vector(c.follower.head<3>());
+    body["following_moment"] = json_vector(c.follower.tail<3>());
+    body["arm"] = json_vector(c.arm);
+    body["point_forces"] = Json::array();
+    for (const PointForce& p : c.point_forces)
+      body["point_forces"].push_back(
+          Json{{"force", json_vector(p.force)}, {"arm", json_vector(p.arm)}, {"following", p.turns}});
+    j["bodies"][check.joint.bodies[at(b)].name] = body;
+  }
+  return j;
+}
+
+Json body_json(const JointModel& model, const Body& body) {
+  Json j;
+  j["name"] = body.name;
+  j["materials"] = Json::array();
+  for (int m : body.materials) j["materials"].push_back(model.materials[at(m)].name);
+  j["center_of_mass"] = json_vector(body.center_of_mass);
+  j["center_given"] = body.center_given;
+  j["mass"] = json_number(body.mass);
+  j["ground"] = body.ground;
+  j["moved_nodes"] = !body.moved_by.empty();
+  return j;
+}
+
+Json contact_json(const JointModel& model, const Settings& settings, const JointCheck& check, std::size_t c) {
+  const ContactPair& pair = check.joint.contacts[c];
+  const ContactCheck& found = check.contacts[c];
+  const Contact& contact = model.contacts[at(pair.contact)];
+  Json j;
+  j["name"] = pair.name;
+  j["type"] = contact.type;
+  j["step"] = pair.step < 0 ? Json(nullptr) : Json(pair.step + 1);
+  j["source"] = check.joint.bodies[at(pair.source_layer().body)].name;
+  j["target"] = check.joint.bodies[at(pair.target_layer().body)].name;
+  j["law"] = name(pair.law);
+  j["law_chosen_by"] = law_origin(contact, settings);
+  j["springs_at"] = name(settings.springs_at);
+  j["springs"] = found.springs;
+  j["springs_hit"] = found.springs_hit;
+  j["gap_min"] = json_number(found.gap_min);
+  j["gap_p5"] = json_number(found.gap_p5);
+  j["gap_median"] = json_number(found.gap_median);
+  j["gap_max"] = json_number(found.gap_max);
+  j["primary"] = layer_json(model, check, pair.layers[0], found.sides[0]);
+  j["secondary"] = layer_json(model, check, pair.layers[1], found.sides[1]);
+  return j;
+}
+
+/// Points (measure, force), or an expression in t, the measure.
+Json curve_json(const LoadController& curve) {
+  if (!curve.expression.empty()) return curve.expression;
+  Json points = Json::array();
+  for (const auto& point : curve.points) points.push_back(Json::array({json_number(point[0]), json_number(point[1])}));
+  return points;
+}
+
+Json ligament_json(const JointModel& model, const Joint& joint, const Ligament& l) {
+  const bool linear = l.law == Ligament::Law::Linear, curve = l.law == Ligament::Law::Curve,
+             constant = l.law == Ligament::Law::Constant;
+  Json j;
+  j["name"] = l.name;
+  j["body_a"] = joint.bodies[at(l.body_a)].name;
+  j["body_b"] = joint.bodies[at(l.body_b)].name;
+  j["point_a"] = json_vector(l.point_a);
+  j["point_b"] = json_vector(l.point_b);
+  j["law"] = linear ? "linear" : curve ? "curve" : "constant";
+  j["stiffness"] = linear ? json_number(l.stiffness) : Json(nullptr);
+  j["free_length"] = constant ? Json(nullptr) : json_number(l.free_length);
+  j["tension_only"] = l.tension_only;
+  j["measure"] = curve ? Json(word(l.measure)) : Json(nullptr);
+  j["curve"] = curve && l.curve ? curve_json(*l.curve) : Json(nullptr);
+  j["scale"] = linear ? Json(nullptr) : json_number(l.scale.factor);  // of the curve; or the force itself
+  j["load_controller"] = l.scale.controller < 0 ? Json(nullptr) : Json(model.controllers[at(l.scale.controller)].id);
+  return j;
+}
+
+Json cable_json(const Joint& joint, const Cable& c) {
+  Json j;
+  j["name"] = c.name;
+  j["points"] = Json::array();
+  for (const Cable::Point& point : c.points)
+    j["points"].push_back(Json{{"body", joint.bodies[at(point.body)].name}, {"point", json_vector(point.position)}});
+  j["direction"] = json_vector(c.direction);
+  j["force"] = json_number(c.force.factor);
+  return j;
+}
+
+Json connector_json(const Joint& joint, const Connector& c) {
+  Json j;
+  j["name"] = c.name;
+  j["type"] = c.type;
+  j["body_a"] = joint.bodies[at(c.body_a)].name;
+  j["body_b"] = joint.bodies[at(c.body_b)].name;
+  j["point"] = json_vector(c.point);
+  j["axes"] = Json::array();
+  for (int k = 0; k < 3; ++k) j["axes"].push_back(json_vector(c.axes.col(k)));
+  j["motion"] = Json::array();
+  for (int k = 0; k < kDofs; ++k) j["motion"].push_back(word(c.motion[at(k)]));
+  return j;
+}
+
+}  // namespace
+
+Json info_json(const JointModel& model, const Settings& settings, const JointCheck& check) {
+  const Joint& joint = check.joint;
+  Json j;
+  j["schema"] = "dea.info/1";
+  j["model"] = model.files.empty() ? "" : model.files.front();
+  j["version"] = kVersion;
+  j["settings"] = settings_json(settings);
+  j["febio_version"] = model.version;
+  j["units"] = json_word(model.units);
+  j["nodes"] = model.nodes.size();
+  for (const char* list : {"bodies", "contacts", "ligaments", "cables", "joints", "steps"}) j[list] = Json::array();
+  if (check.recognised) {
+    for (int b : reported_bodies(joint)) j["bodies"].push_back(body_json(model, joint.bodies[at(b)]));
+    for (std::size_t c = 0; c < joint.contacts.size(); ++c)
+      j["contacts"].push_back(contact_json(model, settings, check, c));
+    for (const Ligament& l : joint.ligaments) j["ligaments"].push_back(ligament_json(model, joint, l));
+    for (const Cable& c : joint.cables) j["cables"].push_back(cable_json(joint, c));
+    for (const Connector& c : joint.connectors) j["joints"].push_back(connector_json(joint, c));
+    for (const StepCheck& step : check.steps) j["steps"].push_back(step_json(check, step));
+  }
+  j["times"] = Json::array();
+  for (const TimePoint& t : check.times) j["times"].push_back(t.time);
+  j["findings"] = joint.findings;
+  j["ignored"] = remarks_json(model, model.ignored);
+  j["unsupported"] = remarks_json(model, model.unsupported);
+  j["error"] = check.errors.empty() ? Json(nullptr) : Json(check.errors.front());
+  j["errors"] = check.errors;  // all that are known, the most basic first
+  return j;
+}
+
+}  // namespace dea

@@ -1,0 +1,17 @@
+#include <febiodea/views/data/json.h>
+
+#include <cmath>
+
+namespace dea {
+
+Json json_number(double x) { return std::isfinite(x) ? Json(x + 0.0) : Json(nullptr); }  // + 0.0: no -0.0
+
+Json json_vector(const Eigen::Vector3d& v) {
+  return Json::array({json_number(v[0]), json_number(v[1]), json_number(v[2])});
+}
+
+Json json_word(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+std::string json_text(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace dea

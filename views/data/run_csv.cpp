@@ -1,0 +1,193 @@
+#include <febiodea/views/data/run_csv.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/views/data/csv.h>
+
+namespace dea {
+
+namespace {
+
+/// A column: its name, and its cell in a row.
+template <class Row>
+struct Column {
+  std::string name;
+  std::function<std::string(const Row&)> cell;
+};
+
+template <class Row>
+std::string header(const std::vector<Column<Row>>& columns) {
+  std::string line;
+  for (const Column<Row>& c : columns) line += (line.empty() ? "" : ",") + c.name;
+  return line + '\n';
+}
+
+template <class Row>
+std::string line(const std::vector<Column<Row>>& columns, const Row& row) {
+  std::string line = columns.front().cell(row);
+  for (std::size_t c = 1; c < columns.size(); ++c) line += ',' + columns[c].cell(row);
+  return line + '\n';
+}
+
+/// NAMEx, NAMEy, NAMEz.
+template <class Row, class Get>
+void add_vector(std::vector<Column<Row>>& columns, const std::string& name, Get get) {
+  for (int k = 0; k < 3; ++k)
+    columns.push_back({name + "xyz"[k], [=](const Row& row) { return csv_number(get(row)[k]); }});
+}
+
+/// A contact in a state.
+struct ContactRow {
+  const Joint& joint;
+  const StateResult& state;
+  std::size_t contact;
+  const ContactPair& pair() const { return joint.contacts[contact]; }
+  const ContactStatistics& statistics() const { return state.statistics[contact]; }
+};
+
+std::vector<Column<ContactRow>> contact_columns() {
+  using R = const ContactRow&;
+  using S = ContactStatistics;
+  const auto body = [](R r, const Layer& layer) { return csv_word(r.joint.bodies[at(layer.body)].name); };
+  std::vector<Column<ContactRow>> columns = {
+      {"time", [](R r) { return csv_number(r.state.when.time); }},
+      {"contact", [](R r) { return csv_word(r.pair().name); }},
+      {"outcome", [](R r) { return std::string(name(r.state.equilibrium.outcome)); }},
+      {"iterations", [](R r) { return std::to_string(r.state.equilibrium.iterations); }},
+      {"residual_force", [](R r) { return csv_number(r.state.equilibrium.residual_force); }},
+      {"residual_moment", [](R r) { return csv_number(r.state.equilibrium.residual_moment); }},
+      {"source", [=](R r) { return body(r, r.pair().source_layer()); }},
+      {"target", [=](R r) { return body(r, r.pair().target_layer()); }},
+      {"springs", [](R r) { return std::to_string(r.statistics().springs); }},
+      {"springs_hit", [](R r) { return std::to_string(r.statistics().springs_hit); }},
+      {"springs_active", [](R r) { return std::to_string(r.statistics().springs_active); }},
+  };
+  const auto add_number = [&](const char* name, double S::*number) {
+    columns.push_back({name, [=](R r) { return csv_number(r.statistics().*number); }});
+  };
+  add_number("peak_pressure", &S::peak);
+  add_number("p99_pressure", &S::p99);
+  add_number("mean_pressure", &S::mean);
+  add_number("median_pressure", &S::median);
+  add_number("p5_pressure", &S::p5);
+  add_number("p25_pressure", &S::p25);
+  add_number("p75_pressure", &S::p75);
+  add_number("p95_pressure", &S::p95);
+  add_number("contact_area", &S::contact_area);
+  add_number("facet_peak_pressure", &S::facet_peak);
+  add_number("nodal_peak_pressure", &S::nodal_peak);
+  add_number("nodal_mean_pressure", &S::nodal_mean);
+  add_number("nodal_median_pressure", &S::nodal_median);
+  add_number("facet_contact_area", &S::facet_contact_area);
+  add_vector(columns, "center_of_pressure_", [](R r) { return r.statistics().center_of_pressure; });
+  add_vector(columns, "force_", [](R r) { return r.statistics().force; });
+  add_vector(columns, "moment_", [](R r) { return r.statistics().moment; });
+  add_number("largest_strain", &S::largest_strain);
+  const auto factor = [](R r, int side) { return csv_number(r.state.fields[r.contact].sides[side].resultant_factor); };
+  columns.push_back({"source_resultant_factor", [=](R r) { return factor(r, r.pair().source); }});
+  columns.push_back({"target_resultant_factor", [=](R r) { return factor(r, 1 - r.pair().source); }});
+  return columns;
+}
+
+/// Of the facets of a surface, in the reference configuration.
+struct FacetShape {
+  std::vector<double> area;
+  std::vector<Vector3d> centroid;
+  std::vector<double> thickness;  ///< of the surface's layer, mean over the facet
+};
+
+FacetShape facet_shape(const JointModel& model, const Layer& layer, const std::vector<double>& vertex_thickness) {
+  const Surface& surface = model.surfaces[at(layer.surface)];
+  const std::size_t n = at(surface.size());
+  FacetShape out{std::vector<double>(n, 0.0), std::vector<Vector3d>(n, Vector3d::Zero()), std::vector<double>(n, 0.0)};
+  const SurfaceMesh& mesh = layer.articular;
+  for (int t = 0; t < mesh.size(); ++t) {
+    const std::size_t f = at(mesh.facet[at(t)]);
+    const double area = mesh.areas[at(t)];
+    out.area[f] += area;
+    out.centroid[f] += area * mesh.centroid(t);
+    for (int vertex : mesh.triangles[at(t)]) out.thickness[f] += area / 3.0 * vertex_thickness[at(vertex)];
+  }
+  for (std::size_t f = 0; f < n; ++f) {
+    if (out.area[f] > 0) {
+      out.centroid[f] /= out.area[f];
+      out.thickness[f] /= out.area[f];
+      continue;
+    }
+    const int begin = surface.begin[f], count = surface.begin[f + 1] - begin;  // a facet of no area
+    for (int k = 0; k < count; ++k) out.centroid[f] += model.nodes[at(surface.nodes[at(begin + k)])] / count;
+    out.thickness[f] = std::nan("");
+  }
+  return out;
+}
+
+/// A facet of one side of a contact in a state.
+struct FacetRow {
+  const std::string& start;  ///< the cells that all facets of the surface share
+  const Body& body;
+  const Pose& pose;
+  const SideFields& fields;
+  const FacetShape& shape;
+  std::size_t facet;
+};
+
+/// After the columns that all facets of a surface share: those of the facet itself.
+std::vector<Column<FacetRow>> facet_columns() {
+  using R = const FacetRow&;
+  std::vector<Column<FacetRow>> columns = {
+      {"time,outcome,contact,surface,body", [](R r) { return r.start; }},
+      {"facet", [](R r) { return std::to_string(r.facet + 1); }},
+  };
+  add_vector(columns, "reference_", [](R r) { return r.shape.centroid[r.facet]; });
+  add_vector(columns, "", [](R r) -> Vector3d {
+    return r.pose.center + r.pose.rotation * (r.shape.centroid[r.facet] - r.body.center_of_mass);
+  });
+  columns.push_back({"area", [](R r) { return csv_number(r.shape.area[r.facet]); }});
+  for (const FacetField& field : facet_fields()) {
+    const auto values = field.values;
+    columns.push_back({field.column, [values](R r) { return csv_number((r.fields.*values)[r.facet]); }});
+    if (values == &SideFields::pressure)
+      columns.push_back({"thickness", [](R r) { return csv_number(r.shape.thickness[r.facet]); }});
+  }
+  return columns;
+}
+
+}  // namespace
+
+std::string run_csv(const Analysis& analysis) {
+  const std::vector<Column<ContactRow>> columns = contact_columns();
+  std::string text = header(columns);
+  for (const StateResult& state : analysis.states)
+    for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c)
+      text += line(columns, ContactRow{analysis.joint, state, c});
+  return text;
+}
+
+std::string facets_csv(const JointModel& model, const Analysis& analysis) {
+  const Joint& joint = analysis.joint;
+  const std::vector<Column<FacetRow>> columns = facet_columns();
+  std::string text = header(columns);
+  for (const StateResult& state : analysis.states) {
+    for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+      for (int side = 0; side < 2; ++side) {
+        const Layer& layer = joint.contacts[c].layers[side];
+        const SideFields& fields = state.fields[c].sides[side];
+        const Body& body = joint.bodies[at(layer.body)];
+        const Pose& pose = state.equilibrium.poses[at(layer.body)];
+        const FacetShape shape = facet_shape(model, layer, fields.vertex_thickness);
+        const std::string start = fmt::format("{},{},{},{},{}", csv_number(state.when.time),
+                                              name(state.equilibrium.outcome), csv_word(joint.contacts[c].name),
+                                              csv_word(model.surfaces[at(layer.surface)].name), csv_word(body.name));
+        for (std::size_t f = 0; f < shape.area.size(); ++f)
+          text += line(columns, FacetRow{start, body, pose, fields, shape, f});
+      }
+    }
+  }
+  return text;
+}
+
+}  // namespace dea

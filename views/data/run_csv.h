@@ -1,0 +1,18 @@
+// febiodea/views/data/run_csv.h – results of a run as CSV. Undefined numbers are empty.
+#pragma once
+#include <string>
+
+#include <febiodea/run/analysis.h>
+
+namespace dea {
+
+/// One line per wanted state and contact, under a line of names.
+std::string run_csv(const Analysis& analysis);
+
+/// One line per wanted state, contact, side (primary, secondary) and facet of its surface, under a line of names.
+/// Facets count from 1 in the model's surface. `area` and `reference_x,y,z` (centroid): of the facet's triangles in the
+/// reference configuration; `x,y,z`: that centroid moved with the surface's body, not compressed; `thickness`: mean
+/// over the facet. The rest: SideFields.
+std::string facets_csv(const JointModel& model, const Analysis& analysis);
+
+}  // namespace dea

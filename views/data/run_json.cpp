@@ -1,0 +1,218 @@
+#include <febiodea/views/data/run_json.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/model/settings_table.h>
+#include <febiodea/version.h>
+#include <febiodea/views/text/remarks.h>
+#include <febiodea/views/text/run_text.h>
+
+namespace dea {
+
+namespace {
+
+Json json_vector6_head(const Vector6& v) { return json_vector(v.head<3>()); }
+Json json_vector6_tail(const Vector6& v) { return json_vector(v.tail<3>()); }
+
+Json item_json(const SettingItem& item) {
+  struct {
+    Json operator()(std::monostate) const { return nullptr; }
+    Json operator()(double number) const { return json_number(number); }
+    Json operator()(const Vector3d& vector) const { return json_vector(vector); }
+    Json operator()(bool value) const { return value; }
+    Json operator()(int value) const { return value; }
+    Json operator()(const std::string& value) const { return value; }
+    Json operator()(const std::vector<std::string>& value) const { return value; }
+  } json;
+  return std::visit(json, item);
+}
+
+Json content_json(const SettingContent& content) {
+  if (const auto* item = std::get_if<SettingItem>(&content)) return item_json(*item);
+  Json j = Json::object();
+  for (const auto& entry : std::get<1>(content)) j[entry.first] = item_json(entry.second);
+  return j;
+}
+
+Json body_json(const Body& body, const Pose& pose, const Vector6& reaction) {
+  const Eigen::AngleAxisd turn(pose.rotation);
+  Json j;
+  j["translation"] = json_vector(pose.center - body.center_of_mass);
+  j["rotation"] = json_vector(turn.angle() * turn.axis());
+  j["force"] = json_vector6_head(reaction);
+  j["moment"] = json_vector6_tail(reaction);
+  return j;
+}
+
+Json contact_json(const Joint& joint, const ContactPair& pair, const ContactStatistics& s,
+                  const ContactFields& fields) {
+  Json j;
+  j["name"] = pair.name;
+  j["source"] = joint.bodies[at(pair.source_layer().body)].name;
+  j["target"] = joint.bodies[at(pair.target_layer().body)].name;
+  j["springs"] = s.springs;
+  j["springs_active"] = s.springs_active;
+  j["peak_pressure"] = json_number(s.peak);
+  j["p99_pressure"] = json_number(s.p99);
+  j["mean_pressure"] = json_number(s.mean);
+  j["median_pressure"] = json_number(s.median);
+  j["contact_area"] = json_number(s.contact_area);
+  j["facet_peak_pressure"] = json_number(s.facet_peak);
+  j["nodal_peak_pressure"] = json_number(s.nodal_peak);
+  j["nodal_mean_pressure"] = json_number(s.nodal_mean);
+  j["nodal_median_pressure"] = json_number(s.nodal_median);
+  j["facet_contact_area"] = json_number(s.facet_contact_area);
+  j["center_of_pressure"] = json_vector(s.center_of_pressure);
+  j["force"] = json_vector(s.force);
+  j["moment"] = json_vector(s.moment);
+  j["springs_hit"] = s.springs_hit;
+  j["p5_pressure"] = json_number(s.p5);
+  j["p25_pressure"] = json_number(s.p25);
+  j["p75_pressure"] = json_number(s.p75);
+  j["p95_pressure"] = json_number(s.p95);
+  j["largest_strain"] = json_number(s.largest_strain);
+  j["source_resultant_factor"] = json_number(fields.sides[pair.source].resultant_factor);
+  j["target_resultant_factor"] = json_number(fields.sides[1 - pair.source].resultant_factor);
+  j["complementarity"] = json_number(s.complementarity);
+  j["law"] = name(pair.law);
+  j["facets"] = name(pair.facets);
+  j["refine"] = pair.refine;
+  return j;
+}
+
+Json state_json(const Joint& joint, const StateResult& state) {
+  const Equilibrium& e = state.equilibrium;
+  Json j;
+  j["time"] = json_number(state.when.time);
+  j["outcome"] = name(e.outcome);
+  j["iterations"] = e.iterations;
+  j["residual_force"] = json_number(e.residual_force);
+  j["residual_moment"] = json_number(e.residual_moment);
+  j["bodies"] = Json::object();
+  for (int b : reported_bodies(joint))
+    j["bodies"][joint.bodies[at(b)].name] = body_json(joint.bodies[at(b)], e.poses[at(b)], e.reaction[at(b)]);
+  j["contacts"] = Json::array();
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c)
+    j["contacts"].push_back(contact_json(joint, joint.contacts[c], state.statistics[c], state.fields[c]));
+  j["message"] = e.message;
+  j["step"] = state.when.step + 1;
+  j["load"] = json_number(e.load);
+  j["residual_history"] = Json::array();
+  for (double r : e.history) j["residual_history"].push_back(json_number(r));
+  j["held_directions"] = e.held;
+  j["least_stiffness"] = json_number(e.least_stiffness);
+  j["ligaments"] = Json::array();
+  for (std::size_t l = 0; l < e.ligament_force.size() && l < joint.ligaments.size(); ++l) {
+    Json ligament;
+    ligament["name"] = joint.ligaments[l].name;
+    ligament["force"] = json_number(e.ligament_force[l]);
+    j["ligaments"].push_back(ligament);
+  }
+  j["cables"] = Json::array();
+  for (std::size_t c = 0; c < e.cable_force.size() && c < joint.cables.size(); ++c) {
+    Json cable;
+    cable["name"] = joint.cables[c].name;
+    cable["force"] = json_number(e.cable_force[c]);
+    j["cables"].push_back(cable);
+  }
+  j["joints"] = Json::array();
+  for (std::size_t c = 0; c < e.connector_force.size() && c < joint.connectors.size(); ++c) {
+    const Connector& connector = joint.connectors[c];
+    Json item;
+    item["name"] = connector.name;
+    item["type"] = connector.type;
+    item["body_a"] = joint.bodies[at(connector.body_a)].name;
+    item["body_b"] = joint.bodies[at(connector.body_b)].name;
+    item["force"] = json_vector6_head(e.connector_force[c]);
+    item["moment"] = json_vector6_tail(e.connector_force[c]);
+    item["translation"] = json_vector6_head(e.connector_motion[c]);
+    item["rotation"] = json_vector6_tail(e.connector_motion[c]);
+    j["joints"].push_back(item);
+  }
+  return j;
+}
+
+}  // namespace
+
+Json settings_json(const Settings& settings) {
+  Json j;
+  const auto add = [&](const std::string& option_name) {
+    const SettingOption& option = *find_setting_option(option_name);
+    std::string key = option_name;
+    std::replace(key.begin(), key.end(), '-', '_');
+    j[key] = content_json(option.content(settings));
+  };
+  for (const SettingOption& option : setting_options()) {
+    const std::string name = option.name;
+    if (name != "facets") add(name);
+    if (name == "rigid") add("keep-facets");  // where these two stand in dea.run/1
+  }
+  add("facets");
+  return j;
+}
+
+Json run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings) {
+  const Joint& joint = analysis.joint;
+  Json j;
+  j["schema"] = "dea.run/1";
+  j["model"] = model.files.empty() ? "" : model.files.front();
+  j["version"] = kVersion;
+  j["settings"] = settings_json(settings);
+  Json seconds;
+  seconds["read"] = timings.read;
+  seconds["joint"] = timings.joint;
+  seconds["solve"] = timings.solve;
+  seconds["write"] = timings.write;
+  seconds["total"] = timings.total;
+  j["timings"] = seconds;
+  j["bodies"] = Json::array();
+  for (int b : reported_bodies(joint)) j["bodies"].push_back(joint.bodies[at(b)].name);
+  j["states"] = Json::array();
+  for (const StateResult& state : analysis.states) j["states"].push_back(state_json(joint, state));
+  j["units"] = json_word(model.units);
+  j["findings"] = run_remarks(model, analysis);
+  return j;
+}
+
+Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies,
+                   double target, int max_springs) {
+  Json j;
+  j["schema"] = "dea.converge/1";
+  j["model"] = model.files.empty() ? "" : model.files.front();
+  j["version"] = kVersion;
+  j["settings"] = settings_json(settings);
+  j["settings"].erase("refine");  // it is what the study varies
+  j["target"] = target;
+  j["max_springs"] = max_springs;
+  j["contacts"] = Json::array();
+  for (const Convergence& study : studies) {
+    Json c;
+    c["name"] = study.contact;
+    c["springs_5_percent"] = study.springs_5_percent < 0 ? Json(nullptr) : Json(study.springs_5_percent);
+    c["springs_1_percent"] = study.springs_1_percent < 0 ? Json(nullptr) : Json(study.springs_1_percent);
+    c["rows"] = Json::array();
+    for (const ConvergenceRow& row : study.rows) {
+      Json r;
+      r["refine"] = row.refine;
+      r["springs"] = row.springs;
+      r["springs_hit"] = row.springs_hit;
+      r["springs_active"] = row.springs_active;
+      r["outcome"] = name(row.outcome);
+      r["peak_pressure"] = json_number(row.peak);
+      r["mean_pressure"] = json_number(row.mean);
+      r["contact_area"] = json_number(row.area);
+      r["change_peak"] = json_number(row.change_peak);
+      r["change_mean"] = json_number(row.change_mean);
+      r["change_area"] = json_number(row.change_area);
+      c["rows"].push_back(r);
+    }
+    j["contacts"].push_back(c);
+  }
+  return j;
+}
+
+}  // namespace dea

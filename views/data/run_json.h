@@ -1,0 +1,18 @@
+// febiodea/views/data/run_json.h – settings, runs and convergence studies as JSON. Undefined numbers are null.
+#pragma once
+#include <febiodea/run/analysis.h>
+#include <febiodea/views/data/json.h>
+
+namespace dea {
+
+/// Where the time of a run went, in seconds.
+struct Timings {
+  double read = 0.0, joint = 0.0, solve = 0.0, write = 0.0, total = 0.0;
+};
+
+Json settings_json(const Settings& settings);
+Json run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings);
+Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies,
+                   double target, int max_springs);
+
+}  // namespace dea

@@ -1,0 +1,258 @@
+#include <febiodea/views/text/compare_text.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/views/compare/quantities.h>
+
+namespace dea {
+
+namespace {
+
+std::string short_number(double x) { return four_digits(x == 0 ? 0.0 : x); }  // no -0
+std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:+.1f}%", std::abs(x) < 0.05 ? 0.0 : x) : "-"; }
+
+/// The table's lines.
+std::vector<Quantity> table_quantities(const ComparedRegion& region, const std::vector<double>& thresholds) {
+  std::vector<Quantity> out;
+  for (const char* number : {"peak", "p99", "mean", "median"}) {
+    for (const DistributionNumber& share : kDistributionNumbers) {
+      if (std::string(share.name) != number) continue;
+      const auto value = share.value;
+      out.push_back(quantity(fmt::format("{}, nodes", number), "", region,
+                             [value](const SurfaceMeasures& m) { return m.nodes[0].*value; }));
+      out.push_back(quantity(fmt::format("{}, facets", number), "", region,
+                             [value](const SurfaceMeasures& m) { return m.facets[0].*value; }));
+    }
+  }
+  for (std::size_t t = 1; t < thresholds.size(); ++t)
+    out.push_back(quantity(fmt::format("mean, nodes > {:g}", thresholds[t]), "", region,
+                           [t](const SurfaceMeasures& m) { return m.nodes[t].mean; }));
+  out.push_back(quantity("area, facets > 0", "", region, [](const SurfaceMeasures& m) { return m.facets[0].area; }));
+  for (std::size_t t = 0; t < thresholds.size(); ++t)
+    out.push_back(quantity(fmt::format("area, nodes > {:g}", thresholds[t]), "", region,
+                           [t](const SurfaceMeasures& m) { return m.nodes[t].area; }));
+  out.push_back(quantity("resultant", "", region, [](const SurfaceMeasures& m) { return m.resultant.norm(); }));
+  const auto penetration =
+      quantity("penetration, mean", "", region, [](const SurfaceMeasures& m) { return m.mean_penetration; });
+  if (std::any_of(penetration.values.begin(), penetration.values.end(),
+                  [](double x) { return std::isfinite(x) && x != 0; })) {
+    out.push_back(penetration);
+    out.push_back(
+        quantity("penetration, largest", "", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
+  }
+  return out;
+}
+
+/// The lines about the whole surface that rest on what the files say of themselves.
+std::vector<Quantity> fact_quantities(const Comparison& c, const ComparedSurface& surface) {
+  const bool deformed = c.areas == CompareAreas::Deformed;
+  Quantity area{"area, whole surface", "", {}}, force{"contact force of the file", "", {}},
+      share{"resultant, % of it", "", {}, false};
+  for (const SurfaceFacts& f : surface.facts) {
+    area.values.push_back(deformed ? f.deformed_area : f.area);
+    force.values.push_back(f.contact_force ? f.contact_force->norm() : kNaN);
+    share.values.push_back(100 * share_of_contact_force(f, c.areas));
+  }
+  std::vector<Quantity> out = {area};
+  if (std::any_of(share.values.begin(), share.values.end(), [](double x) { return std::isfinite(x); })) {
+    out.push_back(force);
+    out.push_back(share);
+  }
+  return out;
+}
+
+/// Which files' contacts give way, and what does the same in dea: a line each.
+std::string interface_text(const Comparison& c, const ComparedSurface& surface) {
+  std::string text;
+  for (std::size_t i = 0; i < c.labels.size(); ++i) {
+    const InterfaceCompliance& k = surface.facts[i].interface;
+    if (!(k.compliance > 0)) continue;
+    text += fmt::format(
+        "{}{}: its contact gives way by {:.4g} per pressure (gap over pressure, {} facets above a tenth of the peak; "
+        "90% of the force: {:.3g} to {:.3g}): --interface-stiffness {:.3g} puts the same in series",
+        text.empty() ? "" : "\n", c.labels[i], k.compliance, k.facets, k.p5, k.p95, 1 / k.compliance);
+  }
+  return text;
+}
+
+/// What was measured in each file, and in per cent how far it is from the last.
+Table region_table(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region) {
+  const std::size_t n = c.labels.size();
+  Table table;
+  table.headings = {""};
+  table.left = "l";
+  for (const std::string& label : c.labels) {
+    table.headings.push_back(label);
+    table.left += 'r';
+  }
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    table.headings.push_back(n == 2 ? "difference" : fmt::format("difference {}", c.labels[i]));
+    table.left += 'r';
+  }
+  const auto add = [&](const Quantity& q) {
+    std::vector<std::string> row = {q.name};
+    for (double x : q.values) row.push_back(short_number(x));
+    // a contact without penetration is another contact, not one with 100 % less
+    const bool zero_is_none = q.name.rfind("penetration", 0) == 0;
+    for (std::size_t i = 0; i + 1 < n; ++i)
+      row.push_back(!q.compared || (zero_is_none && q.values[i] == 0)
+                        ? "-"
+                        : percent(percent_difference(q.values[i], q.values.back())));
+    table.rows.push_back(std::move(row));
+  };
+  for (const Quantity& q : table_quantities(region, c.thresholds)) add(q);
+  if (region.name.empty())
+    for (const Quantity& q : fact_quantities(c, surface)) add(q);
+  const auto add_time = [&](const char* name, double TimeMeasures::*value) {
+    Quantity q{name, "", {}};
+    for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*value);
+    if (std::any_of(q.values.begin(), q.values.end(), [](double x) { return std::isfinite(x); })) add(q);
+  };
+  if (std::any_of(region.over_time.begin(), region.over_time.end(),
+                  [](const TimeMeasures& m) { return std::isfinite(m.max_exposure); }))
+    add_time("peak over time, mean", &TimeMeasures::mean_peak);
+  add_time("exposure, largest", &TimeMeasures::max_exposure);
+  add_time("exposure, mean", &TimeMeasures::mean_exposure);
+  add_time("dose, largest", &TimeMeasures::max_dose);
+  add_time("dose, mean", &TimeMeasures::mean_dose);
+  return table;
+}
+
+/// How alike the patterns are.
+Table pattern_table(const Comparison& c, const ComparedRegion& region) {
+  Table patterns;
+  patterns.headings = {fmt::format("against {}", c.labels.back()), "correlation", "rms", "mean", "largest"};
+  patterns.left = "lrrrr";
+  for (double t : c.thresholds) {
+    patterns.headings.push_back(fmt::format("Dice > {:g}", t));
+    patterns.left += 'r';
+  }
+  patterns.headings.push_back("centre of pressure");
+  patterns.left += 'l';
+  for (std::size_t i = 0; i + 1 < c.labels.size(); ++i) {
+    const PatternDifference& d = region.differences[i];
+    const Vector3d shift = region.results[i].center_of_pressure - region.results.back().center_of_pressure;
+    std::vector<std::string> row = {c.labels[i],
+                                    std::isfinite(d.correlation) ? fmt::format("{:.4f}", d.correlation) : "-",
+                                    short_number(d.rms), short_number(d.mean), short_number(d.largest)};
+    for (double dice : d.dice) row.push_back(std::isfinite(dice) ? fmt::format("{:.4f}", dice) : "-");
+    row.push_back(shift.allFinite() ? fmt::format("moved by {} {}", short_number(shift.norm()), vector_text(shift))
+                                    : "-");
+    patterns.rows.push_back(std::move(row));
+  }
+  return patterns;
+}
+
+TitledTable profile_table(const Comparison& c, const ComparedSurface& surface) {
+  Table table;
+  table.headings = {"degrees"};
+  table.left = "r";
+  for (const std::string& label : c.labels) {
+    table.headings.push_back(label);
+    table.left += 'r';
+  }
+  std::size_t bins = 0;
+  for (const auto& profile : surface.profiles) bins = std::max(bins, profile.size());
+  // bins before the first facet and behind the last one say nothing
+  const auto empty = [&](std::size_t b) {
+    return std::all_of(surface.profiles.begin(), surface.profiles.end(),
+                       [&](const auto& profile) { return b >= profile.size() || std::isnan(profile[b].mean); });
+  };
+  while (bins > 0 && empty(bins - 1)) --bins;
+  std::size_t first = 0;
+  while (first < bins && empty(first)) ++first;
+  for (std::size_t b = first; b < bins; ++b) {
+    std::vector<std::string> row;
+    for (const auto& profile : surface.profiles) {
+      if (row.empty()) row.push_back("");
+      if (b < profile.size()) row.front() = fmt::format("{:g} - {:g}", profile[b].from, profile[b].to);
+      row.push_back(b < profile.size() ? short_number(profile[b].mean) : "-");
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return {fmt::format("mean pressure against the angle from {} about {}", vector_text(surface.axis),
+                      vector_text(surface.center)),
+          std::move(table)};
+}
+
+std::string surface_title(const ComparedSurface& s) {
+  const bool one =
+      std::all_of(s.names.begin(), s.names.end(), [&](const std::string& n) { return n == s.names.front(); });
+  if (one) return s.names.front();
+  std::string text;
+  for (const std::string& n : s.names) text += fmt::format("{}{}", text.empty() ? "" : " = ", n);
+  return text;
+}
+
+Table bodies_table(const Comparison& c) {
+  Table bodies;
+  bodies.headings = {"body"};
+  for (const std::string& label : c.labels) bodies.headings.push_back(fmt::format("position {}", label));
+  for (std::size_t i = 0; i + 1 < c.labels.size(); ++i) {
+    bodies.headings.push_back(c.labels.size() == 2 ? "difference" : fmt::format("difference {}", c.labels[i]));
+    bodies.headings.push_back("rotated [degrees]");
+  }
+  bodies.left = std::string(bodies.headings.size(), 'l');
+  for (const ComparedBody& body : c.bodies) {
+    std::vector<std::string> row = {body.name};
+    for (const auto& pose : body.results) row.push_back(pose ? vector_text(pose->position) : "-");
+    for (const auto& d : body.differences) {
+      row.push_back(d ? vector_text(d->translation) : "-");
+      row.push_back(d && d->rotation ? short_number(kDegreesPerRadian * d->rotation->norm()) : "-");
+    }
+    bodies.rows.push_back(std::move(row));
+  }
+  return bodies;
+}
+
+/// Tables of one surface.
+void add_surface(const Comparison& c, const ComparedSurface& surface, std::vector<TitledTable>& tables) {
+  std::string remarks;
+  for (std::size_t i = 0; i + 1 < c.labels.size(); ++i)
+    if (!surface.same_mesh[i])
+      remarks += fmt::format("; {} projected onto the mesh of {}", c.labels[i], c.labels.back());
+  if (c.areas == CompareAreas::Deformed) remarks += "; deformed areas";
+  for (const ComparedRegion& region : surface.regions) {
+    const std::string rest = region.name.empty() ? remarks : fmt::format(", region {}", region.name);
+    tables.push_back({fmt::format("surface {}{}", surface_title(surface), rest), region_table(c, surface, region)});
+    tables.push_back({"", pattern_table(c, region)});
+  }
+  const std::string interface = interface_text(c, surface);
+  if (!interface.empty()) tables.push_back({interface, {}});
+  if (!surface.profiles.empty()) tables.push_back(profile_table(c, surface));
+}
+
+}  // namespace
+
+std::vector<TitledTable> compare_tables(const Comparison& c) {
+  std::vector<TitledTable> tables;
+  for (const ComparedSurface& surface : c.surfaces) {
+    if (surface.asked_for)
+      add_surface(c, surface, tables);
+    else
+      tables.push_back(
+          {fmt::format("surface {}: not every file has pressure on it (--surface \"{}\" shows the numbers; "
+                       "JSON and CSV have them)",
+                       surface_title(surface), surface.names.front()),
+           {}});
+  }
+  if (!c.bodies.empty()) tables.push_back({"", bodies_table(c)});
+  return tables;
+}
+
+std::string compare_text(const Comparison& c) {
+  std::string text =
+      c.units.empty() ? "units: the files' own (they name none)\n" : fmt::format("units: the files', {}\n", c.units);
+  text += c.areas == CompareAreas::Deformed ? "areas: deformed, nodes moved by each file's own displacement\n"
+                                            : "areas: of the mesh in the reference configuration\n";
+  for (std::size_t i = 0; i < c.labels.size(); ++i)
+    text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], number_text(c.times[i]),
+                        i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
+  return text + tables_text(compare_tables(c));
+}
+
+}  // namespace dea

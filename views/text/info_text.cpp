@@ -1,0 +1,251 @@
+#include <febiodea/views/text/info_text.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/run/analysis.h>
+#include <febiodea/run/recognise.h>
+#include <febiodea/views/text/info_words.h>
+#include <febiodea/views/text/remarks.h>
+#include <febiodea/views/text/run_text.h>
+
+namespace dea {
+
+namespace {
+
+std::string quoted(const std::string& name) { return fmt::format("\"{}\"", name); }
+
+std::string bodies_text(const JointModel& model, const JointCheck& check) {
+  std::string text;
+  for (int b : reported_bodies(check.joint)) {
+    const Body& body = check.joint.bodies[at(b)];
+    if (body.ground) {
+      text += "  ground: never moves\n";
+      continue;
+    }
+    if (!body.moved_by.empty()) {
+      text += fmt::format("  {}: nodes that are moved together, a bone that the model leaves out; middle {}\n",
+                          body.name, vector_text(body.center_of_mass));
+      continue;
+    }
+    std::string materials;
+    for (int m : body.materials) materials += (materials.empty() ? "" : ", ") + quoted(model.materials[at(m)].name);
+    text += fmt::format("  {}: material{} {}; centre of mass {} ({}); mass {}\n", body.name,
+                        body.materials.size() > 1 ? "s" : "", materials, vector_text(body.center_of_mass),
+                        body.center_given ? "given"
+                        : body.mass > 0   ? "integrated from its elements"
+                                          : "no mass: the origin, as in FEBio",
+                        number_text(body.mass));
+  }
+  return text;
+}
+
+/// What is beyond the rim of the selected facets.
+std::string rim_text(const SideCheck& side) {
+  const RimLengths& rim = side.rim;
+  std::string text;
+  const auto add = [&](const char* what, double length) {
+    if (length > 0) text += fmt::format("{} {} {}", text.empty() ? "" : ",", what, number_text(length));
+  };
+  add("free", rim.free);
+  add("the layer goes on", rim.goes_on);
+  add("plane of symmetry", rim.symmetry);
+  add("bonded to bone", rim.bonded);
+  if (text.empty()) text = " none, the surface is closed";
+  const std::string beyond =
+      rim.area_beyond > 0 ? fmt::format("; beyond it {} of the layer's face", number_text(rim.area_beyond)) : "";
+  return fmt::format("      rim of the selected facets:{}{}\n", text, beyond);
+}
+
+std::string layer_text(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side,
+                       const char* role) {
+  const Surface& surface = model.surfaces[at(layer.surface)];
+  std::string text = fmt::format("    {}: surface {}, {} facets, area {}\n", role, quoted(surface.name), surface.size(),
+                                 number_text(side.area));
+  text += fmt::format("      body {}: {}\n", check.joint.bodies[at(layer.body)].name, layer.attached_by);
+  if (layer.rigid) {
+    text += "      bare rigid surface, no cartilage\n";
+  } else {
+    const Elasticity& e = layer.elasticity;
+    const std::string material = layer.material < 0
+                                     ? std::string("given")
+                                     : fmt::format("{} ({})", quoted(model.materials[at(layer.material)].name),
+                                                   model.materials[at(layer.material)].type);
+    text += fmt::format("      cartilage: material {}, E {}, nu {}, confined modulus {}\n", material, number_text(e.E),
+                        number_text(e.nu), number_text(confined_modulus(e.E, e.nu)));
+    text += fmt::format("      thickness{}: min {}, mean {}, max {}", layer.thickness_given ? " (given)" : "",
+                        number_text(layer.min_thickness()), number_text(layer.mean_thickness()),
+                        number_text(layer.max_thickness()));
+    text += layer.thickness_given
+                ? "\n"
+                : fmt::format("; normals that missed: {} of {}\n", layer.missed_count(), layer.missed.size());
+  }
+  if (side.whole_face) text += rim_text(side);
+  if (side.side_walls + side.bonded > 0)
+    text += fmt::format("      left out: {} facets, {} side wall, {} bonded to bone; area of those kept {}\n",
+                        side.side_walls + side.bonded, side.side_walls, side.bonded, number_text(side.area));
+  text += fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}\n",
+                      vector_text(side.sphere.center), number_text(side.sphere.radius), number_text(side.sphere.rms));
+  return text;
+}
+
+std::string contacts_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
+  std::string text;
+  for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
+    const ContactPair& pair = check.joint.contacts[c];
+    const ContactCheck& found = check.contacts[c];
+    text += fmt::format("  {}: type {}, springs on {} ({}, {}), law {}{}\n", quoted(pair.name),
+                        model.contacts[at(pair.contact)].type, check.joint.bodies[at(pair.source_layer().body)].name,
+                        pair.source == 0 ? "primary" : "secondary", name(settings.springs_at), name(pair.law),
+                        pair.step >= 0 ? fmt::format(", only in step {}", pair.step + 1) : "");
+    text += fmt::format("    law {}: {}\n", name(pair.law), law_origin(model.contacts[at(pair.contact)], settings));
+    for (int side = 0; side < 2; ++side)
+      text += layer_text(model, check, pair.layers[side], found.sides[side], side == 0 ? "primary" : "secondary");
+    text += fmt::format("    springs: {} cast, {} over the other side; initial gap min {}, 5% {}, median {}, max {}\n",
+                        found.springs, found.springs_hit, number_text(found.gap_min), number_text(found.gap_p5),
+                        number_text(found.gap_median), number_text(found.gap_max));
+  }
+  return text;
+}
+
+std::string conditions_text(const BodyConditions& c) {
+  std::string text, loads;
+  for (int k = 0; k < kDofs; ++k) {
+    const DofState s = c.dofs[at(k)];
+    text += fmt::format("{}{} {}", k ? ", " : "", kDofNames[k], word(s));
+    if (s == DofState::Prescribed)
+      text += fmt::format(" {}{}", number_text(c.value[k]), c.relative[at(k)] ? " (relative)" : "");
+  }
+  const auto add = [&](const char* what, const Vector3d& v) {
+    if (v.norm() > 0) text += fmt::format("; {} {}", what, vector_text(v));
+  };
+  add("force", c.dead.head<3>());
+  add("moment", c.dead.tail<3>());
+  add("following force", c.follower.head<3>());
+  add("following moment", c.follower.tail<3>());
+  add("acting at an arm of", c.arm);
+  for (const PointForce& p : c.point_forces)
+    text += fmt::format("; {} {} at {} from the centre of mass", p.turns ? "following force" : "force",
+                        vector_text(p.force), vector_text(p.arm));
+  if (c.on_reaction) text += "; loads that start from the reaction at the step's start, not known here";
+  return text;
+}
+
+std::string ligament_text(const Joint& joint, const Ligament& l) {
+  std::string law;
+  switch (l.law) {
+    case Ligament::Law::Linear:
+      law = fmt::format("stiffness {}, free length {} of {}{}", number_text(l.stiffness), number_text(l.free_length),
+                        number_text((l.point_b - l.point_a).norm()), l.tension_only ? ", tension only" : "");
+      break;
+    case Ligament::Law::Curve:
+      law = fmt::format("force by a curve of {}, length {}", word(l.measure), number_text(l.free_length));
+      break;
+    case Ligament::Law::Constant:
+      law =
+          fmt::format("force {}{}", number_text(l.scale.factor), l.scale.controller >= 0 ? " times a load curve" : "");
+      break;
+  }
+  return fmt::format("  {}: {} {} to {} {}, {}\n", quoted(l.name), joint.bodies[at(l.body_a)].name,
+                     vector_text(l.point_a), joint.bodies[at(l.body_b)].name, vector_text(l.point_b), law);
+}
+
+std::string cable_text(const Joint& joint, const Cable& c) {
+  std::string points;
+  for (const Cable::Point& p : c.points)
+    points +=
+        fmt::format("{}{} {}", points.empty() ? "" : ", ", joint.bodies[at(p.body)].name, vector_text(p.position));
+  return fmt::format("  cable {}: {}; then along {}; tension {}{}\n", quoted(c.name), points, vector_text(c.direction),
+                     number_text(c.force.factor), c.force.controller >= 0 ? " times a load curve" : "");
+}
+
+std::string connector_text(const Joint& joint, const Connector& c) {
+  std::string text = fmt::format("  {}: {}, {} and {}, at {}; axes {} {} {};", quoted(c.name), c.type,
+                                 joint.bodies[at(c.body_a)].name, joint.bodies[at(c.body_b)].name, vector_text(c.point),
+                                 vector_text(c.axes.col(0)), vector_text(c.axes.col(1)), vector_text(c.axes.col(2)));
+  for (int k = 0; k < kDofs; ++k)
+    text += fmt::format("{} {} {} {}", k ? "," : "", k < 3 ? "along" : "about", k % 3 + 1, word(c.motion[at(k)]));
+  return text + "\n";
+}
+
+std::string steps_text(const JointCheck& check) {
+  std::string text;
+  for (std::size_t s = 0; s < check.steps.size(); ++s) {
+    const StepCheck& step = check.steps[s];
+    text += fmt::format("  step {}{}: time {} to {}, step size {}, {} states; at its end:\n", s + 1,
+                        step.name.empty() ? "" : fmt::format(" \"{}\"", step.name), number_text(step.start),
+                        number_text(step.end), number_text(step.step_size), step.states);
+    for (int b : reported_bodies(check.joint)) {
+      if (check.joint.bodies[at(b)].ground) continue;
+      text +=
+          fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, conditions_text(step.conditions.bodies[at(b)]));
+    }
+  }
+  return text;
+}
+
+std::string connections_text(const Joint& joint) {
+  std::string text;
+  if (!joint.ligaments.empty() || !joint.cables.empty()) text += "\nsprings between bodies\n";
+  for (const Ligament& l : joint.ligaments) text += ligament_text(joint, l);
+  for (const Cable& c : joint.cables) text += cable_text(joint, c);
+  if (!joint.connectors.empty()) text += "\njoints between bodies\n";
+  for (const Connector& c : joint.connectors) text += connector_text(joint, c);
+  return text;
+}
+
+/// Where forces act that act at the centre of a sphere.
+std::string load_points_text(const JointModel& model, const Settings& settings, const Joint& joint) {
+  std::string text;
+  for (const auto& entry : settings.load_at) {
+    if (!entry.second.sphere_center) continue;
+    const LoadPointFound found = find_load_point(joint, joint.find_body(model, entry.first), entry.second);
+    text += fmt::format("  force on {} acts at the centre of its sphere {}, radius {}, rms distance {}\n", entry.first,
+                        vector_text(found.point), number_text(found.fit.radius), number_text(found.fit.rms));
+  }
+  return text;
+}
+
+std::string times_text(const std::vector<TimePoint>& times) {
+  if (times.empty()) return "";
+  constexpr std::size_t kShown = 60;
+  std::string text = fmt::format("\ntimes of the {} states\n ", times.size());
+  for (std::size_t i = 0; i < std::min(times.size(), kShown); ++i)
+    text += fmt::format(" {}", number_text(times[i].time));
+  return text + (times.size() > kShown ? fmt::format(" ... {}\n", number_text(times.back().time)) : "\n");
+}
+
+std::string remarks_text(const JointModel& model, const Joint& joint) {
+  const std::vector<std::string> remarks = model_remarks(model, joint);
+  std::string text = remarks.empty() && model.unsupported.empty() ? "" : "\nremarks\n";
+  for (const std::string& line : remarks) text += "  " + line + "\n";
+  for (const Remark& r : model.unsupported)
+    text += fmt::format("  not supported: {}{}{}\n", where(model, r.origin), r.what,
+                        r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
+  return text;
+}
+
+}  // namespace
+
+std::string info_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
+  std::size_t elements = 0;
+  for (const Domain& d : model.domains) elements += d.element_ids.size();
+  std::string text = fmt::format(
+      "{}: FEBio {}{}; {} nodes, {} elements\n{}\n", model.files.empty() ? "" : model.files.front(), model.version,
+      model.module.empty() ? "" : ", module " + model.module, model.nodes.size(), elements, units_text(model));
+  if (check.recognised) {
+    text += "\nbodies\n" + bodies_text(model, check);
+    text += "\ncontacts\n" + contacts_text(model, settings, check);
+    text += connections_text(check.joint);
+  }
+  if (!check.steps.empty()) text += "\nsteps\n" + steps_text(check) + load_points_text(model, settings, check.joint);
+  text += times_text(check.times) + remarks_text(model, check.joint);
+  if (!check.errors.empty()) text += "\nwhy dea run refuses this model\n";
+  for (const std::string& line : check.errors) text += "  " + line + "\n";
+  return text;
+}
+
+}  // namespace dea

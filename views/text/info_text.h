@@ -1,0 +1,11 @@
+// febiodea/views/text/info_text.h – what was recognised in a model, for people: what `dea info` prints.
+#pragma once
+#include <string>
+
+#include <febiodea/run/check.h>
+
+namespace dea {
+
+std::string info_text(const JointModel& model, const Settings& settings, const JointCheck& check);
+
+}  // namespace dea

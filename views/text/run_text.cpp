@@ -1,0 +1,206 @@
+#include <febiodea/views/text/run_text.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+namespace {
+
+std::string residual_number(double x) { return std::isfinite(x) ? fmt::format("{:.1e}", x) : "-"; }
+std::string share_in_percent(double x) { return std::isfinite(x) ? fmt::format("{:.2f}%", 100.0 * x) : "-"; }
+
+/// For people: what is nothing but rounding beside `scale` is 0.
+Vector3d without_rounding(const Vector3d& v, double scale) {
+  Vector3d shown = v;
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(shown[k]) < 1e-12 * scale) shown[k] = 0.0;
+  return shown;
+}
+
+}  // namespace
+
+std::string units_text(const JointModel& model) {
+  return model.units.empty() ? "units: the model's own (it names none); rotations in radians"
+                             : fmt::format("units: the model's, {}; rotations in radians", model.units);
+}
+
+std::vector<std::string> spring_names(const Joint& joint) {
+  std::vector<std::string> names;
+  std::map<std::string, int> times;
+  const auto add = [&](const std::string& own) {
+    const std::string name = own.empty() ? "(unnamed)" : own;
+    const int number = ++times[name];
+    names.push_back(number > 1 ? fmt::format("{} ({})", name, number) : name);
+  };
+  for (const Ligament& l : joint.ligaments) add(l.name);
+  for (const Cable& c : joint.cables) add(c.name);
+  return names;
+}
+
+std::vector<int> reported_bodies(const Joint& joint) {
+  std::vector<int> bodies;
+  for (int b = 0; b < static_cast<int>(joint.bodies.size()); ++b) {
+    bool used = !joint.bodies[at(b)].ground;
+    for (const ContactPair& pair : joint.contacts) used = used || pair.layers[0].body == b || pair.layers[1].body == b;
+    for (const Ligament& l : joint.ligaments) used = used || l.body_a == b || l.body_b == b;
+    for (const Connector& c : joint.connectors) used = used || c.body_a == b || c.body_b == b;
+    for (const Cable& c : joint.cables)
+      for (const Cable::Point& p : c.points) used = used || p.body == b;
+    if (used) bodies.push_back(b);
+  }
+  return bodies;
+}
+
+std::string law_text(const ContactPair& pair) {
+  return fmt::format("law {}{}, springs at the {}", name(pair.law),
+                     pair.law == Law::Layer && pair.layer_fit == LayerFit::OneTerm ? " of one term" : "",
+                     pair.source_layer().springs_at == SpringsAt::Bone ? "bone" : "articular surface");
+}
+
+/// One line if all contacts are alike, else one each.
+std::string laws_text(const Joint& joint) {
+  std::set<std::string> different;
+  for (const ContactPair& pair : joint.contacts) different.insert(law_text(pair));
+  if (different.size() == 1) return *different.begin() + "\n";
+  std::string text;
+  for (const ContactPair& pair : joint.contacts) text += fmt::format("{}: {}\n", pair.name, law_text(pair));
+  return text;
+}
+
+namespace {
+
+Table contacts_table(const Joint& joint, const std::vector<StateResult>& states) {
+  Table table;
+  table.headings = {"time", "contact", "outcome", "springs", "of",         "peak",    "p99",
+                    "mean", "median",  "area",    "force",   "iterations", "residual"};
+  table.left = "rllrrrrrrrrrr";
+  for (const StateResult& state : states) {
+    for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+      const ContactStatistics& s = state.statistics[c];
+      table.rows.push_back({number_text(state.when.time), joint.contacts[c].name, name(state.equilibrium.outcome),
+                            fmt::format("{}", s.springs_active), fmt::format("{}", s.springs), four_digits(s.peak),
+                            four_digits(s.p99), four_digits(s.mean), four_digits(s.median), four_digits(s.contact_area),
+                            four_digits(s.force.norm()), fmt::format("{}", state.equilibrium.iterations),
+                            residual_number(state.equilibrium.residual_force)});
+    }
+  }
+  return table;
+}
+
+Table bodies_table(const Joint& joint, const Equilibrium& e) {
+  Table table;
+  table.headings = {"body", "translation", "rotation", "force", "moment"};
+  table.left = "lllll";
+  double farthest = 0.0, strongest = 0.0, turning = 0.0;
+  for (int b : reported_bodies(joint)) {
+    farthest = std::max(farthest, (e.poses[at(b)].center - joint.bodies[at(b)].center_of_mass).norm());
+    strongest = std::max(strongest, e.reaction[at(b)].head<3>().norm());
+    turning = std::max(turning, e.reaction[at(b)].tail<3>().norm());
+  }
+  for (int b : reported_bodies(joint)) {
+    const Pose& pose = e.poses[at(b)];
+    const Eigen::AngleAxisd turn(pose.rotation);
+    const Vector6& reaction = e.reaction[at(b)];
+    table.rows.push_back({joint.bodies[at(b)].name,
+                          vector_text(without_rounding(pose.center - joint.bodies[at(b)].center_of_mass, farthest)),
+                          vector_text(without_rounding(turn.angle() * turn.axis(), 1.0)),
+                          vector_text(without_rounding(reaction.head<3>(), strongest)),
+                          vector_text(without_rounding(reaction.tail<3>(), std::max(strongest, turning)))});
+  }
+  return table;
+}
+
+Table springs_table(const Joint& joint, const Equilibrium& e) {
+  Table table;
+  table.headings = {joint.cables.empty() ? "spring between bodies" : "spring or cable between bodies", "tension"};
+  table.left = "lr";
+  const std::vector<std::string> names = spring_names(joint);
+  for (std::size_t l = 0; l < joint.ligaments.size() && l < e.ligament_force.size(); ++l)
+    table.rows.push_back({names[l], number_text(e.ligament_force[l])});
+  for (std::size_t c = 0; c < joint.cables.size() && c < e.cable_force.size(); ++c)
+    table.rows.push_back({names[joint.ligaments.size() + c], number_text(e.cable_force[c])});
+  return table;
+}
+
+Table connectors_table(const Joint& joint, const Equilibrium& e) {
+  Table table;
+  table.headings = {"joint", "bodies", "force", "moment", "translation", "rotation"};
+  table.left = "llllll";
+  double largest = 0.0, reach = 0.0;
+  for (const Vector6& f : e.connector_force)
+    if (f.allFinite()) largest = std::max({largest, f.head<3>().norm(), f.tail<3>().norm()});
+  for (const Pose& pose : e.poses) reach = std::max(reach, pose.center.norm());
+  for (std::size_t c = 0; c < joint.connectors.size() && c < e.connector_force.size(); ++c) {
+    const Connector& connector = joint.connectors[c];
+    const Vector6 &force = e.connector_force[c], &motion = e.connector_motion[c];
+    const auto cell = [&](const Vector3d& v) {
+      return v.allFinite() ? vector_text(without_rounding(v, largest)) : std::string("-");
+    };
+    table.rows.push_back({connector.name.empty() ? "(unnamed)" : connector.name,
+                          joint.bodies[at(connector.body_a)].name + " - " + joint.bodies[at(connector.body_b)].name,
+                          cell(force.head<3>()), cell(force.tail<3>()),
+                          vector_text(without_rounding(motion.head<3>(), std::max(reach, 1.0))),
+                          vector_text(without_rounding(motion.tail<3>(), 1.0))});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<TitledTable> run_tables(const Analysis& analysis) {
+  const Joint& joint = analysis.joint;
+  std::vector<TitledTable> tables = {{"", contacts_table(joint, analysis.states)}};
+  if (analysis.states.empty()) return tables;
+  const StateResult& last = analysis.states.back();
+  const Equilibrium& e = last.equilibrium;
+  tables.push_back(
+      {fmt::format("bodies at time {}: motion of the centre of mass, rotation vector, force and moment on the body by "
+                   "what loads and holds it",
+                   number_text(last.when.time)),
+       bodies_table(joint, e)});
+  if (!joint.ligaments.empty() || !joint.cables.empty()) tables.push_back({"", springs_table(joint, e)});
+  if (!e.connector_force.empty())
+    tables.push_back(
+        {"joints: force and moment on the second body at the joint, motion along and about the joint's axes",
+         connectors_table(joint, e)});
+  return tables;
+}
+
+std::string run_text(const JointModel& model, const Analysis& analysis) {
+  return units_text(model) + "\n" + laws_text(analysis.joint) + tables_text(run_tables(analysis));
+}
+
+std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs) {
+  std::string text = units_text(model) + "\n";
+  for (const Convergence& study : studies) {
+    text += fmt::format("\ncontact \"{}\", last state; changes against the row above\n", study.contact);
+    Table table;
+    table.headings = {"refine", "springs",      "active",       "peak",         "mean",
+                      "area",   "peak changes", "mean changes", "area changes", "outcome"};
+    table.left = "rrrrrrrrrl";
+    for (const ConvergenceRow& r : study.rows)
+      table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs),
+                            fmt::format("{}", r.springs_active), four_digits(r.peak), four_digits(r.mean),
+                            four_digits(r.area), share_in_percent(r.change_peak), share_in_percent(r.change_mean),
+                            share_in_percent(r.change_area), name(r.outcome)});
+    text += table_text(table);
+    const auto needed = [&](int springs, const char* limit) {
+      return springs < 0
+                 ? fmt::format("changes below {}: not reached (at most {} springs allowed)\n", limit, max_springs)
+                 : fmt::format("changes below {}: from {} springs on\n", limit, springs);
+    };
+    text += needed(study.springs_5_percent, "5%");
+    text += needed(study.springs_1_percent, "1%");
+  }
+  return text;
+}
+
+}  // namespace dea

@@ -1,0 +1,32 @@
+// febiodea/views/text/table.h – numbers and tables for a screen.
+#pragma once
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace dea {
+
+/// Cells under headings; columns as wide as they need, all but those of words aligned to the right.
+struct Table {
+  std::vector<std::string> headings;
+  std::string left;  ///< per column: 'l' for words, 'r' for numbers
+  std::vector<std::vector<std::string>> rows;
+};
+std::string table_text(const Table& table);
+
+/// A table and what stands over it; no headings: only the title.
+struct TitledTable {
+  std::string title;
+  Table table;
+};
+/// Each after an empty line.
+std::string tables_text(const std::vector<TitledTable>& tables);
+
+/// Number with six digits, "-" when undefined.
+std::string number_text(double x);
+/// The same with four.
+std::string four_digits(double x);
+/// "(1, 2, 3)" with six digits.
+std::string vector_text(const Eigen::Vector3d& v);
+
+}  // namespace dea
