@@ -353,12 +353,16 @@ std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& f
 }
 
 LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
-                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror) {
+                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
+                    const FacetList& elsewhere) {
   // All that may meet at an edge: the boundary, and selected facets that are no part of it.
   std::vector<std::vector<int>> facets = all_facets(boundary.faces);
   std::vector<FaceKind> kinds = boundary.kinds;
   const auto index = index_of(boundary.faces);
-  std::vector<char> in_face(facets.size(), 0);
+  std::vector<char> in_face(facets.size(), 0), in_other(facets.size(), 0);
+  for (int f = 0; f < elsewhere.size(); ++f)
+    if (const auto found = index.find(key_of(facet_nodes(elsewhere, f))); found != index.end())
+      in_other[at(found->second)] = 1;
   for (int f = 0; f < selected.size(); ++f) {
     const std::vector<int> facet = facet_nodes(selected, f);
     if (facet.empty()) continue;
@@ -371,6 +375,7 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
     facets.push_back(facet);
     kinds.push_back(FaceKind::Open);
     in_face.push_back(1);
+    in_other.push_back(0);
   }
   const std::vector<FacetEdge> edges = facet_edges(facets);
   struct Across {
@@ -407,7 +412,7 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
     open_ends.pop_back();
     for (const Across& next : across[at(f)]) {
       if (next.facet < 0 || !next.smooth || in_face[at(next.facet)] || far[at(next.facet)] ||
-          kinds[at(next.facet)] != FaceKind::Open)
+          in_other[at(next.facet)] || kinds[at(next.facet)] != FaceKind::Open)
         continue;
       const FacetShape shape = shape_of(model, facets[at(next.facet)]);
       if ((position(articular, caster.closest(shape.center)) - shape.center).norm() > reach) {
@@ -433,7 +438,7 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
   // What is beyond the edges, by the ends of their pieces.
   struct Beyond {
     Rim rim = Rim::Free;
-    bool bonded = false;
+    bool bonded = false, shared = false;
     double step = 0.0;
   };
   // Over the walls of a step or a notch, the next facet that looks the same way: how far its edge is; 0: there is none.
@@ -484,6 +489,9 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
       } else if (kind == FaceKind::Bonded) {
         found.rim = Rim::Wall;
         found.bonded = true;
+      } else if (in_other[at(next.facet)]) {
+        found.rim = Rim::Wall;
+        found.shared = true;
       } else if (kind == FaceKind::Open) {
         found.rim = Rim::Continues;
       }
@@ -504,6 +512,7 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
       } else if (found != beyond.end()) {
         edge.rim = found->second.rim;
         edge.bonded = found->second.bonded;
+        edge.shared = found->second.shared;
         edge.step = found->second.step;
       }
       face.edges.push_back(edge);
@@ -565,6 +574,8 @@ RimLengths rim_lengths(const LayerFace& face) {
       lengths.free += length;
     else if (e.edge.bonded)
       lengths.bonded += length;
+    else if (e.edge.shared)
+      lengths.shared += length;
     else
       lengths.symmetry += length;
   }

@@ -24,6 +24,7 @@ struct LayerFace {
     int triangle = -1, edge = -1;  ///< from corner `edge` of the triangle to the next
     Rim rim = Rim::Free;
     bool bonded = false;  ///< a wall for the layer goes on there, but bonded to bone: nothing flows under it
+    bool shared = false;  ///< a wall for another contact of the same bodies presses beyond: taken as pressing alike
     double step = 0.0;    ///< Free: height of a step in the layer [mm], beyond which its face goes on alike; 0: none
   };
   SurfaceMesh mesh;
@@ -88,17 +89,19 @@ std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& f
 inline constexpr double kFaceReach = 5.0;
 
 /// The face of a layer whose selected facets make up the mesh `articular` (cut from `selected`): goes on over open
-/// faces across edges that turn by less than 40 degrees, as far as `reach` from the selection. `mirror`: per node of
-/// the model, bit k set: held in component k alone. Thickness: left empty.
+/// faces across edges that turn by less than 40 degrees, as far as `reach` from the selection, but not over `elsewhere`,
+/// the facets that other contacts of the same two bodies press: a wall stands between. `mirror`: per node of the model,
+/// bit k set: held in component k alone. Thickness: left empty.
 LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
-                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror);
+                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
+                    const FacetList& elsewhere = {});
 
 /// The face of a layer of which no elements are known: it ends where the selection does.
 LayerFace selected_face(const SurfaceMesh& articular, const std::vector<unsigned char>& mirror);
 
 /// What is beyond the rim of the selected facets [length], and how much of the layer goes on there [length^2].
 struct RimLengths {
-  double free = 0.0, goes_on = 0.0, symmetry = 0.0, bonded = 0.0;
+  double free = 0.0, goes_on = 0.0, symmetry = 0.0, bonded = 0.0, shared = 0.0;
   double area_beyond = 0.0;  ///< of the face without the selection, as far as it is followed
 };
 RimLengths rim_lengths(const LayerFace& face);
