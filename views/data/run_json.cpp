@@ -84,6 +84,19 @@ Json contact_json(const Joint& joint, const ContactPair& pair, const ContactStat
   return j;
 }
 
+/// Of ligaments or cables.
+template <class Springs>
+Json tensions_json(const Springs& springs, const std::vector<double>& forces) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < forces.size() && i < springs.size(); ++i) {
+    Json j;
+    j["name"] = springs[i].name;
+    j["force"] = json_number(forces[i]);
+    list.push_back(j);
+  }
+  return list;
+}
+
 Json state_json(const Joint& joint, const StateResult& state) {
   const Equilibrium& e = state.equilibrium;
   Json j;
@@ -105,20 +118,8 @@ Json state_json(const Joint& joint, const StateResult& state) {
   for (double r : e.history) j["residual_history"].push_back(json_number(r));
   j["held_directions"] = e.held;
   j["least_stiffness"] = json_number(e.least_stiffness);
-  j["ligaments"] = Json::array();
-  for (std::size_t l = 0; l < e.ligament_force.size() && l < joint.ligaments.size(); ++l) {
-    Json ligament;
-    ligament["name"] = joint.ligaments[l].name;
-    ligament["force"] = json_number(e.ligament_force[l]);
-    j["ligaments"].push_back(ligament);
-  }
-  j["cables"] = Json::array();
-  for (std::size_t c = 0; c < e.cable_force.size() && c < joint.cables.size(); ++c) {
-    Json cable;
-    cable["name"] = joint.cables[c].name;
-    cable["force"] = json_number(e.cable_force[c]);
-    j["cables"].push_back(cable);
-  }
+  j["ligaments"] = tensions_json(joint.ligaments, e.ligament_force);
+  j["cables"] = tensions_json(joint.cables, e.cable_force);
   j["joints"] = Json::array();
   for (std::size_t c = 0; c < e.connector_force.size() && c < joint.connectors.size(); ++c) {
     const Connector& connector = joint.connectors[c];
