@@ -7,7 +7,7 @@
 //   write_xplt, read_xplt                                   io/xplt/xplt.h
 // and, for many load cases on one joint:
 //   make_spring_beds      Joint -> SpringBeds, factorised   equilibrium/equilibrium.h
-//   make_load_case        JointModel, Joint -> LoadCase     equilibrium/conditions.h
+//   make_load_case        JointModel, Joint -> LoadCase     equilibrium/load_case.h
 //   solve_equilibrium     LoadCase, poses -> Equilibrium    equilibrium/equilibrium.h
 //   press_springs         SpringBed, poses -> SpringStates  springs/press.h
 //   contact_wrench        SpringStates -> force, moment     springs/wrench.h
@@ -17,13 +17,15 @@
 // (base/error.h), each with one line that says what to do; recognise gives a model's faults as values instead.
 #pragma once
 #include <febiodea/base/error.h>
-#include <febiodea/equilibrium/conditions.h>
 #include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/times.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/model/settings.h>
 #include <febiodea/results/fields.h>
+#include <febiodea/results/statistics.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/run/check.h>
 #include <febiodea/run/recognise.h>

@@ -4,10 +4,12 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/conditions.h>
 #include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/joint.h>
 #include <febiodea/results/fields.h>
+#include <febiodea/results/statistics.h>
 #include <febiodea/run/recognise.h>
 
 namespace dea {

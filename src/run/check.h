@@ -3,8 +3,9 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/conditions.h>
 #include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/times.h>
 #include <febiodea/results/fields.h>
 #include <febiodea/run/recognise.h>
 

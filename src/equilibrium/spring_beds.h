@@ -1,0 +1,19 @@
+// febiodea/equilibrium/spring_beds.h – the beds of all contacts of a joint, ready for any load case.
+#pragma once
+#include <vector>
+
+#include <febiodea/joint/joint.h>
+#include <febiodea/springs/springs.h>
+
+namespace dea {
+
+/// The beds of all contacts of a joint, and lengths that scale its unknowns.
+struct SpringBeds {
+  std::vector<SpringBed> beds;   ///< one per contact
+  double length = 1.0;           ///< radius of gyration of the articular surfaces: scales moments and rotations
+  double reach = 1.0;            ///< largest distance of an articular vertex from its body's centre of mass
+  double least_thickness = 1.0;  ///< of the layers: a pose step moves no surface by more than half of it
+};
+SpringBeds make_spring_beds(const Joint& joint);
+
+}  // namespace dea
