@@ -53,6 +53,74 @@ VectorXd bordered_step(const Sparse& K, const MatrixXd& left_unbalanced, const M
   return x.head(n);
 }
 
+/// Whether nothing but the facets' roughness resists a direction (E6), and how rough they are along it.
+struct FlatTest {
+  const Problem& problem;
+  const Evaluation& e;
+  const double patience;
+  const Eigen::Index unknowns;
+  std::optional<NoiseBound> bound = {};  // where there are many directions to be asked
+
+  /// Nothing: the direction is stiff. `largest`: of the singular values, or a bound of it from above.
+  std::optional<FacetNoise> operator()(double sigma, double largest, const VectorXd& v) {
+    const bool nothing = sigma <= 1e-10 * largest || largest == 0.0;
+    if (sigma >= 0.1 * largest && !nothing) return std::nullopt;
+    if (!nothing && unknowns > 12) {
+      if (!bound) bound.emplace(problem, e);
+      if (sigma > 2.0 * patience * (*bound)(problem, e, v)) return std::nullopt;
+    }
+    const FacetNoise noise = facet_noise(problem, e, v);
+    if (!nothing && sigma > 2.0 * patience * noise.stiffness) return std::nullopt;
+    return noise;
+  }
+};
+
+/// Directions as columns. `lost`: per flat one, the component of the residual that is not asked to vanish; `stiff`: all
+/// others where there are few unknowns, else none.
+struct Split {
+  MatrixXd flat, lost, stiff;
+};
+
+/// Fills d.held and d.drift too.
+Split split_directions(const Problem& problem, const Evaluation& e, const SingularParts& parts, const VectorXd& r,
+                       FlatTest& test, Directions& d) {
+  const Eigen::Index n = r.size(), found = parts.sigma.size();
+  const bool dense = n <= kDenseUnknowns;
+  Split s{MatrixXd(n, found), MatrixXd(n, found), MatrixXd(n, dense ? n : 0)};
+  Eigen::Index lost = 0, kept = 0;
+  for (Eigen::Index k = 0; k < found; ++k) {
+    const VectorXd u = parts.U.col(k), v = parts.V.col(k);
+    const std::optional<FacetNoise> noise = test(parts.sigma[k], parts.largest, v);
+    if (!noise) {
+      if (dense) s.stiff.col(kept++) = v;
+      continue;
+    }
+    s.flat.col(lost) = v;
+    const double along = v.dot(r);
+    if (std::abs(along) <= std::max(1e-7 * e.load, test.patience * noise->force)) {
+      d.held.push_back(v);
+      s.lost.col(lost) = moment_of(problem, e, u);
+    } else {
+      d.drift += v * along;
+      s.lost.col(lost) = u;
+    }
+    ++lost;
+  }
+  s.lost.conservativeResize(n, lost);
+  s.flat.conservativeResize(n, lost);
+  s.stiff.conservativeResize(n, kept);
+  return s;
+}
+
+/// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness.
+void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, Directions& d) {
+  if (stiff.cols() == 0) return;
+  d.newton = stiff * (test.transpose() * K * stiff).fullPivLu().solve(test.transpose() * r);
+  const MatrixXd projected = stiff.transpose() * K * stiff;
+  const MatrixXd symmetric = 0.5 * (projected + projected.transpose());
+  d.least_stiffness = Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
 }  // namespace
 
 Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, const VectorXd& r, double patience) {
@@ -64,18 +132,7 @@ Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, co
   d.left_unbalanced.resize(n, 0);
   if (n == 0) return d;
   const bool dense = n <= kDenseUnknowns;
-  std::optional<NoiseBound> bound;  // where there are many directions to be asked
-  const auto noise_of = [&](double sigma, double largest, const VectorXd& v) {
-    FacetNoise noise;
-    const bool nothing = sigma <= 1e-10 * largest || largest == 0.0;
-    if (sigma >= 0.1 * largest && !nothing) return std::make_pair(false, noise);
-    if (!nothing && n > 12) {
-      if (!bound) bound.emplace(problem, e);
-      if (sigma > 2.0 * patience * (*bound)(problem, e, v)) return std::make_pair(false, noise);
-    }
-    noise = facet_noise(problem, e, v);
-    return std::make_pair(nothing || sigma <= 2.0 * patience * noise.stiffness, noise);
-  };
+  FlatTest test{problem, e, patience, n};
   // Singular values, not dof by dof: a ball joint is free about axes that are no dof's.
   SingularParts parts;
   if (dense) {
@@ -83,54 +140,27 @@ Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, co
   } else {
     const double largest = K.norm();  // from above: asks a few more than needed
     parts = small_singular_parts(
-        K, [&](double sigma, const VectorXd& v) { return noise_of(sigma, largest, v).first; }, kDenseUnknowns);
+        K, [&](double sigma, const VectorXd& v) { return test(sigma, largest, v).has_value(); }, kDenseUnknowns);
   }
-  const Eigen::Index found = parts.sigma.size();
-  MatrixXd flat(n, found), left_unbalanced(n, found), stiff(n, dense ? n : 0);
-  Eigen::Index lost = 0, kept = 0;
-  for (Eigen::Index k = 0; k < found; ++k) {
-    const VectorXd u = parts.U.col(k), v = parts.V.col(k);
-    const auto [is_flat, noise] = noise_of(parts.sigma[k], parts.largest, v);
-    if (!is_flat) {
-      if (dense) stiff.col(kept++) = v;
-      continue;
-    }
-    flat.col(lost) = v;
-    const double along = v.dot(r);
-    if (std::abs(along) <= std::max(1e-7 * e.load, patience * noise.force)) {
-      d.held.push_back(v);
-      left_unbalanced.col(lost) = moment_of(problem, e, u);
-    } else {
-      d.drift += v * along;
-      left_unbalanced.col(lost) = u;
-    }
-    ++lost;
-  }
-  left_unbalanced.conservativeResize(n, lost);
-  flat.conservativeResize(n, lost);
-  stiff.conservativeResize(n, kept);
-  MatrixXd test;
+  const Split split = split_directions(problem, e, parts, r, test, d);
+  const Eigen::Index lost = split.lost.cols();
+  MatrixXd asked = MatrixXd::Identity(dense ? n : 0, dense ? n : 0);  // components of the residual that are to vanish
   if (lost > 0) {
-    const Eigen::HouseholderQR<MatrixXd> qr(left_unbalanced);
+    const Eigen::HouseholderQR<MatrixXd> qr(split.lost);
     if (dense) {
       const MatrixXd q = qr.householderQ();
-      test = q.rightCols(n - lost);
+      asked = q.rightCols(n - lost);
       d.left_unbalanced = q.leftCols(lost);
     } else {
       d.left_unbalanced = qr.householderQ() * MatrixXd::Identity(n, lost);
     }
     if (d.drift.squaredNorm() == 0.0) d.residual -= d.left_unbalanced * (d.left_unbalanced.transpose() * r);
-  } else if (dense) {
-    test = MatrixXd::Identity(n, n);
   }
-  if (!dense) {
-    d.newton = bordered_step(K, d.left_unbalanced, flat, r);
-    d.least_stiffness = least_symmetric_eigenvalue(K, flat, kDenseUnknowns);
-  } else if (kept > 0) {
-    d.newton = stiff * (test.transpose() * K * stiff).fullPivLu().solve(test.transpose() * r);
-    const MatrixXd projected = stiff.transpose() * K * stiff;
-    const MatrixXd symmetric = 0.5 * (projected + projected.transpose());
-    d.least_stiffness = Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  if (dense) {
+    solve_stiff(K, split.stiff, asked, r, d);
+  } else {
+    d.newton = bordered_step(K, d.left_unbalanced, split.flat, r);
+    d.least_stiffness = least_symmetric_eigenvalue(K, split.flat, kDenseUnknowns);
   }
   return d;
 }

@@ -64,6 +64,6 @@ struct LoadPointFound {
   bool fitted = false;
   SphereFit fit;
 };
-LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wanted);
+LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& asked);
 
 }  // namespace dea

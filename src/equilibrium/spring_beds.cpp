@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/springs/place.h>
+#include <febiodea/springs/press.h>
 
 namespace dea {
 
@@ -29,6 +31,14 @@ SpringBeds make_spring_beds(const Joint& joint) {
   }
   beds.length = area > 0 ? std::sqrt(inertia / area) : 1.0;
   return beds;
+}
+
+PressedContact press_contact(const SpringBed& bed, const std::vector<Pose>& poses, const PressOptions& options,
+                             PressMemory* memory) {
+  const Pose &source = poses[at(bed.source_body)], &target = poses[at(bed.target_body)];
+  SpringStates springs = press_springs(bed, source, target, options, memory);
+  const ContactWrench wrench = contact_wrench(springs, source, target);
+  return {std::move(springs), wrench};
 }
 
 }  // namespace dea

@@ -4,6 +4,7 @@
 
 #include <febiodea/joint/joint.h>
 #include <febiodea/springs/springs.h>
+#include <febiodea/springs/wrench.h>
 
 namespace dea {
 
@@ -15,5 +16,14 @@ struct SpringBeds {
   double least_thickness = 1.0;  ///< of the layers: a pose step moves no surface by more than half of it
 };
 SpringBeds make_spring_beds(const Joint& joint);
+
+/// One contact at a pose: its springs, and their force and moment on its two bodies.
+struct PressedContact {
+  SpringStates springs;
+  ContactWrench wrench;
+};
+/// `poses`: one per body of the joint. `memory`: as in press_springs.
+PressedContact press_contact(const SpringBed& bed, const std::vector<Pose>& poses, const PressOptions& options = {},
+                             PressMemory* memory = nullptr);
 
 }  // namespace dea
