@@ -164,11 +164,12 @@ BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
 }
 
 Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
-                     const std::vector<Pose>& poses, std::vector<PressMemory>* memory) {
+                     const std::vector<Pose>& poses, std::vector<PressMemory>* memory, const StopFlag* stop) {
   std::vector<PressMemory> own;
   if (const std::string fault = undefined_force(joint, load_case, poses); !fault.empty()) throw InputError(fault);
   Problem problem = make_problem(joint, beds, load_case, memory ? *memory : own);
   problem.tolerance = kGivenPoseTolerance;
+  problem.stop = stop;
   Equilibrium result = to_equilibrium(problem, evaluate(problem, poses), Outcome::Prescribed, "motion given");
   result.least_stiffness = kNaN;
   return result;
@@ -180,11 +181,12 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   std::vector<PressMemory> own;
   Problem problem = make_problem(joint, beds, load_case, memory ? *memory : own);
   problem.watch = &options.watch;
+  problem.stop = options.stop;
   find_unknowns(problem);
   std::vector<Pose> poses = prescribed_poses(joint, load_case, start, step_start);
   const std::string torn = close_all_connectors(problem, start, poses);
   if (!torn.empty() || problem.free.empty()) {
-    Equilibrium result = state_at(joint, beds, load_case, poses, &problem.memory);
+    Equilibrium result = state_at(joint, beds, load_case, poses, &problem.memory, options.stop);
     if (torn.empty()) return result;
     result.outcome = Outcome::NoEquilibrium;
     result.message = torn;

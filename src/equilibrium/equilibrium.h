@@ -48,12 +48,15 @@ BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase&
 /// motions). `memory`: per contact, where searches for pressures start and where the next may start; nullptr: from
 /// nothing. The same arguments give the same bits, whoever solved what before or does at the same time. Never throws
 /// for a load that cannot be carried: that is an outcome. InputError: a ligament's force is undefined where it starts.
+/// Stopped: options.stop was set.
 Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
                               const std::vector<Pose>& start, const std::vector<Pose>& step_start,
                               const EquilibriumOptions& options = {}, std::vector<PressMemory>* memory = nullptr);
 
 /// Everything at given poses, without solving: contact, ligaments, reactions. Outcome: Prescribed.
+/// `stop`: as in EquilibriumOptions.
 Equilibrium state_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
-                     const std::vector<Pose>& poses, std::vector<PressMemory>* memory = nullptr);
+                     const std::vector<Pose>& poses, std::vector<PressMemory>* memory = nullptr,
+                     const StopFlag* stop = nullptr);
 
 }  // namespace dea

@@ -56,8 +56,9 @@ void press_contacts(Problem& problem, Evaluation& e) {
       e.contact_on_target.push_back(Vector6::Zero());
       continue;
     }
-    PressedContact pressed = press_contact(
-        bed, e.poses, {free_motions(problem, bed), problem.tolerance, kRateTolerance}, &problem.memory[i]);
+    PressedContact pressed =
+        press_contact(bed, e.poses, {free_motions(problem, bed), problem.tolerance, kRateTolerance, problem.stop},
+                      &problem.memory[i]);
     if (bed.layers) e.tolerance = problem.tolerance;
     const ContactWrench& w = pressed.wrench;
     e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
@@ -107,6 +108,7 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
   Evaluation e;
   e.poses = std::move(poses);
   e.contact = e.reactions = VectorXd::Zero(n);
+  end_if_stopped(problem.stop);
   problem.status.casts = ++problem.casts;
   if (problem.watch != nullptr && *problem.watch) (*problem.watch)(problem.status);
   press_contacts(problem, e);

@@ -47,6 +47,7 @@ struct Problem {
   ConnectorGroups connectors;
   SearchStatus status = {};
   const std::function<void(const SearchStatus&)>* watch = nullptr;
+  const StopFlag* stop = nullptr;
   bool joined() const { return !connectors.groups.empty(); }
 };
 /// With nothing free yet; `memory` gets one entry per contact.
@@ -56,7 +57,8 @@ Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase&
 /// Forces over all dofs as those on the free dofs, moments divided by the length.
 Eigen::VectorXd free_part(const Problem& problem, const Eigen::VectorXd& all);
 
-/// Contacts, ligaments, cables, loads and what the connectors transmit at these poses; one more pose tried.
+/// Contacts, ligaments, cables, loads and what the connectors transmit at these poses; one more pose tried. Throws
+/// Stopped.
 Evaluation evaluate(Problem& problem, std::vector<Pose> poses);
 
 /// Tolerance of the layers' pressures after a step: far from balance they need not be known closely, only to a

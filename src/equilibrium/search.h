@@ -3,6 +3,7 @@
 #include <functional>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/stop.h>
 
 namespace dea {
 
@@ -32,6 +33,7 @@ struct EquilibriumOptions {
   int max_casts = 160;      ///< poses tried for one load case; solved ones need some ten, seldom a hundred
   int patience = 20;        ///< poses tried in which the residual falls by less than 7%: then the search is given up
   std::function<void(const SearchStatus&)> watch;  ///< may be empty; changes nothing
+  const StopFlag* stop = nullptr;  ///< not owned; once it is set the search throws Stopped, also within a contact
 };
 
 }  // namespace dea

@@ -10,12 +10,13 @@
 
 namespace dea {
 
-SpringBeds make_spring_beds(const Joint& joint) {
+SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop) {
   SpringBeds beds;
   beds.least_thickness = kInfinity;
   double area = 0.0, inertia = 0.0;
   beds.reach = 0.0;
   for (const ContactPair& pair : joint.contacts) {
+    end_if_stopped(stop);
     beds.beds.push_back(place_springs(joint, pair));
     for (const Layer& layer : pair.layers) {
       const SurfaceExtent extent = surface_extent(layer.articular);

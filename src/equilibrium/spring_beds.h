@@ -15,7 +15,8 @@ struct SpringBeds {
   double reach = 1.0;            ///< largest distance of an articular vertex from its body's centre of mass
   double least_thickness = 1.0;  ///< of the layers: a pose step moves no surface by more than half of it
 };
-SpringBeds make_spring_beds(const Joint& joint);
+/// `stop`: looked at between the contacts; throws Stopped.
+SpringBeds make_spring_beds(const Joint& joint, const StopFlag* stop = nullptr);
 
 /// One contact at a pose: its springs, and their force and moment on its two bodies.
 struct PressedContact {
