@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
@@ -65,7 +64,7 @@ double value_or_nan(const LoadController& curve, double x) {
   try {
     return value(curve, x);
   } catch (const InputError&) {
-    return std::numeric_limits<double>::quiet_NaN();
+    return kNaN;
   }
 }
 

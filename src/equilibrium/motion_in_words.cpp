@@ -44,7 +44,7 @@ Travel travel(const Problem& problem, const std::vector<Pose>& from, const std::
     result.words.clear();
     if (turned > 0.3 * slid)
       result.words = fmt::format("rotation of \"{}\" about ({:.3f}, {:.3f}, {:.3f}), turned {:.3g} degrees", name,
-                                 turn.axis().x(), turn.axis().y(), turn.axis().z(), turn.angle() * 180.0 / M_PI);
+                                 turn.axis().x(), turn.axis().y(), turn.axis().z(), turn.angle() * 180.0 / kPi);
     if (slid > 0.3 * turned)
       result.words += fmt::format("{}translation of \"{}\" along ({:.3f}, {:.3f}, {:.3f}), moved {:.3g}",
                                   result.words.empty() ? "" : ", and ", name, slide.x() / slid, slide.y() / slid,
