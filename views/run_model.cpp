@@ -4,77 +4,41 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/io/vtu/write_vtu.h>
+#include <febiodea/run/states.h>
 #include <febiodea/views/text/report_text.h>
 
 namespace dea {
 
 namespace {
 
-/// Times to solve, and which of them are written.
-struct Times {
-  std::vector<TimePoint> points;
-  std::vector<char> wanted;
-};
-
-/// Plot files hold times in single precision.
-bool same_time(double a, double b, double end) { return std::abs(a - b) <= 1e-6 * end; }
-
-/// Puts a time among the others, in order; its place.
-std::size_t insert_time(const JointModel& model, std::vector<TimePoint>& times, double t, double end) {
-  for (std::size_t i = 0; i < times.size(); ++i)
-    if (same_time(times[i].time, t, end)) return i;
-  const auto later = std::find_if(times.begin(), times.end(), [&](const TimePoint& p) { return p.time > t; });
-  return static_cast<std::size_t>(times.insert(later, place_times(model, {t}).front()) - times.begin());
-}
-
-/// States of an FEA result: its times, between them only the ends of steps (where motions relative to a step start).
-std::vector<TimePoint> fea_times(const JointModel& model, const std::string& path, std::vector<double>& fea) {
-  const XpltFile file = read_xplt(path);
-  if (file.states.empty()) throw InputError(path + ": found no complete state, expected the times of at least one");
-  const double end = step_starts(model).back();
-  const std::vector<TimePoint> own = model_times(model, true);
-  std::vector<TimePoint> times;
-  for (const TimePoint& p : own)
-    if (p.time <= 0) times.push_back(p);
-  for (double step_end : step_starts(model))
-    if (step_end > 0) insert_time(model, times, step_end, end);
-  for (const XpltState& state : file.states) {
-    double t = state.time;
-    if (!(t >= -1e-6 * end && t <= end * (1 + 1e-6)))
-      throw InputError(fmt::format("{}: found a state at time {:g}, expected times from 0 to {:g}, those of the model",
-                                   path, t, end));
-    for (const TimePoint& p : own)
-      if (same_time(p.time, t, end)) t = p.time;  // 0.05, not the single-precision 0.0500000007
-    insert_time(model, times, t, end);
-    fea.push_back(t);
-  }
-  return times;
-}
-
 /// `option`: how the user calls `states`.
-Times choose_times(const JointModel& model, const std::string& states, const std::string& option,
-                   const std::string& times_from) {
-  const double end = step_starts(model).back();
-  Times times;
-  std::vector<double> fea;
-  times.points = times_from.empty() ? model_times(model, states != "all") : fea_times(model, times_from, fea);
-  const bool all = states == "all" || states.empty();
-  if (all && times_from.empty()) {
-    times.wanted.assign(times.points.size(), 1);
-    return times;
+States wanted_states(const JointModel& model, const std::string& states, const std::string& option,
+                     const std::string& times_from) {
+  ResultTimes times;
+  if (times_from.empty()) {
+    times.times = model_times(model, states != "all");
+  } else {
+    const XpltFile file = read_xplt(times_from);
+    if (file.states.empty())
+      throw InputError(times_from + ": found no complete state, expected the times of at least one");
+    std::vector<double> found;
+    for (const XpltState& state : file.states) found.push_back(state.time);
+    times = times_of_result(model, found, times_from);
   }
+  const bool all = states == "all" || states.empty();
+  if (all && times_from.empty()) return all_states(std::move(times.times));
   std::vector<double> chosen;
   if (all || states == "last") {
-    chosen = fea;
-    if (fea.empty())
-      for (const TimePoint& p : times.points) chosen.push_back(p.time);
+    chosen = times.of_result;
+    if (chosen.empty())
+      for (const TimePoint& p : times.times) chosen.push_back(p.time);
     if (states == "last") chosen = {*std::max_element(chosen.begin(), chosen.end())};
   } else {
     try {
@@ -83,20 +47,7 @@ Times choose_times(const JointModel& model, const std::string& states, const std
       throw UsageError(fmt::format("{}: found \"{}\", expected all, last or times t1,t2,...", option, states));
     }
   }
-  for (double t : chosen) {
-    if (!(t >= 0 && t <= end * (1 + 1e-6)))
-      throw UsageError(
-          fmt::format("{}: found time {:g}, expected times from 0 to {:g}, those of the model", option, t, end));
-    insert_time(model, times.points, std::min(t, end), end);
-  }
-  for (const TimePoint& p : times.points)
-    times.wanted.push_back(
-        std::any_of(chosen.begin(), chosen.end(), [&](double t) { return same_time(t, p.time, end); }));
-  while (!times.wanted.empty() && !times.wanted.back()) {  // nothing follows from what comes after
-    times.wanted.pop_back();
-    times.points.pop_back();
-  }
-  return times;
+  return choose_states(model, std::move(times.times), chosen, option);
 }
 
 }  // namespace
@@ -107,38 +58,36 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   const double start = seconds();
   const JointModel& model = recognition.model;
   const Settings& settings = recognition.settings;
-  Times times;
+  States states;
   try {
-    times = choose_times(model, options.states, options.states_option, options.times_from);
+    states = wanted_states(model, options.states, options.states_option, options.times_from);
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }
   RunResult result;
   result.timings.read = options.seconds_reading + seconds() - start;
 
-  AnalysisOptions how;
-  how.times = times.points;
-  how.wanted = times.wanted;
-  how.activity = options.on_activity;
+  AnalysisOptions analysis;
+  analysis.times = states.times;
+  analysis.keep_state = states.wanted;
+  analysis.activity = options.on_activity;
+  analysis.equilibrium.stop = options.stop;
   if (options.progress || options.on_state) {
-    how.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
+    analysis.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
       if (options.on_state) options.on_state(s, index, count);
       if (!options.progress) return;
       options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count,
                                    number_text(s.when.time), name(s.equilibrium.outcome), s.equilibrium.iterations));
     };
   }
-  result.analysis = analyse(recognition, how);
-  const double steps = count_time_steps(model);
-  if (options.states.empty() && options.times_from.empty() && very_many_time_steps(model))
-    result.analysis.joint.findings.push_back(thinned_note(model, times.points.size()));
-  else if (!options.states.empty() && options.states != "all" && options.times_from.empty() &&
-           steps > 2.0 * static_cast<double>(times.points.size()) &&
-           times.points.back().time >= 0.5 * step_starts(model).back())
-    result.analysis.joint.findings.push_back(
-        fmt::format("of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an "
-                    "equilibrium of its own",
-                    steps, times.points.size()));
+  result.analysis = analyse(recognition, analysis);
+  if (options.times_from.empty() && options.states != "all") {
+    std::vector<std::string>& findings = result.analysis.joint.findings;
+    if (options.states.empty() && very_many_time_steps(model))
+      findings.push_back(thinned_note(model, states.times.size()));
+    else if (!options.states.empty() && many_states_left_out(model, states.times))
+      findings.push_back(left_out_note(model, states.times.size()));
+  }
   result.timings.joint = result.analysis.seconds_joint;
   result.timings.solve = result.analysis.seconds_solve;
 
@@ -146,13 +95,16 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   if (options.on_writing) options.on_writing(options.output);
   XpltFile plot = make_plot_file(model, result.analysis, options.compress);
   write_xplt(options.output, plot);
+  end_if_stopped(options.stop);
   if (!options.vtu.empty()) write_vtu(options.vtu, plot);
   result.timings.write = seconds() - write_start;
   result.timings.total = options.seconds_reading + seconds() - start;
+  end_if_stopped(options.stop);
   if (!options.json.empty())
     write_text(options.json, json_text(run_json(model, settings, result.analysis, result.timings)));
   if (!options.csv.empty()) write_text(options.csv, run_csv(model, result.analysis));
   if (!options.facets_csv.empty()) write_text(options.facets_csv, facets_csv(model, result.analysis));
+  end_if_stopped(options.stop);
   if (options.also) options.also(result.analysis, std::move(plot));
   return result;
 }

@@ -90,4 +90,16 @@ std::string thinned_note(const JointModel& model, std::size_t solved) {
       count_time_steps(model), solved);
 }
 
+bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>& times) {
+  return count_time_steps(model) > 2.0 * static_cast<double>(times.size()) &&
+         times.back().time >= 0.5 * step_starts(model).back();
+}
+
+std::string left_out_note(const JointModel& model, std::size_t solved) {
+  return fmt::format(
+      "of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an equilibrium of "
+      "its own",
+      count_time_steps(model), solved);
+}
+
 }  // namespace dea

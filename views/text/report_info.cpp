@@ -214,7 +214,7 @@ std::string steps_text(const JointCheck& check) {
     for (int b : reported_bodies(check.joint)) {
       if (check.joint.bodies[at(b)].ground) continue;
       text +=
-          fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, conditions_text(step.conditions.bodies[at(b)]));
+          fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, conditions_text(step.load_case.bodies[at(b)]));
     }
   }
   return text;
@@ -280,7 +280,7 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
   j["states"] = step.states;
   j["bodies"] = Json::object();
   for (int b : reported_bodies(check.joint)) {
-    const BodyConditions& c = step.conditions.bodies[at(b)];
+    const BodyConditions& c = step.load_case.bodies[at(b)];
     Json body;
     body["dofs"] = Json::object();
     for (int k = 0; k < kDofs; ++k) body["dofs"][kDofNames[k]] = word(c.dofs[at(k)]);

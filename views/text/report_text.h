@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <febiodea/run/analysis.h>
+#include <febiodea/run/convergence.h>
 
 namespace dea {
 
