@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/app/interrupt.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
@@ -125,8 +126,15 @@ int run(const RunArguments& a) {
   const std::string name_note = plot_name_note(output_option, options.output);
   options.seconds_reading = seconds() - start;
   double last = seconds();
-  options.on_activity = [&](const Activity& activity) { show_activity(progress, activity); };
-  options.on_writing = [&](const std::string& path) { begin("writing " + file_name(path)); };
+  options.stop = stop_flag();
+  options.on_activity = [&](const Activity& activity) {
+    now_under_way(activity.stage == Activity::Stage::State ? UnderWay::Search : UnderWay::NothingToLose);
+    show_activity(progress, activity);
+  };
+  options.on_writing = [&](const std::string& path) {
+    now_under_way(UnderWay::Writing);
+    begin("writing " + file_name(path));
+  };
   options.on_state = [&](const StateResult& s, std::size_t index, std::size_t count) {
     const Equilibrium& e = s.equilibrium;
     const std::string what = fmt::format("state {} of {}", index + 1, count);
