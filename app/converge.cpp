@@ -4,11 +4,12 @@
 #include <algorithm>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/app/interrupt.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
-#include <febiodea/run/analysis.h>
+#include <febiodea/run/convergence.h>
 #include <febiodea/run/recognise.h>
 #include <febiodea/views/data/run_json.h>
 #include <febiodea/views/text/run_text.h>
@@ -67,7 +68,10 @@ int converge_command(const ConvergeArguments& a) {
   check_outputs(inputs, outputs);
 
   double last = seconds();
-  const auto watch = [&](const Activity& activity) { show_activity(progress, activity); };
+  const auto watch = [&](const Activity& activity) {
+    now_under_way(activity.stage == Activity::Stage::State ? UnderWay::Search : UnderWay::NothingToLose);
+    show_activity(progress, activity);
+  };
   const auto row = [&](const ConvergenceRow& r) {
     const double now = seconds();
     progress.step(fmt::format("{} springs solved", r.springs),
@@ -76,7 +80,8 @@ int converge_command(const ConvergeArguments& a) {
                   0, 0);
     last = now;
   };
-  const std::vector<Convergence> studies = converge(model, settings, target, max_springs, row, watch);
+  const std::vector<Convergence> studies = converge(model, settings, target, max_springs, row, watch, stop_flag());
+  now_under_way(UnderWay::NothingToLose);
   progress.clear();
   if (!a.json.empty()) write_text(a.json, json_text(converge_json(model, settings, studies, target, max_springs)));
   if (!a.quiet && a.json != "-") print(converge_text(model, studies, max_springs));

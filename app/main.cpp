@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/app/interrupt.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/io/files/output.h>
@@ -17,7 +18,7 @@ using namespace dea;
 
 constexpr const char* kFooter = R"(
 Exit codes: 0 solved; 1 a valid answer that is no solution (not converged, surfaces apart); 2 wrong use; 3 input
-refused; 4 output cannot be written; 70 a fault of the program.
+refused; 4 output cannot be written; 70 a fault of the program; 130 stopped by Ctrl-C (143: by SIGTERM).
 
 Examples:
   dea run hip.feb                    pressure in every state, written beside the model as hip_dea.xplt
@@ -158,12 +159,15 @@ int parse_and_run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails the write, like a full disk, and is reported
+  watch_interrupts();
   try {
     std::vector<std::string> words = help_words(argc, argv);
     std::vector<char*> pointers;
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
     return parse_and_run(static_cast<int>(words.size()), pointers.data());
+  } catch (const Stopped&) {
+    return refuse("", stopped_line(), stopped_code());
   } catch (const UsageError& e) {
     return refuse("dea: ", e.what(), kWrongUse);
   } catch (const InputError& e) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/app/interrupt.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
@@ -85,8 +86,15 @@ void begin(Progress& progress, const std::string& what) { progress.now(what, "",
 
 /// `options` and `progress` live as long as the run.
 void watch(RunOptions& options, Progress& progress) {
-  options.on_activity = [&progress](const Activity& activity) { show_activity(progress, activity); };
-  options.on_writing = [&progress](const std::string& path) { begin(progress, "writing " + file_name(path)); };
+  options.stop = stop_flag();
+  options.on_activity = [&progress](const Activity& activity) {
+    now_under_way(activity.stage == Activity::Stage::State ? UnderWay::Search : UnderWay::NothingToLose);
+    show_activity(progress, activity);
+  };
+  options.on_writing = [&progress](const std::string& path) {
+    now_under_way(UnderWay::Writing);
+    begin(progress, "writing " + file_name(path));
+  };
   options.on_state = [&progress, last = seconds()](const StateResult& s, std::size_t index, std::size_t count) mutable {
     const Equilibrium& e = s.equilibrium;
     const std::string what = fmt::format("state {} of {}", index + 1, count);

@@ -35,8 +35,8 @@ const JointModel& sample(const std::string& path) { return model_of((kSamples / 
 StateResult last_state(const JointModel& model, const Settings& settings) {
   AnalysisOptions options;
   options.times = model_times(model);
-  options.wanted.assign(options.times.size(), 0);
-  options.wanted.back() = 1;
+  options.keep_state.assign(options.times.size(), 0);
+  options.keep_state.back() = 1;
   return analyse(model, settings, options).states.back();
 }
 

@@ -19,7 +19,8 @@ struct RunOptions {
   double seconds_reading = 0.0;                           ///< spent on the model before
   std::function<void(const std::string& line)> progress;  ///< a line per state; may be empty
   std::function<void(const StateResult&, std::size_t index, std::size_t count)> on_state;  ///< the same, as numbers
-  std::function<void(const Activity&)> on_activity;            ///< what is being worked out; may be empty
+  std::function<void(const Activity&)> on_activity;  ///< what is being worked out; may be empty
+  const StopFlag* stop = nullptr;                    ///< ends the search, or the writing between two files: Stopped
   std::function<void(const std::string& file)> on_writing;     ///< before the plot file is written; may be empty
   std::function<void(const Analysis&, XpltFile&&)> with_plot;  ///< what else to make of the plot file; may be empty
 };
@@ -29,7 +30,8 @@ struct RunResult {
   Timings timings;
 };
 
-/// Solves every wanted state and writes plot file, VTK files, JSON and CSV. Throws UsageError, InputError, WriteError.
+/// Solves every wanted state and writes plot file, VTK files, JSON and CSV. Throws UsageError, InputError, WriteError,
+/// Stopped.
 RunResult run_model(const Recognition& recognition, const RunOptions& options);
 
 /// Are all states of the model wanted, however many these are?

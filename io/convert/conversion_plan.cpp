@@ -10,7 +10,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/conditions.h>
+#include <febiodea/equilibrium/load_case.h>
 #include <febiodea/joint/bodies.h>
 #include <febiodea/run/analysis.h>
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -35,6 +36,9 @@ int write_and_close(int file, const std::string& text) {
   if (::close(file) != 0 && error == 0) error = errno;
   return error;
 }
+
+/// The temporary file of write_text, for remove_unfinished; nullptr: none.
+std::atomic<const char*> unfinished = nullptr;
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code error;
@@ -101,15 +105,19 @@ void write_text(const std::string& path, const std::string& text) {
   const fs::path temporary = target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), ::getpid());
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
+  unfinished = temporary.c_str();
   int why = write_and_close(file, text);
   if (why == 0) {
     fs::rename(temporary, target, error);
     why = error ? error.value() : 0;
   }
-  if (why != 0) {
-    fs::remove(temporary, error);
-    throw WriteError(fmt::format("{}: {}", path, reason(why)));
-  }
+  if (why != 0) fs::remove(temporary, error);
+  unfinished = nullptr;
+  if (why != 0) throw WriteError(fmt::format("{}: {}", path, reason(why)));
+}
+
+void remove_unfinished() {
+  if (const char* path = unfinished) ::unlink(path);
 }
 
 void print(const std::string& text) {

@@ -17,6 +17,9 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
 /// Writes a whole text: "-" to standard output; a file by way of a temporary one beside it. Throws WriteError.
 void write_text(const std::string& path, const std::string& text);
 
+/// Takes away what write_text has begun and not finished. For signal handlers, before they end the program.
+void remove_unfinished();
+
 /// Throws WriteError when standard output took not all of it.
 void print(const std::string& text);
 

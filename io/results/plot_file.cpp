@@ -262,12 +262,17 @@ XpltFile empty_file(const JointModel& model) {
 }
 
 /// Per vertex of the articular surface what is beyond the selection's rim there: 1 nothing (free), 2 more of the layer,
-/// 3 its mirror image, 4 the layer bonded to bone; the lower one where two meet; 0: not on the rim.
+/// 3 its mirror image, 4 the layer bonded to bone, 5 facets that another contact presses; the lower one where two meet;
+/// 0: not on the rim.
 std::vector<double> rim_at_vertices(const Layer& layer) {
   std::vector<double> rim(layer.articular.vertices.size(), 0.0);
   if (layer.face.mesh.size() == 0) return rim;
   for (const SelectionEdge& e : selection_rim(layer.face)) {
-    const double kind = e.goes_on ? 2.0 : e.edge.rim == Rim::Free ? 1.0 : e.edge.bonded ? 4.0 : 3.0;
+    const double kind = e.goes_on                 ? 2.0
+                        : e.edge.rim == Rim::Free ? 1.0
+                        : e.edge.bonded           ? 4.0
+                        : e.edge.shared           ? 5.0
+                                                  : 3.0;
     for (int v : e.vertices)
       if (rim[at(v)] == 0.0 || kind < rim[at(v)]) rim[at(v)] = kind;
   }

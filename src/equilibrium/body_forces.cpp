@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
@@ -65,7 +64,7 @@ double value_or_nan(const LoadController& curve, double x) {
   try {
     return value(curve, x);
   } catch (const InputError&) {
-    return std::numeric_limits<double>::quiet_NaN();
+    return kNaN;
   }
 }
 
@@ -147,16 +146,16 @@ Tension tension(const Ligament& l, double length, double scale) {
   return {scale * force, scale * curve_slope(*l.curve, m.value) * m.per_length};
 }
 
-std::string undefined_force(const Joint& joint, const LoadCase& conditions, const std::vector<Pose>& poses) {
+std::string undefined_force(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& poses) {
   for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {
     const Ligament& l = joint.ligaments[i];
-    if (!conditions.ligament_active[i] || l.law != Ligament::Law::Curve || l.curve->expression.empty()) continue;
+    if (!load_case.ligament_active[i] || l.law != Ligament::Law::Curve || l.curve->expression.empty()) continue;
     const double length = length_of(joint, l, poses);
     if (std::isfinite(value_or_nan(*l.curve, measure_of(l, length).value))) continue;
     return fmt::format(
         "{}spring \"{}\" at time {:g}: its force \"{}\" has no finite value at {} = {:g} (length {:g}, free length "
         "{:g}); write it for every length, such as with max({}, 0)",
-        l.where, l.name, conditions.time, l.curve->expression, l.curve->variable, measure_of(l, length).value, length,
+        l.where, l.name, load_case.time, l.curve->expression, l.curve->variable, measure_of(l, length).value, length,
         l.free_length, l.curve->variable);
   }
   return "";

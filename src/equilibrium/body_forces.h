@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/conditions.h>
+#include <febiodea/equilibrium/load_case.h>
 #include <febiodea/joint/joint.h>
 #include <febiodea/springs/springs.h>
 
@@ -45,7 +45,7 @@ Tension tension(const Ligament& ligament, double length, double scale);
 
 /// The fault of the first ligament whose force has no finite value at these poses, with its place and what to do;
 /// empty: none. Only expressions can have one.
-std::string undefined_force(const Joint& joint, const LoadCase& conditions, const std::vector<Pose>& poses);
+std::string undefined_force(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& poses);
 
 /// Adds the pull of a ligament on both of its bodies (E7); returns its tension.
 double add_ligament(const Joint& joint, const Ligament& ligament, double scale, const std::vector<Pose>& poses,

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
@@ -237,7 +236,7 @@ std::vector<Vector6> connector_forces(const Joint& joint, const LoadCase& load_c
     for (int k = 0; k < kDofs; ++k)
       if (c.motion[at(k)] == Motion::Free)
         result[n].segment<3>(k < 3 ? 0 : 3) -= load_case.connector_value[n][at(k)] * f.a.col(k % 3);
-    if (!can_move(c.body_a) && !can_move(c.body_b)) result[n].setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (!can_move(c.body_a) && !can_move(c.body_b)) result[n].setConstant(kNaN);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Connector& c = joint.connectors[at(rows[i].connector)];
@@ -416,7 +415,7 @@ bool close_connectors(const Joint& joint, const LoadCase& load_case, const Conne
     return largest;
   };
   constexpr int kMost = 60;
-  double before = std::numeric_limits<double>::infinity();
+  double before = kInfinity;
   bool all_rows = false;  // first the conditions that were independent at the start, then whatever is left
   int idle = 0;
   for (int i = 0; i < kMost; ++i) {

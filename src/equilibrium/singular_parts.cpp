@@ -5,9 +5,10 @@
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <vector>
+
+#include <febiodea/base/numbers.h>
 
 namespace dea {
 
@@ -53,37 +54,35 @@ double largest_singular_value(const Sparse& K) {
 
 /// Unknowns in groups that no entry couples.
 std::vector<std::vector<int>> coupled_groups(const Sparse& K) {
-  std::vector<int> root(static_cast<std::size_t>(K.rows()));
+  std::vector<int> root(at(K.rows()));
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](int i) {
-    const auto at = [](int k) { return static_cast<std::size_t>(k); };
     while (root[at(i)] != i) i = root[at(i)] = root[at(root[at(i)])];
     return i;
   };
   for (int k = 0; k < K.outerSize(); ++k)
     for (Sparse::InnerIterator it(K, k); it; ++it)
-      if (it.value() != 0.0)
-        root[static_cast<std::size_t>(find(static_cast<int>(it.row())))] = find(static_cast<int>(it.col()));
+      if (it.value() != 0.0) root[at(find(static_cast<int>(it.row())))] = find(static_cast<int>(it.col()));
   std::vector<int> number(root.size(), -1);
   std::vector<std::vector<int>> groups;
   for (int i = 0; i < static_cast<int>(root.size()); ++i) {
-    int& n = number[static_cast<std::size_t>(find(i))];
+    int& n = number[at(find(i))];
     if (n < 0) {
       n = static_cast<int>(groups.size());
       groups.emplace_back();
     }
-    groups[static_cast<std::size_t>(n)].push_back(i);
+    groups[at(n)].push_back(i);
   }
   return groups;
 }
 
 Sparse part_of(const Sparse& K, const std::vector<int>& group, std::vector<int>& place) {
-  for (std::size_t i = 0; i < group.size(); ++i) place[static_cast<std::size_t>(group[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < group.size(); ++i) place[at(group[i])] = static_cast<int>(i);
   std::vector<Eigen::Triplet<double>> entries;
   for (int j : group)
     for (Sparse::InnerIterator it(K, j); it; ++it)
       if (it.value() != 0.0)  // a stored zero may lead out of the group
-        entries.emplace_back(place[static_cast<std::size_t>(it.row())], place[static_cast<std::size_t>(j)], it.value());
+        entries.emplace_back(place[at(it.row())], place[at(j)], it.value());
   Sparse part(static_cast<Index>(group.size()), static_cast<Index>(group.size()));
   part.setFromTriplets(entries.begin(), entries.end());
   return part;
@@ -121,7 +120,7 @@ SingularParts smallest_of(const Sparse& K, const Small& small, double largest, i
     const auto apply_transposed = [&](const MatrixXd& m) { return MatrixXd(lu.transpose().solve(m)); };
     for (Index count = 8; count <= n / 4 && count <= 256; count *= 2) {
       MatrixXd V = orthonormal(scattered(n, count));
-      VectorXd before = VectorXd::Constant(count, std::numeric_limits<double>::infinity());
+      VectorXd before = VectorXd::Constant(count, kInfinity);
       SingularParts found;
       bool settled = false;
       for (int i = 0; i < 60 && !settled; ++i) {
@@ -181,7 +180,7 @@ SingularParts small_singular_parts(const Sparse& K, const std::function<bool(dou
   result.largest = largest_singular_value(K);
   std::vector<double> sigma;
   std::vector<VectorXd> u, v;
-  std::vector<int> place(static_cast<std::size_t>(K.rows()), 0);
+  std::vector<int> place(at(K.rows()), 0);
   for (const std::vector<int>& group : coupled_groups(K)) {
     const auto whole = [&](const VectorXd& part) {
       VectorXd all = VectorXd::Zero(K.rows());
@@ -201,15 +200,15 @@ SingularParts small_singular_parts(const Sparse& K, const std::function<bool(dou
   result.U.resize(K.rows(), count);
   result.V.resize(K.rows(), count);
   for (Index k = 0; k < count; ++k) {
-    result.U.col(k) = u[static_cast<std::size_t>(k)];
-    result.V.col(k) = v[static_cast<std::size_t>(k)];
+    result.U.col(k) = u[at(k)];
+    result.V.col(k) = v[at(k)];
   }
   return result;
 }
 
 double least_symmetric_eigenvalue(const Sparse& K, const MatrixXd& without, int dense_limit) {
   const Index n = K.rows();
-  if (n - without.cols() <= 0) return std::numeric_limits<double>::quiet_NaN();
+  if (n - without.cols() <= 0) return kNaN;
   const Sparse transposed = K.transpose();
   const Sparse S = 0.5 * (K + transposed);
   if (n <= dense_limit) {
@@ -239,10 +238,10 @@ double least_symmetric_eigenvalue(const Sparse& K, const MatrixXd& without, int 
     return static_cast<int>((factors.vectorD().array() < 0).count());
   };
   const int negative = below(-tiny);
-  if (negative < 0) return std::numeric_limits<double>::quiet_NaN();
+  if (negative < 0) return kNaN;
   if (negative == 0) {  // the one next to zero is the least
     VectorXd x = scattered(n, 1).col(0);
-    double value = std::numeric_limits<double>::quiet_NaN();
+    double value = kNaN;
     for (int i = 0; i < 200; ++i) {
       if (without.cols() > 0) x -= without * (without.transpose() * x);
       x.normalize();
@@ -250,7 +249,7 @@ double least_symmetric_eigenvalue(const Sparse& K, const MatrixXd& without, int 
       value = x.dot(S * x);
       if (std::abs(value - before) <= 1e-6 * std::abs(value)) break;
       x = factors.solve(x);
-      if (!x.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+      if (!x.allFinite()) return kNaN;
     }
     return value;
   }
@@ -258,7 +257,7 @@ double least_symmetric_eigenvalue(const Sparse& K, const MatrixXd& without, int 
   while (high - low > 1e-3 * std::abs(low) + tiny) {
     const double middle = 0.5 * (low + high);
     const int count = below(middle);
-    if (count < 0) return std::numeric_limits<double>::quiet_NaN();
+    if (count < 0) return kNaN;
     (count > 0 ? high : low) = middle;
   }
   return high;

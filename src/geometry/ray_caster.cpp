@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include <febiodea/base/numbers.h>
 
 namespace dea {
 
@@ -61,7 +62,7 @@ double closest_on_triangle(const SurfaceMesh& mesh, int t, const Vector3d& x, st
     const double d = (x - a).dot(normal);
     return d * d / twice2;
   }
-  double best = std::numeric_limits<double>::infinity();
+  double best = kInfinity;
   for (int k = 0; k < 3; ++k) {
     const Vector3d &p = mesh.corner(t, k), &q = mesh.corner(t, (k + 1) % 3);
     const Vector3d pq = q - p;
@@ -213,7 +214,7 @@ LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direct
   query.direction = direction;
   query.min_facing = min_facing;
   query.limit = limit;
-  query.best = std::numeric_limits<double>::infinity();
+  query.best = kInfinity;
   query.tolerance = 1e-9 * s.extent;
   query.found = &found;
   // The ray starts where the line enters the sphere around the surface, or at `from` if that is later: single
@@ -276,15 +277,14 @@ void point_query(const RayCaster::Scene& scene, ClosestQuery& query, double radi
 }  // namespace
 
 SurfacePoint RayCaster::closest(const Vector3d& x) const {
-  ClosestQuery query{scene_.get(),           x, nullptr, 0.0, std::numeric_limits<double>::infinity(),
-                     1e-12 * scene_->extent, {}};
-  point_query(*scene_, query, std::numeric_limits<double>::infinity());
+  ClosestQuery query{scene_.get(), x, nullptr, 0.0, kInfinity, 1e-12 * scene_->extent, {}};
+  point_query(*scene_, query, kInfinity);
   return query.point;
 }
 
 std::vector<int> RayCaster::within(const Vector3d& x, double radius) const {
   std::vector<int> found;
-  ClosestQuery query{scene_.get(), x, &found, radius, std::numeric_limits<double>::infinity(), 0.0, {}};
+  ClosestQuery query{scene_.get(), x, &found, radius, kInfinity, 0.0, {}};
   point_query(*scene_, query, radius * (1 + 1e-6) + 2 * scene_->padding);
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());  // a triangle may sit in several leaves

@@ -368,7 +368,7 @@ std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh) {
 
 std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
   const std::vector<std::array<Vector3d, 2>> rim = rim_segments(mesh);
-  std::vector<double> distance(mesh.triangles.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> distance(mesh.triangles.size(), kInfinity);
   if (rim.empty()) return distance;
 
   // Rim edges are binned by their midpoints; an edge nearer than cell - longest / 2 lies in a neighbouring cell.

@@ -8,12 +8,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/model/element_shape.h>
 #include <febiodea/model/settings.h>
 
@@ -74,9 +74,9 @@ struct Material {
   bool rigid = false;
   double density = 1.0;
   std::optional<Vector3d> center_of_mass;  ///< rigid: given explicitly; otherwise integrated from the elements
-  double E = std::numeric_limits<double>::quiet_NaN();   ///< small-strain Young's modulus; NaN: see `note`
-  double nu = std::numeric_limits<double>::quiet_NaN();  ///< small-strain Poisson's ratio; NaN: see `note`
-  std::string note;  ///< how E and nu were found ("drained solid"), or why there are none
+  double E = kNaN;                         ///< small-strain Young's modulus; NaN: see `note`
+  double nu = kNaN;                        ///< small-strain Poisson's ratio; NaN: see `note`
+  std::string note;                        ///< how E and nu were found ("drained solid"), or why there are none
   Origin origin;
 };
 

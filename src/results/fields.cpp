@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/springs/gaps.h>
@@ -94,6 +93,7 @@ std::vector<double> facet_average(const SurfaceMesh& mesh, const FieldMaps::Laye
 /// 0).
 struct SpringAverages {
   std::vector<double> pressure, overlap, strain, shortening;  // per triangle
+  std::vector<double> target_strain, target_shortening;       // the target's share
   std::vector<double> gap;                                    // NaN where no spring of the triangle hit
 };
 
@@ -102,7 +102,7 @@ SpringAverages average_springs(const SpringBed& bed, const SpringStates& s) {
   const std::size_t n = mesh.triangles.size();
   SpringAverages a;
   a.pressure.assign(n, 0.0);
-  a.overlap = a.strain = a.shortening = a.pressure;
+  a.overlap = a.strain = a.shortening = a.target_strain = a.target_shortening = a.pressure;
   a.gap.assign(n, 0.0);
   std::vector<double> hit(n, 0.0);
   for (int i = 0; i < s.size(); ++i) {
@@ -112,6 +112,8 @@ SpringAverages average_springs(const SpringBed& bed, const SpringStates& s) {
     a.overlap[t] += share * s.overlap[k];
     a.strain[t] += share * s.strain_source[k];
     a.shortening[t] += share * s.strain_source[k] * s.t_source[k];
+    a.target_strain[t] += share * s.strain_target[k];
+    a.target_shortening[t] += share * s.strain_target[k] * s.t_target[k];
     if (s.triangle[k] >= 0) {  // also where the target is passed too deep: that is no gap
       a.gap[t] += bed.springs.area[k] * s.gap[k];
       hit[t] += bed.springs.area[k];
@@ -179,6 +181,241 @@ void finish_side(SideFields& side, const SurfaceMesh& mesh, const FieldMaps::Lay
   side.resultant_factor = force > 0 ? map_resultant(mesh, side.pressure, pose.rotation).norm() / force : kNaN;
 }
 
+/// One contact at a pose: what its fields are made of. `from`, `to`, `side`: 0 or 1, of `bed.pair.layers`.
+struct ContactAt {
+  const SpringBed& bed;
+  const FieldMaps::ContactMap& map;
+  const SpringStates& states;
+  const Pose &source_pose, &target_pose;
+  const Layer& layer(int side) const { return bed.pair.layers[side]; }
+  int source() const { return bed.pair.source; }
+  int target() const { return 1 - bed.pair.source; }
+  RelativePose on_target() const {
+    return relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
+  }
+  RelativePose relative(int from) const {
+    return from == source() ? on_target()
+                            : relative_pose(target_pose, bed.target_center, source_pose, bed.source_center);
+  }
+};
+
+/// A contact that is not active in this step: geometry only, no pressure.
+SpringStates inactive_springs(const SpringBed& bed, const Pose& source, const Pose& target) {
+  SpringStates s = press_springs(bed, source, target);
+  for (auto* values : {&s.pressure, &s.overlap, &s.strain_source, &s.strain_target})
+    std::fill(values->begin(), values->end(), 0.0);
+  return s;
+}
+
+/// Values per triangle or per vertex of one side.
+struct SideValues {
+  std::vector<double> pressure, overlap, strain, shortening;
+};
+
+/// Springs on the articular surface: the source's facets carry their springs' force.
+void source_by_facets(const ContactAt& c, const SpringAverages& averages, SideFields& on_source) {
+  const SurfaceMesh& mesh = c.layer(c.source()).articular;
+  const FieldMaps::LayerMap& map = c.map.layers[c.source()];
+  on_source.pressure = triangles_to_facets(mesh, map, averages.pressure);
+  on_source.overlap = triangles_to_facets(mesh, map, averages.overlap);
+  on_source.strain = triangles_to_facets(mesh, map, averages.strain);
+  on_source.vertex_shortening = triangles_to_vertices(mesh, averages.shortening);
+  on_source.vertex_pressure = vertex_average(map, on_source.pressure);
+}
+
+/// Springs at the bone: closest-point projection with linear interpolation [Abraham et al. 2013, 2.4]. Returns what the
+/// target shows, per articular vertex of the source: no law of the target's own overlap exists.
+SideValues source_by_projection(const ContactAt& c, const SpringAverages& averages, SideFields& on_source) {
+  const Layer& source = c.layer(c.source());
+  const FieldMaps::LayerMap& map = c.map.layers[c.source()];
+  const SurfaceMesh& bone = source.spring_surface();
+  const auto project = [&](const std::vector<double>& per_triangle) {
+    const std::vector<double> bone_vertex = triangles_to_vertices(bone, per_triangle);
+    if (source.rigid) return bone_vertex;  // the bone surface is the articular surface
+    std::vector<double> out(source.articular.vertices.size());
+    for (std::size_t v = 0; v < out.size(); ++v) out[v] = interpolate(bone, bone_vertex, map.articular_to_bone[v]);
+    return out;
+  };
+  SideValues shown{project(averages.pressure), project(averages.overlap), project(averages.target_strain),
+                   project(averages.target_shortening)};
+  on_source.vertex_pressure = shown.pressure;
+  on_source.vertex_shortening = project(averages.shortening);
+  on_source.pressure = facet_average(source.articular, map, shown.pressure);
+  on_source.overlap = facet_average(source.articular, map, shown.overlap);
+  on_source.strain = facet_average(source.articular, map, project(averages.strain));
+  return shown;
+}
+
+/// Distance of a triangle's centroid from the closest point of the other side.
+double closest_distance(const ContactAt& c, int from, const RelativePose& relative, int triangle) {
+  const Vector3d x = relative.rotation * c.layer(from).articular.centroid(triangle) + relative.shift;
+  const int to = 1 - from;
+  return (position(c.layer(to).articular, c.map.articular[to].closest(x)) - x).norm();
+}
+
+/// Joint space along the normals of one side's own triangles, each sampled at the centroids of its parts.
+struct JointSpace {
+  std::vector<std::array<double, 3>> parts;  // of each triangle: barycentric weights
+  std::vector<SurfacePoint> feet;            // per triangle and part: on the other side; none: no hit
+  std::vector<double> gaps;                  // there; infinity: no hit
+  std::vector<double> along;  // per triangle: mean of the gaps; without a hit the closest distance of its centroid
+};
+
+/// `divide`^2 parts per triangle, so that facets much coarser than the other side's miss nothing.
+JointSpace joint_space(const ContactAt& c, int from, int divide) {
+  const int to = 1 - from;
+  const SurfaceMesh &mesh = c.layer(from).articular, &other = c.layer(to).articular;
+  const RelativePose relative = c.relative(from);
+  const double deep = c.layer(0).max_thickness() + c.layer(1).max_thickness();
+  JointSpace space;
+  space.parts = part_centroids(divide);
+  const std::size_t parts = space.parts.size();
+  space.feet.assign(mesh.triangles.size() * parts, SurfacePoint{});
+  space.gaps.assign(space.feet.size(), kInfinity);
+  space.along.resize(mesh.triangles.size());
+  tbb::parallel_for(0, mesh.size(), [&](int i) {
+    const Vector3d n = relative.rotation * mesh.normals[at(i)];
+    double sum = 0.0;
+    int hits = 0;
+    for (std::size_t k = 0; k < parts; ++k) {
+      const Vector3d x = relative.rotation * position(mesh, {i, space.parts[k]}) + relative.shift;
+      const LineHit hit = c.map.articular[to].nearest_facing(x, n, -4 * deep, -deep, kInfinity);
+      if (hit.point.triangle < 0) continue;
+      const double gap = hit.distance - bulge_height(mesh, i, space.parts[k]) -
+                         bulge_height(other, hit.point.triangle, hit.point.weights);
+      space.feet[at(i) * parts + k] = hit.point;
+      space.gaps[at(i) * parts + k] = gap;
+      sum += gap;
+      ++hits;
+    }
+    space.along[at(i)] = hits > 0 ? sum / hits : closest_distance(c, from, relative, i);
+  });
+  return space;
+}
+
+/// Joint space of the source's triangles where its springs know it already; only where none hit is the closest point
+/// asked.
+std::vector<double> space_of_springs(const ContactAt& c, std::vector<double> gap) {
+  const RelativePose relative = c.on_target();
+  tbb::parallel_for(0, c.layer(c.source()).articular.size(), [&](int i) {
+    if (std::isnan(gap[at(i)])) gap[at(i)] = closest_distance(c, c.source(), relative, i);
+  });
+  return gap;
+}
+
+SideValues no_values(const SurfaceMesh& mesh) {
+  const std::vector<double> zero(mesh.triangles.size(), 0.0);
+  return {zero, zero, zero, zero};
+}
+
+/// Per triangle of the target, law layer: each foot's share of every triangle that lies under it (L8).
+SideValues target_by_parts(const ContactAt& c) {
+  const SurfaceMesh& mesh = c.layer(c.target()).articular;
+  const RelativePose relative = c.on_target();
+  const SpringStates& s = c.states;
+  SideValues v = no_values(mesh);
+  for (int i = 0; i < s.size(); ++i) {
+    const auto k = at(i);
+    if (!(s.pressure[k] > 0) && !(s.overlap[k] > 0)) continue;
+    const std::vector<SurfacePart> under = parts_under_spring(c.bed, relative, mesh, s, i, s.triangle[k], mesh.size());
+    double covered = 0.0;
+    for (const SurfacePart& part : under) covered += part.area;
+    for (const SurfacePart& part : under) {
+      const auto triangle = at(part.triangle);
+      const double share = covered > 0 ? part.area / covered * s.area[k] / mesh.areas[triangle] : 0.0;
+      v.pressure[triangle] += share * s.pressure[k];
+      v.overlap[triangle] += share * s.overlap[k];
+      v.strain[triangle] += share * s.strain_target[k];
+      v.shortening[triangle] += share * s.strain_target[k] * s.t_target[k];
+    }
+  }
+  return v;
+}
+
+/// Per triangle of the target: the source's values where the target's normals meet it.
+SideValues target_by_interpolation(const ContactAt& c, const JointSpace& space, const SideValues& shown) {
+  const SurfaceMesh& source = c.layer(c.source()).articular;
+  SideValues v = no_values(c.layer(c.target()).articular);
+  const double share = 1.0 / static_cast<double>(space.parts.size());
+  for (std::size_t i = 0; i < space.feet.size(); ++i) {
+    if (space.feet[i].triangle < 0) continue;
+    const std::size_t triangle = i / space.parts.size();
+    v.pressure[triangle] += share * interpolate(source, shown.pressure, space.feet[i]);
+    v.overlap[triangle] += share * interpolate(source, shown.overlap, space.feet[i]);
+    v.strain[triangle] += share * interpolate(source, shown.strain, space.feet[i]);
+    v.shortening[triangle] += share * interpolate(source, shown.shortening, space.feet[i]);
+  }
+  return v;
+}
+
+/// Per triangle of the target: the law at its own overlap; nothing of the source's facets is smeared over it.
+SideValues target_by_law(const ContactAt& c, const JointSpace& space) {
+  const Layer &source = c.layer(c.source()), &target = c.layer(c.target());
+  SideValues v = no_values(target.articular);
+  const double share = 1.0 / static_cast<double>(space.parts.size());
+  for (std::size_t i = 0; i < space.feet.size(); ++i) {
+    if (space.feet[i].triangle < 0 || !(space.gaps[i] < 0)) continue;
+    const std::size_t triangle = i / space.parts.size();
+    const double t_s = interpolate(source.articular, source.thickness, space.feet[i]);
+    const double t_t = interpolate(target.articular, target.thickness,
+                                   {static_cast<int>(triangle), space.parts[i % space.parts.size()]});
+    if (space.gaps[i] <= -(t_s + t_t)) continue;
+    const SpringResponse r = spring_response(c.bed.law, source.elasticity, target.elasticity, t_s, t_t, -space.gaps[i],
+                                             c.bed.pair.interface_compliance);
+    v.pressure[triangle] += share * r.pressure;
+    v.overlap[triangle] -= share * space.gaps[i];
+    v.strain[triangle] += share * r.strain_target;
+    v.shortening[triangle] += share * r.strain_target * t_t;
+  }
+  return v;
+}
+
+void fill_target(const ContactAt& c, const JointSpace& space, const SideValues& v, SideFields& on_target) {
+  const SurfaceMesh& mesh = c.layer(c.target()).articular;
+  const FieldMaps::LayerMap& map = c.map.layers[c.target()];
+  on_target.joint_space = triangles_to_facets(mesh, map, space.along);
+  on_target.pressure = triangles_to_facets(mesh, map, v.pressure);
+  on_target.overlap = triangles_to_facets(mesh, map, v.overlap);
+  on_target.strain = triangles_to_facets(mesh, map, v.strain);
+  on_target.vertex_shortening = triangles_to_vertices(mesh, v.shortening);
+  on_target.vertex_pressure = vertex_average(map, on_target.pressure);
+}
+
+/// `force`: of the contact on the target. `active`: in this step.
+ContactFields fields_of_contact(const ContactAt& c, const Vector3d& force, bool active) {
+  const Layer &source = c.layer(c.source()), &target = c.layer(c.target());
+  ContactFields fields;
+  SideFields &on_source = fields.sides[c.source()], &on_target = fields.sides[c.target()];
+  on_target.force = force;
+  on_source.force = -force;
+  const SpringAverages averages = average_springs(c.bed, c.states);
+  const bool articular = source.springs_at == SpringsAt::Articular;
+  SideValues shown;
+  if (articular)
+    source_by_facets(c, averages, on_source);
+  else
+    shown = source_by_projection(c, averages, on_source);
+  on_source.joint_space =
+      triangles_to_facets(source.articular, c.map.layers[c.source()],
+                          articular ? space_of_springs(c, averages.gap) : joint_space(c, c.source(), 1).along);
+
+  const int divide = std::clamp(
+      static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
+  const JointSpace space = joint_space(c, c.target(), divide);
+  SideValues on_triangles = no_values(target.articular);
+  if (c.bed.law == Law::Layer)
+    on_triangles = target_by_parts(c);
+  else if (!articular)
+    on_triangles = target_by_interpolation(c, space, shown);
+  else if (active)
+    on_triangles = target_by_law(c, space);
+  fill_target(c, space, on_triangles, on_target);
+
+  finish_side(on_source, source.articular, c.map.layers[c.source()], c.source_pose);
+  finish_side(on_target, target.articular, c.map.layers[c.target()], c.target_pose);
+  return fields;
+}
+
 }  // namespace
 
 FieldMaps make_field_maps(const JointModel& model, const Joint& joint) {
@@ -197,186 +434,12 @@ std::vector<ContactFields> contact_fields(const Joint& joint, const SpringBeds& 
                                           const Equilibrium& e) {
   std::vector<ContactFields> all;
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    const ContactPair& pair = joint.contacts[c];
     const SpringBed& bed = beds.beds[c];
-    const FieldMaps::ContactMap& map = maps.contacts[c];
-    const int s = pair.source, t = 1 - pair.source;
-    const Layer &source = pair.layers[s], &target = pair.layers[t];
-    const Pose &source_pose = e.poses[at(bed.source_body)], &target_pose = e.poses[at(bed.target_body)];
-    ContactFields fields;
-    SideFields &on_source = fields.sides[s], &on_target = fields.sides[t];
-    on_target.force = e.contact_on_target[c].head<3>();
-    on_source.force = -on_target.force;
-
-    const bool contact_active = e.springs[c].size() > 0;
-    SpringStates inactive;
-    const SpringStates* states = &e.springs[c];
-    if (states->size() == 0) {  // contact not active in this step: geometry only, no pressure
-      inactive = press_springs(bed, source_pose, target_pose);
-      std::fill(inactive.pressure.begin(), inactive.pressure.end(), 0.0);
-      std::fill(inactive.overlap.begin(), inactive.overlap.end(), 0.0);
-      std::fill(inactive.strain_source.begin(), inactive.strain_source.end(), 0.0);
-      std::fill(inactive.strain_target.begin(), inactive.strain_target.end(), 0.0);
-      states = &inactive;
-    }
-    const SpringAverages averages = average_springs(bed, *states);
-
-    // The target's share of the shortening, per triangle of the source's spring surface, to be interpolated from there.
-    std::vector<double> target_shortening(averages.pressure.size(), 0.0), target_strain(averages.pressure.size(), 0.0);
-    for (int i = 0; i < states->size(); ++i) {
-      const auto k = at(i), tri = at(bed.springs.surface_triangle[k]);
-      const double share = states->area[k] / source.spring_surface().areas[tri];
-      target_shortening[tri] += share * states->strain_target[k] * states->t_target[k];
-      target_strain[tri] += share * states->strain_target[k];
-    }
-
-    // What the target shows is the source's where no law of the target's own overlap exists.
-    const bool by_interpolation = source.springs_at == SpringsAt::Bone, by_parts = bed.law == Law::Layer;
-    // Source side. Articular springs: facets carry their springs' force. Bone springs: closest-point projection with
-    // linear interpolation [Abraham et al. 2013, 2.4].
-    std::vector<double> v_pressure, v_overlap, v_target_strain,
-        v_target_shortening;  // bone springs: per articular vertex of the source
-    if (source.springs_at == SpringsAt::Articular) {
-      on_source.pressure = triangles_to_facets(source.articular, map.layers[s], averages.pressure);
-      on_source.overlap = triangles_to_facets(source.articular, map.layers[s], averages.overlap);
-      on_source.strain = triangles_to_facets(source.articular, map.layers[s], averages.strain);
-      on_source.vertex_shortening = triangles_to_vertices(source.articular, averages.shortening);
-      on_source.vertex_pressure = vertex_average(map.layers[s], on_source.pressure);
-    } else {
-      const SurfaceMesh& bone = source.spring_surface();
-      const auto project = [&](const std::vector<double>& per_triangle) {
-        const std::vector<double> bone_vertex = triangles_to_vertices(bone, per_triangle);
-        if (source.rigid) return bone_vertex;  // the bone surface is the articular surface
-        std::vector<double> out(source.articular.vertices.size());
-        for (std::size_t v = 0; v < out.size(); ++v)
-          out[v] = interpolate(bone, bone_vertex, map.layers[s].articular_to_bone[v]);
-        return out;
-      };
-      v_pressure = project(averages.pressure);
-      v_overlap = project(averages.overlap);
-      v_target_strain = project(target_strain);
-      v_target_shortening = project(target_shortening);
-      on_source.vertex_pressure = v_pressure;
-      on_source.vertex_shortening = project(averages.shortening);
-      on_source.pressure = facet_average(source.articular, map.layers[s], v_pressure);
-      on_source.overlap = facet_average(source.articular, map.layers[s], v_overlap);
-      on_source.strain = facet_average(source.articular, map.layers[s], project(averages.strain));
-    }
-
-    // Joint space: along the normals of each side's own facets to the other side; no hit: closest distance. Each
-    // triangle is sampled at the centroids of `divide`^2 parts, so that facets much coarser than the other side's miss
-    // nothing.
-    const auto space = [&](int from, int to, const Pose& from_pose, const Pose& to_pose, int divide,
-                           std::vector<SurfacePoint>* feet, std::vector<double>* gaps, std::vector<double>* along) {
-      const SurfaceMesh& mesh = pair.layers[from].articular;
-      const Vector3d from_center = joint.bodies[at(pair.layers[from].body)].center_of_mass,
-                     to_center = joint.bodies[at(pair.layers[to].body)].center_of_mass;
-      const RelativePose relative = relative_pose(from_pose, from_center, to_pose, to_center);
-      const double deep = pair.layers[0].max_thickness() + pair.layers[1].max_thickness();
-      const std::vector<std::array<double, 3>> parts = part_centroids(divide);
-      feet->assign(mesh.triangles.size() * parts.size(), SurfacePoint{});
-      gaps->assign(feet->size(), kInfinity);
-      along->resize(mesh.triangles.size());
-      tbb::parallel_for(0, mesh.size(), [&](int i) {
-        const Vector3d n = relative.rotation * mesh.normals[at(i)];
-        double sum = 0.0;
-        int hits = 0;
-        for (std::size_t k = 0; k < parts.size(); ++k) {
-          const Vector3d x = relative.rotation * position(mesh, {i, parts[k]}) + relative.shift;
-          const LineHit hit = map.articular[to].nearest_facing(x, n, -4 * deep, -deep, kInfinity);
-          if (hit.point.triangle < 0) continue;
-          const double gap = hit.distance - bulge_height(mesh, i, parts[k]) -
-                             bulge_height(pair.layers[to].articular, hit.point.triangle, hit.point.weights);
-          (*feet)[at(i) * parts.size() + k] = hit.point;
-          (*gaps)[at(i) * parts.size() + k] = gap;
-          sum += gap;
-          ++hits;
-        }
-        if (hits > 0) {
-          (*along)[at(i)] = sum / hits;
-        } else {
-          const Vector3d x = relative.rotation * mesh.centroid(i) + relative.shift;
-          (*along)[at(i)] = (position(pair.layers[to].articular, map.articular[to].closest(x)) - x).norm();
-        }
-      });
-    };
-    std::vector<SurfacePoint> feet;
-    std::vector<double> gaps, along;
-    if (source.springs_at == SpringsAt::Articular) {
-      // the springs know it already; only where none hit is the closest point asked
-      along = averages.gap;
-      const RelativePose relative = relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
-      tbb::parallel_for(0, source.articular.size(), [&](int i) {
-        if (!std::isnan(along[at(i)])) return;
-        const Vector3d x = relative.rotation * source.articular.centroid(i) + relative.shift;
-        along[at(i)] = (position(target.articular, map.articular[t].closest(x)) - x).norm();
-      });
-    } else {
-      space(s, t, source_pose, target_pose, 1, &feet, &gaps, &along);
-    }
-    on_source.joint_space = triangles_to_facets(source.articular, map.layers[s], along);
-
-    // Target side, where its own normals meet the source.
-    const int divide = std::clamp(
-        static_cast<int>(std::ceil(mean_facet_size(target.articular) / mean_facet_size(source.articular) - 0.5)), 1, 8);
-    space(t, s, target_pose, source_pose, divide, &feet, &gaps, &along);
-    on_target.joint_space = triangles_to_facets(target.articular, map.layers[t], along);
-    const std::size_t parts = feet.size() / std::max<std::size_t>(1, target.articular.triangles.size());
-    std::vector<double> pressure(target.articular.triangles.size(), 0.0), overlap = pressure, strain = pressure,
-                                                                          shortening = pressure;
-    const std::vector<std::array<double, 3>> samples = part_centroids(divide);
-    if (by_parts) {  // each foot's share of every triangle of the target that lies under it (L8)
-      const RelativePose relative = relative_pose(source_pose, bed.source_center, target_pose, bed.target_center);
-      for (int i = 0; i < states->size(); ++i) {
-        const auto k = at(i);
-        if (!(states->pressure[k] > 0) && !(states->overlap[k] > 0)) continue;
-        const std::vector<SurfacePart> under = parts_under_spring(bed, relative, target.articular, *states, i,
-                                                                  states->triangle[k], target.articular.size());
-        double covered = 0.0;
-        for (const SurfacePart& part : under) covered += part.area;
-        for (const SurfacePart& part : under) {
-          const auto triangle = at(part.triangle);
-          const double share =
-              covered > 0 ? part.area / covered * states->area[k] / target.articular.areas[triangle] : 0.0;
-          pressure[triangle] += share * states->pressure[k];
-          overlap[triangle] += share * states->overlap[k];
-          strain[triangle] += share * states->strain_target[k];
-          shortening[triangle] += share * states->strain_target[k] * states->t_target[k];
-        }
-      }
-    }
-    for (std::size_t i = 0; i < feet.size(); ++i) {
-      if (feet[i].triangle < 0 || by_parts) continue;
-      const std::size_t triangle = i / parts;
-      const double share = 1.0 / static_cast<double>(parts);
-      if (by_interpolation) {
-        pressure[triangle] += share * interpolate(source.articular, v_pressure, feet[i]);
-        overlap[triangle] += share * interpolate(source.articular, v_overlap, feet[i]);
-        strain[triangle] += share * interpolate(source.articular, v_target_strain, feet[i]);
-        shortening[triangle] += share * interpolate(source.articular, v_target_shortening, feet[i]);
-      } else if (contact_active && gaps[i] < 0) {
-        // the law at the target's own overlap: nothing of the source's facets is smeared over the target's
-        const double t_s = interpolate(source.articular, source.thickness, feet[i]);
-        const double t_t =
-            interpolate(target.articular, target.thickness, {static_cast<int>(triangle), samples[i % parts]});
-        if (gaps[i] <= -(t_s + t_t)) continue;
-        const SpringResponse r = spring_response(bed.law, source.elasticity, target.elasticity, t_s, t_t, -gaps[i],
-                                                 pair.interface_compliance);
-        pressure[triangle] += share * r.pressure;
-        overlap[triangle] -= share * gaps[i];
-        strain[triangle] += share * r.strain_target;
-        shortening[triangle] += share * r.strain_target * t_t;
-      }
-    }
-    on_target.pressure = triangles_to_facets(target.articular, map.layers[t], pressure);
-    on_target.overlap = triangles_to_facets(target.articular, map.layers[t], overlap);
-    on_target.strain = triangles_to_facets(target.articular, map.layers[t], strain);
-    on_target.vertex_shortening = triangles_to_vertices(target.articular, shortening);
-    on_target.vertex_pressure = vertex_average(map.layers[t], on_target.pressure);
-
-    finish_side(on_source, source.articular, map.layers[s], source_pose);
-    finish_side(on_target, target.articular, map.layers[t], target_pose);
-    all.push_back(std::move(fields));
+    const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
+    const bool active = e.springs[c].size() > 0;
+    const SpringStates inactive = active ? SpringStates{} : inactive_springs(bed, source, target);
+    all.push_back(fields_of_contact({bed, maps.contacts[c], active ? e.springs[c] : inactive, source, target},
+                                    e.contact_on_target[c].head<3>(), active));
   }
   return all;
 }
@@ -387,85 +450,6 @@ const std::vector<FacetField>& facet_fields() {
                                                  {"overlap", "overlap", "L", &SideFields::overlap},
                                                  {"spring strain", "strain", "", &SideFields::strain}};
   return fields;
-}
-
-double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return values[a] < values[b] || (values[a] == values[b] && a < b); });
-  double total = 0.0;
-  for (double w : weights) total += w;
-  if (order.empty() || !(total > 0)) return kNaN;
-  const double wanted = fraction * total;
-  double below = 0.0, previous_middle = 0.0, previous_value = values[order.front()];
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const double middle = below + 0.5 * weights[order[i]];
-    if (middle >= wanted) {
-      if (i == 0 || middle <= previous_middle) return values[order[i]];
-      return previous_value +
-             (values[order[i]] - previous_value) * (wanted - previous_middle) / (middle - previous_middle);
-    }
-    below += weights[order[i]];
-    previous_middle = middle;
-    previous_value = values[order[i]];
-  }
-  return values[order.back()];
-}
-
-std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
-                                                  const std::vector<ContactFields>& fields) {
-  std::vector<ContactStatistics> all;
-  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    const ContactPair& pair = joint.contacts[c];
-    const SpringStates& s = e.springs[c];
-    const SideFields& source = fields[c].sides[pair.source];
-    ContactStatistics stats;
-    stats.springs = beds.beds[c].springs.size();
-    std::vector<double> pressure, area;
-    Vector3d moment = Vector3d::Zero();
-    double force = 0.0;
-    for (int i = 0; i < s.size(); ++i) {
-      const auto k = at(i);
-      if (s.area[k] <= 0) continue;
-      ++stats.springs_hit;
-      if (s.pressure[k] <= 0) continue;
-      ++stats.springs_active;
-      pressure.push_back(s.pressure[k]);
-      area.push_back(s.area[k]);
-      const double f = s.pressure[k] * s.area[k];
-      moment += f * s.foot[k];
-      force += f;
-      stats.contact_area += s.area[k];
-      stats.largest_strain = std::max(stats.largest_strain, s.strain[k]);
-    }
-    if (s.rates.rows() > 0) stats.complementarity = s.complementarity;
-    const bool any = !pressure.empty();
-    stats.peak = any ? *std::max_element(pressure.begin(), pressure.end()) : kNaN;
-    stats.mean = any ? force / stats.contact_area : kNaN;
-    stats.p99 = weighted_percentile(pressure, area, 0.99);
-    stats.p95 = weighted_percentile(pressure, area, 0.95);
-    stats.p75 = weighted_percentile(pressure, area, 0.75);
-    stats.median = weighted_percentile(pressure, area, 0.5);
-    stats.p25 = weighted_percentile(pressure, area, 0.25);
-    stats.p5 = weighted_percentile(pressure, area, 0.05);
-    stats.center_of_pressure = any ? Vector3d(moment / force) : Vector3d::Constant(kNaN);
-    std::vector<double> nodal;
-    for (double p : source.vertex_pressure)
-      if (p > 0) nodal.push_back(p);
-    stats.nodal_peak = nodal.empty() ? kNaN : *std::max_element(nodal.begin(), nodal.end());
-    stats.nodal_mean =
-        nodal.empty() ? kNaN : std::accumulate(nodal.begin(), nodal.end(), 0.0) / static_cast<double>(nodal.size());
-    stats.nodal_median = weighted_percentile(nodal, std::vector<double>(nodal.size(), 1.0), 0.5);
-    double facet_peak = 0.0;
-    for (double p : source.pressure) facet_peak = std::max(facet_peak, p);
-    stats.facet_peak = facet_peak > 0 ? facet_peak : kNaN;
-    stats.facet_contact_area = source.contact_area;
-    stats.force = e.contact_on_target[c].head<3>();
-    stats.moment = e.contact_on_target[c].tail<3>();
-    all.push_back(stats);
-  }
-  return all;
 }
 
 std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps,

@@ -4,10 +4,13 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/conditions.h>
 #include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/joint.h>
 #include <febiodea/results/fields.h>
+#include <febiodea/results/statistics.h>
+#include <febiodea/run/prepared.h>
 #include <febiodea/run/recognise.h>
 
 namespace dea {
@@ -22,7 +25,9 @@ struct StateResult {
 
 struct Analysis {
   Joint joint;
-  std::vector<StateResult> states;  ///< the wanted ones, in order of time
+  SpringBeds beds;  ///< that were used, for whoever looks at more poses
+  FieldMaps maps;
+  std::vector<StateResult> states;  ///< those that were kept, in order of time
   double seconds_joint = 0.0;       ///< recognition and springs
   double seconds_solve = 0.0;       ///< equilibria and fields
 };
@@ -41,7 +46,7 @@ struct Activity {
 
 struct AnalysisOptions {
   std::vector<TimePoint> times;  ///< states to solve in order; empty: model_times(model)
-  std::vector<char> wanted;      ///< per time: keep fields and result; empty: all
+  std::vector<char> keep_state;  ///< per time: its result with its fields; empty: all
   std::function<void(const StateResult&, std::size_t index, std::size_t count)>
       progress;                                   ///< after every state; may be empty
   std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
@@ -53,29 +58,9 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
 
 /// Joint, springs, equilibrium of every load case in order of time (each started from the one before), fields.
 /// The first state (time 0) is the reference configuration, not solved, as in FEBio's plot files.
-/// InputError: the recognition has faults, or one is met while solving.
+/// InputError: the recognition has faults, or one is met while solving. Stopped: options.equilibrium.stop was set.
 Analysis analyse(const Recognition& recognition, const AnalysisOptions& options = {});
 /// The same from the start.
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options = {});
-
-/// The seed's convergence study: the last state again with each spring triangle divided into refine^2, refine = 1, 2,
-/// 4, 8, ...: four times the springs each time
-struct ConvergenceRow {
-  int refine = 1;
-  int springs = 0, springs_hit = 0, springs_active = 0;
-  double peak = 0.0, mean = 0.0, area = 0.0;
-  double change_peak = 0.0, change_mean = 0.0, change_area = 0.0;  ///< relative to the row before; NaN in the first
-  Outcome outcome = Outcome::NotConverged;
-};
-struct Convergence {
-  std::string contact;
-  std::vector<ConvergenceRow> rows;
-  int springs_5_percent = -1;  ///< springs of the first row from which on every change is below 5%; -1: not reached
-  int springs_1_percent = -1;
-};
-/// One entry per contact. Stops when every change is below `target` (relative) or at max_springs springs.
-std::vector<Convergence> converge(const JointModel& model, Settings settings, double target, int max_springs,
-                                  const std::function<void(const ConvergenceRow&)>& progress = {},
-                                  const std::function<void(const Activity&)>& activity = {});
 
 }  // namespace dea

@@ -10,16 +10,15 @@ namespace dea {
 namespace {
 
 /// Springs of every contact at the reference poses, also of those that a step switches on later.
-void check_contacts(const JointModel& model, JointCheck& check) {
+void check_contacts(const SpringBeds& beds, const FieldMaps& maps, JointCheck& check) {
   const Joint& joint = check.joint;
-  check.beds = make_spring_beds(joint);
-  check.maps = make_field_maps(model, joint);
+  check.maps = maps;
   LoadCase at_rest;
   at_rest.bodies.resize(joint.bodies.size());
   at_rest.contact_active.assign(joint.contacts.size(), 1);
   at_rest.ligament_active.assign(joint.ligaments.size(), 0);
-  check.reference = state_at(joint, check.beds, at_rest, reference_poses(joint));
-  check.fields = contact_fields(joint, check.beds, check.maps, check.reference);
+  check.reference = state_at(joint, beds, at_rest, reference_poses(joint));
+  check.fields = contact_fields(joint, beds, maps, check.reference);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     ContactCheck found;
     for (int side = 0; side < 2; ++side) {
@@ -62,21 +61,21 @@ void check_steps(const JointModel& model, const Settings& settings, JointCheck& 
     step.step_size = model.steps[at(s)].step_size;
     for (const TimePoint& t : check.times)
       if (t.step == s && t.time > 0) ++step.states;
-    step.conditions = make_load_case(model, check.joint, settings, s, step.end);
+    step.load_case = make_load_case(model, check.joint, settings, s, step.end);
     check.steps.push_back(std::move(step));
   }
 }
 
-}  // namespace
-
-JointCheck check_joint(const Recognition& recognition) {
+/// `contacts`: how these are looked at.
+template <class Contacts>
+JointCheck check_joint_with(const Recognition& recognition, const Contacts& contacts) {
   const JointModel& model = recognition.model;
   JointCheck check;
   for (const Fault& fault : recognition.faults) check.errors.push_back(line(fault));
   if (!recognition.recognised) return check;
   try {
     check.joint = recognition.joint;
-    check_contacts(model, check);
+    contacts(check);
     check.recognised = true;
     check.times = model_times(model, true);
     if (very_many_time_steps(model)) check.joint.findings.push_back(thinned_note(model, check.times.size()));
@@ -87,6 +86,18 @@ JointCheck check_joint(const Recognition& recognition) {
     if (check.errors.empty()) check.errors.push_back(found.what());
   }
   return check;
+}
+
+}  // namespace
+
+JointCheck check_joint(const Recognition& recognition) {
+  return check_joint_with(recognition, [&](JointCheck& check) {
+    check_contacts(make_spring_beds(check.joint), make_field_maps(recognition.model, check.joint), check);
+  });
+}
+
+JointCheck check_joint(const Recognition& recognition, const SpringBeds& beds, const FieldMaps& maps) {
+  return check_joint_with(recognition, [&](JointCheck& check) { check_contacts(beds, maps, check); });
 }
 
 }  // namespace dea

@@ -3,8 +3,9 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/equilibrium/conditions.h>
 #include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/times.h>
 #include <febiodea/results/fields.h>
 #include <febiodea/run/recognise.h>
 
@@ -32,14 +33,13 @@ struct StepCheck {
   std::string name;
   double start = 0.0, end = 0.0, step_size = 0.0;
   int states = 0;
-  LoadCase conditions;
+  LoadCase load_case;
 };
 
 /// Everything up to the point where something failed.
 struct JointCheck {
-  bool recognised = false;  ///< joint, beds, contacts, fields are filled
+  bool recognised = false;  ///< joint, maps, contacts, fields are filled
   Joint joint;
-  SpringBeds beds;
   FieldMaps maps;
   Equilibrium reference;              ///< all contacts at the reference poses
   std::vector<ContactFields> fields;  ///< at the reference poses
@@ -51,5 +51,7 @@ struct JointCheck {
 
 /// Never throws InputError: what was found is in `errors`.
 JointCheck check_joint(const Recognition& recognition);
+/// The same with the beds and maps that an analysis of this recognition has made.
+JointCheck check_joint(const Recognition& recognition, const SpringBeds& beds, const FieldMaps& maps);
 
 }  // namespace dea

@@ -8,7 +8,8 @@
 
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/conditions.h>
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/bodies.h>
 
 namespace dea {

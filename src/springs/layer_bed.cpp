@@ -108,10 +108,11 @@ void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& s,
     contact.target.layer = &*layers.target;
     contact.target.feet = &target_feet;
   }
-  LayerContactOptions how;
-  how.tolerance = options.tolerance;
+  LayerContactOptions search;
+  search.tolerance = options.tolerance;
+  search.stop = options.stop;
   const LayerPressure result = solve_contact(
-      contact, overlap, memory ? pressures_to_start_from(*memory, source, target) : Eigen::VectorXd(), how);
+      contact, overlap, memory ? pressures_to_start_from(*memory, source, target) : Eigen::VectorXd(), search);
   s.complementarity = result.residual;
   s.complementary = result.converged;
   const Elasticity &E_s = pair.source_layer().elasticity, &E_t = pair.target_layer().elasticity;
@@ -152,11 +153,12 @@ void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& s,
   std::vector<int> columns;
   for (int m = 0; m < 6; ++m)
     if (options.motions[at(m)]) columns.push_back(m);
-  const Eigen::MatrixXd wanted = overlap_rates(Eigen::all, columns);
+  const Eigen::MatrixXd asked = overlap_rates(Eigen::all, columns);
   const Eigen::MatrixXd start =
       memory && memory->rates.size() > 0 ? Eigen::MatrixXd(memory->rates(Eigen::all, columns)) : Eigen::MatrixXd();
   if (!columns.empty())
-    s.rates(Eigen::all, columns) = solve_active(contact, result.active, wanted, options.rate_tolerance, start).pressure;
+    s.rates(Eigen::all, columns) =
+        solve_active(contact, result.active, asked, options.rate_tolerance, start, options.stop).pressure;
   if (memory) *memory = {result.pressure, s.rates, source, target};
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include <febiodea/base/numbers.h>
 
@@ -113,7 +112,7 @@ double complementarity(const ScaledContact& B, const VectorXd& p, const VectorXd
 
 /// Bounded quadratic problem, by MPRGP: p >= 0 with the gradient z >= 0 and p z = 0, where z changes by B with p. `z`:
 /// at the p to start from. `goal`: of the complementarity, relative.
-void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, int max_applications) {
+void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, const LayerContactOptions& options) {
   const Index n = p.size();
   // Dostal and Schoeberl's step of expansion converges for lengths below 2 / |B|
   const double expansion = 1.9 / B.largest();
@@ -121,14 +120,15 @@ void solve_bounded(ScaledContact& B, VectorXd& p, VectorXd z, double goal, int m
   g.split(B, p, z, expansion);
   VectorXd d = g.free;  // direction
   for (;;) {
-    if (complementarity(B, p, z) <= goal || B.applications >= max_applications) return;
+    if (complementarity(B, p, z) <= goal || B.applications >= options.max_applications) return;
+    end_if_stopped(options.stop);
     const bool proportional = B.dot(g.chopped, g.chopped) <= B.dot(g.reduced, g.free);
     if (!proportional) d = g.chopped;  // let more feet touch
     const VectorXd Bd = B.apply(d).col(0);
     const double curvature = B.dot(d, Bd);
     if (!(curvature > 0)) return;  // d is nothing but rounding
     const double full = B.dot(z, d) / curvature;
-    double feasible = std::numeric_limits<double>::infinity();
+    double feasible = kInfinity;
     for (Index i = 0; i < n; ++i)
       if (d[i] > 0) feasible = std::min(feasible, p[i] / d[i]);
     if (full <= feasible) {
@@ -172,6 +172,7 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
       w = sinking(*side.layer, *side.feet, p).col(0);
   };
   for (int step = 0;; ++step) {
+    end_if_stopped(options.stop);
     ++B.applications;
     tbb::parallel_invoke([&] { sink(contact.source, result.sunk_source); },
                          [&] { sink(contact.target, result.sunk_target); });
@@ -188,7 +189,7 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
     // Newton's step squares the error: no need to solve it closer than that
     const double goal = linear ? options.tolerance
                                : std::max(0.3 * options.tolerance, std::min(0.1, result.residual) * result.residual);
-    solve_bounded(B, p, z, goal, options.max_applications);
+    solve_bounded(B, p, z, goal, options);
   }
   result.active.resize(at(n));
   for (Index i = 0; i < n; ++i) result.active[at(i)] = p[i] > 0;
@@ -198,7 +199,7 @@ LayerPressure solve_contact(LayerContact& contact, const VectorXd& overlap, cons
 }
 
 ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& active, const MatrixXd& overlap_rates,
-                         double tolerance, const MatrixXd& start) {
+                         double tolerance, const MatrixXd& start, const StopFlag* stop) {
   constexpr int kMaxSteps = 1000;
   ScaledContact B(contact);
   const Index columns = overlap_rates.cols();
@@ -227,6 +228,7 @@ ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& a
   }
   MatrixXd d = r;
   while ((size.array() > goal.array()).any() && B.applications < kMaxSteps) {
+    end_if_stopped(stop);
     MatrixXd Bd = B.apply(d);
     mask(Bd);
     for (Index c = 0; c < columns; ++c) {

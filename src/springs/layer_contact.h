@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include <febiodea/base/stop.h>
 #include <febiodea/springs/layer_operator.h>
 
 namespace dea {
@@ -35,6 +36,7 @@ struct LayerContactOptions {
   double tolerance = 1e-9;      ///< of `residual`: far below any mesh's error, so that a solver above sees a function
   int max_applications = 2000;  ///< of the compliance; a stop
   bool large_strain = true;     ///< (L9); else w = C p
+  const StopFlag* stop = nullptr;  ///< not owned; looked at before each application: Stopped
 };
 
 struct LayerPressure {
@@ -57,7 +59,7 @@ LayerPressure solve_contact(LayerContact& contact, const Eigen::VectorXd& overla
 
 /// Derivative of (L4) with the active set held: rates of p for rates of the overlap, both feet x columns (one per
 /// motion), about the contact's softenings. Rows of feet that are not active are ignored and come back zero.
-/// `tolerance`: per column, relative. `start`: rates to start from, or empty.
+/// `tolerance`: per column, relative. `start`: rates to start from, or empty. `stop`: as in LayerContactOptions.
 struct ActiveRates {
   Eigen::MatrixXd pressure;
   bool converged = false;
@@ -65,6 +67,6 @@ struct ActiveRates {
 };
 ActiveRates solve_active(const LayerContact& contact, const std::vector<char>& active,
                          const Eigen::MatrixXd& overlap_rates, double tolerance = 1e-9,
-                         const Eigen::MatrixXd& start = {});
+                         const Eigen::MatrixXd& start = {}, const StopFlag* stop = nullptr);
 
 }  // namespace dea

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <queue>
 #include <utility>
 
@@ -115,10 +114,9 @@ std::vector<double> edge_curvatures(const LayerMesh& layer) {
                      b = mesh.corner(t, (c + 2) % 3) - mesh.corner(t, c);
       angles[at(v)] += std::atan2(a.cross(b).norm(), a.dot(b));
     }
-  const double pi = std::acos(-1.0);
   const auto turning = [&](int v) {
-    if (out[at(v)] >= 0 && in[at(v)] >= 0) return pi - angles[at(v)];
-    return walled[at(v)] ? pi - 2 * angles[at(v)] : 0.0;
+    if (out[at(v)] >= 0 && in[at(v)] >= 0) return kPi - angles[at(v)];
+    return walled[at(v)] ? kPi - 2 * angles[at(v)] : 0.0;
   };
   for (std::size_t v = 0; v < curvature.size(); ++v) {
     const double reach = 2 * layer.thickness[v];
@@ -156,7 +154,7 @@ SymmetricPattern pattern_of(const SurfaceMesh& mesh) {
 
 /// The vertices that lie no further than `reach` from some of `from`, along the mesh's edges.
 std::vector<int> within_way(const LayerMesh& layer, const std::vector<int>& from, double reach) {
-  std::vector<double> way(at(layer.nodes()), std::numeric_limits<double>::infinity());
+  std::vector<double> way(at(layer.nodes()), kInfinity);
   std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> front;
   for (const int v : from) {
     way[at(v)] = 0;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include <febiodea/base/stop.h>
 #include <febiodea/geometry/pose.h>
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/joint/joint.h>
@@ -101,6 +102,7 @@ struct PressOptions {
   Motions motions = kAllMotions;          ///< whose `rates`: they cost more than the pressures; the others' stay zero
   double tolerance = kPressureTolerance;  ///< of `complementarity`
   double rate_tolerance = 1e-7;           ///< of `rates`, relative
+  const StopFlag* stop = nullptr;         ///< not owned; once it is set the search for pressures throws Stopped
 };
 
 /// What a search may start from: pressures at one pose, their rates (springs x 6, as SpringStates::rates), that pose.

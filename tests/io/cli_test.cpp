@@ -6,16 +6,19 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include <febiodea/io/xplt/xplt.h>
 
@@ -50,34 +53,57 @@ class Cli : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder); }
 
+  static pid_t start(const fs::path& in, std::vector<std::string> words, const fs::path& out, const fs::path& err) {
+    const pid_t child = ::fork();
+    if (child != 0) return child;
+    std::vector<char*> argv;
+    std::string program = DEA_PROGRAM;
+    argv.push_back(program.data());
+    for (std::string& w : words) argv.push_back(w.data());
+    argv.push_back(nullptr);
+    const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600),
+              e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (::chdir(in.c_str()) != 0 || o < 0 || e < 0) ::_exit(99);
+    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);  // whatever starts the tests ignores
+    ::dup2(o, 1);
+    ::dup2(e, 2);
+    ::execv(program.c_str(), argv.data());
+    ::_exit(99);
+  }
+
   Finished dea(const std::vector<std::string>& arguments, const std::string& out_path = "") {
     const fs::path out = out_path.empty() ? folder.string() + ".out" : out_path, err = folder.string() + ".err";
-    const pid_t child = ::fork();
-    if (child == 0) {
-      std::vector<char*> argv;
-      std::string program = DEA_PROGRAM;
-      std::vector<std::string> words = arguments;
-      argv.push_back(program.data());
-      for (std::string& w : words) argv.push_back(w.data());
-      argv.push_back(nullptr);
-      const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600),
-                e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      if (::chdir(folder.c_str()) != 0 || o < 0 || e < 0) ::_exit(99);
-      ::dup2(o, 1);
-      ::dup2(e, 2);
-      ::execv(program.c_str(), argv.data());
-      ::_exit(99);
-    }
+    return end_of(start(folder, arguments, out, err), out_path.empty() ? out : "", err);
+  }
+
+  /// Waits for the end of a program and takes its streams away. `out`: "" leaves that one.
+  static Finished end_of(pid_t child, const fs::path& out, const fs::path& err) {
     int status = 0;
     ::waitpid(child, &status, 0);
     Finished f;
     f.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    if (out_path.empty()) {
+    if (!out.empty()) {
       f.out = file_text(out);
       fs::remove(out);
     }
     f.err = file_text(err);
     fs::remove(err);
+    return f;
+  }
+
+  /// Sends a signal to the program as soon as it says `word` on standard error. `seconds`: from then to its end.
+  Finished interrupted(const std::vector<std::string>& arguments, const std::string& word, int signal,
+                       double& seconds) {
+    const fs::path out = folder.string() + ".out", err = folder.string() + ".err";
+    const auto now = [] { return std::chrono::steady_clock::now(); };
+    const pid_t child = start(folder, arguments, out, err);
+    const auto started = now();
+    while (file_text(err).find(word) == std::string::npos && now() - started < std::chrono::minutes(5))
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ::kill(child, signal);
+    const auto asked = now();
+    const Finished f = end_of(child, out, err);
+    seconds = std::chrono::duration<double>(now() - asked).count();
     return f;
   }
 
@@ -691,6 +717,36 @@ TEST_F(Cli, HelpAndVersion) {
         "--json",    "--csv",      "--facets-csv", "--vtu",    "-q",         "-v"})
     EXPECT_NE(help.find(option), std::string::npos) << option;
   EXPECT_NE(dea({"--version"}).out.find("Eigen"), std::string::npos);
+}
+
+// A search that takes many seconds: the largest sample with sixteen times the springs. It ends within a second or so
+// (a busy machine is given more), with nothing written.
+TEST_F(Cli, CtrlCEndsASearch) {
+  const std::string hip = DEA_SAMPLES_DIR "/hip/hip_walking.feb";
+  for (const int signal : {SIGINT, SIGTERM}) {
+    double seconds = 0.0;
+    const Finished f = interrupted({"run", hip, "--law", "layer", "--refine", "4", "-v", "-o", "hip.xplt", "--json",
+                                    "hip.json", "--vtu", "paraview"},
+                                   "iteration 1", signal, seconds);
+    EXPECT_EQ(f.code, 128 + signal) << f.err;
+    EXPECT_LT(seconds, 5.0);
+    EXPECT_EQ(f.out, "");
+    const std::string last = "dea: stopped, nothing was written\n";
+    ASSERT_GE(f.err.size(), last.size());
+    EXPECT_EQ(f.err.substr(f.err.size() - last.size()), last) << f.err;
+    EXPECT_TRUE(fs::is_empty(folder)) << fs::directory_iterator(folder)->path();
+  }
+}
+
+TEST_F(Cli, CtrlCBeforeTheSearchEndsAtOnce) {
+  double seconds = 0.0;
+  const Finished f = interrupted(
+      {"run", DEA_SAMPLES_DIR "/hip/hip_walking.feb", "--law", "layer", "--refine", "4", "-v", "-o", "hip.xplt"},
+      "springs and layers", SIGINT, seconds);
+  EXPECT_EQ(f.code, 130) << f.err;
+  EXPECT_LT(seconds, 5.0);
+  EXPECT_NE(f.err.find("\ndea: stopped"), std::string::npos) << f.err;
+  EXPECT_TRUE(fs::is_empty(folder));
 }
 
 TEST_F(Cli, ResultsDoNotDependOnThreads) {

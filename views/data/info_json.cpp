@@ -49,6 +49,7 @@ Json layer_json(const JointModel& model, const JointCheck& check, const Layer& l
                     {"goes_on", json_number(side.rim.goes_on)},
                     {"symmetry", json_number(side.rim.symmetry)},
                     {"bonded", json_number(side.rim.bonded)},
+                    {"shared", json_number(side.rim.shared)},
                     {"area_beyond", json_number(side.rim.area_beyond)}};
   j["left_out"] = Json{{"side_wall", side.side_walls}, {"bonded", side.bonded}};
   Json sphere;
@@ -68,7 +69,7 @@ Json step_json(const JointCheck& check, const StepCheck& step) {
   j["states"] = step.states;
   j["bodies"] = Json::object();
   for (int b : reported_bodies(check.joint)) {
-    const BodyConditions& c = step.conditions.bodies[at(b)];
+    const BodyConditions& c = step.load_case.bodies[at(b)];
     Json body;
     body["dofs"] = Json::object();
     for (int k = 0; k < kDofs; ++k) body["dofs"][kDofNames[k]] = word(c.dofs[at(k)]);

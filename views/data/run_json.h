@@ -1,6 +1,7 @@
 // febiodea/views/data/run_json.h – settings, runs and convergence studies as JSON. Undefined numbers are null.
 #pragma once
 #include <febiodea/run/analysis.h>
+#include <febiodea/run/convergence.h>
 #include <febiodea/views/data/json.h>
 
 namespace dea {

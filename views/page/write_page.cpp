@@ -331,9 +331,9 @@ void write_run_page(const std::string& path, const Recognition& recognition, con
   std::vector<std::string> paths;
   for (const NamedPath& file : files) paths.push_back(file.path);
   const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(xplt)};
-  write_page(path,
-             run_page(recognition.model, analysis, result,
-                      info_text(recognition.model, recognition.settings, check_joint(recognition)), words, paths));
+  const JointCheck check = check_joint(recognition, analysis.beds, analysis.maps);
+  write_page(path, run_page(recognition.model, analysis, result,
+                            info_text(recognition.model, recognition.settings, check), words, paths));
 }
 
 void require_page_name(const std::string& option, const std::string& path) {

@@ -54,6 +54,7 @@ std::string rim_text(const SideCheck& side) {
   add("the layer goes on", rim.goes_on);
   add("plane of symmetry", rim.symmetry);
   add("bonded to bone", rim.bonded);
+  add("pressed by another contact beyond", rim.shared);
   if (text.empty()) text = " none, the surface is closed";
   const std::string beyond =
       rim.area_beyond > 0 ? fmt::format("; beyond it {} of the layer's face", number_text(rim.area_beyond)) : "";
@@ -181,7 +182,7 @@ std::string steps_text(const JointCheck& check) {
     for (int b : reported_bodies(check.joint)) {
       if (check.joint.bodies[at(b)].ground) continue;
       text +=
-          fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, conditions_text(step.conditions.bodies[at(b)]));
+          fmt::format("    {}: {}\n", check.joint.bodies[at(b)].name, conditions_text(step.load_case.bodies[at(b)]));
     }
   }
   return text;

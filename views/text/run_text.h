@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <febiodea/run/analysis.h>
+#include <febiodea/run/convergence.h>
 #include <febiodea/views/text/table.h>
 
 namespace dea {

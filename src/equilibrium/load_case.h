@@ -1,10 +1,9 @@
-// febiodea/equilibrium/conditions.h – what holds, moves and loads the bodies at one time.
+// febiodea/equilibrium/load_case.h – what holds, moves and loads the bodies at one time.
 #pragma once
 #include <array>
 #include <vector>
 
 #include <febiodea/joint/joint.h>
-#include <febiodea/springs/springs.h>
 
 namespace dea {
 
@@ -65,29 +64,6 @@ struct LoadPointFound {
   bool fitted = false;
   SphereFit fit;
 };
-LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wanted);
-
-/// Times of the states: 0, every step_size, ends of steps, must points; and the step each belongs to.
-struct TimePoint {
-  double time = 0.0;
-  int step = 0;
-};
-/// More than 10000 are refused (InputError), or, if `thin`, reduced evenly to about 1000 besides ends of steps and must
-/// points.
-std::vector<TimePoint> model_times(const JointModel& model, bool thin = false);
-
-/// How many time steps the model has, and whether that is more than 10000.
-double count_time_steps(const JointModel& model);
-bool very_many_time_steps(const JointModel& model);
-
-/// Start time of each step, and the end of the last.
-std::vector<double> step_starts(const JointModel& model);
-
-/// The given times (of an FEA result, say) with the step each belongs to; time 0 and ends of steps belong to the
-/// earlier step.
-std::vector<TimePoint> place_times(const JointModel& model, const std::vector<double>& times);
-
-/// That `solved` of very many time steps are solved, and how to have others.
-std::string thinned_note(const JointModel& model, std::size_t solved);
+LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& asked);
 
 }  // namespace dea

@@ -1,0 +1,64 @@
+#include <febiodea/app/interrupt.h>
+
+#include <unistd.h>
+
+#include <csignal>
+#include <cstring>
+
+#include <febiodea/io/files/output.h>
+
+namespace dea {
+
+namespace {
+
+// A handler may read and write nothing else.
+StopFlag stop = false;
+std::atomic<UnderWay> under_way = UnderWay::NothingToLose;
+std::atomic<int> received = SIGINT;
+std::atomic<bool> terminal = false;
+static_assert(StopFlag::is_always_lock_free && std::atomic<UnderWay>::is_always_lock_free);
+
+void write_all(const char* text) {
+  if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) return;  // nobody is left to be told
+}
+
+void on_signal(int signal) {
+  const bool again = stop.exchange(true);
+  received = signal;
+  if (!again && under_way != UnderWay::NothingToLose) return;
+  remove_unfinished();
+  if (terminal) write_all("\r\033[K");  // half a line of progress may be there
+  write_all("dea: stopped\n");
+  ::_exit(128 + signal);
+}
+
+}  // namespace
+
+void watch_interrupts() {
+  terminal = stderr_is_terminal();
+  for (const int signal : {SIGINT, SIGTERM}) {
+    struct sigaction action = {};
+    if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
+    action = {};
+    action.sa_handler = on_signal;
+    action.sa_flags = SA_RESTART;
+    ::sigaction(signal, &action, nullptr);
+  }
+}
+
+void now_under_way(UnderWay what) {
+  end_if_stopped(&stop);
+  under_way = what;
+  end_if_stopped(&stop);  // asked for in between
+}
+
+const StopFlag* stop_flag() { return &stop; }
+
+const char* stopped_line() {
+  return under_way == UnderWay::Writing ? "dea: stopped before all files were written"
+                                        : "dea: stopped, nothing was written";
+}
+
+int stopped_code() { return 128 + received; }
+
+}  // namespace dea

@@ -1,0 +1,151 @@
+#include <febiodea/equilibrium/approach.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/equilibrium/unknowns.h>
+
+namespace dea {
+
+using Eigen::VectorXd;
+
+namespace {
+
+/// By a motion of all dofs, to first order (E2): how the gap of each spring of a contact changes. Zero for those that
+/// face nothing.
+std::vector<double> gap_motions(const Problem& problem, const Evaluation& e, std::size_t contact, const VectorXd& all) {
+  const SpringStates& s = e.springs[contact];
+  const SpringBed& bed = problem.beds.beds[contact];
+  const Pose &source = e.poses[at(bed.source_body)], &target = e.poses[at(bed.target_body)];
+  const Vector3d v_t = all.segment<3>(6 * bed.target_body), w_t = all.segment<3>(6 * bed.target_body + 3);
+  const Vector3d v_s = all.segment<3>(6 * bed.source_body), w_s = all.segment<3>(6 * bed.source_body + 3);
+  std::vector<double> opened(at(s.size()), 0.0);
+  for (std::size_t k = 0; k < opened.size(); ++k) {
+    if (s.triangle[k] < 0) continue;
+    const Vector3d relative = v_t + w_t.cross(s.end[k] - target.center) - v_s - w_s.cross(s.end[k] - source.center);
+    opened[k] = s.normal[k].dot(relative) / s.normal[k].dot(s.direction[k]);
+  }
+  return opened;
+}
+
+/// How far along `direction` (a motion of the unknowns) the first spring closes, to first order: infinity if none does.
+double first_touch(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
+  const VectorXd all = on_all_dofs(problem, e, direction);
+  double first = kInfinity;
+  for (std::size_t c = 0; c < e.springs.size(); ++c) {
+    const SpringStates& s = e.springs[c];
+    const std::vector<double> opened = gap_motions(problem, e, c, all);
+    for (std::size_t k = 0; k < opened.size(); ++k)
+      if (s.coverage[k] > 0 && opened[k] < 0) first = std::min(first, std::max(0.0, s.gap[k]) / -opened[k]);
+  }
+  return first;
+}
+
+}  // namespace
+
+double lost_force(const Evaluation& before, const Evaluation& after) {
+  double lost = 0.0;
+  for (std::size_t c = 0; c < before.springs.size(); ++c) {
+    const SpringStates &a = before.springs[c], &b = after.springs[c];
+    for (int i = 0; i < a.size(); ++i) {
+      const auto k = at(i);
+      if (a.pressure[k] > 0 && (b.triangle[k] < 0 || b.too_deep[k])) lost += a.pressure[k] * a.area[k];
+    }
+  }
+  return lost;
+}
+
+bool touching(const Evaluation& e) { return e.normal_force > 0.0; }
+
+double too_deep_area(const Problem& problem, const Evaluation& e) {
+  double area = 0.0;
+  for (std::size_t c = 0; c < e.springs.size(); ++c)
+    for (int i = 0; i < e.springs[c].size(); ++i)
+      if (e.springs[c].too_deep[at(i)]) area += problem.beds.beds[c].springs.area[at(i)];
+  return area;
+}
+
+double closing_motion(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  const VectorXd all = on_all_dofs(problem, e, motion);
+  double largest = 0.0;
+  for (std::size_t c = 0; c < e.springs.size(); ++c) {
+    const SpringStates& s = e.springs[c];
+    const std::vector<double> opened = gap_motions(problem, e, c, all);
+    for (std::size_t k = 0; k < opened.size(); ++k)
+      if (s.pressure[k] > 0) largest = std::max(largest, std::abs(opened[k]));
+  }
+  return largest;
+}
+
+Approach advance(Problem& problem, Evaluation e, VectorXd direction) {
+  const double unit = surface_motion(problem, e, direction);
+  if (unit <= 0) return {false, std::move(e)};
+  direction /= unit;
+  const double cap = 0.5 * problem.beds.least_thickness;
+  for (int i = 0; i < 20 && !touching(e); ++i) {
+    const double gap = first_touch(problem, e, direction);
+    if (!std::isfinite(gap)) return {false, std::move(e)};
+    auto poses = poses_after(problem, e, (gap + 1e-3 * cap) * direction);
+    if (!poses) break;
+    const VectorXd all = on_all_dofs(problem, e, direction);
+    e = evaluate(problem, std::move(*poses));
+    direction = motion_at_new_pose(problem, e, all);
+    if (too_deep_area(problem, e) > 0) break;
+  }
+  if (!touching(e)) return {false, std::move(e)};
+  // The contact's force grows about like the square of the depth: a few steps bring it near the load.
+  const double driving = direction.dot(scaled_residual(problem, e));
+  double depth = 1e-3 * cap;
+  for (int i = 0; i < 12; ++i) {
+    const VectorXd contact = on_unknowns(problem, e, e.contact);
+    const double resisting = -direction.dot(contact);
+    const double left = direction.dot(scaled_residual(problem, e));
+    if (left <= 0.3 * (left + resisting) || driving <= 0) break;
+    const double ratio = resisting > 0 ? (left + resisting) / resisting : 1e4;
+    const double step = std::min(cap, depth * (std::sqrt(ratio) - 1.0));
+    auto poses = poses_after(problem, e, step * direction);
+    if (!poses) break;
+    const VectorXd all = on_all_dofs(problem, e, direction);
+    Evaluation next = evaluate(problem, std::move(*poses));
+    if (lost_force(e, next) > 0.5 * e.normal_force || too_deep_area(problem, next) > 0) break;
+    e = std::move(next);
+    direction = motion_at_new_pose(problem, e, all);
+    depth += step;
+  }
+  return {true, std::move(e)};
+}
+
+Approach back_out(Problem& problem, Evaluation e) {
+  for (int i = 0; i < 40 && too_deep_area(problem, e) > 0; ++i) {
+    VectorXd push = VectorXd::Zero(6 * static_cast<Eigen::Index>(e.poses.size()));
+    double depth = 0.0;
+    for (std::size_t c = 0; c < e.springs.size(); ++c) {
+      const SpringStates& s = e.springs[c];
+      const SpringBed& bed = problem.beds.beds[c];
+      for (int k = 0; k < s.size(); ++k) {
+        if (!s.too_deep[at(k)]) continue;
+        const Vector3d f = bed.springs.area[at(k)] * s.direction[at(k)];
+        const Vector3d arm_t = s.foot[at(k)] - e.poses[at(bed.target_body)].center,
+                       arm_s = s.foot[at(k)] - e.poses[at(bed.source_body)].center;
+        push.segment<3>(6 * bed.target_body) += f;
+        push.segment<3>(6 * bed.target_body + 3) += arm_t.cross(f);
+        push.segment<3>(6 * bed.source_body) -= f;
+        push.segment<3>(6 * bed.source_body + 3) -= arm_s.cross(f);
+        depth = std::max(depth, -s.gap[at(k)]);
+      }
+    }
+    const VectorXd direction = on_unknowns(problem, e, push);
+    const double unit = surface_motion(problem, e, direction);
+    if (unit <= 0) break;
+    auto poses = poses_after(problem, e, (0.5 * depth / unit) * direction);
+    if (!poses) break;
+    e = evaluate(problem, std::move(*poses));
+  }
+  const bool found = too_deep_area(problem, e) == 0;
+  return {found, std::move(e)};
+}
+
+}  // namespace dea

@@ -1,0 +1,184 @@
+#include <febiodea/equilibrium/flat_directions.h>
+
+#include <Eigen/Dense>
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <febiodea/equilibrium/facet_noise.h>
+#include <febiodea/equilibrium/singular_parts.h>
+#include <febiodea/equilibrium/unknowns.h>
+
+namespace dea {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+namespace {
+
+/// The flat direction's share of the residual that is left unbalanced: of a rotation about a point off the centre of
+/// mass, which has a translation in it, the moment alone, so that forces balance to the last digit.
+VectorXd moment_of(const Problem& problem, const Evaluation& e, const VectorXd& u) {
+  VectorXd moment = as_free(problem, e, u);
+  for (Eigen::Index i = 0; i < moment.size(); ++i)
+    if (problem.free[static_cast<std::size_t>(i)] % 6 < 3) moment[i] = 0.0;
+  if (problem.joined()) moment = e.tangent.basis.transpose() * moment;
+  return moment.norm() > 0.3 ? VectorXd(moment.normalized()) : u;
+}
+
+/// Newton's step where the columns of `held` are kept still and those of `left_unbalanced` need not balance:
+/// K x + left_unbalanced y = r, held^T x = 0.
+VectorXd bordered_step(const Sparse& K, const MatrixXd& left_unbalanced, const MatrixXd& held, const VectorXd& r) {
+  const Eigen::Index n = K.rows(), lost = held.cols();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < K.outerSize(); ++k)
+    for (Sparse::InnerIterator it(K, k); it; ++it) entries.emplace_back(it.row(), it.col(), it.value());
+  const double unit = K.norm() / std::sqrt(static_cast<double>(n)) + 1e-300;  // so that pivots compare
+  for (Eigen::Index j = 0; j < lost; ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (left_unbalanced(i, j) != 0.0) entries.emplace_back(i, n + j, unit * left_unbalanced(i, j));
+      if (held(i, j) != 0.0) entries.emplace_back(n + j, i, unit * held(i, j));
+    }
+  }
+  Sparse bordered(n + lost, n + lost);
+  bordered.setFromTriplets(entries.begin(), entries.end());
+  bordered.makeCompressed();
+  Eigen::SparseLU<Sparse> lu(bordered);
+  VectorXd rhs = VectorXd::Zero(n + lost);
+  rhs.head(n) = r;
+  if (lu.info() != Eigen::Success) return VectorXd::Zero(n);  // no step: the caller regularises
+  const VectorXd x = lu.solve(rhs);
+  return x.head(n);
+}
+
+/// Whether nothing but the facets' roughness resists a direction (E6), and how rough they are along it.
+struct FlatTest {
+  const Problem& problem;
+  const Evaluation& e;
+  const double patience;
+  const Eigen::Index unknowns;
+  std::optional<NoiseBound> bound = {};  // where there are many directions to be asked
+
+  /// Nothing: the direction is stiff. `largest`: of the singular values, or a bound of it from above.
+  std::optional<FacetNoise> operator()(double sigma, double largest, const VectorXd& v) {
+    const bool nothing = sigma <= 1e-10 * largest || largest == 0.0;
+    if (sigma >= 0.1 * largest && !nothing) return std::nullopt;
+    if (!nothing && unknowns > 12) {
+      if (!bound) bound.emplace(problem, e);
+      if (sigma > 2.0 * patience * (*bound)(problem, e, v)) return std::nullopt;
+    }
+    const FacetNoise noise = facet_noise(problem, e, v);
+    if (!nothing && sigma > 2.0 * patience * noise.stiffness) return std::nullopt;
+    return noise;
+  }
+};
+
+/// Directions as columns. `lost`: per flat one, the component of the residual that is not asked to vanish; `stiff`: all
+/// others where there are few unknowns, else none.
+struct Split {
+  MatrixXd flat, lost, stiff;
+};
+
+/// Fills d.held and d.drift too.
+Split split_directions(const Problem& problem, const Evaluation& e, const SingularParts& parts, const VectorXd& r,
+                       FlatTest& test, Directions& d) {
+  const Eigen::Index n = r.size(), found = parts.sigma.size();
+  const bool dense = n <= kDenseUnknowns;
+  Split s{MatrixXd(n, found), MatrixXd(n, found), MatrixXd(n, dense ? n : 0)};
+  Eigen::Index lost = 0, kept = 0;
+  for (Eigen::Index k = 0; k < found; ++k) {
+    const VectorXd u = parts.U.col(k), v = parts.V.col(k);
+    const std::optional<FacetNoise> noise = test(parts.sigma[k], parts.largest, v);
+    if (!noise) {
+      if (dense) s.stiff.col(kept++) = v;
+      continue;
+    }
+    s.flat.col(lost) = v;
+    const double along = v.dot(r);
+    if (std::abs(along) <= std::max(1e-7 * e.load, test.patience * noise->force)) {
+      d.held.push_back(v);
+      s.lost.col(lost) = moment_of(problem, e, u);
+    } else {
+      d.drift += v * along;
+      s.lost.col(lost) = u;
+    }
+    ++lost;
+  }
+  s.lost.conservativeResize(n, lost);
+  s.flat.conservativeResize(n, lost);
+  s.stiff.conservativeResize(n, kept);
+  return s;
+}
+
+/// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness.
+void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, Directions& d) {
+  if (stiff.cols() == 0) return;
+  d.newton = stiff * (test.transpose() * K * stiff).fullPivLu().solve(test.transpose() * r);
+  const MatrixXd projected = stiff.transpose() * K * stiff;
+  const MatrixXd symmetric = 0.5 * (projected + projected.transpose());
+  d.least_stiffness = Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
+}  // namespace
+
+Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, const VectorXd& r, double patience) {
+  const Sparse K = scaled_stiffness(problem, e);
+  const Eigen::Index n = K.rows();
+  Directions d;
+  d.newton = d.drift = VectorXd::Zero(n);
+  d.residual = r;
+  d.left_unbalanced.resize(n, 0);
+  if (n == 0) return d;
+  const bool dense = n <= kDenseUnknowns;
+  FlatTest test{problem, e, patience, n};
+  // Singular values, not dof by dof: a ball joint is free about axes that are no dof's.
+  SingularParts parts;
+  if (dense) {
+    parts = all_singular_parts(MatrixXd(K));
+  } else {
+    const double largest = K.norm();  // from above: asks a few more than needed
+    parts = small_singular_parts(
+        K, [&](double sigma, const VectorXd& v) { return test(sigma, largest, v).has_value(); }, kDenseUnknowns);
+  }
+  const Split split = split_directions(problem, e, parts, r, test, d);
+  const Eigen::Index lost = split.lost.cols();
+  MatrixXd asked = MatrixXd::Identity(dense ? n : 0, dense ? n : 0);  // components of the residual that are to vanish
+  if (lost > 0) {
+    const Eigen::HouseholderQR<MatrixXd> qr(split.lost);
+    if (dense) {
+      const MatrixXd q = qr.householderQ();
+      asked = q.rightCols(n - lost);
+      d.left_unbalanced = q.leftCols(lost);
+    } else {
+      d.left_unbalanced = qr.householderQ() * MatrixXd::Identity(n, lost);
+    }
+    if (d.drift.squaredNorm() == 0.0) d.residual -= d.left_unbalanced * (d.left_unbalanced.transpose() * r);
+  }
+  if (dense) {
+    solve_stiff(K, split.stiff, asked, r, d);
+  } else {
+    d.newton = bordered_step(K, d.left_unbalanced, split.flat, r);
+    d.least_stiffness = least_symmetric_eigenvalue(K, split.flat, kDenseUnknowns);
+  }
+  return d;
+}
+
+std::optional<VectorXd> soft_motion(const Problem& problem, const Evaluation& e, const VectorXd& r) {
+  if (r.size() == 0 || r.size() > kDenseUnknowns) return std::nullopt;
+  const SingularParts parts = all_singular_parts(MatrixXd(scaled_stiffness(problem, e)));
+  VectorXd motion = VectorXd::Zero(r.size());
+  double soft = 0.0;
+  for (Eigen::Index k = 0; k < parts.sigma.size(); ++k) {
+    const VectorXd v = parts.V.col(k);
+    const double along = parts.U.col(k).dot(r), stiffness = std::max(parts.sigma[k], 1e-12 * parts.largest);
+    if (std::abs(along) * surface_motion(problem, e, v) <= 2.0 * problem.beds.least_thickness * stiffness) continue;
+    soft += along * along;
+    motion += along * v;
+  }
+  if (!(soft >= 0.25 * r.squaredNorm()) || !(motion.norm() > 0)) return std::nullopt;
+  return motion;
+}
+
+}  // namespace dea

@@ -1,0 +1,142 @@
+#include <febiodea/equilibrium/forces.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kRateTolerance = 1e-4;  // the derivative only directs the next step
+
+}  // namespace
+
+Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
+                     std::vector<PressMemory>& memory) {
+  memory.resize(beds.beds.size());
+  Problem problem{joint, beds, load_case, {}, {}, {}, memory, 0, kPressureTolerance, {}, {}, {}, nullptr};
+  problem.offset = VectorXd::Zero(6 * static_cast<Eigen::Index>(joint.bodies.size()));
+  return problem;
+}
+
+VectorXd free_part(const Problem& problem, const VectorXd& all) {
+  VectorXd r(static_cast<Eigen::Index>(problem.free.size()));
+  for (std::size_t i = 0; i < problem.free.size(); ++i)
+    r[static_cast<Eigen::Index>(i)] = all[problem.free[i]] / problem.scale[static_cast<Eigen::Index>(i)];
+  return r;
+}
+
+namespace {
+
+/// The relative motions of a contact's bodies that the unknowns can bring about.
+Motions free_motions(const Problem& problem, const SpringBed& bed) {
+  if (problem.joined()) return kAllMotions;
+  Motions motions = {};
+  for (const int dof : problem.free) {
+    const int body = dof / 6, k = dof % 6;
+    if (body != bed.source_body && body != bed.target_body) continue;
+    motions[at(k)] = true;
+    // the source turns about its own centre, not the target's
+    if (body == bed.source_body && k >= 3) motions[0] = motions[1] = motions[2] = true;
+  }
+  return motions;
+}
+
+/// Springs of the active contacts, and what they do to their bodies.
+void press_contacts(Problem& problem, Evaluation& e) {
+  for (std::size_t i = 0; i < problem.beds.beds.size(); ++i) {
+    const SpringBed& bed = problem.beds.beds[i];
+    if (!problem.load_case.contact_active[i]) {
+      e.springs.emplace_back();
+      e.contact_on_target.push_back(Vector6::Zero());
+      continue;
+    }
+    PressedContact pressed =
+        press_contact(bed, e.poses, {free_motions(problem, bed), problem.tolerance, kRateTolerance, problem.stop},
+                      &problem.memory[i]);
+    if (bed.layers) e.tolerance = problem.tolerance;
+    const ContactWrench& w = pressed.wrench;
+    e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
+    e.contact.segment<6>(6 * bed.source_body) += w.wrench.tail<6>();
+    e.derivative.add(bed.target_body, bed.source_body, w.derivative);
+    e.contact_on_target.push_back(w.wrench.head<6>());
+    e.normal_force += w.normal_force;
+    e.springs.push_back(std::move(pressed.springs));
+  }
+  e.load = e.normal_force;
+}
+
+/// Ligaments, cables, and the loads along the connectors' free motions.
+void pull_ligaments(const Problem& problem, Evaluation& e, BodyForces& forces) {
+  const Joint& joint = problem.joint;
+  const LoadCase& load_case = problem.load_case;
+  e.ligament_force.assign(joint.ligaments.size(), 0.0);
+  for (std::size_t i = 0; i < joint.ligaments.size(); ++i) {
+    if (!load_case.ligament_active[i]) continue;
+    const double scale = i < load_case.ligament_scale.size() ? load_case.ligament_scale[i] : 1.0;
+    e.ligament_force[i] = add_ligament(joint, joint.ligaments[i], scale, e.poses, forces);
+    e.load = std::max(e.load, std::abs(e.ligament_force[i]));
+  }
+  for (std::size_t i = 0; i < load_case.cable_force.size(); ++i) {
+    if (load_case.cable_force[i] == 0.0) continue;
+    add_cable(joint, joint.cables[i], load_case.cable_force[i], e.poses, forces);
+    e.load = std::max(e.load, std::abs(load_case.cable_force[i]));
+  }
+  if (!load_case.connector_active.empty())
+    e.load = std::max(e.load, add_connector_loads(joint, load_case, problem.beds.length, e.poses, forces));
+}
+
+void add_external(const Problem& problem, Evaluation& e, BodyForces& forces) {
+  for (std::size_t b = 0; b < problem.joint.bodies.size(); ++b) {
+    const BodyConditions& c = problem.load_case.bodies[b];
+    const double scale = add_loads(c, static_cast<int>(b), e.poses[b], problem.beds.length, forces);
+    // what pulls at a held body is no measure of the balance of the others
+    if (std::count(c.dofs.begin(), c.dofs.end(), DofState::Free) > 0) e.load = std::max(e.load, scale);
+  }
+}
+
+}  // namespace
+
+Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
+  const Joint& joint = problem.joint;
+  const auto n = 6 * static_cast<Eigen::Index>(joint.bodies.size());
+  Evaluation e;
+  e.poses = std::move(poses);
+  e.contact = e.reactions = VectorXd::Zero(n);
+  end_if_stopped(problem.stop);
+  problem.status.casts = ++problem.casts;
+  if (problem.watch != nullptr && *problem.watch) (*problem.watch)(problem.status);
+  press_contacts(problem, e);
+  const auto add_derivative = [&](const BodyForces& of) {
+    e.derivative.blocks.insert(e.derivative.blocks.end(), of.derivative.blocks.begin(), of.derivative.blocks.end());
+  };
+  BodyForces inner(joint.bodies.size()), outer(joint.bodies.size());
+  pull_ligaments(problem, e, inner);
+  e.ligaments = inner.value;
+  add_external(problem, e, outer);
+  e.external = outer.value;
+  add_derivative(inner);
+  add_derivative(outer);
+  if (problem.joined()) {
+    e.rows = connector_rows(joint, problem.load_case, e.poses);
+    e.tangent = tangent_of(problem.connectors, e.rows,
+                           free_part(problem, e.contact + e.ligaments + e.external - problem.offset));
+    BodyForces held(joint.bodies.size());
+    add_reactions(joint, e.rows, e.tangent.multipliers, e.poses, held);
+    e.reactions = held.value;
+    add_derivative(held);
+  }
+  return e;
+}
+
+double tolerance_after(double residual) {
+  constexpr double kCoarsest = 1e-4;
+  return std::clamp(0.01 * residual * std::min(1.0, 10.0 * residual), kPressureTolerance, kCoarsest);
+}
+
+}  // namespace dea

@@ -1,0 +1,348 @@
+#include <febiodea/equilibrium/load_case.h>
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/equilibrium/times.h>
+#include <febiodea/model/load_curve.h>
+
+namespace dea {
+
+namespace {
+
+/// A model at one time of one step.
+struct Instant {
+  const JointModel& model;
+  const Joint& joint;
+  const Settings& settings;
+  int step;
+  double time;
+  bool acts(int condition_step) const { return condition_step < 0 || condition_step == step; }
+};
+
+int body_of(const Joint& joint, int material) {
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    for (int m : joint.bodies[b].materials)
+      if (m == material) return static_cast<int>(b);
+  return -1;
+}
+
+double finite_value(const Instant& now, const Scaled& scaled, Origin origin) {
+  const double v = value(now.model, scaled, now.time);
+  if (std::isfinite(v)) return v;
+  throw fault_at(now.model, origin,
+                 fmt::format("its value at time {:g} is no finite number (load curve {}): mend the curve's points",
+                             now.time, scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
+}
+
+Vector3d finite_vector(const Instant& now, const Vector3d& v, int controller, Origin origin) {
+  return v * finite_value(now, {1.0, controller}, origin);
+}
+
+// ---- bones held and moved by their nodes -------------------------------------------------------------------------
+
+/// What fixed and prescribed nodes ask of a bone.
+struct NodeRows {
+  struct Row {
+    int component;
+    Vector3d arm;  // of the node, from the centre of mass
+    double value;
+  };
+  std::vector<Row> rows;
+  double length = 0.0;  // of the longest arm
+  bool back = false;  // fixed later than moved or free: FEBio puts such nodes back to where they were in the reference
+  const PrescribedNodes* mover = nullptr;      // the last that moves the bone; nullptr: none
+  bool agree = true;                           // conditions on one component are all relative, or none is
+  std::array<int, 3> relative = {-1, -1, -1};  // -1: nothing moves this component
+
+  /// A row (e_k, d x e_k / length) of conditions on the bone's motion, d the node's arm; rotations times length.
+  Vector6 condition(const Row& r) const {
+    Vector6 row;
+    row << Vector3d::Unit(r.component), r.arm.cross(Vector3d::Unit(r.component)) / (length > 0 ? length : 1.0);
+    return row;
+  }
+};
+
+NodeRows rows_of_nodes(const Instant& now, int body) {
+  NodeRows found;
+  const auto ours = [&](const std::vector<int>& nodes) {
+    return std::any_of(nodes.begin(), nodes.end(), [&](int node) { return now.joint.node_body[at(node)] == body; });
+  };
+  const auto add = [&](const std::vector<int>& nodes, int component, double value) {
+    bool any = false;
+    for (int node : nodes) {
+      if (now.joint.node_body[at(node)] != body) continue;
+      found.rows.push_back({component, now.model.nodes[at(node)] - now.joint.bodies[at(body)].center_of_mass, value});
+      found.length = std::max(found.length, found.rows.back().arm.norm());
+      any = true;
+    }
+    return any;
+  };
+  for (const FixedNodes& f : now.model.fixed_nodes)
+    for (int k = 0; k < 3; ++k)
+      if (now.acts(f.step) && f.xyz[at(k)]) add(f.nodes, k, 0.0);
+  found.back = std::any_of(now.model.fixed_nodes.begin(), now.model.fixed_nodes.end(),
+                           [&](const FixedNodes& f) { return f.step > 0 && ours(f.nodes); });
+  for (const PrescribedNodes& p : now.model.prescribed_nodes) {
+    if (!now.acts(p.step)) {
+      found.back = found.back || ours(p.nodes);
+      continue;
+    }
+    if (!add(p.nodes, p.component, finite_value(now, p.value, p.origin))) continue;
+    const int counts = p.relative && p.step >= 0;
+    found.agree = found.agree && (found.relative[at(p.component)] < 0 || found.relative[at(p.component)] == counts);
+    found.relative[at(p.component)] = counts;
+    found.mover = &p;
+  }
+  return found;
+}
+
+/// The motions that rows of conditions leave a bone, by the eigenvectors of their Gram matrix.
+struct BoneMotion {
+  Vector6 motion = Vector6::Zero();     // the smallest that satisfies the conditions; rotations times length
+  Vector6 free_part = Vector6::Zero();  // per dof: how much of its unit vector squared no condition sees
+  int conditions = 0;                   // independent ones
+  double largest = 0.0;                 // of the values
+};
+
+BoneMotion bone_motion(const NodeRows& nodes) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  Matrix6 gram = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
+  BoneMotion bone;
+  for (const NodeRows::Row& r : nodes.rows) {
+    const Vector6 row = nodes.condition(r);
+    gram += row * row.transpose();
+    right += row * r.value;
+    bone.largest = std::max(bone.largest, std::abs(r.value));
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(gram);
+  const double least = 1e-8 * eigen.eigenvalues()[5];  // rounding is 1e-16, the smallest real lever squared far more
+  for (int i = 0; i < 6; ++i) {
+    if (eigen.eigenvalues()[i] <= least) {
+      for (int dof = 0; dof < kDofs; ++dof) bone.free_part[dof] += std::pow(eigen.eigenvectors()(dof, i), 2);
+      continue;
+    }
+    ++bone.conditions;
+    bone.motion += eigen.eigenvectors().col(i) * (eigen.eigenvectors().col(i).dot(right) / eigen.eigenvalues()[i]);
+  }
+  return bone;
+}
+
+/// What fixed and prescribed nodes make of a bone that the user takes as rigid: every dof whose unit vector is in the
+/// span of their conditions has no freedom left. Prescribed nodes must move the bone without turning it.
+void hold_by_nodes(const Instant& now, int body, BodyConditions& conditions) {
+  const Body& b = now.joint.bodies[at(body)];
+  const bool by_user =
+      std::any_of(b.materials.begin(), b.materials.end(), [&](int m) { return !now.model.materials[at(m)].rigid; });
+  if (!by_user) return;  // FEBio ignores fixed nodes of its own rigid bodies
+  const NodeRows nodes = rows_of_nodes(now, body);
+  const BoneMotion bone = bone_motion(nodes);
+  int dofs_held = 0;
+  for (int dof = 0; dof < kDofs; ++dof) {
+    if (bone.free_part[dof] >= 1e-6) continue;
+    ++dofs_held;
+    conditions.dofs[at(dof)] = DofState::Held;
+    if (dof < 3 && (nodes.mover != nullptr || nodes.back)) {
+      conditions.dofs[at(dof)] = DofState::Prescribed;
+      conditions.value[dof] = bone.motion[dof];
+      conditions.relative[at(dof)] = nodes.relative[at(dof)] == 1;
+    }
+  }
+  if (nodes.mover == nullptr) return;
+  const double close = 1e-6 * bone.largest;
+  bool agree = nodes.agree && bone.conditions == dofs_held && bone.motion.tail<3>().norm() <= close;
+  for (const NodeRows::Row& r : nodes.rows)
+    agree = agree && std::abs(nodes.condition(r).dot(bone.motion) - r.value) <= close;
+  if (!agree)
+    throw fault_at(
+        now.model, nodes.mover->origin,
+        fmt::format("prescribed displacement \"{}\": at time {:g} its nodes move bone \"{}\" otherwise than by one "
+                    "translation along x, y or z, which DEA cannot follow; make the bone a rigid body of the model and "
+                    "prescribe its motion",
+                    nodes.mover->name, now.time, b.name));
+}
+
+// ---- motions -----------------------------------------------------------------------------------------------------
+
+/// Which contacts, ligaments, cables and connectors act, and how hard they pull.
+void set_connections(const Instant& now, LoadCase& c) {
+  for (const ContactPair& pair : now.joint.contacts) c.contact_active.push_back(now.acts(pair.step));
+  for (const Ligament& l : now.joint.ligaments) {
+    c.ligament_active.push_back(now.acts(l.step));
+    c.ligament_scale.push_back(now.acts(l.step) ? finite_value(now, l.scale, l.origin) : 0.0);
+  }
+  for (const Cable& cable : now.joint.cables)
+    c.cable_force.push_back(now.acts(cable.step) ? finite_value(now, cable.force, cable.origin) : 0.0);
+  for (const Connector& j : now.joint.connectors) {
+    c.connector_active.push_back(now.acts(j.step));
+    c.connector_value.push_back({});
+    for (std::size_t k = 0; k < kDofs; ++k)
+      if (now.acts(j.step) && j.motion[k] != RigidJoint::Motion::Held)
+        c.connector_value.back()[k] = finite_value(now, j.value[k], j.origin);
+  }
+}
+
+/// Bodies that the model leaves out, moved by the nodes they would carry.
+void move_by_nodes(const Instant& now, const Body& body, BodyConditions& c) {
+  if (!body.moved_by.empty()) c.dofs.fill(DofState::Held);
+  for (int i : body.moved_by) {
+    const PrescribedNodes& p = now.model.prescribed_nodes[at(i)];
+    DofState& dof = c.dofs[at(p.component)];
+    if (!now.acts(p.step)) {  // fixed in this step: at the reference position, wherever the nodes were before
+      if (dof == DofState::Held) dof = DofState::Prescribed;
+      continue;
+    }
+    dof = DofState::Prescribed;
+    c.value[p.component] = finite_value(now, p.value, p.origin);
+    c.relative[at(p.component)] = p.relative && p.step >= 0;
+  }
+}
+
+/// Which dofs are held, which follow a given motion.
+void set_motions(const Instant& now, LoadCase& c) {
+  const Joint& joint = now.joint;
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    if (joint.bodies[b].ground) c.bodies[b].dofs.fill(DofState::Held);
+  for (const RigidFixed& f : now.model.rigid_fixed) {
+    const int b = body_of(joint, f.material);
+    if (!now.acts(f.step) || b < 0) continue;
+    for (std::size_t k = 0; k < kDofs; ++k)
+      if (f.dofs[k]) c.bodies[at(b)].dofs[k] = DofState::Held;
+  }
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    if (!joint.bodies[b].ground) hold_by_nodes(now, static_cast<int>(b), c.bodies[b]);
+    move_by_nodes(now, joint.bodies[b], c.bodies[b]);
+  }
+  for (const auto& entry : now.settings.free) {
+    const int b = joint.find_body(now.model, entry.first);
+    for (std::size_t k = 0; k < kDofs; ++k)
+      if (c.bodies[at(b)].dofs[k] != DofState::Prescribed)
+        c.bodies[at(b)].dofs[k] = entry.second[k] ? DofState::Free : DofState::Held;
+  }
+  for (const RigidPrescribed& p : now.model.rigid_prescribed) {
+    const int b = body_of(joint, p.material);
+    if (!now.acts(p.step) || b < 0) continue;
+    BodyConditions& body = c.bodies[at(b)];
+    body.dofs[at(p.dof)] = DofState::Prescribed;
+    body.value[p.dof] = finite_value(now, p.value, p.origin);
+    // relative to the pose when it became active: outside steps that is the reference
+    body.relative[at(p.dof)] = p.relative && p.step >= 0;
+  }
+}
+
+void refuse_rotations_in_part(const JointModel& model, const Joint& joint, const LoadCase& c) {
+  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
+    const auto& dofs = c.bodies[b].dofs;
+    const bool any = std::count(dofs.begin() + 3, dofs.end(), DofState::Prescribed) > 0;
+    if (any && std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0)
+      throw InputError(
+          where(model, {0, 0}) +
+          fmt::format(
+              "body \"{}\": some rotations are prescribed and others free; FEBio and DEA need all three prescribed or "
+              "fixed (a fixed one counts as 0)",
+              joint.bodies[b].name));
+  }
+}
+
+// ---- loads -------------------------------------------------------------------------------------------------------
+
+/// How much of a step has passed, 0 to 1.
+double passed(const Instant& now, int step) {
+  const std::vector<double> starts = step_starts(now.model);
+  const double duration = starts[at(step) + 1] - starts[at(step)];
+  return duration > 0 ? std::clamp((now.time - starts[at(step)]) / duration, 0.0, 1.0) : 1.0;
+}
+
+/// Forces and moments on a rigid body. `replaced`: per body, the user gives another force.
+void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<char>& replaced,
+                    const std::vector<Vector6>* reaction, LoadCase& c) {
+  const int b = body_of(now.joint, l.material);
+  if (!now.acts(l.step) || b < 0) return;
+  if (l.dof < 3 && replaced[at(b)]) return;
+  BodyConditions& body = c.bodies[at(b)];
+  Vector6& load = l.kind == RigidLoad::Kind::Follower ? body.follower : body.dead;
+  const double full = finite_value(now, l.value, l.origin);
+  // FEBio notes the reaction when a load becomes active: outside steps that is before anything has been solved
+  const bool on_reaction = l.kind == RigidLoad::Kind::Target || (l.kind == RigidLoad::Kind::Dead && l.relative);
+  const double start = on_reaction && l.step >= 0 && reaction ? (*reaction)[at(b)][l.dof] : 0.0;
+  body.on_reaction = body.on_reaction || (on_reaction && l.step >= 0);
+  if (l.kind == RigidLoad::Kind::Target) {
+    const double w = passed(now, now.step);
+    load[l.dof] += (1 - w) * start + w * full;
+  } else {
+    load[l.dof] += full + start;
+  }
+}
+
+/// Forces that turn with a body, and forces at nodes.
+void add_point_forces(const Instant& now, const std::vector<char>& replaced, LoadCase& c) {
+  for (const RigidFollower& f : now.model.rigid_followers) {
+    const int b = body_of(now.joint, f.material);
+    if (!now.acts(f.step) || b < 0) continue;
+    const Vector3d v = finite_vector(now, f.value, f.controller, f.origin);
+    if (f.moment) {
+      c.bodies[at(b)].follower.tail<3>() += v;
+    } else if (!replaced[at(b)]) {
+      const Vector3d arm = f.from_center ? f.insertion : Vector3d(f.insertion - now.joint.bodies[at(b)].center_of_mass);
+      c.bodies[at(b)].point_forces.push_back({arm, v, true});
+    }
+  }
+  for (const PointLoad& p : now.joint.point_loads) {
+    if (!now.acts(p.step) || replaced[at(p.body)]) continue;
+    c.bodies[at(p.body)].point_forces.push_back({p.point - now.joint.bodies[at(p.body)].center_of_mass,
+                                                 finite_vector(now, p.value, p.controller, p.origin), false});
+  }
+}
+
+}  // namespace
+
+LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& asked) {
+  LoadPointFound found;
+  found.point = asked.point;
+  if (!asked.sphere_center) return found;
+  for (const ContactPair& pair : joint.contacts) {
+    for (const Layer& layer : pair.layers) {
+      if (layer.body != body) continue;
+      found.fit = fit_sphere(layer.articular);
+      found.point = found.fit.center;
+      found.fitted = true;
+      return found;
+    }
+  }
+  throw UsageError(fmt::format("--load-at {}=sphere-center: this body has no articular surface; give a point x,y,z",
+                               joint.bodies[at(body)].name));
+}
+
+LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
+                        const std::vector<Vector6>* reaction) {
+  const Instant now{model, joint, settings, step, time};
+  LoadCase c;
+  c.time = time;
+  c.step = step;
+  c.bodies.resize(joint.bodies.size());
+  set_connections(now, c);
+  set_motions(now, c);
+  refuse_rotations_in_part(model, joint, c);
+  std::vector<char> force_replaced(joint.bodies.size(), 0);
+  for (const auto& entry : settings.force) force_replaced[at(joint.find_body(model, entry.first))] = 1;
+  for (const RigidLoad& l : model.rigid_loads) add_rigid_load(now, l, force_replaced, reaction, c);
+  add_point_forces(now, force_replaced, c);
+  const int last = static_cast<int>(model.steps.size()) - 1;
+  for (const auto& entry : settings.force) {
+    const int b = joint.find_body(model, entry.first);
+    if (step == last) c.bodies[at(b)].dead.head<3>() = passed(now, last) * entry.second;
+  }
+  for (const auto& entry : settings.load_at) {
+    const int b = joint.find_body(model, entry.first);
+    c.bodies[at(b)].arm = find_load_point(joint, b, entry.second).point - joint.bodies[at(b)].center_of_mass;
+  }
+  return c;
+}
+
+}  // namespace dea

@@ -1,0 +1,24 @@
+// febiodea/equilibrium/newton.h – Newton's method for the pose at which everything balances (E1).
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/equilibrium/flat_directions.h>
+#include <febiodea/equilibrium/forces.h>
+#include <febiodea/equilibrium/search.h>
+
+namespace dea {
+
+/// Where a search ended.
+struct Solution {
+  Outcome outcome = Outcome::NotConverged;
+  std::string message;
+  Evaluation at;
+  Directions directions;        ///< there
+  std::vector<double> history;  ///< scaled residual / load at each iterate
+  int iterations = 0;
+};
+/// From one pose on, with flat directions held or followed and steps that are cut to half the least thickness.
+Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& options);
+
+}  // namespace dea

@@ -1,0 +1,39 @@
+// febiodea/equilibrium/search.h – how a search for equilibrium ends, what it may cost, and what it tells on its way.
+#pragma once
+#include <functional>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/stop.h>
+
+namespace dea {
+
+enum class Outcome {
+  Prescribed,           ///< no free dof: the motion was given
+  Balanced,             ///< forces and moments of all free dofs balance to the tolerance
+  BalancedToOneSpring,  ///< balanced up to the force of one spring that jumps on and off a rim
+  SurfacesApart,        ///< the loads move the surfaces apart: no contact can carry them
+  NoEquilibrium,        ///< a direction nothing resists is loaded
+  NotConverged,         ///< none of the above was reached within the iterations
+  BeyondStrainLimit     ///< springs strained beyond 0.9 (C1): prescribed, balanced, or not to be balanced (message)
+};
+const char* name(Outcome outcome);
+/// True for Prescribed, Balanced and BalancedToOneSpring.
+bool solved(Outcome outcome);
+
+/// How far a search has come, for whoever watches; told before each pose that is tried.
+struct SearchStatus {
+  int iterations = 0;      ///< Newton steps begun
+  int casts = 0;           ///< poses tried, with this one
+  double residual = kNaN;  ///< unbalanced / applied force at the last iterate; NaN: none is known yet
+};
+
+struct EquilibriumOptions {
+  double tolerance = 1e-9;  ///< unbalanced / applied force; far below the error of any mesh, and Newton gets there
+  int max_iterations = 60;  ///< a stop for loads that no contact can carry
+  int max_casts = 160;      ///< poses tried for one load case; solved ones need some ten, seldom a hundred
+  int patience = 20;        ///< poses tried in which the residual falls by less than 7%: then the search is given up
+  std::function<void(const SearchStatus&)> watch;  ///< may be empty; changes nothing
+  const StopFlag* stop = nullptr;  ///< not owned; once it is set the search throws Stopped, also within a contact
+};
+
+}  // namespace dea

@@ -1,0 +1,89 @@
+#include <febiodea/results/statistics.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return values[a] < values[b] || (values[a] == values[b] && a < b); });
+  double total = 0.0;
+  for (double w : weights) total += w;
+  if (order.empty() || !(total > 0)) return kNaN;
+  const double wanted = fraction * total;
+  double below = 0.0, previous_middle = 0.0, previous_value = values[order.front()];
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const double middle = below + 0.5 * weights[order[i]];
+    if (middle >= wanted) {
+      if (i == 0 || middle <= previous_middle) return values[order[i]];
+      return previous_value +
+             (values[order[i]] - previous_value) * (wanted - previous_middle) / (middle - previous_middle);
+    }
+    below += weights[order[i]];
+    previous_middle = middle;
+    previous_value = values[order[i]];
+  }
+  return values[order.back()];
+}
+
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
+                                                  const std::vector<ContactFields>& fields) {
+  std::vector<ContactStatistics> all;
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    const ContactPair& pair = joint.contacts[c];
+    const SpringStates& s = e.springs[c];
+    const SideFields& source = fields[c].sides[pair.source];
+    ContactStatistics stats;
+    stats.springs = beds.beds[c].springs.size();
+    std::vector<double> pressure, area;
+    Vector3d moment = Vector3d::Zero();
+    double force = 0.0;
+    for (int i = 0; i < s.size(); ++i) {
+      const auto k = at(i);
+      if (s.area[k] <= 0) continue;
+      ++stats.springs_hit;
+      if (s.pressure[k] <= 0) continue;
+      ++stats.springs_active;
+      pressure.push_back(s.pressure[k]);
+      area.push_back(s.area[k]);
+      const double f = s.pressure[k] * s.area[k];
+      moment += f * s.foot[k];
+      force += f;
+      stats.contact_area += s.area[k];
+      stats.largest_strain = std::max(stats.largest_strain, s.strain[k]);
+    }
+    if (s.rates.rows() > 0) stats.complementarity = s.complementarity;
+    const bool any = !pressure.empty();
+    stats.peak = any ? *std::max_element(pressure.begin(), pressure.end()) : kNaN;
+    stats.mean = any ? force / stats.contact_area : kNaN;
+    stats.p99 = weighted_percentile(pressure, area, 0.99);
+    stats.p95 = weighted_percentile(pressure, area, 0.95);
+    stats.p75 = weighted_percentile(pressure, area, 0.75);
+    stats.median = weighted_percentile(pressure, area, 0.5);
+    stats.p25 = weighted_percentile(pressure, area, 0.25);
+    stats.p5 = weighted_percentile(pressure, area, 0.05);
+    stats.center_of_pressure = any ? Vector3d(moment / force) : Vector3d::Constant(kNaN);
+    std::vector<double> nodal;
+    for (double p : source.vertex_pressure)
+      if (p > 0) nodal.push_back(p);
+    stats.nodal_peak = nodal.empty() ? kNaN : *std::max_element(nodal.begin(), nodal.end());
+    stats.nodal_mean =
+        nodal.empty() ? kNaN : std::accumulate(nodal.begin(), nodal.end(), 0.0) / static_cast<double>(nodal.size());
+    stats.nodal_median = weighted_percentile(nodal, std::vector<double>(nodal.size(), 1.0), 0.5);
+    double facet_peak = 0.0;
+    for (double p : source.pressure) facet_peak = std::max(facet_peak, p);
+    stats.facet_peak = facet_peak > 0 ? facet_peak : kNaN;
+    stats.facet_contact_area = source.contact_area;
+    stats.force = e.contact_on_target[c].head<3>();
+    stats.moment = e.contact_on_target[c].tail<3>();
+    all.push_back(stats);
+  }
+  return all;
+}
+
+}  // namespace dea

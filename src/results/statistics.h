@@ -1,0 +1,38 @@
+// febiodea/results/statistics.h – the numbers that sum up a contact's results.
+#pragma once
+#include <vector>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/results/fields.h>
+
+namespace dea {
+
+/// Numbers per contact and state. NaN: undefined (no active spring).
+struct ContactStatistics {
+  int springs = 0;         ///< cast
+  int springs_hit = 0;     ///< of these, those that stand over the target
+  int springs_active = 0;  ///< of these, those that carry pressure
+  // over active springs, weighted by area
+  double peak = 0.0, p99 = 0.0, mean = 0.0, median = 0.0, p5 = 0.0, p25 = 0.0, p75 = 0.0, p95 = 0.0;
+  double contact_area = 0.0;  ///< of the active springs
+  // as Abraham et al. 2013 define them: over articular nodes of the source with p > 0, unweighted
+  double nodal_peak = 0.0, nodal_mean = 0.0, nodal_median = 0.0;
+  double facet_peak = 0.0;          ///< largest facet value of the source
+  double facet_contact_area = 0.0;  ///< whole facets of the source in contact
+  Vector3d center_of_pressure = Vector3d::Zero();
+  Vector3d force = Vector3d::Zero();   ///< of the contact on the target
+  Vector3d moment = Vector3d::Zero();  ///< the same, about the target's current centre of mass
+  double largest_strain = 0.0;
+  double complementarity = kNaN;  ///< Law::Layer: residual of (L4) over the largest pressure
+};
+
+/// Percentile of values weighted by `weights` (> 0): each sorted value stands at the middle of its share of the weight,
+/// between them linear, beyond the first and last constant. Equal weights: the usual median. NaN for no values.
+double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction);
+
+/// One per contact. `fields`: of the same equilibrium.
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
+                                                  const std::vector<ContactFields>& fields);
+
+}  // namespace dea

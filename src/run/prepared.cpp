@@ -1,0 +1,45 @@
+#include <febiodea/run/prepared.h>
+
+#include <utility>
+
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+Prepared prepare(const Recognition& recognition, const StopFlag* stop) {
+  if (!recognition.faults.empty()) throw as_error(recognition);
+  return {recognition.joint, make_spring_beds(recognition.joint, stop)};
+}
+
+Start at_rest(const Prepared& prepared) {
+  const std::vector<Pose> poses = reference_poses(prepared.joint);
+  return {poses, poses};
+}
+
+Equilibrium solve(const Prepared& prepared, const LoadCase& load_case, const Start& start,
+                  const EquilibriumOptions& options, std::vector<PressMemory>* memory) {
+  return solve_equilibrium(prepared.joint, prepared.beds, load_case, start.poses, start.step_poses, options, memory);
+}
+
+Pressed press(const Prepared& prepared, const std::vector<Pose>& poses, const PressOptions& options,
+              std::vector<PressMemory>* memory) {
+  const std::vector<SpringBed>& beds = prepared.beds.beds;
+  if (memory) memory->resize(beds.size());
+  Pressed result;
+  result.on_body.assign(prepared.joint.bodies.size(), Vector6::Zero());
+  for (std::size_t c = 0; c < beds.size(); ++c) {
+    PressedContact pressed = press_contact(beds[c], poses, options, memory ? &(*memory)[c] : nullptr);
+    PressedSprings contact;
+    contact.springs = std::move(pressed.springs);
+    contact.on_target = pressed.wrench.wrench.head<6>();
+    contact.on_source = pressed.wrench.wrench.tail<6>();
+    contact.derivative = pressed.wrench.derivative.topLeftCorner<6, 6>();
+    contact.normal_force = pressed.wrench.normal_force;
+    result.on_body[at(beds[c].target_body)] += contact.on_target;
+    result.on_body[at(beds[c].source_body)] += contact.on_source;
+    result.contacts.push_back(std::move(contact));
+  }
+  return result;
+}
+
+}  // namespace dea
