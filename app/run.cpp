@@ -151,7 +151,7 @@ int run(const RunArguments& a) {
   const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
   const JointModel& model = recognition.model;
   if (!report.empty()) {
-    options.also = [&](const Analysis& analysis, XpltFile&& plot) {
+    options.with_plot = [&](const Analysis& analysis, XpltFile&& plot) {
       std::vector<std::string> paths;
       for (const NamedPath& p : inputs) paths.push_back(p.path);
       for (const NamedPath& p : outputs) paths.push_back(p.path);

@@ -74,7 +74,7 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };
   const Recognition recognition = recognise(model, file.settings, wants_all_states(options));
   if (!report.empty()) {
-    options.also = [&](const Analysis& analysis, XpltFile&& plot) {
+    options.with_plot = [&](const Analysis& analysis, XpltFile&& plot) {
       std::vector<std::string> words = {"febio4", "-i", fem.GetInputFileName(), "-task=dea"}, paths;
       if (!settings_file.empty()) words.push_back(settings_file);
       for (const NamedPath& p : inputs) paths.push_back(p.path);

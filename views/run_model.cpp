@@ -81,6 +81,10 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
     };
   }
   result.analysis = analyse(recognition, analysis);
+  if (!options.with_plot) {  // the bulk of the memory
+    result.analysis.beds = {};
+    result.analysis.maps = {};
+  }
   if (options.times_from.empty() && options.states != "all") {
     std::vector<std::string>& findings = result.analysis.joint.findings;
     if (options.states.empty() && very_many_time_steps(model))
@@ -105,7 +109,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   if (!options.csv.empty()) write_text(options.csv, run_csv(model, result.analysis));
   if (!options.facets_csv.empty()) write_text(options.facets_csv, facets_csv(model, result.analysis));
   end_if_stopped(options.stop);
-  if (options.also) options.also(result.analysis, std::move(plot));
+  if (options.with_plot) options.with_plot(result.analysis, std::move(plot));
   return result;
 }
 

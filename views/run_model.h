@@ -22,8 +22,8 @@ struct RunOptions {
   std::function<void(const StateResult&, std::size_t index, std::size_t count)> on_state;  ///< the same, as numbers
   std::function<void(const Activity&)> on_activity;  ///< what is being worked out; may be empty
   const StopFlag* stop = nullptr;                    ///< ends the search, or the writing between two files: Stopped
-  std::function<void(const std::string& file)> on_writing;  ///< before the plot file is written; may be empty
-  std::function<void(const Analysis&, XpltFile&&)> also;  ///< what else to make of the written plot file; may be empty
+  std::function<void(const std::string& file)> on_writing;     ///< before the plot file is written; may be empty
+  std::function<void(const Analysis&, XpltFile&&)> with_plot;  ///< what else to make of the plot file; may be empty
 };
 
 struct RunResult {

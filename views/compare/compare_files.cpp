@@ -335,7 +335,7 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
   std::vector<std::vector<double>> carried;  // nodal pressure of each file on the reference's nodes
   for (std::size_t i = 0; i + 1 < files.size(); ++i) {
     matches.push_back(match_nodes(reference.geometry, sides[i].geometry));
-    carried.push_back(carry(matches.back(), sides[i].geometry, sides[i].nodal));
+    carried.push_back(carry_values(matches.back(), sides[i].geometry, sides[i].nodal));
     compared.same_mesh.push_back(matches.back().same_mesh);
     compared.covered.push_back(matches.back().covered);
     sides[i].facts.carried = carried_share(sides[i], reference, matches.back(), carried.back());
@@ -435,7 +435,7 @@ std::vector<float> floats(const std::vector<double>& values) {
 std::vector<double> on_first(const NodeMatch& match, const ResultSurface& first, const ResultSurface& own,
                              const std::vector<double>& facets) {
   if (match.same_mesh) return facets;
-  std::vector<double> nodal = carry(match, own, nodal_average(own, facets));
+  std::vector<double> nodal = carry_values(match, own, nodal_average(own, facets));
   for (double& p : nodal)
     if (std::isnan(p)) p = 0.0;
   return facet_average(first, nodal);

@@ -283,7 +283,7 @@ void add_scales(const std::string& field, const std::vector<std::optional<Report
       const MapValues &x = *values[pair.a], &y = *values[pair.b];
       Found& found = pair.frames[f];
       const std::vector<double> carried =
-          pair.same ? std::vector<double>() : carry(matches[pair.a], own[pair.a], x.vertices);
+          pair.same ? std::vector<double>() : carry_values(matches[pair.a], own[pair.a], x.vertices);
       const std::vector<double>& from = pair.same ? x.vertices : carried;
       for (std::size_t i = 0; i < y.vertices.size(); ++i) found.nodes.add(from[i] - y.vertices[i]);
       if (pair.same)
@@ -394,7 +394,7 @@ ReportSurface make_surface(const std::vector<ResultFile>& files, const std::vect
         for (const ProfileBin& bin : pressure_profile(own[i], p, how->axis, how->center, options.bin))
           s.profiles[f][i].push_back(bin.mean);
       if (i + 1 == n || nodal[n - 1].empty()) continue;
-      const std::vector<double> carried = carry(matches[i], own[i], nodal[i]);
+      const std::vector<double> carried = carry_values(matches[i], own[i], nodal[i]);
       for (std::size_t r = 0; r < masks.size(); ++r) s.patterns[f][r][i] = pattern(carried, nodal[n - 1], areas[r]);
     }
   });
