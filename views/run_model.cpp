@@ -108,6 +108,10 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   Timings& timings = result.timings;
   timings.read = options.seconds_reading + seconds() - start;
   result.analysis = analyse(recognition, analysis_options(options, states));
+  if (!options.with_plot) {  // the bulk of the memory
+    result.analysis.beds = {};
+    result.analysis.maps = {};
+  }
   note_states(model, options, states, result.analysis.joint.findings);
   timings.joint = result.analysis.seconds_joint;
   timings.solve = result.analysis.seconds_solve;

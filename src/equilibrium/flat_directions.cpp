@@ -70,7 +70,7 @@ struct FlatTest {
       if (sigma > 2.0 * patience * (*bound)(problem, e, v)) return std::nullopt;
     }
     const FacetNoise noise = facet_noise(problem, e, v);
-    if (!nothing && sigma > 2.0 * patience * noise.stiffness) return std::nullopt;
+    if (!nothing && !(sigma <= 2.0 * patience * noise.stiffness)) return std::nullopt;
     return noise;
   }
 };

@@ -7,13 +7,13 @@
 
 namespace dea {
 
-/// Times of the states: 0, every step_size, ends of steps, must points; and the step each belongs to.
+/// The time of a state, and the step it belongs to.
 struct TimePoint {
   double time = 0.0;
   int step = 0;
 };
-/// More than 10000 are refused (InputError), or, if `thin`, reduced evenly to about 1000 besides ends of steps and must
-/// points.
+/// Times of a model's states: 0, every step_size, ends of steps, must points. More than 10000 are refused (InputError),
+/// or, if `thin`, reduced evenly to about 1000 besides ends of steps and must points.
 std::vector<TimePoint> model_times(const JointModel& model, bool thin = false);
 
 /// How many time steps the model has, and whether that is more than 10000.

@@ -237,7 +237,8 @@ NodeMatch match_nodes(const ResultSurface& onto, const ResultSurface& from) {
   return match;
 }
 
-std::vector<double> carry(const NodeMatch& match, const ResultSurface& from, const std::vector<double>& vertex_values) {
+std::vector<double> carry_values(const NodeMatch& match, const ResultSurface& from,
+                                 const std::vector<double>& vertex_values) {
   std::vector<double> out;
   if (match.same_mesh) {
     for (int v : match.vertices) out.push_back(vertex_values[at(v)]);

@@ -94,7 +94,8 @@ struct NodeMatch {
 /// rim.
 NodeMatch match_nodes(const ResultSurface& onto, const ResultSurface& from);
 /// Vertex values of `from` at the vertices of `onto`, interpolated linearly; NaN where not covered.
-std::vector<double> carry(const NodeMatch& match, const ResultSurface& from, const std::vector<double>& vertex_values);
+std::vector<double> carry_values(const NodeMatch& match, const ResultSurface& from,
+                                 const std::vector<double>& vertex_values);
 
 /// Pearson's correlation of a and b, weighted; NaN where one of them is constant.
 double correlation(const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& weights);

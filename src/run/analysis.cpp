@@ -55,10 +55,17 @@ Equilibrium solve_state(const Recognition& recognition, const Prepared& prepared
                         Walk& walk) {
   const LoadCase load_case = make_load_case(recognition.model, prepared.joint, recognition.settings, when.step,
                                             when.time, &walk.step_reaction);
-  Equilibrium e =
-      reference ? state_at(prepared.joint, prepared.beds, load_case, walk.start.poses, &walk.memory, walk.search.stop)
-                : solve(prepared, load_case, walk.start, walk.search, &walk.memory);
-  return e;
+  return reference
+             ? state_at(prepared.joint, prepared.beds, load_case, walk.start.poses, &walk.memory, walk.search.stop)
+             : solve(prepared, load_case, walk.start, walk.search, &walk.memory);
+}
+
+void add_fields(const Recognition& recognition, const Prepared& prepared, const FieldMaps& maps, StateResult& state) {
+  const Equilibrium& e = state.equilibrium;
+  state.fields = contact_fields(prepared.joint, prepared.beds, maps, e);
+  state.statistics = contact_statistics(prepared.joint, prepared.beds, e, state.fields);
+  state.displacements =
+      node_displacements(recognition.model, prepared.joint, maps, e, state.fields, recognition.settings.squash);
 }
 
 /// --force on a body that is not free to move in the last step.
@@ -114,7 +121,6 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options)
   tell(Activity::Stage::Springs);
   Prepared prepared = prepare(recognition, options.equilibrium.stop);
   const Joint& joint = prepared.joint;
-  const SpringBeds& beds = prepared.beds;
   FieldMaps maps = make_field_maps(model, joint);
   Analysis analysis;
   analysis.seconds_joint = recognition.seconds + now() - clock;
@@ -141,15 +147,10 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options)
     const bool reference = i == 0 && times[i].time <= 0.0;
     state.equilibrium = solve_state(recognition, prepared, times[i], reference, walk);
     end_state(walk, state.equilibrium, options.equilibrium);
-    refuse_zero_thickness(model, joint, beds, state.equilibrium);
+    refuse_zero_thickness(model, joint, prepared.beds, state.equilibrium);
     end_if_stopped(options.equilibrium.stop);
     const bool keep = options.keep_state.empty() || options.keep_state[i];
-    if (keep) {
-      state.fields = contact_fields(joint, beds, maps, state.equilibrium);
-      state.statistics = contact_statistics(joint, beds, state.equilibrium, state.fields);
-      state.displacements =
-          node_displacements(model, joint, maps, state.equilibrium, state.fields, recognition.settings.squash);
-    }
+    if (keep) add_fields(recognition, prepared, maps, state);
     if (options.progress) options.progress(state, i, times.size());
     state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported
     if (keep) analysis.states.push_back(std::move(state));

@@ -92,7 +92,7 @@ SpringDepth spring_depth(const SpringStates& states);
 using Motions = std::array<bool, 6>;
 inline constexpr Motions kAllMotions = {true, true, true, true, true, true};
 
-/// What a solver above takes for a function of the pose must be smoother than its own tolerance.
+/// A search for the pose takes pressures for a smooth function of it: they must be known closer than it is to be found.
 inline constexpr double kPressureTolerance = 3e-10;
 /// Enough where the pose is given: far below any mesh's error.
 inline constexpr double kGivenPoseTolerance = 1e-7;

@@ -727,7 +727,7 @@ TEST_F(Cli, CtrlCEndsASearch) {
     double seconds = 0.0;
     const Finished f = interrupted({"run", hip, "--law", "layer", "--refine", "4", "-v", "-o", "hip.xplt", "--json",
                                     "hip.json", "--vtu", "paraview"},
-                                   "iteration 1", signal, seconds);
+                                   "state 2 of", signal, seconds);
     EXPECT_EQ(f.code, 128 + signal) << f.err;
     EXPECT_LT(seconds, 5.0);
     EXPECT_EQ(f.out, "");

@@ -371,7 +371,7 @@ TEST(ReportPage, CarriesValuesToTheReferencesNodesAsCompareDoes) {
   ASSERT_FALSE(s.carry[0]);  // the reference's own mesh
   ASSERT_TRUE(s.carry[1]);
   const std::vector<double> nodal = nodal_average(s.geometry[1], s.pressure[1]->states.back());
-  const std::vector<double> expected = carry(match_nodes(s.geometry[2], s.geometry[1]), s.geometry[1], nodal);
+  const std::vector<double> expected = carry_values(match_nodes(s.geometry[2], s.geometry[1]), s.geometry[1], nodal);
   for (std::size_t v = 0; v < expected.size(); ++v) {
     double sum = 0.0;
     for (std::size_t k = 3 * v; k < 3 * v + 3; ++k) {

@@ -153,7 +153,7 @@ TEST(Comparison, AResultAgainstItselfDiffersByExactlyNothing) {
   const NodeMatch match = match_nodes(s, s);
   EXPECT_TRUE(match.same_mesh);
   EXPECT_EQ(match.covered, 1.0);
-  EXPECT_EQ(carry(match, s, nodal), nodal);
+  EXPECT_EQ(carry_values(match, s, nodal), nodal);
   const PatternDifference d = pattern_difference(nodal, nodal, areas, {0.0, 0.5});
   EXPECT_EQ(d.correlation, 1.0);
   EXPECT_EQ(d.rms, 0.0);
@@ -222,7 +222,9 @@ TEST(Comparison, ProjectionBetweenMeshesIsOfSecondOrder) {
     EXPECT_EQ(match.covered, 1.0);
     std::vector<double> exact;
     for (const Vector3d& x : b.mesh.vertices) exact.push_back(bump(x));
-    return pattern_difference(carry(match, a, nodal_average(a, at_centers(a, bump))), exact, nodal_areas(b), {0.0}).rms;
+    return pattern_difference(carry_values(match, a, nodal_average(a, at_centers(a, bump))), exact, nodal_areas(b),
+                              {0.0})
+        .rms;
   };
   const double coarse = rms(20), middle = rms(40), fine = rms(80);
   EXPECT_NEAR(std::log2(coarse / middle), 2, 0.2);
@@ -248,7 +250,7 @@ TEST(Comparison, RenumberedFacetsAreMatchedByPosition) {
   EXPECT_FALSE(match.same_mesh);
   std::vector<double> nodal;
   for (const Vector3d& p : a.mesh.vertices) nodal.push_back(plane(p));
-  const std::vector<double> carried = carry(match, a, nodal);
+  const std::vector<double> carried = carry_values(match, a, nodal);
   for (std::size_t v = 0; v < carried.size(); ++v) EXPECT_NEAR(carried[v], plane(b.mesh.vertices[v]), 1e-12);
 }
 
@@ -258,7 +260,7 @@ TEST(Comparison, WhatLiesBesideASurfaceIsNotCovered) {
   // to 1.095
   const NodeMatch match = match_nodes(b, a);
   EXPECT_NEAR(match.covered, 1.095 - 0.52, 1e-9);
-  const std::vector<double> carried = carry(match, a, std::vector<double>(a.mesh.vertices.size(), 2.0));
+  const std::vector<double> carried = carry_values(match, a, std::vector<double>(a.mesh.vertices.size(), 2.0));
   for (std::size_t v = 0; v < carried.size(); ++v) EXPECT_EQ(std::isnan(carried[v]), b.mesh.vertices[v].x() > 1.1);
   EXPECT_EQ(match_nodes(grid(4, 4, 5.0), a).covered, 0.0);
 }

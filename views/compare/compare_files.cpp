@@ -361,7 +361,7 @@ void match_sides(const std::vector<ResultFile>& files, const std::vector<std::st
   for (std::size_t i = 0; i + 1 < files.size(); ++i) {
     Side& side = in.sides[i];
     const NodeMatch match = match_nodes(reference.geometry, side.geometry);
-    in.carried.push_back(carry(match, side.geometry, side.nodal));
+    in.carried.push_back(carry_values(match, side.geometry, side.nodal));
     side.facts.carried = carried_share(side, reference, match, in.carried.back());
     if (!(match.covered > 0))
       throw InputError(fmt::format("{}: surface \"{}\" lies nowhere on \"{}\" of {}", files[i].path, names[i],
@@ -485,7 +485,7 @@ std::vector<float> floats(const std::vector<double>& values) {
 std::vector<double> on_first(const NodeMatch& match, const ResultSurface& first, const ResultSurface& own,
                              const std::vector<double>& facets) {
   if (match.same_mesh) return facets;
-  std::vector<double> nodal = carry(match, own, nodal_average(own, facets));
+  std::vector<double> nodal = carry_values(match, own, nodal_average(own, facets));
   for (double& p : nodal)
     if (std::isnan(p)) p = 0.0;
   return facet_average(first, nodal);

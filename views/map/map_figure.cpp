@@ -154,7 +154,7 @@ int reference_state(const ResultFile& minus, double time, bool last) {
 MapValues difference(const NodeMatch& match, const ResultSurface& surface, const MapValues& a,
                      const ResultSurface& reference, const MapValues& b) {
   MapValues d;
-  const std::vector<double> carried = carry(match, reference, b.vertices);
+  const std::vector<double> carried = carry_values(match, reference, b.vertices);
   for (std::size_t i = 0; i < carried.size(); ++i)
     d.vertices.push_back(a.vertices[i] == 0 && carried[i] == 0 ? kNaN : a.vertices[i] - carried[i]);
   if (match.same_mesh) {

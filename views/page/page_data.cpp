@@ -290,7 +290,7 @@ std::vector<ResultPair> result_pairs(const Quantity& q, const PageSurface& s) {
 Found find_difference(const Quantity& q, const ResultPair& pair, const MapValues& x, const MapValues& y) {
   Found found;
   const std::vector<double> carried =
-      pair.same_mesh ? std::vector<double>() : carry(q.matches[pair.a], q.own[pair.a], x.vertices);
+      pair.same_mesh ? std::vector<double>() : carry_values(q.matches[pair.a], q.own[pair.a], x.vertices);
   const std::vector<double>& from = pair.same_mesh ? x.vertices : carried;
   for (std::size_t i = 0; i < y.vertices.size(); ++i) found.nodes.add(from[i] - y.vertices[i]);
   if (pair.same_mesh)
@@ -425,7 +425,7 @@ void add_patterns(const std::vector<PageFrame>& frames, const std::vector<Result
         for (const ProfileBin& b : pressure_profile(own[i], p, of_surface->axis, of_surface->center, bin))
           s.profiles[f][i].push_back(b.mean);
       if (i + 1 == n || nodal[n - 1].empty()) continue;
-      const std::vector<double> carried = carry(matches[i], own[i], nodal[i]);
+      const std::vector<double> carried = carry_values(matches[i], own[i], nodal[i]);
       for (std::size_t r = 0; r < masks.size(); ++r) s.patterns[f][r][i] = pattern(carried, nodal[n - 1], areas[r]);
     }
   });
