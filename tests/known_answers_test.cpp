@@ -10,6 +10,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/views/text/report_text.h>
 #include "program.h"
 #include "src/test_models.h"
 
@@ -328,6 +329,26 @@ TEST(KnownAnswers, DeepUnderABall) {
 TEST(KnownAnswers, RefineResolvesRoughness) {
   NEEDS_CASES();
   EXPECT_NEAR(solve("eggbox.feb", 0, 4).peak / 0.0368, 1, 0.05);
+}
+
+// A curved quarter: at its planes of symmetry a normal is known from one side only, and the closest point is right.
+TEST(Remarks, NormalsThatMissOnAPlaneOfSymmetryAreNotTold) {
+  JointModel model;
+  model.surfaces.resize(1);
+  model.surfaces[0].name = "ball";
+  model.contacts.resize(1);
+  Joint joint;
+  joint.contacts.resize(1);
+  joint.contacts[0].contact = 0;
+  for (Layer& layer : joint.contacts[0].layers) layer.surface = 0;
+  Layer& ball = joint.contacts[0].layers[1];
+  ball.missed = {1, 1, 1, 0};
+  ball.mirror = {1, 0, 3, 0};
+  ASSERT_EQ(model_remarks(model, joint).size(), 1u);
+  EXPECT_NE(model_remarks(model, joint)[0].find("surface \"ball\": at 1 of 4 vertices"), std::string::npos)
+      << model_remarks(model, joint)[0];
+  ball.mirror[1] = 2;
+  EXPECT_TRUE(model_remarks(model, joint).empty());
 }
 
 }  // namespace

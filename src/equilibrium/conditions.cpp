@@ -1,13 +1,12 @@
 #include <febiodea/equilibrium/conditions.h>
 
-#include <fmt/format.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea {
@@ -147,8 +146,9 @@ LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& wa
       return found;
     }
   }
-  throw UsageError(fmt::format("--load-at {}=sphere-center: this body has no articular surface; give a point x,y,z",
-                               joint.bodies[at(body)].name));
+  throw UsageError(Fault{.given = NamedSetting{"load-at", joint.bodies[at(body)].name, "sphere-center"},
+                         .found = "this body has no articular surface;",
+                         .expected = "give a point x,y,z"});
 }
 
 LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
@@ -214,12 +214,9 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
     const auto& dofs = c.bodies[b].dofs;
     const bool any = std::count(dofs.begin() + 3, dofs.end(), DofState::Prescribed) > 0;
     if (any && std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0)
-      throw InputError(
-          where(model, {0, 0}) +
-          fmt::format(
-              "body \"{}\": some rotations are prescribed and others free; FEBio and DEA need all three prescribed or "
-              "fixed (a fixed one counts as 0)",
-              joint.bodies[b].name));
+      throw fault_at(model, {0, 0},
+                     say("body \"{}\": some rotations are prescribed and others free;", joint.bodies[b].name),
+                     "FEBio and DEA need all three prescribed or fixed (a fixed one counts as 0)");
   }
   std::vector<char> force_replaced(joint.bodies.size(), 0);
   for (const auto& entry : settings.force) force_replaced[at(joint.find_body(model, entry.first))] = 1;
@@ -288,6 +285,8 @@ namespace {
 // Far beyond what anyone looks at; each costs a solution and room in the plot file.
 constexpr double kMostStates = 10000, kThinned = 1000;
 
+const NamedSetting kSomeStates = {"states", "", "t1,t2,..."};
+
 }  // namespace
 
 double count_time_steps(const JointModel& model) {
@@ -305,10 +304,10 @@ std::vector<TimePoint> model_times(const JointModel& model, bool thin) {
   const bool very_many = very_many_time_steps(model);
   if (very_many && !thin)
     throw fault_at(model, model.steps.front().origin,
-                   fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
-                               "needs no small steps before it), or choose the states: --states last, --states "
-                               "t1,t2,...",
-                               states, kMostStates));
+                   say("{:.0f} time steps, need at most {:.0f}:", states, kMostStates),
+                   say("raise step_size (equilibrium at a time needs no small steps before it), or choose the states: "
+                       "{}, {}",
+                       NamedSetting{"states", "", "last"}, kSomeStates));
   const double stride = very_many ? std::ceil(states / kThinned) : 1.0;
   if (!(starts.back() > 0)) {
     throw fault_at(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
@@ -347,11 +346,11 @@ std::vector<TimePoint> place_times(const JointModel& model, const std::vector<do
   return placed;
 }
 
-std::string thinned_note(const JointModel& model, std::size_t solved) {
-  return fmt::format(
+Sentence thinned_note(const JointModel& model, std::size_t solved) {
+  return say(
       "of the model's {:.0f} time steps {} are solved, evenly chosen besides ends of steps and must points: each is an "
-      "equilibrium of its own; others with --states t1,t2,...",
-      count_time_steps(model), solved);
+      "equilibrium of its own; others with {}",
+      count_time_steps(model), solved, kSomeStates);
 }
 
 }  // namespace dea

@@ -1,7 +1,5 @@
 #include <febiodea/equilibrium/equilibrium.h>
 
-#include <fmt/format.h>
-
 #include <Eigen/Dense>
 #include <Eigen/SparseLU>
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/rotations.h>
+#include <febiodea/base/say.h>
 #include <febiodea/equilibrium/connectors.h>
 #include <febiodea/equilibrium/singular_parts.h>
 #include <febiodea/springs/place.h>
@@ -665,6 +664,7 @@ Search back_out(Problem& problem, Evaluation e) {
 struct Solution {
   Outcome outcome = Outcome::NotConverged;
   std::string message;
+  Sentence advice;
   Evaluation at;
   Directions directions;
   std::vector<double> history;
@@ -764,19 +764,22 @@ Travel travel(const Problem& problem, const std::vector<Pose>& from, const std::
   return result;
 }
 
-/// Nothing resists a motion: which one, how far it was followed, what to do.
+/// Nothing resists a motion: which one, how far it was followed.
 std::string says_nothing_resists(const Problem& problem, const std::vector<Pose>& started, const Evaluation& e,
                                  const VectorXd& motion, double unbalanced) {
   const Travel gone = travel(problem, started, e.poses);
   const double cap = 0.5 * problem.beds.least_thickness;
   return fmt::format(
-      "{:.2g} of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses; "
-      "hold this motion (--free), add what resists it, or check where the load acts",
+      "{:.2g} of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses;",
       unbalanced,
       gone.reached > 2.0 * cap
           ? gone.words
           : fmt::format("{}, followed for {:.3g}", direction_in_words(problem, e, motion.normalized()), gone.reached),
       problem.casts);
+}
+
+Sentence against_free_motion() {
+  return say("hold this motion ({}), add what resists it, or check where the load acts", NamedSetting{"free"});
 }
 
 Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& options) {
@@ -830,6 +833,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
         solution.outcome = Outcome::NoEquilibrium;
         solution.message =
             says_nothing_resists(problem, started, e, soft ? *soft : VectorXd(d.newton + d.drift), size / e.load);
+        solution.advice = against_free_motion();
       } else {
         solution.message = fmt::format(
             "unbalanced force is {:.2e} of the load after {} iterations and {} poses tried, and falls no more",
@@ -856,8 +860,9 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
         e = std::move(s.at);
         if (s.found) continue;
         solution.outcome = Outcome::SurfacesApart;
+        const std::string way = travel(problem, started, e.poses).words;  // empty: there was none to go
         solution.message = fmt::format("the load moves the surfaces apart: no spring closes along it ({})",
-                                       travel(problem, started, e.poses).words);
+                                       way.empty() ? direction_in_words(problem, e, d.drift.normalized()) : way);
         break;
       }
       beyond = true;
@@ -1079,6 +1084,7 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   double left_at_start = 0.0, left_at_end = 0.0;
   if (opens(from, &left_at_start) && opens(direct.at, &left_at_end)) {
     direct.outcome = Outcome::SurfacesApart;
+    direct.advice = {};
     direct.message = fmt::format(
         "the load moves the surfaces apart: pressures on them, however spread, leave {:.2g} of it unbalanced",
         std::min(left_at_start, left_at_end));
@@ -1116,6 +1122,7 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
   direct.iterations = iterations;
   if (const int beyond = beyond_limit(direct.at); beyond > 0) {
     direct.outcome = Outcome::BeyondStrainLimit;
+    direct.advice = {};
     direct.message = fmt::format(
         "no balance: {:.3g}% of the load is not carried when {} springs are strained beyond {}: the layers are too "
         "thin or "
@@ -1125,6 +1132,7 @@ Solution solve(Problem& problem, const std::vector<Pose>& start, const Equilibri
     direct.outcome = Outcome::NoEquilibrium;
     direct.message =
         says_nothing_resists(problem, poses, direct.at, *soft, direct.history.empty() ? 1.0 : direct.history.back());
+    direct.advice = against_free_motion();
   }
   return direct;
 }
@@ -1326,6 +1334,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   }
   result.outcome = s.outcome;
   result.message = s.message;
+  result.advice = s.advice;
   result.iterations = s.iterations;
   result.history = s.history;
   result.least_stiffness = s.directions.least_stiffness;

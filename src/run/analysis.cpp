@@ -1,13 +1,12 @@
 #include <febiodea/run/analysis.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/say.h>
 
 namespace dea {
 
@@ -30,14 +29,16 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
       const SurfaceMesh& mesh = source.spring_surface();
       const int vertex = mesh.triangles[static_cast<std::size_t>(beds.beds[c].springs.surface_triangle[i])][0];
       const Surface& surface = model.surfaces[static_cast<std::size_t>(source.surface)];
+      const char* parameter = pair.source == 0 ? "primary_thickness" : "secondary_thickness";
       throw fault_at(
           model, surface.origin,
-          fmt::format("contact \"{}\": there is no cartilage near node {} of surface \"{}\" where the bodies meet "
-                      "(thickness {:.2g}); mend the "
-                      "mesh or give --thickness \"{}=VALUE\"",
-                      pair.name,
-                      model.node_ids[static_cast<std::size_t>(mesh.model_nodes[static_cast<std::size_t>(vertex)])],
-                      surface.name, s.t_source[i] + s.t_target[i], surface.name));
+          say("contact \"{}\": there is no cartilage near node {} of surface \"{}\" where the bodies meet (thickness "
+              "{:.2g});",
+              pair.name, model.node_ids[static_cast<std::size_t>(mesh.model_nodes[static_cast<std::size_t>(vertex)])],
+              surface.name, s.t_source[i] + s.t_target[i]),
+          say("mend the mesh or give {}",
+              NamedSetting{"thickness", surface.name, "VALUE",
+                           model.contacts[static_cast<std::size_t>(pair.contact)].dea ? parameter : ""}));
     }
   }
 }
@@ -48,7 +49,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
 }
 
 Analysis analyse(const Recognition& recognition, const AnalysisOptions& options) {
-  if (!recognition.faults.empty()) throw as_error(recognition);
+  throw_if_any(recognition.faults);
   const JointModel& model = recognition.model;
   const Settings& settings = recognition.settings;
   Analysis analysis;
@@ -125,8 +126,9 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options)
     const LoadCase last = make_load_case(model, joint, settings, times.back().step, times.back().time);
     const auto& dofs = last.bodies[static_cast<std::size_t>(joint.find_body(model, entry.first))].dofs;
     if (std::count(dofs.begin(), dofs.begin() + 3, DofState::Free) == 0)
-      analysis.joint.findings.push_back(fmt::format(
-          "--force {}: the body is not free to move in the last step; the force has no effect", entry.first));
+      analysis.joint.findings.push_back(
+          say("{}: the body is not free to move in the last step; the force has no effect",
+              NamedSetting{.setting = "force", .of = entry.first, .bare = true}));
   }
   analysis.seconds_solve = now() - clock;
   return analysis;

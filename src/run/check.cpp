@@ -72,7 +72,7 @@ void check_steps(const JointModel& model, const Settings& settings, JointCheck& 
 JointCheck check_joint(const Recognition& recognition) {
   const JointModel& model = recognition.model;
   JointCheck check;
-  for (const Fault& fault : recognition.faults) check.errors.push_back(line(fault));
+  check.errors = recognition.faults;
   if (!recognition.recognised) return check;
   try {
     check.joint = recognition.joint;
@@ -84,7 +84,7 @@ JointCheck check_joint(const Recognition& recognition) {
                                          [](const LoadController& c) { return c.unsupported.empty(); });
     if (controllers) check_steps(model, recognition.settings, check);
   } catch (const InputError& found) {
-    if (check.errors.empty()) check.errors.push_back(found.what());
+    if (check.errors.empty()) check.errors.push_back(found.fault);
   }
   return check;
 }

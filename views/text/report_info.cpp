@@ -345,7 +345,7 @@ std::string info_text(const JointModel& model, const Settings& settings, const J
                         r.count > 1 ? fmt::format(" ({} times)", r.count) : "");
   }
   if (!check.errors.empty()) text += "\nwhy dea run refuses this model\n";
-  for (const std::string& line : check.errors) text += "  " + line + "\n";
+  for (const Fault& fault : check.errors) text += "  " + line(fault, command_line_wording()) + "\n";
   return text;
 }
 
@@ -454,11 +454,14 @@ nlohmann::ordered_json info_json(const JointModel& model, const Settings& settin
   }
   j["times"] = Json::array();
   for (const TimePoint& t : check.times) j["times"].push_back(t.time);
-  j["findings"] = check.joint.findings;
+  const Wording wording = command_line_wording();
+  j["findings"] = Json::array();
+  for (const Sentence& finding : check.joint.findings) j["findings"].push_back(worded(finding, wording));
   j["ignored"] = remarks_json(model, model.ignored);
   j["unsupported"] = remarks_json(model, model.unsupported);
-  j["error"] = check.errors.empty() ? Json(nullptr) : Json(check.errors.front());
-  j["errors"] = check.errors;  // all that are known, the most basic first
+  j["error"] = check.errors.empty() ? Json(nullptr) : Json(line(check.errors.front(), wording));
+  j["errors"] = Json::array();  // all that are known, the most basic first
+  for (const Fault& fault : check.errors) j["errors"].push_back(line(fault, wording));
   return j;
 }
 

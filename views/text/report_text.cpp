@@ -256,7 +256,7 @@ namespace {
 /// Law layer follows what flows within the size of the facets. Measured on a sphere (docs/layer_law.md, section 6):
 /// facets of half the thickness or less are within 2 % where contact is 8 of them wide, facets as long as the cartilage
 /// is thick 7 % and 17 % off in force and peak. Empty: they are fine.
-std::string coarse_facets(const JointModel& model, const ContactPair& pair) {
+std::string coarse_facets(const JointModel& model, const ContactPair& pair, const Wording& wording) {
   constexpr double kFine = 0.3, kCoarse = 1.05;  // thicknesses
   if (pair.law != Law::Layer) return "";
   double worst = 0.0;
@@ -272,17 +272,30 @@ std::string coarse_facets(const JointModel& model, const ContactPair& pair) {
   const std::string text =
       fmt::format("contact \"{}\": facets are long against the cartilage's thickness ({})", pair.name, sizes);
   if (worst > kCoarse)
-    return fmt::format("warning: {}: force and peak may be 20% off; type --refine {} ({} times the springs)", text,
-                       refine, refine * refine / (pair.refine * pair.refine));
+    return fmt::format("warning: {}: force and peak may be 20% off; type {} ({} times the springs)", text,
+                       wording({"refine", "", std::to_string(refine)}), refine * refine / (pair.refine * pair.refine));
   return fmt::format(
       "note: {}: right to about 3% where contact is 8 facets wide, less where it is narrower; "
-      "dea converge or --refine {} tell",
-      text, 2 * pair.refine);
+      "dea converge or {} tell",
+      text, wording({"refine", "", std::to_string(2 * pair.refine)}));
 }
 
 }  // namespace
 
-std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint) {
+namespace {
+
+/// Vertices whose thickness is the closest point's for want of a better one. On a plane of symmetry the closest point
+/// is the better one: of a curved surface the normal is known from one side only there.
+int doubtful_vertices(const Layer& layer) {
+  const bool planes = layer.springs_at == SpringsAt::Articular && layer.mirror.size() == layer.missed.size();
+  int count = 0;
+  for (std::size_t v = 0; v < layer.missed.size(); ++v) count += layer.missed[v] && !(planes && layer.mirror[v]);
+  return count;
+}
+
+}  // namespace
+
+std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint, const Wording& wording) {
   std::vector<std::string> lines;
   for (const Remark& r : model.ignored)
     add_once(lines, fmt::format("ignored: {}{}{}", where(model, r.origin), r.what,
@@ -292,24 +305,29 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
     for (const std::string& what : contact.ignored)
       add_once(lines, fmt::format("ignored: {}contact \"{}\": {}", where(model, contact.origin), contact.name, what));
   }
-  for (const std::string& finding : joint.findings) add_once(lines, "note: " + finding);
+  for (const Sentence& finding : joint.findings) add_once(lines, "note: " + worded(finding, wording));
   for (const ContactPair& pair : joint.contacts) {
-    const std::string coarse = coarse_facets(model, pair);
+    const std::string coarse = coarse_facets(model, pair, wording);
     if (!coarse.empty()) add_once(lines, coarse);
   }
   for (const ContactPair& pair : joint.contacts) {
     for (const Layer& layer : pair.layers) {
-      if (layer.missed_count() == 0) continue;
+      const int doubtful = doubtful_vertices(layer);
+      if (doubtful == 0) continue;
       add_once(lines, fmt::format("warning: surface \"{}\": at {} of {} vertices the thickness is the distance to the "
                                   "nearest point of the bone, "
                                   "for their normals meet no bone (usual at rims; `dea info -o` shows where)",
-                                  model.surfaces[at(layer.surface)].name, layer.missed_count(), layer.missed.size()));
+                                  model.surfaces[at(layer.surface)].name, doubtful, layer.missed.size()));
     }
   }
   return lines;
 }
 
-std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis) {
+std::string outcome_text(const Equilibrium& e, const Wording& wording) {
+  return e.message + (e.advice.empty() ? "" : " " + worded(e.advice, wording));
+}
+
+std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis, const Wording& wording) {
   const Joint& joint = analysis.joint;
   std::vector<std::string> lines;
   std::vector<StateRun> runs;
@@ -322,7 +340,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
       last_held = &state;
     }
     const std::size_t index = static_cast<std::size_t>(&state - analysis.states.data());
-    if (!solved(e.outcome)) add_state(runs, fmt::format("{}", name(e.outcome)), index, e.message);
+    if (!solved(e.outcome)) add_state(runs, fmt::format("{}", name(e.outcome)), index, outcome_text(e, wording));
     if (solved(e.outcome) && e.least_stiffness < 0)
       add_state(runs, "the balance is unstable", index, fmt::format("least stiffness {:.3g}", e.least_stiffness));
   }
@@ -346,17 +364,19 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
           lines,
           fmt::format(
               "warning: \"{}\" has turned by {:.0f} degrees about ({:.2f}, {:.2f}, {:.2f}): its rotations are hardly "
-              "resisted; to hold them type --free \"{}=x,y,z\"",
-              joint.bodies[b].name, degrees, turn.axis().x(), turn.axis().y(), turn.axis().z(), joint.bodies[b].name));
+              "resisted; to hold them type {}",
+              joint.bodies[b].name, degrees, turn.axis().x(), turn.axis().y(), turn.axis().z(),
+              wording({"free", joint.bodies[b].name, "x,y,z"})));
   }
   int touching = 0;
   for (const ContactStatistics& s : last.statistics) touching += s.springs_active;
   if (touching == 0 && last.equilibrium.outcome == Outcome::Balanced && last.equilibrium.load == 0.0)
-    add_once(lines,
-             fmt::format(
-                 "warning: at time {} nothing loads a free body and nothing touches: there is no contact to look at; "
-                 "give a load with --force BODY=x,y,z",
-                 number_text(last.when.time)));
+    add_once(
+        lines,
+        fmt::format(
+            "warning: at time {} nothing loads a free body and nothing touches: there is no contact to look at; "
+            "give a load with {}",
+            number_text(last.when.time), wording({.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true})));
   const bool ever = std::any_of(analysis.states.begin(), analysis.states.end(), [](const StateResult& state) {
     return std::any_of(state.statistics.begin(), state.statistics.end(),
                        [](const ContactStatistics& s) { return s.springs_active > 0; });
@@ -368,15 +388,17 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
     const int active = last.statistics[c].springs_active;
     if (active < 20 && last.fields[c].sides[1 - joint.contacts[c].source].contact_area > 0)
       add_once(lines, fmt::format("warning: contact \"{}\": only {} springs carry at time {}, too few for a pressure "
-                                  "map; divide them with --refine, or let the other "
-                                  "body's finer surface carry them with --source",
-                                  joint.contacts[c].name, active, number_text(last.when.time)));
+                                  "map; divide them with {}, or let the other "
+                                  "body's finer surface carry them with {}",
+                                  joint.contacts[c].name, active, number_text(last.when.time), wording({"refine"}),
+                                  wording({"source"})));
     else if (active < 60 && active > 0 && joint.contacts[c].law == Law::Layer)
       add_once(lines, fmt::format(
                           "warning: contact \"{}\": at time {} only {} springs carry, too few to follow how the layers "
                           "flow: force and peak may be 10% too high; divide them with "
-                          "--refine {}",
-                          joint.contacts[c].name, number_text(last.when.time), active, 2 * joint.contacts[c].refine));
+                          "{}",
+                          joint.contacts[c].name, number_text(last.when.time), active,
+                          wording({"refine", "", std::to_string(2 * joint.contacts[c].refine)})));
     for (const Layer& layer : joint.contacts[c].layers) {
       const double factor = last.fields[c].sides[&layer - joint.contacts[c].layers].resultant_factor;
       if (!(std::abs(factor - 1.0) > 0.02)) continue;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/run/analysis.h>
 
 namespace dea {
@@ -29,8 +30,14 @@ std::vector<TitledTable> run_tables(const JointModel& model, const Analysis& ana
 std::string run_text(const JointModel& model, const Analysis& analysis);
 
 /// What was concluded, left out or is doubtful, a line each, each once: "note: ...", "ignored: ...", "warning: ...".
-std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint);
-std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis);
+/// Files (JSON, the page) have the words of the command line, whoever writes them.
+std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint,
+                                       const Wording& wording = command_line_wording());
+std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis,
+                                        const Wording& wording = command_line_wording());
+
+/// The sentence behind a state's outcome.
+std::string outcome_text(const Equilibrium& e, const Wording& wording = command_line_wording());
 
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs);
 
