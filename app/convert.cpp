@@ -6,6 +6,7 @@
 #include <febiodea/io/convert/convert_feb.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/settings/setting_words.h>
 
 namespace dea {
 
@@ -54,9 +55,10 @@ int convert(const ConvertArguments& a) {
   write_text(output, conversion.text);
   if (a.quiet) return kSolved;
   std::string text = output + "\n";
-  for (const std::string& change : conversion.changes) text += change + "\n";
+  const Wording wording = command_line_wording();
+  for (const Sentence& change : conversion.changes) text += worded(change, wording) + "\n";
   print(text);
-  for (const std::string& note : conversion.notes) log("note: " + note);
+  for (const Sentence& note : conversion.notes) log("note: " + worded(note, wording));
   return kSolved;
 }
 

@@ -60,11 +60,7 @@ int info(const InfoArguments& a) {
   if (!a.output.empty() && check.recognised) write_xplt(a.output, make_check_file(model, check));
   if (!a.json.empty()) write_text(a.json, json_text(info_json(model, settings, check)));
   if (a.json != "-") print(info_text(model, settings, check));
-  if (!check.errors.empty()) {
-    InputError error(check.errors.front());
-    error.others.assign(check.errors.begin() + 1, check.errors.end());
-    throw error;
-  }
+  throw_if_any(check.errors);
   return kSolved;
 }
 

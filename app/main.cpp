@@ -11,6 +11,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/settings/setting_words.h>
 
 namespace {
 
@@ -169,9 +170,9 @@ int main(int argc, char** argv) {
   } catch (const Stopped&) {
     return refuse("", stopped_line(), stopped_code());
   } catch (const UsageError& e) {
-    return refuse("dea: ", e.what(), kWrongUse);
+    return refuse("dea: ", line(e.fault, command_line_wording()), kWrongUse);
   } catch (const InputError& e) {
-    return refuse("", e.what() + more_text(e), kInputRefused);
+    return refuse("", line(e.fault, command_line_wording()) + more_text(e), kInputRefused);
   } catch (const WriteError& e) {
     return refuse("dea: cannot write ", e.what(), kCannotWrite);
   } catch (const std::exception& e) {

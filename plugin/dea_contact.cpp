@@ -18,6 +18,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/plugin/febio_log.h>
+#include <febiodea/plugin/febio_wording.h>
 #include <febiodea/plugin/read_fe_model.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/springs/press.h>
@@ -235,6 +236,8 @@ bool FEDeaContact::guarded(Action action) {
   try {
     action();
     return true;
+  } catch (const dea::InputError& e) {
+    fault(line(e.fault, dea::febio_wording()).c_str());
   } catch (const std::exception& e) {
     fault(e.what());
   } catch (...) {
@@ -280,7 +283,8 @@ void FEDeaContact::build() {
   bed->beds = dea::make_spring_beds(bed->joint);
   bed->maps = dea::make_field_maps(model, bed->joint);
   std::string text = fmt::format("{}: contact \"{}\"\n", dea::version_line(), GetName());
-  for (const std::string& finding : bed->joint.findings) text += fmt::format("  {}\n", finding);
+  for (const dea::Sentence& finding : bed->joint.findings)
+    text += fmt::format("  {}\n", dea::worded(finding, dea::febio_wording()));
   for (int side = 0; side < 2; ++side) {
     const dea::Layer& layer = pair.layers[side];
     text += fmt::format("  {} surface \"{}\" on body \"{}\": ", kSides[side], model.surfaces[at(layer.surface)].name,

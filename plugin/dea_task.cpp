@@ -9,6 +9,7 @@
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/plugin/febio_log.h>
+#include <febiodea/plugin/febio_wording.h>
 #include <febiodea/plugin/read_fe_model.h>
 #include <febiodea/views/page/write_page.h>
 #include <febiodea/views/run_model.h>
@@ -83,7 +84,7 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   }
   const RunResult result = run_model(recognition, options);
 
-  for (const std::string& line : run_remarks(model, result.analysis)) log_text(fem, line);
+  for (const std::string& line : run_remarks(model, result.analysis, febio_wording())) log_text(fem, line);
   log_text(fem, run_text(model, result.analysis));
   log_text(fem, run_summary(options, result));
   if (all_solved(result.analysis)) return true;
@@ -109,9 +110,9 @@ bool DeaTask::Run() {
     log_text(*fem, version_line() + ": task dea");
     return run(*fem, settings_file_);
   } catch (const UsageError& e) {
-    fault = std::string("dea: ") + e.what();
+    fault = "dea: " + line(e.fault, febio_wording());
   } catch (const InputError& e) {
-    fault = e.what();
+    fault = line(e.fault, febio_wording());
   } catch (const WriteError& e) {
     fault = std::string("dea: cannot write ") + e.what();
   } catch (const std::exception& e) {

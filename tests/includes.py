@@ -1,4 +1,5 @@
-"""Who includes whom: python3 includes.py SOURCE. Fails on an include that goes up the house, and on circles.
+"""Who includes whom: python3 includes.py SOURCE. Fails on an include that goes up the house, and on circles. And who words
+settings: src has no text with an option of the command line.
 
 Floors, lowest first. A file includes its own floor and those below; plugin never includes app."""
 import pathlib
@@ -35,6 +36,10 @@ for file in files:
             faults.append(f"{name(file)} includes {other}: the plugin knows nothing of the program")
         # a .cpp file stands for its header: what one of the two includes, both depend on
         graph.setdefault(re.sub(r"\.(h|cpp)$", "", name(file)), set()).add(re.sub(r"\.h$", "", other))
+for file in sorted((source / "src").rglob("*.[hc]*")):
+    for text in re.findall(r'"(?:[^"\\\n]|\\.)*"', file.read_text()):
+        if re.search(r"--[a-z]", text, re.I):
+            faults.append(f"{name(file)} says {text}: name the setting (base/sentence.h), each front end words it")
 seen, stack = {}, []
 
 

@@ -10,6 +10,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/views/text/remarks.h>
 #include "program.h"
 #include "src/test_models.h"
 
@@ -143,6 +144,41 @@ TEST(KnownAnswers, QuarterModelEitherWayRound) {
     const Solved a = solve("quarter.feb", nu), b = solve("quarter_rigid_primary.feb", nu);
     EXPECT_NEAR(b.force / a.force, 1, 0.01) << nu;
     EXPECT_NEAR(b.peak / a.peak, 1, 0.01) << nu;
+  }
+}
+
+// Two contacts side by side, each with half of the facets that a ball presses: by symmetry each is half of the whole,
+// whichever body carries the springs. Where the layer goes on without load beside the line they share (as from a
+// contact of other bodies), the peak is a punch's, far too high.
+TEST(KnownAnswers, TwoHalvesOfAContactAreTheWhole) {
+  for (double nu : kNus) {
+    const SlabUnderBall slab(nu);
+    SlabUnderBall halves(nu);
+    const Solved whole = SlabUnderBall(nu).run();
+    const auto half = [&](const char* name, bool right) {
+      const Surface& s = slab.model.surfaces[at(slab.layer)];
+      Surface part;
+      part.name = name;
+      for (int f = 0; f < s.size(); ++f) {
+        if ((slab.center(s, f).x() > 0) != right) continue;
+        part.nodes.insert(part.nodes.end(), s.nodes.begin() + 4 * f, s.nodes.begin() + 4 * f + 4);
+        part.begin.push_back(static_cast<int>(part.nodes.size()));
+      }
+      halves.model.surfaces.push_back(part);
+      halves.settings.nu[name] = nu;
+      return static_cast<int>(halves.model.surfaces.size()) - 1;
+    };
+    const int left = half("left", false), right = half("right", true);
+    test::add_contact(halves.model, "left", left, halves.indenter);
+    test::add_contact(halves.model, "right", right, halves.indenter);
+    halves.settings.nu.erase("layer");
+    const Analysis analysis = analyse(halves.model, halves.settings);
+    for (int c = 0; c < 2; ++c) {
+      const ContactStatistics& of = analysis.states.back().statistics[at(c)];
+      EXPECT_NEAR(std::abs(of.force.z()) / whole.force, 0.5, 0.002) << nu;
+      EXPECT_NEAR(of.peak / whole.peak, 1, 0.002) << nu;
+      EXPECT_NEAR(rim_lengths(analysis.joint.contacts[at(c)].layers[0].face).shared, 28, 1e-9);
+    }
   }
 }
 
@@ -328,6 +364,26 @@ TEST(KnownAnswers, DeepUnderABall) {
 TEST(KnownAnswers, RefineResolvesRoughness) {
   NEEDS_CASES();
   EXPECT_NEAR(solve("eggbox.feb", 0, 4).peak / 0.0368, 1, 0.05);
+}
+
+// A curved quarter: at its planes of symmetry a normal is known from one side only, and the closest point is right.
+TEST(Remarks, NormalsThatMissOnAPlaneOfSymmetryAreNotTold) {
+  JointModel model;
+  model.surfaces.resize(1);
+  model.surfaces[0].name = "ball";
+  model.contacts.resize(1);
+  Joint joint;
+  joint.contacts.resize(1);
+  joint.contacts[0].contact = 0;
+  for (Layer& layer : joint.contacts[0].layers) layer.surface = 0;
+  Layer& ball = joint.contacts[0].layers[1];
+  ball.missed = {1, 1, 1, 0};
+  ball.mirror = {1, 0, 3, 0};
+  ASSERT_EQ(model_remarks(model, joint).size(), 1u);
+  EXPECT_NE(model_remarks(model, joint)[0].find("surface \"ball\": at 1 of 4 vertices"), std::string::npos)
+      << model_remarks(model, joint)[0];
+  ball.mirror[1] = 2;
+  EXPECT_TRUE(model_remarks(model, joint).empty());
 }
 
 }  // namespace

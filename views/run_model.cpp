@@ -53,13 +53,13 @@ States wanted_states(const JointModel& model, const std::string& states, const s
 
 /// What the user should know of the states that are solved.
 void note_states(const JointModel& model, const RunOptions& options, const States& states,
-                 std::vector<std::string>& findings) {
+                 std::vector<Sentence>& findings) {
   const std::string& asked = options.outputs.states;
   if (!options.times_from.empty() || asked == "all") return;
   if (asked.empty() && very_many_time_steps(model))
     findings.push_back(thinned_note(model, states.times.size()));
   else if (!asked.empty() && many_states_left_out(model, states.times))
-    findings.push_back(left_out_note(model, states.times.size()));
+    findings.push_back(states_left_out_note(model, states.times.size()));
 }
 
 AnalysisOptions analysis_options(const RunOptions& options, const States& states) {

@@ -1,7 +1,5 @@
 #include <febiodea/io/convert/conversion_plan.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,6 +8,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/joint/bodies.h>
 #include <febiodea/run/analysis.h>
@@ -18,16 +17,26 @@ namespace dea {
 
 namespace {
 
+const NamedSetting kLinear = {"law", "", "linear"};
+
 void refuse_settings(const Settings& s) {
+  const auto refuse = [](const NamedSetting& given, const char* found, const char* expected) {
+    throw UsageError(Fault{.given = given, .found = found, .expected = expected});
+  };
   if (s.springs_at == SpringsAt::Bone)
-    throw UsageError("--springs-at bone: a contact of type dea has its springs on the articular surface; leave it out");
-  if (s.interface_stiffness) throw UsageError("--interface-stiffness: a contact of type dea has none; leave it out");
+    refuse({"springs-at", "", "bone"}, "a contact of type dea has its springs on the articular surface;",
+           "leave it out");
+  if (s.interface_stiffness) refuse({"interface-stiffness"}, "a contact of type dea has none;", "leave it out");
   if (s.layer_fit != LayerFit::TwoTerms)
-    throw UsageError("--layer-terms 1: a contact of type dea takes two; leave it out");
-  constexpr const char* kOwn = "a converted file keeps the model's own motion and loads; change them in the model";
-  if (!s.force.empty()) throw UsageError(fmt::format("--force {}: {}", s.force.begin()->first, kOwn));
-  if (!s.load_at.empty()) throw UsageError(fmt::format("--load-at {}: {}", s.load_at.begin()->first, kOwn));
-  if (!s.free.empty()) throw UsageError(fmt::format("--free {}: {}", s.free.begin()->first, kOwn));
+    refuse({"layer-terms", "", "1"}, "a contact of type dea takes two;", "leave it out");
+  const auto refuse_load = [&](const char* setting, const auto& values) {
+    if (!values.empty())
+      refuse({setting, values.begin()->first}, "a converted file keeps the model's own motion and loads;",
+             "change them in the model");
+  };
+  refuse_load("force", s.force);
+  refuse_load("load-at", s.load_at);
+  refuse_load("free", s.free);
 }
 
 /// Contacts of the joint that become contacts of type dea.
@@ -41,9 +50,9 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
     for (const Layer& layer : pair.layers)
       if (pair.law == Law::Layer && std::count(layer.mirror.begin(), layer.mirror.end(), 0) < std::ssize(layer.mirror))
         throw UsageError(
-            "the model has planes of symmetry, which end where its cartilage becomes rigid, and a contact of type dea "
-            "with law layer would take the rim there for a free edge; convert with --law linear, or a model without "
-            "such planes");
+            Fault{.found = "the model has planes of symmetry, which end where its cartilage becomes rigid, and a "
+                           "contact of type dea with law layer would take the rim there for a free edge;",
+                  .expected = say("convert with {}, or a model without such planes", kLinear)});
     plan.converted[at(pair.contact)] = 1;
     any = true;
   }
@@ -56,8 +65,9 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
     const Contact& c = model.contacts[i];
     if (plan.converted[i] || c.kind != Contact::Kind::Sliding || c.dea) continue;
     const bool other = !settings.contact.empty() && c.name != settings.contact;
-    plan.notes.push_back(fmt::format("contact \"{}\" ({}) stays as it is: {}", c.name, c.type,
-                                     other ? "left out by --contact" : "both its surfaces belong to one body"));
+    plan.notes.push_back(
+        say("contact \"{}\" ({}) stays as it is: {}", c.name, c.type,
+            other ? say("left out by {}", NamedSetting{"contact"}) : Sentence("both its surfaces belong to one body")));
   }
 }
 
@@ -224,7 +234,7 @@ void convert_materials(const std::vector<int>& rigid_material, ConversionPlan& p
     Material& material = plan.target.materials[at(rigid_material[b])];
     if (!material.rigid) {
       plan.changes.push_back(
-          fmt::format("material \"{}\": type {} becomes rigid body (--rigid)", material.name, material.type));
+          say("material \"{}\": type {} becomes rigid body ({})", material.name, material.type, NamedSetting{"rigid"}));
       material.rigid = true;
       material.type = "rigid body";
       material.E = material.nu = std::nan("");
@@ -258,10 +268,10 @@ void check_bodies(const JointModel& model, const ConversionPlan& plan, const std
       if (rigid_material[a] < 0 || rigid_material[b] < 0 ||
           after.of_material[at(rigid_material[a])] != after.of_material[at(rigid_material[b])])
         continue;
-      throw InputError(where(model, {0, 0}) +
-                       fmt::format("the cartilage shares nodes with bodies \"{}\" and \"{}\", which would become one "
-                                   "rigid body; give each its own nodes",
-                                   bodies[a].name, bodies[b].name));
+      throw fault_at(model, {0, 0},
+                     say("the cartilage shares nodes with bodies \"{}\" and \"{}\", which would become one rigid body;",
+                         bodies[a].name, bodies[b].name),
+                     "give each its own nodes");
     }
   }
 }
@@ -437,18 +447,19 @@ void check_faces(const JointModel& model, const Settings& settings, ConversionPl
   Settings none;
   none.contact = settings.contact;
   none.keep_facets = settings.keep_facets;
-  Joint after;
-  try {
-    after = make_joint(plan.target, none);
-  } catch (const InputError& e) {
-    plan.notes.push_back(fmt::format("dea run does not take the converted model: {}", e.what()));
+  const JointFound after = find_joint(plan.target, none);
+  if (!after.faults.empty()) {
+    const Fault& fault = after.faults.front();
+    plan.notes.push_back(say("dea run does not take the converted model: {}{}{}{}",
+                             fault.place + (fault.place.empty() ? "" : ": "), fault.found,
+                             fault.expected.empty() ? "" : " ", fault.expected));
     return;
   }
   for (const ContactPair& pair : plan.joint.contacts) {
     if (!plan.converted[at(pair.contact)]) continue;
-    const auto same = std::find_if(after.contacts.begin(), after.contacts.end(),
+    const auto same = std::find_if(after.joint.contacts.begin(), after.joint.contacts.end(),
                                    [&](const ContactPair& other) { return other.contact == pair.contact; });
-    if (same == after.contacts.end()) continue;
+    if (same == after.joint.contacts.end()) continue;
     for (int side = 0; side < 2; ++side) {
       const Layer& layer = pair.layers[side];
       if (layer.rigid || same_face(layer, same->layers[side], pair.law)) continue;
@@ -464,11 +475,10 @@ void check_faces(const JointModel& model, const Settings& settings, ConversionPl
                 surface.name, left_out));
       throw fault_at(
           model, surface.origin,
-          fmt::format("surface \"{}\": its cartilage goes on beyond the selected facets, which the converted model "
-                      "cannot tell (it knows those under contact surfaces that share nodes with their bone): select "
-                      "the whole face, or convert with "
-                      "--law linear",
-                      surface.name));
+          say("surface \"{}\": its cartilage goes on beyond the selected facets, which the converted model cannot tell "
+              "(it knows those under contact surfaces that share nodes with their bone):",
+              surface.name),
+          say("select the whole face, or convert with {}", kLinear));
     }
   }
 }

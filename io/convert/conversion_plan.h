@@ -19,7 +19,7 @@ struct ConversionPlan {
   std::vector<char> node_rigid;             ///< per node: of a rigid element in `target`
   int ground = -1;                          ///< material made for cartilage on the ground; -1: none
   bool split = false;  ///< a domain of the model was divided: `target.domains` are no longer the model's
-  std::vector<std::string> changes, notes;
+  std::vector<Sentence> changes, notes;
 };
 
 ConversionPlan plan_conversion(const JointModel& model, const Settings& settings);

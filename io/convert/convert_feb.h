@@ -11,10 +11,10 @@
 namespace dea {
 
 struct Conversion {
-  std::string text;                  ///< of the new file, version 4.0
-  bool edited = true;                ///< the model's own text with a few elements changed; false: written anew
-  std::vector<std::string> changes;  ///< a line each
-  std::vector<std::string> notes;    ///< what the user should know
+  std::string text;            ///< of the new file, version 4.0
+  bool edited = true;          ///< the model's own text with a few elements changed; false: written anew
+  std::vector<Sentence> changes;  ///< a line each
+  std::vector<Sentence> notes;    ///< what the user should know
 };
 
 /// `output`: where the text will be written, for what the model includes from its own folder. Throws UsageError when a

@@ -343,7 +343,7 @@ std::optional<std::string> edit_feb(const JointModel& model, ConversionPlan& pla
     why = "its XML holds what this program does not edit";
     return std::nullopt;
   }
-  const std::vector<std::string> changes = plan.changes;
+  const std::vector<Sentence> changes = plan.changes;
   XmlEdits edits(*places);
   Editing e{model, plan, *places, edits, {}};
   try {

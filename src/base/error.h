@@ -2,24 +2,37 @@
 #pragma once
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include <febiodea/base/fault.h>
 
 namespace dea {
 
-/// A fault in what the user gave us (exit code 3). what() is one line: "hip.feb:214: <fault>"; line 0: unknown.
-/// `others`: further faults of the same model, a line each; the command line counts them, `dea info` lists them.
+/// A fault in what the user gave us (exit code 3). what() is its line, settings in plain words; line 0: unknown.
+/// `others`: further faults of the same model; the command line counts them, `dea info` lists them.
 struct InputError : std::runtime_error {
-  std::vector<std::string> others;
-  std::string place;  ///< what what() begins with before ": ", if it is a place
-  using std::runtime_error::runtime_error;
-  InputError(const std::string& file, int line, const std::string& fault)
-      : std::runtime_error(line > 0 ? file + ":" + std::to_string(line) + ": " + fault : file + ": " + fault),
-        place(line > 0 ? file + ":" + std::to_string(line) : file) {}
+  Fault fault;
+  std::vector<Fault> others;
+  explicit InputError(Fault what_is_wrong) : std::runtime_error(line(what_is_wrong)), fault(std::move(what_is_wrong)) {}
+  explicit InputError(const std::string& text) : InputError(Fault{.found = text}) {}
+  InputError(const std::string& file, int line, const std::string& text)
+      : InputError(Fault{.place = line > 0 ? file + ":" + std::to_string(line) : file, .found = text}) {}
 };
+
+/// All faults as one InputError; none: nothing happens.
+inline void throw_if_any(const std::vector<Fault>& faults) {
+  if (faults.empty()) return;
+  InputError error(faults.front());
+  error.others.assign(faults.begin() + 1, faults.end());
+  throw error;
+}
 
 /// A fault in how the program was asked (exit code 2): an override that names nothing in the model.
 struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  Fault fault;
+  explicit UsageError(Fault what_is_wrong) : std::runtime_error(line(what_is_wrong)), fault(std::move(what_is_wrong)) {}
+  explicit UsageError(const std::string& text) : UsageError(Fault{.found = text}) {}
 };
 
 /// The output cannot be written (exit code 4).

@@ -74,6 +74,7 @@ void explain(const Problem& problem, const std::vector<Pose>& started, Solution&
   const double unbalanced = failed.history.empty() ? 1.0 : failed.history.back();
   if (const int beyond = beyond_limit(failed.at); beyond > 0) {
     failed.outcome = Outcome::BeyondStrainLimit;
+    failed.advice = {};
     failed.message = fmt::format(
         "no balance: {:.3g}% of the load is not carried when {} springs are strained beyond {}: the layers are too "
         "thin or too soft for it",
@@ -81,6 +82,7 @@ void explain(const Problem& problem, const std::vector<Pose>& started, Solution&
   } else if (const auto soft = soft_motion(problem, failed.at, scaled_residual(problem, failed.at))) {
     failed.outcome = Outcome::NoEquilibrium;
     failed.message = says_nothing_resists(problem, started, failed.at, *soft, unbalanced);
+    failed.advice = against_free_motion();
   }
 }
 
@@ -102,6 +104,7 @@ Solution search_from(Problem& problem, const std::vector<Pose>& start, const Equ
   if (const std::optional<double> at_start = opens(problem, from)) {
     if (const std::optional<double> at_end = opens(problem, direct.at)) {
       direct.outcome = Outcome::SurfacesApart;
+      direct.advice = {};
       direct.message = fmt::format(
           "the load moves the surfaces apart: pressures on them, however spread, leave {:.2g} of it unbalanced",
           std::min(*at_start, *at_end));

@@ -13,6 +13,7 @@ namespace dea {
 struct Equilibrium {
   Outcome outcome = Outcome::NotConverged;
   std::string message;                     ///< one sentence with the numbers behind the outcome
+  Sentence advice;                         ///< what to do about it, goes on from the message; empty: nothing is known
   std::vector<Pose> poses;                 ///< one per body
   std::vector<SpringStates> springs;       ///< one per contact; empty states where the contact is not active
   std::vector<Vector6> contact_on_target;  ///< per contact: force and moment about the target's current centre of mass

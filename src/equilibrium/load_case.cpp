@@ -8,6 +8,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/model/load_curve.h>
 
@@ -241,12 +242,9 @@ void refuse_rotations_in_part(const JointModel& model, const Joint& joint, const
     const auto& dofs = c.bodies[b].dofs;
     const bool any = std::count(dofs.begin() + 3, dofs.end(), DofState::Prescribed) > 0;
     if (any && std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0)
-      throw InputError(
-          where(model, {0, 0}) +
-          fmt::format(
-              "body \"{}\": some rotations are prescribed and others free; FEBio and DEA need all three prescribed or "
-              "fixed (a fixed one counts as 0)",
-              joint.bodies[b].name));
+      throw fault_at(model, {0, 0},
+                     say("body \"{}\": some rotations are prescribed and others free;", joint.bodies[b].name),
+                     "FEBio and DEA need all three prescribed or fixed (a fixed one counts as 0)");
   }
 }
 
@@ -315,8 +313,9 @@ LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& as
       return found;
     }
   }
-  throw UsageError(fmt::format("--load-at {}=sphere-center: this body has no articular surface; give a point x,y,z",
-                               joint.bodies[at(body)].name));
+  throw UsageError(Fault{.given = NamedSetting{"load-at", joint.bodies[at(body)].name, "sphere-center"},
+                         .found = "this body has no articular surface;",
+                         .expected = "give a point x,y,z"});
 }
 
 LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,

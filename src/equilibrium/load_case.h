@@ -47,10 +47,10 @@ struct LoadCase {
 };
 
 /// Conditions at `time` in `step`, overrides of the settings included:
-///   --free BODY=dofs: of the dofs that are not prescribed, these are free and the others held, in every step
-///   --force BODY=F: takes the place of all forces (not moments) that the model puts on the body, rigid, following or
-///   nodal, growing from 0 to F over the last step
-///   --load-at BODY=point: where the force acts
+///   free: of the dofs that are not prescribed, these are free and the others held, in every step
+///   force: takes the place of all forces (not moments) that the model puts on the body, rigid, following or nodal,
+///   growing from 0 to its value over the last step
+///   load_at: where the force acts
 /// `reaction`: per body, Equilibrium::reaction when the step began, for loads of kind Target and relative ones of this
 /// step; nullptr: none (0), as FEBio has it in the first step.
 /// Throws InputError where rotations are prescribed in part.

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 #include <febiodea/equilibrium/unknowns.h>
 
 namespace dea {
@@ -58,13 +59,16 @@ std::string says_nothing_resists(const Problem& problem, const std::vector<Pose>
   const Travel gone = travel(problem, started, e.poses);
   const double cap = 0.5 * problem.beds.least_thickness;
   return fmt::format(
-      "{:.2g} of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses; "
-      "hold this motion (--free), add what resists it, or check where the load acts",
+      "{:.2g} of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses;",
       unbalanced,
       gone.reached > 2.0 * cap
           ? gone.words
           : fmt::format("{}, followed for {:.3g}", direction_in_words(problem, e, motion.normalized()), gone.reached),
       problem.casts);
+}
+
+Sentence against_free_motion() {
+  return say("hold this motion ({}), add what resists it, or check where the load acts", NamedSetting{"free"});
 }
 
 }  // namespace dea

@@ -18,8 +18,10 @@ struct Travel {
 };
 Travel travel(const Problem& problem, const std::vector<Pose>& from, const std::vector<Pose>& to);
 
-/// Nothing resists a motion: which one, how far it was followed, what to do. `unbalanced`: of the load, along it.
+/// Nothing resists a motion: which one, how far it was followed. `unbalanced`: of the load, along it.
 std::string says_nothing_resists(const Problem& problem, const std::vector<Pose>& started, const Evaluation& e,
                                  const Eigen::VectorXd& motion, double unbalanced);
+/// What to do about it.
+Sentence against_free_motion();
 
 }  // namespace dea

@@ -130,6 +130,7 @@ bool out_of_patience(Search& s) {
     s.solution.outcome = Outcome::NoEquilibrium;
     s.solution.message = says_nothing_resists(s.problem, s.started, s.e,
                                               soft ? *soft : VectorXd(s.d.newton + s.d.drift), s.size / s.e.load);
+    s.solution.advice = against_free_motion();
   } else {
     s.solution.message =
         fmt::format("unbalanced force is {:.2e} of the load after {} iterations and {} poses tried, and falls no more",
@@ -159,8 +160,9 @@ bool go_to_touch(Search& s) {
   s.e = std::move(there.at);
   if (there.found) return true;
   s.solution.outcome = Outcome::SurfacesApart;
+  const std::string way = travel(s.problem, s.started, s.e.poses).words;  // empty: there was none to go
   s.solution.message = fmt::format("the load moves the surfaces apart: no spring closes along it ({})",
-                                   travel(s.problem, s.started, s.e.poses).words);
+                                   way.empty() ? direction_in_words(s.problem, s.e, s.d.drift.normalized()) : way);
   return false;
 }
 

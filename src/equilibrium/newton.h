@@ -13,6 +13,7 @@ namespace dea {
 struct Solution {
   Outcome outcome = Outcome::NotConverged;
   std::string message;
+  Sentence advice;  ///< what to do about it; may be empty
   Evaluation at;
   Directions directions;        ///< there
   std::vector<double> history;  ///< scaled residual / load at each iterate

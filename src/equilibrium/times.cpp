@@ -7,6 +7,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 
 namespace dea {
 
@@ -23,6 +24,8 @@ bool same_to_rounding(double a, double b, double scale) { return std::abs(a - b)
 
 // Far beyond what anyone looks at; each costs a solution and room in the plot file.
 constexpr double kMostStates = 10000, kThinned = 1000;
+
+const NamedSetting kSomeStates = {"states", "", "t1,t2,..."};
 
 }  // namespace
 
@@ -41,10 +44,10 @@ std::vector<TimePoint> model_times(const JointModel& model, bool thin) {
   const bool very_many = very_many_time_steps(model);
   if (very_many && !thin)
     throw fault_at(model, model.steps.front().origin,
-                   fmt::format("{:.0f} time steps, need at most {:.0f}: raise step_size (equilibrium at a time "
-                               "needs no small steps before it), or choose the states: --states last, --states "
-                               "t1,t2,...",
-                               states, kMostStates));
+                   say("{:.0f} time steps, need at most {:.0f}:", states, kMostStates),
+                   say("raise step_size (equilibrium at a time needs no small steps before it), or choose the states: "
+                       "{}, {}",
+                       NamedSetting{"states", "", "last"}, kSomeStates));
   const double stride = very_many ? std::ceil(states / kThinned) : 1.0;
   if (!(starts.back() > 0)) {
     throw fault_at(model, model.steps.empty() ? Origin{} : model.steps.back().origin,
@@ -83,11 +86,11 @@ std::vector<TimePoint> place_times(const JointModel& model, const std::vector<do
   return placed;
 }
 
-std::string thinned_note(const JointModel& model, std::size_t solved) {
-  return fmt::format(
+Sentence thinned_note(const JointModel& model, std::size_t solved) {
+  return say(
       "of the model's {:.0f} time steps {} are solved, evenly chosen besides ends of steps and must points: each is an "
-      "equilibrium of its own; others with --states t1,t2,...",
-      count_time_steps(model), solved);
+      "equilibrium of its own; others with {}",
+      count_time_steps(model), solved, kSomeStates);
 }
 
 bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>& times) {
@@ -95,8 +98,8 @@ bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>&
          times.back().time >= 0.5 * step_starts(model).back();
 }
 
-std::string left_out_note(const JointModel& model, std::size_t solved) {
-  return fmt::format(
+Sentence states_left_out_note(const JointModel& model, std::size_t solved) {
+  return say(
       "of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an equilibrium of "
       "its own",
       count_time_steps(model), solved);

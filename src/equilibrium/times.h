@@ -28,11 +28,11 @@ std::vector<double> step_starts(const JointModel& model);
 std::vector<TimePoint> place_times(const JointModel& model, const std::vector<double>& times);
 
 /// That `solved` of very many time steps are solved, and how to have others.
-std::string thinned_note(const JointModel& model, std::size_t solved);
+Sentence thinned_note(const JointModel& model, std::size_t solved);
 
 /// Times chosen by the user: more than half of the time steps on the way to the last are left out, which lies in the
 /// second half of the model's time. That `solved` of them are solved.
 bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>& times);
-std::string left_out_note(const JointModel& model, std::size_t solved);
+Sentence states_left_out_note(const JointModel& model, std::size_t solved);
 
 }  // namespace dea

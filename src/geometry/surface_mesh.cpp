@@ -242,6 +242,17 @@ double bulge_height(const SurfaceMesh& mesh, int t, const std::array<double, 3>&
   return w[0] * w[1] * b[0] + w[1] * w[2] * b[1] + w[2] * w[0] * b[2];
 }
 
+SurfaceMesh turned_round(const SurfaceMesh& mesh, const std::vector<Vector3d>& positions) {
+  std::vector<int> begin = {0}, nodes;
+  for (const auto& tri : mesh.triangles) {
+    for (int v : {tri[0], tri[2], tri[1]}) nodes.push_back(mesh.model_nodes[at(v)]);
+    begin.push_back(static_cast<int>(nodes.size()));
+  }
+  return make_surface_mesh(begin, nodes, positions);
+}
+
+void flatten(SurfaceMesh& mesh) { mesh.bulge.assign(mesh.bulge.size(), {0, 0, 0}); }
+
 Vector3d linear_gradient(const SurfaceMesh& mesh, int t, const std::array<double, 3>& v) {
   const Vector3d e1 = mesh.corner(t, 1) - mesh.corner(t, 0), e2 = mesh.corner(t, 2) - mesh.corner(t, 0);
   const Vector3d normal = e1.cross(e2);

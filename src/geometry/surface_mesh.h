@@ -38,6 +38,9 @@ struct SurfaceMesh {
 SurfaceMesh make_surface_mesh(const std::vector<int>& facet_begin, const std::vector<int>& facet_nodes,
                               const std::vector<Vector3d>& positions, std::vector<int>* zero_area = nullptr);
 
+/// The triangles with their normals turned, each as a facet of its own. `positions`: of the model's nodes.
+SurfaceMesh turned_round(const SurfaceMesh& mesh, const std::vector<Vector3d>& positions);
+
 /// Height of the smooth surface that the facets stand for above a point of a triangle, along its normal (C0):
 ///     H(w) = sum over edges (i, j) of w_i w_j b_ij,   b_ij = (x_i - x_j) . (n_i - n_j) / 2
 /// with the vertices x and the vertex normals n: the parabola through both ends that leaves them with the slopes the
@@ -46,6 +49,9 @@ SurfaceMesh make_surface_mesh(const std::vector<int>& facet_begin, const std::ve
 double bulge_height(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& weights);
 /// Its gradient in the triangle's plane.
 Vector3d bulge_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& weights);
+
+/// The facets as they are: no bulge.
+void flatten(SurfaceMesh& mesh);
 
 /// Gradient in a triangle's plane of the linear interpolation of three corner values.
 Vector3d linear_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& corner_values);

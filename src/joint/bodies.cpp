@@ -1,13 +1,12 @@
 #include <febiodea/joint/bodies.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <numeric>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 #include <febiodea/model/element_faces.h>
 
 namespace dea {
@@ -37,6 +36,63 @@ void add_shell_mass(const JointModel& model, const Domain& domain, int element, 
     const double dm = density * thickness * 0.5 * (b - a).cross(c - a).norm();
     *mass += dm;
     *moment += dm * (a + b + c) / 3.0;
+  }
+}
+
+/// Per rigid material, the first one of its body: bodies share nodes, and a bone that the user takes as rigid and whose
+/// nodes the model gives to a rigid body is part of that body.
+std::vector<int> first_materials(const JointModel& model, const std::vector<char>& rigid) {
+  std::vector<int> parent(model.materials.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto join = [&](int m, int n) {
+    const int a = find_root(parent, m), b = find_root(parent, n);
+    parent[at(std::max(a, b))] = std::min(a, b);
+  };
+  std::vector<int> node_material(model.nodes.size(), -1);
+  for (const Domain& domain : model.domains) {
+    if (domain.material < 0 || !rigid[at(domain.material)] || is_line(domain.shape)) continue;
+    for (int node : domain.nodes) {
+      int& first = node_material[at(node)];
+      if (first < 0)
+        first = domain.material;
+      else
+        join(first, domain.material);
+    }
+  }
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (int node : set.nodes)
+      if (const int m = node_material[at(node)]; m >= 0 && !model.materials[at(m)].rigid) join(m, set.material);
+  for (std::size_t m = 0; m < parent.size(); ++m) parent[m] = find_root(parent, static_cast<int>(m));
+  return parent;
+}
+
+/// Masses and centres of mass.
+void find_masses(const JointModel& model, const std::vector<char>& rigid, Bodies& result) {
+  std::vector<Vector3d> moments(result.bodies.size(), Vector3d::Zero());
+  for (const Domain& domain : model.domains) {
+    if (domain.material < 0 || !rigid[at(domain.material)]) continue;
+    const int b = result.of_material[at(domain.material)];
+    const double density = model.materials[at(domain.material)].density;
+    const int elements = static_cast<int>(domain.element_ids.size());
+    for (int e = 0; e < elements; ++e) {
+      if (is_shell(domain.shape)) {
+        add_shell_mass(model, domain, e, density, &result.bodies[at(b)].mass, &moments[at(b)]);
+      } else if (!is_line(domain.shape)) {
+        const ElementVolume v = element_volume(model, domain, e);
+        result.bodies[at(b)].mass += density * v.volume;
+        moments[at(b)] += density * v.volume * v.centroid;
+      }
+    }
+  }
+  for (std::size_t b = 0; b < result.bodies.size(); ++b) {
+    Body& body = result.bodies[b];
+    const auto& given = model.materials[at(body.materials.front())].center_of_mass;
+    if (given) {
+      body.center_of_mass = *given;
+      body.center_given = true;
+    } else if (body.mass > 0) {
+      body.center_of_mass = moments[b] / body.mass;
+    }
   }
 }
 
@@ -76,78 +132,29 @@ std::vector<char> rigid_materials(const JointModel& model, const Settings& setti
       std::vector<std::string> names;
       for (const Material& m : model.materials) names.push_back(m.name);
       throw UsageError(
-          fmt::format("--rigid {}: the model has no material of this name; it has {}", name, name_list(names, name)));
+          Fault{.given = NamedSetting{"rigid", "", name},
+                .found = say("the model has no material of this name; it has {}", name_list(names, name))});
     }
   }
   return rigid;
 }
 
 Bodies find_bodies(const JointModel& model, const std::vector<char>& rigid, const std::vector<char>& layer_domains) {
-  const int n_materials = static_cast<int>(model.materials.size());
-  std::vector<int> parent(at(n_materials));
-  std::iota(parent.begin(), parent.end(), 0);
-  std::vector<int> node_material(model.nodes.size(), -1);
-  for (const Domain& domain : model.domains) {
-    if (domain.material < 0 || !rigid[at(domain.material)] || is_line(domain.shape)) continue;
-    for (int node : domain.nodes) {
-      int& first = node_material[at(node)];
-      if (first < 0) {
-        first = domain.material;
-      } else {
-        const int a = find_root(parent, first), b = find_root(parent, domain.material);
-        parent[at(std::max(a, b))] = std::min(a, b);
-      }
-    }
-  }
-  // A bone that the user takes as rigid and whose nodes the model gives to a rigid body is part of that body.
-  for (const RigidNodes& set : model.rigid_nodes) {
-    for (int node : set.nodes) {
-      const int m = node_material[at(node)];
-      if (m < 0 || model.materials[at(m)].rigid) continue;
-      const int a = find_root(parent, m), b = find_root(parent, set.material);
-      parent[at(std::max(a, b))] = std::min(a, b);
-    }
-  }
+  const std::vector<int> first = first_materials(model, rigid);
   Bodies result;
-  result.of_material.assign(at(n_materials), -1);
-  for (int m = 0; m < n_materials; ++m) {
-    if (!rigid[at(m)]) continue;
-    const int root = find_root(parent, m);  // the first material of the body
-    if (root == m) {
+  result.of_material.assign(model.materials.size(), -1);
+  for (std::size_t m = 0; m < first.size(); ++m) {
+    if (!rigid[m]) continue;
+    if (at(first[m]) == m) {
       Body body;
-      body.name = model.materials[at(m)].name;
-      result.of_material[at(m)] = static_cast<int>(result.bodies.size());
+      body.name = model.materials[m].name;
+      result.of_material[m] = static_cast<int>(result.bodies.size());
       result.bodies.push_back(body);
     }
-    result.of_material[at(m)] = result.of_material[at(root)];
-    result.bodies[at(result.of_material[at(m)])].materials.push_back(m);
+    result.of_material[m] = result.of_material[at(first[m])];
+    result.bodies[at(result.of_material[m])].materials.push_back(static_cast<int>(m));
   }
-  std::vector<Vector3d> moments(result.bodies.size(), Vector3d::Zero());
-  for (const Domain& domain : model.domains) {
-    if (domain.material < 0 || !rigid[at(domain.material)]) continue;
-    const int b = result.of_material[at(domain.material)];
-    const double density = model.materials[at(domain.material)].density;
-    const int elements = static_cast<int>(domain.element_ids.size());
-    for (int e = 0; e < elements; ++e) {
-      if (is_shell(domain.shape)) {
-        add_shell_mass(model, domain, e, density, &result.bodies[at(b)].mass, &moments[at(b)]);
-      } else if (!is_line(domain.shape)) {
-        const ElementVolume v = element_volume(model, domain, e);
-        result.bodies[at(b)].mass += density * v.volume;
-        moments[at(b)] += density * v.volume * v.centroid;
-      }
-    }
-  }
-  for (std::size_t b = 0; b < result.bodies.size(); ++b) {
-    Body& body = result.bodies[b];
-    const auto& given = model.materials[at(body.materials.front())].center_of_mass;
-    if (given) {
-      body.center_of_mass = *given;
-      body.center_given = true;
-    } else if (body.mass > 0) {
-      body.center_of_mass = moments[b] / body.mass;
-    }
-  }
+  find_masses(model, rigid, result);
   Body ground;
   ground.name = "ground";
   ground.ground = true;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <unordered_map>
 
 #include <febiodea/base/numbers.h>
@@ -352,162 +353,191 @@ std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& f
   return kinds;
 }
 
-LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
-                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
-                    const FacetList& elsewhere) {
-  // All that may meet at an edge: the boundary, and selected facets that are no part of it.
-  std::vector<std::vector<int>> facets = all_facets(boundary.faces);
-  std::vector<FaceKind> kinds = boundary.kinds;
+namespace {
+
+/// What is across an edge of a facet.
+struct Across {
+  int facet = -1, edge = -1;
+  bool smooth = false, bevelled = false;
+};
+
+/// All facets that may meet at an edge: the boundary, and selected facets that are no part of it.
+struct Meeting {
+  std::vector<std::vector<int>> facets;
+  std::vector<FaceKind> kinds;
+  std::vector<char> in_face;                  // per facet: selected, or what the face goes on to
+  std::vector<char> in_other;                 // per facet: another contact of the same bodies presses it
+  std::vector<std::array<Across, 4>> across;  // per facet and edge
+};
+
+Meeting meeting_facets(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
+                       const FacetList& elsewhere) {
+  Meeting m;
+  m.facets = all_facets(boundary.faces);
+  m.kinds = boundary.kinds;
   const auto index = index_of(boundary.faces);
-  std::vector<char> in_face(facets.size(), 0), in_other(facets.size(), 0);
+  m.in_face.assign(m.facets.size(), 0);
+  m.in_other = m.in_face;
   for (int f = 0; f < elsewhere.size(); ++f)
     if (const auto found = index.find(key_of(facet_nodes(elsewhere, f))); found != index.end())
-      in_other[at(found->second)] = 1;
+      m.in_other[at(found->second)] = 1;
   for (int f = 0; f < selected.size(); ++f) {
     const std::vector<int> facet = facet_nodes(selected, f);
     if (facet.empty()) continue;
     const auto found = index.find(key_of(facet));
     if (found != index.end()) {
-      in_face[at(found->second)] = 1;
-      facets[at(found->second)] = facet;  // it may have more nodes than its element's face
+      m.in_face[at(found->second)] = 1;
+      m.facets[at(found->second)] = facet;  // it may have more nodes than its element's face
       continue;
     }
-    facets.push_back(facet);
-    kinds.push_back(FaceKind::Open);
-    in_face.push_back(1);
-    in_other.push_back(0);
+    m.facets.push_back(facet);
+    m.kinds.push_back(FaceKind::Open);
+    m.in_face.push_back(1);
+    m.in_other.push_back(0);
   }
-  const std::vector<FacetEdge> edges = facet_edges(facets);
-  struct Across {
-    int facet = -1, edge = -1;
-    bool smooth = false, bevelled = false;
-  };
-  std::vector<std::array<Across, 4>> across(facets.size());
+  const std::vector<FacetEdge> edges = facet_edges(m.facets);
+  m.across.resize(m.facets.size());
   for_each_place(edges, [&](std::size_t first, std::size_t last) {
     if (last - first != 2) return;  // the rim of nothing, or faces that merely touch there
     const FacetEdge &a = edges[first], &b = edges[first + 1];
-    const double cosine = turn_cosine(model, facets, a, b);
+    const double cosine = turn_cosine(model, m.facets, a, b);
     const bool bevelled = cosine < kCos20 && cosine > kCos65;
-    across[at(a.facet)][at(a.edge)] = {b.facet, b.edge, cosine > kCos40, bevelled};
-    across[at(b.facet)][at(b.edge)] = {a.facet, a.edge, cosine > kCos40, bevelled};
+    m.across[at(a.facet)][at(a.edge)] = {b.facet, b.edge, cosine > kCos40, bevelled};
+    m.across[at(b.facet)][at(b.edge)] = {a.facet, a.edge, cosine > kCos40, bevelled};
   });
+  return m;
+}
 
-  LayerFace face;
-  for (int f = 0; f < static_cast<int>(facets.size()); ++f)
-    for (int k = 0; in_face[at(f)] && k < 4; ++k) {
-      const Across& next = across[at(f)][at(k)];
-      if (next.facet < 0 || !next.bevelled || in_face[at(next.facet)] || kinds[at(next.facet)] == FaceKind::Bonded)
+/// Length of the selection's edges beyond which a bevel begins.
+double bevelled_length(const JointModel& model, const Meeting& m) {
+  double length = 0.0;
+  for (int f = 0; f < static_cast<int>(m.facets.size()); ++f)
+    for (int k = 0; m.in_face[at(f)] && k < 4; ++k) {
+      const Across& next = m.across[at(f)][at(k)];
+      if (next.facet < 0 || !next.bevelled || m.in_face[at(next.facet)] || m.kinds[at(next.facet)] == FaceKind::Bonded)
         continue;
-      for (const auto& piece : edge_pieces(facets[at(f)], k))
-        face.bevelled += (model.nodes[at(piece[0])] - model.nodes[at(piece[1])]).norm();
+      for (const auto& piece : edge_pieces(m.facets[at(f)], k))
+        length += (model.nodes[at(piece[0])] - model.nodes[at(piece[1])]).norm();
     }
+  return length;
+}
 
+/// Takes open facets across smooth edges into the face, as far as `reach`; returns them, ascending.
+std::vector<int> grow(const JointModel& model, const SurfaceMesh& articular, double reach, Meeting& m) {
   const RayCaster caster(articular);
-  std::vector<char> far(facets.size(), 0);
+  std::vector<char> far(m.facets.size(), 0);
   std::vector<int> open_ends, grown;
-  for (int f = 0; f < static_cast<int>(facets.size()); ++f)
-    if (in_face[at(f)]) open_ends.push_back(f);
+  for (int f = 0; f < static_cast<int>(m.facets.size()); ++f)
+    if (m.in_face[at(f)]) open_ends.push_back(f);
   while (!open_ends.empty()) {
     const int f = open_ends.back();
     open_ends.pop_back();
-    for (const Across& next : across[at(f)]) {
-      if (next.facet < 0 || !next.smooth || in_face[at(next.facet)] || far[at(next.facet)] ||
-          in_other[at(next.facet)] || kinds[at(next.facet)] != FaceKind::Open)
+    for (const Across& next : m.across[at(f)]) {
+      if (next.facet < 0 || !next.smooth || m.in_face[at(next.facet)] || far[at(next.facet)] ||
+          m.in_other[at(next.facet)] || m.kinds[at(next.facet)] != FaceKind::Open)
         continue;
-      const FacetShape shape = shape_of(model, facets[at(next.facet)]);
+      const FacetShape shape = shape_of(model, m.facets[at(next.facet)]);
       if ((position(articular, caster.closest(shape.center)) - shape.center).norm() > reach) {
         far[at(next.facet)] = 1;
         continue;
       }
-      in_face[at(next.facet)] = 1;
+      m.in_face[at(next.facet)] = 1;
       grown.push_back(next.facet);
       open_ends.push_back(next.facet);
     }
   }
   std::sort(grown.begin(), grown.end());
+  return grown;
+}
 
-  face.pressed = articular.size();
-  if (grown.empty()) {
-    face.mesh = articular;
-  } else {
-    FacetList list = selected;
-    for (int f : grown) list.add(facets[at(f)]);
-    face.mesh = make_surface_mesh(list.begin, list.nodes, model.nodes);
-  }
+/// The ends of a facet's edge.
+std::array<Vector3d, 2> edge_ends(const JointModel& model, const std::vector<int>& nodes, int edge) {
+  const int corners = facet_corners(static_cast<int>(nodes.size()));
+  return {model.nodes[at(nodes[at(edge)])], model.nodes[at(nodes[at((edge + 1) % corners)])]};
+}
 
-  // What is beyond the edges, by the ends of their pieces.
-  struct Beyond {
-    Rim rim = Rim::Free;
-    bool bonded = false, shared = false;
-    double step = 0.0;
+/// Over the walls of a step or a notch at an edge, the next facet of the face that looks the same way: how far its edge
+/// is; 0: there is none nearer than `most`.
+double step_size(const JointModel& model, const Meeting& m, int f, int k, double most) {
+  const Vector3d normal = normal_at_edge(model, m.facets[at(f)], k);
+  const auto middle = [&](int facet, int edge) {
+    const auto ends = edge_ends(model, m.facets[at(facet)], edge);
+    return Vector3d(0.5 * (ends[0] + ends[1]));
   };
-  // Over the walls of a step or a notch, the next facet that looks the same way: how far its edge is; 0: there is none.
-  const auto step_size = [&](int f, int k) {
-    const Vector3d normal = normal_at_edge(model, facets[at(f)], k);
-    const auto middle = [&](int facet, int edge) {
-      const auto& nodes = facets[at(facet)];
-      const int corners = facet_corners(static_cast<int>(nodes.size()));
-      return Vector3d(0.5 * (model.nodes[at(nodes[at(edge)])] + model.nodes[at(nodes[at((edge + 1) % corners)])]));
-    };
-    const auto outward = [&](int facet, int edge) {
-      const auto& nodes = facets[at(facet)];
-      const int corners = facet_corners(static_cast<int>(nodes.size()));
-      return Vector3d((model.nodes[at(nodes[at((edge + 1) % corners)])] - model.nodes[at(nodes[at(edge)])])
-                          .cross(normal_at_edge(model, facets[at(facet)], edge))
-                          .normalized());
-    };
-    constexpr std::size_t kMostWalls = 6;
-    std::vector<int> walls = {across[at(f)][at(k)].facet};
-    for (std::size_t w = 0; w < walls.size() && w < kMostWalls; ++w)
-      for (const Across& next : across[at(walls[w])]) {
-        if (next.facet < 0 || next.facet == f || kinds[at(next.facet)] == FaceKind::Bonded) continue;
-        const double distance = (middle(next.facet, next.edge) - middle(f, k)).norm();
-        if (!(distance < reach / kFaceReach)) continue;
-        if (normal_at_edge(model, facets[at(next.facet)], next.edge).dot(normal) <= kCos40) {
-          if (std::find(walls.begin(), walls.end(), next.facet) == walls.end()) walls.push_back(next.facet);
-        } else if (in_face[at(next.facet)] && outward(f, k).dot(outward(next.facet, next.edge)) < -0.5) {
-          return distance > 0 ? distance : std::numeric_limits<double>::min();
-        }
+  const auto outward = [&](int facet, int edge) {
+    const auto ends = edge_ends(model, m.facets[at(facet)], edge);
+    return Vector3d((ends[1] - ends[0]).cross(normal_at_edge(model, m.facets[at(facet)], edge)).normalized());
+  };
+  constexpr std::size_t kMostWalls = 6;
+  std::vector<int> walls = {m.across[at(f)][at(k)].facet};
+  for (std::size_t w = 0; w < walls.size() && w < kMostWalls; ++w)
+    for (const Across& next : m.across[at(walls[w])]) {
+      if (next.facet < 0 || next.facet == f || m.kinds[at(next.facet)] == FaceKind::Bonded) continue;
+      const double distance = (middle(next.facet, next.edge) - middle(f, k)).norm();
+      if (!(distance < most)) continue;
+      if (normal_at_edge(model, m.facets[at(next.facet)], next.edge).dot(normal) <= kCos40) {
+        if (std::find(walls.begin(), walls.end(), next.facet) == walls.end()) walls.push_back(next.facet);
+      } else if (m.in_face[at(next.facet)] && outward(f, k).dot(outward(next.facet, next.edge)) < -0.5) {
+        return distance > 0 ? distance : std::numeric_limits<double>::min();
       }
-    return 0.0;
-  };
-  std::unordered_map<long long, Beyond> beyond;
-  const auto piece_key = [&](int a, int b) {
-    return static_cast<long long>(std::min(a, b)) * static_cast<long long>(model.nodes.size()) + std::max(a, b);
-  };
-  for (int f = 0; f < static_cast<int>(facets.size()); ++f) {
-    if (!in_face[at(f)]) continue;
+    }
+  return 0.0;
+}
+
+/// What is beyond an edge of the face.
+struct Beyond {
+  Rim rim = Rim::Free;
+  bool bonded = false, shared = false;
+  double step = 0.0;
+};
+
+/// By the nodes of pieces of edges, the lesser first.
+using BeyondEdges = std::map<std::array<int, 2>, Beyond>;
+
+std::array<int, 2> piece_key(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+
+BeyondEdges beyond_edges(const JointModel& model, const Meeting& m, double highest_step) {
+  BeyondEdges beyond;
+  for (int f = 0; f < static_cast<int>(m.facets.size()); ++f) {
+    if (!m.in_face[at(f)]) continue;
     for (int k = 0; k < 4; ++k) {
-      const Across& next = across[at(f)][at(k)];
+      const Across& next = m.across[at(f)][at(k)];
       if (next.facet < 0) continue;
-      const FaceKind kind = kinds[at(next.facet)];
+      const FaceKind kind = m.kinds[at(next.facet)];
       Beyond found;
       if (!next.smooth) {
-        if (kind != FaceKind::Bonded) found.step = step_size(f, k);
-      } else if (in_face[at(next.facet)]) {
+        if (kind != FaceKind::Bonded) found.step = step_size(model, m, f, k, highest_step);
+      } else if (m.in_face[at(next.facet)]) {
         continue;
       } else if (kind == FaceKind::Bonded) {
         found.rim = Rim::Wall;
         found.bonded = true;
-      } else if (in_other[at(next.facet)]) {
+      } else if (m.in_other[at(next.facet)]) {
         found.rim = Rim::Wall;
         found.shared = true;
       } else if (kind == FaceKind::Open) {
         found.rim = Rim::Continues;
       }
-      for (const auto& piece : edge_pieces(facets[at(f)], k)) beyond[piece_key(piece[0], piece[1])] = found;
+      for (const auto& piece : edge_pieces(m.facets[at(f)], k)) beyond[piece_key(piece[0], piece[1])] = found;
     }
   }
-  for (int t = 0; t < face.mesh.size(); ++t)
+  return beyond;
+}
+
+/// The rim of the face's mesh.
+std::vector<LayerFace::Edge> rim_edges(const SurfaceMesh& mesh, const BeyondEdges& beyond,
+                                       const std::vector<unsigned char>& mirror) {
+  std::vector<LayerFace::Edge> edges;
+  for (int t = 0; t < mesh.size(); ++t)
     for (int k = 0; k < 3; ++k) {
-      if (face.mesh.neighbours[at(t)][at(k)] >= 0) continue;
-      const auto& tri = face.mesh.triangles[at(t)];
-      const int a = face.mesh.model_nodes[at(tri[at(k)])], b = face.mesh.model_nodes[at(tri[at((k + 1) % 3)])];
+      if (mesh.neighbours[at(t)][at(k)] >= 0) continue;
+      const auto& tri = mesh.triangles[at(t)];
+      const int a = mesh.model_nodes[at(tri[at(k)])], b = mesh.model_nodes[at(tri[at((k + 1) % 3)])];
       LayerFace::Edge edge;
       edge.triangle = t;
       edge.edge = k;
       const auto found = beyond.find(piece_key(a, b));
-      if (mirrored(mirror[at(a)] & mirror[at(b)], outward_at(face.mesh, t, k))) {
+      if (mirrored(mirror[at(a)] & mirror[at(b)], outward_at(mesh, t, k))) {
         edge.rim = Rim::Wall;
       } else if (found != beyond.end()) {
         edge.rim = found->second.rim;
@@ -515,8 +545,29 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
         edge.shared = found->second.shared;
         edge.step = found->second.step;
       }
-      face.edges.push_back(edge);
+      edges.push_back(edge);
     }
+  return edges;
+}
+
+}  // namespace
+
+LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
+                    const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
+                    const FacetList& elsewhere) {
+  Meeting meeting = meeting_facets(model, boundary, selected, elsewhere);
+  LayerFace face;
+  face.bevelled = bevelled_length(model, meeting);
+  const std::vector<int> grown = grow(model, articular, reach, meeting);
+  face.pressed = articular.size();
+  if (grown.empty()) {
+    face.mesh = articular;
+  } else {
+    FacetList list = selected;
+    for (int f : grown) list.add(meeting.facets[at(f)]);
+    face.mesh = make_surface_mesh(list.begin, list.nodes, model.nodes);
+  }
+  face.edges = rim_edges(face.mesh, beyond_edges(model, meeting, reach / kFaceReach), mirror);
   return face;
 }
 

@@ -89,9 +89,9 @@ std::vector<FaceKind> kinds_of(const LayerBoundary& boundary, const FacetList& f
 inline constexpr double kFaceReach = 5.0;
 
 /// The face of a layer whose selected facets make up the mesh `articular` (cut from `selected`): goes on over open
-/// faces across edges that turn by less than 40 degrees, as far as `reach` from the selection, but not over `elsewhere`,
-/// the facets that other contacts of the same two bodies press: a wall stands between. `mirror`: per node of the model,
-/// bit k set: held in component k alone. Thickness: left empty.
+/// faces across edges that turn by less than 40 degrees, as far as `reach` from the selection, but not over
+/// `elsewhere`, the facets that other contacts of the same two bodies press: a wall stands between. `mirror`: per node
+/// of the model, bit k set: held in component k alone. Thickness: left empty.
 LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
                     const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
                     const FacetList& elsewhere = {});

@@ -1,13 +1,12 @@
 #include <febiodea/joint/moved_nodes.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <map>
 #include <tuple>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 
 namespace dea {
 
@@ -68,7 +67,7 @@ std::string components(const Motion& motion, int state) {
 }  // namespace
 
 std::vector<MovedNodes> find_moved_nodes(const JointModel& model, const std::vector<int>& body_of_node,
-                                         std::vector<std::string>& faults) {
+                                         std::vector<Fault>& faults) {
   const int prescribed = static_cast<int>(model.prescribed_nodes.size());
   std::map<int, std::vector<int>> conditions_of_node;
   for (int c = 0; c < prescribed; ++c)
@@ -95,15 +94,18 @@ std::vector<MovedNodes> find_moved_nodes(const JointModel& model, const std::vec
     if (!free.empty() || !twice.empty()) {
       if (told[at(first)]) continue;
       told[at(first)] = 1;
-      const std::string who = fmt::format("{}prescribed displacement \"{}\": node {}", where(model, condition.origin),
-                                          condition.name, model.node_ids[at(entry.second.front())]);
+      const std::string who = fmt::format("prescribed displacement \"{}\": node {}", condition.name,
+                                          model.node_ids[at(entry.second.front())]);
       faults.push_back(
           !twice.empty()
-              ? fmt::format("{} has two different conditions in {}: take one of them out", who, twice)
-              : fmt::format("{} is moved in {} and free in {}{}, so it is no bone; DEA moves bones: prescribe or fix "
-                            "these nodes in x, y and z in every step, or make the part behind them a rigid body",
-                            who, std::string(1, static_cast<char>('x' + condition.component)), free,
-                            motion.size() > 1 ? " (in some step)" : ""));
+              ? make_fault(model, condition.origin, say("{} has two different conditions in {}:", who, twice),
+                           "take one of them out")
+              : make_fault(model, condition.origin,
+                           say("{} is moved in {} and free in {}{}, so it is no bone;", who,
+                               std::string(1, static_cast<char>('x' + condition.component)), free,
+                               motion.size() > 1 ? " (in some step)" : ""),
+                           "DEA moves bones: prescribe or fix these nodes in x, y and z in every step, or make the "
+                           "part behind them a rigid body"));
       continue;
     }
     MovedNodes& group = groups[motion];

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/base/fault.h>
 #include <febiodea/model/joint_model.h>
 
 namespace dea {
@@ -18,9 +19,9 @@ struct MovedNodes {
 };
 
 /// Nodes of no body, grouped by their motion in all steps; components that are fixed stay at, or go back to, the
-/// reference. Nodes that are free in a component, or both fixed and moved in one, are no body: one line per condition
-/// in `faults`. `body_of_node`: per node, >= 0: a body has it.
+/// reference. Nodes that are free in a component, or both fixed and moved in one, are no body: one fault per
+/// condition. `body_of_node`: per node, >= 0: a body has it.
 std::vector<MovedNodes> find_moved_nodes(const JointModel& model, const std::vector<int>& body_of_node,
-                                         std::vector<std::string>& faults);
+                                         std::vector<Fault>& faults);
 
 }  // namespace dea

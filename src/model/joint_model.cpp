@@ -10,11 +10,14 @@ std::string where(const JointModel& model, Origin origin) {
   return origin.line > 0 ? fmt::format("{}:{}: ", file, origin.line) : fmt::format("{}: ", file);
 }
 
-InputError fault_at(const JointModel& model, Origin origin, const std::string& fault) {
-  const std::string before = where(model, origin);
-  InputError error(before + fault);
-  if (before.size() > 2) error.place = before.substr(0, before.size() - 2);
-  return error;
+Fault make_fault(const JointModel& model, Origin origin, Sentence found, Sentence expected) {
+  std::string place = where(model, origin);
+  if (!place.empty()) place.resize(place.size() - 2);
+  return {.place = std::move(place), .found = std::move(found), .expected = std::move(expected)};
+}
+
+InputError fault_at(const JointModel& model, Origin origin, Sentence found, Sentence expected) {
+  return InputError(make_fault(model, origin, std::move(found), std::move(expected)));
 }
 
 bool double_contact(const Contact& a, const Contact& b) {

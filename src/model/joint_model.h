@@ -364,8 +364,10 @@ struct JointModel {
 
 /// "hip.feb:214: " or "hip.feb: " when the line is unknown.
 std::string where(const JointModel& model, Origin origin);
-/// A fault at a place of a model that has been read.
-InputError fault_at(const JointModel& model, Origin origin, const std::string& fault);
+/// A fault at a place of a model that has been read. `found` ends in the mark that leads to `expected`.
+Fault make_fault(const JointModel& model, Origin origin, Sentence found, Sentence expected = {});
+/// The same, to be thrown.
+InputError fault_at(const JointModel& model, Origin origin, Sentence found, Sentence expected = {});
 
 /// Do two contacts join the same surfaces at the same time? They would share the load between them.
 bool double_contact(const Contact& a, const Contact& b);

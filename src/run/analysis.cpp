@@ -9,6 +9,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 
 namespace dea {
 
@@ -68,15 +69,15 @@ void add_fields(const Recognition& recognition, const Prepared& prepared, const 
       node_displacements(recognition.model, prepared.joint, maps, e, state.fields, recognition.settings.squash);
 }
 
-/// --force on a body that is not free to move in the last step.
+/// A force given for a body that is not free to move in the last step.
 void note_idle_forces(const Recognition& recognition, const TimePoint& last, Joint& joint) {
   const JointModel& model = recognition.model;
   for (const auto& entry : recognition.settings.force) {
     const LoadCase load_case = make_load_case(model, joint, recognition.settings, last.step, last.time);
     const auto& dofs = load_case.bodies[at(joint.find_body(model, entry.first))].dofs;
     if (std::count(dofs.begin(), dofs.begin() + 3, DofState::Free) == 0)
-      joint.findings.push_back(fmt::format(
-          "--force {}: the body is not free to move in the last step; the force has no effect", entry.first));
+      joint.findings.push_back(say("{}: the body is not free to move in the last step; the force has no effect",
+                                   NamedSetting{.setting = "force", .of = entry.first, .bare = true}));
   }
 }
 
@@ -93,13 +94,14 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
       const SurfaceMesh& mesh = source.spring_surface();
       const int vertex = mesh.triangles[at(beds.beds[c].springs.surface_triangle[i])][0];
       const Surface& surface = model.surfaces[at(source.surface)];
+      const char* parameter = pair.source == 0 ? "primary_thickness" : "secondary_thickness";
       throw fault_at(
           model, surface.origin,
-          fmt::format("contact \"{}\": there is no cartilage near node {} of surface \"{}\" where the bodies meet "
-                      "(thickness {:.2g}); mend the "
-                      "mesh or give --thickness \"{}=VALUE\"",
-                      pair.name, model.node_ids[at(mesh.model_nodes[at(vertex)])], surface.name,
-                      s.t_source[i] + s.t_target[i], surface.name));
+          say("contact \"{}\": there is no cartilage near node {} of surface \"{}\" where the bodies meet (thickness "
+              "{:.2g});",
+              pair.name, model.node_ids[at(mesh.model_nodes[at(vertex)])], surface.name, s.t_source[i] + s.t_target[i]),
+          say("mend the mesh or give {}",
+              NamedSetting{"thickness", surface.name, "VALUE", model.contacts[at(pair.contact)].dea ? parameter : ""}));
     }
   }
 }
@@ -110,7 +112,7 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
 }
 
 Analysis analyse(const Recognition& recognition, const AnalysisOptions& options) {
-  if (!recognition.faults.empty()) throw as_error(recognition);
+  throw_if_any(recognition.faults);
   const JointModel& model = recognition.model;
   double clock = now();
   Activity activity;

@@ -71,7 +71,7 @@ template <class Contacts>
 JointCheck check_joint_with(const Recognition& recognition, const Contacts& contacts) {
   const JointModel& model = recognition.model;
   JointCheck check;
-  for (const Fault& fault : recognition.faults) check.errors.push_back(line(fault));
+  check.errors = recognition.faults;
   if (!recognition.recognised) return check;
   try {
     check.joint = recognition.joint;
@@ -83,7 +83,7 @@ JointCheck check_joint_with(const Recognition& recognition, const Contacts& cont
                                          [](const LoadController& c) { return c.unsupported.empty(); });
     if (controllers) check_steps(model, recognition.settings, check);
   } catch (const InputError& found) {
-    if (check.errors.empty()) check.errors.push_back(found.what());
+    if (check.errors.empty()) check.errors.push_back(found.fault);
   }
   return check;
 }

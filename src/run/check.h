@@ -46,7 +46,7 @@ struct JointCheck {
   std::vector<ContactCheck> contacts;
   std::vector<StepCheck> steps;  ///< empty: conditions could not be made
   std::vector<TimePoint> times;
-  std::vector<std::string> errors;  ///< why `dea run` would refuse this model, a line each, the most basic first
+  std::vector<Fault> errors;  ///< why `dea run` would refuse this model, the most basic first
 };
 
 /// Never throws InputError: what was found is in `errors`.

@@ -7,7 +7,7 @@
 namespace dea {
 
 Prepared prepare(const Recognition& recognition, const StopFlag* stop) {
-  if (!recognition.faults.empty()) throw as_error(recognition);
+  throw_if_any(recognition.faults);
   return {recognition.joint, make_spring_beds(recognition.joint, stop)};
 }
 

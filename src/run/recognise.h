@@ -3,17 +3,10 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/base/fault.h>
 #include <febiodea/joint/joint.h>
 
 namespace dea {
-
-/// A reason for which a model cannot be solved.
-struct Fault {
-  std::string place;  ///< file and line, "hip.feb:214"; empty: no one place
-  std::string text;   ///< what was found, what is expected, what to do
-};
-/// "hip.feb:214: what was found, ..."
-std::string line(const Fault& fault);
 
 /// A model with what it was taken for. A value: it keeps the model and the settings it was made from, so that nothing
 /// can be asked of one model with another's joint.
@@ -33,13 +26,10 @@ struct Recognition {
 /// Throws UsageError for settings that name nothing in the model.
 Recognition recognise(JointModel model, Settings settings = {}, bool all_states = false);
 
-/// The faults as one error: the most basic one, the rest as `others`. There must be one.
-InputError as_error(const Recognition& recognition);
-
 /// Refuses a model that holds something which changes the mechanics and is not supported (InputError at its place).
 void refuse_unsupported(const JointModel& model);
 
-/// A remark of `JointModel::unsupported` as a line.
-std::string unsupported_line(const JointModel& model, const Remark& remark);
+/// A remark of `JointModel::unsupported` as a fault.
+Fault unsupported_fault(const JointModel& model, const Remark& remark);
 
 }  // namespace dea

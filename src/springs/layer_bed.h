@@ -1,4 +1,4 @@
-// febiodea/springs/layer_bed.h – the spring bed of `--law layer`: its springs share what the layers give way sideways
+// febiodea/springs/layer_bed.h – the spring bed of Law::Layer: its springs share what the layers give way sideways
 // (L1-L10).
 #pragma once
 #include <optional>

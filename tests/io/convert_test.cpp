@@ -10,6 +10,7 @@
 #include <febiodea/io/convert/convert_feb.h>
 #include <febiodea/io/convert/xml_places.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/run/analysis.h>
 #include "program.h"
 
@@ -434,12 +435,20 @@ Converted expect_same_joint(const fs::path& folder, const std::string& path, con
 }
 
 std::string all_of(const std::vector<std::string>& lines) { return fmt::format("{}", fmt::join(lines, "\n")); }
+std::string all_of(const std::vector<Sentence>& sentences) {
+  std::vector<std::string> lines;
+  for (const Sentence& words : sentences) lines.push_back(worded(words, command_line_wording()));
+  return all_of(lines);
+}
 
 std::string fault(const std::string& path, const Settings& settings = {}) {
   try {
     convert_feb(read_feb(path), settings, path + ".out");
   } catch (const std::exception& e) {
     std::string text = e.what();
+    if (const auto* wrong_use = dynamic_cast<const UsageError*>(&e))
+      text = line(wrong_use->fault, command_line_wording());
+    if (const auto* refused = dynamic_cast<const InputError*>(&e)) text = line(refused->fault, command_line_wording());
     const std::string folder = fs::path(path).parent_path().string() + "/";
     for (std::size_t at = text.find(folder); at != text.npos; at = text.find(folder)) text.erase(at, folder.size());
     return text;

@@ -145,7 +145,7 @@ TEST(Recognition, ALayerOfSeveralMaterialsIsRefusedOrTold) {
   zone.E = 1.1 * own.E;
   const Joint told = make_joint(model, {});
   ASSERT_EQ(told.findings.size(), 1u);
-  EXPECT_NE(told.findings[0].find("deep zone"), std::string::npos) << told.findings[0];
+  EXPECT_NE(told.findings[0].text.find("deep zone"), std::string::npos) << told.findings[0].text;
 }
 
 // Surfaces that share facets count these twice; surfaces side by side do not feel each other.
@@ -170,7 +170,7 @@ TEST(Recognition, ContactsThatShareALayer) {
     }
     const Joint joint = make_joint(model, {});
     ASSERT_EQ(joint.findings.size(), 1u);
-    EXPECT_NE(joint.findings[0].find("side by side"), std::string::npos) << joint.findings[0];
+    EXPECT_NE(joint.findings[0].text.find("side by side"), std::string::npos) << joint.findings[0].text;
   }
 }
 
@@ -223,8 +223,77 @@ TEST(Recognition, CollapsedFacetsKeepTheirSide) {
     const Joint joint = make_joint(model, {});
     ASSERT_EQ(joint.contacts[0].layers[0].articular.size(), 1);
     EXPECT_GT(joint.contacts[0].layers[0].articular.normals[0].z(), 0.99) << rotation;
-    EXPECT_TRUE(joint.findings.empty()) << joint.findings.front();
+    EXPECT_TRUE(joint.findings.empty()) << joint.findings.front().text;
   }
+}
+
+// Planes of symmetry at x = -5 and, as it is asked for, x = 5, y = -5, y = 5: of a plate of 10 x 10.
+JointModel plate_between_planes(double h, const std::vector<std::pair<int, double>>& planes) {
+  JointModel model = flat_plates(4, 10, h, 0.0);
+  for (const auto& plane : planes) {
+    FixedNodes f;
+    f.xyz[static_cast<std::size_t>(plane.first)] = true;
+    for (std::size_t i = 0; i < model.nodes.size(); ++i)
+      if (std::abs(model.nodes[i][plane.first] - plane.second) < 1e-9) f.nodes.push_back(static_cast<int>(i));
+    model.fixed_nodes.push_back(f);
+  }
+  return model;
+}
+
+// The circle of 100 has a radius of 5.64, of 200 one of 7.98, of 400 one of 11.3; a strip 10 wide has 5.
+TEST(Recognition, WhetherALayerIsThinIsAskedOfItsMirrorImagesToo) {
+  struct Case {
+    double h;
+    std::vector<std::pair<int, double>> planes;
+    const char* told;
+  };
+  for (const Case& c :
+       std::vector<Case>{{5, {}, ""},
+                         {7, {}, "a surface as large as a circle of radius 5.64;"},
+                         {7, {{0, -5}}, ""},
+                         {9, {{0, -5}}, "a surface as large as a circle of radius 7.98;"},
+                         {9, {{0, -5}, {1, 5}}, ""},
+                         {12, {{0, -5}, {1, 5}}, "a surface as large as a circle of radius 11.3;"},
+                         {7, {{0, -5}, {0, 5}}, "a strip between planes of symmetry whose half width is 5;"},
+                         {30, {{0, -5}, {0, 5}, {1, -5}, {1, 5}}, ""}}) {
+    std::string told;
+    for (const Sentence& finding : make_joint(plate_between_planes(c.h, c.planes), {}).findings)
+      if (finding.text.find("no thin layer") != std::string::npos) told = finding.text;
+    EXPECT_EQ(told.empty(), std::string(c.told).empty()) << c.h << " " << c.planes.size() << " " << told;
+    EXPECT_NE(told.find(c.told), std::string::npos) << c.h << " " << c.planes.size() << " " << told;
+  }
+}
+
+TEST(Recognition, FaultsNameSettingsAsData) {
+  const JointModel model = floating_layer(2.0);
+  const JointFound found = find_joint(model, {});
+  ASSERT_EQ(found.faults.size(), 1u);
+  EXPECT_EQ(found.faults[0].expected.settings,
+            (std::vector<NamedSetting>{
+                {"attach", "layer", "BODY"}, {"bone", "layer", "SURFACE"}, {"thickness", "layer", "VALUE"}}));
+  EXPECT_FALSE(found.faults[0].given);
+  Settings settings;
+  settings.attach["layer"] = "nobody";
+  try {
+    find_joint(model, settings);
+    ADD_FAILURE() << "attached to nobody";
+  } catch (const UsageError& e) {
+    EXPECT_EQ(e.fault.given, (NamedSetting{"attach", "layer", "nobody"}));
+    EXPECT_TRUE(e.fault.place.empty());
+  }
+}
+
+// Without a thickness the modulus that is missing too is told, as a fault of its own.
+TEST(Recognition, AllThatALayerLacksIsTold) {
+  JointModel model = floating_layer(2.0);
+  model.materials[0].E = std::nan("");
+  Settings settings;
+  settings.attach["layer"] = "left";
+  const JointFound found = find_joint(model, settings);
+  ASSERT_EQ(found.faults.size(), 2u);
+  EXPECT_EQ(found.faults[0].found.text.substr(0, 50), "contact \"press\", surface \"layer\": no face of its l");
+  EXPECT_EQ(found.faults[1].expected.settings,
+            (std::vector<NamedSetting>{{"E", "layer", "VALUE"}, {"nu", "layer", "VALUE"}}));
 }
 
 TEST(Recognition, TheSamePairTwiceIsRefused) {
@@ -480,6 +549,15 @@ TEST(DeaContact, RefusesALayerItCannotMeasure) {
   JointModel no_modulus = spheres_of_bone();
   no_modulus.contacts[0].dea->layers[0].E.reset();
   EXPECT_NE(refusal(no_modulus).find("gives no E and nu"), std::string::npos) << refusal(no_modulus);
+
+  // a parameter of the contact where the text names none, else a setting
+  JointModel unbonded = floating_layer(2.0);
+  unbonded.contacts[0].dea = DeaContact{};
+  Settings settings;
+  settings.attach["layer"] = "left";
+  const JointFound found = find_joint(unbonded, settings);
+  ASSERT_EQ(found.faults.size(), 1u);
+  EXPECT_EQ(found.faults[0].expected.settings[1], (NamedSetting{"thickness", "layer", "VALUE", "primary_thickness"}));
 }
 
 }  // namespace

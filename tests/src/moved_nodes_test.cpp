@@ -52,9 +52,11 @@ std::vector<int> leave_out(JointModel& model, int material) {
 }
 
 std::vector<std::string> faults_of(const JointModel& model) {
-  std::vector<std::string> faults;
+  std::vector<Fault> faults;
   find_moved_nodes(model, std::vector<int>(model.nodes.size(), -1), faults);
-  return faults;
+  std::vector<std::string> lines;
+  for (const Fault& fault : faults) lines.push_back(line(fault));
+  return lines;
 }
 
 JointModel twelve_nodes() {
@@ -93,10 +95,10 @@ TEST(MovedNodes, AreGroupedByTheirMotion) {
   move_nodes(model, {4, 5}, 2, -0.1);
   fix_nodes(model, {0, 1, 4}, {true, true, false});
   fix_nodes(model, {0, 2, 3, 5}, {false, true, false});  // node 0 twice: the same as once
-  std::vector<std::string> faults;
+  std::vector<Fault> faults;
   std::vector<int> body(model.nodes.size(), -1);
   const std::vector<MovedNodes> moved = find_moved_nodes(model, body, faults);
-  EXPECT_TRUE(faults.empty()) << faults.front();
+  EXPECT_TRUE(faults.empty()) << line(faults.front());
   ASSERT_EQ(moved.size(), 2u);
   EXPECT_EQ(moved[0].nodes, (std::vector<int>{0, 1, 4}));
   EXPECT_EQ(moved[1].nodes, (std::vector<int>{2, 3, 5}));
@@ -224,7 +226,7 @@ TEST(MovedNodes, RelativeInSomeStepsIsAnotherMotion) {
   move_nodes(model, {2, 3}, 2, 0.1, 0, true);
   move_nodes(model, {2, 3}, 2, 0.1, 1, true);
   fix_nodes(model, {0, 1, 2, 3}, {true, true, false});
-  std::vector<std::string> faults;
+  std::vector<Fault> faults;
   EXPECT_EQ(find_moved_nodes(model, std::vector<int>(model.nodes.size(), -1), faults).size(), 2u);
   EXPECT_TRUE(faults.empty());
 }

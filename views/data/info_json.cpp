@@ -45,12 +45,9 @@ Json layer_json(const JointModel& model, const JointCheck& check, const Layer& l
   j["missed_normals"] = layer.missed_count();
   j["rim"] = nullptr;  // null: no layer, or springs at the bone
   if (side.whole_face)
-    j["rim"] = Json{{"free", json_number(side.rim.free)},
-                    {"goes_on", json_number(side.rim.goes_on)},
-                    {"symmetry", json_number(side.rim.symmetry)},
-                    {"bonded", json_number(side.rim.bonded)},
-                    {"shared", json_number(side.rim.shared)},
-                    {"area_beyond", json_number(side.rim.area_beyond)}};
+    j["rim"] = Json{{"free", json_number(side.rim.free)},         {"goes_on", json_number(side.rim.goes_on)},
+                    {"symmetry", json_number(side.rim.symmetry)}, {"bonded", json_number(side.rim.bonded)},
+                    {"shared", json_number(side.rim.shared)},     {"area_beyond", json_number(side.rim.area_beyond)}};
   j["left_out"] = Json{{"side_wall", side.side_walls}, {"bonded", side.bonded}};
   Json sphere;
   sphere["center"] = json_vector(side.sphere.center);
@@ -205,11 +202,14 @@ Json info_json(const JointModel& model, const Settings& settings, const JointChe
   }
   j["times"] = Json::array();
   for (const TimePoint& t : check.times) j["times"].push_back(t.time);
-  j["findings"] = joint.findings;
+  const Wording wording = command_line_wording();
+  j["findings"] = Json::array();
+  for (const Sentence& finding : joint.findings) j["findings"].push_back(worded(finding, wording));
   j["ignored"] = remarks_json(model, model.ignored);
   j["unsupported"] = remarks_json(model, model.unsupported);
-  j["error"] = check.errors.empty() ? Json(nullptr) : Json(check.errors.front());
-  j["errors"] = check.errors;  // all that are known, the most basic first
+  j["error"] = check.errors.empty() ? Json(nullptr) : Json(line(check.errors.front(), wording));
+  j["errors"] = Json::array();  // all that are known, the most basic first
+  for (const Fault& fault : check.errors) j["errors"].push_back(line(fault, wording));
   return j;
 }
 

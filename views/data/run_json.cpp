@@ -111,7 +111,7 @@ Json state_json(const Joint& joint, const StateResult& state) {
   j["contacts"] = Json::array();
   for (std::size_t c = 0; c < joint.contacts.size(); ++c)
     j["contacts"].push_back(contact_json(joint, joint.contacts[c], state.statistics[c], state.fields[c]));
-  j["message"] = e.message;
+  j["message"] = outcome_text(e);
   j["step"] = state.when.step + 1;
   j["load"] = json_number(e.load);
   j["residual_history"] = Json::array();

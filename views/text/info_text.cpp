@@ -245,7 +245,7 @@ std::string info_text(const JointModel& model, const Settings& settings, const J
   if (!check.steps.empty()) text += "\nsteps\n" + steps_text(check) + load_points_text(model, settings, check.joint);
   text += times_text(check.times) + remarks_text(model, check.joint);
   if (!check.errors.empty()) text += "\nwhy dea run refuses this model\n";
-  for (const std::string& line : check.errors) text += "  " + line + "\n";
+  for (const Fault& fault : check.errors) text += "  " + line(fault, command_line_wording()) + "\n";
   return text;
 }
 

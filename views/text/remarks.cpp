@@ -60,7 +60,7 @@ double prescribed_turn(const JointModel& model, const Joint& joint, const Equili
 /// Law layer follows what flows within the size of the facets. Measured on a sphere (docs/layer_law.md, section 6):
 /// facets of half the thickness or less are within 2 % where contact is 8 of them wide, facets as long as the cartilage
 /// is thick 7 % and 17 % off in force and peak. Empty: they are fine.
-std::string coarse_facets(const JointModel& model, const ContactPair& pair) {
+std::string coarse_facets(const JointModel& model, const ContactPair& pair, const Wording& wording) {
   constexpr double kFine = 0.3, kCoarse = 1.05;  // thicknesses
   if (pair.law != Law::Layer) return "";
   double worst = 0.0;
@@ -76,17 +76,26 @@ std::string coarse_facets(const JointModel& model, const ContactPair& pair) {
   const std::string text =
       fmt::format("contact \"{}\": facets are long against the cartilage's thickness ({})", pair.name, sizes);
   if (worst > kCoarse)
-    return fmt::format("warning: {}: force and peak may be 20% off; type --refine {} ({} times the springs)", text,
-                       refine, refine * refine / (pair.refine * pair.refine));
+    return fmt::format("warning: {}: force and peak may be 20% off; type {} ({} times the springs)", text,
+                       wording({"refine", "", std::to_string(refine)}), refine * refine / (pair.refine * pair.refine));
   return fmt::format(
       "note: {}: right to about 3% where contact is 8 facets wide, less where it is narrower; "
-      "dea converge or --refine {} tell",
-      text, 2 * pair.refine);
+      "dea converge or {} tell",
+      text, wording({"refine", "", std::to_string(2 * pair.refine)}));
+}
+
+/// Vertices whose thickness is the closest point's for want of a better one. On a plane of symmetry the closest point
+/// is the better one: of a curved surface the normal is known from one side only there.
+int doubtful_vertices(const Layer& layer) {
+  const bool planes = layer.springs_at == SpringsAt::Articular && layer.mirror.size() == layer.missed.size();
+  int count = 0;
+  for (std::size_t v = 0; v < layer.missed.size(); ++v) count += layer.missed[v] && !(planes && layer.mirror[v]);
+  return count;
 }
 
 }  // namespace
 
-std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint) {
+std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint, const Wording& wording) {
   std::vector<std::string> lines;
   for (const Remark& r : model.ignored)
     add_once(lines, fmt::format("ignored: {}{}{}", where(model, r.origin), r.what,
@@ -96,18 +105,19 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
     for (const std::string& what : contact.ignored)
       add_once(lines, fmt::format("ignored: {}contact \"{}\": {}", where(model, contact.origin), contact.name, what));
   }
-  for (const std::string& finding : joint.findings) add_once(lines, "note: " + finding);
+  for (const Sentence& finding : joint.findings) add_once(lines, "note: " + worded(finding, wording));
   for (const ContactPair& pair : joint.contacts) {
-    const std::string coarse = coarse_facets(model, pair);
+    const std::string coarse = coarse_facets(model, pair, wording);
     if (!coarse.empty()) add_once(lines, coarse);
   }
   for (const ContactPair& pair : joint.contacts) {
     for (const Layer& layer : pair.layers) {
-      if (layer.missed_count() == 0) continue;
+      const int doubtful = doubtful_vertices(layer);
+      if (doubtful == 0) continue;
       add_once(lines, fmt::format("warning: surface \"{}\": at {} of {} vertices the thickness is the distance to the "
                                   "nearest point of the bone, "
                                   "for their normals meet no bone (usual at rims; `dea info -o` shows where)",
-                                  model.surfaces[at(layer.surface)].name, layer.missed_count(), layer.missed.size()));
+                                  model.surfaces[at(layer.surface)].name, doubtful, layer.missed.size()));
     }
   }
   return lines;
@@ -118,11 +128,11 @@ namespace {
 using Lines = std::vector<std::string>;
 
 /// States that are no solution or stand on the brink, neighbours together.
-void add_outcomes(const Analysis& analysis, Lines& lines) {
+void add_outcomes(const Analysis& analysis, const Wording& wording, Lines& lines) {
   std::vector<StateRun> runs;
   for (std::size_t i = 0; i < analysis.states.size(); ++i) {
     const Equilibrium& e = analysis.states[i].equilibrium;
-    if (!solved(e.outcome)) add_state(runs, fmt::format("{}", name(e.outcome)), i, e.message);
+    if (!solved(e.outcome)) add_state(runs, fmt::format("{}", name(e.outcome)), i, outcome_text(e, wording));
     if (solved(e.outcome) && e.least_stiffness < 0)
       add_state(runs, "the balance is unstable", i, fmt::format("least stiffness {:.3g}", e.least_stiffness));
   }
@@ -146,7 +156,8 @@ void add_held_motions(const Analysis& analysis, Lines& lines) {
 }
 
 /// Bodies that have turned far although nobody wants them to.
-void add_large_turns(const JointModel& model, const Joint& joint, const Equilibrium& e, Lines& lines) {
+void add_large_turns(const JointModel& model, const Joint& joint, const Equilibrium& e, const Wording& wording,
+                     Lines& lines) {
   if (!solved(e.outcome) || e.outcome == Outcome::Prescribed) return;
   const double prescribed = prescribed_turn(model, joint, e);
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
@@ -157,43 +168,48 @@ void add_large_turns(const JointModel& model, const Joint& joint, const Equilibr
           lines,
           fmt::format(
               "warning: \"{}\" has turned by {:.0f} degrees about ({:.2f}, {:.2f}, {:.2f}): its rotations are hardly "
-              "resisted; to hold them type --free \"{}=x,y,z\"",
-              joint.bodies[b].name, degrees, turn.axis().x(), turn.axis().y(), turn.axis().z(), joint.bodies[b].name));
+              "resisted; to hold them type {}",
+              joint.bodies[b].name, degrees, turn.axis().x(), turn.axis().y(), turn.axis().z(),
+              wording({"free", joint.bodies[b].name, "x,y,z"})));
   }
 }
 
 /// Surfaces that do not touch, at the end or ever.
-void add_no_contact(const Analysis& analysis, Lines& lines) {
+void add_no_contact(const Analysis& analysis, const Wording& wording, Lines& lines) {
   const auto touches = [](const StateResult& state) {
     return std::any_of(state.statistics.begin(), state.statistics.end(),
                        [](const ContactStatistics& s) { return s.springs_active > 0; });
   };
   const StateResult& last = analysis.states.back();
   if (!touches(last) && last.equilibrium.outcome == Outcome::Balanced && last.equilibrium.load == 0.0)
-    add_once(lines,
-             fmt::format(
-                 "warning: at time {} nothing loads a free body and nothing touches: there is no contact to look at; "
-                 "give a load with --force BODY=x,y,z",
-                 number_text(last.when.time)));
+    add_once(
+        lines,
+        fmt::format(
+            "warning: at time {} nothing loads a free body and nothing touches: there is no contact to look at; "
+            "give a load with {}",
+            number_text(last.when.time), wording({.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true})));
   if (last.equilibrium.outcome == Outcome::Prescribed &&
       std::none_of(analysis.states.begin(), analysis.states.end(), touches))
     add_once(lines,
              "warning: the surfaces touch in no state: the motions that are prescribed bring them nowhere together");
 }
 
-void add_few_springs(const ContactPair& pair, const StateResult& state, std::size_t contact, Lines& lines) {
+void add_few_springs(const ContactPair& pair, const StateResult& state, std::size_t contact, const Wording& wording,
+                     Lines& lines) {
   const int active = state.statistics[contact].springs_active;
   if (active < 20 && state.fields[contact].sides[1 - pair.source].contact_area > 0)
-    add_once(lines, fmt::format("warning: contact \"{}\": only {} springs carry at time {}, too few for a pressure "
-                                "map; divide them with --refine, or let the other "
-                                "body's finer surface carry them with --source",
-                                pair.name, active, number_text(state.when.time)));
+    add_once(lines,
+             fmt::format("warning: contact \"{}\": only {} springs carry at time {}, too few for a pressure "
+                         "map; divide them with {}, or let the other "
+                         "body's finer surface carry them with {}",
+                         pair.name, active, number_text(state.when.time), wording({"refine"}), wording({"source"})));
   else if (active < 60 && active > 0 && pair.law == Law::Layer)
     add_once(lines,
              fmt::format("warning: contact \"{}\": at time {} only {} springs carry, too few to follow how the layers "
                          "flow: force and peak may be 10% too high; divide them with "
-                         "--refine {}",
-                         pair.name, number_text(state.when.time), active, 2 * pair.refine));
+                         "{}",
+                         pair.name, number_text(state.when.time), active,
+                         wording({"refine", "", std::to_string(2 * pair.refine)})));
 }
 
 /// Maps that do not carry the whole force.
@@ -210,25 +226,29 @@ void add_incomplete_maps(const JointModel& model, const ContactPair& pair, const
 
 }  // namespace
 
-std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis) {
+std::string outcome_text(const Equilibrium& e, const Wording& wording) {
+  return e.message + (e.advice.empty() ? "" : " " + worded(e.advice, wording));
+}
+
+std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis, const Wording& wording) {
   std::vector<std::string> lines;
   if (analysis.states.empty()) return lines;
-  add_outcomes(analysis, lines);
+  add_outcomes(analysis, wording, lines);
   add_held_motions(analysis, lines);
   const Joint& joint = analysis.joint;
   const StateResult& last = analysis.states.back();  // stands for all: turns and factors change slowly
-  add_large_turns(model, joint, last.equilibrium, lines);
-  add_no_contact(analysis, lines);
+  add_large_turns(model, joint, last.equilibrium, wording, lines);
+  add_no_contact(analysis, wording, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    add_few_springs(joint.contacts[c], last, c, lines);
+    add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
   }
   return lines;
 }
 
-std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis) {
-  std::vector<std::string> lines = model_remarks(model, analysis.joint);
-  for (const std::string& line : result_remarks(model, analysis)) lines.push_back(line);
+std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis, const Wording& wording) {
+  std::vector<std::string> lines = model_remarks(model, analysis.joint, wording);
+  for (const std::string& line : result_remarks(model, analysis, wording)) lines.push_back(line);
   return lines;
 }
 

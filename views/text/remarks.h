@@ -4,15 +4,22 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/run/analysis.h>
 
 namespace dea {
 
-/// Of a model that was recognised.
-std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint);
+/// Of a model that was recognised. Files (JSON, the page) have the words of the command line, whoever writes them.
+std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint,
+                                       const Wording& wording = command_line_wording());
 /// Of the states that were solved.
-std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis);
+std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis,
+                                        const Wording& wording = command_line_wording());
 /// Both.
-std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis);
+std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis,
+                                     const Wording& wording = command_line_wording());
+
+/// The sentence behind a state's outcome.
+std::string outcome_text(const Equilibrium& e, const Wording& wording = command_line_wording());
 
 }  // namespace dea

@@ -1,0 +1,15 @@
+#include <febiodea/plugin/febio_wording.h>
+
+#include <febiodea/io/settings/setting_words.h>
+
+namespace dea {
+
+Wording febio_wording() {
+  return [](const NamedSetting& s) {
+    if (s.parameter.empty()) return settings_file_wording()(s);
+    const std::string start = "<" + s.parameter + ">";
+    return s.value.empty() ? start : start + s.value + "</" + s.parameter + ">";
+  };
+}
+
+}  // namespace dea

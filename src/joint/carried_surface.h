@@ -1,0 +1,27 @@
+// febiodea/joint/carried_surface.h – a surface of the model with the elements its facets are faces of.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include <febiodea/base/fault.h>
+#include <febiodea/joint/layer_face.h>
+#include <febiodea/joint/parts.h>
+
+namespace dea {
+
+/// Facets of a surface with their carrying elements, oriented out of them.
+struct CarriedSurface {
+  FacetList facets;
+  std::vector<ElementFace> carriers;  ///< one per facet
+  bool on_shells = false;             ///< a shell has two sides: the surface's own orientation tells which
+  std::optional<Fault> fault;         ///< of the surface or an element; then the rest is not complete
+};
+CarriedSurface carry(const ModelParts& parts, int surface);
+
+/// Deformable shells on the facets of a surface: their names, quoted.
+std::string deformable_shells(const ModelParts& parts, const Surface& surface);
+
+/// Of a solid element that is inside out or has no volume.
+std::optional<Fault> volume_fault(const JointModel& model, const Domain& domain, int element);
+
+}  // namespace dea

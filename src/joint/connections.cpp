@@ -1,0 +1,229 @@
+#include <febiodea/joint/connections.h>
+
+#include <cmath>
+#include <utility>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+#include <febiodea/joint/parts.h>
+
+namespace dea {
+
+namespace {
+
+/// What is being put together, and of what.
+struct ConnectionsDraft {
+  const ModelParts& parts;
+  const std::vector<int>& node_body;
+  Connections connections;
+};
+
+const std::string& body_name(const ConnectionsDraft& draft, int body) {
+  return draft.parts.bodies.bodies[at(body)].name;
+}
+
+/// A point given in reference coordinates, or counted from the body's centre of mass.
+Vector3d reference_point(const ConnectionsDraft& draft, int body, const Vector3d& point, bool from_center) {
+  return from_center ? Vector3d(draft.parts.bodies.bodies[at(body)].center_of_mass + point) : point;
+}
+
+/// Adds it, unless both ends are on one body. `kind`: what the model calls such a thing.
+void add_ligament(ConnectionsDraft& draft, Ligament l, const char* kind, Origin origin) {
+  const JointModel& model = draft.parts.model;
+  Connections& c = draft.connections;
+  l.origin = origin;
+  l.where = where(model, origin);
+  if (l.body_a == l.body_b) {
+    c.findings.push_back(
+        say("{} \"{}\" joins two points of body \"{}\": left out", kind, l.name, body_name(draft, l.body_a)));
+    return;
+  }
+  const double length = (l.point_b - l.point_a).norm();
+  if (l.free_length <= 0) l.free_length = length;
+  if (!(length > 0) || !std::isfinite(length)) {
+    c.fault =
+        make_fault(model, origin, say("{} \"{}\" has no length:", kind, l.name), "its two points coincide, move one");
+    return;
+  }
+  c.ligaments.push_back(std::move(l));
+}
+
+void add_rigid_springs(ConnectionsDraft& draft) {
+  for (const RigidSpring& s : draft.parts.model.rigid_springs) {
+    Ligament l;
+    l.name = s.name;
+    l.body_a = body_of_material(draft.parts, s.material_a);
+    l.body_b = body_of_material(draft.parts, s.material_b);
+    l.point_a = s.insertion_a;
+    l.point_b = s.insertion_b;
+    l.stiffness = s.k;
+    l.free_length = s.free_length;
+    l.step = s.step;
+    add_ligament(draft, l, "spring", s.origin);
+    if (draft.connections.fault) return;
+  }
+}
+
+/// One spring of a set, between two nodes.
+void add_discrete_spring(ConnectionsDraft& draft, const DiscreteSprings& set, const std::array<int, 2>& pair) {
+  const JointModel& model = draft.parts.model;
+  Ligament l;
+  l.name = set.name.empty() ? model.discrete_sets[at(set.set)].name : set.name;
+  l.body_a = draft.node_body[at(pair[0])];
+  l.body_b = draft.node_body[at(pair[1])];
+  for (int node : pair) {
+    if (draft.node_body[at(node)] >= 0) continue;
+    draft.connections.fault = make_fault(
+        model, set.origin,
+        say("spring \"{}\" is fastened to node {}, which belongs to no rigid body:", l.name, model.node_ids[at(node)]),
+        "fasten it to a node of a bone");
+    return;
+  }
+  l.point_a = model.nodes[at(pair[0])];
+  l.point_b = model.nodes[at(pair[1])];
+  l.stiffness = set.stiffness;
+  l.tension_only = set.tension_only;
+  if (set.force) {
+    l.law = Ligament::Law::Curve;
+    l.curve = set.force;
+    l.measure = set.measure;
+    l.scale = set.scale;
+  }
+  l.step = set.step;
+  add_ligament(draft, l, "spring", set.origin);
+}
+
+void add_discrete_springs(ConnectionsDraft& draft) {
+  const JointModel& model = draft.parts.model;
+  for (const DiscreteSprings& set : model.discrete_springs) {
+    if (set.force && !set.force->unsupported.empty()) {
+      draft.connections.fault = make_fault(
+          model, set.origin,
+          say("spring \"{}\": its force is given by {}, which is not supported;", set.name, set.force->unsupported),
+          "give points");
+      return;
+    }
+    for (const auto& pair : model.discrete_sets[at(set.set)].pairs) {
+      add_discrete_spring(draft, set, pair);
+      if (draft.connections.fault) return;
+    }
+  }
+}
+
+void add_axial_forces(ConnectionsDraft& draft) {
+  for (const RigidAxialForce& f : draft.parts.model.rigid_axial_forces) {
+    Ligament l;
+    l.name = f.name;
+    l.law = Ligament::Law::Constant;
+    l.body_a = body_of_material(draft.parts, f.material_a);
+    l.body_b = body_of_material(draft.parts, f.material_b);
+    l.point_a = reference_point(draft, l.body_a, f.point_a, f.from_centers);
+    l.point_b = reference_point(draft, l.body_b, f.point_b, f.from_centers);
+    l.scale = f.force;
+    l.step = f.step;
+    add_ligament(draft, l, "axial force", f.origin);
+    if (draft.connections.fault) return;
+  }
+}
+
+/// A cable runs through points that differ from one to the next.
+std::optional<Fault> cable_fault(const JointModel& model, const Cable& cable) {
+  if (cable.points.empty())
+    return make_fault(model, cable.origin, say("cable \"{}\" has no points:", cable.name), "add those it runs through");
+  for (std::size_t i = 1; i < cable.points.size(); ++i)
+    if (!((cable.points[i].position - cable.points[i - 1].position).norm() > 0))
+      return make_fault(
+          model, cable.origin,
+          say("cable \"{}\": points {} and {} coincide, so the cable has no direction there;", cable.name, i, i + 1),
+          "take one out");
+  return std::nullopt;
+}
+
+void add_cables(ConnectionsDraft& draft) {
+  for (const RigidCable& c : draft.parts.model.rigid_cables) {
+    Cable cable;
+    cable.name = c.name;
+    for (const RigidCable::Point& p : c.points) {
+      const int body = body_of_material(draft.parts, p.material);
+      cable.points.push_back({body, reference_point(draft, body, p.position, c.from_centers)});
+    }
+    cable.force = c.force;
+    if (c.direction.norm() > 0) cable.direction = c.direction.normalized();
+    cable.step = c.step;
+    cable.origin = c.origin;
+    draft.connections.fault = cable_fault(draft.parts.model, cable);
+    if (draft.connections.fault) return;
+    draft.connections.cables.push_back(std::move(cable));
+  }
+}
+
+void add_connectors(ConnectionsDraft& draft) {
+  const ModelParts& parts = draft.parts;
+  for (const RigidJoint& j : parts.model.rigid_joints) {
+    Connector c;
+    c.name = j.name;
+    c.type = j.type;
+    c.body_a = body_of_material(parts, j.material_a);
+    c.body_b = body_of_material(parts, j.material_b);
+    c.point = j.joint_origin;
+    c.axes = j.axes;
+    c.motion = j.motion;
+    c.value = j.value;
+    c.step = j.step;
+    c.origin = j.origin;
+    if (!((c.axes.transpose() * c.axes - Eigen::Matrix3d::Identity()).norm() < 1e-6) || !(c.axes.determinant() > 0)) {
+      draft.connections.fault =
+          make_fault(parts.model, j.origin, say("joint \"{}\": its axes span no right-handed frame;", j.name),
+                     "give two axes that are not parallel");
+      return;
+    }
+    if (c.body_a == c.body_b)
+      draft.connections.findings.push_back(
+          say("joint \"{}\" joins two points of body \"{}\": left out", c.name, body_name(draft, c.body_a)));
+    else
+      draft.connections.connectors.push_back(std::move(c));
+  }
+}
+
+/// Nodal forces on nodes that move with a body: of its rigid elements, or of its rigid node sets.
+void add_point_loads(ConnectionsDraft& draft) {
+  const ModelParts& parts = draft.parts;
+  const JointModel& model = parts.model;
+  if (model.nodal_forces.empty()) return;
+  std::vector<int> body(model.nodes.size(), -1);
+  for (const Domain& d : model.domains) {
+    if (d.material < 0 || !parts.rigid[at(d.material)] || is_line(d.shape)) continue;
+    for (int node : d.nodes) body[at(node)] = parts.bodies.of_material[at(d.material)];
+  }
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (int node : set.nodes)
+      if (body[at(node)] < 0) body[at(node)] = parts.bodies.of_material[at(set.material)];
+  for (const NodalForce& f : model.nodal_forces) {
+    for (int node : f.nodes) {
+      if (body[at(node)] < 0) {
+        draft.connections.fault =
+            make_fault(model, f.origin,
+                       say("nodal force \"{}\" acts on node {}, which is part of no rigid body;", f.name,
+                           model.node_ids[at(node)]),
+                       "DEA can load rigid bodies only: load a node of the bone, or use a rigid force");
+        return;
+      }
+      draft.connections.point_loads.push_back(
+          {f.name, body[at(node)], model.nodes[at(node)], f.value, f.controller, f.step, f.origin});
+    }
+  }
+}
+
+}  // namespace
+
+Connections find_connections(const ModelParts& parts, const std::vector<int>& node_body) {
+  ConnectionsDraft draft{parts, node_body, {}};
+  for (const auto add :
+       {add_rigid_springs, add_discrete_springs, add_axial_forces, add_cables, add_connectors, add_point_loads}) {
+    add(draft);
+    if (draft.connections.fault) break;
+  }
+  return std::move(draft.connections);
+}
+
+}  // namespace dea

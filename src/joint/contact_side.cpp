@@ -1,0 +1,41 @@
+#include <febiodea/joint/contact_side.h>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+
+namespace dea {
+
+ContactSide contact_side(const ModelParts& parts, const Contact& contact, int side) {
+  const int index = side == 0 ? contact.primary : contact.secondary;
+  return {parts,
+          contact,
+          side,
+          index,
+          parts.model.surfaces[at(index)],
+          given_layer(parts.model, parts.settings, contact, side)};
+}
+
+Fault refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected) {
+  return make_fault(in.parts.model, in.surface.origin,
+                    say("contact \"{}\", surface \"{}\": {}", in.contact.name, in.surface.name, found), expected);
+}
+
+Fault unmeasured(const ContactSide& in, const char* why) {
+  return refusal_of(in, say("the thickness of its layer cannot be measured, for {};", why),
+                    say("give it in the contact as <{}>, or with {}", parameter_of(in, "thickness"),
+                        NamedSetting{"thickness", in.surface.name, "VALUE"}));
+}
+
+NamedSetting setting_of(const ContactSide& in, const char* setting, const char* value) {
+  const std::string name = setting;
+  const bool parameter = in.contact.dea && (name == "thickness" || name == "E" || name == "nu");
+  return {name, in.surface.name, value, parameter ? parameter_of(in, setting) : ""};
+}
+
+Sentence modulus_settings(const ContactSide& in) { return say("{} {}", setting_of(in, "E"), setting_of(in, "nu")); }
+
+std::string parameter_of(const ContactSide& in, const char* setting) {
+  return fmt::format("{}_{}", in.side == 0 ? "primary" : "secondary", setting);
+}
+
+}  // namespace dea

@@ -1,0 +1,33 @@
+// febiodea/joint/contact_side.h – one side of a contact, as the stages of its recognition see it.
+#pragma once
+#include <febiodea/base/fault.h>
+#include <febiodea/joint/given_layer.h>
+#include <febiodea/joint/parts.h>
+
+namespace dea {
+
+/// References: must not outlive what it was made of.
+struct ContactSide {
+  const ModelParts& parts;
+  const Contact& contact;
+  int side;   ///< 0: primary, 1: secondary
+  int index;  ///< of the surface
+  const Surface& surface;
+  GivenLayer given;
+};
+ContactSide contact_side(const ModelParts& parts, const Contact& contact, int side);
+
+/// `contact "c", surface "s": found; expected`, at the surface's place.
+Fault refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected);
+
+/// Of a contact of type dea whose layer is to be measured, and cannot be.
+Fault unmeasured(const ContactSide& in, const char* why);
+
+/// A setting of this surface, with the parameter of a contact of type dea that says the same.
+NamedSetting setting_of(const ContactSide& in, const char* setting, const char* value = "VALUE");
+/// E and nu.
+Sentence modulus_settings(const ContactSide& in);
+/// "primary_thickness": a parameter of a contact of type dea.
+std::string parameter_of(const ContactSide& in, const char* setting);
+
+}  // namespace dea

@@ -1,0 +1,329 @@
+#include <febiodea/joint/contacts.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+#include <febiodea/geometry/ray_caster.h>
+#include <febiodea/joint/carried_surface.h>
+#include <febiodea/joint/given_layer.h>
+#include <febiodea/joint/left_out.h>
+#include <febiodea/joint/make_layer.h>
+
+namespace dea {
+
+namespace {
+
+/// About 10 GB of springs: more is a slip of the keyboard.
+constexpr double kMostSprings = 2e7;
+
+// ---- cartilage that two contacts press -----------------------------------------------------------------------------
+
+/// The triangles that two surfaces share.
+int shared_triangles(const SurfaceMesh& a, const SurfaceMesh& b) {
+  const auto nodes = [](const SurfaceMesh& mesh, int t) {
+    std::array<int, 3> n;
+    for (std::size_t k = 0; k < 3; ++k) n[k] = mesh.model_nodes[at(mesh.triangles[at(t)][k])];
+    std::sort(n.begin(), n.end());
+    return n;
+  };
+  std::set<std::array<int, 3>> of_a;
+  for (int t = 0; t < a.size(); ++t) of_a.insert(nodes(a, t));
+  int shared = 0;
+  for (int t = 0; t < b.size(); ++t) shared += static_cast<int>(of_a.count(nodes(b, t)));
+  return shared;
+}
+
+bool share_nodes(const SurfaceMesh& a, const SurfaceMesh& b) {
+  const std::set<int> nodes(a.model_nodes.begin(), a.model_nodes.end());
+  return std::any_of(b.model_nodes.begin(), b.model_nodes.end(), [&](int node) { return nodes.count(node) > 0; });
+}
+
+/// Contacts of different names that press facets of the same cartilage: told in `findings`. A fault: the same facets
+/// twice, between the same bodies.
+std::optional<Fault> shared_layers(const JointModel& model, const std::vector<ContactPair>& others,
+                                   const ContactPair& pair, std::vector<Sentence>& findings) {
+  for (const ContactPair& other : others) {
+    if (pair.step >= 0 && other.step >= 0 && pair.step != other.step) continue;
+    for (int side = 0; side < 2; ++side)
+      for (int other_side = 0; other_side < 2; ++other_side) {
+        const Layer &a = pair.layers[side], &b = other.layers[other_side];
+        if (a.rigid || b.rigid || a.body != b.body || !share_nodes(a.articular, b.articular)) continue;
+        const std::string &one = model.surfaces[at(b.surface)].name, &two = model.surfaces[at(a.surface)].name;
+        const bool same_partner = pair.layers[1 - side].body == other.layers[1 - other_side].body;
+        const int twice = same_partner ? shared_triangles(a.articular, b.articular) : 0;
+        if (twice > 0)
+          return make_fault(
+              model, model.contacts[at(pair.contact)].origin,
+              say("contacts \"{}\" and \"{}\" both press {} facets of the same layer (surfaces \"{}\" and \"{}\"), "
+                  "which would count twice:",
+                  other.name, pair.name, (twice + 1) / 2, one, two),
+              say("give each facet to one of them, or keep one contact with {}",
+                  NamedSetting{"contact", "", other.name}));
+        findings.push_back(say(
+            "contacts \"{}\" and \"{}\" press the same layer side by side (surfaces \"{}\", \"{}\"): each is solved as "
+            "if "
+            "{}; where both press within two thicknesses of each other their pressures come out too high or too low "
+            "there: one contact with one surface tells it right",
+            other.name, pair.name, one, two,
+            same_partner ? "the other pressed alike on its side of the line they share" : "the other did not press"));
+      }
+  }
+  return std::nullopt;
+}
+
+/// The same surfaces at the same time as a contact before.
+std::optional<Fault> doubled(const JointModel& model, const std::vector<ContactPair>& others, const Contact& c) {
+  for (const ContactPair& other : others) {
+    const Contact& o = model.contacts[at(other.contact)];
+    if (double_contact(o, c))
+      return make_fault(model, c.origin,
+                        say("contacts \"{}\" and \"{}\" join the same surfaces at the same time and would share the "
+                            "load between them;",
+                            o.name, c.name),
+                        say("keep one: {}", NamedSetting{"contact", "", o.name}));
+  }
+  return std::nullopt;
+}
+
+// ---- surfaces on shells
+// ----------------------------------------------------------------------------------------------
+
+/// Does a shell surface look away from its partner? Compared at the closest points, area-weighted.
+bool looks_away(const SurfaceMesh& surface, const SurfaceMesh& partner) {
+  const RayCaster caster(partner);
+  double facing = 0.0;
+  for (int t = 0; t < surface.size(); ++t) {
+    const SurfacePoint p = caster.closest(surface.centroid(t));
+    facing += surface.areas[at(t)] * surface.normals[at(t)].dot(partner.normals[at(p.triangle)]);
+  }
+  return facing > 0;
+}
+
+/// Of the same facets, the normals turned.
+SurfaceMesh flipped(const SurfaceMesh& mesh, const JointModel& model) {
+  SurfaceMesh turned = turned_round(mesh, model.nodes);
+  turned.facet = mesh.facet;
+  turned.facets = mesh.facets;
+  return turned;
+}
+
+/// A shell surface has two sides: turns it to its partner. Solids know their outside.
+void turn_shells(const ModelParts& parts, ContactPair& pair, std::vector<Sentence>& findings) {
+  for (int side = 0; side < 2; ++side) {
+    Layer& layer = pair.layers[side];
+    if (layer.material >= 0 || !carry(parts, layer.surface).on_shells ||
+        !looks_away(layer.articular, pair.layers[1 - side].articular))
+      continue;
+    layer.articular = flipped(layer.articular, parts.model);
+    if (pair.facets == Facets::Flat) flatten(layer.articular);
+    layer.bone = layer.articular;
+    findings.push_back(say("surface \"{}\" lies on rigid shells and looked away from its partner: turned round",
+                           parts.model.surfaces[at(layer.surface)].name));
+  }
+}
+
+// ---- one contact
+// -----------------------------------------------------------------------------------------------------
+
+/// What its contact and the settings say of a pair; its layers are left empty. Throws UsageError where they contradict.
+ContactPair stated_pair(const ModelParts& parts, int contact) {
+  const Contact& c = parts.model.contacts[at(contact)];
+  const Settings& settings = parts.settings;
+  ContactPair pair;
+  pair.name = c.name;
+  pair.contact = contact;
+  pair.step = c.step;
+  pair.source = c.dea ? c.dea->source : 0;
+  pair.law = law_of(settings, c);
+  pair.layer_fit = settings.layer_fit;
+  if (settings.interface_stiffness) pair.interface_compliance = 1.0 / *settings.interface_stiffness;
+  if (pair.law == Law::Layer && settings.springs_at == SpringsAt::Bone)
+    throw UsageError(Fault{.given = NamedSetting{"springs-at", "", "bone"},
+                           .found = "the layer law needs springs at the articular surface;",
+                           .expected = say("use {}, logarithmic or neo-Hookean", NamedSetting{"law", "", "linear"})});
+  if (pair.law != Law::Layer && settings.layer_fit == LayerFit::OneTerm)
+    throw UsageError(Fault{.given = NamedSetting{"layer-terms", "", "1"},
+                           .found = say("contact \"{}\" has law {};", c.name, name(pair.law)),
+                           .expected = "only law layer has terms"});
+  pair.facets = facets_of(settings, c);
+  pair.refine = settings.refine.value_or(c.dea ? c.dea->refine.value_or(1) : 1);
+  return pair;
+}
+
+void refuse_many_springs(const ContactPair& pair) {
+  const double springs = static_cast<double>(pair.refine) * pair.refine * pair.source_layer().spring_surface().size();
+  if (springs > kMostSprings)
+    throw UsageError(Fault{.given = NamedSetting{"refine", "", std::to_string(pair.refine)},
+                           .found = say("{:.0f} springs for contact \"{}\",", springs, pair.name),
+                           .expected = say("need at most {:.0f}", kMostSprings)});
+}
+
+Fault no_cartilage(const JointModel& model, const Contact& c) {
+  return make_fault(
+      model, c.origin,
+      say("contact \"{}\": both surfaces are bare rigid surfaces, there is no cartilage to compress;", c.name),
+      say("give one a layer {}with {} {} {}",
+          c.dea ? "in the contact as <primary_thickness>, <primary_E>, <primary_nu>, or " : "",
+          NamedSetting{"thickness", "SURFACE", "VALUE"}, NamedSetting{"E", "SURFACE", "VALUE"},
+          NamedSetting{"nu", "SURFACE", "VALUE"}));
+}
+
+/// How far a surface reaches sideways, its images behind planes of symmetry included: radius of the circle of its area;
+/// between two planes across one axis, where it has no end, half its width; without an end either way: infinity.
+struct Reach {
+  double half_width = 0.0;
+  bool strip = false;
+};
+
+Reach sideways_reach(const Layer& layer) {
+  constexpr double kSamePlane = 1e-6;  // of the surface's own size; the coordinates of a file have less noise
+  const SurfaceMesh& mesh = layer.articular;
+  double area = surface_extent(mesh).area, length = 1.0;
+  int endless = 0;
+  for (int k = 0; k < 3; ++k) {
+    double low = kInfinity, high = -kInfinity;
+    for (std::size_t v = 0; v < layer.mirror.size() && v < mesh.vertices.size(); ++v) {
+      if ((layer.mirror[v] & (1u << k)) == 0) continue;
+      low = std::min(low, mesh.vertices[v][k]);
+      high = std::max(high, mesh.vertices[v][k]);
+    }
+    if (low > high) continue;
+    if (high - low <= kSamePlane * std::sqrt(area)) {
+      area *= 2;
+    } else {
+      length *= high - low;
+      ++endless;
+    }
+  }
+  if (endless > 1) return {kInfinity, false};
+  return endless == 1 ? Reach{0.5 * area / length, true} : Reach{std::sqrt(area / kPi), false};
+}
+
+/// Springs and the layer law suppose a thin layer. Empty: it is one.
+Sentence not_thin(const std::string& surface, const Layer& layer) {
+  const double thickness = layer.mean_thickness();
+  const Reach reach = sideways_reach(layer);
+  if (!(thickness > reach.half_width)) return {};
+  return say(
+      "surface \"{}\": cartilage of mean thickness {:.3g} is no thin layer on {} {:.3g}; springs and the layer law "
+      "suppose one: check {} or {}",
+      surface, thickness,
+      reach.strip ? "a strip between planes of symmetry whose half width is"
+                  : "a surface as large as a circle of radius",
+      reach.half_width, NamedSetting{"thickness"}, NamedSetting{"bone"});
+}
+
+/// What the user should know of a layer.
+std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer) {
+  const Surface& surface = parts.model.surfaces[at(layer.surface)];
+  std::vector<Sentence> findings = layer.notes;
+  const std::string rim = rim_note(surface.name, layer.face);
+  if (!rim.empty()) findings.push_back(rim);
+  const Sentence left_out = left_out_note(surface.name, layer.facet_kinds);
+  if (!left_out.empty()) findings.push_back(left_out);
+  const std::string shells = layer.material >= 0 ? deformable_shells(parts, surface) : "";
+  if (!shells.empty())
+    findings.push_back(
+        say("surface \"{}\": deformable shells {} cover its cartilage; their stiffness and thickness are left out",
+            surface.name, shells));
+  const Sentence thick = not_thin(surface.name, layer);
+  if (!thick.empty()) findings.push_back(thick);
+  return findings;
+}
+
+/// The side whose layer carries the springs.
+int source_of(const ModelParts& parts, const ContactPair& pair) {
+  const int body =
+      parts.settings.source.empty() ? -1 : body_by_name(parts.model, parts.bodies.bodies, parts.settings.source);
+  for (int side = 1; side >= 0; --side)
+    if (body >= 0 && pair.layers[side].body == body) return side;
+  return pair.source;
+}
+
+/// Both layers of a pair; what keeps them from being recognised, each once, is added to `faults`.
+bool make_layers(const ModelParts& parts, const Contact& c, ContactPair& pair, std::vector<Fault>& faults) {
+  bool good = true;
+  for (int side = 0; side < 2; ++side) {
+    LayerFound found = make_layer(parts, c, side);
+    good = good && found.faults.empty();
+    for (const Fault& fault : found.faults)
+      if (std::find(faults.begin(), faults.end(), fault) == faults.end()) faults.push_back(fault);
+    pair.layers[side] = std::move(found.layer);
+  }
+  return good;
+}
+
+/// The faces of layers without elements end where the selection does.
+void find_selected_faces(const ModelParts& parts, ContactPair& pair) {
+  for (Layer& layer : pair.layers) {
+    if (layer.rigid || layer.springs_at == SpringsAt::Bone || layer.face.mesh.size() > 0) continue;
+    layer.face = selected_face(layer.articular, parts.holders.mirror);
+    layer.face.thickness = layer.thickness;
+  }
+}
+
+/// A contact whose layers are known joins the others, unless it joins a body with itself.
+std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, FoundContacts& found) {
+  const JointModel& model = parts.model;
+  const Contact& c = model.contacts[at(pair.contact)];
+  refuse_many_springs(pair);
+  if (auto fault = doubled(model, found.contacts, c)) return fault;
+  if (pair.layers[0].body == pair.layers[1].body) {
+    found.findings.push_back(say("contact \"{}\": both surfaces belong to body \"{}\": left out", c.name,
+                                 parts.bodies.bodies[at(pair.layers[0].body)].name));
+    return std::nullopt;
+  }
+  if (pair.layers[0].rigid && pair.layers[1].rigid) return no_cartilage(model, c);
+  turn_shells(parts, pair, found.findings);
+  find_selected_faces(parts, pair);
+  for (const Layer& layer : pair.layers) {
+    const std::vector<Sentence> findings = layer_findings(parts, layer);
+    found.findings.insert(found.findings.end(), findings.begin(), findings.end());
+  }
+  pair.source = source_of(parts, pair);
+  if (auto fault = shared_layers(model, found.contacts, pair, found.findings)) return fault;
+  found.contacts.push_back(std::move(pair));
+  return std::nullopt;
+}
+
+}  // namespace
+
+FoundContacts find_contacts(const ModelParts& parts, std::vector<Fault> faults) {
+  const JointModel& model = parts.model;
+  const std::string& wanted = parts.settings.contact;
+  FoundContacts found;
+  found.faults = std::move(faults);
+  std::vector<std::string> names;
+  for (int i = 0; i < static_cast<int>(model.contacts.size()); ++i) {
+    const Contact& c = model.contacts[at(i)];
+    if (c.kind != Contact::Kind::Sliding) continue;
+    names.push_back(c.name);
+    if (!wanted.empty() && c.name != wanted) continue;
+    std::optional<Fault> alone;
+    if (c.primary < 0 || c.secondary < 0) {
+      alone = make_fault(model, c.origin, say("contact \"{}\" lacks a surface:", c.name), "give it two");
+    } else {
+      ContactPair pair = stated_pair(parts, i);
+      if (make_layers(parts, c, pair, found.faults)) alone = add_contact(parts, std::move(pair), found);
+    }
+    if (alone) {
+      found.faults = {*alone};
+      return found;
+    }
+  }
+  found.sliding = static_cast<int>(names.size());
+  if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end())
+    throw UsageError(
+        Fault{.given = NamedSetting{"contact", "", wanted},
+              .found = say("the model has no sliding contact of this name; it has {}", name_list(names, wanted))});
+  return found;
+}
+
+}  // namespace dea

@@ -1,0 +1,175 @@
+#include <febiodea/joint/extended_face.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/geometry/ray_caster.h>
+#include <febiodea/joint/layer_support.h>
+#include <febiodea/joint/left_out.h>
+#include <febiodea/joint/thickness.h>
+
+namespace dea {
+
+namespace {
+
+/// Does the domain belong to this body, rigid with it?
+bool rigid_with(const ModelParts& parts, const Domain& d, int body) {
+  return d.material >= 0 && parts.rigid[at(d.material)] && parts.bodies.of_material[at(d.material)] == body;
+}
+
+/// Per domain: solid elements of the body under a surface with a map. A layer may have several such surfaces.
+std::vector<char> mapped_domains(const ModelParts& parts, int body) {
+  const JointModel& model = parts.model;
+  std::vector<char> mapped(model.domains.size(), 0);
+  for (const Contact& c : model.contacts) {
+    for (std::size_t side = 0; side < 2 && c.dea && c.primary >= 0 && c.secondary >= 0; ++side) {
+      if (c.dea->layers[side].thickness_map.empty()) continue;
+      const Surface& s = model.surfaces[at(side == 0 ? c.primary : c.secondary)];
+      for (int f = 0; f < s.size(); ++f) {
+        const ElementFace* face = carrier(parts, find_face(parts, s, f));
+        if (face == nullptr) continue;
+        const Domain& d = model.domains[at(face->domain)];
+        if (!is_shell(d.shape) && rigid_with(parts, d, body)) mapped[at(face->domain)] = 1;
+      }
+    }
+  }
+  return mapped;
+}
+
+/// Are they as thick as the map says, within kSame for nearly all vertices inside?
+bool as_thick_as(const std::vector<double>& said, const SurfaceMesh& articular, const SurfaceMesh& bone) {
+  constexpr double kSame = 0.02;
+  const std::vector<double> measured = measure_thickness(articular, bone).thickness;
+  std::vector<char> on_rim(said.size(), 0);  // whose normals are one-sided
+  for (int t = 0; t < articular.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (articular.neighbours[at(t)][at(k)] < 0)
+        for (int end : {k, (k + 1) % 3}) on_rim[at(articular.triangles[at(t)][at(end)])] = 1;
+  std::size_t same = 0, others = 0;
+  for (std::size_t v = 0; v < said.size(); ++v) {
+    const bool is_same = std::abs(measured[v] - said[v]) <= kSame * said[v];
+    same += is_same;
+    others += !is_same && !on_rim[v];
+  }
+  return same > 9 * others;
+}
+
+/// The body that a side of a contact moves with; -1: it cannot be told.
+int body_of_side(const ModelParts& parts, const Contact& contact, int side) {
+  const ContactSide in = contact_side(parts, contact, side);
+  const CarriedSurface carried = carry(parts, in.index);
+  if (carried.fault) return -1;
+  const Support support = find_support(in, carried);
+  if (support.fault) return -1;
+  const Attachment attachment = find_attachment(in, support);
+  return attachment.fault ? -1 : attachment.body;
+}
+
+}  // namespace
+
+std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>& map, const SurfaceMesh& mesh) {
+  std::unordered_map<int, std::array<double, 2>> sums;  // node -> sum, count
+  for (std::size_t k = 0; k < s.nodes.size(); ++k) {
+    auto& sum = sums[s.nodes[k]];
+    sum[0] += map[k];
+    sum[1] += 1;
+  }
+  std::vector<double> thickness;
+  for (int node : mesh.model_nodes) thickness.push_back(sums.at(node)[0] / sums.at(node)[1]);
+  return thickness;
+}
+
+LayerBoundary rigid_boundary(const ModelParts& parts, const CarriedSurface& carried, const Layer& layer,
+                             const std::vector<double>& map) {
+  const JointModel& model = parts.model;
+  const std::vector<char> own = mapped_domains(parts, layer.body);
+  std::vector<LayerElement> elements;
+  std::vector<char> held(model.nodes.size(), 0);
+  for (int i = 0; i < static_cast<int>(model.domains.size()); ++i) {
+    const Domain& d = model.domains[at(i)];
+    if (own[at(i)]) {
+      for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e) elements.push_back({i, e});
+    } else if (!is_line(d.shape) && rigid_with(parts, d, layer.body)) {
+      for (int node : d.nodes) held[at(node)] = 1;
+    }
+  }
+  LayerBoundary boundary = find_layer_boundary(model, elements, std::move(held));
+  open_feather_facets(model, carried.facets, boundary);
+  const SurfaceMesh bone = bonded_surface(model, boundary);
+  if (bone.size() == 0) return {};
+  find_side_walls(model, bone, boundary);
+  const FacetList kept = kept_facets(carried.facets, kinds_of(boundary, carried.facets));
+  const SurfaceMesh articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes);
+  if (articular.size() == 0) return {};
+  const std::vector<double> said = mapped_thickness(model.surfaces[at(layer.surface)], map, articular);
+  return as_thick_as(said, articular, bone) ? boundary : LayerBoundary{};
+}
+
+FacetList pressed_elsewhere(const ContactSide& in, int body) {
+  const JointModel& model = in.parts.model;
+  const std::set<int> own(in.surface.nodes.begin(), in.surface.nodes.end());
+  const auto beside = [&](const Surface& s) {
+    return std::any_of(s.nodes.begin(), s.nodes.end(), [&](int node) { return own.count(node) > 0; });
+  };
+  FacetList list;
+  for (const Contact& other : model.contacts) {
+    const bool same_time = other.step < 0 || in.contact.step < 0 || other.step == in.contact.step;
+    const bool asked = in.parts.settings.contact.empty() || in.parts.settings.contact == other.name;
+    if (other.kind != Contact::Kind::Sliding || other.primary < 0 || other.secondary < 0 || !same_time || !asked ||
+        (other.primary == in.contact.primary && other.secondary == in.contact.secondary))
+      continue;
+    for (int side = 0; side < 2; ++side) {
+      const int index = side == 0 ? other.primary : other.secondary;
+      if (index == in.index || !beside(model.surfaces[at(index)])) continue;
+      const int partner = body_of_side(in.parts, in.contact, 1 - in.side);
+      if (partner < 0 || body_of_side(in.parts, other, side) != body ||
+          body_of_side(in.parts, other, 1 - side) != partner)
+        continue;
+      const CarriedSurface carried = carry(in.parts, index);
+      for (int f = 0; f < carried.facets.size(); ++f)
+        list.add({carried.facets.nodes.begin() + carried.facets.begin[at(f)],
+                  carried.facets.nodes.begin() + carried.facets.begin[at(f) + 1]});
+    }
+  }
+  return list;
+}
+
+void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurface& carried,
+                     const LayerBoundary& boundary, const FacetList& elsewhere, Layer& layer) {
+  const JointModel& model = parts.model;
+  double deepest = layer.max_thickness();
+  if (layer.material < 0) {  // rigid_boundary: as far as before the conversion, though the map knows the rim better
+    const std::vector<double> measured = measure_thickness(layer.articular, bonded_surface(model, boundary)).thickness;
+    deepest = *std::max_element(measured.begin(), measured.end());
+  }
+  layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular,
+                         kFaceReach * deepest, parts.holders.mirror, elsewhere);
+  const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
+  SurfaceMesh& mesh = layer.face.mesh;
+  if (mesh.triangles.size() == triangles) {
+    layer.face.thickness = layer.thickness;
+    return;
+  }
+  if (facets == Facets::Flat) flatten(mesh);
+  layer.face.thickness = layer.thickness;
+  // a map says nothing of what is beyond it; where a map replaced the model's own layer (rigid_boundary), the elements
+  // are as thick as it says
+  if (!layer.thickness_given || layer.material < 0) {
+    const MeasuredThickness measured =
+        measure_thickness(mesh, layer.thickness_given ? bonded_surface(model, boundary) : layer.bone);
+    layer.face.thickness.insert(layer.face.thickness.end(),
+                                measured.thickness.begin() + static_cast<std::ptrdiff_t>(vertices),
+                                measured.thickness.end());
+    return;
+  }
+  const RayCaster caster(layer.articular);
+  for (std::size_t v = vertices; v < mesh.vertices.size(); ++v)
+    layer.face.thickness.push_back(interpolate(layer.articular, layer.thickness, caster.closest(mesh.vertices[v])));
+}
+
+}  // namespace dea

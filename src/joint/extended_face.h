@@ -1,0 +1,32 @@
+// febiodea/joint/extended_face.h – what a layer's face goes on to beyond the selected facets.
+#pragma once
+#include <vector>
+
+#include <febiodea/joint/carried_surface.h>
+#include <febiodea/joint/contact_side.h>
+#include <febiodea/joint/layer.h>
+#include <febiodea/joint/parts.h>
+
+namespace dea {
+
+/// Thickness at the vertices of the articular surface: the mean of what the map says of a node in the facets around it.
+/// `map`: per facet and node of the surface.
+std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>& map, const SurfaceMesh& mesh);
+
+/// The boundary of a layer whose elements are rigid with their bone, as `dea convert` writes them: the solid elements
+/// under the surface, bonded where they share nodes with others of their body. They are the layer if they are as thick
+/// as its map says, within 2 % for nearly all vertices inside; else they are bone, and nothing is known of the
+/// cartilage beyond the selection: no faces.
+LayerBoundary rigid_boundary(const ModelParts& parts, const CarriedSurface& carried, const Layer& layer,
+                             const std::vector<double>& map);
+
+/// The facets beside those of a contact's layer that other contacts of the same two bodies press at the same time.
+/// `body`: the layer's.
+FacetList pressed_elsewhere(const ContactSide& in, int body);
+
+/// Fills the face of a layer with elements; it ends at the facets that are pressed `elsewhere`. Gaps and thickness of
+/// the selection stay its own: at its rim they know the facets on one side only.
+void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurface& carried,
+                     const LayerBoundary& boundary, const FacetList& elsewhere, Layer& layer);
+
+}  // namespace dea

@@ -1,0 +1,155 @@
+#include <febiodea/joint/holders.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/geometry/ray_caster.h>
+#include <febiodea/geometry/surface_mesh.h>
+
+namespace dea {
+
+namespace {
+
+/// Notes that a body holds a node of a deformable part.
+void note_holder(Holders& holders, const std::vector<int>& region, int node, int body, const std::string& how) {
+  if (region[at(node)] < 0) return;
+  holders.of_region[region[at(node)]].try_emplace(body, how);
+  auto& bodies = holders.of_node[at(node)];
+  if (std::find(bodies.begin(), bodies.end(), body) == bodies.end()) bodies.push_back(body);
+}
+
+/// Does this body hold every deformable part the surface lies on (or has it none)?
+bool held_already(const Holders& holders, const std::vector<int>& region, const Surface& s, int body) {
+  for (int node : s.nodes) {
+    if (region[at(node)] < 0) continue;
+    const auto found = holders.of_region.find(region[at(node)]);
+    if (found == holders.of_region.end() || found->second.count(body) == 0) return false;
+  }
+  return true;
+}
+
+/// The body of a surface as far as it is known: -1 not (yet).
+int body_of_surface_nodes(const Holders& holders, const Bodies& bodies, const std::vector<int>& region,
+                          const Surface& s) {
+  int body = -1;
+  for (int node : s.nodes) {
+    int b = bodies.of_node[at(node)];
+    if (region[at(node)] >= 0 && b < 0) {
+      const auto found = holders.of_region.find(region[at(node)]);
+      if (found != holders.of_region.end() && found->second.size() == 1) b = found->second.begin()->first;
+    }
+    if (b >= 0 && body >= 0 && b != body) return -1;
+    if (b >= 0) body = b;
+  }
+  return body;
+}
+
+void note_bones(const JointModel& model, const Bodies& bodies, const std::vector<int>& region, Holders& holders) {
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const int b = bodies.of_node[i];
+    if (b >= 0)
+      note_holder(holders, region, static_cast<int>(i), b,
+                  fmt::format("shares nodes with rigid body \"{}\"", bodies.bodies[at(b)].name));
+  }
+  for (const RigidNodes& set : model.rigid_nodes) {
+    const int b = bodies.of_material[at(set.material)];
+    for (int node : set.nodes)
+      note_holder(holders, region, node, b,
+                  fmt::format("rigid node set \"{}\" on body \"{}\"", set.name, bodies.bodies[at(b)].name));
+  }
+}
+
+/// Fixed in all three components, by one condition or several: the ground; in fewer it is a symmetry plane.
+void note_ground(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
+                 const std::vector<int>& moved, Holders& holders) {
+  std::vector<std::array<bool, 3>> fixed;
+  for (const FixedNodes& f : model.fixed_nodes) {
+    if (fixed.empty()) fixed.resize(model.nodes.size(), {false, false, false});
+    for (int node : f.nodes)
+      for (std::size_t k = 0; k < 3; ++k) fixed[at(node)][k] = fixed[at(node)][k] || f.xyz[k];
+  }
+  holders.fixed.assign(model.nodes.size(), 0);
+  holders.mirror.assign(model.nodes.size(), 0);
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (moved[i] >= 0) continue;  // fixed in some components or steps, moved in others
+    if (!(fixed[i][0] && fixed[i][1] && fixed[i][2])) {
+      for (std::size_t k = 0; k < 3; ++k)
+        if (fixed[i][k]) holders.mirror[i] = static_cast<unsigned char>(holders.mirror[i] | (1u << k));
+      continue;
+    }
+    if (bodies.of_node[i] >= 0) continue;  // they hold that body, or are FEBio's to ignore
+    holders.fixed[i] = 1;
+    note_holder(holders, region, static_cast<int>(i), bodies.ground(), "nodes fixed in x, y and z");
+  }
+}
+
+/// A surface takes the body of the one it is tied to.
+struct Tie {
+  const Contact* contact;
+  const Surface *surface, *to;
+  int body;
+};
+
+std::vector<Tie> new_ties(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
+                          const Holders& holders) {
+  std::vector<Tie> ties;
+  for (const Contact& c : model.contacts) {
+    if (c.kind != Contact::Kind::Tied || c.primary < 0 || c.secondary < 0) continue;
+    const Surface *a = &model.surfaces[at(c.primary)], *b = &model.surfaces[at(c.secondary)];
+    for (int side = 0; side < 2; ++side, std::swap(a, b)) {
+      const int from = body_of_surface_nodes(holders, bodies, region, *b);
+      if (from >= 0 && !held_already(holders, region, *a, from)) ties.push_back({&c, a, b, from});
+    }
+  }
+  return ties;
+}
+
+std::size_t count_holders(const Holders& holders) {
+  std::size_t count = 0;
+  for (const auto& h : holders.of_region) count += h.second.size();
+  return count;
+}
+
+/// Passes, for layers tied to layers: each decides from what was known before it, so that a layer tied to two bodies is
+/// held by both, whatever the order. Every pass but the last adds a body to a part, so there is an end.
+void note_ties(const JointModel& model, const Bodies& bodies, const std::vector<int>& region, Holders& holders) {
+  for (;;) {
+    const std::size_t before = count_holders(holders);
+    for (const Tie& tie : new_ties(model, bodies, region, holders)) {
+      const SurfaceMesh mesh = make_surface_mesh(tie.to->begin, tie.to->nodes, model.nodes);
+      if (mesh.size() == 0) continue;
+      const RayCaster caster(mesh);
+      for (int node : tie.surface->nodes) {
+        const Vector3d& x = model.nodes[at(node)];
+        if (tie.contact->max_distance > 0 && (position(mesh, caster.closest(x)) - x).norm() > tie.contact->max_distance)
+          continue;
+        note_holder(
+            holders, region, node, tie.body,
+            fmt::format("tied contact \"{}\" to body \"{}\"", tie.contact->name, bodies.bodies[at(tie.body)].name));
+      }
+    }
+    if (count_holders(holders) == before) return;
+  }
+}
+
+}  // namespace
+
+Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
+                     const std::vector<int>& moved) {
+  Holders holders;
+  holders.of_node.resize(model.nodes.size());
+  note_bones(model, bodies, region, holders);
+  note_ground(model, bodies, region, moved, holders);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (moved[i] >= 0)
+      note_holder(holders, region, static_cast<int>(i), moved[i],
+                  fmt::format("nodes moved together by \"{}\"", bodies.bodies[at(moved[i])].name));
+  note_ties(model, bodies, region, holders);
+  return holders;
+}
+
+}  // namespace dea

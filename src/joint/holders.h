@@ -1,0 +1,24 @@
+// febiodea/joint/holders.h – what holds the deformable parts of a model: bones, node sets, ties, the ground.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include <febiodea/joint/bodies.h>
+#include <febiodea/model/joint_model.h>
+
+namespace dea {
+
+struct Holders {
+  std::map<int, std::map<int, std::string>> of_region;  ///< region -> body -> how
+  std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
+  std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
+  std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all
+};
+
+/// `region`: per node, -1: in no deformable part, else its part. `moved`: per node, body of nodes that are moved
+/// together, -1: none.
+Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
+                     const std::vector<int>& moved);
+
+}  // namespace dea

@@ -1,0 +1,39 @@
+#include <febiodea/joint/layer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+double Layer::facet_size() const {
+  double sum = 0.0, area = 0.0;
+  if (rigid || springs_at == SpringsAt::Bone) return 0.0;
+  for (int t = 0; t < articular.size(); ++t) {
+    double mean = 0.0;
+    for (int v : articular.triangles[at(t)]) mean += thickness[at(v)] / 3;
+    if (!(mean > 0)) continue;
+    sum += articular.areas[at(t)] * std::sqrt(2 * articular.areas[at(t)]) / mean;
+    area += articular.areas[at(t)];
+  }
+  return area > 0 ? sum / area : 0.0;
+}
+
+double Layer::min_thickness() const {
+  return thickness.empty() ? 0.0 : *std::min_element(thickness.begin(), thickness.end());
+}
+double Layer::max_thickness() const {
+  return thickness.empty() ? 0.0 : *std::max_element(thickness.begin(), thickness.end());
+}
+double Layer::mean_thickness() const {
+  double sum = 0.0, area = 0.0;
+  for (std::size_t v = 0; v < thickness.size(); ++v) {
+    sum += thickness[v] * spring_surface().vertex_areas[v];
+    area += spring_surface().vertex_areas[v];
+  }
+  return area > 0 ? sum / area : 0.0;
+}
+int Layer::missed_count() const { return static_cast<int>(std::count(missed.begin(), missed.end(), 1)); }
+
+}  // namespace dea

@@ -1,0 +1,47 @@
+// febiodea/joint/layer.h – a layer of cartilage: its two surfaces, thickness, modulus, the body it moves with.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <febiodea/base/fault.h>
+#include <febiodea/geometry/surface_mesh.h>
+#include <febiodea/joint/layer_face.h>
+#include <febiodea/model/elasticity.h>
+#include <febiodea/model/settings.h>
+
+namespace dea {
+
+/// A layer of cartilage between an articular surface and its bone, or the bare surface of a rigid body.
+struct Layer {
+  int surface = -1;         ///< index into JointModel::surfaces: the articular surface
+  int body = -1;            ///< index into Joint::bodies
+  std::string attached_by;  ///< the rule that found the body, as a sentence
+  int material = -1;        ///< index into JointModel::materials; -1 for a bare rigid surface
+  Elasticity elasticity;    ///< of the cartilage
+  bool rigid = false;       ///< a bare rigid surface: thickness 0
+  SurfaceMesh articular;    ///< normals out of the layer, towards the other side; facets left out have no triangles
+  SurfaceMesh bone;         ///< normals out of the bone, into the layer; equals `articular` when rigid
+  SpringsAt springs_at = SpringsAt::Articular;
+  std::vector<double> thickness;  ///< per vertex of spring_surface(); 0 when rigid
+  std::vector<char> missed;       ///< per vertex: its ray found no opposing face near enough; closest point used
+  bool thickness_given = false;   ///< by the user, not measured
+  std::vector<unsigned char>
+      mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
+  std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
+  std::vector<FaceKind> facet_kinds;  ///< per facet: all but Open are left out; empty: all are kept
+  std::vector<Sentence> notes;        ///< what the user should know of it, a sentence each
+  LayerFace face;                     ///< of a layer whose springs stand on the articular surface; else empty
+
+  /// The surface thickness and springs live on.
+  const SurfaceMesh& spring_surface() const { return springs_at == SpringsAt::Bone ? bone : articular; }
+  /// Area-weighted mean over the articular triangles of their size over the thickness there: sqrt(2 area), the edge of
+  /// the quadrilateral they halve. 0 when rigid.
+  double facet_size() const;
+  double min_thickness() const;
+  double max_thickness() const;
+  double mean_thickness() const;  ///< area-weighted
+  int missed_count() const;
+};
+
+}  // namespace dea

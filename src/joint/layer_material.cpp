@@ -1,0 +1,104 @@
+#include <febiodea/joint/layer_material.h>
+
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+
+namespace dea {
+
+namespace {
+
+/// Beyond, forces could overflow.
+constexpr double kMostModulus = 1e100;
+
+/// Facets on materials of different modulus, where no modulus was given for them all.
+std::optional<Fault> several_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets) {
+  const JointModel& model = in.parts.model;
+  const auto modulus = [](const Material& x) {
+    return std::isnan(x.E) ? std::string("no modulus known") : fmt::format("E {:g}, nu {:g}", x.E, x.nu);
+  };
+  for (const auto& entry : under_facets) {
+    const Material &one = model.materials[at(entry.first)], &main = model.materials[at(material)];
+    if (entry.first == material || (one.E == main.E && one.nu == main.nu) || (in.given.E && in.given.nu)) continue;
+    return refusal_of(
+        in,
+        say("its facets lie on several materials (\"{}\": {}; \"{}\": {}), but a layer has one modulus here;",
+            main.name, modulus(main), one.name, modulus(one)),
+        say("split the surface, or give the modulus with {}", modulus_settings(in)));
+  }
+  return std::nullopt;
+}
+
+/// Another, much stiffer material in the same deformable part is a deformable bone: the "layer" would be bone and all.
+std::optional<Fault> deformable_bone(const ContactSide& in, int material, double E, const Material& other) {
+  if (other.E <= 5.0 * E) return std::nullopt;
+  const std::string moduli = std::isnan(other.E) ? "no modulus known"
+                                                 : fmt::format("E = {:g} against {:g} of \"{}\"", other.E, E,
+                                                               in.parts.model.materials[at(material)].name);
+  return refusal_of(in, say("its part also holds material \"{}\" ({}), a deformable bone?", other.name, moduli),
+                    say("DEA keeps bones rigid: type {}", NamedSetting{"rigid", "", other.name}));
+}
+
+}  // namespace
+
+Elasticity layer_elasticity(const ContactSide& in, int material) {
+  const Material* m = material >= 0 ? &in.parts.model.materials[at(material)] : nullptr;
+  Elasticity elasticity;
+  elasticity.E = in.given.E.value_or(m ? m->E : kNaN);
+  elasticity.nu = in.given.nu.value_or(m ? m->nu : kNaN);
+  return elasticity;
+}
+
+std::optional<Fault> elasticity_fault(const ContactSide& in, int material, const Elasticity& elasticity) {
+  const double E = elasticity.E, nu = elasticity.nu;
+  if (std::isnan(E) || std::isnan(nu)) {
+    const Material* m = material >= 0 ? &in.parts.model.materials[at(material)] : nullptr;
+    const std::string who = m ? fmt::format("material \"{}\" (type {})", m->name, m->type) : "the rigid surface",
+                      note = m ? m->note : "no cartilage material";
+    const Sentence found = say("{} gives no E and nu{};", who, note.empty() ? note : " (" + note + ")");
+    if (!in.contact.dea) return refusal_of(in, found, say("give them with {}", modulus_settings(in)));
+    return refusal_of(
+        in, found,
+        say("give them in the contact as <{}> and <{}>, or with {} {}", parameter_of(in, "E"), parameter_of(in, "nu"),
+            NamedSetting{"E", in.surface.name, "VALUE"}, NamedSetting{"nu", in.surface.name, "VALUE"}));
+  }
+  if (E > 0 && E <= kMostModulus && nu > -1 && nu < 0.5) return std::nullopt;
+  return refusal_of(in, say("E = {:g}, nu = {:g};", E, nu),
+                    say("need 0 < E <= 1e100 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed): "
+                        "mend its material, or give others with {}",
+                        modulus_settings(in)));
+}
+
+OtherMaterials other_materials(const ContactSide& in, int material, const std::map<int, int>& under_facets,
+                               const std::set<int>& in_part) {
+  const JointModel& model = in.parts.model;
+  const Material& own = model.materials[at(material)];
+  const double E = in.given.E.value_or(own.E);
+  OtherMaterials result;
+  result.fault = several_materials(in, material, under_facets);
+  if (result.fault || in.given.thickness || in.given.map) return result;
+  for (int m : in_part) {
+    if (m == material) continue;
+    const Material& other = model.materials[at(m)];
+    result.fault = deformable_bone(in, material, E, other);
+    if (result.fault) return result;
+    const double nu = in.given.nu.value_or(own.nu), ratio = other.E / E;
+    if ((in.given.E && in.given.nu) || (std::abs(ratio - 1) < 0.01 && std::abs(other.nu - nu) < 0.002)) continue;
+    constexpr double kMostRatio = 1.25;
+    const std::string both = fmt::format("\"{}\" (E {:g}, nu {:g}) and \"{}\" (E {:g}, nu {:g})", own.name, E, nu,
+                                         other.name, other.E, other.nu);
+    if (ratio > kMostRatio || ratio < 1 / kMostRatio) {
+      result.fault = refusal_of(in, say("its part consists of {}, but a layer has one modulus here;", both),
+                                say("give one for all of it with {}, or make parts that are no cartilage rigid with {}",
+                                    modulus_settings(in), NamedSetting{"rigid", "", other.name}));
+      return result;
+    }
+    result.notes.push_back(
+        say("surface \"{}\": its part consists of {}; the springs take the first for all of it (others with {}, {})",
+            in.surface.name, both, NamedSetting{"E"}, NamedSetting{"nu"}));
+  }
+  return result;
+}
+
+}  // namespace dea

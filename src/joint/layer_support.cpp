@@ -1,0 +1,150 @@
+#include <febiodea/joint/layer_support.h>
+
+#include <algorithm>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+
+namespace dea {
+
+namespace {
+
+/// A layer nothing holds: usually its bone is deformable, of another material of the same part.
+Fault not_held(const ContactSide& in, int region, int cartilage) {
+  const ModelParts& parts = in.parts;
+  const JointModel& model = parts.model;
+  std::set<int> others;
+  for (const Domain& d : model.domains)
+    if (deformable(parts, d) && d.material != cartilage && !d.nodes.empty() && parts.region[at(d.nodes[0])] == region)
+      others.insert(d.material);
+  Sentence bones;
+  for (int m : others) {
+    const NamedSetting rigid = {"rigid", "", model.materials[at(m)].name};
+    bones = bones.empty() ? say("{}", rigid) : say("{} or {}", bones, rigid);
+  }
+  std::string bodies;
+  for (std::size_t b = 0; b + 1 < parts.bodies.bodies.size(); ++b)
+    bodies += (b ? ", " : "") + fmt::format("\"{}\"", parts.bodies.bodies[b].name);
+  const Sentence attach =
+      say("name the body with {} (bodies: {}), and the layer's bone surface with {} or its thickness with {}",
+          setting_of(in, "attach", "BODY"), bodies.empty() ? "none" : bodies, setting_of(in, "bone", "SURFACE"),
+          setting_of(in, "thickness"));
+  return refusal_of(in,
+                    "its layer is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed "
+                    "in x, y and z);",
+                    bones.empty() ? attach : say("take its bone as rigid with {}, or {}", bones, attach));
+}
+
+Fault held_by_several(const ContactSide& in, const std::map<int, std::string>& holders) {
+  std::string list;
+  for (const auto& h : holders) list += (list.empty() ? "" : "; ") + h.second;
+  const auto moved = std::count_if(holders.begin(), holders.end(), [&](const auto& h) {
+    return !in.parts.bodies.bodies[at(h.first)].moved_by.empty();
+  });
+  return refusal_of(in,
+                    say("its layer is held by {} bodies ({}){};", holders.size(), list,
+                        moved > 0 ? ", and moved nodes move otherwise than the rest, so it is not bonded to one "
+                                    "bone: move all alike, or divide the layer"
+                                  : ""),
+                    say("choose with {}", setting_of(in, "attach", "BODY")));
+}
+
+Attachment attached_by_user(const ContactSide& in, const std::string& name) {
+  const Bodies& bodies = in.parts.bodies;
+  const int body = name == "ground" ? bodies.ground() : body_by_name(in.parts.model, bodies.bodies, name);
+  if (body < 0)
+    throw UsageError(Fault{.given = NamedSetting{"attach", in.surface.name, name},
+                           .found = say("the model has no rigid body of this name; it has {}",
+                                        name_list(body_names(bodies.bodies), name))});
+  return {body, "attached by the user", {}};
+}
+
+}  // namespace
+
+int Support::main_material() const {
+  return std::max_element(materials.begin(), materials.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+Support find_support(const ContactSide& in, const CarriedSurface& carried) {
+  const ModelParts& parts = in.parts;
+  Support support;
+  std::set<int> regions;
+  for (const ElementFace& c : carried.carriers) {
+    const Domain& d = parts.model.domains[at(c.domain)];
+    if (d.material < 0) {
+      support.fault = refusal_of(in, say("its elements \"{}\" have no material (no domain in MeshDomains);", d.name),
+                                 "give them one");
+      return support;
+    }
+    if (parts.rigid[at(d.material)] && !deformable(parts, d)) {
+      support.bodies.insert(parts.bodies.of_material[at(d.material)]);
+    } else if (is_shell(d.shape)) {
+      support.fault = refusal_of(
+          in, say("lies on deformable shells (\"{}\");", d.name),
+          say("DEA needs a solid cartilage layer or a rigid surface: mesh the layer with solid elements, or take the "
+              "shells as rigid with {} (and, if the other side is rigid too, give cartilage with {} {})",
+              NamedSetting{"rigid", "", parts.model.materials[at(d.material)].name}, setting_of(in, "thickness"),
+              modulus_settings(in)));
+      return support;
+    } else {
+      regions.insert(parts.region[at(d.nodes[at(c.element * nodes_per_element(d.shape))])]);
+      ++support.materials[d.material];
+    }
+  }
+  if (!regions.empty()) support.region = *regions.begin();
+  if (!regions.empty() && !support.bodies.empty())
+    support.fault =
+        refusal_of(in, "lies partly on rigid, partly on deformable elements;", "split it into two surfaces");
+  else if (regions.size() > 1)
+    support.fault = refusal_of(in, say("lies on {} separate deformable parts;", regions.size()),
+                               "split it into one surface per part");
+  return support;
+}
+
+Attachment find_attachment(const ContactSide& in, const Support& support) {
+  const std::string name = said_of(in.parts.settings.attach, in.surface.name);
+  const bool rigid = support.region < 0;
+  Attachment found;
+  if (!name.empty()) found = attached_by_user(in, name);
+  if (rigid && support.bodies.size() > 1)
+    found.fault = refusal_of(in, "lies on several rigid bodies;", "split it into one surface per body");
+  if (found.body >= 0 || found.fault) return found;
+  if (rigid) return {*support.bodies.begin(), "is a surface of the rigid body itself", {}};
+  const auto held = in.parts.holders.of_region.find(support.region);
+  if (held == in.parts.holders.of_region.end() || held->second.empty()) {
+    if (in.contact.dea && in.parts.rigid[at(support.main_material())])
+      found.fault = unmeasured(in, "its elements share no nodes with the bone under them");
+    else
+      found.fault = not_held(in, support.region, support.main_material());
+  } else if (held->second.size() > 1) {
+    found.fault = held_by_several(in, held->second);
+  } else {
+    found.body = held->second.begin()->first;
+    found.by = held->second.begin()->second;
+  }
+  return found;
+}
+
+LayerPart find_part(const ModelParts& parts, int region) {
+  LayerPart part;
+  std::set<int> nodes;
+  for (const Domain& d : parts.model.domains) {
+    if (!deformable(parts, d)) continue;
+    const int n = nodes_per_element(d.shape);
+    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+      if (parts.region[at(d.nodes[e * at(n)])] != region) continue;
+      part.materials.insert(d.material);
+      for (int k = 0; k < n; ++k) nodes.insert(d.nodes[e * at(n) + at(k)]);
+      part.fault = volume_fault(parts.model, d, static_cast<int>(e));
+      if (part.fault) return part;
+    }
+  }
+  part.nodes.assign(nodes.begin(), nodes.end());
+  return part;
+}
+
+}  // namespace dea

@@ -1,0 +1,42 @@
+// febiodea/joint/layer_support.h – what a layer rests on: the parts under its facets, the body it moves with.
+#pragma once
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <febiodea/joint/carried_surface.h>
+#include <febiodea/joint/contact_side.h>
+
+namespace dea {
+
+/// What carries the facets: one deformable part, or one rigid body.
+struct Support {
+  int region = -1;               ///< deformable part; -1: rigid
+  std::set<int> bodies;          ///< rigid ones under the facets
+  std::map<int, int> materials;  ///< deformable material -> facets
+  std::optional<Fault> fault;
+  /// The material under most of the facets.
+  int main_material() const;
+};
+Support find_support(const ContactSide& in, const CarriedSurface& carried);
+
+/// The body a layer moves with.
+struct Attachment {
+  int body = -1;
+  std::string by;  ///< the rule that found it, as a sentence
+  std::optional<Fault> fault;
+};
+/// As the user says, or what bears the facets, or what holds their part. Throws UsageError for a body there is not.
+Attachment find_attachment(const ContactSide& in, const Support& support);
+
+/// The elements of the layer's part.
+struct LayerPart {
+  std::vector<int> nodes;  ///< ascending
+  std::set<int> materials;
+  std::optional<Fault> fault;  ///< of an element without volume
+};
+LayerPart find_part(const ModelParts& parts, int region);
+
+}  // namespace dea

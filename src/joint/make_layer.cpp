@@ -1,0 +1,337 @@
+#include <febiodea/joint/make_layer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+#include <febiodea/geometry/ray_caster.h>
+#include <febiodea/joint/carried_surface.h>
+#include <febiodea/joint/contact_side.h>
+#include <febiodea/joint/extended_face.h>
+#include <febiodea/joint/layer_material.h>
+#include <febiodea/joint/layer_support.h>
+#include <febiodea/joint/left_out.h>
+#include <febiodea/joint/thickness.h>
+
+namespace dea {
+
+namespace {
+
+/// A layer in the making.
+struct LayerDraft {
+  Layer layer;
+  LayerBoundary boundary;  // of a layer with elements
+  std::vector<Fault> faults;
+};
+
+std::optional<Fault> repeated_facet(const ContactSide& in) {
+  const Surface& s = in.surface;
+  std::map<FaceKey, int> facet_at;
+  for (int f = 0; f < s.size(); ++f) {
+    const auto first = facet_at.try_emplace(
+        face_key(s.nodes.data() + s.begin[at(f)], facet_corners(s.begin[at(f) + 1] - s.begin[at(f)])), f);
+    if (!first.second)
+      return refusal_of(
+          in, say("facets {} and {} are the same; its springs would count twice:", first.first->second + 1, f + 1),
+          "list each facet once");
+  }
+  return std::nullopt;
+}
+
+/// No thickness: what else is missing is told too.
+std::vector<Fault> no_thickness(const ContactSide& in, int material, const Sentence& found, const Sentence& expected) {
+  std::vector<Fault> faults = {refusal_of(in, found, expected)};
+  if (auto modulus = elasticity_fault(in, material, layer_elasticity(in, material))) faults.push_back(*modulus);
+  return faults;
+}
+
+Sentence name_bone_or_thickness(const ContactSide& in) {
+  return say("name the bone surface with {} or give {}", setting_of(in, "bone", "SURFACE"),
+             setting_of(in, "thickness"));
+}
+
+// ---- facets that are left out --------------------------------------------------------------------------------------
+
+/// Leaves out facets that are no articular face, as the boundary tells them.
+std::vector<Fault> leave_out_facets(const ContactSide& in, const CarriedSurface& carried, const LayerBoundary& boundary,
+                                    Layer& layer) {
+  const Surface& s = in.surface;
+  const auto& keep = in.parts.settings.keep_facets;
+  std::vector<FaceKind> kinds = kinds_of(boundary, carried.facets);
+  const auto of_kind = [&](FaceKind kind) { return std::count(kinds.begin(), kinds.end(), kind); };
+  // A block on rollers or held by its sides: no facet looks at the bone. With a thickness given that need not matter.
+  const bool all_turned = of_kind(FaceKind::SideWall) == s.size();
+  if (std::count(keep.begin(), keep.end(), s.name) > 0 || of_kind(FaceKind::Open) == s.size() ||
+      (all_turned && (in.given.thickness || in.given.map)))
+    kinds.clear();
+  layer.facet_kinds = kinds;
+  if (kinds.empty()) return {};
+  if (all_turned)
+    return no_thickness(
+        in, layer.material,
+        say("all its facets ({}) turn away from the bone of body \"{}\", as side walls do: this is no layer of "
+            "cartilage on a bone;",
+            s.size(), in.parts.bodies.bodies[at(layer.body)].name),
+        say("select the articular face, {}", name_bone_or_thickness(in)));
+  const std::string why = mostly_left_out(in.parts.model, carried.facets, kinds);
+  if (!why.empty())
+    return {refusal_of(in, why,
+                       say("select the articular face alone, or take all facets as they are with {}",
+                           NamedSetting{"keep-facets", "", s.name}))};
+  const FacetList kept = kept_facets(carried.facets, kinds);
+  layer.articular = make_surface_mesh(kept.begin, kept.nodes, in.parts.model.nodes);
+  if (facets_of(in.parts.settings, in.contact) == Facets::Flat) flatten(layer.articular);
+  return {};
+}
+
+// ---- the bone surface ----------------------------------------------------------------------------------------------
+
+/// Per node: held by the body?
+std::vector<char> held_by(const ModelParts& parts, int body) {
+  std::vector<char> is_held(parts.model.nodes.size(), 0);
+  for (std::size_t i = 0; i < is_held.size(); ++i) {
+    const auto& holders = parts.holders.of_node[i];
+    is_held[i] = std::find(holders.begin(), holders.end(), body) != holders.end();
+  }
+  return is_held;
+}
+
+/// The named bone surface. Out of the bone means: towards the articular surface.
+SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, const CarriedSurface& carried,
+                       const LayerBoundary& boundary, const SurfaceMesh& all_articular) {
+  const JointModel& model = in.parts.model;
+  SurfaceMesh bone = make_surface_mesh(bone_facets.begin, bone_facets.nodes, model.nodes);
+  const FacetList above = kept_facets(carried.facets, kinds_of(boundary, carried.facets));
+  SurfaceMesh articular = make_surface_mesh(above.begin, above.nodes, model.nodes);
+  if (articular.size() == 0) articular = all_articular;
+  const RayCaster caster(articular);
+  double towards = 0.0;
+  for (int t = 0; t < bone.size(); ++t)
+    towards += bone.areas[at(t)] *
+               bone.normals[at(t)].dot(position(articular, caster.closest(bone.centroid(t))) - bone.centroid(t));
+  return towards < 0 ? turned_round(bone, model.nodes) : bone;
+}
+
+/// Finds what the layer is bonded to: boundary and bone surface of the draft.
+void find_bone(const ContactSide& in, const CarriedSurface& carried, int region, LayerDraft& draft) {
+  const ModelParts& parts = in.parts;
+  const JointModel& model = parts.model;
+  const std::string name = said_of(parts.settings.bone, in.surface.name);
+  const int named = name.empty() ? -1 : surface_index(model, name);
+  std::vector<char> held = held_by(parts, draft.layer.body);
+  if (named >= 0)
+    for (int node : model.surfaces[at(named)].nodes) held[at(node)] = 1;
+  draft.boundary = find_layer_boundary(model, region_elements(parts, region), std::move(held));
+  open_feather_facets(model, carried.facets, draft.boundary);
+  if (!name.empty() && named < 0)
+    throw UsageError(
+        Fault{.given = NamedSetting{"bone", in.surface.name, name},
+              .found = say("the model has no surface \"{}\"; it has {}", name, name_list(surface_names(model), name))});
+  if (named >= 0) {
+    const CarriedSurface bone = carry(parts, named);
+    if (bone.fault) {
+      draft.faults = {*bone.fault};
+      return;
+    }
+    draft.layer.bone = named_bone(in, bone.facets, carried, draft.boundary, draft.layer.articular);
+  } else {
+    draft.layer.bone = bonded_surface(model, draft.boundary);
+  }
+  if (draft.layer.bone.size() > 0)
+    find_side_walls(model, draft.layer.bone, draft.boundary);
+  else
+    find_side_walls(model, carried.facets, draft.boundary);
+}
+
+/// No face of the layer is bonded to its body: without a bone surface the thickness must be given.
+std::vector<Fault> do_without_bone(const ContactSide& in, Layer& layer) {
+  const NamedSetting bone = setting_of(in, "bone", "SURFACE");
+  if (!in.given.thickness && !in.given.map)
+    return no_thickness(in, layer.material,
+                        say("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone "
+                            "surface to measure the thickness to;",
+                            in.parts.bodies.bodies[at(layer.body)].name),
+                        say("name it with {} or give {}", bone, setting_of(in, "thickness")));
+  if (layer.springs_at == SpringsAt::Bone)
+    return {refusal_of(in, say("{} needs a bone surface;", NamedSetting{"springs-at", "", "bone"}),
+                       say("name it with {}", bone))};
+  layer.bone = layer.articular;
+  return {};
+}
+
+// ---- a bare surface of a rigid body, and a layer of elements
+// ---------------------------------------------------------
+
+Sentence use_articular_springs() { return say("use {}", NamedSetting{"springs-at", "", "articular"}); }
+
+void finish_bare_surface(const ContactSide& in, LayerDraft& draft) {
+  Layer& layer = draft.layer;
+  const GivenLayer& given = in.given;
+  if (in.contact.dea && !given.thickness && !given.map && (given.E || given.nu)) {
+    draft.faults = {unmeasured(in, "it does not lie on solid elements")};
+    return;
+  }
+  layer.rigid = !given.map && (!given.thickness || *given.thickness == 0.0);
+  if (!layer.rigid && layer.springs_at == SpringsAt::Bone)
+    draft.faults = {refusal_of(in,
+                               "a thickness given for a bare rigid surface lies under that surface, and the bone under "
+                               "it is not in the model:",
+                               use_articular_springs())};
+  layer.bone = layer.articular;
+}
+
+void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, const Support& support,
+                         LayerDraft& draft) {
+  Layer& layer = draft.layer;
+  layer.material = support.main_material();
+  LayerPart part = find_part(in.parts, support.region);
+  if (part.fault) {
+    draft.faults = {*part.fault};
+    return;
+  }
+  layer.region_nodes = std::move(part.nodes);
+  OtherMaterials others = other_materials(in, layer.material, support.materials, part.materials);
+  if (others.fault) {
+    draft.faults = {*others.fault};
+    return;
+  }
+  layer.notes = std::move(others.notes);
+  find_bone(in, carried, support.region, draft);
+  if (draft.faults.empty()) draft.faults = leave_out_facets(in, carried, draft.boundary, layer);
+  if (draft.faults.empty() && layer.bone.size() == 0) draft.faults = do_without_bone(in, layer);
+}
+
+// ---- thickness
+// -------------------------------------------------------------------------------------------------------
+
+std::vector<Fault> take_map(const ContactSide& in, Layer& layer) {
+  if (layer.springs_at == SpringsAt::Bone)
+    return {refusal_of(in, "its thickness is a map on the articular surface:", use_articular_springs())};
+  layer.thickness = mapped_thickness(in.surface, in.contact.dea->layers[in.side].thickness_map, layer.articular);
+  layer.missed.assign(layer.thickness.size(), 0);
+  layer.thickness_given = true;
+  if (layer.mean_thickness() > 0) return {};
+  return {refusal_of(
+      in, "its thickness map is zero everywhere:", say("mend the map, or give {}", NamedSetting{"thickness"}))};
+}
+
+void take_number(const ContactSide& in, double thickness, Layer& layer) {
+  if (!(thickness > 0) || !std::isfinite(thickness))
+    throw UsageError(Fault{.given = NamedSetting{"thickness", in.surface.name, fmt::format("{:g}", thickness)},
+                           .found = say("surface \"{}\" lies on deformable cartilage,", in.surface.name),
+                           .expected =
+                               "whose thickness must be > 0; only a surface of a rigid body may have 0, which is no "
+                               "cartilage"});
+  const std::size_t n = layer.spring_surface().vertices.size();
+  layer.thickness.assign(n, thickness);
+  layer.missed.assign(n, 0);
+  layer.thickness_given = true;
+}
+
+std::vector<Fault> measure(const ContactSide& in, Layer& layer) {
+  MeasuredThickness measured = layer.springs_at == SpringsAt::Bone
+                                   ? measure_thickness_from_bone(layer.bone, layer.articular)
+                                   : measure_thickness(layer.articular, layer.bone);
+  layer.thickness = std::move(measured.thickness);
+  layer.missed = std::move(measured.missed);
+  if (2 * layer.missed_count() > static_cast<int>(layer.missed.size()))
+    return no_thickness(
+        in, layer.material,
+        say("its normals meet no bone surface of body \"{}\" ({} of {} miss): this is no layer of cartilage on a bone, "
+            "and closest points would give it a thickness that means nothing;",
+            in.parts.bodies.bodies[at(layer.body)].name, layer.missed_count(), layer.missed.size()),
+        name_bone_or_thickness(in));
+  if (layer.mean_thickness() > 0) return {};
+  return {refusal_of(in, "its layer has no thickness: the articular and the bone surface are the same;",
+                     name_bone_or_thickness(in))};
+}
+
+std::vector<Fault> find_thickness(const ContactSide& in, Layer& layer) {
+  if (layer.rigid) {
+    layer.thickness.assign(layer.spring_surface().vertices.size(), 0.0);
+    layer.missed.assign(layer.thickness.size(), 0);
+    return {};
+  }
+  if (in.given.map) return take_map(in, layer);
+  if (!in.given.thickness) return measure(in, layer);
+  take_number(in, *in.given.thickness, layer);
+  return {};
+}
+
+/// The elements of a layer that is rigid with its bone, known by the map that was made of them.
+std::vector<Fault> take_rigid_elements(const ContactSide& in, const CarriedSurface& carried, LayerDraft& draft) {
+  Layer& layer = draft.layer;
+  const std::vector<double>& map = in.contact.dea->layers[in.side].thickness_map;
+  draft.boundary = rigid_boundary(in.parts, carried, layer, map);
+  if (draft.boundary.faces.size() == 0) return {};
+  const std::vector<Fault> faults = leave_out_facets(in, carried, draft.boundary, layer);
+  if (!faults.empty()) return faults;
+  layer.bone = layer.articular;
+  layer.thickness = mapped_thickness(in.surface, map, layer.articular);
+  layer.missed.assign(layer.thickness.size(), 0);
+  return {};
+}
+
+/// The surface with the body it moves with.
+LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Support& support) {
+  LayerDraft draft;
+  Layer& layer = draft.layer;
+  layer.surface = in.index;
+  layer.springs_at = in.parts.settings.springs_at;
+  std::vector<int> zero;
+  layer.articular = make_surface_mesh(carried.facets.begin, carried.facets.nodes, in.parts.model.nodes, &zero);
+  if (!zero.empty()) {
+    draft.faults = {refusal_of(in, say("facet {} has no area ({} such facets);", zero.front() + 1, zero.size()),
+                               "repair the mesh")};
+    return draft;
+  }
+  Attachment attachment = find_attachment(in, support);
+  if (attachment.fault) draft.faults = {*attachment.fault};
+  layer.body = attachment.body;
+  layer.attached_by = std::move(attachment.by);
+  return draft;
+}
+
+/// Modulus, thickness and what is beyond the rim, once both surfaces are known.
+void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elements, LayerDraft& draft) {
+  Layer& layer = draft.layer;
+  const Facets facets = facets_of(in.parts.settings, in.contact);
+  if (facets == Facets::Flat) {
+    flatten(layer.articular);
+    flatten(layer.bone);
+  }
+  for (int node : layer.articular.model_nodes) layer.mirror.push_back(in.parts.holders.mirror[at(node)]);
+  if (!layer.rigid) {
+    layer.elasticity = layer_elasticity(in, layer.material);
+    if (const auto fault = elasticity_fault(in, layer.material, layer.elasticity)) draft.faults = {*fault};
+  }
+  if (draft.faults.empty()) draft.faults = find_thickness(in, layer);
+  const bool on_articular = layer.springs_at == SpringsAt::Articular;
+  if (draft.faults.empty() && !on_elements && in.given.map && on_articular)
+    draft.faults = take_rigid_elements(in, carried, draft);
+  if (draft.faults.empty() && !layer.rigid && draft.boundary.faces.size() > 0 && on_articular)
+    find_layer_face(in.parts, facets, carried, draft.boundary, pressed_elsewhere(in, layer.body), layer);
+}
+
+}  // namespace
+
+LayerFound make_layer(const ModelParts& parts, const Contact& contact, int side) {
+  const ContactSide in = contact_side(parts, contact, side);
+  const CarriedSurface carried = carry(parts, in.index);
+  if (carried.fault) return {{}, {*carried.fault}};
+  if (const auto fault = repeated_facet(in)) return {{}, {*fault}};
+  const Support support = find_support(in, carried);
+  if (support.fault) return {{}, {*support.fault}};
+  const bool on_elements = support.region >= 0;
+  LayerDraft draft = begin(in, carried, support);
+  if (draft.faults.empty() && on_elements) finish_bonded_layer(in, carried, support, draft);
+  if (draft.faults.empty() && !on_elements) finish_bare_surface(in, draft);
+  if (draft.faults.empty()) finish(in, carried, on_elements, draft);
+  return {std::move(draft.layer), std::move(draft.faults)};
+}
+
+}  // namespace dea

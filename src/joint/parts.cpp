@@ -1,0 +1,213 @@
+#include <febiodea/joint/parts.h>
+
+#include <algorithm>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+#include <febiodea/joint/given_layer.h>
+#include <febiodea/joint/moved_nodes.h>
+
+namespace dea {
+
+namespace {
+
+std::vector<int> find_regions(const ModelParts& parts) {
+  const JointModel& model = parts.model;
+  std::vector<int> parent(model.nodes.size(), -1);
+  const auto root = [&](int i) {
+    while (parent[at(i)] != i) {
+      parent[at(i)] = parent[at(parent[at(i)])];
+      i = parent[at(i)];
+    }
+    return i;
+  };
+  for (const Domain& d : model.domains) {
+    if (!deformable(parts, d)) continue;
+    const int n = nodes_per_element(d.shape);
+    for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+      const int* nodes = d.nodes.data() + e * at(n);
+      for (int k = 0; k < n; ++k)
+        if (parent[at(nodes[k])] < 0) parent[at(nodes[k])] = nodes[k];
+      int a = root(nodes[0]);
+      for (int k = 1; k < n; ++k) {
+        const int b = root(nodes[k]);
+        parent[at(std::max(a, b))] = std::min(a, b);
+        a = std::min(a, b);
+      }
+    }
+  }
+  std::vector<int> region(model.nodes.size(), -1);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (parent[i] >= 0) region[i] = root(static_cast<int>(i));
+  return region;
+}
+
+FaceMap find_faces(const JointModel& model, const Settings& settings) {
+  std::vector<char> on_surface(model.nodes.size(), 0);
+  const auto mark = [&](int surface) {
+    if (surface < 0) return;
+    for (int node : model.surfaces[at(surface)].nodes) on_surface[at(node)] = 1;
+  };
+  for (const Contact& c : model.contacts) {
+    mark(c.primary);
+    mark(c.secondary);
+  }
+  for (const auto& entry : settings.bone) mark(surface_index(model, entry.second));
+  FaceMap found;
+  int face_nodes[9];
+  for (int d = 0; d < static_cast<int>(model.domains.size()); ++d) {
+    const Domain& domain = model.domains[at(d)];
+    const int n = nodes_per_element(domain.shape);
+    const auto& faces = element_faces(domain.shape);
+    for (int e = 0; e < static_cast<int>(domain.element_ids.size()); ++e) {
+      const int* nodes = domain.nodes.data() + static_cast<std::ptrdiff_t>(e) * n;
+      for (int f = 0; f < static_cast<int>(faces.size()); ++f) {
+        const int corners = facet_corners(static_cast<int>(faces[at(f)].size()));
+        bool all = true;
+        for (int k = 0; k < corners && all; ++k) {
+          face_nodes[k] = nodes[faces[at(f)][at(k)]];
+          all = on_surface[at(face_nodes[k])];
+        }
+        if (all) found[face_key(face_nodes, corners)].push_back({d, e, f});
+      }
+    }
+  }
+  return found;
+}
+
+/// Contacts of type "dea" whose layer is to be measured: the elements under the surface are the cartilage, though
+/// rigid.
+std::vector<char> find_layer_domains(const ModelParts& parts) {
+  const JointModel& model = parts.model;
+  std::vector<char> layer_domains(model.domains.size(), 0);
+  for (const Contact& c : model.contacts) {
+    if (!c.dea || c.primary < 0 || c.secondary < 0) continue;
+    for (int side = 0; side < 2; ++side) {
+      const GivenLayer given = given_layer(model, parts.settings, c, side);
+      if (given.thickness || given.map || (!given.E && !given.nu)) continue;
+      const Surface& s = model.surfaces[at(side == 0 ? c.primary : c.secondary)];
+      for (int f = 0; f < s.size(); ++f) {
+        const auto* found = find_face(parts, s, f);
+        if (found == nullptr) continue;
+        for (const ElementFace& face : *found)
+          if (!is_shell(model.domains[at(face.domain)].shape)) layer_domains[at(face.domain)] = 1;
+      }
+    }
+  }
+  return layer_domains;
+}
+
+/// Bodies of moved nodes, put before the ground.
+void add_moved_bodies(ModelParts& parts) {
+  const JointModel& model = parts.model;
+  Bodies& bodies = parts.bodies;
+  parts.moved.assign(model.nodes.size(), -1);
+  std::vector<int> body = bodies.of_node;
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (int node : set.nodes) body[at(node)] = bodies.of_material[at(set.material)];
+  for (const MovedNodes& moved : find_moved_nodes(model, body, parts.faults)) {
+    Body found;
+    found.name = moved.name;
+    const auto taken = [&](const std::string& name) {
+      return std::any_of(bodies.bodies.begin(), bodies.bodies.end(),
+                         [&](const Body& other) { return other.name == name; });
+    };
+    for (int i = 2; taken(found.name); ++i) found.name = fmt::format("{} ({})", moved.name, i);
+    found.moved_by = moved.conditions;
+    for (int node : moved.nodes)
+      found.center_of_mass += model.nodes[at(node)] / static_cast<double>(moved.nodes.size());
+    const int index = bodies.ground();
+    for (int node : moved.nodes) parts.moved[at(node)] = index;
+    parts.findings.push_back(
+        say("{} moved together (\"{}\"): taken as a bone that the model leaves out",
+            moved.nodes.size() == 1 ? "1 node is" : fmt::format("{} nodes are", moved.nodes.size()), found.name));
+    bodies.bodies.insert(bodies.bodies.end() - 1, std::move(found));
+  }
+}
+
+}  // namespace
+
+ModelParts find_parts(const JointModel& model, const Settings& settings) {
+  ModelParts parts{model, settings, rigid_materials(model, settings), {}, {}, {}, {}, {}, {}, {}, {}};
+  parts.faces = find_faces(model, settings);
+  parts.layer_domains = find_layer_domains(parts);
+  parts.bodies = find_bodies(model, parts.rigid, parts.layer_domains);
+  parts.region = find_regions(parts);
+  add_moved_bodies(parts);
+  parts.holders = find_holders(model, parts.bodies, parts.region, parts.moved);
+  return parts;
+}
+
+bool deformable(const ModelParts& parts, const Domain& d) {
+  if (d.material < 0 || is_line(d.shape) || is_shell(d.shape)) return false;
+  const auto index = static_cast<std::size_t>(&d - parts.model.domains.data());
+  return !parts.rigid[at(d.material)] || parts.layer_domains[index];
+}
+
+const std::vector<ElementFace>* find_face(const ModelParts& parts, const int* nodes, int count) {
+  const auto found = parts.faces.find(face_key(nodes, facet_corners(count)));
+  return found == parts.faces.end() ? nullptr : &found->second;
+}
+
+const std::vector<ElementFace>* find_face(const ModelParts& parts, const Surface& s, int facet) {
+  return find_face(parts, s.nodes.data() + s.begin[at(facet)], s.begin[at(facet) + 1] - s.begin[at(facet)]);
+}
+
+const ElementFace* carrier(const ModelParts& parts, const std::vector<ElementFace>* candidates) {
+  if (candidates == nullptr) return nullptr;
+  const ElementFace* best = nullptr;
+  int best_rank = 4;
+  for (const ElementFace& c : *candidates) {
+    const Domain& d = parts.model.domains[at(c.domain)];
+    const int rank = deformable(parts, d) ? 0 : is_shell(d.shape) ? 2 : d.material >= 0 ? 1 : 3;
+    if (rank < best_rank) {
+      best = &c;
+      best_rank = rank;
+    }
+  }
+  return best;
+}
+
+std::vector<LayerElement> region_elements(const ModelParts& parts, int region) {
+  std::vector<LayerElement> elements;
+  for (int i = 0; i < static_cast<int>(parts.model.domains.size()); ++i) {
+    const Domain& d = parts.model.domains[at(i)];
+    if (!deformable(parts, d)) continue;
+    for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e)
+      if (parts.region[at(d.nodes[at(e * nodes_per_element(d.shape))])] == region) elements.push_back({i, e});
+  }
+  return elements;
+}
+
+int body_of_material(const ModelParts& parts, int material) {
+  return material < 0 ? parts.bodies.ground() : parts.bodies.of_material[at(material)];
+}
+
+int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const std::string& name) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].name == name) return static_cast<int>(b);
+    for (int m : bodies[b].materials)
+      if (model.materials[at(m)].name == name) return static_cast<int>(b);
+  }
+  return -1;
+}
+
+std::vector<std::string> body_names(const std::vector<Body>& bodies) {
+  std::vector<std::string> names;
+  for (const Body& b : bodies) names.push_back(b.name);
+  return names;
+}
+
+int surface_index(const JointModel& model, const std::string& name) {
+  for (std::size_t i = 0; i < model.surfaces.size(); ++i)
+    if (model.surfaces[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+std::vector<std::string> surface_names(const JointModel& model) {
+  std::vector<std::string> names;
+  for (const Surface& s : model.surfaces) names.push_back(s.name);
+  return names;
+}
+
+}  // namespace dea

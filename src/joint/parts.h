@@ -1,0 +1,65 @@
+// febiodea/joint/parts.h – the parts of a model: rigid bodies, deformable parts, what holds these; element faces.
+#pragma once
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <febiodea/base/fault.h>
+#include <febiodea/joint/bodies.h>
+#include <febiodea/joint/holders.h>
+#include <febiodea/joint/layer_face.h>
+#include <febiodea/model/element_faces.h>
+#include <febiodea/model/joint_model.h>
+#include <febiodea/model/settings.h>
+
+namespace dea {
+
+/// A face of an element, found by its corner nodes.
+struct ElementFace {
+  int domain, element, face;
+};
+using FaceMap = std::unordered_map<FaceKey, std::vector<ElementFace>, FaceKeyHash>;
+
+/// Everything that recognition looks up again and again. Model and settings must outlive it.
+struct ModelParts {
+  const JointModel& model;
+  const Settings& settings;
+  std::vector<char> rigid;          ///< per material
+  std::vector<char> layer_domains;  ///< per domain: cartilage of a rigid material (contacts of type "dea")
+  Bodies bodies;
+  std::vector<int> region;  ///< per node: root node of its deformable part, -1: in no deformable solid element
+  FaceMap faces;            ///< element faces all of whose corners are nodes of a contact surface
+  std::vector<int> moved;   ///< per node: body of nodes that are moved together, -1: none
+  Holders holders;
+  std::vector<Sentence> findings;  ///< what was concluded
+  std::vector<Fault> faults;       ///< nodes that are moved otherwise than a bone can be
+};
+
+/// Throws UsageError for a material to be taken as rigid that is none.
+ModelParts find_parts(const JointModel& model, const Settings& settings);
+
+/// Cartilage: of a deformable material, or rigid with its bone under a contact that knows its modulus.
+bool deformable(const ModelParts& parts, const Domain& domain);
+
+/// The element faces at these nodes; nullptr: none.
+const std::vector<ElementFace>* find_face(const ModelParts& parts, const int* nodes, int count);
+const std::vector<ElementFace>* find_face(const ModelParts& parts, const Surface& surface, int facet);
+
+/// The element that carries a facet: a deformable solid before a rigid solid before a shell; nullptr: none.
+const ElementFace* carrier(const ModelParts& parts, const std::vector<ElementFace>* candidates);
+
+/// Elements of a deformable part.
+std::vector<LayerElement> region_elements(const ModelParts& parts, int region);
+
+/// Body of a rigid material; no material: the ground.
+int body_of_material(const ModelParts& parts, int material);
+
+/// Index of the body with this name (of any of its materials), -1: none.
+int body_by_name(const JointModel& model, const std::vector<Body>& bodies, const std::string& name);
+std::vector<std::string> body_names(const std::vector<Body>& bodies);
+
+/// -1: none.
+int surface_index(const JointModel& model, const std::string& name);
+std::vector<std::string> surface_names(const JointModel& model);
+
+}  // namespace dea
