@@ -12,7 +12,7 @@ namespace dea::fe {
 
 void ignore(Reading& reading, const std::string& what) { febio::ignore(reading, kNowhere, what); }
 
-void unsupported(Reading& reading, const std::string& what, const std::string& advice) {
+void unsupported(Reading& reading, const std::string& what, const Sentence& advice) {
   febio::unsupported(reading, kNowhere, what, advice);
 }
 

@@ -39,7 +39,7 @@ struct Reading : febio::Draft {
 
 void ignore(Reading& reading, const std::string& what);
 /// `advice`: what to do about it; empty: take it out.
-void unsupported(Reading& reading, const std::string& what, const std::string& advice = {});
+void unsupported(Reading& reading, const std::string& what, const Sentence& advice = {});
 [[noreturn]] void fail(const Reading& reading, const std::string& fault);
 
 Vector3d vector_of(const vec3d& v);

@@ -45,7 +45,7 @@ void ignore(Reading& reading, const XMLElement& element, const std::string& what
   febio::ignore(reading, origin_of(reading, element), what);
 }
 
-void unsupported(Reading& reading, const XMLElement& element, const std::string& what, const std::string& advice) {
+void unsupported(Reading& reading, const XMLElement& element, const std::string& what, const Sentence& advice) {
   febio::unsupported(reading, origin_of(reading, element), what, advice);
 }
 

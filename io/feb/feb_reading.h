@@ -178,7 +178,7 @@ Origin origin_of(const Reading& reading, const XMLElement& element);
 void ignore(Reading& reading, const XMLElement& element, const std::string& what);
 /// Changes the mechanics and cannot be taken into account: listed once with a count.
 /// `advice`: what to do about it; empty: take it out.
-void unsupported(Reading& reading, const XMLElement& element, const std::string& what, const std::string& advice = {});
+void unsupported(Reading& reading, const XMLElement& element, const std::string& what, const Sentence& advice = {});
 /// A type word that DEA does not take.
 void unsupported_word(Reading& reading, const XMLElement& element, const std::string& what, febio::WordOf place,
                       const std::string& word);

@@ -16,7 +16,7 @@ void ignore(Draft& draft, Origin origin, const std::string& what) {
   list_once(draft.model.ignored, draft.ignored_index, what, origin);
 }
 
-void unsupported(Draft& draft, Origin origin, const std::string& what, const std::string& advice) {
+void unsupported(Draft& draft, Origin origin, const std::string& what, const Sentence& advice) {
   list_once(draft.model.unsupported, draft.unsupported_index, what, origin, advice);
 }
 

@@ -41,7 +41,7 @@ struct Draft {
 void ignore(Draft& draft, Origin origin, const std::string& what);
 /// Changes the mechanics and cannot be taken into account: listed once with a count. `advice`: what to do about it;
 /// empty: take it out.
-void unsupported(Draft& draft, Origin origin, const std::string& what, const std::string& advice = {});
+void unsupported(Draft& draft, Origin origin, const std::string& what, const Sentence& advice = {});
 
 // -- values from text: `name` is how a fault calls it -------------------------------------------------
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 #include <febiodea/io/febio/interpret.h>
 #include <febiodea/model/load_curve.h>
 
@@ -77,8 +78,9 @@ void prescribe_nodes(Draft& draft, const OnNodes& on, std::string_view dof, cons
   const std::string_view name = trim(dof);
   const int component = component_of(name);
   if (is_shell_dof(name)) {
-    unsupported(draft, on.origin, fmt::format("prescribed shell dof {}", quote(name)),
-                "take it out: DEA has no deformable shells, take their material as rigid with --rigid");
+    unsupported(
+        draft, on.origin, fmt::format("prescribed shell dof {}", quote(name)),
+        say("take it out: DEA has no deformable shells, take their material as rigid with {}", NamedSetting{"rigid"}));
   } else if (component < 0) {
     ignore(draft, on.origin, fmt::format("prescribed dof {}: no displacement", quote(name)));
   } else if (value.factor == 0.0 && !relative) {

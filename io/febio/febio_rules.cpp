@@ -7,6 +7,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/base/say.h>
 #include <febiodea/geometry/surface_mesh.h>
 #include <febiodea/model/load_curve.h>
 
@@ -134,7 +135,7 @@ const Words& words_of(WordOf place) {
 }  // namespace
 
 void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
-               const std::string& advice) {
+               const Sentence& advice) {
   const auto [place, is_new] = index.places.try_emplace(what, remarks.size());
   if (is_new)
     remarks.push_back({what, 1, origin, advice});
@@ -228,15 +229,19 @@ int plane_axis(const JointModel& model, const Surface& surface) {
   return axis;
 }
 
-std::string load_advice(const std::string& tag, const std::string& type) {
+Sentence load_advice(const std::string& tag, const std::string& type) {
   const std::string kind = type.empty() ? tag : type;
+  const NamedSetting force = {.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true};
   if (tag == "body_load" || tag == "body_force")
-    return "DEA's cartilage has no weight; give that of a bone as a force on its rigid body (rigid force of the file, "
-           "or "
-           "--force BODY=x,y,z), and take this load out";
+    return say(
+        "DEA's cartilage has no weight; give that of a bone as a force on its rigid body (rigid force of the file, or "
+        "{}), and take this load out",
+        force);
   if (tag == "surface_load" || kind.find("pressure") != kind.npos || kind.find("traction") != kind.npos)
-    return "surfaces carry the pressure of contact only; give the load to the rigid body behind them as a force (rigid "
-           "force of the file, or --force BODY=x,y,z), and take this one out";
+    return say(
+        "surfaces carry the pressure of contact only; give the load to the rigid body behind them as a force (rigid "
+        "force of the file, or {}), and take this one out",
+        force);
   const std::string word = word_advice(WordOf::RigidCondition, kind);
   return word.rfind("did you mean", 0) == 0
              ? word

@@ -19,7 +19,7 @@ struct RemarkIndex {
 };
 /// `advice`: what to do about it (Remark::advice). Its remark.
 void list_once(std::vector<Remark>& remarks, RemarkIndex& index, const std::string& what, Origin origin,
-               const std::string& advice = {});
+               const Sentence& advice = {});
 
 /// Modules whose mechanics are those of a solid (drained); "" is FEBio's default, solid.
 bool known_module(const std::string& module);
@@ -46,7 +46,7 @@ inline constexpr const char* kPlaneAdvice =
     "plane's nodes in one component (zero displacement)";
 
 /// What to do about a load that is not on rigid bodies: type "pressure", "const", ... of element `tag`.
-std::string load_advice(const std::string& tag, const std::string& type);
+Sentence load_advice(const std::string& tag, const std::string& type);
 
 /// Contact parameters that could change the result and that DEA does not use, with FEBio's defaults.
 struct ContactParameter {

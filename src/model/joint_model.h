@@ -323,7 +323,7 @@ struct Remark {
   std::string what;
   int count = 1;
   Origin origin;            ///< first occurrence
-  std::string advice = {};  ///< what to do about it, for what is unsupported; empty: take it out
+  Sentence advice = {};  ///< what to do about it, for what is unsupported; empty: take it out
 };
 
 struct JointModel {
