@@ -1,6 +1,7 @@
 #include <febiodea/views/data/info_json.h>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/version.h>
 #include <febiodea/views/data/run_json.h>
 #include <febiodea/views/text/info_words.h>
