@@ -782,15 +782,15 @@ TEST(Convert, IncludedFiles) {
   EXPECT_TRUE(expect_same_joint(folder.path, path).conversion.edited);
   const Conversion elsewhere = convert_feb(read_feb(path), {}, (fs::temp_directory_path() / "x.feb").string());
   EXPECT_FALSE(elsewhere.edited);
-  EXPECT_NE(elsewhere.changes[0].find("it includes files from its own folder"), std::string::npos);
+  EXPECT_NE(elsewhere.changes[0].text.find("it includes files from its own folder"), std::string::npos);
   // The domains: not here.
   rest = whole;
   cut("MeshDomains", rest);
   write(path, rest);
   const Converted anew = expect_same_joint(folder.path, path);
   EXPECT_FALSE(anew.conversion.edited);
-  EXPECT_NE(anew.conversion.changes[0].find("<MeshDomains> is not in this file itself"), std::string::npos)
-      << anew.conversion.changes[0];
+  EXPECT_NE(anew.conversion.changes[0].text.find("<MeshDomains> is not in this file itself"), std::string::npos)
+      << anew.conversion.changes[0].text;
 }
 
 TEST(Convert, Refusals) {
