@@ -332,9 +332,10 @@ void write_run_report(const std::string& path, const Recognition& recognition, c
                       XpltFile&& plot, const std::string& model_path, const std::string& output,
                       const std::vector<std::string>& words, const std::vector<std::string>& paths) {
   const ResultFile result{output, std::filesystem::path(model_path).stem().string(), std::move(plot)};
-  write_report(path,
-               run_report(recognition.model, analysis, result,
-                          info_text(recognition.model, recognition.settings, check_joint(recognition, analysis.beds, analysis.maps)), words, paths));
+  write_report(path, run_report(recognition.model, analysis, result,
+                                info_text(recognition.model, recognition.settings,
+                                          check_joint(recognition, analysis.beds, analysis.maps)),
+                                words, paths));
 }
 
 void require_page_name(const std::string& option, const std::string& path) {
