@@ -47,7 +47,7 @@ struct PressedSprings {
   Vector6 on_source = Vector6::Zero();   ///< the opposite force at the same points; moment about the source's centre
   Matrix6 derivative = Matrix6::Zero();  ///< of on_target (rows: force, moment) by small motions of the target
                                          ///  (columns: translation of its centre of mass, rotation, along global
-                                         ///  axes) with the source held (E2-E5)
+                                         ///  axes), the source held (E2-E5; law layer: and what touches)
   double normal_force = 0.0;             ///< sum of pressure times area
 };
 struct Pressed {
