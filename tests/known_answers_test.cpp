@@ -196,6 +196,27 @@ TEST(KnownAnswers, HalfIsHalfOfTheWhole) {
 
 // ---- selections that miss facets of the layer
 
+// Cut off at x = 1 under a ball whose contact reaches to 3.2: the pressed end is the chord where pressure exceeds a
+// fifth of the peak, about 2 sqrt(3.2^2 - 1) less its ends, in facets of 0.5; none where the whole face is selected.
+TEST(KnownAnswers, ASelectionThatEndsUnderPressureIsTold) {
+  const auto pressed_end = [](SlabUnderBall& slab) {
+    JointModel model = slab.model;
+    test::add_contact(model, "press", slab.layer, slab.indenter);
+    const Analysis analysis = analyse(model, slab.settings);
+    const StateResult& state = analysis.states.back();
+    const int lines = static_cast<int>(result_remarks(model, analysis).size());
+    return std::pair(pressed_end_of_selection(analysis.joint.contacts[0].layers[0], state.fields[0].sides[0].pressure,
+                                              0.2 * state.statistics[0].peak),
+                     lines);
+  };
+  SlabUnderBall whole(0.45), cut(0.45);
+  cut.forget([](const Vector3d& x) { return x.x() > 1; });
+  const auto all = pressed_end(whole), less = pressed_end(cut);
+  EXPECT_EQ(all.first, 0);
+  EXPECT_NEAR(less.first, 5.5, 0.8);
+  EXPECT_EQ(less.second, all.second + 1);
+}
+
 TEST(KnownAnswers, ForgottenFacet) {
   NEEDS_CASES();
   const JointModel whole = read_feb((kCases / "intact.feb").string()),

@@ -44,7 +44,7 @@ struct SettingValue {
   const SettingOption* option = nullptr;
   std::string key;  ///< "" without
   std::string value;
-  std::string where;  ///< put before the fault: "--E S=x", "<E>"
+  std::string where;  ///< put before the fault: the setting as it was given
 };
 
 /// Sets one value. Throws BadValue.

@@ -86,4 +86,15 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
   return all;
 }
 
+double pressed_end_of_selection(const Layer& layer, const std::vector<double>& pressure, double above) {
+  if (layer.face.mesh.size() == 0 || pressure.empty()) return 0.0;
+  double length = 0.0;
+  for (const SelectionEdge& e : selection_rim(layer.face)) {
+    if (!e.goes_on || !(pressure[at(layer.articular.facet[at(e.edge.triangle)])] > above)) continue;
+    const auto& x = layer.face.mesh.vertices;
+    length += (x[at(e.vertices[0])] - x[at(e.vertices[1])]).norm();
+  }
+  return length;
+}
+
 }  // namespace dea

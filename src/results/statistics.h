@@ -35,4 +35,9 @@ double weighted_percentile(const std::vector<double>& values, const std::vector<
 std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
                                                   const std::vector<ContactFields>& fields);
 
+/// Where the selection of a layer's facets ends under pressure though the cartilage goes on: length of its rim beside
+/// facets that carry more than `above`. `pressure`: per facet, SideFields::pressure. There the pressure is that of an
+/// edge of the selection, as under a punch.
+double pressed_end_of_selection(const Layer& layer, const std::vector<double>& pressure, double above);
+
 }  // namespace dea

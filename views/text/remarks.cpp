@@ -224,6 +224,23 @@ void add_incomplete_maps(const JointModel& model, const ContactPair& pair, const
   }
 }
 
+/// Selections that end under pressure though the cartilage goes on.
+void add_pressed_ends(const JointModel& model, const ContactPair& pair, const StateResult& state, std::size_t contact,
+                      Lines& lines) {
+  constexpr double kFelt = 0.2;  // of the peak
+  for (int side = 0; side < 2; ++side) {
+    const Layer& layer = pair.layers[side];
+    const double length = pressed_end_of_selection(layer, state.fields[contact].sides[side].pressure,
+                                                   kFelt * state.statistics[contact].peak);
+    if (!(length > 2 * layer.facet_size() * layer.mean_thickness())) continue;
+    add_once(lines,
+             fmt::format("warning: surface \"{}\": at time {} pressure reaches the end of the selected facets "
+                         "along {:.3g} of its rim, where the cartilage goes on: it is that of an edge there, too "
+                         "high if the other surface covers what is beyond; select the facets beyond as well",
+                         model.surfaces[at(layer.surface)].name, number_text(state.when.time), length));
+  }
+}
+
 }  // namespace
 
 std::string outcome_text(const Equilibrium& e, const Wording& wording) {
@@ -242,6 +259,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
+    add_pressed_ends(model, joint.contacts[c], last, c, lines);
   }
   return lines;
 }
