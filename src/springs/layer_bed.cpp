@@ -79,9 +79,73 @@ std::shared_ptr<const LayerBed> make_layer_bed(const ContactPair& pair) {
   return layers;
 }
 
+namespace {
+
+/// What a spring under pressure shows: strains of both layers, and its own stiffness.
+void set_spring(const SpringBed& bed, const LayerPressure& result, int i, SpringStates& s) {
+  const ContactPair& pair = bed.pair;
+  const Elasticity &E_s = pair.source_layer().elasticity, &E_t = pair.target_layer().elasticity;
+  const auto k = at(i);
+  s.pressure[k] = result.pressure[i];
+  // the layer's own shortening, whatever flows: no less than nothing, for what bulges at p > 0 is not stretched
+  s.strain_source[k] = s.t_source[k] > 0 ? std::max(0.0, result.sunk_source[i] / s.t_source[k]) : 0.0;
+  s.strain_target[k] = s.t_target[k] > 0 ? std::max(0.0, result.sunk_target[i] / s.t_target[k]) : 0.0;
+  s.strain[k] = std::max(s.strain_source[k], s.strain_target[k]);
+  const double confined =
+      (s.t_source[k] > 0 ? s.t_source[k] * strain_at_pressure(Law::NeoHookean, E_s, s.pressure[k]) : 0.0) +
+      (s.t_target[k] > 0 ? s.t_target[k] * strain_at_pressure(Law::NeoHookean, E_t, s.pressure[k]) : 0.0);
+  s.per_overlap[k] = spring_response(bed.law, E_s, E_t, s.t_source[k], s.t_target[k],
+                                     confined + pair.interface_compliance * s.pressure[k], pair.interface_compliance)
+                         .per_overlap;
+}
+
+/// How the overlap changes with small motions of the target relative to the source, about the target's centre: six
+/// columns (E2), (E3). The target's thickness at the spring's end counts with its strain, as in a spring.
+Eigen::MatrixXd overlap_rates(const SpringBed& bed, const LayerContact& contact, const LayerPressure& result,
+                              const Pose& source, const Pose& target, SpringStates& s) {
+  const int n = s.size();
+  Eigen::MatrixXd rates = Eigen::MatrixXd::Zero(n, 6);
+  for (int i = 0; i < n; ++i) {
+    const auto k = at(i);
+    if (!result.active[k]) continue;
+    const Vector3d per_motion = overlap_rate(bed, s, i, s.strain_target[k], target);
+    s.per_motion[k] = s.per_overlap[k] * per_motion;
+    rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
+  }
+  if (s.rim.empty()) return rates;
+  // Over the target's rim the foot moves in its plane, and the area that carries its pressure changes.
+  Eigen::MatrixXd force_rates = Eigen::MatrixXd::Zero(n, 6);
+  for (const RimSpring& rim : s.rim) {
+    const int i = rim.spring;
+    const auto k = at(i);
+    if (!result.active[k]) continue;
+    const Vector3d gradient =
+        source_overlap_gradient(bed, s, i, 0.0, source) - overlap_rate(bed, s, i, s.strain_target[k], target);
+    rates.row(i) += gradient.transpose() * rim.foot_rate.leftCols<6>();
+    force_rates.row(i) = result.pressure[i] * rim.area_rate.head<6>().transpose();
+  }
+  rates -= spread(contact, force_rates);
+  return rates;
+}
+
+/// The pressures' derivative by the motions that are asked for.
+void set_rates(const LayerContact& contact, const LayerPressure& result, const Eigen::MatrixXd& rates,
+               const PressOptions& options, const PressMemory* memory, SpringStates& s) {
+  std::vector<int> columns;
+  for (int m = 0; m < 6; ++m)
+    if (options.motions[at(m)]) columns.push_back(m);
+  if (columns.empty()) return;
+  const Eigen::MatrixXd asked = rates(Eigen::all, columns);
+  const Eigen::MatrixXd start =
+      memory && memory->rates.size() > 0 ? Eigen::MatrixXd(memory->rates(Eigen::all, columns)) : Eigen::MatrixXd();
+  s.rates(Eigen::all, columns) =
+      solve_active(contact, result.active, asked, options.rate_tolerance, start, options.stop).pressure;
+}
+
+}  // namespace
+
 void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& s, const Pose& source, const Pose& target,
                   const PressOptions& options, PressMemory* memory) {
-  const ContactPair& pair = bed.pair;
   const int n = s.size();
   s.rates.setZero(n, 6);
   const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
@@ -89,7 +153,7 @@ void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& s,
 
   Eigen::VectorXd overlap = Eigen::VectorXd::Zero(n);
   LayerContact contact;
-  contact.interface_compliance = pair.interface_compliance;
+  contact.interface_compliance = bed.pair.interface_compliance;
   contact.area = Eigen::VectorXd::Zero(n);
   for (int i = 0; i < n; ++i) {
     // nothing bulges by more than it is pressed in elsewhere
@@ -115,50 +179,9 @@ void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& s,
       contact, overlap, memory ? pressures_to_start_from(*memory, source, target) : Eigen::VectorXd(), search);
   s.complementarity = result.residual;
   s.complementary = result.converged;
-  const Elasticity &E_s = pair.source_layer().elasticity, &E_t = pair.target_layer().elasticity;
-
-  // How the overlap changes with small motions of the target relative to the source, about the target's centre: six
-  // columns (E2), (E3). The target's thickness at the spring's end counts with its strain, as in a spring.
-  Eigen::MatrixXd overlap_rates = Eigen::MatrixXd::Zero(n, 6);
-  for (int i = 0; i < n; ++i) {
-    const auto k = at(i);
-    if (!result.active[k]) continue;
-    s.pressure[k] = result.pressure[i];
-    // the layer's own shortening, whatever flows: no less than nothing, for what bulges at p > 0 is not stretched
-    s.strain_source[k] = s.t_source[k] > 0 ? std::max(0.0, result.sunk_source[i] / s.t_source[k]) : 0.0;
-    s.strain_target[k] = s.t_target[k] > 0 ? std::max(0.0, result.sunk_target[i] / s.t_target[k]) : 0.0;
-    s.strain[k] = std::max(s.strain_source[k], s.strain_target[k]);
-    const double confined =
-        (s.t_source[k] > 0 ? s.t_source[k] * strain_at_pressure(Law::NeoHookean, E_s, s.pressure[k]) : 0.0) +
-        (s.t_target[k] > 0 ? s.t_target[k] * strain_at_pressure(Law::NeoHookean, E_t, s.pressure[k]) : 0.0);
-    s.per_overlap[k] = spring_response(bed.law, E_s, E_t, s.t_source[k], s.t_target[k],
-                                       confined + pair.interface_compliance * s.pressure[k], pair.interface_compliance)
-                           .per_overlap;
-    const Vector3d per_motion = overlap_rate(bed, s, i, s.strain_target[k], target);
-    s.per_motion[k] = s.per_overlap[k] * per_motion;
-    overlap_rates.row(i) << per_motion.transpose(), (s.end[k] - target.center).cross(per_motion).transpose();
-  }
-  // Over the target's rim the foot moves in its plane, and the area that carries its pressure changes.
-  Eigen::MatrixXd force_rates = Eigen::MatrixXd::Zero(s.rim.empty() ? 0 : n, 6);
-  for (const RimSpring& rim : s.rim) {
-    const int i = rim.spring;
-    const auto k = at(i);
-    if (!result.active[k]) continue;
-    const Vector3d gradient =
-        source_overlap_gradient(bed, s, i, 0.0, source) - overlap_rate(bed, s, i, s.strain_target[k], target);
-    overlap_rates.row(i) += gradient.transpose() * rim.foot_rate.leftCols<6>();
-    force_rates.row(i) = result.pressure[i] * rim.area_rate.head<6>().transpose();
-  }
-  if (!s.rim.empty()) overlap_rates -= spread(contact, force_rates);
-  std::vector<int> columns;
-  for (int m = 0; m < 6; ++m)
-    if (options.motions[at(m)]) columns.push_back(m);
-  const Eigen::MatrixXd asked = overlap_rates(Eigen::all, columns);
-  const Eigen::MatrixXd start =
-      memory && memory->rates.size() > 0 ? Eigen::MatrixXd(memory->rates(Eigen::all, columns)) : Eigen::MatrixXd();
-  if (!columns.empty())
-    s.rates(Eigen::all, columns) =
-        solve_active(contact, result.active, asked, options.rate_tolerance, start, options.stop).pressure;
+  for (int i = 0; i < n; ++i)
+    if (result.active[at(i)]) set_spring(bed, result, i, s);
+  set_rates(contact, result, overlap_rates(bed, contact, result, source, target, s), options, memory, s);
   if (memory) *memory = {result.pressure, s.rates, source, target};
 }
 
