@@ -100,7 +100,11 @@ std::string in_settings_file(const std::string& fault) {
   const std::string keyed = std::regex_replace(fault, std::regex(R"re(--(\w[\w-]*) "([^"]*)=([^"=]*)")re"),
                                                R"(<$1 surface="$2">$3</$1>)"),
                     named = std::regex_replace(keyed, std::regex(R"re(--(\w[\w-]*) "([^"]*)")re"), "<$1>$2</$1>");
-  return std::regex_replace(named, std::regex("--(states|law|springs-at) ([^ ,;]+(,[^ ,;]+)*)"), "<$1>$2</$1>");
+  const std::string valued =
+      std::regex_replace(named, std::regex("--(states|law|springs-at) ([^ ,;]+(,[^ ,;]+)*)"), "<$1>$2</$1>");
+  const std::string forced =
+      std::regex_replace(valued, std::regex("--force BODY=x,y,z"), R"(<force body="BODY">x,y,z</force>)");
+  return std::regex_replace(forced, std::regex("--(rigid)\\b"), "<$1>");
 }
 
 TEST(Plugin, ForeignModelsEndAsWithDeaRun) {
