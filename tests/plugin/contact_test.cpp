@@ -379,7 +379,8 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
   std::string deformable = good;
   replace(deformable, "<SolidDomain name=\"layer\" mat=\"base\"", "<SolidDomain name=\"layer\" mat=\"cartilage\"");
   expect(deformable, "belongs to no rigid body");
-  expect(without(good, "primary_E"), "give them in the contact as <primary_E> and <primary_nu>, or with --E");
+  expect(without(good, "primary_E"),
+         "give them in the contact as <primary_E> and <primary_nu>, or with <E surface=\"top\">");
   std::string negative = without(good, "primary_thickness");
   replace(negative, "<primary_E>", "<primary_thickness type=\"math\">1+X</primary_thickness><primary_E>");
   expect(negative, "must be a number or the name of a SurfaceData map");

@@ -247,7 +247,8 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
   expect("m.feb", settings("<law>cubic</law>"),
          "s.xml:1: <law>: found \"cubic\", expected linear, logarithmic, neo-Hookean or layer");
   expect("m.feb", settings("<source>100% femur</source>"),
-         "dea: --source 100% femur: the model has no rigid body of this name; it has \"base\", \"plate\", \"ground\"");
+         "dea: <source>100% femur</source>: the model has no rigid body of this name; it has \"base\", \"plate\", "
+         "\"ground\"");
   expect("m.feb", settings("<output>no/such/folder.xplt</output>"),
          "dea: cannot write no/such/folder.xplt: there is no folder no/such");
   expect("m.feb", settings("<output>m.feb</output>"), "dea: <output> m.feb: would overwrite the model");
@@ -267,14 +268,16 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
   expect("loose.feb", "",
          "loose.feb: contact \"touch\", surface \"top\": its layer is held by no rigid body (no shared nodes, rigid "
          "node set, "
-         "tied contact or nodes fixed in x, y and z); name the body with --attach \"top=BODY\" (bodies: \"base\", "
-         "\"plate\"), and the layer's bone surface with --bone \"top=SURFACE\" or its thickness with --thickness "
+         "tied contact or nodes fixed in x, y and z); name the body with <attach surface=\"top\">BODY</attach> "
+         "(bodies: \"base\", "
+         "\"plate\"), and the layer's bone surface with <bone surface=\"top\">SURFACE</bone> or its thickness with "
+         "--thickness "
          "\"top=VALUE\"");
   expect(
       "pressed.feb", "",
       "pressed.feb: surface_load \"pressure\" is not supported and would change the result: surfaces carry the "
       "pressure of contact only; give the load to the rigid body behind them as a force (rigid force of the file, or "
-      "--force BODY=x,y,z), and take this one out");
+      "<force body=\"BODY\">x,y,z</force>), and take this one out");
 }
 
 TEST(Plugin, AFaultReadsAsInDeaRun) {
@@ -284,7 +287,7 @@ TEST(Plugin, AFaultReadsAsInDeaRun) {
     write(folder.path / "m.feb", pressed_model(extra));
     const Finished run = run_program(folder.path, {DEA_PROGRAM, "run", "m.feb"}, 60);
     EXPECT_EQ(run.code, 3);
-    EXPECT_EQ(std::regex_replace(run.err, std::regex("m\\.feb:[0-9]+: "), "m.feb: "), "dea: m.feb: " + fault + "\n");
+    EXPECT_EQ(std::regex_replace(run.err, std::regex("m\\.feb:[0-9]+: "), "m.feb: "), "m.feb: " + fault + "\n");
     const Finished task = febio(folder.path, "m.feb", "dea");
     EXPECT_EQ(task.code, 1);
     EXPECT_EQ(errors_of(task.out), std::vector<std::string>{"m.feb: " + fault});
