@@ -271,8 +271,7 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
          "tied contact or nodes fixed in x, y and z); name the body with <attach surface=\"top\">BODY</attach> "
          "(bodies: \"base\", "
          "\"plate\"), and the layer's bone surface with <bone surface=\"top\">SURFACE</bone> or its thickness with "
-         "--thickness "
-         "\"top=VALUE\"");
+         "<thickness surface=\"top\">VALUE</thickness>");
   expect(
       "pressed.feb", "",
       "pressed.feb: surface_load \"pressure\" is not supported and would change the result: surfaces carry the "
