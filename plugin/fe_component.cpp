@@ -43,14 +43,14 @@ std::string list_text(Reading& reading, FEParam& parameter) {
 
 /// A value that may be a map or an expression: its kind then, and the text of an expression.
 template <class Mapped>
-void set_mapped(Mapped& mapped, Component& component) {
+void set_mapped(FEParam& parameter, Component& component) {
+  Mapped& mapped = parameter.value<Mapped>();
   if (mapped.isConst()) {
     component.text = text(mapped.constValue());
     return;
   }
-  FECoreBase* values = mapped.valuator();
-  component.type = values == nullptr ? "map" : type_of(*values);
-  component.text = component.type == "math" ? text_of(*values, "math") : component.type;
+  component.type = kind_of(parameter);
+  component.text = component.type == "math" ? text_of(*mapped.valuator(), "math") : component.type;
 }
 
 /// False: a parameter of a kind that no condition, load or joint of ours has.
@@ -84,10 +84,10 @@ bool set_value(Reading& reading, FEParam& parameter, Component& component) {
       }
       return true;
     case FE_PARAM_DOUBLE_MAPPED:
-      set_mapped(parameter.value<FEParamDouble>(), component);
+      set_mapped<FEParamDouble>(parameter, component);
       return true;
     case FE_PARAM_VEC3D_MAPPED:
-      set_mapped(parameter.value<FEParamVec3>(), component);
+      set_mapped<FEParamVec3>(parameter, component);
       return true;
     default:
       return false;
@@ -157,8 +157,8 @@ Component connector_of(Reading& reading, FERigidConnector& fe) {
   return component;
 }
 
-Component rigid_load_of(Reading& reading, FEModelLoad& fe) {
-  Component component = component_of(reading, fe, "rigid_load");
+Component load_of(Reading& reading, FEModelLoad& fe, const std::string& tag) {
+  Component component = component_of(reading, fe, tag);
   const std::string& type = component.type;
   if (type == "rigid_follower_force" || type == "rigid_follower_moment") name_material(reading, component, "rb");
   if (type == "rigid_axial_force") {

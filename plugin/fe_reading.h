@@ -63,9 +63,9 @@ std::string kind_of(FEParam& parameter);
 
 /// An object of FEBio's as it would stand in a file of version 4.0: `tag` names its element there.
 febio::Component component_of(Reading& reading, FECoreBase& fe, const std::string& tag);
-/// The same of what joins two bodies, and of a load on bodies: they name materials, whatever Init has made of them.
+/// The same of what joins two bodies, and of a load: they name materials, whatever Init has made of them.
 febio::Component connector_of(Reading& reading, FERigidConnector& fe);
-febio::Component rigid_load_of(Reading& reading, FEModelLoad& fe);
+febio::Component load_of(Reading& reading, FEModelLoad& fe, const std::string& tag);
 
 /// The steps in which a component is active: {-1}: all.
 febio::Steps steps_of(const Reading& reading, const FEStepComponent& component);

@@ -418,8 +418,8 @@ void read_nodal_load(Reading& reading, FENodalLoad& fe, const febio::Component& 
 void read_loads(Reading& reading) {
   for (int i = 0; i < reading.fem.ModelLoads(); ++i) {
     FEModelLoad& fe = *reading.fem.ModelLoad(i);
-    if (febio::rigid_condition(reading, rigid_load_of(reading, fe), steps_of(reading, fe))) continue;
-    const febio::Component component = component_of(reading, fe, tag_of(fe));
+    const febio::Component component = load_of(reading, fe, tag_of(fe));
+    if (febio::rigid_condition(reading, component, steps_of(reading, fe))) continue;
     auto* nodal = dynamic_cast<FENodalLoad*>(&fe);
     if (nodal != nullptr && (component.type == "nodal_load" || component.type == "nodal_force"))
       read_nodal_load(reading, *nodal, component);

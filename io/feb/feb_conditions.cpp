@@ -60,16 +60,12 @@ void rigid_nodes(Reading& reading, const XMLElement& element, const std::string&
 
 // -- rigid bodies ------------------------------------------------------------------------------------
 
-bool rigid_condition(Reading& reading, const XMLElement& element) {
-  return febio::rigid_condition(reading, component_of(reading, element), steps_of(reading));
-}
-
 void read_rigid(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
-    const std::string type = attribute(child, "type");
-    if (rigid_condition(reading, child) || rigid_connector(reading, child)) continue;
-    unsupported_word(reading, child, fmt::format("{} {}", child.Name(), quote(type)), febio::WordOf::RigidCondition,
-                     type);
+    const febio::Component component = component_of(reading, child);
+    if (febio::rigid_condition(reading, component, steps_of(reading)) || rigid_connector(reading, component)) continue;
+    unsupported_word(reading, child, fmt::format("{} {}", child.Name(), quote(component.type)),
+                     febio::WordOf::RigidCondition, component.type);
   }
 }
 
@@ -225,8 +221,9 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   contact.kind = *febio::contact_kind(contact.type);
   contact.primary = primary;
   contact.secondary = secondary;
-  contact.max_distance = child_double(reading, element, "max_distance", 0.0);
-  contact.ignored = febio::ignored_contact_parameters(component_of(reading, element));
+  const febio::Component component = component_of(reading, element);
+  contact.max_distance = febio::number_of(reading, component, "max_distance", 0.0);
+  contact.ignored = febio::ignored_contact_parameters(component);
   if (contact.type == "dea") contact.dea = read_dea(reading, element);
   contact.step = reading.step;
   contact.origin = origin_of(reading, element);
@@ -258,8 +255,7 @@ void read_contact(Reading& reading, const XMLElement& section) {
 
 // -- loads and the rest ------------------------------------------------------------------------------
 
-bool nodal_load(Reading& reading, const XMLElement& element) {
-  febio::Component component = component_of(reading, element);
+bool nodal_load(Reading& reading, const XMLElement& element, febio::Component component) {
   if (!component.type.empty() && component.type != "nodal_load" && component.type != "nodal_force") return false;
   if (element.Attribute("bc") != nullptr) {  // 2.5
     component.parts.insert(component.parts.begin(), febio::Component());
@@ -271,9 +267,10 @@ bool nodal_load(Reading& reading, const XMLElement& element) {
 }
 
 void read_load(Reading& reading, const XMLElement& element) {
-  if (rigid_condition(reading, element)) return;
-  if (std::string_view(element.Name()) == "nodal_load" && nodal_load(reading, element)) return;
-  febio::other_load(reading, component_of(reading, element));
+  const febio::Component component = component_of(reading, element);
+  if (febio::rigid_condition(reading, component, steps_of(reading))) return;
+  if (component.tag == "nodal_load" && nodal_load(reading, element, component)) return;
+  febio::other_load(reading, component);
 }
 
 void read_loads(Reading& reading, const XMLElement& section) {
@@ -289,17 +286,18 @@ void read_initial(Reading& reading, const XMLElement& section) {
 }
 
 void read_constraint(Reading& reading, const XMLElement& element) {
-  const std::string type = attribute(element, "type");
+  const febio::Component component = component_of(reading, element);
+  const std::string& type = component.type;
   if (std::string_view(element.Name()) != "constraint") {
     unsupported(reading, element, fmt::format("<{}> in Constraints", element.Name()), "expected <constraint type=>");
   } else if (type.empty()) {
     name_connector_again(reading, element);
   } else if (type == "symmetry plane") {
-    reading.connector_names.insert(attribute(element, "name"));
-    febio::symmetry_plane(reading, component_of(reading, element),
-                          find_name(reading.surface_index, attribute(element, "surface")), steps_of(reading));
-  } else if (!rigid_connector(reading, element)) {
-    febio::other_constraint(reading, component_of(reading, element));
+    reading.connector_names.insert(component.name);
+    febio::symmetry_plane(reading, component, find_name(reading.surface_index, attribute(element, "surface")),
+                          steps_of(reading));
+  } else if (!rigid_connector(reading, component)) {
+    febio::other_constraint(reading, component);
   }
 }
 

@@ -40,12 +40,12 @@ void name_connector_again(Reading& reading, const XMLElement& element) {
   in_this_step(reading.model.rigid_axial_forces);
 }
 
-bool rigid_connector(Reading& reading, const XMLElement& element) {
-  const std::string name = attribute(element, "name");
-  reading.connector_names.insert(name);
+bool rigid_connector(Reading& reading, const febio::Component& component) {
+  reading.connector_names.insert(component.name);
   const std::size_t before = reading.model.rigid_loads.size();
-  if (!febio::rigid_connector(reading, component_of(reading, element), steps_of(reading))) return false;
-  for (std::size_t i = before; i < reading.model.rigid_loads.size(); ++i) reading.moments_of[name].push_back(i);
+  if (!febio::rigid_connector(reading, component, steps_of(reading))) return false;
+  for (std::size_t i = before; i < reading.model.rigid_loads.size(); ++i)
+    reading.moments_of[component.name].push_back(i);
   return true;
 }
 

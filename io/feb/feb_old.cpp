@@ -112,7 +112,7 @@ febio::DiscreteMaterial old_material(Reading& reading, const XMLElement& element
 void read_old_contact(Reading& reading, const XMLElement& element) {
   const std::string type = need_attribute(reading, element, "type");
   if (type == "rigid") return read_rigid_nodes(reading, element);
-  if (rigid_connector(reading, element)) return;
+  if (rigid_connector(reading, component_of(reading, element))) return;
   if (!febio::contact_kind(type))
     return unsupported_word(reading, element, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
   std::string name = attribute(element, "name");

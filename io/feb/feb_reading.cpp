@@ -110,10 +110,6 @@ int read_int(const Reading& reading, const XMLElement& element) {
   return febio::to_whole_number(reading, origin_of(reading, element), element.Name(), text_of(element));
 }
 
-bool read_bool(const Reading& reading, const XMLElement& element) {
-  return febio::to_flag(reading, origin_of(reading, element), element.Name(), text_of(element));
-}
-
 Vector3d read_vector(const Reading& reading, const XMLElement& element) {
   return febio::to_vector(reading, origin_of(reading, element), element.Name(), text_of(element));
 }
@@ -135,21 +131,12 @@ febio::Component component_of(const Reading& reading, const XMLElement& element)
   component.text = text_of(element);
   if (const char* lc = element.Attribute("lc")) component.lc = lc;
   component.origin = origin_of(reading, element);
-  for (const XMLElement& child : children(element)) component.parts.push_back(component_of(reading, child));
+  for (const XMLElement& child : children(element))
+    if (!febio::one_of(child.Name(), {"node", "surface"})) component.parts.push_back(component_of(reading, child));
   return component;
 }
 
 febio::Steps steps_of(const Reading& reading) { return {reading.step}; }
-
-double child_double(const Reading& reading, const XMLElement& parent, const char* name, double fallback) {
-  const XMLElement* child = parent.FirstChildElement(name);
-  return child == nullptr ? fallback : read_double(reading, *child);
-}
-
-bool child_bool(const Reading& reading, const XMLElement& parent, const char* name, bool fallback) {
-  const XMLElement* child = parent.FirstChildElement(name);
-  return child == nullptr ? fallback : read_bool(reading, *child);
-}
 
 std::string child_text(const XMLElement& parent, const char* name) {
   const XMLElement* child = parent.FirstChildElement(name);

@@ -205,19 +205,17 @@ std::string those_there(const std::string& name, const Index& index) {
 std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name);
 double read_double(const Reading& reading, const XMLElement& element);
 int read_int(const Reading& reading, const XMLElement& element);
-bool read_bool(const Reading& reading, const XMLElement& element);
 Vector3d read_vector(const Reading& reading, const XMLElement& element);
 /// The id of the element's `lc`, 0: none.
 int read_lc(const Reading& reading, const XMLElement& element);
 /// A number with an optional `lc`; its `controller` holds the id (0: none) until all is read.
 Scaled read_scaled(const Reading& reading, const XMLElement& element);
-/// An element with its children, as it stands.
+/// An element with its children, as it stands; without lists of nodes and facets (`node`, `surface`), which may be long
+/// and are read by themselves.
 febio::Component component_of(const Reading& reading, const XMLElement& element);
 /// The steps of what is read now.
 febio::Steps steps_of(const Reading& reading);
-/// Child elements by name; `fallback` if there is none.
-double child_double(const Reading& reading, const XMLElement& parent, const char* name, double fallback);
-bool child_bool(const Reading& reading, const XMLElement& parent, const char* name, bool fallback);
+/// The text of a child; "": there is none.
 std::string child_text(const XMLElement& parent, const char* name);
 /// Two node ids "n1,n2" as indices.
 std::array<int, 2> read_node_pair(const Reading& reading, const XMLElement& element, const std::string& what);
@@ -294,16 +292,14 @@ void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_vi
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body);
 /// fixed, prescribed, force and initial_velocity of a body (2.0, 2.5).
 void read_rigid_body(Reading& reading, const XMLElement& section);
-/// rigid_bc, rigid_load, rigid_ic; false: not one of them.
-bool rigid_condition(Reading& reading, const XMLElement& element);
 /// Any rigid connector of any version; false: not one.
-bool rigid_connector(Reading& reading, const XMLElement& element);
+bool rigid_connector(Reading& reading, const febio::Component& component);
 /// A constraint without a type: the one of this name acts in this step too; one given outside steps only where steps
 /// name it, as in FEBio.
 void name_connector_again(Reading& reading, const XMLElement& element);
 void read_axial_force(Reading& reading, const XMLElement& element);
 /// A load on nodes of 2.5 and later; false: none.
-bool nodal_load(Reading& reading, const XMLElement& element);
+bool nodal_load(Reading& reading, const XMLElement& element, febio::Component component);
 /// A contact of known kind between two surfaces.
 void add_contact(Reading& reading, const XMLElement& element, int primary, int secondary);
 // -- shared by 1.2 and 2.0 (feb_old.cpp) -------------------------------------------------------------

@@ -1,12 +1,12 @@
 #include <febiodea/equilibrium/connectors.h>
 
-#include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/rotations.h>
 
@@ -288,14 +288,7 @@ GroupRows rows_of(const ConnectorGroups& all, const ConnectorGroups::Group& grou
 
 constexpr double kRankTolerance = 1e-8;  // rounding of coordinates against their arms; real levers are far larger
 
-using QR = Eigen::ColPivHouseholderQR<MatrixXd>;
-QR factored(const MatrixXd& transposed) {
-  QR qr;
-  qr.setThreshold(kRankTolerance);
-  qr.compute(transposed);
-  return qr;
-}
-Eigen::Index rank_of(const QR& qr, int cap) { return cap >= 0 ? std::min<Eigen::Index>(qr.rank(), cap) : qr.rank(); }
+Eigen::Index rank_of(const PivotedQr& qr, int cap) { return cap >= 0 ? std::min<Eigen::Index>(qr.rank, cap) : qr.rank; }
 
 }  // namespace
 
@@ -344,7 +337,7 @@ ConnectorGroups make_groups(const Joint& joint, const LoadCase& load_case, const
   if (!result.groups.empty()) {
     const std::vector<ConnectorRow> rows = connector_rows(joint, load_case, poses);
     for (ConnectorGroups::Group& g : result.groups)
-      g.rank = static_cast<int>(factored(rows_of(result, g, rows).transposed).rank());
+      g.rank = static_cast<int>(pivoted_qr(rows_of(result, g, rows).transposed, kRankTolerance).rank);
   }
   return result;
 }
@@ -359,10 +352,9 @@ Tangent tangent_of(const ConnectorGroups& all, const std::vector<ConnectorRow>& 
     const GroupRows mine = rows_of(all, g, rows);
     const Eigen::Index n = mine.transposed.rows(), m = mine.transposed.cols();
     for (int i : g.free) grouped[at(i)] = 1;
-    const QR qr = factored(mine.transposed);
+    const PivotedQr qr = pivoted_qr(mine.transposed, kRankTolerance);
+    const MatrixXd& Q = qr.Q;
     const Eigen::Index rank = rank_of(qr, g.rank);
-    MatrixXd Q = MatrixXd::Identity(n, n);
-    Q = qr.householderQ() * Q;
     for (Eigen::Index k = rank; k < n; ++k, ++column)
       for (Eigen::Index i = 0; i < n; ++i)
         if (Q(i, k) != 0.0)
@@ -371,17 +363,11 @@ Tangent tangent_of(const ConnectorGroups& all, const std::vector<ConnectorRow>& 
     // J^T x = -r in the least squares sense; of all such x the smallest: R x = -Q1^T r with R of full row rank
     VectorXd r(n);
     for (Eigen::Index i = 0; i < n; ++i) r[i] = unbalanced[g.free[static_cast<std::size_t>(i)]];
-    MatrixXd R = qr.matrixR().topRows(rank);
-    R.leftCols(rank).triangularView<Eigen::StrictlyLower>().setZero();
+    const MatrixXd R = qr.R.topRows(rank);
     const VectorXd rhs = -(Q.leftCols(rank).transpose() * r);
-    VectorXd x;
-    if (rank == m)
-      x = R.triangularView<Eigen::Upper>().solve(rhs);
-    else
-      x = R.transpose() * (R * R.transpose()).ldlt().solve(rhs);
-    x = qr.colsPermutation() * x;
+    const VectorXd x = rank == m ? solve_upper(R, rhs) : VectorXd(R.transpose() * solve_regular(R * R.transpose(), rhs));
     for (Eigen::Index i = 0; i < m; ++i) {
-      const int row = mine.rows[static_cast<std::size_t>(i)];
+      const int row = mine.rows[static_cast<std::size_t>(qr.order[i])];
       result.multipliers[row] = x[i] * (rows[at(row)].dof < 3 ? 1.0 : all.length);
     }
   }
@@ -435,7 +421,7 @@ bool close_connectors(const Joint& joint, const LoadCase& load_case, const Conne
     double farthest = 0.0;
     for (const ConnectorGroups::Group& g : all.groups) {
       const GroupRows mine = rows_of(all, g, rows);
-      const QR qr = factored(mine.transposed);
+      const PivotedQr qr = pivoted_qr(mine.transposed, kRankTolerance);
       const Eigen::Index rank = rank_of(qr, all_rows ? -1 : g.rank), n = mine.transposed.rows();
       if (rank == 0) continue;
       VectorXd gap(mine.rows.size());
@@ -444,10 +430,9 @@ bool close_connectors(const Joint& joint, const LoadCase& load_case, const Conne
         gap[static_cast<Eigen::Index>(k)] = row.gap * (row.dof < 3 ? 1.0 : all.length);
       }
       // R11^T y = P^T gap over the independent rows; the least motion is -Q1 y
-      const VectorXd ordered = (qr.colsPermutation().transpose() * gap).head(rank);
-      VectorXd u = VectorXd::Zero(n);
-      u.head(rank) = -qr.matrixR().topLeftCorner(rank, rank).transpose().triangularView<Eigen::Lower>().solve(ordered);
-      u = qr.householderQ() * u;
+      VectorXd ordered(rank);
+      for (Eigen::Index k = 0; k < rank; ++k) ordered[k] = gap[qr.order[k]];
+      const VectorXd u = -(qr.Q.leftCols(rank) * solve_upper_transposed(qr.R.topLeftCorner(rank, rank), ordered));
       for (Eigen::Index k = 0; k < n; ++k) {
         const int position = g.free[static_cast<std::size_t>(k)];
         motion[all.free[at(position)]] = u[k] / all.scale[position];

@@ -200,7 +200,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   }
   std::vector<std::string> held = held_in_words(problem, s);
   Equilibrium result = to_equilibrium(problem, std::move(s.at), s.outcome, s.message);
-  if (result.message == s.message) result.advice = s.advice;
+  result.advice = std::move(s.advice);  // of outcomes that are no solution: no spring changes these
   result.iterations = s.iterations;
   result.history = s.history;
   result.least_stiffness = s.directions.least_stiffness;

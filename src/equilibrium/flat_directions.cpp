@@ -1,11 +1,10 @@
 #include <febiodea/equilibrium/flat_directions.h>
 
-#include <Eigen/Dense>
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/equilibrium/facet_noise.h>
 #include <febiodea/equilibrium/singular_parts.h>
 #include <febiodea/equilibrium/unknowns.h>
@@ -45,10 +44,10 @@ VectorXd bordered_step(const Sparse& K, const MatrixXd& left_unbalanced, const M
   Sparse bordered(n + lost, n + lost);
   bordered.setFromTriplets(entries.begin(), entries.end());
   bordered.makeCompressed();
-  Eigen::SparseLU<Sparse> lu(bordered);
+  const SparseLuFactors lu(bordered);
   VectorXd rhs = VectorXd::Zero(n + lost);
   rhs.head(n) = r;
-  if (lu.info() != Eigen::Success) return VectorXd::Zero(n);  // no step: the caller regularises
+  if (!lu.found()) return VectorXd::Zero(n);  // no step: the caller regularises
   const VectorXd x = lu.solve(rhs);
   return x.head(n);
 }
@@ -115,10 +114,10 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
 /// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness.
 void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, Directions& d) {
   if (stiff.cols() == 0) return;
-  d.newton = stiff * (test.transpose() * K * stiff).fullPivLu().solve(test.transpose() * r);
+  d.newton = stiff * solve_least_norm(test.transpose() * K * stiff, test.transpose() * r);
   const MatrixXd projected = stiff.transpose() * K * stiff;
   const MatrixXd symmetric = 0.5 * (projected + projected.transpose());
-  d.least_stiffness = Eigen::SelfAdjointEigenSolver<MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  d.least_stiffness = symmetric_eigenvalues(symmetric)[0];
 }
 
 }  // namespace
@@ -146,13 +145,12 @@ Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, co
   const Eigen::Index lost = split.lost.cols();
   MatrixXd asked = MatrixXd::Identity(dense ? n : 0, dense ? n : 0);  // components of the residual that are to vanish
   if (lost > 0) {
-    const Eigen::HouseholderQR<MatrixXd> qr(split.lost);
     if (dense) {
-      const MatrixXd q = qr.householderQ();
+      const MatrixXd q = orthogonal_basis(split.lost);
       asked = q.rightCols(n - lost);
       d.left_unbalanced = q.leftCols(lost);
     } else {
-      d.left_unbalanced = qr.householderQ() * MatrixXd::Identity(n, lost);
+      d.left_unbalanced = orthonormal_columns(split.lost);
     }
     if (d.drift.squaredNorm() == 0.0) d.residual -= d.left_unbalanced * (d.left_unbalanced.transpose() * r);
   }

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
@@ -122,15 +122,15 @@ BoneMotion bone_motion(const NodeRows& nodes) {
     right += row * r.value;
     bone.largest = std::max(bone.largest, std::abs(r.value));
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(gram);
-  const double least = 1e-8 * eigen.eigenvalues()[5];  // rounding is 1e-16, the smallest real lever squared far more
+  const Eigenvalues eigen = symmetric_eigen(gram);
+  const double least = 1e-8 * eigen.values[5];  // rounding is 1e-16, the smallest real lever squared far more
   for (int i = 0; i < 6; ++i) {
-    if (eigen.eigenvalues()[i] <= least) {
-      for (int dof = 0; dof < kDofs; ++dof) bone.free_part[dof] += std::pow(eigen.eigenvectors()(dof, i), 2);
+    if (eigen.values[i] <= least) {
+      for (int dof = 0; dof < kDofs; ++dof) bone.free_part[dof] += std::pow(eigen.vectors(dof, i), 2);
       continue;
     }
     ++bone.conditions;
-    bone.motion += eigen.eigenvectors().col(i) * (eigen.eigenvectors().col(i).dot(right) / eigen.eigenvalues()[i]);
+    bone.motion += eigen.vectors.col(i) * (eigen.vectors.col(i).dot(right) / eigen.values[i]);
   }
   return bone;
 }

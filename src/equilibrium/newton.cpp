@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/approach.h>
 #include <febiodea/equilibrium/motion_in_words.h>
@@ -208,8 +207,7 @@ double residual_at(const Search& s, const Evaluation& trial) {
     MatrixXd left_unbalanced = s.d.left_unbalanced;
     if (s.problem.joined()) {  // the same directions, among the motions left at the new pose
       left_unbalanced = trial.tangent.basis.transpose() * (s.e.tangent.basis * left_unbalanced);
-      const Eigen::HouseholderQR<MatrixXd> qr(left_unbalanced);
-      left_unbalanced = qr.householderQ() * MatrixXd::Identity(left_unbalanced.rows(), left_unbalanced.cols());
+      left_unbalanced = orthonormal_columns(left_unbalanced);
     }
     r -= left_unbalanced * (left_unbalanced.transpose() * r);
   }
@@ -257,10 +255,10 @@ bool regularised_step(Search& s) {
   for (double lambda = 1e-3; lambda <= 10.0 && !moved_on; lambda *= 10.0) {
     const Sparse regular = K + lambda * stiffest * one;
     if (K.rows() <= kDenseUnknowns) {
-      moved_on = shortened_step(s, MatrixXd(regular).partialPivLu().solve(s.d.residual));
+      moved_on = shortened_step(s, solve_regular(MatrixXd(regular), s.d.residual));
     } else {
-      const Eigen::SparseLU<Sparse> lu(regular);
-      moved_on = lu.info() == Eigen::Success && shortened_step(s, lu.solve(s.d.residual));
+      const SparseLuFactors lu(regular);
+      moved_on = lu.found() && shortened_step(s, lu.solve(s.d.residual));
     }
   }
   return moved_on;

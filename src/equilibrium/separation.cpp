@@ -1,10 +1,10 @@
 #include <febiodea/equilibrium/separation.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <utility>
 #include <vector>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/unknowns.h>
 
@@ -50,7 +50,7 @@ void solve_active_columns(const MatrixXd& push, const VectorXd& load, std::vecto
   for (;;) {
     MatrixXd A(load.size(), static_cast<Index>(active.size()));
     for (std::size_t k = 0; k < active.size(); ++k) A.col(static_cast<Index>(k)) = push.col(active[k]);
-    const VectorXd x = A.completeOrthogonalDecomposition().solve(-load);
+    const VectorXd x = solve_least_norm(A, -load);
     double part = 1.0;
     for (std::size_t k = 0; k < active.size(); ++k) {
       const double old = force[active[k]], now = x[static_cast<Index>(k)];

@@ -1,13 +1,11 @@
 #include <febiodea/equilibrium/singular_parts.h>
 
-#include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/numbers.h>
 
 namespace dea {
@@ -31,11 +29,6 @@ MatrixXd scattered(Index n, Index columns) {
       m(i, j) = static_cast<double>(state >> 11) / 9007199254740992.0 - 0.5;
     }
   return m;
-}
-
-MatrixXd orthonormal(const MatrixXd& m) {
-  const Eigen::HouseholderQR<MatrixXd> qr(m);
-  return qr.householderQ() * MatrixXd::Identity(m.rows(), m.cols());
 }
 
 double largest_singular_value(const Sparse& K) {
@@ -113,24 +106,21 @@ SingularParts smallest_of(const Sparse& K, const Small& small, double largest, i
   one.setIdentity();
   shifted += (1e-13 * largest) * one;
   shifted.makeCompressed();
-  Eigen::SparseLU<Sparse> lu;
-  lu.compute(shifted);
-  if (lu.info() == Eigen::Success) {
-    const auto apply = [&](const MatrixXd& m) { return MatrixXd(lu.solve(m)); };
-    const auto apply_transposed = [&](const MatrixXd& m) { return MatrixXd(lu.transpose().solve(m)); };
+  const SparseLuFactors lu(shifted);
+  if (lu.found()) {
     for (Index count = 8; count <= n / 4 && count <= 256; count *= 2) {
-      MatrixXd V = orthonormal(scattered(n, count));
+      MatrixXd V = orthonormal_columns(scattered(n, count));
       VectorXd before = VectorXd::Constant(count, kInfinity);
       SingularParts found;
       bool settled = false;
       for (int i = 0; i < 60 && !settled; ++i) {
-        const MatrixXd U = orthonormal(apply_transposed(V));
-        V = orthonormal(apply(U));
+        const MatrixXd U = orthonormal_columns(lu.solve_transposed(V));
+        V = orthonormal_columns(lu.solve(U));
         if (!V.allFinite()) break;
-        const Eigen::JacobiSVD<MatrixXd> svd(MatrixXd(K * V), Eigen::ComputeThinU | Eigen::ComputeThinV);
-        found.sigma = svd.singularValues().reverse();
-        found.U = svd.matrixU().rowwise().reverse();
-        V = V * svd.matrixV().rowwise().reverse();
+        const SingularValues svd = thin_svd(K * V);
+        found.sigma = svd.sigma.reverse();
+        found.U = svd.U.rowwise().reverse();
+        V = V * svd.V.rowwise().reverse();
         found.V = V;
         // the lower half has to stand still; the upper half only shields it
         settled = true;
@@ -147,7 +137,7 @@ SingularParts smallest_of(const Sparse& K, const Small& small, double largest, i
       result.V = found.V.leftCols(accepted);
       result.U = found.U.leftCols(accepted);
       // where sigma is rounding K v has no direction: take u from the transposed matrix instead
-      if (accepted > 0) result.U = orthonormal(apply_transposed(result.V));
+      if (accepted > 0) result.U = orthonormal_columns(lu.solve_transposed(result.V));
       result.all = false;
       return result;
     }
@@ -159,16 +149,11 @@ SingularParts smallest_of(const Sparse& K, const Small& small, double largest, i
 
 SingularParts all_singular_parts(const MatrixXd& K) {
   SingularParts parts;
-  const auto take = [&](const auto& svd) {
-    parts.sigma = svd.singularValues();
-    parts.U = svd.matrixU();
-    parts.V = svd.matrixV();
-  };
   if (K.rows() == 0) return parts;
-  if (K.rows() <= 24)
-    take(Eigen::JacobiSVD<MatrixXd>(K, Eigen::ComputeFullU | Eigen::ComputeFullV));
-  else
-    take(Eigen::BDCSVD<MatrixXd>(K, Eigen::ComputeFullU | Eigen::ComputeFullV));
+  SingularValues svd = whole_svd(K);
+  parts.sigma = std::move(svd.sigma);
+  parts.U = std::move(svd.U);
+  parts.V = std::move(svd.V);
   parts.largest = parts.sigma[0];
   return parts;
 }
@@ -213,12 +198,8 @@ double least_symmetric_eigenvalue(const Sparse& K, const MatrixXd& without, int 
   const Sparse S = 0.5 * (K + transposed);
   if (n <= dense_limit) {
     MatrixXd basis = MatrixXd::Identity(n, n);
-    if (without.cols() > 0) {
-      const Eigen::HouseholderQR<MatrixXd> qr(without);
-      basis = MatrixXd(qr.householderQ()).rightCols(n - without.cols());
-    }
-    return Eigen::SelfAdjointEigenSolver<MatrixXd>(basis.transpose() * (S * basis), Eigen::EigenvaluesOnly)
-        .eigenvalues()[0];
+    if (without.cols() > 0) basis = orthogonal_basis(without).rightCols(n - without.cols()).eval();
+    return symmetric_eigenvalues(basis.transpose() * (S * basis))[0];
   }
   VectorXd radius = VectorXd::Zero(n), diagonal = VectorXd::Zero(n);  // Gershgorin's discs
   for (int k = 0; k < S.outerSize(); ++k)
@@ -227,17 +208,8 @@ double least_symmetric_eigenvalue(const Sparse& K, const MatrixXd& without, int 
   const double bottom = (diagonal - radius).minCoeff(), top = (diagonal + radius).maxCoeff();
   const double size = std::max(std::abs(bottom), std::abs(top)), tiny = 1e-10 * size;
   if (!(size > 0)) return 0.0;
-  Sparse one(n, n);
-  one.setIdentity();
-  Eigen::SimplicialLDLT<Sparse> factors;
-  factors.analyzePattern(S + one);
-  // Sylvester: as many negative pivots as eigenvalues below the shift
-  const auto below = [&](double shift) {
-    factors.factorize(S - shift * one);
-    if (factors.info() != Eigen::Success) return -1;
-    return static_cast<int>((factors.vectorD().array() < 0).count());
-  };
-  const int negative = below(-tiny);
+  ShiftedFactors factors(S);
+  const int negative = factors.eigenvalues_below(-tiny);
   if (negative < 0) return kNaN;
   if (negative == 0) {  // the one next to zero is the least
     VectorXd x = scattered(n, 1).col(0);
@@ -256,7 +228,7 @@ double least_symmetric_eigenvalue(const Sparse& K, const MatrixXd& without, int 
   double low = std::min(bottom, -tiny), high = -tiny;
   while (high - low > 1e-3 * std::abs(low) + tiny) {
     const double middle = 0.5 * (low + high);
-    const int count = below(middle);
+    const int count = factors.eigenvalues_below(middle);
     if (count < 0) return kNaN;
     (count > 0 ? high : low) = middle;
   }

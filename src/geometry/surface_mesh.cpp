@@ -1,12 +1,12 @@
 #include <febiodea/geometry/surface_mesh.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <unordered_map>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/model/element_faces.h>
 
@@ -435,7 +435,7 @@ SphereFit fit_sphere(const SurfaceMesh& surface) {
     normal_matrix += surface.vertex_areas[v] * row * row.transpose();
     rhs += surface.vertex_areas[v] * x.squaredNorm() * row;
   }
-  const Eigen::Vector4d solution = normal_matrix.completeOrthogonalDecomposition().solve(rhs);
+  const Eigen::Vector4d solution = solve_least_norm(normal_matrix, rhs);
   SphereFit fit;
   fit.center = solution.head<3>() + shift;
   fit.radius = std::sqrt(std::max(0.0, solution[3] + solution.head<3>().squaredNorm()));

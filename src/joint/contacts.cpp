@@ -50,7 +50,7 @@ bool share_nodes(const SurfaceMesh& a, const SurfaceMesh& b) {
 std::optional<Fault> shared_layers(const JointModel& model, const std::vector<ContactPair>& others,
                                    const ContactPair& pair, std::vector<Sentence>& findings) {
   for (const ContactPair& other : others) {
-    if (pair.step >= 0 && other.step >= 0 && pair.step != other.step) continue;
+    if (!at_same_time(pair.step, other.step)) continue;
     for (int side = 0; side < 2; ++side)
       for (int other_side = 0; other_side < 2; ++other_side) {
         const Layer &a = pair.layers[side], &b = other.layers[other_side];

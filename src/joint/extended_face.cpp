@@ -59,6 +59,34 @@ bool as_thick_as(const std::vector<double>& said, const SurfaceMesh& articular, 
   return same > 9 * others;
 }
 
+/// A side of another contact whose surface shares nodes with one.
+struct BesideSide {
+  const Contact* contact;
+  int side, surface;
+};
+
+/// Of the contacts that are solved too and act at the same time.
+std::vector<BesideSide> sides_beside(const ContactSide& in) {
+  const JointModel& model = in.parts.model;
+  const std::string& chosen = in.parts.settings.contact;
+  std::vector<BesideSide> beside;
+  std::set<int> own;  // nodes; filled where there is another contact at all
+  for (const Contact& other : model.contacts) {
+    if (other.kind != Contact::Kind::Sliding || other.primary < 0 || other.secondary < 0 ||
+        !at_same_time(other.step, in.contact.step) || (!chosen.empty() && other.name != chosen) ||
+        (other.primary == in.contact.primary && other.secondary == in.contact.secondary))
+      continue;
+    if (own.empty()) own.insert(in.surface.nodes.begin(), in.surface.nodes.end());
+    for (int side = 0; side < 2; ++side) {
+      const int index = side == 0 ? other.primary : other.secondary;
+      const std::vector<int>& nodes = model.surfaces[at(index)].nodes;
+      if (index != in.index && std::any_of(nodes.begin(), nodes.end(), [&](int node) { return own.count(node) > 0; }))
+        beside.push_back({&other, side, index});
+    }
+  }
+  return beside;
+}
+
 /// The body that a side of a contact moves with; -1: it cannot be told.
 int body_of_side(const ModelParts& parts, const Contact& contact, int side) {
   const ContactSide in = contact_side(parts, contact, side);
@@ -111,30 +139,16 @@ LayerBoundary rigid_boundary(const ModelParts& parts, const CarriedSurface& carr
 }
 
 FacetList pressed_elsewhere(const ContactSide& in, int body) {
-  const JointModel& model = in.parts.model;
-  const std::set<int> own(in.surface.nodes.begin(), in.surface.nodes.end());
-  const auto beside = [&](const Surface& s) {
-    return std::any_of(s.nodes.begin(), s.nodes.end(), [&](int node) { return own.count(node) > 0; });
-  };
   FacetList list;
-  for (const Contact& other : model.contacts) {
-    const bool same_time = other.step < 0 || in.contact.step < 0 || other.step == in.contact.step;
-    const bool asked = in.parts.settings.contact.empty() || in.parts.settings.contact == other.name;
-    if (other.kind != Contact::Kind::Sliding || other.primary < 0 || other.secondary < 0 || !same_time || !asked ||
-        (other.primary == in.contact.primary && other.secondary == in.contact.secondary))
+  for (const BesideSide& beside : sides_beside(in)) {
+    const int partner = body_of_side(in.parts, in.contact, 1 - in.side);
+    if (partner < 0) return {};
+    if (body_of_side(in.parts, *beside.contact, beside.side) != body ||
+        body_of_side(in.parts, *beside.contact, 1 - beside.side) != partner)
       continue;
-    for (int side = 0; side < 2; ++side) {
-      const int index = side == 0 ? other.primary : other.secondary;
-      if (index == in.index || !beside(model.surfaces[at(index)])) continue;
-      const int partner = body_of_side(in.parts, in.contact, 1 - in.side);
-      if (partner < 0 || body_of_side(in.parts, other, side) != body ||
-          body_of_side(in.parts, other, 1 - side) != partner)
-        continue;
-      const CarriedSurface carried = carry(in.parts, index);
-      for (int f = 0; f < carried.facets.size(); ++f)
-        list.add({carried.facets.nodes.begin() + carried.facets.begin[at(f)],
-                  carried.facets.nodes.begin() + carried.facets.begin[at(f) + 1]});
-    }
+    const FacetList facets = carry(in.parts, beside.surface).facets;
+    for (int f = 0; f < facets.size(); ++f)
+      list.add({facets.nodes.begin() + facets.begin[at(f)], facets.nodes.begin() + facets.begin[at(f) + 1]});
   }
   return list;
 }

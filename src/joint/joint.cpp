@@ -104,7 +104,8 @@ OtherContacts other_contacts(const JointModel& model) {
   others.tied = !others.list.empty();
   for (const Remark& r : model.unsupported)
     if (r.what.rfind("contact ", 0) == 0 || r.what.rfind("constraint \"rigid_wall", 0) == 0) {
-      const std::size_t question = r.advice.text.rfind("did you mean ", 0) == 0 ? r.advice.text.find('?') : std::string::npos;
+      const std::size_t question =
+          r.advice.text.rfind("did you mean ", 0) == 0 ? r.advice.text.find('?') : std::string::npos;
       add(r.what + (question == std::string::npos ? "" : " (" + r.advice.text.substr(0, question + 1) + ")"), r.origin);
     }
   return others;

@@ -21,9 +21,8 @@ InputError fault_at(const JointModel& model, Origin origin, Sentence found, Sent
 }
 
 bool double_contact(const Contact& a, const Contact& b) {
-  const bool same_time = a.step == b.step || a.step < 0 || b.step < 0;
-  return same_time && ((a.primary == b.primary && a.secondary == b.secondary) ||
-                       (a.primary == b.secondary && a.secondary == b.primary));
+  return at_same_time(a.step, b.step) && ((a.primary == b.primary && a.secondary == b.secondary) ||
+                                          (a.primary == b.secondary && a.secondary == b.primary));
 }
 
 }  // namespace dea

@@ -369,6 +369,9 @@ Fault make_fault(const JointModel& model, Origin origin, Sentence found, Sentenc
 /// The same, to be thrown.
 InputError fault_at(const JointModel& model, Origin origin, Sentence found, Sentence expected = {});
 
+/// Do conditions of these steps (-1: all) act at the same time?
+inline bool at_same_time(int step, int other) { return step == other || step < 0 || other < 0; }
+
 /// Do two contacts join the same surfaces at the same time? They would share the load between them.
 bool double_contact(const Contact& a, const Contact& b);
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <muParser.h>
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/error.h>
 
 namespace dea {
@@ -118,9 +118,8 @@ void fit(Spline& spline, const Points& points) {
   Eigen::SparseMatrix<double> A(static_cast<int>(points.size()), count);
   A.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SparseMatrix<double> normal = A.transpose() * A;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
-  const Eigen::VectorXd c = solver.solve(Eigen::VectorXd(A.transpose() * right));
-  if (solver.info() != Eigen::Success || !c.allFinite()) throw InputError("the spline cannot be fitted to its points");
+  const Eigen::VectorXd c = solve_positive_definite(normal, A.transpose() * right);
+  if (c.size() == 0 || !c.allFinite()) throw InputError("the spline cannot be fitted to its points");
   std::copy(c.begin(), c.end(), spline.coefficients.begin());
 }
 
@@ -342,6 +341,11 @@ double value(const LoadController& curve, double t) {
   const double inside = std::clamp(t - periods * period, first, last);
   const double offset = curve.extend == Extend::RepeatOffset ? periods * (points.back()[1] - points.front()[1]) : 0.0;
   return value_inside(curve, inside) + offset;
+}
+
+bool controllers_have_values(const JointModel& model) {
+  return std::all_of(model.controllers.begin(), model.controllers.end(),
+                     [](const LoadController& c) { return c.unsupported.empty(); });
 }
 
 double value(const JointModel& model, const Scaled& scaled, double t) {

@@ -23,6 +23,9 @@ std::vector<std::string> expression_variables(const std::string& expression);
 /// Value of an expression without variables. Throws InputError for one with a fault or without a finite value.
 double constant_value(const std::string& expression);
 
+/// True if no controller of the model is `unsupported`: all have a value at any time.
+bool controllers_have_values(const JointModel& model);
+
 /// factor * controller(t), or factor alone without a controller. Faults of an expression with the controller's place.
 double value(const JointModel& model, const Scaled& scaled, double t);
 

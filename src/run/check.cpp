@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/model/load_curve.h>
 
 namespace dea {
 
@@ -79,9 +80,7 @@ JointCheck check_joint_with(const Recognition& recognition, const Contacts& cont
     check.recognised = true;
     check.times = model_times(model, true);
     if (very_many_time_steps(model)) check.joint.findings.push_back(thinned_note(model, check.times.size()));
-    const bool controllers = std::all_of(model.controllers.begin(), model.controllers.end(),
-                                         [](const LoadController& c) { return c.unsupported.empty(); });
-    if (controllers) check_steps(model, recognition.settings, check);
+    if (controllers_have_values(model)) check_steps(model, recognition.settings, check);
   } catch (const InputError& found) {
     if (check.errors.empty()) check.errors.push_back(found.fault);
   }

@@ -12,6 +12,7 @@
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/bodies.h>
+#include <febiodea/model/load_curve.h>
 
 namespace dea {
 
@@ -87,9 +88,7 @@ Recognition recognise(JointModel given, Settings settings, bool all_states) {
     if (r.recognised) r.joint = std::move(found.joint);
   }
   // the value of a controller that cannot be evaluated is asked for by no one
-  const bool controllers = std::all_of(model.controllers.begin(), model.controllers.end(),
-                                       [](const LoadController& c) { return c.unsupported.empty(); });
-  if (r.recognised && controllers) {
+  if (r.recognised && controllers_have_values(model)) {
     const std::vector<double> starts = step_starts(model);
     for (int s = 0; s < static_cast<int>(model.steps.size()); ++s)
       try_to([&] { make_load_case(model, r.joint, r.settings, s, starts[at(s) + 1]); });

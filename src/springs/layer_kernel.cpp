@@ -1,9 +1,10 @@
 #include <febiodea/springs/layer_kernel.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include <febiodea/base/decompositions.h>
 
 namespace dea {
 
@@ -72,7 +73,7 @@ LayerLaw two_terms(double nu) {
     equations.row(2 + i) << 1, 1 / (1 + law.beta[0] * s2), f, f * f;
     values[2 + i] = compliance(nu, matched[i]);
   }
-  const Eigen::Vector4d x = equations.partialPivLu().solve(values);
+  const Eigen::Vector4d x = solve_regular(equations, values);
   law.local = x[0];
   law.weight = {x[1], x[2]};
   law.square = x[3];

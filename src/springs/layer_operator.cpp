@@ -1,12 +1,12 @@
 #include <febiodea/springs/layer_operator.h>
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <queue>
 #include <utility>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/numbers.h>
 
 namespace dea {
@@ -82,7 +82,7 @@ std::vector<double> smeared_thickness(const SurfaceMesh& mesh, const std::vector
   }
   Eigen::SparseMatrix<double> matrix(right.size(), right.size());
   matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::VectorXd smeared = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
+  const Eigen::VectorXd smeared = solve_positive_definite(matrix, right);
   const auto [least, most] = std::minmax_element(t.begin(), t.end());
   std::vector<double> out(t.size());
   for (std::size_t v = 0; v < t.size(); ++v) out[v] = std::clamp(smeared[static_cast<Eigen::Index>(v)], *least, *most);

@@ -2,10 +2,10 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include <febiodea/base/decompositions.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/springs/spring_law.h>
 
@@ -103,10 +103,11 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
   Vector12 f = force;
   for (std::size_t d = 0; d < 12; ++d)
     if (!free[d]) f[static_cast<Eigen::Index>(d)] = 0.0;
-  Eigen::JacobiSVD<Eigen::Matrix<double, 12, 12>> svd(scale.asDiagonal() * K * scale.asDiagonal(),
-                                                      Eigen::ComputeFullU | Eigen::ComputeFullV);
-  svd.setThreshold(1e-6);
-  const Vector12 motion = scale.asDiagonal() * svd.solve(Vector12(scale.asDiagonal() * f));
+  const SingularValues svd = whole_svd(scale.asDiagonal() * K * scale.asDiagonal());
+  Vector12 motion = Vector12::Zero();
+  for (Eigen::Index i = 0; i < 12 && svd.sigma[i] > 1e-6 * svd.sigma[0]; ++i)
+    motion += svd.V.col(i) * (svd.U.col(i).dot(scale.asDiagonal() * f) / svd.sigma[i]);
+  motion = scale.asDiagonal() * motion;
   double way = kInfinity, fastest = 0.0;
   for (int i = 0; i < s.size(); ++i) {
     const double closing = -opening[at(i)].dot(motion);
