@@ -22,24 +22,38 @@ bool one_of(std::string_view word, const Words& words) {
 
 using Names = std::vector<std::string>;
 
-const Names kSliding = {"sliding-elastic",
-                        "sliding-facet-on-facet",
-                        "sliding-node-on-facet",
-                        "sliding-biphasic",
-                        "sliding-biphasic-mixed",
-                        "sliding-biphasic-solute",
-                        "sliding-multiphasic",
-                        "sliding2",
-                        "sliding3",
-                        "mortar-sliding",
-                        "sliding-tension-compression",
-                        "facet-to-facet sliding",
-                        "sliding_with_gaps",
-                        "sliding",
-                        "dea"};
-const Names kTied = {"tied-elastic", "tied-node-on-facet",  "tied-facet-on-facet",
-                     "sticky",       "tied-biphasic",       "tied-multiphasic",
-                     "tied",         "facet-to-facet tied", "mortar-tied"};
+/// Types of contact that DEA takes. The first kToldContacts are worth a mention where a type is refused, in this order.
+struct ContactType {
+  const char* word;
+  Contact::Kind kind;
+};
+constexpr ContactType kContactTypes[] = {
+    {"sliding-elastic", Contact::Kind::Sliding},
+    {"sliding-facet-on-facet", Contact::Kind::Sliding},
+    {"sliding-node-on-facet", Contact::Kind::Sliding},
+    {"sliding-biphasic", Contact::Kind::Sliding},
+    {"tied-elastic", Contact::Kind::Tied},
+    {"tied-node-on-facet", Contact::Kind::Tied},
+    {"tied-facet-on-facet", Contact::Kind::Tied},
+    {"sticky", Contact::Kind::Tied},
+    {"sliding-biphasic-mixed", Contact::Kind::Sliding},
+    {"sliding-biphasic-solute", Contact::Kind::Sliding},
+    {"sliding-multiphasic", Contact::Kind::Sliding},
+    {"sliding2", Contact::Kind::Sliding},
+    {"sliding3", Contact::Kind::Sliding},
+    {"mortar-sliding", Contact::Kind::Sliding},
+    {"sliding-tension-compression", Contact::Kind::Sliding},
+    {"facet-to-facet sliding", Contact::Kind::Sliding},
+    {"sliding_with_gaps", Contact::Kind::Sliding},
+    {"sliding", Contact::Kind::Sliding},
+    {"dea", Contact::Kind::Sliding},
+    {"tied-biphasic", Contact::Kind::Tied},
+    {"tied-multiphasic", Contact::Kind::Tied},
+    {"tied", Contact::Kind::Tied},
+    {"facet-to-facet tied", Contact::Kind::Tied},
+    {"mortar-tied", Contact::Kind::Tied},
+};
+constexpr int kToldContacts = 8;
 
 /// Type words in one place of the file.
 struct Words {
@@ -51,10 +65,8 @@ struct Words {
 
 const Words& words_of(WordOf place) {
   static const Words contact = [] {
-    Words w{kSliding, 0, {}, "choose one of them where two bones meet, or take this one out"};
-    w.read.insert(w.read.begin() + 4, {"tied-elastic", "tied-node-on-facet", "tied-facet-on-facet", "sticky"});
-    w.read.insert(w.read.end(), kTied.begin() + 4, kTied.end());
-    w.current = 8;
+    Words w{{}, kToldContacts, {}, "choose one of them where two bones meet, or take this one out"};
+    for (const ContactType& type : kContactTypes) w.read.push_back(type.word);
     w.febio = {"periodic boundary",
                "rigid_wall",
                "surface constraint",
@@ -195,8 +207,8 @@ std::string analysis_remark(const std::string& module, bool dynamic) {
 }
 
 std::optional<Contact::Kind> contact_kind(const std::string& type) {
-  if (one_of(type, kSliding)) return Contact::Kind::Sliding;
-  if (one_of(type, kTied)) return Contact::Kind::Tied;
+  for (const ContactType& known : kContactTypes)
+    if (type == known.word) return known.kind;
   return std::nullopt;
 }
 

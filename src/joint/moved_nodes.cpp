@@ -15,7 +15,7 @@ namespace {
 constexpr int kFree = -1, kFixed = -2, kTwice = -3;  // else: class of a motion
 
 /// What happens to a node: per step and component kFree, kFixed, kTwice or the class of its motion.
-using Motion = std::vector<std::array<int, 3>>;
+using NodeMotion = std::vector<std::array<int, 3>>;
 
 /// Conditions with the same value over time have the same class.
 std::vector<int> motion_classes(const JointModel& model) {
@@ -30,8 +30,8 @@ std::vector<int> motion_classes(const JointModel& model) {
 }
 
 /// Conditions of one node: prescribed_nodes as they are counted, fixed_nodes behind them.
-Motion motion_of(const JointModel& model, const std::vector<int>& conditions, const std::vector<int>& classes) {
-  Motion motion(std::max<std::size_t>(model.steps.size(), 1), {kFree, kFree, kFree});
+NodeMotion motion_of(const JointModel& model, const std::vector<int>& conditions, const std::vector<int>& classes) {
+  NodeMotion motion(std::max<std::size_t>(model.steps.size(), 1), {kFree, kFree, kFree});
   const int prescribed = static_cast<int>(model.prescribed_nodes.size());
   for (std::size_t s = 0; s < motion.size(); ++s) {
     const auto acts = [&](int step) { return step < 0 || at(step) == s; };
@@ -53,7 +53,7 @@ Motion motion_of(const JointModel& model, const std::vector<int>& conditions, co
 }
 
 /// "x, y and z" of the components with this state in some step.
-std::string components(const Motion& motion, int state) {
+std::string components(const NodeMotion& motion, int state) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < 3; ++k)
     if (std::any_of(motion.begin(), motion.end(), [&](const auto& step) { return step[k] == state; }))
@@ -84,12 +84,12 @@ std::vector<MovedNodes> find_moved_nodes(const JointModel& model, const std::vec
   for (const auto& entry : conditions_of_node) nodes_of_conditions[entry.second].push_back(entry.first);
 
   const std::vector<int> classes = motion_classes(model);
-  std::map<Motion, MovedNodes> groups;
+  std::map<NodeMotion, MovedNodes> groups;
   std::vector<char> told(at(prescribed), 0);
   for (const auto& entry : nodes_of_conditions) {
     const int first = entry.first.front();
     const PrescribedNodes& condition = model.prescribed_nodes[at(first)];
-    const Motion motion = motion_of(model, entry.first, classes);
+    const NodeMotion motion = motion_of(model, entry.first, classes);
     const std::string free = components(motion, kFree), twice = components(motion, kTwice);
     if (!free.empty() || !twice.empty()) {
       if (told[at(first)]) continue;
