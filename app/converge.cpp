@@ -62,6 +62,9 @@ int converge_command(const ConvergeArguments& a) {
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
   const Settings settings = effective_settings(a.settings);
+  if (!settings.loads.file.empty() || !settings.motion.file.empty())
+    throw UsageError("converge: found a table of loads or motion, expected none: it divides the springs of the model's own "
+                     "last state");
   Progress progress(progress_style(a.quiet, a.verbose));
   progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
   const JointModel model = read_feb(a.model);

@@ -6,6 +6,7 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
+#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/views/data/info_json.h>
 #include <febiodea/views/text/info_text.h>
 
@@ -51,9 +52,10 @@ int info(const InfoArguments& a) {
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
-  const Settings settings = effective_settings(a.settings);
+  Settings settings = effective_settings(a.settings);
   JointModel read = read_feb(a.model);
   check_outputs(inputs, outputs);
+  read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings);
   const JointModel& model = recognition.model;
   const JointCheck check = check_joint(recognition);

@@ -55,6 +55,13 @@ void add_settings_options(CLI::App& command, SettingsArguments& arguments, const
     else
       add_value(command, values, option);
   }
+  command.parse_complete_callback([&command, &arguments] {
+    for (const CLI::Option* given : command.parse_order()) {
+      std::string name = given->get_single_name();
+      if (name.rfind("no-", 0) == 0) name.erase(0, 3);  // a switch turned off
+      if (arguments.values.count(name) > 0) arguments.order.push_back(name);
+    }
+  });
   command
       .add_option("--settings", arguments.file,
                   "XML file with any of the options above (docs/settings.md); the command line comes first, then the "
@@ -72,9 +79,12 @@ Settings effective_settings(const SettingsArguments& arguments, OutputSettings* 
   }
   try {
     std::vector<SettingValue> values;
-    for (const auto& option : arguments.values)
-      for (const std::string& text : option.second)
-        values.push_back(split_key(*find_setting_option(option.first), text));
+    std::map<std::string, std::size_t> seen;
+    for (const std::string& name : arguments.order) {
+      const std::vector<std::string>& texts = arguments.values.at(name);
+      const std::size_t i = seen[name]++;
+      if (i < texts.size()) values.push_back(split_key(*find_setting_option(name), texts[i]));
+    }
     lay_over(settings, values);
   } catch (const BadValue& e) {
     throw UsageError(e.what());

@@ -19,6 +19,7 @@ namespace dea {
 struct SettingsArguments {
   std::string file;  ///< --settings
   std::map<std::string, std::vector<std::string>> values;
+  std::vector<std::string> order;  ///< names of those that were given, once for each time, in the order of the line
 };
 
 /// All of setting_options, but for those of the names `without`; --settings.

@@ -10,6 +10,7 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/output_options.h>
+#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/views/page/write_page.h>
 #include <febiodea/views/run_model.h>
 #include <febiodea/views/text/remarks.h>
@@ -122,7 +123,7 @@ int run(const RunArguments& a) {
   const double start = seconds();
   const auto threads = limit_threads(a.threads);
   OutputSettings typed = a.outputs, file;
-  const Settings settings = effective_settings(a.settings, &file);
+  Settings settings = effective_settings(a.settings, &file);
   if (typed.output.empty() && file.output.empty()) typed.output = default_output(a.model);
   RunOptions options = run_options(a, typed, file);
   const std::string &output = options.outputs.output, &page = options.outputs.report;
@@ -141,6 +142,7 @@ int run(const RunArguments& a) {
   options.seconds_reading = seconds() - start;
   watch(options, progress);
   show_activity(progress, {});
+  read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
   if (!page.empty()) {
     options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {

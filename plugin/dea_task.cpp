@@ -7,6 +7,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/febio_wording.h>
@@ -73,6 +74,7 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   files.insert(files.end(), outputs.begin(), outputs.end());
   options.seconds_reading = seconds() - start;
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };
+  read_tables(model, file.settings);
   const Recognition recognition = recognise(model, file.settings, wants_all_states(options));
   if (!file.outputs.report.empty()) {
     options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {

@@ -19,9 +19,24 @@ namespace dea {
 
 namespace {
 
+StatesAsked asked_states(const std::string& states, const std::string& option) {
+  try {
+    return parse_states(states);
+  } catch (const BadValue& bad) {
+    throw UsageError(fmt::format("{}: {}", option, bad.what()));
+  }
+}
+
 /// `option`: how the user calls `states`.
-States wanted_states(const JointModel& model, const std::string& states, const std::string& option,
-                     const std::string& times_from) {
+States wanted_states(const JointModel& model, const Settings& settings, const std::string& states,
+                     const std::string& option, const std::string& times_from) {
+  const StatesAsked asked = asked_states(states, option);
+  if (row_count(settings) > 0 || settings.skip_steps) {
+    if (!times_from.empty())
+      throw UsageError(fmt::format("--times-from {}: found {} beside it, expected the model's own steps", times_from,
+                                   settings.skip_steps ? "--skip-steps" : "a table of loads or motion"));
+    return row_states(model, settings, asked, option);
+  }
   ResultTimes times;
   if (times_from.empty()) {
     times.times = model_times(model, states != "all");
@@ -33,21 +48,18 @@ States wanted_states(const JointModel& model, const std::string& states, const s
     for (const XpltState& state : file.states) found.push_back(state.time);
     times = times_of_result(model, found, times_from);
   }
-  const bool all = states == "all" || states.empty();
-  if (all && times_from.empty()) return all_states(std::move(times.times));
-  std::vector<double> chosen;
-  if (all || states == "last") {
-    chosen = times.of_result;
-    if (chosen.empty())
-      for (const TimePoint& p : times.times) chosen.push_back(p.time);
-    if (states == "last") chosen = {*std::max_element(chosen.begin(), chosen.end())};
-  } else {
-    try {
-      chosen = parse_numbers(states);
-    } catch (const BadValue&) {
-      throw UsageError(fmt::format("{}: found \"{}\", expected all, last or times t1,t2,...", option, states));
-    }
-  }
+  if (asked.all && times_from.empty()) return all_states(std::move(times.times));
+  std::vector<double> own = times.of_result, chosen = asked.times;
+  if (own.empty())
+    for (const TimePoint& p : times.times) own.push_back(p.time);
+  for (double t : own)
+    if (asked.all || std::any_of(asked.ranges.begin(), asked.ranges.end(),
+                                 [t](const auto& range) { return t >= range[0] && t <= range[1]; }))
+      chosen.push_back(t);
+  if (asked.last) chosen.push_back(*std::max_element(own.begin(), own.end()));
+  if (chosen.empty())
+    throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {:g} to {:g}",
+                                 option, own.front(), own.back()));
   return choose_states(model, std::move(times.times), chosen, option);
 }
 
@@ -55,7 +67,7 @@ States wanted_states(const JointModel& model, const std::string& states, const s
 void note_states(const JointModel& model, const RunOptions& options, const States& states,
                  std::vector<Sentence>& findings) {
   const std::string& asked = options.outputs.states;
-  if (!options.times_from.empty() || asked == "all") return;
+  if (!options.times_from.empty() || asked == "all" || states.times.back().row >= 0) return;
   if (asked.empty() && very_many_time_steps(model))
     findings.push_back(thinned_note(model, states.times.size()));
   else if (!asked.empty() && many_states_left_out(model, states.times))
@@ -100,7 +112,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   const OutputSettings& outputs = options.outputs;
   States states;
   try {
-    states = wanted_states(model, outputs.states, options.states_option, options.times_from);
+    states = wanted_states(model, recognition.settings, outputs.states, options.states_option, options.times_from);
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }

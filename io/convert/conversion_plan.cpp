@@ -37,6 +37,13 @@ void refuse_settings(const Settings& s) {
   refuse_load("force", s.force);
   refuse_load("load-at", s.load_at);
   refuse_load("free", s.free);
+  const auto refuse_word = [&](const char* setting, bool given) {
+    if (given)
+      refuse({setting}, "a converted file keeps the model's own motion, loads and steps;", "change them in the model");
+  };
+  refuse_word("loads", !s.loads.file.empty());
+  refuse_word("motion", !s.motion.file.empty());
+  refuse_word("skip-steps", s.skip_steps);
 }
 
 /// Contacts of the joint that become contacts of type dea.

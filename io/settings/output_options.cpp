@@ -19,8 +19,8 @@ const std::vector<OutputOption>& output_options() {
        "Also write a page for any browser: maps, curves, tables, what was recognised"},
       {"vtu", &O::vtu, Kind::Folder, "the name of a folder", "FOLDER",
        "Also write files for ParaView into this folder: open its results.pvd"},
-      {"states", &O::states, Kind::States, "all, last or times t1,t2,...", "all|last|t1,t2,...",
-       "States to write: all, last, or times t1,t2,... [all; about 1000 where there are more than 10000]"},
+      {"states", &O::states, Kind::States, "all, last, times t1,t2,... or ranges t1:t2", "all|last|t1,t2:t3,...",
+       "States to write: all, last, times t1,t2,... or ranges t1:t2; no others are solved but ends of steps [all; about 1000 where there are more than 10000]"},
   };
   return options;
 }

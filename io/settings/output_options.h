@@ -15,7 +15,7 @@ struct OutputSettings {
   std::string json, csv, facets_csv;
   std::string report;  ///< a page
   std::string vtu;     ///< a folder
-  std::string states;  ///< all, last or times t1,t2,...
+  std::string states;  ///< all, last, times t1,t2,... or ranges t1:t2
 };
 
 /// One of them. On the command line `--NAME TEXT` (the plot file: -o), in the settings file `<NAME>TEXT</NAME>`.

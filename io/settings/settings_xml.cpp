@@ -11,6 +11,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/run/states.h>
 
 namespace dea {
 
@@ -64,11 +65,10 @@ std::string read_text_element(const std::string& path, const XMLElement& e, cons
 }
 
 void check_states(const std::string& path, int line, const std::string& states) {
-  if (states == "all" || states == "last") return;
   try {
-    parse_numbers(states);
-  } catch (const BadValue&) {
-    throw fault(path, line, fmt::format("<states>: found \"{}\", expected all, last or times t1,t2,...", states));
+    parse_states(states);
+  } catch (const BadValue& bad) {
+    throw fault(path, line, fmt::format("<states>: {}", bad.what()));
   }
 }
 

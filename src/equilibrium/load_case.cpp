@@ -8,7 +8,9 @@
 #include <febiodea/base/decompositions.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/rotations.h>
 #include <febiodea/base/say.h>
+#include <febiodea/equilibrium/placing.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/model/load_curve.h>
 
@@ -257,12 +259,12 @@ double passed(const Instant& now, int step) {
   return duration > 0 ? std::clamp((now.time - starts[at(step)]) / duration, 0.0, 1.0) : 1.0;
 }
 
-/// Forces and moments on a rigid body. `replaced`: per body, the user gives another force.
+/// Forces and moments on a rigid body. `replaced`: per body, the user gives another one of its kind.
 void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<char>& replaced,
                     const std::vector<Vector6>* reaction, LoadCase& c) {
   const int b = body_of(now.joint, l.material);
   if (!now.acts(l.step) || b < 0) return;
-  if (l.dof < 3 && replaced[at(b)]) return;
+  if (replaced[at(b)]) return;
   BodyConditions& body = c.bodies[at(b)];
   Vector6& load = l.kind == RigidLoad::Kind::Follower ? body.follower : body.dead;
   const double full = finite_value(now, l.value, l.origin);
@@ -279,12 +281,14 @@ void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<ch
 }
 
 /// Forces that turn with a body, and forces at nodes.
-void add_point_forces(const Instant& now, const std::vector<char>& replaced, LoadCase& c) {
+void add_point_forces(const Instant& now, const std::vector<char>& replaced, const std::vector<char>& moments_replaced,
+                      LoadCase& c) {
   for (const RigidFollower& f : now.model.rigid_followers) {
     const int b = body_of(now.joint, f.material);
     if (!now.acts(f.step) || b < 0) continue;
     const Vector3d v = finite_vector(now, f.value, f.controller, f.origin);
     if (f.moment) {
+      if (moments_replaced[at(b)]) continue;
       c.bodies[at(b)].follower.tail<3>() += v;
     } else if (!replaced[at(b)]) {
       const Vector3d arm = f.from_center ? f.insertion : Vector3d(f.insertion - now.joint.bodies[at(b)].center_of_mass);
@@ -318,29 +322,117 @@ LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& as
                          .expected = "give a point x,y,z"});
 }
 
-LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
-                        const std::vector<Vector6>* reaction) {
-  const Instant now{model, joint, settings, step, time};
+namespace {
+
+/// What the user's settings leave of the model's loads.
+struct Replaced {
+  std::vector<char> forces;   ///< per body
+  std::vector<char> moments;  ///< per body
+};
+
+LoadCase model_load_case(const Instant& now, const Replaced& replaced, const std::vector<Vector6>* reaction) {
+  const Joint& joint = now.joint;
   LoadCase c;
-  c.time = time;
-  c.step = step;
+  c.time = now.time;
+  c.step = now.step;
+  if (!now.settings.placements.empty()) c.start = starting_poses(now.model, joint, now.settings);
   c.bodies.resize(joint.bodies.size());
   set_connections(now, c);
   set_motions(now, c);
-  refuse_rotations_in_part(model, joint, c);
-  std::vector<char> force_replaced(joint.bodies.size(), 0);
-  for (const auto& entry : settings.force) force_replaced[at(joint.find_body(model, entry.first))] = 1;
-  for (const RigidLoad& l : model.rigid_loads) add_rigid_load(now, l, force_replaced, reaction, c);
-  add_point_forces(now, force_replaced, c);
-  const int last = static_cast<int>(model.steps.size()) - 1;
-  for (const auto& entry : settings.force) {
-    const int b = joint.find_body(model, entry.first);
-    if (step == last) c.bodies[at(b)].dead.head<3>() = passed(now, last) * entry.second;
-  }
-  for (const auto& entry : settings.load_at) {
-    const int b = joint.find_body(model, entry.first);
+  for (const RigidLoad& l : now.model.rigid_loads)
+    add_rigid_load(now, l, l.dof < 3 ? replaced.forces : replaced.moments, reaction, c);
+  add_point_forces(now, replaced.forces, replaced.moments, c);
+  for (const auto& entry : now.settings.load_at) {
+    const int b = joint.find_body(now.model, entry.first);
     c.bodies[at(b)].arm = find_load_point(joint, b, entry.second).point - joint.bodies[at(b)].center_of_mass;
   }
+  return c;
+}
+
+Replaced replaced_by(const JointModel& model, const Joint& joint, const Settings& settings) {
+  Replaced replaced{std::vector<char>(joint.bodies.size(), 0), std::vector<char>(joint.bodies.size(), 0)};
+  for (const auto& entry : settings.force) replaced.forces[at(joint.find_body(model, entry.first))] = 1;
+  return replaced;
+}
+
+/// Forces of the settings, growing over the last step.
+void add_given_forces(const Instant& now, LoadCase& c) {
+  const int last = static_cast<int>(now.model.steps.size()) - 1;
+  if (now.step != last) return;
+  for (const auto& entry : now.settings.force)
+    c.bodies[at(now.joint.find_body(now.model, entry.first))].dead.head<3>() = passed(now, last) * entry.second;
+}
+
+void add_row_loads(const Instant& now, int row, const std::vector<Pose>& poses, LoadCase& c) {
+  const LoadTable& table = now.settings.loads;
+  if (table.time.empty()) return;
+  const int b = now.joint.find_body(now.model, table.body);
+  BodyConditions& body = c.bodies[at(b)];
+  Vector6 load = table.load[at(row)];
+  const int frame = table.frame.kind == TableFrame::Kind::Body ? now.joint.find_body(now.model, table.frame.body) : -1;
+  if (frame == b) {
+    body.follower += load;
+    return;
+  }
+  Eigen::Matrix3d axes = table.frame.axes;
+  if (frame >= 0) {
+    const BodyConditions& other = c.bodies[at(frame)];
+    if (std::count(other.dofs.begin() + 3, other.dofs.end(), DofState::Free) > 0)
+      throw UsageError(Fault{.given = NamedSetting{"load-frame", "", table.frame.body},
+                             .found = "this body is free to turn, and its axes with it, while balance is sought;",
+                             .expected = "name the loaded body, one that is held, or three axes"});
+    const bool given = std::count(other.dofs.begin() + 3, other.dofs.end(), DofState::Prescribed) > 0;
+    const Eigen::Matrix3d start = c.start.empty() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : c.start[at(frame)].rotation;
+    axes = given ? Eigen::Matrix3d(rotation(other.value.tail<3>()) * start) : poses[at(frame)].rotation;
+  }
+  body.dead.head<3>() += axes * load.head<3>();
+  body.dead.tail<3>() += axes * load.tail<3>();
+}
+
+/// The row's pose as what FEBio prescribes: motion of the centre of mass, rotation vector, from the starting pose.
+void set_row_motion(const Instant& now, int row, LoadCase& c) {
+  const MotionTable& table = now.settings.motion;
+  if (table.time.empty()) return;
+  const int b = now.joint.find_body(now.model, table.body);
+  const Vector3d& center = now.joint.bodies[at(b)].center_of_mass;
+  const Pose begin = c.start.empty() ? Pose{center} : c.start[at(b)];
+  BodyConditions& body = c.bodies[at(b)];
+  body.value = table.motion[at(row)];
+  body.relative = {};
+  const auto about = now.settings.rotate_about.find(table.body);
+  if (table.turns && about != now.settings.rotate_about.end()) {
+    const Vector3d arm = begin.rotation * (turn_point(now.joint, b, about->second, table.body) - center);
+    body.value.head<3>() += arm - rotation(body.value.tail<3>()) * arm;
+  }
+  for (int k = 0; k < (table.turns ? 6 : 3); ++k) body.dofs[at(k)] = DofState::Prescribed;
+}
+
+}  // namespace
+
+LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
+                        const std::vector<Vector6>* reaction) {
+  const Instant now{model, joint, settings, step, time};
+  LoadCase c = model_load_case(now, replaced_by(model, joint, settings), reaction);
+  refuse_rotations_in_part(model, joint, c);
+  add_given_forces(now, c);
+  return c;
+}
+
+LoadCase make_row_case(const JointModel& model, const Joint& joint, const Settings& settings, int row,
+                       const std::vector<Pose>& poses, const std::vector<Vector6>* reaction) {
+  const int last = static_cast<int>(model.steps.size()) - 1;
+  const Instant now{model, joint, settings, last, step_starts(model).back()};
+  Replaced replaced = replaced_by(model, joint, settings);
+  if (!settings.loads.time.empty()) {
+    const std::size_t b = at(joint.find_body(model, settings.loads.body));
+    replaced.forces[b] = replaced.moments[b] = 1;
+  }
+  LoadCase c = model_load_case(now, replaced, reaction);
+  set_row_motion(now, row, c);
+  refuse_rotations_in_part(model, joint, c);
+  add_given_forces(now, c);
+  add_row_loads(now, row, poses, c);
+  c.time = row_time(settings, at(row));
   return c;
 }
 

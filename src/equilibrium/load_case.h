@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include <febiodea/geometry/pose.h>
 #include <febiodea/joint/joint.h>
 
 namespace dea {
@@ -37,6 +38,7 @@ struct BodyConditions {
 struct LoadCase {
   double time = 0.0;
   int step = 0;
+  std::vector<Pose> start;  ///< where each body begins, and given motions count from; empty: the reference
   std::vector<BodyConditions> bodies;                      ///< one per body of the joint
   std::vector<char> contact_active;                        ///< one per contact
   std::vector<char> ligament_active;                       ///< one per ligament
@@ -51,11 +53,19 @@ struct LoadCase {
 ///   force: takes the place of all forces (not moments) that the model puts on the body, rigid, following or nodal,
 ///   growing from 0 to its value over the last step
 ///   load_at: where the force acts
+///   placements: where bodies start (starting_poses)
 /// `reaction`: per body, Equilibrium::reaction when the step began, for loads of kind Target and relative ones of this
 /// step; nullptr: none (0), as FEBio has it in the first step.
 /// Throws InputError where rotations are prescribed in part.
 LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
                         const std::vector<Vector6>* reaction = nullptr);
+
+/// A row of settings.loads and settings.motion: conditions at the end of the model's last step, but for what the row says.
+/// Its force and moment replace all that the model puts on that body; its pose takes the place of what the model says of
+/// those dofs. `now`: current poses, for a frame whose body is held where it is. Throws UsageError where that body is
+/// free to turn and not the loaded one: its axes would turn while balance is sought.
+LoadCase make_row_case(const JointModel& model, const Joint& joint, const Settings& settings, int row,
+                       const std::vector<Pose>& now, const std::vector<Vector6>* reaction = nullptr);
 
 /// Reference coordinates where the force on a body acts by settings.load_at; for sphere-center the fit is returned
 /// too (through the body's articular surface of the first contact that has it).

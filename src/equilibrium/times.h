@@ -11,6 +11,7 @@ namespace dea {
 struct TimePoint {
   double time = 0.0;
   int step = 0;
+  int row = -1;  ///< of settings.loads and settings.motion; -1: a state of the model's own
 };
 /// Times of a model's states: 0, every step_size, ends of steps, must points. More than 10000 are refused (InputError),
 /// or, if `thin`, reduced evenly to about 1000 besides ends of steps and must points.

@@ -45,6 +45,15 @@ void check_names(const ModelParts& parts) {
   }
   for (const auto& e : settings.force) check_body(parts, {"force", e.first}, e.first);
   for (const auto& e : settings.load_at) check_body(parts, {"load-at", e.first}, e.first);
+  for (const Placement& p : settings.placements)
+    check_body(parts, {p.kind == Placement::Kind::Rotate ? "rotate" : "move", p.body}, p.body);
+  for (const auto& e : settings.rotate_about) check_body(parts, {"rotate-about", e.first}, e.first);
+  const auto check_word = [&](const char* setting, const std::string& name) {
+    if (!name.empty()) check_body(parts, {setting, "", name}, name);
+  };
+  check_word("load-body", settings.loads.body);
+  check_word("load-frame", settings.loads.frame.body);
+  check_word("motion-body", settings.motion.body);
   if (!settings.source.empty()) check_body(parts, {"source", "", settings.source}, settings.source);
 }
 

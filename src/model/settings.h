@@ -3,6 +3,7 @@
 // taken from the model. Names are the model's own: materials (bodies), surfaces, contacts.
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -38,6 +39,68 @@ struct LoadPoint {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< reference coordinates, when not sphere_center
 };
 
+/// One change of a body's starting pose: where it is before anything moves or loads it.
+struct Placement {
+  enum class Kind {
+    Rotate,  ///< by `degrees` about the axis `vector`, right-handed
+    Move     ///< by `vector`
+  };
+  Kind kind = Kind::Move;
+  std::string body;
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< global directions; of an axis: any length > 0
+  double degrees = 0.0;
+};
+
+/// The point of a body about which it is turned. It goes along with the body's earlier placements.
+struct TurnPoint {
+  enum class Kind {
+    SphereCenter,  ///< of the least-squares sphere through the body's articular surface
+    CenterOfMass,
+    Point
+  };
+  Kind kind = Kind::SphereCenter;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< Point: reference coordinates
+};
+
+/// The axes in which a table of loads is given.
+struct TableFrame {
+  enum class Kind {
+    Global,
+    Body,  ///< those of `body`: the global axes in its reference position, and they turn with it
+    Axes   ///< columns of `axes`, global directions
+  };
+  Kind kind = Kind::Global;
+  std::string body;
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< orthonormal, right-handed
+};
+
+/// A table of forces and moments on one body: a row is a state, in order, after the model's own steps.
+struct LoadTable {
+  std::string file;     ///< where the rows are read from (io/tables/read_tables.h); empty: none, or the rows are given
+  std::string body;     ///< on which they act, at settings.load_at; the model's own loads on it are replaced
+  std::string columns;  ///< names of three or six columns, separated by commas: force, moment; empty: found by name
+  TableFrame frame;
+  std::optional<double> body_weight;  ///< columns are in % of it; the table's force
+  std::string units;                  ///< of the table, FORCE-LENGTH: "N-m"; empty: the model's
+  std::vector<double> time;           ///< one per row, rising
+  std::vector<Eigen::Matrix<double, 6, 1>> load;  ///< one per row: force, moment; the model's units, the table's frame
+  std::string words;                              ///< how the file was taken
+};
+
+/// A table of one body's poses: a row is a state. Row: translation, and rotation vector [rad] about the point of
+/// settings.rotate_about (none: the centre of mass), both counted from the body's starting pose, global axes.
+struct MotionTable {
+  std::string file;
+  std::string body;
+  std::string columns;                                 ///< names of three or six columns: translation, rotation
+  std::string rotation;                                ///< "vector", or the sequence of three angles: "xyz", "zxy", ...
+  std::string units;                                   ///< ANGLE-LENGTH: "deg-m"; empty: radians, the model's length
+  std::vector<double> time;                            ///< one per row, rising
+  std::vector<Eigen::Matrix<double, 6, 1>> motion;     ///< one per row
+  bool turns = false;                                  ///< rotations are given, not translations alone
+  std::string words;
+};
+
 struct Settings {
   std::string contact;  ///< only this contact pair; empty: every one that joins two bodies
   std::string source;   ///< body whose layer carries the springs; empty: the contact's primary side
@@ -58,8 +121,20 @@ struct Settings {
   std::map<std::string, Eigen::Vector3d>
       force;  ///< body -> force replacing the model's rigid forces, scaled 0..1 over the last step
   std::map<std::string, LoadPoint> load_at;  ///< body -> where its force acts
+  std::vector<Placement> placements;         ///< act in this order
+  std::map<std::string, TurnPoint> rotate_about;  ///< body -> what it is turned about
+  LoadTable loads;
+  MotionTable motion;
+  bool skip_steps = false;  ///< the model's steps are not walked through: what holds at their end starts from rest
+  std::string units;        ///< FEBio's name of the model's system of units, where the model names none
   bool squash = true;                        ///< show the cartilage compressed; false: rigid with its bone
 };
+
+/// Rows of tables, each a state. Both tables have the same times where both are there.
+inline std::size_t row_count(const Settings& s) { return std::max(s.loads.time.size(), s.motion.time.size()); }
+inline double row_time(const Settings& s, std::size_t row) {
+  return s.loads.time.empty() ? s.motion.time[row] : s.loads.time[row];
+}
 
 const char* name(SpringsAt springs_at);
 const char* name(Law law);

@@ -17,7 +17,9 @@ using Text = const std::string&;
 
 constexpr const char* kJoint = "Joint (names are the model's own)";
 constexpr const char* kCartilage = "Cartilage and springs";
+constexpr const char* kPlacing = "Placing, in the order of the line";
 constexpr const char* kLoads = "Motion and loads";
+constexpr const char* kTables = "Tables of loads and motion";
 constexpr const char* kOutput = "Output";
 
 /// One of the words that name(Word) has, in small or capital letters.
@@ -67,6 +69,70 @@ LoadPoint parse_load_point(Text text) {
   return point;
 }
 
+TurnPoint parse_turn_point(Text text) {
+  const std::string word = lower_case(text);
+  if (word == "sphere-center") return {TurnPoint::Kind::SphereCenter};
+  if (word == "com") return {TurnPoint::Kind::CenterOfMass};
+  try {
+    return {TurnPoint::Kind::Point, parse_vector(text)};
+  } catch (const BadValue&) {
+    throw bad_value(text, "three numbers x,y,z, sphere-center or com");
+  }
+}
+
+Placement parse_turn(Text body, Text text) {
+  const char* expected = "an axis and an angle: x,y,z,DEGREES";
+  try {
+    const std::vector<double> n = parse_numbers(text);
+    if (n.size() != 4) throw bad_value(text, expected);
+    const Placement turn{Placement::Kind::Rotate, body, {n[0], n[1], n[2]}, n[3]};
+    if (turn.vector.isZero(0.0)) throw bad_value(text, "an axis that is not 0,0,0");
+    return turn;
+  } catch (const BadValue& bad) {
+    if (std::string(bad.what()).find("axis") != std::string::npos) throw;
+    throw bad_value(text, expected);
+  }
+}
+
+TableFrame parse_frame(Text text) {
+  TableFrame frame;
+  if (lower_case(text) == "global") return frame;
+  if (text.find('/') == std::string::npos) {
+    frame.kind = TableFrame::Kind::Body;
+    frame.body = text;
+    return frame;
+  }
+  const char* expected = "three axes at right angles, right-handed, each in global directions: x,y,z/x,y,z/x,y,z";
+  frame.kind = TableFrame::Kind::Axes;
+  std::size_t begin = 0;
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t end = text.find('/', begin);
+    if ((end == std::string::npos) != (k == 2)) throw bad_value(text, expected);
+    try {
+      frame.axes.col(k) = parse_vector(text.substr(begin, end == std::string::npos ? end : end - begin)).normalized();
+    } catch (const BadValue&) {
+      throw bad_value(text, expected);
+    }
+    begin = end + 1;
+  }
+  const double skew = (frame.axes.transpose() * frame.axes - Eigen::Matrix3d::Identity()).norm();
+  // typed to a few digits: made exact below
+  if (!(skew < 1e-3) || !(frame.axes.col(0).cross(frame.axes.col(1)).dot(frame.axes.col(2)) > 0))
+    throw bad_value(text, expected);
+  frame.axes.col(2) = frame.axes.col(0).cross(frame.axes.col(1)).normalized();
+  frame.axes.col(1) = frame.axes.col(2).cross(frame.axes.col(0));
+  return frame;
+}
+
+std::string parse_rotation(Text text) {
+  const std::string word = lower_case(text);
+  if (word == "vector") return word;
+  const bool axes = word.size() == 3 && word.find_first_not_of("xyz") == word.npos;
+  if (!axes || word[0] == word[1] || word[1] == word[2])
+    throw bad_value(text, "vector, or the axes of three angles in their order, such as zxy");
+  return word;
+}
+
 std::array<bool, 6> parse_dofs(Text text) {
   std::array<bool, 6> free = {};
   if (lower_case(text) == "none") return free;
@@ -109,6 +175,10 @@ SettingItem item_of(const LoadPoint& load_at) {
   if (load_at.sphere_center) return std::string("sphere-center");
   return load_at.point;
 }
+SettingItem item_of(const TurnPoint& about) {
+  if (about.kind == TurnPoint::Kind::Point) return about.point;
+  return std::string(about.kind == TurnPoint::Kind::SphereCenter ? "sphere-center" : "com");
+}
 SettingItem item_of(const std::array<bool, 6>& free) {
   std::vector<std::string> dofs;
   for (std::size_t k = 0; k < free.size(); ++k)
@@ -121,6 +191,25 @@ SettingContent by_name(const std::map<std::string, Value>& values) {
   std::map<std::string, SettingItem> items;
   for (const auto& entry : values) items[entry.first] = item_of(entry.second);
   return items;
+}
+
+/// "femur=0,1,0,10", in their order.
+SettingContent placements_of(const Settings& settings, Placement::Kind kind) {
+  std::vector<std::string> all;
+  for (const Placement& p : settings.placements)
+    if (p.kind == kind)
+      all.push_back(fmt::format("{}={},{},{}{}", p.body, p.vector.x(), p.vector.y(), p.vector.z(),
+                                kind == Placement::Kind::Rotate ? fmt::format(",{}", p.degrees) : ""));
+  return one(all);
+}
+
+SettingContent frame_of(const TableFrame& frame) {
+  if (frame.kind == TableFrame::Kind::Global) return one(std::string("global"));
+  if (frame.kind == TableFrame::Kind::Body) return one(frame.body);
+  std::string text;
+  for (int k = 0; k < 3; ++k)
+    text += fmt::format("{}{},{},{}", k ? "/" : "", frame.axes(0, k), frame.axes(1, k), frame.axes(2, k));
+  return one(text);
 }
 
 std::vector<SettingOption> joint_options() {
@@ -211,6 +300,28 @@ std::vector<SettingOption> cartilage_options() {
   };
 }
 
+std::vector<SettingOption> placing_options() {
+  using S = Settings;
+  return {
+      {"rotate", "body", true, "x,y,z,DEGREES", nullptr, kPlacing,
+       "Turn a body, with all that is attached to it, before anything moves or loads it: axis in global directions, "
+       "right-handed; may be repeated",
+       [](S& s, Text key, Text text) { s.placements.push_back(parse_turn(key, text)); },
+       [](const S& s) { return placements_of(s, Placement::Kind::Rotate); }, nullptr, nullptr, true},
+      {"rotate-about", "body", false, "sphere-center|com|x,y,z", nullptr, kPlacing,
+       "Point of the body about which it is turned: of its reference position, it goes along with earlier moves "
+       "[sphere-center: of the least-squares sphere through its articular surface]",
+       [](S& s, Text key, Text text) { s.rotate_about[key] = parse_turn_point(text); },
+       [](const S& s) { return by_name(s.rotate_about); }},
+      {"move", "body", true, "x,y,z", nullptr, kPlacing,
+       "Move a body, with all that is attached to it, before anything else moves or loads it; may be repeated",
+       [](S& s, Text key, Text text) {
+         s.placements.push_back({Placement::Kind::Move, key, parse_vector(text)});
+       },
+       [](const S& s) { return placements_of(s, Placement::Kind::Move); }, nullptr, nullptr, true},
+  };
+}
+
 std::vector<SettingOption> load_options() {
   using S = Settings;
   return {
@@ -227,9 +338,62 @@ std::vector<SettingOption> load_options() {
        "may be repeated [centre of mass]",
        [](S& s, Text key, Text text) { s.load_at[key] = parse_load_point(text); },
        [](const S& s) { return by_name(s.load_at); }},
+      {"skip-steps", nullptr, false, "true|false", nullptr, kLoads,
+       "Do not walk through the model's steps: what holds at the end of the last one starts from the starting poses",
+       [](S& s, Text, Text text) { s.skip_steps = parse_switch(text); }, [](const S& s) { return one(s.skip_steps); },
+       nullptr, "Walk through the model's steps [default]"},
+      {"units", nullptr, false, "SYSTEM", nullptr, kLoads,
+       "The model's system of units where it names none: FEBio's SI, mm-N-s, CGS, ...",
+       [](S& s, Text, Text text) { s.units = text; }, [](const S& s) { return word_or_nothing(s.units); }},
       {"squash", nullptr, false, "true|false", nullptr, kOutput, "Show cartilage compressed [default]",
        [](S& s, Text, Text text) { s.squash = parse_switch(text); }, [](const S& s) { return one(s.squash); }, nullptr,
        "Show cartilage rigid with its bone, not compressed"},
+  };
+}
+
+std::vector<SettingOption> table_options() {
+  using S = Settings;
+  return {
+      {"loads", nullptr, false, "FILE", nullptr, kTables,
+       "Forces and moments on one body, a row a state: CSV with a line of names, or OpenSim's .sto, .mot; they take the "
+       "place of all that the model puts on that body, at the end of its last step",
+       [](S& s, Text, Text text) { s.loads.file = text; }, [](const S& s) { return word_or_nothing(s.loads.file); }},
+      {"load-body", nullptr, false, "BODY", nullptr, kTables,
+       "The body on which they act; force and moment's point: see load-at",
+       [](S& s, Text, Text text) { s.loads.body = text; }, [](const S& s) { return word_or_nothing(s.loads.body); }},
+      {"load-columns", nullptr, false, "FX,FY,FZ[,MX,MY,MZ]", nullptr, kTables,
+       "Names of the columns [found by name: fx, force_x, ..._fx, mx, moment_x, ...]",
+       [](S& s, Text, Text text) { s.loads.columns = text; },
+       [](const S& s) { return word_or_nothing(s.loads.columns); }},
+      {"load-frame", nullptr, false, "global|BODY|x,y,z/x,y,z/x,y,z", nullptr, kTables,
+       "Axes of the table: global; a body's (the global ones in its reference position, turning with it); three axes in "
+       "global directions [global]",
+       [](S& s, Text, Text text) { s.loads.frame = parse_frame(text); },
+       [](const S& s) { return frame_of(s.loads.frame); }},
+      {"load-units", nullptr, false, "FORCE-LENGTH", nullptr, kTables,
+       "Units of the table: N-m, N-mm, kN-m, ... [the model's; OpenSim's: N-m]",
+       [](S& s, Text, Text text) { s.loads.units = text; }, [](const S& s) { return word_or_nothing(s.loads.units); }},
+      {"body-weight", nullptr, false, "NUMBER", "FORCE", kTables,
+       "Columns are in % of this body weight (a force, in the model's)",
+       [](S& s, Text, Text text) { s.loads.body_weight = parse_positive(text); },
+       [](const S& s) { return number_or_nothing(s.loads.body_weight); }},
+      {"motion", nullptr, false, "FILE", nullptr, kTables,
+       "Poses of one body, a row a state: columns tx, ty, tz and, if it turns, rx, ry, rz, from its starting pose, global "
+       "axes; they prescribe these dofs",
+       [](S& s, Text, Text text) { s.motion.file = text; }, [](const S& s) { return word_or_nothing(s.motion.file); }},
+      {"motion-body", nullptr, false, "BODY", nullptr, kTables,
+       "The body that is moved; it turns about its centre of mass, or the point of rotate-about",
+       [](S& s, Text, Text text) { s.motion.body = text; }, [](const S& s) { return word_or_nothing(s.motion.body); }},
+      {"motion-columns", nullptr, false, "TX,TY,TZ[,RX,RY,RZ]", nullptr, kTables, "Names of the columns [found by name]",
+       [](S& s, Text, Text text) { s.motion.columns = text; },
+       [](const S& s) { return word_or_nothing(s.motion.columns); }},
+      {"motion-rotation", nullptr, false, "vector|xyz|zxy|...", nullptr, kTables,
+       "What the three rotations are: a rotation vector, or angles about axes that turn with the body, in this order",
+       [](S& s, Text, Text text) { s.motion.rotation = parse_rotation(text); },
+       [](const S& s) { return word_or_nothing(s.motion.rotation); }},
+      {"motion-units", nullptr, false, "ANGLE-LENGTH", nullptr, kTables,
+       "Units of the table: deg-mm, rad-m, ... [needed where it turns; OpenSim's: as it says, m]",
+       [](S& s, Text, Text text) { s.motion.units = text; }, [](const S& s) { return word_or_nothing(s.motion.units); }},
   };
 }
 
@@ -239,7 +403,7 @@ const std::vector<SettingOption>& setting_options() {
   static const std::vector<SettingOption> options = [] {
     std::vector<SettingOption> all;
     for (const auto& part :
-         {joint_options(), spring_options(), recognition_options(), cartilage_options(), load_options()})
+         {joint_options(), spring_options(), recognition_options(), cartilage_options(), placing_options(), load_options(), table_options()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();
@@ -263,6 +427,8 @@ void lay_over(Settings& settings, const std::vector<SettingValue>& values) {
     if (!v.option->repeatable && !given.insert({v.option->name, v.key}).second)
       throw BadValue(fmt::format("{}: given twice{}", v.where, v.key.empty() ? "" : fmt::format(" for \"{}\"", v.key)));
     if (v.option->per_surface != nullptr && v.key.empty()) (settings.*v.option->per_surface).clear();
+    if (v.option->places)  // the body's placements of the weaker source
+      std::erase_if(settings.placements, [&](const Placement& p) { return p.body == v.key; });
   }
   for (const SettingValue& v : values) {
     try {

@@ -32,6 +32,7 @@ struct SettingOption {
   /// Numbers per surface that also may come without a key, for all surfaces (""); nullptr: the key is needed.
   std::map<std::string, double> Settings::*per_surface = nullptr;
   const char* help_off = nullptr;  ///< of a switch: what it does when it is off
+  bool places = false;             ///< adds to Settings::placements, in the order in which it is given
 };
 
 /// In the order in which help lists them.

@@ -54,8 +54,11 @@ void end_state(Walk& walk, const Equilibrium& e, const EquilibriumOptions& optio
 /// One state: its loads, its equilibrium. `reference`: the reference configuration is not solved.
 Equilibrium solve_state(const Recognition& recognition, const Prepared& prepared, const TimePoint& when, bool reference,
                         Walk& walk) {
-  const LoadCase load_case = make_load_case(recognition.model, prepared.joint, recognition.settings, when.step,
-                                            when.time, &walk.step_reaction);
+  const LoadCase load_case =
+      when.row >= 0 ? make_row_case(recognition.model, prepared.joint, recognition.settings, when.row, walk.start.poses,
+                                    &walk.step_reaction)
+                    : make_load_case(recognition.model, prepared.joint, recognition.settings, when.step, when.time,
+                                     &walk.step_reaction);
   return reference
              ? state_at(prepared.joint, prepared.beds, load_case, walk.start.poses, &walk.memory, walk.search.stop)
              : solve(prepared, load_case, walk.start, walk.search, &walk.memory);
@@ -130,7 +133,7 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options)
   clock = now();
   const std::vector<TimePoint> times = options.times.empty() ? model_times(model) : options.times;
   const std::vector<Vector6> no_reaction(joint.bodies.size(), Vector6::Zero());
-  Walk walk{at_rest(prepared), no_reaction, no_reaction, {}, options.equilibrium};
+  Walk walk{at_start(recognition), no_reaction, no_reaction, {}, options.equilibrium};
   if (options.activity) {
     walk.search.watch = [&](const SearchStatus& status) {
       if (options.equilibrium.watch) options.equilibrium.watch(status);
@@ -146,7 +149,7 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options)
     tell(Activity::Stage::State);
     StateResult state;
     state.when = times[i];
-    const bool reference = i == 0 && times[i].time <= 0.0;
+    const bool reference = i == 0 && times[i].time <= 0.0 && times[i].row < 0;
     state.equilibrium = solve_state(recognition, prepared, times[i], reference, walk);
     end_state(walk, state.equilibrium, options.equilibrium);
     refuse_zero_thickness(model, joint, prepared.beds, state.equilibrium);

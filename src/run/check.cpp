@@ -5,20 +5,21 @@
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/model/load_curve.h>
+#include <febiodea/run/prepared.h>
 
 namespace dea {
 
 namespace {
 
-/// Springs of every contact at the reference poses, also of those that a step switches on later.
-void check_contacts(const SpringBeds& beds, const FieldMaps& maps, JointCheck& check) {
+/// Springs of every contact at the starting poses, also of those that a step switches on later.
+void check_contacts(const Recognition& recognition, const SpringBeds& beds, const FieldMaps& maps, JointCheck& check) {
   const Joint& joint = check.joint;
   check.maps = maps;
   LoadCase at_rest;
   at_rest.bodies.resize(joint.bodies.size());
   at_rest.contact_active.assign(joint.contacts.size(), 1);
   at_rest.ligament_active.assign(joint.ligaments.size(), 0);
-  check.reference = state_at(joint, beds, at_rest, reference_poses(joint));
+  check.reference = state_at(joint, beds, at_rest, at_start(recognition).poses);
   check.fields = contact_fields(joint, beds, maps, check.reference);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     ContactCheck found;
@@ -91,12 +92,12 @@ JointCheck check_joint_with(const Recognition& recognition, const Contacts& cont
 
 JointCheck check_joint(const Recognition& recognition) {
   return check_joint_with(recognition, [&](JointCheck& check) {
-    check_contacts(make_spring_beds(check.joint), make_field_maps(recognition.model, check.joint), check);
+    check_contacts(recognition, make_spring_beds(check.joint), make_field_maps(recognition.model, check.joint), check);
   });
 }
 
 JointCheck check_joint(const Recognition& recognition, const SpringBeds& beds, const FieldMaps& maps) {
-  return check_joint_with(recognition, [&](JointCheck& check) { check_contacts(beds, maps, check); });
+  return check_joint_with(recognition, [&](JointCheck& check) { check_contacts(recognition, beds, maps, check); });
 }
 
 }  // namespace dea

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/equilibrium/placing.h>
 
 namespace dea {
 
@@ -13,6 +14,11 @@ Prepared prepare(const Recognition& recognition, const StopFlag* stop) {
 
 Start at_rest(const Prepared& prepared) {
   const std::vector<Pose> poses = reference_poses(prepared.joint);
+  return {poses, poses};
+}
+
+Start at_start(const Recognition& r) {
+  const std::vector<Pose> poses = starting_poses(r.model, r.joint, r.settings);
   return {poses, poses};
 }
 

@@ -30,6 +30,8 @@ struct Start {
 };
 /// All bodies in their reference positions.
 Start at_rest(const Prepared& prepared);
+/// All bodies where settings.placements put them.
+Start at_start(const Recognition& recognition);
 
 /// The pose at which one load case balances (E1), searched from `start`; a motion that is given in full is followed
 /// without a search. A load that cannot be carried is an outcome. `memory`: where searches for pressures start, and

@@ -10,6 +10,8 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
 #include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/placing.h>
+#include <febiodea/equilibrium/rows.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/bodies.h>
 #include <febiodea/model/load_curve.h>
@@ -87,13 +89,23 @@ Recognition recognise(JointModel given, Settings settings, bool all_states) {
     r.recognised = found.faults.empty();
     if (r.recognised) r.joint = std::move(found.joint);
   }
+  if (r.recognised && !r.settings.placements.empty()) {
+    for (Sentence& words : placements_in_words(model, r.joint, r.settings)) r.joint.findings.push_back(std::move(words));
+    for (const Fault& fault : broken_connectors(model, r.joint, starting_poses(model, r.joint, r.settings)))
+      add(r.faults, fault);
+  }
   // the value of a controller that cannot be evaluated is asked for by no one
   if (r.recognised && controllers_have_values(model)) {
     const std::vector<double> starts = step_starts(model);
     for (int s = 0; s < static_cast<int>(model.steps.size()); ++s)
       try_to([&] { make_load_case(model, r.joint, r.settings, s, starts[at(s) + 1]); });
   }
-  try_to([&] { model_times(model, !all_states); });
+  if (r.recognised && r.faults.empty()) {
+    check_rows(model, r.joint, r.settings);
+    for (Sentence& words : rows_in_words(model, r.joint, r.settings)) r.joint.findings.push_back(std::move(words));
+    for (Sentence& words : seating_steps(model, r.joint, r.settings)) r.joint.findings.push_back(std::move(words));
+  }
+  if (row_count(r.settings) == 0) try_to([&] { model_times(model, !all_states); });
   r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return r;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 
 namespace dea {
 
@@ -23,7 +24,90 @@ void insert_time(const JointModel& model, std::vector<TimePoint>& times, double 
   times.insert(later, place_times(model, {t}).front());
 }
 
+/// Wanted states, and what is solved on the way to the last of them.
+States only_needed(const JointModel& model, const States& all, double end) {
+  const std::vector<double> starts = step_starts(model);
+  std::size_t count = all.times.size();
+  while (count > 0 && !all.wanted[count - 1]) --count;  // nothing follows from what comes after
+  States needed;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = all.times[i].time;
+    const bool step_end = std::any_of(starts.begin(), starts.end(),
+                                      [&](double start) { return same_in_single_precision(start, t, end); });
+    if (!all.wanted[i] && !step_end) continue;
+    needed.times.push_back(all.times[i]);
+    needed.wanted.push_back(all.wanted[i]);
+  }
+  return needed;
+}
+
+bool within(double t, const std::array<double, 2>& range) {
+  const double rounding = 1e-9 * std::max(std::abs(range[0]), std::abs(range[1]));
+  return t >= range[0] - rounding && t <= range[1] + rounding;
+}
+
 }  // namespace
+
+StatesAsked parse_states(const std::string& text) {
+  const char* expected = "all, last, times t1,t2,... or ranges t1:t2";
+  StatesAsked asked;
+  asked.all = text.empty() || text == "all";
+  if (asked.all) return asked;
+  for (const std::string& word : split_at_commas(text)) {
+    const std::size_t colon = word.find(':');
+    try {
+      if (word == "last")
+        asked.last = true;
+      else if (colon == std::string::npos)
+        asked.times.push_back(parse_number(word));
+      else
+        asked.ranges.push_back({parse_number(word.substr(0, colon)), parse_number(word.substr(colon + 1))});
+    } catch (const BadValue&) {
+      throw bad_value(text, expected);
+    }
+    if (!asked.ranges.empty() && asked.ranges.back()[0] > asked.ranges.back()[1])
+      throw bad_value(text, "a range that rises, t1:t2");
+  }
+  return asked;
+}
+
+States row_states(const JointModel& model, const Settings& settings, const StatesAsked& asked,
+                  const std::string& option) {
+  States states;
+  const int last = static_cast<int>(model.steps.size()) - 1;
+  const double end = step_starts(model).back();
+  const std::size_t rows = row_count(settings);
+  if (rows == 0) return all_states({{end, last}});
+  if (!settings.skip_steps) {
+    states.times = place_times(model, step_starts(model));
+    states.wanted.assign(states.times.size(), 0);
+  }
+  std::vector<char> wanted(rows, asked.all);
+  if (asked.last) wanted.back() = 1;
+  const double scale = std::max(std::abs(row_time(settings, 0)), std::abs(row_time(settings, rows - 1)));
+  for (double t : asked.times) {
+    bool found = false;
+    for (std::size_t r = 0; r < rows; ++r)
+      if (same_in_single_precision(row_time(settings, r), t, scale)) {
+        wanted[r] = 1;
+        found = true;
+      }
+    if (!found)
+      throw UsageError(fmt::format("{}: found time {:g}, expected that of a row of the table, from {:g} to {:g}", option,
+                                   t, row_time(settings, 0), row_time(settings, rows - 1)));
+  }
+  for (std::size_t r = 0; r < rows; ++r)
+    for (const auto& range : asked.ranges) wanted[r] = wanted[r] || within(row_time(settings, r), range);
+  if (std::count(wanted.begin(), wanted.end(), 1) == 0)
+    throw UsageError(fmt::format("{}: found no row of the table in this range, expected times from {:g} to {:g}", option,
+                                 row_time(settings, 0), row_time(settings, rows - 1)));
+  for (std::size_t r = 0; r < rows; ++r)
+    if (wanted[r]) {
+      states.times.push_back({row_time(settings, r), last, static_cast<int>(r)});
+      states.wanted.push_back(1);
+    }
+  return states;
+}
 
 States all_states(std::vector<TimePoint> times) {
   States states{std::move(times), {}};
@@ -65,11 +149,7 @@ States choose_states(const JointModel& model, std::vector<TimePoint> times, cons
   for (const TimePoint& p : states.times)
     states.wanted.push_back(
         std::any_of(chosen.begin(), chosen.end(), [&](double t) { return same_in_single_precision(t, p.time, end); }));
-  while (!states.wanted.empty() && !states.wanted.back()) {  // nothing follows from what comes after
-    states.wanted.pop_back();
-    states.times.pop_back();
-  }
-  return states;
+  return only_needed(model, states, end);
 }
 
 }  // namespace dea

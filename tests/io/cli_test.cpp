@@ -441,7 +441,7 @@ TEST_F(Cli, StatesAndTimesFrom) {
   EXPECT_EQ(dea({"run", "flat.feb", "--states", "2"}).err,
             "dea: --states 2: found time 2, expected times from 0 to 1, those of the model\n");
   EXPECT_EQ(dea({"run", "flat.feb", "--states", "some"}).err,
-            "dea: --states some: found \"some\", expected all, last or times t1,t2,...\n");
+            "dea: --states some: found \"some\", expected all, last, times t1,t2,... or ranges t1:t2\n");
   EXPECT_EQ(dea({"run", "flat.feb", "--states", "-1"}).code, 2);
   const Finished no_fea = dea({"run", "flat.feb", "--times-from", "flat.feb"});
   EXPECT_EQ(no_fea.code, 3);

@@ -1,0 +1,137 @@
+#include <febiodea/io/tables/number_table.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/io/febio/febio_text.h>
+
+namespace dea {
+
+namespace {
+
+InputError fault(const std::string& path, int line, const std::string& text) {
+  return InputError(fmt::format("{}:{}: {}", path, line, text));
+}
+
+/// What separates the words of a file: the first of these that its line of names holds, else white space.
+char separator_of(const std::string& names) {
+  for (char c : {'\t', ';', ','})
+    if (names.find(c) != std::string::npos) return c;
+  return ' ';
+}
+
+std::vector<std::string> split(const std::string& line, char separator) {
+  std::vector<std::string> words;
+  if (separator == ' ') {
+    std::istringstream in(line);
+    for (std::string word; in >> word;) words.push_back(word);
+    return words;
+  }
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+    end = line.find(separator, begin);
+    std::string word = trimmed(line.substr(begin, end == std::string::npos ? end : end - begin));
+    if (word.size() > 1 && word.front() == '"' && word.back() == '"') word = word.substr(1, word.size() - 2);
+    words.push_back(word);
+  }
+  while (!words.empty() && words.back().empty()) words.pop_back();  // a separator at the end of the line
+  return words;
+}
+
+std::string text_of(const std::string& path) {
+  std::error_code error;
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream bytes;
+  const bool readable = in && !std::filesystem::is_directory(path, error);
+  if (readable) bytes << in.rdbuf();
+  if (!readable || in.bad()) throw InputError(fmt::format("{}: found no readable file, expected a table", path));
+  std::string text = bytes.str();
+  if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);  // a byte order mark
+  return text;
+}
+
+void check_names(const NumberTable& table, int line) {
+  std::set<std::string> seen;
+  for (const std::string& name : table.names) {
+    if (name.empty()) throw fault(table.path, line, "found a column without a name, expected a name for each");
+    if (!seen.insert(lower_case(name)).second)
+      throw fault(table.path, line, fmt::format("found two columns named {}, expected different names", febio::quote(name)));
+  }
+  const bool numbers = std::all_of(table.names.begin(), table.names.end(), [](const std::string& name) {
+    try {
+      parse_number(name);
+      return true;
+    } catch (const BadValue&) {
+      return false;
+    }
+  });
+  if (numbers) throw fault(table.path, line, "found numbers, expected the names of the columns");
+}
+
+std::vector<double> numbers_of(const NumberTable& table, const std::vector<std::string>& words, int line) {
+  if (words.size() != table.names.size())
+    throw fault(table.path, line, fmt::format("found {} values, expected {}: one for each name in the line of names",
+                                              words.size(), table.names.size()));
+  std::vector<double> row;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    try {
+      row.push_back(parse_number(words[i]));
+    } catch (const BadValue&) {
+      throw fault(table.path, line, fmt::format("column {}: found {}, expected a number with a decimal point",
+                                                febio::quote(table.names[i]), febio::quote(words[i])));
+    }
+  }
+  return row;
+}
+
+}  // namespace
+
+int NumberTable::find(const std::string& name) const {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (lower_case(names[i]) == lower_case(name)) return static_cast<int>(i);
+  return -1;
+}
+
+NumberTable read_table(const std::string& path) {
+  NumberTable table;
+  table.path = path;
+  std::istringstream in(text_of(path));
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  table.opensim = extension == ".sto" || extension == ".mot";
+  bool header = table.opensim;
+  char separator = ',';
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    line = trimmed(line);
+    if (header) {
+      const std::string word = lower_case(line);
+      if (word.rfind("indegrees=", 0) == 0) table.degrees = trimmed(word.substr(10)) == "yes";
+      header = word != "endheader";
+      continue;
+    }
+    if (line.empty() || line.front() == '#') continue;
+    if (table.names.empty()) {
+      separator = table.opensim ? ' ' : separator_of(line);
+      table.names = split(line, separator);
+      check_names(table, number);
+      continue;
+    }
+    table.rows.push_back(numbers_of(table, split(line, separator), number));
+    table.lines.push_back(number);
+  }
+  if (header) throw fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
+  if (table.names.empty()) throw fault(path, number, "found no line, expected the names of the columns and rows");
+  if (table.rows.empty()) throw fault(path, number, "found no row, expected at least one below the names of the columns");
+  return table;
+}
+
+}  // namespace dea

@@ -1,0 +1,342 @@
+#include <febiodea/io/tables/read_tables.h>
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <optional>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/base/say.h>
+#include <febiodea/io/febio/febio_text.h>
+#include <febiodea/io/tables/number_table.h>
+
+namespace dea {
+
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+// ---- units ---------------------------------------------------------------------------------------------------------
+
+struct Unit {
+  const char* name;
+  double size;  // in N, m, rad
+};
+constexpr Unit kForces[] = {{"N", 1.0}, {"kN", 1e3}, {"mN", 1e-3}, {"nN", 1e-9}};
+constexpr Unit kLengths[] = {{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}};
+constexpr Unit kAngles[] = {{"rad", 1.0}, {"deg", kPi / 180.0}};
+
+/// FEBio's systems of units, in N and m.
+struct System {
+  const char* name;
+  double force, length;
+};
+constexpr System kSystems[] = {{"SI", 1.0, 1.0},      {"mm-N-s", 1.0, 1e-3},  {"mm-kg-s", 1e-3, 1e-3}, {"um-nN-s", 1e-9, 1e-6},
+                               {"CGS", 1e-5, 1e-2},   {"mm-g-s", 1e-6, 1e-3}, {"mm-mg-s", 1e-9, 1e-3}};
+
+template <std::size_t n>
+std::optional<double> size_of(const Unit (&units)[n], const std::string& name) {
+  for (const Unit& u : units)
+    if (name == u.name) return u.size;
+  return std::nullopt;
+}
+
+UsageError wrong(const char* setting, const std::string& value, Sentence found, Sentence expected) {
+  return UsageError(Fault{
+      .given = NamedSetting{setting, "", value}, .found = std::move(found), .expected = std::move(expected)});
+}
+
+/// The model's system; nullopt: nobody names it.
+std::optional<System> model_system(const JointModel& model, const Settings& settings) {
+  const std::string& name = settings.units.empty() ? model.units : settings.units;
+  for (const System& s : kSystems)
+    if (name == s.name) return s;
+  return std::nullopt;
+}
+
+/// What a table's forces (angles) and lengths are multiplied by, and how that was decided.
+struct Scale {
+  double first = 1.0, length = 1.0;
+  std::string words = "in the model's units";
+};
+
+/// `units`: "N-m", "deg-mm". `first`: force or angle.
+template <std::size_t n>
+Scale scale_of(const char* setting, const std::string& units, const Unit (&first)[n], const char* expected,
+               const std::optional<System>& model, bool is_force) {
+  const std::size_t dash = units.find('-');
+  const std::optional<double> a = size_of(first, units.substr(0, dash));
+  const std::optional<double> b =
+      dash == std::string::npos ? std::nullopt : size_of(kLengths, units.substr(dash + 1));
+  if (!a || !b) throw wrong(setting, units, "these are no units that are known;", expected);
+  const System system = model.value_or(System{"mm-N-s", 1.0, 1e-3});
+  return {is_force ? *a / system.force : *a, *b / system.length,
+          fmt::format("in {}, the model {} {}", units, model ? "in" : "names no units and is taken as in", system.name)};
+}
+
+// ---- columns -------------------------------------------------------------------------------------------------------
+
+std::string named_columns(const NumberTable& table) {
+  return name_list(table.names);
+}
+
+/// "Fx [N]" is "fx".
+std::string bare_name(const std::string& name) {
+  return lower_case(trimmed(name.substr(0, name.find_first_of("[("))));
+}
+
+bool ends_in(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// Columns whose names are one of these or end in "_" and one of these.
+std::vector<int> like(const NumberTable& table, const std::vector<std::string>& words) {
+  std::vector<int> found;
+  for (std::size_t i = 0; i < table.names.size(); ++i)
+    for (const std::string& word : words)
+      if (bare_name(table.names[i]) == word || ends_in(bare_name(table.names[i]), "_" + word)) {
+        found.push_back(static_cast<int>(i));
+        break;
+      }
+  return found;
+}
+
+int time_column(const NumberTable& table) {
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    const std::string name = bare_name(table.names[i]);
+    if (name == "time" || name == "t" || name == "percent" || name.find("cycle") != name.npos || name == "%")
+      return static_cast<int>(i);
+  }
+  return -1;
+}
+
+/// Three columns by the words for their x, y, z; all -1: none of them is there.
+std::array<int, 3> vector_columns(const NumberTable& table, const char* setting, const char* what,
+                                  const std::array<std::vector<std::string>, 3>& words) {
+  std::array<int, 3> columns = {-1, -1, -1};
+  int none = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::vector<int> found = like(table, words[k]);
+    if (found.size() > 1)
+      throw InputError(Fault{.place = table.path,
+                             .found = say("found {} columns that may be the {}'s {}: {};", found.size(), what,
+                                          "xyz"[k] == 'x' ? "x" : k == 1 ? "y" : "z",
+                                          name_list({table.names[at(found[0])], table.names[at(found[1])]})),
+                             .expected = say("name them with {}", NamedSetting{setting})});
+    if (found.empty())
+      ++none;
+    else
+      columns[k] = found[0];
+  }
+  if (none == 1 || none == 2)
+    throw InputError(Fault{.place = table.path,
+                           .found = say("found not all three columns of the {} among {};", what, named_columns(table)),
+                           .expected = say("name the columns with {}", NamedSetting{setting})});
+  return columns;
+}
+
+/// Three or six columns by the names given.
+std::vector<int> given_columns(const NumberTable& table, const char* setting, const std::string& names) {
+  std::vector<int> columns;
+  for (const std::string& name : split_at_commas(names)) {
+    columns.push_back(table.find(name));
+    if (columns.back() < 0)
+      throw wrong(setting, names, say("{} has no column {};", table.path, febio::quote(name)),
+                  say("it has {}", named_columns(table)));
+  }
+  if (columns.size() != 3 && columns.size() != 6)
+    throw wrong(setting, names, say("these are {} columns;", columns.size()), "name three, or six");
+  return columns;
+}
+
+/// Rising times of the rows; without a column of times: 1, 2, 3, ...
+std::vector<double> times_of(const NumberTable& table) {
+  const int column = time_column(table);
+  std::vector<double> times;
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    times.push_back(column < 0 ? static_cast<double>(r + 1) : table.rows[r][at(column)]);
+    if (r > 0 && !(times[r] > times[r - 1]))
+      throw InputError(fmt::format("{}:{}: found time {:g} after {:g}, expected times that rise from row to row", table.path,
+                                   table.lines[r], times[r], times[r - 1]));
+  }
+  return times;
+}
+
+std::string column_names(const NumberTable& table, const std::vector<int>& columns) {
+  std::string names;
+  for (int c : columns) names += (names.empty() ? "" : ", ") + table.names[at(c)];
+  return names;
+}
+
+std::string rows_in_words(const NumberTable& table, const std::vector<int>& columns, const std::vector<double>& times) {
+  const int time = time_column(table);
+  return fmt::format("{}: {} rows, {} {:g} to {:g}, columns {}", table.path, table.rows.size(),
+                     time < 0 ? "numbered" : fmt::format("{}", table.names[at(time)]), times.front(), times.back(),
+                     column_names(table, columns));
+}
+
+std::vector<Vector6> values_of(const NumberTable& table, const std::vector<int>& columns) {
+  std::vector<Vector6> values(table.rows.size(), Vector6::Zero());
+  for (std::size_t r = 0; r < table.rows.size(); ++r)
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      values[r][static_cast<Eigen::Index>(k)] = table.rows[r][at(columns[k])];
+  return values;
+}
+
+void need_body(const char* file_setting, const std::string& file, const char* body_setting, const std::string& body) {
+  if (file.empty() && !body.empty())
+    throw wrong(body_setting, body, "there is no table for it;", say("name its file with {}", NamedSetting{file_setting}));
+  if (!file.empty() && body.empty())
+    throw wrong(file_setting, file, "no body is named on which its rows act;",
+                say("name it with {}", NamedSetting{body_setting, "", "BODY"}));
+}
+
+// ---- loads ---------------------------------------------------------------------------------------------------------
+
+std::vector<int> load_columns(const NumberTable& table, const std::string& given) {
+  if (!given.empty()) return given_columns(table, "load-columns", given);
+  const auto words = [](const char* letter, const char* word, const char* other) {
+    std::array<std::vector<std::string>, 3> all;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string axis(1, "xyz"[k]);
+      all[k] = {letter + axis, std::string(letter) + "_" + axis, std::string(word) + "_" + axis, word + axis,
+                std::string(other) + "_" + axis, other + axis, std::string(word) + "_v" + axis};
+    }
+    return all;
+  };
+  const std::array<int, 3> force = vector_columns(table, "load-columns", "force", words("f", "force", "force_v"));
+  if (force[0] < 0)
+    throw InputError(Fault{.place = table.path,
+                           .found = say("found no columns fx, fy, fz among {};", named_columns(table)),
+                           .expected = say("name the force's columns, and the moment's, with {}",
+                                           NamedSetting{"load-columns", "", "FX,FY,FZ,MX,MY,MZ"})});
+  const std::array<int, 3> moment = vector_columns(table, "load-columns", "moment", words("m", "moment", "torque"));
+  std::vector<int> columns(force.begin(), force.end());
+  if (moment[0] >= 0) columns.insert(columns.end(), moment.begin(), moment.end());
+  return columns;
+}
+
+void read_loads(const JointModel& model, const Settings& settings, LoadTable& loads) {
+  const NumberTable table = read_table(loads.file);
+  const std::optional<System> system = model_system(model, settings);
+  std::string units = loads.units;
+  if (units.empty() && table.opensim) {
+    if (!system)
+      throw InputError(Fault{
+          .place = table.path,
+          .found = "OpenSim's tables are in N and N m, and the model names no units;",
+          .expected = say("name the model's with {}, or the table's with {} (the model is in mm and N then)",
+                          NamedSetting{"units", "", "mm-N-s"}, NamedSetting{"load-units", "", "N-m"})});
+    units = "N-m";
+  }
+  Scale scale;
+  if (!units.empty())
+    scale = scale_of("load-units", units, kForces, "FORCE-LENGTH of N, kN, mN, nN and m, cm, mm, um, such as N-m", system,
+                     true);
+  const std::vector<int> columns = load_columns(table, loads.columns);
+  loads.time = times_of(table);
+  loads.load = values_of(table, columns);
+  const double share = loads.body_weight ? *loads.body_weight / 100.0 : 1.0;
+  // a body weight is given in the model's force: only the lever of a moment has a unit of the table's
+  const double force = loads.body_weight ? share : scale.first, moment = force * scale.length;
+  for (Vector6& load : loads.load) {
+    load.head<3>() *= force;
+    load.tail<3>() *= moment;
+  }
+  loads.words = fmt::format("{} {}", rows_in_words(table, columns, loads.time),
+                            loads.body_weight ? fmt::format("in % of {:g}{}", *loads.body_weight,
+                                                            columns.size() > 3 && !units.empty()
+                                                                ? fmt::format(", moments times length {}", scale.words)
+                                                                : "")
+                                              : scale.words);
+}
+
+// ---- motion --------------------------------------------------------------------------------------------------------
+
+/// Rotation vector of three angles about the axes of `sequence`, each about the axis that the one before has turned.
+Eigen::Vector3d rotation_vector(const std::string& sequence, const Eigen::Vector3d& angles) {
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  for (int k = 0; k < 3; ++k)
+    q = q * Eigen::Quaterniond(Eigen::AngleAxisd(angles[k], Eigen::Vector3d::Unit(sequence[at(k)] - 'x')));
+  const Eigen::AngleAxisd turn(q);
+  return turn.angle() * turn.axis();
+}
+
+std::vector<int> motion_columns(const NumberTable& table, const MotionTable& motion) {
+  if (!motion.columns.empty()) return given_columns(table, "motion-columns", motion.columns);
+  const auto words = [](const std::vector<std::string>& before) {
+    std::array<std::vector<std::string>, 3> all;
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const std::string& word : before) all[k].push_back(word + "xyz"[k]);
+    return all;
+  };
+  const std::array<int, 3> translation =
+      vector_columns(table, "motion-columns", "translation", words({"t", "translation_", "translation", "u"}));
+  const std::array<int, 3> turn =
+      vector_columns(table, "motion-columns", "rotation", words({"r", "rotation_", "rotation", "angle_"}));
+  if (translation[0] < 0)
+    throw InputError(Fault{.place = table.path,
+                           .found = say("found no columns tx, ty, tz among {};", named_columns(table)),
+                           .expected = say("name the translation's columns, and the rotation's, with {}",
+                                           NamedSetting{"motion-columns", "", "TX,TY,TZ,RX,RY,RZ"})});
+  std::vector<int> columns(translation.begin(), translation.end());
+  if (turn[0] >= 0) columns.insert(columns.end(), turn.begin(), turn.end());
+  return columns;
+}
+
+void read_motion(const JointModel& model, const Settings& settings, MotionTable& motion) {
+  const NumberTable table = read_table(motion.file);
+  const std::optional<System> system = model_system(model, settings);
+  const std::vector<int> columns = motion_columns(table, motion);
+  motion.turns = columns.size() == 6;
+  if (motion.turns && motion.rotation.empty())
+    throw wrong("motion", motion.file, "its rows have rotations, and nobody says what their three numbers are;",
+                say("say {} for a rotation vector, or the sequence of three angles: {}",
+                    NamedSetting{"motion-rotation", "", "vector"}, NamedSetting{"motion-rotation", "", "zxy"}));
+  std::string units = motion.units;
+  if (units.empty() && table.opensim) {
+    if (!system)
+      throw InputError(Fault{
+          .place = table.path,
+          .found = "OpenSim's tables are in m, and the model names no units;",
+          .expected = say("name the model's with {}, or the table's with {} (the model is in mm and N then)",
+                          NamedSetting{"units", "", "mm-N-s"}, NamedSetting{"motion-units", "", "deg-m"})});
+    units = table.degrees ? "deg-m" : "rad-m";
+  }
+  if (units.empty() && motion.turns)
+    throw wrong("motion", motion.file, "its rows have rotations, and nobody says whether in degrees or radians;",
+                say("say {}", NamedSetting{"motion-units", "", "deg-mm"}));
+  Scale scale;
+  if (!units.empty())
+    scale = scale_of("motion-units", units, kAngles, "ANGLE-LENGTH of deg, rad and m, cm, mm, um, such as deg-mm", system,
+                     false);
+  motion.time = times_of(table);
+  motion.motion = values_of(table, columns);
+  for (Vector6& row : motion.motion) {
+    row.head<3>() *= scale.length;
+    row.tail<3>() *= scale.first;
+    if (motion.turns && motion.rotation != "vector") row.tail<3>() = rotation_vector(motion.rotation, row.tail<3>());
+  }
+  motion.words = fmt::format("{} {}", rows_in_words(table, columns, motion.time), scale.words);
+}
+
+}  // namespace
+
+void read_tables(const JointModel& model, Settings& settings) {
+  const std::string& named = settings.units.empty() ? model.units : settings.units;
+  if (!settings.units.empty() && !model.units.empty() && settings.units != model.units)
+    throw wrong("units", settings.units, say("the model says that it is in {};", febio::quote(model.units)), "leave it out");
+  if (!settings.units.empty() && !model_system(model, settings))
+    throw wrong("units", named, "this is no system of units of FEBio's;",
+                "name one of SI, mm-N-s, mm-kg-s, um-nN-s, CGS, mm-g-s, mm-mg-s");
+  need_body("loads", settings.loads.file, "load-body", settings.loads.body);
+  need_body("motion", settings.motion.file, "motion-body", settings.motion.body);
+  if (!settings.loads.file.empty()) read_loads(model, settings, settings.loads);
+  if (!settings.motion.file.empty()) read_motion(model, settings, settings.motion);
+}
+
+}  // namespace dea

@@ -1,0 +1,14 @@
+// febiodea/io/tables/read_tables.h – loads and motions from the files that settings name.
+#pragma once
+#include <febiodea/model/joint_model.h>
+#include <febiodea/model/settings.h>
+
+namespace dea {
+
+/// Fills the rows of settings.loads and settings.motion from their files; nothing where there are none. Units: from the
+/// table's to the model's, as settings.units or else the model names it. OpenSim's tables are in N, m, and N m; a table
+/// that names no units and for which none are given is in the model's. Throws InputError (a file's fault, with its line)
+/// and UsageError (settings that do not fit together).
+void read_tables(const JointModel& model, Settings& settings);
+
+}  // namespace dea

@@ -1,0 +1,146 @@
+#include <febiodea/equilibrium/placing.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/rotations.h>
+#include <febiodea/base/say.h>
+#include <febiodea/equilibrium/connectors.h>
+#include <febiodea/equilibrium/equilibrium.h>
+
+namespace dea {
+
+namespace {
+
+constexpr double kDegree = kPi / 180.0;
+
+[[noreturn]] void refuse(const std::string& name, Sentence found) {
+  throw UsageError(
+      Fault{.given = NamedSetting{"rotate", name},
+            .found = std::move(found),
+            .expected = say("name the point to turn about: {}", NamedSetting{"rotate-about", name, "x,y,z"})});
+}
+
+/// The sphere through a body's articular surface, if it has one and that is round enough to have a centre.
+SphereFit articular_sphere(const Joint& joint, int body, const std::string& name) {
+  std::set<int> surfaces;
+  const Layer* layer = nullptr;
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& l : pair.layers)
+      if (l.body == body && surfaces.insert(l.surface).second) layer = &l;
+  if (!layer) refuse(name, "this body has no articular surface, so no sphere;");
+  if (surfaces.size() > 1)
+    refuse(name, say("this body has {} articular surfaces, each with a sphere of its own;", surfaces.size()));
+  const SphereFit sphere = fit_sphere(layer->articular);
+  if (!(sphere.rms <= 0.1 * sphere.radius))
+    refuse(name, say("its articular surface is no sphere: the points lie {:.3g} from one of radius {:.3g} (root mean "
+                     "square);",
+                     sphere.rms, sphere.radius));
+  // a flat surface has no centre: that of its sphere lies anywhere far away
+  if (sphere.radius > 10.0 * surface_extent(layer->articular).radius_of_gyration)
+    refuse(name, say("its articular surface is nearly flat (sphere of radius {:.3g});", sphere.radius));
+  return sphere;
+}
+
+/// What a body is turned about, and how that is called.
+struct Turn {
+  Vector3d reference = Vector3d::Zero();
+  std::string name;
+};
+Turn turn_of(const Joint& joint, int body, const TurnPoint& about, const std::string& name) {
+  switch (about.kind) {
+    case TurnPoint::Kind::Point:
+      return {about.point, "the point"};
+    case TurnPoint::Kind::CenterOfMass:
+      return {joint.bodies[at(body)].center_of_mass, "its centre of mass"};
+    case TurnPoint::Kind::SphereCenter:
+      break;
+  }
+  const SphereFit sphere = articular_sphere(joint, body, name);
+  return {sphere.center, fmt::format("the centre of its articular surface's sphere (radius {:.4g}, rms distance {:.2g}),",
+                                     sphere.radius, sphere.rms)};
+}
+
+int placed_body(const JointModel& model, const Joint& joint, const Placement& p) {
+  const int body = joint.find_body(model, p.body);
+  if (joint.bodies[at(body)].ground)
+    throw UsageError(Fault{.given = NamedSetting{p.kind == Placement::Kind::Rotate ? "rotate" : "move", p.body},
+                           .found = "the ground never moves;",
+                           .expected = "name a rigid body"});
+  return body;
+}
+
+/// Each placement in turn. `done(placement, turn, point)`: after one, with the place about which it turned.
+template <class Done>
+std::vector<Pose> place_bodies(const JointModel& model, const Joint& joint, const Settings& settings, const Done& done) {
+  std::vector<Pose> poses = reference_poses(joint);
+  for (const Placement& p : settings.placements) {
+    const int body = placed_body(model, joint, p);
+    Pose& pose = poses[at(body)];
+    if (p.kind == Placement::Kind::Move) {
+      pose.center += p.vector;
+      done(p, Turn{}, pose.center);
+      continue;
+    }
+    const auto given = settings.rotate_about.find(p.body);
+    const Turn turn = turn_of(joint, body, given == settings.rotate_about.end() ? TurnPoint{} : given->second, p.body);
+    const Vector3d point = pose.center + pose.rotation * (turn.reference - joint.bodies[at(body)].center_of_mass);
+    const Eigen::Matrix3d Q = rotation(p.degrees * kDegree * p.vector.normalized());
+    pose.center = point + Q * (pose.center - point);
+    pose.rotation = Q * pose.rotation;
+    done(p, turn, point);
+  }
+  return poses;
+}
+
+}  // namespace
+
+Vector3d turn_point(const Joint& joint, int body, const TurnPoint& about, const std::string& name) {
+  return turn_of(joint, body, about, name).reference;
+}
+
+std::vector<Pose> starting_poses(const JointModel& model, const Joint& joint, const Settings& settings) {
+  return place_bodies(model, joint, settings, [](const Placement&, const Turn&, const Vector3d&) {});
+}
+
+std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& joint, const Settings& settings) {
+  std::vector<Sentence> words;
+  place_bodies(model, joint, settings, [&](const Placement& p, const Turn& turn, const Vector3d& point) {
+    const Vector3d& v = p.vector;
+    if (p.kind == Placement::Kind::Move)
+      words.push_back(say("body \"{}\" is moved by ({:g}, {:g}, {:g}) before it starts", p.body, v.x(), v.y(), v.z()));
+    else
+      words.push_back(say("body \"{}\" is turned by {:g} degrees about ({:g}, {:g}, {:g}) before it starts, through {} "
+                          "({:.6g}, {:.6g}, {:.6g})",
+                          p.body, p.degrees, v.x(), v.y(), v.z(), turn.name, point.x(), point.y(), point.z()));
+  });
+  return words;
+}
+
+std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint, const std::vector<Pose>& start) {
+  std::vector<Fault> faults;
+  double size = 0.0;
+  for (const Body& body : joint.bodies) size = std::max(size, body.center_of_mass.norm());
+  for (const Connector& c : joint.connectors) {
+    const Vector6 motion = connector_motion(joint, c, start), before = connector_motion(joint, c, reference_poses(joint));
+    const double length = size + c.point.norm();
+    for (int k = 0; k < kDofs; ++k) {
+      const double gap = std::abs(motion[k] - before[k]);
+      if (c.motion[at(k)] != RigidJoint::Motion::Held || gap <= (k < 3 ? 1e-6 * length : 1e-6)) continue;
+      faults.push_back(make_fault(
+          model, c.origin,
+          say("joint \"{}\" holds its two bodies together, and as these are placed they are {:.3g}{} apart {} its axis "
+              "{};",
+              c.name, gap, k < 3 ? "" : " rad", k < 3 ? "along" : "about", k % 3 + 1),
+          "place both bodies alike, or only along the motion that the joint leaves free"));
+      break;
+    }
+  }
+  return faults;
+}
+
+}  // namespace dea

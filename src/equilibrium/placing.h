@@ -1,0 +1,27 @@
+// febiodea/equilibrium/placing.h – where bodies are put before anything moves or loads them.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/geometry/pose.h>
+#include <febiodea/geometry/surface_mesh.h>
+#include <febiodea/joint/joint.h>
+
+namespace dea {
+
+/// Starting pose of each body: its reference pose, then settings.placements in their order. What is attached to a body
+/// goes along; nothing is recognised again. Throws UsageError for a body that is not there or never moves, and where the
+/// sphere about whose centre a body is to be turned says little: settings.rotate_about has to name the point then.
+std::vector<Pose> starting_poses(const JointModel& model, const Joint& joint, const Settings& settings);
+
+/// Reference coordinates of the point about which settings turn a body. `name`: of the body, for faults. Throws as
+/// starting_poses does.
+Vector3d turn_point(const Joint& joint, int body, const TurnPoint& about, const std::string& name);
+
+/// The placements, a sentence each: how a body is turned, about what point, and how that was found.
+std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& joint, const Settings& settings);
+
+/// Joints that the placements pull apart: motions they hold would be broken at the start.
+std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint, const std::vector<Pose>& start);
+
+}  // namespace dea

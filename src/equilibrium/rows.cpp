@@ -1,0 +1,123 @@
+#include <febiodea/equilibrium/rows.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+#include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/times.h>
+
+namespace dea {
+
+namespace {
+
+UsageError wrong(const char* setting, const std::string& value, Sentence found, Sentence expected) {
+  return UsageError(Fault{
+      .given = NamedSetting{setting, "", value}, .found = std::move(found), .expected = std::move(expected)});
+}
+
+void refuse_ground(const Joint& joint, const JointModel& model, const char* setting, const std::string& name) {
+  if (joint.bodies[at(joint.find_body(model, name))].ground)
+    throw wrong(setting, name, "the ground never moves;", "name a rigid body");
+}
+
+bool loads_given(const Settings& s) { return !s.loads.time.empty(); }
+bool motion_given(const Settings& s) { return !s.motion.time.empty(); }
+
+}  // namespace
+
+void check_rows(const JointModel& model, const Joint& joint, const Settings& s) {
+  if (loads_given(s)) {
+    refuse_ground(joint, model, "load-body", s.loads.body);
+    const int body = joint.find_body(model, s.loads.body);
+    for (const auto& entry : s.force)
+      if (joint.find_body(model, entry.first) == body)
+        throw UsageError(Fault{.given = NamedSetting{"force", entry.first},
+                               .found = "the table of loads acts on this body too;",
+                               .expected = "leave one of them out"});
+  }
+  if (motion_given(s)) refuse_ground(joint, model, "motion-body", s.motion.body);
+  if (loads_given(s) && motion_given(s)) {
+    const auto& a = s.loads.time;
+    const auto& b = s.motion.time;
+    bool same = a.size() == b.size();
+    for (std::size_t r = 0; same && r < a.size(); ++r)
+      same = std::abs(a[r] - b[r]) <= 1e-6 * std::max({std::abs(a.front()), std::abs(a.back()), 1e-300});
+    if (!same)
+      throw wrong("motion", s.motion.file,
+                  say("its rows ({}, {:g} to {:g}) are not at the times of the loads' ({}, {:g} to {:g});", b.size(),
+                      b.front(), b.back(), a.size(), a.front(), a.back()),
+                  "give both tables the same times");
+  }
+  if (row_count(s) > 0) make_row_case(model, joint, s, 0, reference_poses(joint));  // a frame that cannot be followed
+}
+
+std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint, const Settings& s) {
+  std::vector<Sentence> words;
+  const char* before = s.skip_steps ? "from the starting poses, without the model's steps"
+                                    : "after the model's steps, whose ends are solved on the way";
+  if (loads_given(s)) {
+    const LoadCase first = make_row_case(model, joint, s, 0, reference_poses(joint));
+    const std::size_t b = at(joint.find_body(model, s.loads.body));
+    const BodyConditions& body = first.bodies[b];
+    const Eigen::Matrix3d start = first.start.empty() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : first.start[b].rotation;
+    const Vector3d force = body.dead.head<3>() + start * body.follower.head<3>(),
+                   moment = body.dead.tail<3>() + start * body.follower.tail<3>(),
+                   point = joint.bodies[b].center_of_mass + body.arm;
+    words.push_back(say("loads of {}, on body \"{}\", {}", s.loads.words.empty() ? "a table" : s.loads.words, s.loads.body,
+                        before));
+    words.push_back(say("its first row in global axes: force ({:.6g}, {:.6g}, {:.6g}), moment ({:.6g}, {:.6g}, {:.6g}), at "
+                        "({:.6g}, {:.6g}, {:.6g}) of the body's reference position{}",
+                        force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(), point.x(), point.y(),
+                        point.z(), s.load_at.count(s.loads.body) ? "" : ", its centre of mass"));
+    int free = 0;
+    for (DofState d : body.dofs) free += d == DofState::Free;
+    if (free == 0)
+      words.push_back(say("body \"{}\" is not free to move at the end of the last step: the table's loads have no effect",
+                          s.loads.body));
+  }
+  if (motion_given(s))
+    words.push_back(say("motion of {}, of body \"{}\"{}, {}", s.motion.words.empty() ? "a table" : s.motion.words,
+                        s.motion.body,
+                        !s.motion.turns ? ", translations alone"
+                        : s.motion.rotation == "vector"
+                            ? ", rotation vectors"
+                            : fmt::format(", angles in the sequence {}", s.motion.rotation),
+                        before));
+  if (row_count(s) == 0 && s.skip_steps)
+    words.push_back(say("the model's steps are not walked through: what holds at time {:g} starts from the starting poses",
+                        step_starts(model).back()));
+  return words;
+}
+
+std::vector<Sentence> seating_steps(const JointModel& model, const Joint& joint, const Settings& s) {
+  std::vector<Sentence> words;
+  if (s.skip_steps || model.steps.size() < 2) return words;
+  const std::vector<double> starts = step_starts(model);
+  std::vector<LoadCase> ends;
+  for (int step = 0; step < static_cast<int>(model.steps.size()); ++step)
+    ends.push_back(make_load_case(model, joint, s, step, starts[at(step) + 1]));
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    for (std::size_t step = 0; step + 1 < ends.size(); ++step) {
+      bool moved = false, let_go = false;
+      for (std::size_t k = 0; k < kDofs; ++k) {
+        const bool driven = ends[step].bodies[b].dofs[k] == DofState::Prescribed &&
+                            ends[step].bodies[b].value[static_cast<Eigen::Index>(k)] != 0.0;
+        moved = moved || driven;
+        let_go = let_go || (driven && ends.back().bodies[b].dofs[k] == DofState::Free);
+      }
+      if (moved && let_go) {
+        words.push_back(say("step {} moves body \"{}\", and the last step lets it go: if it only seats the bones, as finite "
+                            "elements need, {} starts the last step without it",
+                            step + 1, joint.bodies[b].name, NamedSetting{"skip-steps"}));
+        return words;
+      }
+    }
+  return words;
+}
+
+}  // namespace dea

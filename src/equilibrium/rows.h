@@ -1,0 +1,19 @@
+// febiodea/equilibrium/rows.h – what tables of loads and motion say, checked and in words.
+#pragma once
+#include <vector>
+
+#include <febiodea/joint/joint.h>
+
+namespace dea {
+
+/// Tables that do not fit each other, the joint or the other settings: UsageError.
+void check_rows(const JointModel& model, const Joint& joint, const Settings& settings);
+
+/// How tables were taken, a sentence each; of loads also the first row in global axes.
+std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint, const Settings& settings);
+
+/// Steps that seem to serve finite elements alone, as they bring bodies into contact by a motion that a later step lets go:
+/// they can be skipped. Empty: none.
+std::vector<Sentence> seating_steps(const JointModel& model, const Joint& joint, const Settings& settings);
+
+}  // namespace dea
