@@ -9,6 +9,8 @@
 #include <febiodea/base/decompositions.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/rotations.h>
+#include <febiodea/base/say.h>
+#include <febiodea/joint/placing.h>
 
 namespace dea {
 
@@ -444,6 +446,28 @@ bool close_connectors(const Joint& joint, const LoadCase& load_case, const Conne
     move_bodies(poses, motion);
   }
   return largest_of(connector_rows(joint, load_case, poses)) <= 1e-10 * all.size;
+}
+
+std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint, const std::vector<Pose>& start) {
+  std::vector<Fault> faults;
+  double size = 0.0;
+  for (const Body& body : joint.bodies) size = std::max(size, body.center_of_mass.norm());
+  for (const Connector& c : joint.connectors) {
+    const Vector6 motion = connector_motion(joint, c, start), before = connector_motion(joint, c, reference_poses(joint));
+    const double length = size + c.point.norm();
+    for (int k = 0; k < kDofs; ++k) {
+      const double gap = std::abs(motion[k] - before[k]);
+      if (c.motion[at(k)] != RigidJoint::Motion::Held || gap <= (k < 3 ? 1e-6 * length : 1e-6)) continue;
+      faults.push_back(make_fault(
+          model, c.origin,
+          say("joint \"{}\" holds its two bodies together, and as these are placed they are {:.3g}{} apart {} its axis "
+              "{};",
+              c.name, gap, k < 3 ? "" : " rad", k < 3 ? "along" : "about", k % 3 + 1),
+          "place both bodies alike, or only along the motion that the joint leaves free"));
+      break;
+    }
+  }
+  return faults;
 }
 
 }  // namespace dea

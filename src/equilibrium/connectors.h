@@ -74,4 +74,7 @@ bool close_connectors(const Joint& joint, const LoadCase& load_case, const Conne
 /// Turns and moves bodies: 6 numbers per body, translation of the centre and rotation vector, global.
 void move_bodies(std::vector<Pose>& poses, const Eigen::VectorXd& motion);
 
+/// Joints that the starting poses pull apart: motions they hold would be broken from the start.
+std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint, const std::vector<Pose>& start);
+
 }  // namespace dea

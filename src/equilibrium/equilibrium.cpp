@@ -145,12 +145,6 @@ std::vector<std::string> held_in_words(const Problem& problem, const Solution& s
 
 }  // namespace
 
-std::vector<Pose> reference_poses(const Joint& joint) {
-  std::vector<Pose> poses;
-  for (const Body& b : joint.bodies) poses.push_back({b.center_of_mass, Eigen::Matrix3d::Identity()});
-  return poses;
-}
-
 BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
                      const std::vector<Pose>& poses) {
   std::vector<PressMemory> memory;

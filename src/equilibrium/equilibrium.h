@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <febiodea/equilibrium/body_forces.h>
+#include <febiodea/joint/placing.h>
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/equilibrium/search.h>
 #include <febiodea/equilibrium/spring_beds.h>
@@ -36,9 +37,6 @@ struct Equilibrium {
       0.0;  ///< least eigenvalue of the symmetric part of the stiffness (translations and rotations
             ///  times length), flat directions left out; < 0: unstable; NaN: nothing free
 };
-
-/// Poses of all bodies at rest in their reference positions.
-std::vector<Pose> reference_poses(const Joint& joint);
 
 /// All that acts on the bodies at given poses but the connectors' reactions: 6 numbers per body (E1), and the
 /// derivative by small motions of the bodies. For tests and tools.

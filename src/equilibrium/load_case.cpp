@@ -10,7 +10,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/rotations.h>
 #include <febiodea/base/say.h>
-#include <febiodea/equilibrium/placing.h>
+#include <febiodea/joint/placing.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/model/load_curve.h>
 

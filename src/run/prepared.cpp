@@ -3,7 +3,7 @@
 #include <utility>
 
 #include <febiodea/base/numbers.h>
-#include <febiodea/equilibrium/placing.h>
+#include <febiodea/joint/placing.h>
 
 namespace dea {
 

@@ -9,8 +9,9 @@
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
+#include <febiodea/equilibrium/connectors.h>
 #include <febiodea/equilibrium/load_case.h>
-#include <febiodea/equilibrium/placing.h>
+#include <febiodea/joint/placing.h>
 #include <febiodea/equilibrium/rows.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/bodies.h>

@@ -1,4 +1,4 @@
-// febiodea/equilibrium/placing.h – where bodies are put before anything moves or loads them.
+// febiodea/joint/placing.h – where bodies are put before anything moves or loads them.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,6 +8,9 @@
 #include <febiodea/joint/joint.h>
 
 namespace dea {
+
+/// Poses of all bodies in the reference configuration.
+std::vector<Pose> reference_poses(const Joint& joint);
 
 /// Starting pose of each body: its reference pose, then settings.placements in their order. What is attached to a body
 /// goes along; nothing is recognised again. Throws UsageError for a body that is not there or never moves, and where the
@@ -20,8 +23,5 @@ Vector3d turn_point(const Joint& joint, int body, const TurnPoint& about, const 
 
 /// The placements, a sentence each: how a body is turned, about what point, and how that was found.
 std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& joint, const Settings& settings);
-
-/// Joints that the placements pull apart: motions they hold would be broken at the start.
-std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint, const std::vector<Pose>& start);
 
 }  // namespace dea

@@ -1,4 +1,4 @@
-#include <febiodea/equilibrium/placing.h>
+#include <febiodea/joint/placing.h>
 
 #include <fmt/format.h>
 
@@ -9,8 +9,6 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/rotations.h>
 #include <febiodea/base/say.h>
-#include <febiodea/equilibrium/connectors.h>
-#include <febiodea/equilibrium/equilibrium.h>
 
 namespace dea {
 
@@ -99,6 +97,12 @@ std::vector<Pose> place_bodies(const JointModel& model, const Joint& joint, cons
 
 }  // namespace
 
+std::vector<Pose> reference_poses(const Joint& joint) {
+  std::vector<Pose> poses;
+  for (const Body& b : joint.bodies) poses.push_back({b.center_of_mass, Eigen::Matrix3d::Identity()});
+  return poses;
+}
+
 Vector3d turn_point(const Joint& joint, int body, const TurnPoint& about, const std::string& name) {
   return turn_of(joint, body, about, name).reference;
 }
@@ -119,28 +123,6 @@ std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& 
                           p.body, p.degrees, v.x(), v.y(), v.z(), turn.name, point.x(), point.y(), point.z()));
   });
   return words;
-}
-
-std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint, const std::vector<Pose>& start) {
-  std::vector<Fault> faults;
-  double size = 0.0;
-  for (const Body& body : joint.bodies) size = std::max(size, body.center_of_mass.norm());
-  for (const Connector& c : joint.connectors) {
-    const Vector6 motion = connector_motion(joint, c, start), before = connector_motion(joint, c, reference_poses(joint));
-    const double length = size + c.point.norm();
-    for (int k = 0; k < kDofs; ++k) {
-      const double gap = std::abs(motion[k] - before[k]);
-      if (c.motion[at(k)] != RigidJoint::Motion::Held || gap <= (k < 3 ? 1e-6 * length : 1e-6)) continue;
-      faults.push_back(make_fault(
-          model, c.origin,
-          say("joint \"{}\" holds its two bodies together, and as these are placed they are {:.3g}{} apart {} its axis "
-              "{};",
-              c.name, gap, k < 3 ? "" : " rad", k < 3 ? "along" : "about", k % 3 + 1),
-          "place both bodies alike, or only along the motion that the joint leaves free"));
-      break;
-    }
-  }
-  return faults;
 }
 
 }  // namespace dea

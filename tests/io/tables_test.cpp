@@ -1,0 +1,113 @@
+// Tables of loads and motion from files: columns by name, units, OpenSim's headers, and what is refused.
+#include <febiodea/io/tables/read_tables.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/io/tables/number_table.h>
+
+namespace dea {
+namespace {
+
+std::string file(const std::string& name, const std::string& text) {
+  const std::string path = (std::filesystem::path(::testing::TempDir()) / name).string();
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+Settings loads_of(const std::string& path, const std::string& units = "", const std::string& model_units = "") {
+  JointModel model;
+  model.units = model_units;
+  Settings settings;
+  settings.loads.file = path;
+  settings.loads.body = "femur";
+  settings.loads.units = units;
+  read_tables(model, settings);
+  return settings;
+}
+
+std::string refusal(const std::string& path) {
+  try {
+    loads_of(path);
+  } catch (const InputError& e) {
+    return std::string(e.what()).substr(path.size());
+  }
+  return "";
+}
+
+TEST(Tables, CsvInTheModelsUnits) {
+  for (const char* text : {"time,fx,fy,fz\n0,1,2,3\n0.5,4,5,6\n", "\xef\xbb\xbf" "Time [s];Fx [N];Fy;Fz\r\n0;1;2;3\r\n0.5;4;5;6\r\n",
+                           "# gait\n\ntime\tForce_X\tforce_y\tforce_z\n0\t1\t2\t3\n0.5\t4\t5\t6"}) {
+    const LoadTable loads = loads_of(file("loads.csv", text)).loads;
+    ASSERT_EQ(loads.time, (std::vector<double>{0, 0.5})) << text;
+    EXPECT_EQ(loads.load[1].head<3>(), Eigen::Vector3d(4, 5, 6)) << text;
+    EXPECT_EQ(loads.load[1].tail<3>(), Eigen::Vector3d::Zero()) << text;
+  }
+}
+
+// 2 N and 3 N m in a model of mm and N: 2 and 3000; in SI: 2 and 3.
+TEST(Tables, OpenSimIsInNewtonsAndMetres) {
+  const std::string path = file("gait.sto",
+                                "JointReaction\nversion=1\nnRows=1\nnColumns=7\ninDegrees=no\nendheader\n"
+                                "time\thip_fx\thip_fy\thip_fz\thip_mx\thip_my\thip_mz\n0\t0\t2\t0\t3\t0\t0\n");
+  EXPECT_NEAR(loads_of(path, "", "mm-N-s").loads.load[0][1], 2, 1e-12);
+  EXPECT_NEAR(loads_of(path, "", "mm-N-s").loads.load[0][3], 3000, 1e-9);
+  EXPECT_NEAR(loads_of(path, "", "SI").loads.load[0][3], 3, 1e-12);
+  EXPECT_NEAR(loads_of(path, "N-m").loads.load[0][3], 3000, 1e-9);  // nobody names the model's: mm and N, and said
+  EXPECT_NE(loads_of(path, "N-m").loads.words.find("taken as in mm-N-s"), std::string::npos);
+  EXPECT_NE(refusal(path).find("the model names no units"), std::string::npos);
+}
+
+TEST(Tables, PercentOfBodyWeight) {
+  Settings settings;
+  settings.loads.file = file("bw.csv", "cycle,fx,fy,fz\n0,100,0,250\n");
+  settings.loads.body = "femur";
+  settings.loads.body_weight = 800;
+  read_tables({}, settings);
+  EXPECT_EQ(settings.loads.load[0].head<3>(), Eigen::Vector3d(800, 0, 2000));
+}
+
+TEST(Tables, MotionByAnglesAndByVectors) {
+  Settings settings;
+  settings.motion.file = file("pose.csv", "tx,ty,tz,rx,ry,rz\n1,2,3,0,0,90\n1,2,3,90,0,90\n");
+  settings.motion.body = "femur";
+  settings.motion.rotation = "xyz";
+  settings.motion.units = "deg-cm";
+  JointModel model;
+  model.units = "mm-N-s";
+  read_tables(model, settings);
+  EXPECT_LT((settings.motion.motion[0].head<3>() - Eigen::Vector3d(10, 20, 30)).norm(), 1e-12);
+  EXPECT_LT((settings.motion.motion[0].tail<3>() - Eigen::Vector3d(0, 0, kPi / 2)).norm(), 1e-12);
+  // 90 degrees about x, then about the z that has turned: 120 degrees about (1, -1, 1)
+  const Eigen::Vector3d w = settings.motion.motion[1].tail<3>();
+  EXPECT_LT((w - 2 * kPi / 3 * Eigen::Vector3d(1, -1, 1).normalized()).norm(), 1e-12);
+  EXPECT_EQ(settings.motion.time, (std::vector<double>{1, 2}));  // numbered: no column of times
+}
+
+TEST(Tables, RefusedWithTheirLine) {
+  EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n0,1,2\n")),
+            ":2: found 3 values, expected 4: one for each name in the line of names");
+  EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n0,1,2,much\n")),
+            ":2: column \"fz\": found \"much\", expected a number with a decimal point");
+  EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n0,1,2,nan\n")),
+            ":2: column \"fz\": found \"nan\", expected a number with a decimal point");
+  EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n1,1,2,3\n1,1,2,3\n")),
+            ":3: found time 1 after 1, expected times that rise from row to row");
+  EXPECT_EQ(refusal(file("a.csv", "0,1,2,3\n")), ":1: found numbers, expected the names of the columns");
+  EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n")),
+            ":1: found no row, expected at least one below the names of the columns");
+  EXPECT_EQ(refusal(file("a.csv", "")), ":0: found no line, expected the names of the columns and rows");
+  EXPECT_EQ(refusal(file("a.csv", "time,fx,fx\n")), ":1: found two columns named \"fx\", expected different names");
+  EXPECT_NE(refusal(file("a.csv", "time,a_fx,b_fx,fy,fz\n0,1,2,3,4\n")).find("found 2 columns that may be the force's x"),
+            std::string::npos);
+  EXPECT_NE(refusal(file("a.sto", "time\tfx\n0\t1\n")).find("found no line \"endheader\""), std::string::npos);
+  EXPECT_EQ(refusal("nowhere.csv"), ": found no readable file, expected a table");
+}
+
+}  // namespace
+}  // namespace dea
