@@ -247,7 +247,7 @@ void read_elements(Reading& reading, const XMLElement& section) {
   }
   if (!domain.name.empty()) {
     auto& same_name = reading.domain_index[domain.name];
-    if (!same_name.empty() && std::strcmp(reading.rules->version, "2.5") > 0) {
+    if (!same_name.empty() && !reading.rules->up_to_25) {
       fail(reading, section, fmt::format("Elements {} exists twice: rename one", quote(domain.name)));
     }
     same_name.push_back(domain_number);

@@ -25,6 +25,7 @@
 namespace dea::feb {
 
 struct Reading;
+struct Rules;
 using SectionReader = void (*)(Reading&, const XMLElement& section);
 
 /// What reads the elements of one tag.
@@ -32,26 +33,6 @@ struct TagReader {
   const char* tag;
   SectionReader read;
 };
-
-/// What differs between the versions.
-struct Rules {
-  const char* version;
-  bool nested_k_adds;     ///< the k of nested uncoupled materials is added to the top-level k
-  bool unique_materials;  ///< no two materials of one name
-  SectionReader mesh;     ///< Geometry or Mesh
-  SectionReader boundary;
-  SectionReader rigid;  ///< the Rigid section; null: the version has none
-  SectionReader contact;
-  SectionReader constraints;
-  SectionReader loads;
-  SectionReader discrete;
-  bool tag_per_step;  ///< each <Step> is one step; otherwise <Step> has <step> children
-};
-extern const Rules kRules12;
-extern const Rules kRules20;
-extern const Rules kRules25;
-extern const Rules kRules30;
-extern const Rules kRules40;
 
 /// Ids of nodes or elements, in file order. Costs nothing while they increase, as FEBio writes them.
 class IdTable {
@@ -280,6 +261,28 @@ void read_constraints(Reading& reading, const XMLElement& section);
 void read_constraint(Reading& reading, const XMLElement& element);  ///< one of them
 void read_control(Reading& reading, const XMLElement& section);
 void read_load_data(Reading& reading, const XMLElement& section);
+
+// -- the versions ------------------------------------------------------------------------------------
+
+/// What differs between the versions. What a version does not say is as in the latest.
+struct Rules {
+  const char* version;
+  /// 2.5 and before: the k of nested uncoupled materials is added to the top-level k, each <Step> is one step
+  /// (otherwise <Step> has <step> children), Elements may repeat a name, and there is no section Rigid.
+  bool up_to_25 = false;
+  bool unique_materials = true;    ///< no two materials of one name
+  SectionReader mesh = read_mesh;  ///< Geometry or Mesh
+  SectionReader boundary;
+  SectionReader contact = read_contact;
+  SectionReader constraints = read_constraints;
+  SectionReader loads = read_loads;
+  SectionReader discrete = read_discrete;
+};
+extern const Rules kRules12;
+extern const Rules kRules20;
+extern const Rules kRules25;
+extern const Rules kRules30;
+extern const Rules kRules40;
 
 // -- shared conditions, used by the rules of the versions -------------------------------------------
 

@@ -161,18 +161,12 @@ void read_loads_12(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules12{
-    .version = "1.2",
-    .nested_k_adds = true,
-    .unique_materials = false,
-    .mesh = read_geometry,
-    .boundary = read_boundary,
-    .rigid = nullptr,
-    .contact = read_contact,
-    .constraints = read_constraints_12,
-    .loads = read_loads_12,
-    .discrete = read_discrete,
-    .tag_per_step = true,
-};
+const Rules kRules12{.version = "1.2",
+                     .up_to_25 = true,
+                     .unique_materials = false,
+                     .mesh = read_geometry,
+                     .boundary = read_boundary,
+                     .constraints = read_constraints_12,
+                     .loads = read_loads_12};
 
 }  // namespace dea::feb

@@ -33,18 +33,13 @@ void read_discrete_20(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules20{
-    .version = "2.0",
-    .nested_k_adds = true,
-    .unique_materials = false,
-    .mesh = read_mesh,
-    .boundary = read_boundary_20,
-    .rigid = nullptr,
-    .contact = read_contacts_20,
-    .constraints = read_constraints_20,
-    .loads = read_loads_20,
-    .discrete = read_discrete_20,
-    .tag_per_step = true,
-};
+const Rules kRules20{.version = "2.0",
+                     .up_to_25 = true,
+                     .unique_materials = false,
+                     .boundary = read_boundary_20,
+                     .contact = read_contacts_20,
+                     .constraints = read_constraints_20,
+                     .loads = read_loads_20,
+                     .discrete = read_discrete_20};
 
 }  // namespace dea::feb

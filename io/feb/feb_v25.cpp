@@ -39,17 +39,6 @@ void read_constraints_25(Reading& reading, const XMLElement& section) {
 }  // namespace
 
 const Rules kRules25{
-    .version = "2.5",
-    .nested_k_adds = true,
-    .unique_materials = true,
-    .mesh = read_mesh,
-    .boundary = read_boundary_25,
-    .rigid = nullptr,
-    .contact = read_contact,
-    .constraints = read_constraints_25,
-    .loads = read_loads,
-    .discrete = read_discrete,
-    .tag_per_step = true,
-};
+    .version = "2.5", .up_to_25 = true, .boundary = read_boundary_25, .constraints = read_constraints_25};
 
 }  // namespace dea::feb
