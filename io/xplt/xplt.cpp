@@ -8,6 +8,17 @@
 
 namespace dea {
 
+XpltVariable xplt_variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name,
+                           const std::string& units) {
+  XpltVariable v;
+  v.group = group;
+  v.type = type;
+  v.format = format;
+  v.name = name;
+  v.units = units;
+  return v;
+}
+
 int floats_per_value(const XpltVariable& variable) {
   switch (variable.type) {
     case XpltType::Float:

@@ -466,13 +466,7 @@ std::vector<ComparedBody> compare_bodies(const std::vector<ResultFile>& files, c
 }
 
 XpltVariable surface_variable(const std::string& name, const std::string& units) {
-  XpltVariable v;
-  v.group = XpltGroup::Surface;
-  v.type = XpltType::Float;
-  v.format = XpltFormat::Item;
-  v.name = name;
-  v.units = units;
-  return v;
+  return xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name, units);
 }
 
 std::vector<float> floats(const std::vector<double>& values) {
