@@ -95,8 +95,7 @@ void read_material(Reading& reading, const XMLElement& element) {
 }  // namespace
 
 void read_materials(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"material", read_material}};
-  read_children(reading, section, readers, pass_over);
+  read_children(reading, section, {{"material", read_material}}, pass_over);
 }
 
 }  // namespace dea::feb

@@ -7,28 +7,23 @@ namespace dea::feb {
 namespace {
 
 void read_boundary_20(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"fix", read_old_fix}, {"prescribe", read_old_prescribe}};
-  read_children(reading, section, readers);
+  read_children(reading, section, {{"fix", read_old_fix}, {"prescribe", read_old_prescribe}});
 }
 
 void read_contacts_20(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"contact", read_old_contact}};
-  read_children(reading, section, readers);
+  read_children(reading, section, {{"contact", read_old_contact}});
 }
 
 void read_constraints_20(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"rigid_body", read_rigid_body}};
-  read_children(reading, section, readers, read_constraint);
+  read_children(reading, section, {{"rigid_body", read_rigid_body}}, read_constraint);
 }
 
 void read_loads_20(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"nodal_load", read_old_nodal_force}};
-  read_children(reading, section, readers, read_load);
+  read_children(reading, section, {{"nodal_load", read_old_nodal_force}}, read_load);
 }
 
 void read_discrete_20(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"spring", read_old_spring}, {"rigid_axial_force", read_axial_force}};
-  read_children(reading, section, readers);
+  read_children(reading, section, {{"spring", read_old_spring}, {"rigid_axial_force", read_axial_force}});
 }
 
 }  // namespace

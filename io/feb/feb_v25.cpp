@@ -20,11 +20,11 @@ void read_rigid_nodes_25(Reading& reading, const XMLElement& element) {
 }
 
 void read_boundary_25(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"fix", read_fixed_nodes},
-                                          {"prescribe", read_prescribed_nodes},
-                                          {"rigid", read_rigid_nodes_25},
-                                          {"rigid_body", read_rigid_body}};
-  read_children(reading, section, readers);
+  read_children(reading, section,
+                {{"fix", read_fixed_nodes},
+                 {"prescribe", read_prescribed_nodes},
+                 {"rigid", read_rigid_nodes_25},
+                 {"rigid_body", read_rigid_body}});
 }
 
 void refuse_rigid_body(Reading& reading, const XMLElement& element) {
@@ -32,8 +32,7 @@ void refuse_rigid_body(Reading& reading, const XMLElement& element) {
 }
 
 void read_constraints_25(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"rigid_body", refuse_rigid_body}};
-  read_children(reading, section, readers, read_constraint);
+  read_children(reading, section, {{"rigid_body", refuse_rigid_body}}, read_constraint);
 }
 
 }  // namespace
