@@ -62,17 +62,6 @@ Vector3d direction_argument(const char* option, const std::string& text) {
   return v;
 }
 
-std::vector<std::string> words(const std::string& text) {
-  std::vector<std::string> out(1);
-  for (char c : text) {
-    if (c == ',')
-      out.emplace_back();
-    else
-      out.back() += c;
-  }
-  return out;
-}
-
 CompareOptions compare_options(const CompareArguments& a) {
   CompareOptions o;
   if (!a.at.empty()) o.at = number_argument("at", a.at);
@@ -90,7 +79,7 @@ CompareOptions compare_options(const CompareArguments& a) {
   }
   std::sort(o.thresholds.begin(), o.thresholds.end());
   for (const std::string& list : a.regions) {
-    for (const std::string& name : words(list)) {
+    for (const std::string& name : split(list, ',')) {
       if (name.empty()) throw UsageError(fmt::format("--regions {}: found an empty name", list));
       if (name == kThirds)
         o.thirds = true;
@@ -147,52 +136,41 @@ std::vector<std::string> make_labels(const CompareArguments& a) {
 CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   CLI::App* c = app.add_subcommand("compare", "Compare plot files: dea with FEBio, one setting with another");
   c->footer(kCompareFooter);
-  const auto repeated = [&](const char* name, std::vector<std::string>& values, const char* type, const char* group,
-                            const char* help) {
-    c->add_option(name, values, help)
-        ->type_name(type)
-        ->group(group)
-        ->allow_extra_args(false)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  };
-  const auto once = [&](const char* name, std::string& value, const char* type, const char* group, const char* help) {
-    c->add_option(name, value, help)->type_name(type)->group(group);
-  };
   c->add_option("FILES", a.files, "Plot files (.xplt), two or more; the last is the reference")
       ->required()
       ->type_name("");
-  repeated("--label", a.labels, "NAME", "Comparison",
-           "Name of a file in tables and fields, once per file in their order [file names]");
-  repeated("--surface", a.surfaces, "NAME|A=B", "Comparison",
-           "Compare this surface only, A=B where its names differ; may be repeated [those in all files that have "
-           "pressure in at least one]");
-  once("--at", a.at, "TIME", "Comparison", "Compare the states at this time [the last state of each file]");
-  repeated("--threshold", a.thresholds, "PRESSURE", "Comparison",
-           "Also areas, means and Dice above this pressure; may be repeated [0.1 and 0.5]");
-  once("--areas", a.areas, "reference|deformed", "Comparison",
-       "Facet areas of the mesh, or with nodes moved by each file's own displacement [reference]");
-  once("--dose-above", a.dose_above, "PRESSURE", "Comparison", "Integrate over time what exceeds this pressure");
-  repeated("--regions", a.regions, "NAME,NAME", "Regions and profiles",
-           "The same for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: a "
-           "socket's thirds (Abraham et al. 2013), with --up and --anterior; may be repeated");
-  once("--up", a.up, "x,y,z", "Regions and profiles", "Direction to the top");
-  once("--anterior", a.anterior, "x,y,z", "Regions and profiles", "Direction to the front");
+  add_repeated(*c, "--label", a.labels, "NAME", "Comparison",
+               "Name of a file in tables and fields, once per file in their order [file names]");
+  add_repeated(*c, "--surface", a.surfaces, "NAME|A=B", "Comparison",
+               "Compare this surface only, A=B where its names differ; may be repeated [those in all files that have "
+               "pressure in at least one]");
+  add_once(*c, "--at", a.at, "TIME", "Comparison", "Compare the states at this time [the last state of each file]");
+  add_repeated(*c, "--threshold", a.thresholds, "PRESSURE", "Comparison",
+               "Also areas, means and Dice above this pressure; may be repeated [0.1 and 0.5]");
+  add_once(*c, "--areas", a.areas, "reference|deformed", "Comparison",
+           "Facet areas of the mesh, or with nodes moved by each file's own displacement [reference]");
+  add_once(*c, "--dose-above", a.dose_above, "PRESSURE", "Comparison",
+           "Integrate over time what exceeds this pressure");
+  add_repeated(*c, "--regions", a.regions, "NAME,NAME", "Regions and profiles",
+               "The same for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: a "
+               "socket's thirds (Abraham et al. 2013), with --up and --anterior; may be repeated");
+  add_once(*c, "--up", a.up, "x,y,z", "Regions and profiles", "Direction to the top");
+  add_once(*c, "--anterior", a.anterior, "x,y,z", "Regions and profiles", "Direction to the front");
   c->add_flag("--profile", a.profile, "Mean pressure against the angle from an axis")->group("Regions and profiles");
-  once("--axis", a.axis, "x,y,z", "Regions and profiles",
-       "Axis of thirds and profile [mean normal of the reference's surface]");
-  once("--center", a.center, "x,y,z", "Regions and profiles",
-       "Centre of thirds and profile [that of the reference surface's sphere]");
-  once("--bin", a.bin, "DEGREES", "Regions and profiles", "Width of the profile's bins [5]");
-  once("-o", a.output, "both.xplt", "Output",
-       "Plot file with all pressures and their differences on the first file's mesh, at the times all files have");
-  once("--report", a.report, "FILE.html", "Output",
-       "Also write a page for any browser: maps side by side, differences, box plots, scatter, curves, tables");
+  add_once(*c, "--axis", a.axis, "x,y,z", "Regions and profiles",
+           "Axis of thirds and profile [mean normal of the reference's surface]");
+  add_once(*c, "--center", a.center, "x,y,z", "Regions and profiles",
+           "Centre of thirds and profile [that of the reference surface's sphere]");
+  add_once(*c, "--bin", a.bin, "DEGREES", "Regions and profiles", "Width of the profile's bins [5]");
+  add_once(*c, "-o", a.output, "both.xplt", "Output",
+           "Plot file with all pressures and their differences on the first file's mesh, at the times all files have");
+  add_once(*c, "--report", a.report, "FILE.html", "Output",
+           "Also write a page for any browser: maps side by side, differences, box plots, scatter, curves, tables");
   c->add_flag("--time-fields", a.time_fields, "In -o also peak, exposure and dose up to each state")->group("Output");
   add_compress_flag(*c, a.compress);
-  once("--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
-  once("--csv", a.csv, "FILE|-", "Output",
-       "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
+  add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
+  add_once(*c, "--csv", a.csv, "FILE|-", "Output",
+           "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
   add_quiet_flag(*c, a.quiet);
   return c;
 }

@@ -31,24 +31,15 @@ Examples:
 }  // namespace
 
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
-  CLI::App* c = app.add_subcommand("converge", "Find how many springs the result needs");
-  c->footer(kConvergeFooter);
-  add_model_argument(*c, a.model);
-  c->add_option("--target", a.target, "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]")
-      ->type_name("CHANGE")
-      ->group("Study");
-  c->add_option("--max-springs", a.max_springs, "Most springs of a contact to try [400000]")
-      ->type_name("N")
-      ->group("Study");
-  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the table")
-      ->type_name("FILE|-")
-      ->group("Output");
+  CLI::App* c = add_model_command(app, "converge", "Find how many springs the result needs", kConvergeFooter, a.model);
+  add_once(*c, "--target", a.target, "CHANGE", "Study", "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]");
+  add_once(*c, "--max-springs", a.max_springs, "N", "Study", "Most springs of a contact to try [400000]");
+  add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
   CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")
       ->excludes(q)
       ->group("Output");
-  add_settings_options(*c, a.settings, {"refine", "squash"});
-  add_threads_option(*c, a.threads);
+  add_solving_options(*c, a.settings, a.threads, {"refine", "squash"});
   return c;
 }
 

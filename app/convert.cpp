@@ -29,15 +29,12 @@ Examples:
 }  // namespace
 
 CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
-  CLI::App* c = app.add_subcommand("convert", "Write the model anew for FEBio with the FEBioDEA plugin");
-  c->footer(kConvertFooter);
-  add_model_argument(*c, a.model);
-  c->add_option("-o", a.output, "Converted model [MODEL without .feb + _dea.feb, beside the model]")
-      ->type_name("FILE.feb")
-      ->group("Output");
+  CLI::App* c = add_model_command(app, "convert", "Write the model anew for FEBio with the FEBioDEA plugin",
+                                  kConvertFooter, a.model);
+  add_once(*c, "-o", a.output, "FILE.feb", "Output",
+           "Converted model [MODEL without .feb + _dea.feb, beside the model]");
   add_quiet_flag(*c, a.quiet);
-  add_settings_options(*c, a.settings, {"squash"});
-  add_threads_option(*c, a.threads);
+  add_solving_options(*c, a.settings, a.threads, {"squash"});
   return c;
 }
 

@@ -31,17 +31,12 @@ Examples:
 }  // namespace
 
 CLI::App* add_info(CLI::App& app, InfoArguments& a) {
-  CLI::App* c = app.add_subcommand("info", "Print what is recognised in a model: bodies, cartilage, springs, loads");
-  c->footer(kInfoFooter);
-  add_model_argument(*c, a.model);
-  c->add_option("-o", a.output, "Plot file with thickness, gap, missed normals, rims, facets left out and springs")
-      ->type_name("check.xplt")
-      ->group("Output");
-  c->add_option("--json", a.json, "Also write JSON, \"-\" to standard output instead of the text")
-      ->type_name("FILE|-")
-      ->group("Output");
-  add_settings_options(*c, a.settings, {"squash"});
-  add_threads_option(*c, a.threads);
+  CLI::App* c = add_model_command(app, "info", "Print what is recognised in a model: bodies, cartilage, springs, loads",
+                                  kInfoFooter, a.model);
+  add_once(*c, "-o", a.output, "check.xplt", "Output",
+           "Plot file with thickness, gap, missed normals, rims, facets left out and springs");
+  add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the text");
+  add_solving_options(*c, a.settings, a.threads, {"squash"});
   return c;
 }
 

@@ -46,7 +46,8 @@ void add_value(CLI::App& command, std::vector<std::string>& values, const Settin
 
 }  // namespace
 
-void add_settings_options(CLI::App& command, SettingsArguments& arguments, const std::vector<std::string>& without) {
+void add_solving_options(CLI::App& command, SettingsArguments& arguments, std::string& threads,
+                         const std::vector<std::string>& without) {
   for (const SettingOption& option : setting_options()) {
     if (std::find(without.begin(), without.end(), option.name) != without.end()) continue;
     std::vector<std::string>& values = arguments.values[option.name];
@@ -62,12 +63,11 @@ void add_settings_options(CLI::App& command, SettingsArguments& arguments, const
       if (arguments.values.count(name) > 0) arguments.order.push_back(name);
     }
   });
-  command
-      .add_option("--settings", arguments.file,
-                  "XML file with any of the options above (docs/settings.md); the command line comes first, then the "
-                  "file, then the model")
-      ->type_name("FILE")
-      ->group("Settings file");
+  add_once(
+      command, "--settings", arguments.file, "FILE", "Settings file",
+      "XML file with any of the options above (docs/settings.md); the command line comes first, then the file, then "
+      "the model");
+  add_once(command, "--threads", threads, "N", "Computer", "Threads to use; results do not depend on it [all cores]");
 }
 
 Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs) {
@@ -92,8 +92,28 @@ Settings effective_settings(const SettingsArguments& arguments, OutputSettings* 
   return settings;
 }
 
-void add_model_argument(CLI::App& command, std::string& model) {
-  command.add_option("MODEL", model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")->required()->type_name("");
+CLI::App* add_model_command(CLI::App& app, const char* name, const char* help, const char* footer, std::string& model) {
+  CLI::App* command = app.add_subcommand(name, help);
+  command->footer(footer);
+  command->add_option("MODEL", model, "FEBio model (.feb, versions 1.2, 2.0, 2.5, 3.0, 4.0)")
+      ->required()
+      ->type_name("");
+  return command;
+}
+
+void add_once(CLI::App& command, const char* name, std::string& value, const char* type, const char* group,
+              const char* help) {
+  command.add_option(name, value, help)->type_name(type)->group(group);
+}
+
+void add_repeated(CLI::App& command, const char* name, std::vector<std::string>& values, const char* type,
+                  const char* group, const char* help) {
+  command.add_option(name, values, help)
+      ->type_name(type)
+      ->group(group)
+      ->allow_extra_args(false)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet) {
@@ -108,12 +128,6 @@ std::vector<NamedPath> input_files(const std::string& model, const SettingsArgum
   std::vector<NamedPath> inputs = {{"the model", model}};
   if (!settings.file.empty()) inputs.push_back({"the settings file", settings.file});
   return inputs;
-}
-
-void add_threads_option(CLI::App& command, std::string& threads) {
-  command.add_option("--threads", threads, "Threads to use; results do not depend on it [all cores]")
-      ->type_name("N")
-      ->group("Computer");
 }
 
 std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads) {

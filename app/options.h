@@ -22,23 +22,30 @@ struct SettingsArguments {
   std::vector<std::string> order;  ///< names of those that were given, once for each time, in the order of the line
 };
 
-/// All of setting_options, but for those of the names `without`; --settings.
-void add_settings_options(CLI::App& command, SettingsArguments& arguments,
-                          const std::vector<std::string>& without = {});
+/// All of setting_options, but for those of the names `without`; --settings, --threads.
+void add_solving_options(CLI::App& command, SettingsArguments& arguments, std::string& threads,
+                         const std::vector<std::string>& without = {});
 
 /// Command line over settings file over the model's own. Throws UsageError, InputError (settings file). `outputs`: what
 /// the file says of output files and states; nullptr: of no interest.
 Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs = nullptr);
 
-/// MODEL, -q, --compress as all commands that have them spell them.
-void add_model_argument(CLI::App& command, std::string& model);
+/// A command on one MODEL.
+CLI::App* add_model_command(CLI::App& app, const char* name, const char* help, const char* footer, std::string& model);
+
+/// An option that is given once, and one that may be repeated, a value each time. `type`: how the help calls the value.
+void add_once(CLI::App& command, const char* name, std::string& value, const char* type, const char* group,
+              const char* help);
+void add_repeated(CLI::App& command, const char* name, std::vector<std::string>& values, const char* type,
+                  const char* group, const char* help);
+
+/// -q, --compress as all commands that have them spell them.
 CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet);
 void add_compress_flag(CLI::App& command, bool& compress);
 
 /// What must not be written over.
 std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings);
 
-void add_threads_option(CLI::App& command, std::string& threads);
 /// Holds for as long as the result lives; empty `threads`: all cores.
 std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
 

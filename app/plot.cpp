@@ -127,41 +127,32 @@ std::vector<std::string> labels(const PlotArguments& a) {
 CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   CLI::App* c = app.add_subcommand("plot", "Draw the pressure map of plot files: PNG, SVG or PDF");
   c->footer(kPlotFooter);
-  const auto once = [&](const char* name, std::string& value, const char* type, const char* group, const char* help) {
-    c->add_option(name, value, help)->type_name(type)->group(group);
-  };
-  const auto repeated = [&](const char* name, std::vector<std::string>& values, const char* group, const char* help) {
-    c->add_option(name, values, help)
-        ->type_name("NAME")
-        ->group(group)
-        ->allow_extra_args(false)
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  };
   c->add_option("FILES", a.files, "Plot files (.xplt), a panel each")->required()->type_name("");
-  once("-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
+  add_once(*c, "-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
   add_quiet_flag(*c, a.quiet);
-  repeated("--surface", a.surfaces, "What",
-           "Surface to draw; may be repeated [the one with the highest pressure anywhere]");
-  once("--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");
-  once("--at", a.at, "TIME,TIME", "What", "States at these times, a panel each [the last state of each file]");
-  once("--states", a.states, "all|last|t1,t2,...", "What", "The same, or all states");
-  once("--minus", a.minus, "REF.xplt", "What", "Difference: the files' values minus those of this one");
-  repeated("--label", a.labels, "What",
-           "Title of a file's panels, once per file in their order, then --minus [file names]");
-  once("--view", a.view, "x,y,z|unrolled", "View", "Direction from which the surface is seen, or unrolled [its axis]");
-  once("--up", a.up, "x,y,z", "View", "What is up in the picture [z, y or x, the first that lies across]");
+  add_repeated(*c, "--surface", a.surfaces, "NAME", "What",
+               "Surface to draw; may be repeated [the one with the highest pressure anywhere]");
+  add_once(*c, "--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");
+  add_once(*c, "--at", a.at, "TIME,TIME", "What", "States at these times, a panel each [the last state of each file]");
+  add_once(*c, "--states", a.states, "all|last|t1,t2,...", "What", "The same, or all states");
+  add_once(*c, "--minus", a.minus, "REF.xplt", "What", "Difference: the files' values minus those of this one");
+  add_repeated(*c, "--label", a.labels, "NAME", "What",
+               "Title of a file's panels, once per file in their order, then --minus [file names]");
+  add_once(*c, "--view", a.view, "x,y,z|unrolled", "View",
+           "Direction from which the surface is seen, or unrolled [its axis]");
+  add_once(*c, "--up", a.up, "x,y,z", "View", "What is up in the picture [z, y or x, the first that lies across]");
   c->add_flag("--smooth", a.smooth, "Nodal averages instead of facets as they are")->group("Look");
-  once("--contours", a.contours, "none|v1,v2,...", "Look", "Lines of equal value [at the colour bar's numbers]");
-  once("--max", a.high, "VALUE", "Look",
-       "Upper end of the colours [the largest value; joint space: what 95 % lie below]");
-  once("--min", a.low, "VALUE", "Look", "Lower end of the colours [0, or the least value]");
-  once("--scale", a.scale, "all|shown", "Look",
-       "States whose values the colours' ends cover: all of the files, or those shown [all]");
-  once("--title", a.title, "TEXT", "Look", "Title above all panels");
-  once("--width", a.width, "MM", "Look", "Width on paper; letters keep their size [130 to 230, by the panels]");
-  once("--columns", a.columns, "N", "Look", "Panels side by side [as many as there are files, or as fit]");
-  once("--dpi", a.dpi, "DPI", "Look", "Pixels per inch of a PNG [200]");
+  add_once(*c, "--contours", a.contours, "none|v1,v2,...", "Look",
+           "Lines of equal value [at the colour bar's numbers]");
+  add_once(*c, "--max", a.high, "VALUE", "Look",
+           "Upper end of the colours [the largest value; joint space: what 95 % lie below]");
+  add_once(*c, "--min", a.low, "VALUE", "Look", "Lower end of the colours [0, or the least value]");
+  add_once(*c, "--scale", a.scale, "all|shown", "Look",
+           "States whose values the colours' ends cover: all of the files, or those shown [all]");
+  add_once(*c, "--title", a.title, "TEXT", "Look", "Title above all panels");
+  add_once(*c, "--width", a.width, "MM", "Look", "Width on paper; letters keep their size [130 to 230, by the panels]");
+  add_once(*c, "--columns", a.columns, "N", "Look", "Panels side by side [as many as there are files, or as fit]");
+  add_once(*c, "--dpi", a.dpi, "DPI", "Look", "Pixels per inch of a PNG [200]");
   c->add_flag("--dark", a.dark, "Dark paper")->group("Look");
   return c;
 }

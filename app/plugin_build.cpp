@@ -176,12 +176,10 @@ CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& a) {
   CLI::App* c = app.add_subcommand("plugin-build", "Compile the plugin for the FEBio that is installed");
   c->footer(kPluginBuildFooter);
   c->add_option("FEBIO_DIR", a.febio, "Folder of FEBio or of its SDK")->required()->type_name("");
-  c->add_option("-o", a.output, "Folder for the library [the current one]")->type_name("DIR")->group("Output");
+  add_once(*c, "-o", a.output, "DIR", "Output", "Folder for the library [the current one]");
   c->add_flag("-v,--verbose", a.verbose, "What cmake and the compiler say, on standard error")->group("Output");
   c->add_flag("--untested", a.untested, "Compile also for a version of FEBio the plugin has not been tested with");
-  c->add_option("--threads", a.threads, "Files to compile at a time [number of cores]")
-      ->type_name("N")
-      ->group("Computer");
+  add_once(*c, "--threads", a.threads, "N", "Computer", "Files to compile at a time [number of cores]");
   return c;
 }
 

@@ -39,9 +39,8 @@ Examples:
 }  // namespace
 
 CLI::App* add_run(CLI::App& app, RunArguments& a) {
-  CLI::App* c = app.add_subcommand("run", "Solve the contact of a model and write a plot file, a table, JSON or CSV");
-  c->footer(kRunFooter);
-  add_model_argument(*c, a.model);
+  CLI::App* c = add_model_command(
+      app, "run", "Solve the contact of a model and write a plot file, a table, JSON or CSV", kRunFooter, a.model);
   const auto add_output = [&](const OutputOption& o) {
     c->add_option(command_line_name(o), a.outputs.*o.text, o.help)->type_name(o.type)->group("Output");
   };
@@ -54,12 +53,10 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
       ->group("Output");
   for (const OutputOption& o : output_options())
     if (o.kind == OutputOption::Kind::States) add_output(o);
-  c->add_option("--times-from", a.times_from, "Take the times of this FEA result instead of the model's")
-      ->type_name("FEA.xplt")
-      ->group("Output");
+  add_once(*c, "--times-from", a.times_from, "FEA.xplt", "Output",
+           "Take the times of this FEA result instead of the model's");
   add_compress_flag(*c, a.compress);
-  add_settings_options(*c, a.settings);
-  add_threads_option(*c, a.threads);
+  add_solving_options(*c, a.settings, a.threads);
   return c;
 }
 

@@ -52,6 +52,13 @@ Solved solve(const std::string& name, double nu, int refine = 1) {
   return solve(model, settings);
 }
 
+/// 1 %: half a row of springs at the contact's edge, where the pressure vanishes.
+void expect_the_same(const std::string& name, const std::string& other_name, double nu) {
+  const Solved a = solve(name, nu), b = solve(other_name, nu);
+  EXPECT_NEAR(b.force / a.force, 1, 0.01) << nu;
+  EXPECT_NEAR(b.peak / a.peak, 1, 0.01) << nu;
+}
+
 #define NEEDS_CASES() \
   if (!fs::is_directory(kCases)) GTEST_SKIP() << "no " << kCases
 
@@ -136,15 +143,10 @@ struct SlabUnderBall : Pressed {
 
 // ---- planes of symmetry
 
-// Layer first or rigid body first: what differs is whose facets carry the springs. 1 %: half a row of springs at the
-// contact's edge, where the pressure vanishes.
+// Layer first or rigid body first: what differs is whose facets carry the springs.
 TEST(KnownAnswers, QuarterModelEitherWayRound) {
   NEEDS_CASES();
-  for (double nu : kNus) {
-    const Solved a = solve("quarter.feb", nu), b = solve("quarter_rigid_primary.feb", nu);
-    EXPECT_NEAR(b.force / a.force, 1, 0.01) << nu;
-    EXPECT_NEAR(b.peak / a.peak, 1, 0.01) << nu;
-  }
+  for (double nu : kNus) expect_the_same("quarter.feb", "quarter_rigid_primary.feb", nu);
 }
 
 // Two contacts side by side, each with half of the facets that a ball presses: by symmetry each is half of the whole,
@@ -270,11 +272,7 @@ TEST(KnownAnswers, ForgottenPatch) {
 
 TEST(KnownAnswers, SelectionCutOutOfTheLayer) {
   NEEDS_CASES();
-  for (double nu : kNus) {
-    const Solved a = solve("intact.feb", nu), b = solve("cutout_r5.feb", nu);
-    EXPECT_NEAR(b.force / a.force, 1, 0.01) << nu;
-    EXPECT_NEAR(b.peak / a.peak, 1, 0.01) << nu;
-  }
+  for (double nu : kNus) expect_the_same("intact.feb", "cutout_r5.feb", nu);
 }
 
 // A groove of radius 20, lined by 2, under a barrel; selected to half a thickness beyond the contact.

@@ -89,8 +89,7 @@ const Spheres kBone[] = {
 };
 
 StateResult solve(const JointModel& model, const Spheres& c, double force, Facets facets = Facets::Curved) {
-  Settings settings = test::linear();
-  settings.source = c.source;
+  Settings settings = test::linear(c.source);
   settings.springs_at = c.springs_at;
   settings.facets = facets;
   settings.force["ball"] = {0, 0, force};
@@ -270,8 +269,7 @@ TEST(SamplesSphereOnFlat, ClosedForm) {
   const double sagitta = (0.04 + 0.04) * 4 / 9 / (2 * exact.radius);
   for (const char* source : {"base", "sphere"}) {
     const bool on_layer = std::string(source) == "base";
-    Settings settings = test::linear();
-    settings.source = source;
+    Settings settings = test::linear(source);
     const Analysis analysis = analyse(model, settings);
     ASSERT_EQ(analysis.states.size(), 5u);
     const int sphere = analysis.joint.find_body(model, "sphere");
@@ -316,8 +314,7 @@ TEST(SamplesLigament, DepthAndForces) {
   const JointModel& model = sample("ligament/ligament.feb");
   for (const char* source : {"tibia", "femur"}) {
     const bool on_layer = std::string(source) == "tibia";
-    Settings settings = test::linear();
-    settings.source = source;
+    Settings settings = test::linear(source);
     const Analysis analysis = analyse(model, settings);
     ASSERT_EQ(analysis.states.size(), 3u);
     ASSERT_EQ(analysis.joint.ligaments.size(), 4u);

@@ -79,13 +79,7 @@ int rigid_dof(const Reading& reading, const XMLElement& element) {
 void add_body_load(Reading& reading, const XMLElement& element, int material, const std::string& name) {
   const int dof = rigid_dof(reading, element);
   const std::string type = attribute(element, "type");
-  RigidLoad load;
-  load.material = material;
-  load.dof = dof;
-  load.value = read_scaled(reading, element);
-  load.step = reading.step;
-  load.name = name;
-  load.origin = origin_of(reading, element);
+  RigidLoad load = rigid_load(reading, element, material, dof, name);
   if (type == "ramp") load.kind = RigidLoad::Kind::Target;
   if (type == "follow") load.kind = RigidLoad::Kind::Follower;
   if (!febio::one_of(type, {"", "ramp", "follow"})) {
@@ -100,6 +94,18 @@ void add_body_load(Reading& reading, const XMLElement& element, int material, co
 }
 
 }  // namespace
+
+RigidLoad rigid_load(const Reading& reading, const XMLElement& element, int material, int dof,
+                     const std::string& name) {
+  RigidLoad load;
+  load.material = material;
+  load.dof = dof;
+  load.value = read_scaled(reading, element);
+  load.step = reading.step;
+  load.name = name;
+  load.origin = origin_of(reading, element);
+  return load;
+}
 
 void read_rigid_body(Reading& reading, const XMLElement& section) {
   const int material = need_rigid(reading, section, need_attribute(reading, section, "mat"));
@@ -242,14 +248,8 @@ void read_contact(Reading& reading, const XMLElement& section) {
       unsupported_word(reading, child, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
       continue;
     }
-    const std::string pair_name = need_attribute(reading, child, "surface_pair");
-    const auto pair = reading.surface_pairs.find(pair_name);
-    if (pair == reading.surface_pairs.end()) {
-      fail(reading, child,
-           fmt::format("surface_pair = {}, expected the name of a SurfacePair{}", quote(pair_name),
-                       those_there(pair_name, reading.surface_pairs)));
-    }
-    add_contact(reading, child, pair->second.primary, pair->second.secondary);
+    const SurfacePair pair = need_named(reading, child, "surface_pair", "SurfacePair", reading.surface_pairs);
+    add_contact(reading, child, pair.primary, pair.secondary);
   }
 }
 

@@ -81,7 +81,7 @@ void read_material(Reading& reading, const XMLElement& element) {
       material.center_of_mass = read_vector(reading, *com);
     material.note = "rigid body";
   } else {
-    set_elasticity(material, tree, reading.rules->nested_k_adds, reading.model);
+    set_elasticity(material, tree, reading.rules->up_to_25, reading.model);
   }
   std::string why;
   set_density(material, tree, reading.model, why);
@@ -95,8 +95,7 @@ void read_material(Reading& reading, const XMLElement& element) {
 }  // namespace
 
 void read_materials(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"material", read_material}};
-  read_children(reading, section, readers, pass_over);
+  read_children(reading, section, {{"material", read_material}}, pass_over);
 }
 
 }  // namespace dea::feb

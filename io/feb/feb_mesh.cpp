@@ -247,7 +247,7 @@ void read_elements(Reading& reading, const XMLElement& section) {
   }
   if (!domain.name.empty()) {
     auto& same_name = reading.domain_index[domain.name];
-    if (!same_name.empty() && std::strcmp(reading.rules->version, "2.5") > 0) {
+    if (!same_name.empty() && !reading.rules->up_to_25) {
       fail(reading, section, fmt::format("Elements {} exists twice: rename one", quote(domain.name)));
     }
     same_name.push_back(domain_number);
@@ -852,21 +852,22 @@ std::vector<int> need_node_set(Reading& reading, const XMLElement& element, cons
 void read_mesh(Reading& reading, const XMLElement& section) {
   static constexpr SectionReader named_elsewhere = [](Reading&, const XMLElement&) {
   };  // by the constraints they are for
-  static constexpr TagReader readers[] = {{"Nodes", read_nodes},
-                                          {"Elements", read_elements},
-                                          {"NodeSet", read_node_set},
-                                          {"ElementSet", read_element_set},
-                                          {"Surface", read_named_surface},
-                                          {"Edge", read_edge},
-                                          {"DiscreteSet", read_discrete_set},
-                                          {"PartList", read_part_list},
-                                          {"SurfacePair", read_surface_pair},
-                                          {"ElementData", read_element_data},
-                                          {"NodeSetSet", named_elsewhere},
-                                          {"NodeSetPair", named_elsewhere},
-                                          {"Part", read_part},
-                                          {"Instance", read_instance}};
-  read_children(reading, section, readers, pass_over);
+  read_children(reading, section,
+                {{"Nodes", read_nodes},
+                 {"Elements", read_elements},
+                 {"NodeSet", read_node_set},
+                 {"ElementSet", read_element_set},
+                 {"Surface", read_named_surface},
+                 {"Edge", read_edge},
+                 {"DiscreteSet", read_discrete_set},
+                 {"PartList", read_part_list},
+                 {"SurfacePair", read_surface_pair},
+                 {"ElementData", read_element_data},
+                 {"NodeSetSet", named_elsewhere},
+                 {"NodeSetPair", named_elsewhere},
+                 {"Part", read_part},
+                 {"Instance", read_instance}},
+                pass_over);
 }
 
 void read_mesh_domains(Reading& reading, const XMLElement& section) {

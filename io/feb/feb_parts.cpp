@@ -57,9 +57,10 @@ void add_instance(Reading& reading, const Part& part, Instance& instance) {
   instance.first_node = reading.nodes.size();
   reading.file = part.file;
   reading.instance = &instance;
-  static constexpr TagReader readers[] = {
-      {"Nodes", read_nodes}, {"Elements", read_elements}, {"NodeSet", read_node_set}, {"Surface", read_named_surface}};
-  read_children(reading, *part.element, readers, pass_over);
+  read_children(
+      reading, *part.element,
+      {{"Nodes", read_nodes}, {"Elements", read_elements}, {"NodeSet", read_node_set}, {"Surface", read_named_surface}},
+      pass_over);
   reading.instance = nullptr;
   reading.file = outer_file;
 }

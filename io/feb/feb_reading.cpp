@@ -76,14 +76,14 @@ std::string tags_of(std::span<const TagReader> readers) {
 
 }  // namespace
 
-void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers,
+void read_children(Reading& reading, const XMLElement& section, std::initializer_list<TagReader> readers,
                    SectionReader others) {
   for (const XMLElement& child : children(section)) {
     if (!read_child(reading, child, readers)) others(reading, child);
   }
 }
 
-void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers) {
+void read_children(Reading& reading, const XMLElement& section, std::initializer_list<TagReader> readers) {
   for (const XMLElement& child : children(section)) {
     if (!read_child(reading, child, readers))
       unsupported(reading, child, fmt::format("<{}> in {}", child.Name(), section.Name()),

@@ -3,6 +3,8 @@
 // A version of the format is a `Rules`: what its sections mean. To add a version, add one file with its
 // rules and list it in read_feb.cpp.
 #pragma once
+#include <fmt/format.h>
+
 #include <array>
 #include <initializer_list>
 #include <map>
@@ -25,6 +27,7 @@
 namespace dea::feb {
 
 struct Reading;
+struct Rules;
 using SectionReader = void (*)(Reading&, const XMLElement& section);
 
 /// What reads the elements of one tag.
@@ -32,26 +35,6 @@ struct TagReader {
   const char* tag;
   SectionReader read;
 };
-
-/// What differs between the versions.
-struct Rules {
-  const char* version;
-  bool nested_k_adds;     ///< the k of nested uncoupled materials is added to the top-level k
-  bool unique_materials;  ///< no two materials of one name
-  SectionReader mesh;     ///< Geometry or Mesh
-  SectionReader boundary;
-  SectionReader rigid;  ///< the Rigid section; null: the version has none
-  SectionReader contact;
-  SectionReader constraints;
-  SectionReader loads;
-  SectionReader discrete;
-  bool tag_per_step;  ///< each <Step> is one step; otherwise <Step> has <step> children
-};
-extern const Rules kRules12;
-extern const Rules kRules20;
-extern const Rules kRules25;
-extern const Rules kRules30;
-extern const Rules kRules40;
 
 /// Ids of nodes or elements, in file order. Costs nothing while they increase, as FEBio writes them.
 class IdTable {
@@ -185,10 +168,10 @@ void unsupported_word(Reading& reading, const XMLElement& element, const std::st
 /// The element by the reader of its tag; false: there is none.
 bool read_child(Reading& reading, const XMLElement& element, std::span<const TagReader> readers);
 /// Each child of a section by the reader of its tag; children of no tag in the table by `others`.
-void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers,
+void read_children(Reading& reading, const XMLElement& section, std::initializer_list<TagReader> readers,
                    SectionReader others);
 /// The same; a child of no tag in the table is unsupported, with the tags that are expected.
-void read_children(Reading& reading, const XMLElement& section, std::span<const TagReader> readers);
+void read_children(Reading& reading, const XMLElement& section, std::initializer_list<TagReader> readers);
 /// A child that does not change the joint: ignored.
 void pass_over(Reading& reading, const XMLElement& child);
 /// " (did you mean "hip"?); the model has "hip", "knee"" for a name that is not among the keys of `index`.
@@ -199,10 +182,24 @@ std::string those_there(const std::string& name, const Index& index) {
   return did_you_mean(name, names) + "; the model has " + name_list(names, name);
 }
 
-// -- values ----------------------------------------------------------------------------------------
-
 /// The attribute, or a fault naming it.
 std::string need_attribute(const Reading& reading, const XMLElement& element, const char* name);
+/// The entry of `index` that the element's attribute names, or a fault; `kind`: what is meant, "Surface".
+template <class Index>
+auto need_named(const Reading& reading, const XMLElement& element, const char* attribute_name, const char* kind,
+                const Index& index) {
+  const std::string name = need_attribute(reading, element, attribute_name);
+  const auto entry = index.find(name);
+  if (entry == index.end()) {
+    fail(reading, element,
+         fmt::format("{} = {}, expected the name of a {}{}", attribute_name, quote(name), kind,
+                     those_there(name, index)));
+  }
+  return entry->second;
+}
+
+// -- values ----------------------------------------------------------------------------------------
+
 double read_double(const Reading& reading, const XMLElement& element);
 int read_int(const Reading& reading, const XMLElement& element);
 Vector3d read_vector(const Reading& reading, const XMLElement& element);
@@ -281,6 +278,28 @@ void read_constraint(Reading& reading, const XMLElement& element);  ///< one of 
 void read_control(Reading& reading, const XMLElement& section);
 void read_load_data(Reading& reading, const XMLElement& section);
 
+// -- the versions ------------------------------------------------------------------------------------
+
+/// What differs between the versions. What a version does not say is as in the latest.
+struct Rules {
+  const char* version;
+  /// 2.5 and before: the k of nested uncoupled materials is added to the top-level k, each <Step> is one step
+  /// (otherwise <Step> has <step> children), Elements may repeat a name, and there is no section Rigid.
+  bool up_to_25 = false;
+  bool unique_materials = true;    ///< no two materials of one name
+  SectionReader mesh = read_mesh;  ///< Geometry or Mesh
+  SectionReader boundary;
+  SectionReader contact = read_contact;
+  SectionReader constraints = read_constraints;
+  SectionReader loads = read_loads;
+  SectionReader discrete = read_discrete;
+};
+extern const Rules kRules12;
+extern const Rules kRules20;
+extern const Rules kRules25;
+extern const Rules kRules30;
+extern const Rules kRules40;
+
 // -- shared conditions, used by the rules of the versions -------------------------------------------
 
 /// Which nodes a condition is on, what it is called and where it stands: those of its node set or listed inside.
@@ -290,6 +309,8 @@ febio::OnNodes on_nodes(const Reading& reading, const XMLElement& element, std::
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const char* value);
 /// Nodes of the element's `node_set` move with a body.
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body);
+/// A force or moment of a body, the element's number (1.2, 2.0, 2.5).
+RigidLoad rigid_load(const Reading& reading, const XMLElement& element, int material, int dof, const std::string& name);
 /// fixed, prescribed, force and initial_velocity of a body (2.0, 2.5).
 void read_rigid_body(Reading& reading, const XMLElement& section);
 /// Any rigid connector of any version; false: not one.

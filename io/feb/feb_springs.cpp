@@ -20,13 +20,7 @@ void read_cable(Reading& reading, const XMLElement& element) {
 }
 
 void read_discrete_springs(Reading& reading, const XMLElement& element) {
-  const std::string set_name = need_attribute(reading, element, "discrete_set");
-  const auto set = reading.discrete_set_index.find(set_name);
-  if (set == reading.discrete_set_index.end()) {
-    fail(reading, element,
-         fmt::format("discrete_set = {}, expected the name of a DiscreteSet{}", quote(set_name),
-                     those_there(set_name, reading.discrete_set_index)));
-  }
+  const int set = need_named(reading, element, "discrete_set", "DiscreteSet", reading.discrete_set_index);
   const std::string dmat = need_attribute(reading, element, "dmat");
   const auto number = whole_int(dmat);
   if (!number || *number < 1 || *number > static_cast<int>(reading.discrete_materials.size())) {
@@ -41,7 +35,7 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
                 "make it type spring, or take it out");
     return;
   }
-  add_springs(reading, element, material, set->second);
+  add_springs(reading, element, material, set);
 }
 
 }  // namespace
@@ -86,11 +80,11 @@ void resolve_functions(Reading& reading) {
 }
 
 void read_discrete(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"discrete_material", read_discrete_material},
-                                          {"discrete", read_discrete_springs},
-                                          {"rigid_axial_force", read_axial_force},
-                                          {"rigid_cable", read_cable}};
-  read_children(reading, section, readers);
+  read_children(reading, section,
+                {{"discrete_material", read_discrete_material},
+                 {"discrete", read_discrete_springs},
+                 {"rigid_axial_force", read_axial_force},
+                 {"rigid_cable", read_cable}});
 }
 
 }  // namespace dea::feb

@@ -52,19 +52,20 @@ void read_mixed_elements(Reading& reading, const XMLElement& section) {
 }
 
 void read_geometry(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"Nodes", read_nodes},
-                                          {"Elements", read_mixed_elements},
-                                          {"ElementData", read_element_data},
-                                          {"NodeSet", read_node_set}};
-  read_children(reading, section, readers, pass_over);
+  read_children(reading, section,
+                {{"Nodes", read_nodes},
+                 {"Elements", read_mixed_elements},
+                 {"ElementData", read_element_data},
+                 {"NodeSet", read_node_set}},
+                pass_over);
 }
 
 void read_boundary(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"fix", read_old_fix},
-                                          {"prescribe", read_old_prescribe},
-                                          {"contact", read_old_contact},
-                                          {"spring", read_old_spring}};
-  read_children(reading, section, readers);
+  read_children(reading, section,
+                {{"fix", read_old_fix},
+                 {"prescribe", read_old_prescribe},
+                 {"contact", read_old_contact},
+                 {"spring", read_old_spring}});
 }
 
 /// trans_x, rot_z: the dof; -1: another tag.
@@ -103,14 +104,7 @@ void read_body(Reading& reading, const XMLElement& section) {
       reading.model.rigid_prescribed.push_back({material, dof, read_scaled(reading, child), is_relative(reading, child),
                                                 reading.step, name, origin_of(reading, child)});
     } else if (type == "force") {
-      RigidLoad load;
-      load.material = material;
-      load.dof = dof;
-      load.value = read_scaled(reading, child);
-      load.step = reading.step;
-      load.name = name;
-      load.origin = origin_of(reading, child);
-      reading.model.rigid_loads.push_back(std::move(load));
+      reading.model.rigid_loads.push_back(rigid_load(reading, child, material, dof, name));
     } else {
       fail(reading, child,
            fmt::format("{} with type {}, expected fixed, prescribed or force", child.Name(), quote(type)));
@@ -120,8 +114,7 @@ void read_body(Reading& reading, const XMLElement& section) {
 }
 
 void read_constraints_12(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"rigid_body", read_body}};
-  read_children(reading, section, readers, read_constraint);
+  read_children(reading, section, {{"rigid_body", read_body}}, read_constraint);
 }
 
 /// Loads on facets: <quad4 scale="">; without `scale` they are 1.
@@ -154,25 +147,19 @@ void read_surface_load(Reading& reading, const XMLElement& element) {
 
 void read_loads_12(Reading& reading, const XMLElement& section) {
   static constexpr SectionReader heat = [](Reading& r, const XMLElement& e) { ignore(r, e, "heat_source"); };
-  static constexpr TagReader readers[] = {
-      {"force", read_old_nodal_force}, {"heat_source", heat}, {"body_force", read_body_force}};
-  read_children(reading, section, readers, read_surface_load);
+  read_children(reading, section,
+                {{"force", read_old_nodal_force}, {"heat_source", heat}, {"body_force", read_body_force}},
+                read_surface_load);
 }
 
 }  // namespace
 
-const Rules kRules12{
-    .version = "1.2",
-    .nested_k_adds = true,
-    .unique_materials = false,
-    .mesh = read_geometry,
-    .boundary = read_boundary,
-    .rigid = nullptr,
-    .contact = read_contact,
-    .constraints = read_constraints_12,
-    .loads = read_loads_12,
-    .discrete = read_discrete,
-    .tag_per_step = true,
-};
+const Rules kRules12{.version = "1.2",
+                     .up_to_25 = true,
+                     .unique_materials = false,
+                     .mesh = read_geometry,
+                     .boundary = read_boundary,
+                     .constraints = read_constraints_12,
+                     .loads = read_loads_12};
 
 }  // namespace dea::feb

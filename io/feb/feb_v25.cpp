@@ -20,11 +20,11 @@ void read_rigid_nodes_25(Reading& reading, const XMLElement& element) {
 }
 
 void read_boundary_25(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"fix", read_fixed_nodes},
-                                          {"prescribe", read_prescribed_nodes},
-                                          {"rigid", read_rigid_nodes_25},
-                                          {"rigid_body", read_rigid_body}};
-  read_children(reading, section, readers);
+  read_children(reading, section,
+                {{"fix", read_fixed_nodes},
+                 {"prescribe", read_prescribed_nodes},
+                 {"rigid", read_rigid_nodes_25},
+                 {"rigid_body", read_rigid_body}});
 }
 
 void refuse_rigid_body(Reading& reading, const XMLElement& element) {
@@ -32,24 +32,12 @@ void refuse_rigid_body(Reading& reading, const XMLElement& element) {
 }
 
 void read_constraints_25(Reading& reading, const XMLElement& section) {
-  static constexpr TagReader readers[] = {{"rigid_body", refuse_rigid_body}};
-  read_children(reading, section, readers, read_constraint);
+  read_children(reading, section, {{"rigid_body", refuse_rigid_body}}, read_constraint);
 }
 
 }  // namespace
 
 const Rules kRules25{
-    .version = "2.5",
-    .nested_k_adds = true,
-    .unique_materials = true,
-    .mesh = read_mesh,
-    .boundary = read_boundary_25,
-    .rigid = nullptr,
-    .contact = read_contact,
-    .constraints = read_constraints_25,
-    .loads = read_loads,
-    .discrete = read_discrete,
-    .tag_per_step = true,
-};
+    .version = "2.5", .up_to_25 = true, .boundary = read_boundary_25, .constraints = read_constraints_25};
 
 }  // namespace dea::feb

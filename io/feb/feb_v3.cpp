@@ -25,18 +25,6 @@ void read_boundary_30(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules30{
-    .version = "3.0",
-    .nested_k_adds = false,
-    .unique_materials = true,
-    .mesh = read_mesh,
-    .boundary = read_boundary_30,
-    .rigid = read_rigid,
-    .contact = read_contact,
-    .constraints = read_constraints,
-    .loads = read_loads,
-    .discrete = read_discrete,
-    .tag_per_step = false,
-};
+const Rules kRules30{.version = "3.0", .boundary = read_boundary_30};
 
 }  // namespace dea::feb

@@ -25,18 +25,6 @@ void read_boundary_40(Reading& reading, const XMLElement& section) {
 
 }  // namespace
 
-const Rules kRules40{
-    .version = "4.0",
-    .nested_k_adds = false,
-    .unique_materials = true,
-    .mesh = read_mesh,
-    .boundary = read_boundary_40,
-    .rigid = read_rigid,
-    .contact = read_contact,
-    .constraints = read_constraints,
-    .loads = read_loads,
-    .discrete = read_discrete,
-    .tag_per_step = false,
-};
+const Rules kRules40{.version = "4.0", .boundary = read_boundary_40};
 
 }  // namespace dea::feb

@@ -167,7 +167,7 @@ void read_step(Reading& reading, const XMLElement& section) {
 
 void read_steps(Reading& reading, const XMLElement& section) {
   const bool one_step = section.FirstChildElement("step") == nullptr;
-  if (one_step && (reading.rules->tag_per_step || !is_leaf(section))) read_step(reading, section);
+  if (one_step && (reading.rules->up_to_25 || !is_leaf(section))) read_step(reading, section);
   if (one_step) return;
   for (const XMLElement& child : children(section)) {
     if (std::strcmp(child.Name(), "step") == 0)
@@ -182,7 +182,7 @@ void pass_over_section(Reading& reading, const XMLElement& section) {
 }
 
 void read_rigid_section(Reading& reading, const XMLElement& section) {
-  if (reading.rules->rigid != nullptr) return reading.rules->rigid(reading, section);
+  if (!reading.rules->up_to_25) return read_rigid(reading, section);
   unsupported(reading, section, "section <Rigid> in a version without one", "save it as 4.0");
 }
 

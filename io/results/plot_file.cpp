@@ -168,17 +168,6 @@ std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint,
   return shown;
 }
 
-XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name,
-                      const std::string& units) {
-  XpltVariable v;
-  v.group = group;
-  v.type = type;
-  v.format = format;
-  v.name = name;
-  v.units = units;
-  return v;
-}
-
 /// A field on contact surfaces: what it is, and its values on one side of a contact.
 struct SurfaceField {
   XpltVariable variable;
@@ -186,7 +175,7 @@ struct SurfaceField {
 };
 
 SurfaceField facet_field(const FacetField& field) {
-  return {variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, field.name, field.unit),
+  return {xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, field.name, field.unit),
           [values = field.values](const Surface&, const Layer&, const SideFields& f) { return per_facet(f.*values); }};
 }
 
@@ -195,7 +184,7 @@ std::vector<SurfaceField> surface_fields() {
   using L = const Layer&;
   using F = const SideFields&;
   const auto surface = [](XpltType type, XpltFormat format, const std::string& name, const std::string& units) {
-    return variable(XpltGroup::Surface, type, format, name, units);
+    return xplt_variable(XpltGroup::Surface, type, format, name, units);
   };
   std::vector<SurfaceField> fields = {facet_field(facet_fields().front())};
   // FEBio's sign: penetration. Springs push exactly at the surfaces they model: nothing penetrates.
@@ -226,7 +215,7 @@ XpltObject rigid_body_object(const Body& body) {
   object.position = point(body.center_of_mass);
   for (const char* item : {"Position", "Velocity", "Acceleration", "Euler angles (deg)", "Angular velocity",
                            "Angular acceleration", "Force", "Moment"})
-    object.data.push_back(variable(XpltGroup::Global, XpltType::Vec3, XpltFormat::Node, item, ""));
+    object.data.push_back(xplt_variable(XpltGroup::Global, XpltType::Vec3, XpltFormat::Node, item, ""));
   return object;
 }
 
@@ -341,7 +330,7 @@ std::vector<CheckField> check_fields() {
   using M = const FieldMaps::LayerMap&;
   using F = const SideFields&;
   const auto surface = [](XpltFormat format, const std::string& name, const std::string& units) {
-    return variable(XpltGroup::Surface, XpltType::Float, format, name, units);
+    return xplt_variable(XpltGroup::Surface, XpltType::Float, format, name, units);
   };
   return {
       {surface(XpltFormat::Mult, "cartilage thickness", "L"),
@@ -421,10 +410,10 @@ XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool 
   file.compressed = compressed;
 
   constexpr std::size_t kRigidForce = 1;
-  file.variables = {variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
-                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
-                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
-                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
+  file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
+                    xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
+                    xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
+                    xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
   const std::size_t first_on_surfaces = file.variables.size();
   const std::vector<SurfaceField> on_surfaces = surface_fields();
   for (const SurfaceField& f : on_surfaces) file.variables.push_back(f.variable);

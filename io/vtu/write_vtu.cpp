@@ -265,24 +265,11 @@ const VtkCell& vtk_cell(int element_type) {
 
 const VtkCell& vtk_facet(int nodes) {
   static const VtkCell kTri7 = {34, straight(7)};
-  switch (nodes) {
-    case 3:
-      return vtk_cell(4);
-    case 4:
-      return vtk_cell(3);
-    case 6:
-      return vtk_cell(10);
-    case 7:
-      return kTri7;
-    case 8:
-      return vtk_cell(11);
-    case 9:
-      return vtk_cell(12);
-    case 10:
-      return vtk_cell(15);
-    default:
-      throw std::logic_error(fmt::format("a facet of {} nodes has no cell of VTK", nodes));
-  }
+  static constexpr int kTypes[][2] = {{3, 4}, {4, 3}, {6, 10}, {8, 11}, {9, 12}, {10, 15}};  // nodes, element type
+  if (nodes == 7) return kTri7;
+  for (const auto& [count, type] : kTypes)
+    if (count == nodes) return vtk_cell(type);
+  throw std::logic_error(fmt::format("a facet of {} nodes has no cell of VTK", nodes));
 }
 
 std::string mesh_vtu(const XpltFile& file, std::size_t index) {

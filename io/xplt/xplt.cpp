@@ -8,27 +8,21 @@
 
 namespace dea {
 
+XpltVariable xplt_variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name,
+                           const std::string& units) {
+  XpltVariable v;
+  v.group = group;
+  v.type = type;
+  v.format = format;
+  v.name = name;
+  v.units = units;
+  return v;
+}
+
 int floats_per_value(const XpltVariable& variable) {
-  switch (variable.type) {
-    case XpltType::Float:
-      return 1;
-    case XpltType::Vec3:
-      return 3;
-    case XpltType::Mat3s:
-      return 6;
-    case XpltType::Mat3d:
-      return 3;
-    case XpltType::Tens4s:
-      return 21;
-    case XpltType::Mat3:
-      return 9;
-    case XpltType::Array:
-      return variable.array_size;
-    case XpltType::ArrayVec3:
-      return 3 * variable.array_size;
-  }
-  assert(false);
-  return 0;
+  static constexpr int kFloats[] = {1, 3, 6, 3, 21, 9, 1, 3};  // by the type's code; of an array per entry
+  const bool array = variable.type == XpltType::Array || variable.type == XpltType::ArrayVec3;
+  return kFloats[static_cast<std::size_t>(variable.type)] * (array ? variable.array_size : 1);
 }
 
 namespace {

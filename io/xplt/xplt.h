@@ -26,6 +26,8 @@ struct XpltVariable {
   std::string units;  ///< FEBio's dimension code, only used when XpltFile::units is given
   bool operator==(const XpltVariable&) const = default;
 };
+XpltVariable xplt_variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name,
+                           const std::string& units = "");
 
 struct XpltDomain {
   int element_type = 0;  ///< code of the file format (0 hex8, 1 penta6, ...)

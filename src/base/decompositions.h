@@ -56,8 +56,6 @@ class SparseLuFactors {
  public:
   explicit SparseLuFactors(const Eigen::SparseMatrix<double>& A);
   ~SparseLuFactors();
-  SparseLuFactors(const SparseLuFactors&) = delete;
-  SparseLuFactors& operator=(const SparseLuFactors&) = delete;
 
   bool found() const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;             ///< A x = b, column by column
@@ -73,8 +71,6 @@ class ShiftedFactors {
  public:
   explicit ShiftedFactors(const Eigen::SparseMatrix<double>& S);
   ~ShiftedFactors();
-  ShiftedFactors(const ShiftedFactors&) = delete;
-  ShiftedFactors& operator=(const ShiftedFactors&) = delete;
 
   /// Factorises S - shift. By Sylvester's law as many pivots are negative as eigenvalues lie below the shift: that number, or
   /// -1 where there are no factors.

@@ -1,5 +1,7 @@
-// febiodea/base/names.h – names in messages: those there are, and the one that was meant.
+// febiodea/base/names.h – names in messages: those there are, the one that was meant, and words for enumerators.
 #pragma once
+#include <cassert>
+#include <initializer_list>
 #include <set>
 #include <string>
 #include <string_view>
@@ -22,5 +24,13 @@ std::string name_list(std::vector<std::string> names, std::string_view word = {}
 
 /// `wanted`, with a number if it is among `names` already ("part_2"); it is among them then.
 std::string take_free_name(const std::string& wanted, std::set<std::string>& names);
+
+/// The word for an enumerator; `words` are those of its enumeration, from 0 on and in their order.
+template <class Enum>
+const char* word_of(Enum enumerator, std::initializer_list<const char*> words) {
+  const auto place = static_cast<std::size_t>(enumerator);
+  assert(place < words.size());
+  return words.begin()[place];
+}
 
 }  // namespace dea

@@ -66,15 +66,21 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-std::vector<std::string> split_at_commas(const std::string& text) {
-  std::vector<std::string> words;
-  std::size_t begin = 0;
-  for (;;) {
-    const std::size_t comma = text.find(',', begin);
-    words.push_back(trimmed(text.substr(begin, comma == std::string::npos ? comma : comma - begin)));
-    if (comma == std::string::npos) return words;
-    begin = comma + 1;
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> words(1);
+  for (const char c : text) {
+    if (c == separator)
+      words.emplace_back();
+    else
+      words.back() += c;
   }
+  return words;
+}
+
+std::vector<std::string> split_at_commas(const std::string& text) {
+  std::vector<std::string> words = split(text, ',');
+  for (std::string& word : words) word = trimmed(word);
+  return words;
 }
 
 }  // namespace dea

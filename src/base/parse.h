@@ -25,6 +25,8 @@ Eigen::Vector3d parse_vector(const std::string& text);  ///< three numbers separ
 std::string trimmed(const std::string& text);
 /// Capitals (of ASCII) as small letters.
 std::string lower_case(std::string text);
+/// The words between separators, as they stand; one more than there are separators.
+std::vector<std::string> split(const std::string& text, char separator);
 /// "a, b,c" as "a", "b", "c".
 std::vector<std::string> split_at_commas(const std::string& text);
 

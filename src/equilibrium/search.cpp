@@ -1,28 +1,12 @@
 #include <febiodea/equilibrium/search.h>
 
-#include <cassert>
+#include <febiodea/base/names.h>
 
 namespace dea {
 
 const char* name(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::Prescribed:
-      return "Prescribed";
-    case Outcome::Balanced:
-      return "Balanced";
-    case Outcome::BalancedToOneSpring:
-      return "BalancedToOneSpring";
-    case Outcome::SurfacesApart:
-      return "SurfacesApart";
-    case Outcome::NoEquilibrium:
-      return "NoEquilibrium";
-    case Outcome::NotConverged:
-      return "NotConverged";
-    case Outcome::BeyondStrainLimit:
-      return "BeyondStrainLimit";
-  }
-  assert(false);
-  return "";
+  return word_of(outcome, {"Prescribed", "Balanced", "BalancedToOneSpring", "SurfacesApart", "NoEquilibrium",
+                           "NotConverged", "BeyondStrainLimit"});
 }
 
 bool solved(Outcome outcome) {

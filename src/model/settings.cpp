@@ -1,25 +1,15 @@
 #include <febiodea/model/settings.h>
 
+#include <febiodea/base/names.h>
+
 namespace dea {
 
-const char* name(SpringsAt springs_at) { return springs_at == SpringsAt::Bone ? "bone" : "articular"; }
+const char* name(SpringsAt springs_at) { return word_of(springs_at, {"articular", "bone"}); }
 
-const char* name(Facets facets) { return facets == Facets::Flat ? "flat" : "curved"; }
+const char* name(Facets facets) { return word_of(facets, {"curved", "flat"}); }
 
-const char* name(Law law) {
-  switch (law) {
-    case Law::Linear:
-      return "linear";
-    case Law::Logarithmic:
-      return "logarithmic";
-    case Law::NeoHookean:
-      return "neo-Hookean";
-    case Law::Layer:
-      return "layer";
-  }
-  return "";
-}
+const char* name(Law law) { return word_of(law, {"linear", "logarithmic", "neo-Hookean", "layer"}); }
 
-const char* name(LayerFit fit) { return fit == LayerFit::OneTerm ? "one term" : "two terms"; }
+const char* name(LayerFit fit) { return word_of(fit, {"one term", "two terms"}); }
 
 }  // namespace dea

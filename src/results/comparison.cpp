@@ -146,12 +146,7 @@ Distribution distribution(const std::vector<double>& values, const std::vector<d
   }
   d.mean = sum / d.area;
   d.peak = *std::max_element(v.begin(), v.end());
-  d.p99 = weighted_percentile(v, w, 0.99);
-  d.p95 = weighted_percentile(v, w, 0.95);
-  d.p75 = weighted_percentile(v, w, 0.75);
-  d.median = weighted_percentile(v, w, 0.5);
-  d.p25 = weighted_percentile(v, w, 0.25);
-  d.p5 = weighted_percentile(v, w, 0.05);
+  set_percentiles(d, v, w);
   std::sort(v.begin(), v.end());
   const double rank = 0.99 * static_cast<double>(v.size() - 1);
   const std::size_t low = static_cast<std::size_t>(rank), high = std::min(low + 1, v.size() - 1);

@@ -61,12 +61,7 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     const bool any = !pressure.empty();
     stats.peak = any ? *std::max_element(pressure.begin(), pressure.end()) : kNaN;
     stats.mean = any ? force / stats.contact_area : kNaN;
-    stats.p99 = weighted_percentile(pressure, area, 0.99);
-    stats.p95 = weighted_percentile(pressure, area, 0.95);
-    stats.p75 = weighted_percentile(pressure, area, 0.75);
-    stats.median = weighted_percentile(pressure, area, 0.5);
-    stats.p25 = weighted_percentile(pressure, area, 0.25);
-    stats.p5 = weighted_percentile(pressure, area, 0.05);
+    set_percentiles(stats, pressure, area);
     stats.center_of_pressure = any ? Vector3d(moment / force) : Vector3d::Constant(kNaN);
     std::vector<double> nodal;
     for (double p : source.vertex_pressure)

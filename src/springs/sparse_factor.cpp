@@ -3,6 +3,7 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <array>
 #include <new>
 #include <stdexcept>
 
@@ -189,25 +190,13 @@ void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, doub
 }  // namespace
 
 void solve(const SparseFactor& factor, const std::vector<int>& columns, Nodal& b) {
-  switch (b.cols()) {
-    case 1:
-      return solve_in_place<1>(factor, columns, b.data());
-    case 2:
-      return solve_in_place<2>(factor, columns, b.data());
-    case 3:
-      return solve_in_place<3>(factor, columns, b.data());
-    case 4:
-      return solve_in_place<4>(factor, columns, b.data());
-    case 5:
-      return solve_in_place<5>(factor, columns, b.data());
-    case 6:
-      return solve_in_place<6>(factor, columns, b.data());
-    default:
-      for (Eigen::Index c = 0; c < b.cols(); ++c) {
-        Nodal one = b.col(c);
-        solve_in_place<1>(factor, columns, one.data());
-        b.col(c) = one;
-      }
+  constexpr std::array kSolve = {solve_in_place<1>, solve_in_place<2>, solve_in_place<3>,
+                                 solve_in_place<4>, solve_in_place<5>, solve_in_place<6>};
+  if (b.cols() > 0 && at(b.cols()) <= kSolve.size()) return kSolve[at(b.cols()) - 1](factor, columns, b.data());
+  for (Eigen::Index c = 0; c < b.cols(); ++c) {
+    Nodal one = b.col(c);
+    solve_in_place<1>(factor, columns, one.data());
+    b.col(c) = one;
   }
 }
 

@@ -8,6 +8,8 @@
 #include <functional>
 #include <vector>
 
+#include "analytic/eight_nodes.h"
+
 namespace dea::analytic {
 
 /// Exact surface compliance w/p [mm/MPa] of a flat layer of thickness t at the wave number k > 0: the classical
@@ -134,8 +136,6 @@ inline std::vector<double> plane_strain_layer(double E, double nu, double length
   Eigen::Matrix3d D;
   const double M = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), lambda = M * nu / (1 - nu);
   D << M, lambda, 0, lambda, M, 0, 0, 0, (M - lambda) / 2;
-  const double g[3] = {-std::sqrt(0.6), 0, std::sqrt(0.6)}, gw[3] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
-  const double cx[8] = {-1, 1, 1, -1, 0, 1, 0, -1}, cy[8] = {-1, -1, 1, 1, -1, 0, 1, 0};
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::VectorXd force = Eigen::VectorXd::Zero(2 * nodes);
   for (int ex = 0; ex < m; ++ex)
@@ -143,7 +143,7 @@ inline std::vector<double> plane_strain_layer(double E, double nu, double length
       int node[8];
       Eigen::Matrix<double, 8, 2> X;
       for (int a = 0; a < 8; ++a) {
-        const int i = 2 * ex + 1 + static_cast<int>(cx[a]), j = 2 * ey + 1 + static_cast<int>(cy[a]);
+        const int i = 2 * ex + 1 + static_cast<int>(kNodeX[a]), j = 2 * ey + 1 + static_cast<int>(kNodeY[a]);
         node[a] = id(i, j);
         X.row(a) = position(i, j).transpose();
         for (int c = 0; c < 2; ++c)
@@ -152,20 +152,7 @@ inline std::vector<double> plane_strain_layer(double E, double nu, double length
       Eigen::Matrix<double, 16, 16> K = Eigen::Matrix<double, 16, 16>::Zero();
       for (int p = 0; p < 3; ++p)
         for (int q = 0; q < 3; ++q) {
-          Eigen::Matrix<double, 8, 2> dN;
-          for (int a = 0; a < 8; ++a) {
-            const double u = g[p], v = g[q], x = cx[a], y = cy[a];
-            if (x != 0 && y != 0) {
-              dN(a, 0) = 0.25 * x * (1 + v * y) * (2 * u * x + v * y);
-              dN(a, 1) = 0.25 * y * (1 + u * x) * (2 * v * y + u * x);
-            } else if (x == 0) {
-              dN(a, 0) = -u * (1 + v * y);
-              dN(a, 1) = 0.5 * y * (1 - u * u);
-            } else {
-              dN(a, 0) = 0.5 * x * (1 - v * v);
-              dN(a, 1) = -v * (1 + u * x);
-            }
-          }
+          const Eigen::Matrix<double, 8, 2> dN = eight_node_shape(kGauss[p], kGauss[q]).dN;
           const Eigen::Matrix2d J = dN.transpose() * X;
           const Eigen::Matrix<double, 8, 2> d = dN * J.inverse().transpose();
           Eigen::Matrix<double, 3, 16> B = Eigen::Matrix<double, 3, 16>::Zero();
@@ -173,16 +160,16 @@ inline std::vector<double> plane_strain_layer(double E, double nu, double length
             B(0, 2 * a) = B(2, 2 * a + 1) = d(a, 0);
             B(1, 2 * a + 1) = B(2, 2 * a) = d(a, 1);
           }
-          K += B.transpose() * D * B * (J.determinant() * gw[p] * gw[q]);
+          K += B.transpose() * D * B * (J.determinant() * kGaussWeight[p] * kGaussWeight[q]);
         }
       for (int a = 0; a < 16; ++a)
         for (int b = 0; b < 16; ++b) entries.emplace_back(2 * node[a / 2] + a % 2, 2 * node[b / 2] + b % 2, K(a, b));
       if (ey == n - 1)
         for (int q = 0; q < 3; ++q) {
-          const double u = g[q], half = 0.5 * length / m, p = load(length * (ex + 0.5 + 0.5 * u) / m);
-          force[2 * id(2 * ex, 2 * n) + 1] -= gw[q] * half * p * 0.5 * u * (u - 1);
-          force[2 * id(2 * ex + 1, 2 * n) + 1] -= gw[q] * half * p * (1 - u * u);
-          force[2 * id(2 * ex + 2, 2 * n) + 1] -= gw[q] * half * p * 0.5 * u * (u + 1);
+          const double u = kGauss[q], half = 0.5 * length / m, p = load(length * (ex + 0.5 + 0.5 * u) / m);
+          force[2 * id(2 * ex, 2 * n) + 1] -= kGaussWeight[q] * half * p * 0.5 * u * (u - 1);
+          force[2 * id(2 * ex + 1, 2 * n) + 1] -= kGaussWeight[q] * half * p * (1 - u * u);
+          force[2 * id(2 * ex + 2, 2 * n) + 1] -= kGaussWeight[q] * half * p * 0.5 * u * (u + 1);
         }
     }
   std::vector<Eigen::Triplet<double>> kept;

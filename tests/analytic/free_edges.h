@@ -9,6 +9,8 @@
 #include <functional>
 #include <vector>
 
+#include "analytic/eight_nodes.h"
+
 namespace dea::analytic {
 
 /// A layer with a flat top z = 0 over the rigid base z = -thickness(x) it is bonded to, ends[0] <= x <= ends.back().
@@ -43,8 +45,6 @@ inline StripCompliance strip_compliance(const EdgedLayer& layer) {
   const double M = layer.E * (1 - layer.nu) / ((1 + layer.nu) * (1 - 2 * layer.nu)),
                lambda = M * layer.nu / (1 - layer.nu);
   D << M, lambda, 0, lambda, lambda, M, 0, lambda, 0, 0, (M - lambda) / 2, 0, lambda, lambda, 0, M;
-  const double g[3] = {-std::sqrt(0.6), 0, std::sqrt(0.6)}, gw[3] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
-  const double cx[8] = {-1, 1, 1, -1, 0, 1, 0, -1}, cy[8] = {-1, -1, 1, 1, -1, 0, 1, 0};
   std::vector<char> free(static_cast<std::size_t>(2 * nodes), 0);
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixXd force = Eigen::MatrixXd::Zero(2 * nodes, m);
@@ -56,7 +56,7 @@ inline StripCompliance strip_compliance(const EdgedLayer& layer) {
       int node[8];
       Eigen::Matrix<double, 8, 2> X;
       for (int a = 0; a < 8; ++a) {
-        const int i = 2 * ex + 1 + static_cast<int>(cx[a]), j = 2 * ey + 1 + static_cast<int>(cy[a]);
+        const int i = 2 * ex + 1 + static_cast<int>(kNodeX[a]), j = 2 * ey + 1 + static_cast<int>(kNodeY[a]);
         node[a] = id(i, j);
         X.row(a) << x_at(i), -layer.thickness(x_at(i)) * (1 - static_cast<double>(j) / (2 * n));
         const bool mirror = (i == 0 && !layer.free_first) || (i == 2 * m && !layer.free_last);
@@ -66,21 +66,7 @@ inline StripCompliance strip_compliance(const EdgedLayer& layer) {
       Eigen::Matrix<double, 16, 16> K = Eigen::Matrix<double, 16, 16>::Zero();
       for (int p = 0; p < 3; ++p)
         for (int q = 0; q < 3; ++q) {
-          Eigen::Matrix<double, 8, 1> N;
-          Eigen::Matrix<double, 8, 2> dN;
-          for (int a = 0; a < 8; ++a) {
-            const double u = g[p], v = g[q], x = cx[a], y = cy[a];
-            if (x != 0 && y != 0) {
-              N[a] = 0.25 * (1 + u * x) * (1 + v * y) * (u * x + v * y - 1);
-              dN.row(a) << 0.25 * x * (1 + v * y) * (2 * u * x + v * y), 0.25 * y * (1 + u * x) * (2 * v * y + u * x);
-            } else if (x == 0) {
-              N[a] = 0.5 * (1 - u * u) * (1 + v * y);
-              dN.row(a) << -u * (1 + v * y), 0.5 * y * (1 - u * u);
-            } else {
-              N[a] = 0.5 * (1 - v * v) * (1 + u * x);
-              dN.row(a) << 0.5 * x * (1 - v * v), -v * (1 + u * x);
-            }
-          }
+          const auto [N, dN] = eight_node_shape(kGauss[p], kGauss[q]);
           const Eigen::Matrix2d J = dN.transpose() * X;
           const Eigen::Matrix<double, 8, 2> d = dN * J.inverse().transpose();
           const double radius = N.dot(X.col(0));
@@ -90,7 +76,8 @@ inline StripCompliance strip_compliance(const EdgedLayer& layer) {
             B(1, 2 * a + 1) = B(2, 2 * a) = d(a, 1);
             if (layer.axisymmetric) B(3, 2 * a) = N[a] / radius;
           }
-          K += B.transpose() * D * B * (J.determinant() * gw[p] * gw[q] * (layer.axisymmetric ? radius : 1.0));
+          K += B.transpose() * D * B *
+               (J.determinant() * kGaussWeight[p] * kGaussWeight[q] * (layer.axisymmetric ? radius : 1.0));
         }
       for (int a = 0; a < 16; ++a)
         for (int b = 0; b < 16; ++b) entries.emplace_back(2 * node[a / 2] + a % 2, 2 * node[b / 2] + b % 2, K(a, b));
@@ -99,7 +86,8 @@ inline StripCompliance strip_compliance(const EdgedLayer& layer) {
     const double half = 0.5 * (x_at(2 * e + 2) - x_at(2 * e));
     result.middle[e] = x_at(2 * e + 1);
     for (int q = 0; q < 3; ++q) {
-      const double u = g[q], share = gw[q] * half * (layer.axisymmetric ? result.middle[e] + u * half : 1.0);
+      const double u = kGauss[q],
+                   share = kGaussWeight[q] * half * (layer.axisymmetric ? result.middle[e] + u * half : 1.0);
       force(2 * id(2 * e, 2 * n) + 1, e) -= share * 0.5 * u * (u - 1);
       force(2 * id(2 * e + 1, 2 * n) + 1, e) -= share * (1 - u * u);
       force(2 * id(2 * e + 2, 2 * n) + 1, e) -= share * 0.5 * u * (u + 1);

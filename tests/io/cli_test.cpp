@@ -21,38 +21,22 @@
 #include <thread>
 
 #include <febiodea/io/xplt/xplt.h>
+#include "program.h"
 
 namespace dea {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+using test::file_text;
+using test::Finished;
 
 constexpr double kE = 10.0, kNu = 0.3;
 constexpr double kM = kE * (1 - kNu) / ((1 + kNu) * (1 - 2 * kNu));
 
-std::string file_text(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-struct Finished {
-  int code = -1;
-  std::string out, err;
-};
-
 /// A folder of its own for every test, in which the program runs.
 class Cli : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "dea_cli_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder = name;
-  }
-  void TearDown() override { fs::remove_all(folder); }
-
   static pid_t start(const fs::path& in, std::vector<std::string> words, const fs::path& out, const fs::path& err) {
     const pid_t child = ::fork();
     if (child != 0) return child;
@@ -195,7 +179,8 @@ class Cli : public ::testing::Test {
     return names;
   }
 
-  fs::path folder;
+  const test::TemporaryFolder temporary;
+  const fs::path folder = temporary.path;
 };
 
 using Names = std::vector<std::string>;

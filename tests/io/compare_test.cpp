@@ -23,15 +23,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Field = std::function<double(double x, double y, double t)>;
 
-XpltVariable variable(XpltGroup group, XpltType type, XpltFormat format, const std::string& name) {
-  XpltVariable v;
-  v.group = group;
-  v.type = type;
-  v.format = format;
-  v.name = name;
-  return v;
-}
-
 XpltMesh make_mesh(int n) {
   XpltMesh mesh;
   const auto id = [n](int i, int j, int k) { return i + (n + 1) * (j + (n + 1) * k); };
@@ -89,10 +80,10 @@ XpltFile make_file(int n, const std::vector<double>& times, const Field& pressur
   XpltFile file;
   file.software = "test";
   file.meshes = {make_mesh(n)};
-  file.variables = {variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"),
-                    variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position"),
-                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact pressure"),
-                    variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact gap")};
+  file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"),
+                    xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position"),
+                    xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact pressure"),
+                    xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact gap")};
   for (double t : times) {
     XpltState state;
     state.time = static_cast<float>(t);
@@ -348,7 +339,7 @@ void displace(XpltFile& file, const std::function<Vector3d(const Vector3d&)>& u)
 }
 
 void add_contact_force(XpltFile& file, float z) {
-  file.variables.push_back(variable(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Region, "contact force"));
+  file.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Region, "contact force"));
   file.states.back().variables.push_back({{2, {0, 0, z}}});
 }
 

@@ -345,6 +345,13 @@ std::string model_text(const JointText& t) {
 
 void write(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
 
+/// Writes a model and returns its path.
+std::string write_model(const test::TemporaryFolder& folder, const JointText& t) {
+  const std::string path = (folder.path / "model.feb").string();
+  write(path, model_text(t));
+  return path;
+}
+
 /// Equal to 1e-9 of the larger of themselves and `scale` (NaN: none).
 void near(double a, double b, double scale, const std::string& what) {
   if (std::isnan(a) && std::isnan(b)) return;
@@ -533,7 +540,6 @@ TEST(Convert, EveryModelOfTheCorpusThatRunsIsTheSameJoint) {
 
 TEST(Convert, AnyVersionAnyWayALayerIsHeld) {
   const test::TemporaryFolder folder;
-  const std::string path = (folder.path / "model.feb").string();
   for (const std::string version : {"4.0", "3.0", "2.5"})
     for (const Held held : {Held::SharedNodes, Held::RigidNodes, Held::Tied, Held::Ground})
       for (const int variant : {0, 1, 2, 3}) {
@@ -546,7 +552,7 @@ TEST(Convert, AnyVersionAnyWayALayerIsHeld) {
         t.ligament = variant >= 2;
         t.more = variant == 3;
         SCOPED_TRACE(fmt::format("{}, held {}, variant {}", version, static_cast<int>(held), variant));
-        write(path, model_text(t));
+        const std::string path = write_model(folder, t);
         Settings settings;
         settings.law = Law::Linear;  // on these few facets the plate would tip over on softer layers
         const Converted c = expect_same_joint(folder.path, path, settings);
@@ -569,10 +575,7 @@ TEST(Convert, AnyVersionAnyWayALayerIsHeld) {
 
 TEST(Convert, SettingsAreSaidInTheFile) {
   const test::TemporaryFolder folder;
-  const std::string path = (folder.path / "model.feb").string();
-  JointText t;
-  t.upper_layer = true;
-  write(path, model_text(t));
+  const std::string path = write_model(folder, {.upper_layer = true});
   Settings s;
   s.law = Law::NeoHookean;
   s.facets = Facets::Flat;
@@ -795,10 +798,7 @@ TEST(Convert, IncludedFiles) {
 
 TEST(Convert, Refusals) {
   const test::TemporaryFolder folder;
-  const std::string path = (folder.path / "model.feb").string();
-  JointText t;
-  t.upper_layer = true;
-  write(path, model_text(t));
+  const std::string path = write_model(folder, {.upper_layer = true});
   Settings s;
   s.springs_at = SpringsAt::Bone;
   EXPECT_EQ(fault(path, s),

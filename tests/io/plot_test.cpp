@@ -105,19 +105,9 @@ ResultFile result_of(const std::string& label, const Patch& p, const std::vector
   bare.name = "bare";
   mesh.surfaces = {facets, bare};
   file.meshes = {mesh};
-  for (const char* name : {"contact pressure", "joint space"}) {
-    XpltVariable v;
-    v.group = XpltGroup::Surface;
-    v.format = XpltFormat::Item;
-    v.name = name;
-    file.variables.push_back(v);
-  }
-  XpltVariable vector;
-  vector.group = XpltGroup::Surface;
-  vector.type = XpltType::Vec3;
-  vector.format = XpltFormat::Item;
-  vector.name = "contact traction";
-  file.variables.push_back(vector);
+  for (const char* name : {"contact pressure", "joint space"})
+    file.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name));
+  file.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Item, "contact traction"));
   for (std::size_t s = 0; s < pressures.size(); ++s) {
     XpltState state;
     state.time = static_cast<float>(s);

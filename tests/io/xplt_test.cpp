@@ -33,15 +33,8 @@ namespace {
 XpltFile cube() {
   XpltFile file;
   file.software = "dea";
-  XpltVariable displacement;
-  displacement.group = XpltGroup::Nodal;
-  displacement.type = XpltType::Vec3;
-  displacement.name = "displacement";
-  XpltVariable pressure;
-  pressure.group = XpltGroup::Surface;
-  pressure.format = XpltFormat::Item;
-  pressure.name = "contact pressure";
-  file.variables = {displacement, pressure};
+  file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"),
+                    xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, "contact pressure")};
 
   XpltMesh mesh;
   mesh.node_ids = {1, 2, 3, 4, 5, 6, 7, 8};
@@ -173,13 +166,8 @@ XpltFile everything() {
   file.units = "mm-N-s";
   file.variables.clear();
   const auto declare = [&](XpltGroup group, XpltType type, XpltFormat format, const std::string& name, int array = 0) {
-    XpltVariable v;
-    v.group = group;
-    v.type = type;
-    v.format = format;
-    v.name = name;
-    v.array_size = array;
-    file.variables.push_back(v);
+    file.variables.push_back(xplt_variable(group, type, format, name));
+    file.variables.back().array_size = array;
   };
   declare(XpltGroup::Global, XpltType::Float, XpltFormat::Region, "iterations");
   declare(XpltGroup::Global, XpltType::Array, XpltFormat::Region, "residuals", 2);

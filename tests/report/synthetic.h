@@ -20,15 +20,6 @@ struct Dome {
 /// Facets of a field at (x, y) of their centre and time t.
 using Field = std::function<double(double x, double y, double t)>;
 
-inline XpltVariable surface_variable(const std::string& name) {
-  XpltVariable v;
-  v.group = XpltGroup::Surface;
-  v.type = XpltType::Float;
-  v.format = XpltFormat::Item;
-  v.name = name;
-  return v;
-}
-
 inline ResultFile make_dome_result(const std::string& path, const std::string& label, const Dome& dome,
                                    const std::vector<double>& times,
                                    const std::vector<std::pair<std::string, Field>>& fields) {
@@ -68,7 +59,8 @@ inline ResultFile make_dome_result(const std::string& path, const std::string& l
   mesh.surfaces = {facets};
   mesh.domains = {shells};
   result.xplt.meshes = {mesh};
-  for (const auto& field : fields) result.xplt.variables.push_back(surface_variable(field.first));
+  for (const auto& field : fields)
+    result.xplt.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, field.first));
   for (double t : times) {
     XpltState state;
     state.time = static_cast<float>(t);

@@ -46,8 +46,7 @@ const SphereCase kSphereCases[] = {
 TEST(ConcentricSpheresTest, PeakOfEveryVariantAndSource) {
   for (const SphereCase& c : kSphereCases) {
     for (double load : {100.0, 2000.0, 4000.0}) {
-      Settings settings = test::linear();
-      settings.source = c.source;
+      Settings settings = test::linear(c.source);
       settings.springs_at = c.springs_at;
       const StateResult state = last_state(test::concentric_spheres(50, load, c.two_layers), settings);
       ASSERT_EQ(state.equilibrium.outcome, Outcome::Balanced);

@@ -20,18 +20,21 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using test::all;
-using test::at_feet;
-using test::even;
-using test::FootedLayer;
-using test::layer_mesh;
+using namespace test;
 
-const double kPi = std::acos(-1.0);
 const double kE = 11.85;
-const LayerFit kFits[] = {LayerFit::OneTerm, LayerFit::TwoTerms};
 
 /// A layer under feet, as one side of a contact.
 LayerSide side(FootedLayer& layer) { return {&layer.layer, &layer.feet, {}}; }
+
+/// Of this layer with what is rigid, or with another layer.
+LayerContact contact_of(FootedLayer& source, FootedLayer* target = nullptr) {
+  LayerContact contact;
+  contact.source = side(source);
+  if (target != nullptr) contact.target = side(*target);
+  contact.area = source.areas();
+  return contact;
+}
 
 LayerContactOptions small_strain() {
   LayerContactOptions options;
@@ -176,9 +179,7 @@ TEST(LayerContact, HemispheresKeepTheCosine) {
     const auto error = [&](int n, Rim rim, double from_rim) {
       const SurfaceMesh surface = test::hemisphere(n, 20.0);
       FootedLayer layer(layer_mesh(surface, even(4.0), all(rim)), {kE, 0.45}, fit);
-      LayerContact contact;
-      contact.source = side(layer);
-      contact.area = layer.areas();
+      LayerContact contact = contact_of(layer);
       const VectorXd cosine = at_feet(surface, [](const Vector3d& x) { return x.z() / x.norm(); });
       const LayerPressure r = solve_contact(contact, 0.1 * cosine, {}, small_strain());
       EXPECT_TRUE(r.converged);
@@ -245,10 +246,7 @@ TEST(LayerContact, ParabolicPunchesAgainstTheExactResponse) {
     for (std::size_t k = 0; k < 2; ++k) {
       FootedLayer source(layer_mesh(surface, even(t_s), rim), {kE, row.nu}, kFits[k]),
           target(layer_mesh(surface, even(t_t), rim), {kE, row.nu}, kFits[k]);
-      LayerContact contact;
-      contact.source = side(source);
-      if (row.two_layers) contact.target = side(target);
-      contact.area = source.areas();
+      LayerContact contact = contact_of(source, row.two_layers ? &target : nullptr);
       const VectorXd overlap = at_feet(surface, [&](const Vector3d& x) {
         return row.depth - (x.x() * x.x() + (row.cylinder ? 0 : x.y() * x.y())) / (2 * R);
       });
@@ -358,10 +356,7 @@ TEST(LayerContact, LargeStrainOfLongWavesIsTheSprings) {
     const Elasticity soft{kE, 0.45};
     FootedLayer source(layer_mesh(surface, even(1.2), all(Rim::Wall)), soft, LayerFit::OneTerm),
         target(layer_mesh(surface, even(2.1), all(Rim::Wall)), other, LayerFit::TwoTerms);
-    LayerContact contact;
-    contact.source = side(source);
-    contact.target = side(target);
-    contact.area = source.areas();
+    LayerContact contact = contact_of(source, &target);
     for (const bool large : {false, true}) {
       LayerContactOptions options;
       options.large_strain = large;
@@ -399,10 +394,7 @@ Pressed press_quarter(const std::vector<std::pair<Elasticity, double>>& layers, 
   std::vector<FootedLayer> all_layers;
   for (const auto& [material, t] : layers)
     all_layers.emplace_back(layer_mesh(surface, even(t), rim), material, LayerFit::TwoTerms);
-  LayerContact contact;
-  contact.source = side(all_layers[0]);
-  if (all_layers.size() > 1) contact.target = side(all_layers[1]);
-  contact.area = all_layers[0].areas();
+  LayerContact contact = contact_of(all_layers[0], all_layers.size() > 1 ? &all_layers[1] : nullptr);
   const LayerPressure r = solve_contact(contact, at_feet(surface, [&](const Vector3d& x) {
                                           return overlap_at(cylinder ? x.x() : std::hypot(x.x(), x.y()));
                                         }));
@@ -509,9 +501,7 @@ TEST(LayerContact, RoundFreeEdgesAgainstFiniteElements) {
                                      return std::min(x.x(), x.y()) > 1e-9 && (x.norm() < 6) ? Rim::Free : Rim::Wall;
                                    }),
                         {1.0, nu}, LayerFit::TwoTerms);
-      LayerContact contact;
-      contact.source = side(layer);
-      contact.area = layer.areas();
+      LayerContact contact = contact_of(layer);
       const LayerPressure r = solve_contact(
           contact, at_feet(surface, [&](const Vector3d& x) { return overlap(x.norm()); }), {}, small_strain());
       ASSERT_TRUE(r.converged);
@@ -547,9 +537,7 @@ TEST(LayerContact, BendsOfTheBoneAgainstFiniteElements) {
         FootedLayer layer(layer_mesh(
                               surface, [&](const Vector3d& x) { return thickness(x.x()); }, all(Rim::Wall)),
                           {1.0, nu}, LayerFit::TwoTerms);
-        LayerContact contact;
-        contact.source = side(layer);
-        contact.area = layer.areas();
+        LayerContact contact = contact_of(layer);
         const LayerPressure r = solve_contact(
             contact, at_feet(surface, [&](const Vector3d& x) { return overlap(x.x()); }), {}, small_strain());
         ASSERT_TRUE(r.converged);
@@ -581,10 +569,7 @@ TEST(LayerContact, UnlikeMeshes) {
     for (const double nu : {0.45, 0.49, 0.4999}) {
       const auto mesh = layer_mesh(surface, even(t), all(Rim::Continues));
       FootedLayer source(mesh, {kE, nu}, LayerFit::TwoTerms), mirrored(mesh, {kE, nu}, LayerFit::TwoTerms);
-      LayerContact contact;
-      contact.source = side(source);
-      contact.target = side(mirrored);
-      contact.area = source.areas();
+      LayerContact contact = contact_of(source, &mirrored);
       const LayerPressure matched = solve_contact(contact, overlap, {}, small_strain());
       ASSERT_TRUE(matched.converged);
       for (const double ratio : {0.25, 0.5, 1.0, 2.0, 4.0}) {

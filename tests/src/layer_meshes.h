@@ -13,6 +13,8 @@
 
 namespace dea::test {
 
+inline constexpr LayerFit kFits[] = {LayerFit::OneTerm, LayerFit::TwoTerms};
+
 /// m x n quads over (u, v) in [0, 1]^2; triangles turn counter-clockwise in (u, v).
 inline SurfaceMesh grid(int m, int n, const std::function<Vector3d(double, double)>& patch) {
   std::vector<Vector3d> points;

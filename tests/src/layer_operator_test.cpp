@@ -12,15 +12,9 @@ namespace dea {
 namespace {
 
 using Eigen::VectorXd;
-using test::all;
-using test::at_feet;
-using test::even;
-using test::FootedLayer;
-using test::layer_mesh;
+using namespace test;
 
-const double kPi = std::acos(-1.0);
 const Elasticity kCartilage{11.85, 0.45};
-const LayerFit kFits[] = {LayerFit::OneTerm, LayerFit::TwoTerms};
 
 /// A curved patch with nothing special about it.
 SurfaceMesh saddle(int n) {

@@ -196,8 +196,7 @@ TEST(Springs, SphereAsSourceCarriesPiRdSquared) {
   const double R = 25, h = 2, M = confined_modulus(test::kE, test::kNu);
   for (double d : {0.4, 0.2}) {
     const JointModel model = sphere_on_flat(60, R, h, d == 0.4 ? 12.0 : 8.5);
-    Settings settings = test::linear();
-    settings.source = "ball";
+    Settings settings = test::linear("ball");
     const Joint joint = make_joint(model, settings);
     const SpringBeds beds = make_spring_beds(joint);
     std::vector<Pose> poses = reference_poses(joint);

@@ -12,9 +12,10 @@
 namespace dea::test {
 
 /// The law whose answers on paper the tests know.
-inline Settings linear() {
+inline Settings linear(const std::string& source = "") {
   Settings settings;
   settings.law = Law::Linear;
+  settings.source = source;
   return settings;
 }
 

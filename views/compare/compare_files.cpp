@@ -8,6 +8,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/version.h>
 
 namespace dea {
@@ -52,13 +53,7 @@ std::vector<std::string> split_names(const std::string& text, const std::vector<
                                      const std::vector<int>& states) {
   for (std::size_t i = 0; i < files.size(); ++i)
     if (find_surface(files[i], states[i], text) >= 0) return std::vector<std::string>(files.size(), text);
-  std::vector<std::string> names(1);
-  for (char c : text) {
-    if (c == '=')
-      names.emplace_back();
-    else
-      names.back() += c;
-  }
+  std::vector<std::string> names = split(text, '=');
   if (names.size() == 1) names.assign(files.size(), text);
   if (names.size() != files.size())
     throw UsageError(fmt::format("--surface {}: found {} names, expected one or one per file ({})", text, names.size(),
@@ -466,13 +461,7 @@ std::vector<ComparedBody> compare_bodies(const std::vector<ResultFile>& files, c
 }
 
 XpltVariable surface_variable(const std::string& name, const std::string& units) {
-  XpltVariable v;
-  v.group = XpltGroup::Surface;
-  v.type = XpltType::Float;
-  v.format = XpltFormat::Item;
-  v.name = name;
-  v.units = units;
-  return v;
+  return xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name, units);
 }
 
 std::vector<float> floats(const std::vector<double>& values) {

@@ -456,48 +456,51 @@ TriangleMask layer_triangles(const MapMesh& mesh, const Projection& p, int layer
   return in;
 }
 
-std::vector<Polyline> outline(const MapMesh& mesh, const Projection& p, const TriangleMask& in) {
+namespace {
+
+/// The edges of triangles of `in` beyond which no triangle goes on: `goes_on(t, other)`.
+template <class GoesOn>
+std::vector<Polyline> open_edges(const MapMesh& mesh, const Projection& p, const TriangleMask& in, GoesOn goes_on) {
   std::vector<Piece> pieces;
   for (int t = 0; t < mesh.size(); ++t) {
     if (!in[at(t)]) continue;
     for (int k = 0; k < 3; ++k) {
       const int other = mesh.neighbours[at(t)][at(k)];
-      if (other >= 0 && in[at(other)]) continue;
+      if (other >= 0 && goes_on(t, other)) continue;
       const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
       pieces.push_back({{a, -1}, {b, -1}, p.points[at(a)], p.points[at(b)]});
     }
   }
   return chain(std::move(pieces));
+}
+
+std::vector<Polyline> cut_triangles(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
+                                    const std::vector<double>& values, double level, bool region) {
+  std::vector<Piece> pieces;
+  for (int t = 0; t < mesh.size(); ++t)
+    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, region, t, pieces);
+  return chain(std::move(pieces));
+}
+
+}  // namespace
+
+std::vector<Polyline> outline(const MapMesh& mesh, const Projection& p, const TriangleMask& in) {
+  return open_edges(mesh, p, in, [&](int, int other) { return in[at(other)] != 0; });
 }
 
 std::vector<Polyline> region_above(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
                                    const std::vector<double>& values, double level) {
-  std::vector<Piece> pieces;
-  for (int t = 0; t < mesh.size(); ++t)
-    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, true, t, pieces);
-  return chain(std::move(pieces));
+  return cut_triangles(mesh, p, in, values, level, true);
 }
 
 std::vector<Polyline> contour(const MapMesh& mesh, const Projection& p, const TriangleMask& in,
                               const std::vector<double>& values, double level) {
-  std::vector<Piece> pieces;
-  for (int t = 0; t < mesh.size(); ++t)
-    if (in[at(t)]) cut_triangle(mesh, p, in, values, level, false, t, pieces);
-  return chain(std::move(pieces));
+  return cut_triangles(mesh, p, in, values, level, false);
 }
 
 std::vector<Polyline> rim(const MapMesh& mesh, const Projection& p, const TriangleMask& in) {
-  std::vector<Piece> pieces;
-  for (int t = 0; t < mesh.size(); ++t) {
-    if (!in[at(t)]) continue;
-    for (int k = 0; k < 3; ++k) {
-      const int other = mesh.neighbours[at(t)][at(k)];
-      if (other >= 0 && p.layer[at(other)] >= 0 && p.back[at(other)] == p.back[at(t)]) continue;
-      const int a = mesh.triangles[at(t)][at(k)], b = mesh.triangles[at(t)][at((k + 1) % 3)];
-      pieces.push_back({{a, -1}, {b, -1}, p.points[at(a)], p.points[at(b)]});
-    }
-  }
-  return chain(std::move(pieces));
+  return open_edges(mesh, p, in,
+                    [&](int t, int other) { return p.layer[at(other)] >= 0 && p.back[at(other)] == p.back[at(t)]; });
 }
 
 Polyline smoothed(const Polyline& line) {

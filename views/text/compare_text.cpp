@@ -79,20 +79,21 @@ std::string interface_text(const Comparison& c, const ComparedSurface& surface) 
   return text;
 }
 
+/// A column of numbers.
+void add_column(Table& table, const std::string& heading) {
+  table.headings.push_back(heading);
+  table.left += 'r';
+}
+
 /// What was measured in each file, and in per cent how far it is from the last.
 Table region_table(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region) {
   const std::size_t n = c.labels.size();
   Table table;
   table.headings = {""};
   table.left = "l";
-  for (const std::string& label : c.labels) {
-    table.headings.push_back(label);
-    table.left += 'r';
-  }
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    table.headings.push_back(n == 2 ? "difference" : fmt::format("difference {}", c.labels[i]));
-    table.left += 'r';
-  }
+  for (const std::string& label : c.labels) add_column(table, label);
+  for (std::size_t i = 0; i + 1 < n; ++i)
+    add_column(table, n == 2 ? "difference" : fmt::format("difference {}", c.labels[i]));
   const auto add = [&](const Quantity& q) {
     std::vector<std::string> row = {q.name};
     for (double x : q.values) row.push_back(short_number(x));
@@ -127,10 +128,7 @@ Table pattern_table(const Comparison& c, const ComparedRegion& region) {
   Table patterns;
   patterns.headings = {fmt::format("against {}", c.labels.back()), "correlation", "rms", "mean", "largest"};
   patterns.left = "lrrrr";
-  for (double t : c.thresholds) {
-    patterns.headings.push_back(fmt::format("Dice > {:g}", t));
-    patterns.left += 'r';
-  }
+  for (double t : c.thresholds) add_column(patterns, fmt::format("Dice > {:g}", t));
   patterns.headings.push_back("centre of pressure");
   patterns.left += 'l';
   for (std::size_t i = 0; i + 1 < c.labels.size(); ++i) {
@@ -151,10 +149,7 @@ TitledTable profile_table(const Comparison& c, const ComparedSurface& surface) {
   Table table;
   table.headings = {"degrees"};
   table.left = "r";
-  for (const std::string& label : c.labels) {
-    table.headings.push_back(label);
-    table.left += 'r';
-  }
+  for (const std::string& label : c.labels) add_column(table, label);
   std::size_t bins = 0;
   for (const auto& profile : surface.profiles) bins = std::max(bins, profile.size());
   // bins before the first facet and behind the last one say nothing

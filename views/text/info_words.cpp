@@ -1,28 +1,14 @@
 #include <febiodea/views/text/info_words.h>
 
+#include <febiodea/base/names.h>
+
 namespace dea {
 
-const char* word(DofState s) {
-  switch (s) {
-    case DofState::Free:
-      return "free";
-    case DofState::Held:
-      return "held";
-    case DofState::Prescribed:
-      return "prescribed";
-  }
-  return "";
-}
+const char* word(DofState s) { return word_of(s, {"free", "held", "prescribed"}); }
 
-const char* word(RigidJoint::Motion motion) {
-  return motion == RigidJoint::Motion::Held ? "held" : motion == RigidJoint::Motion::Free ? "free" : "prescribed";
-}
+const char* word(RigidJoint::Motion motion) { return word_of(motion, {"held", "free", "prescribed"}); }
 
-const char* word(DiscreteSprings::Measure measure) {
-  return measure == DiscreteSprings::Measure::Elongation ? "elongation"
-         : measure == DiscreteSprings::Measure::Strain   ? "strain"
-                                                         : "stretch";
-}
+const char* word(DiscreteSprings::Measure measure) { return word_of(measure, {"elongation", "strain", "stretch"}); }
 
 std::string law_origin(const Contact& contact, const Settings& settings) {
   if (settings.law) return "chosen with --law";
