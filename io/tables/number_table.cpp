@@ -28,7 +28,7 @@ char separator_of(const std::string& names) {
   return ' ';
 }
 
-std::vector<std::string> split(const std::string& line, char separator) {
+std::vector<std::string> words_of_line(const std::string& line, char separator) {
   std::vector<std::string> words;
   if (separator == ' ') {
     std::istringstream in(line);
@@ -121,11 +121,11 @@ NumberTable read_table(const std::string& path) {
     if (line.empty() || line.front() == '#') continue;
     if (table.names.empty()) {
       separator = table.opensim ? ' ' : separator_of(line);
-      table.names = split(line, separator);
+      table.names = words_of_line(line, separator);
       check_names(table, number);
       continue;
     }
-    table.rows.push_back(numbers_of(table, split(line, separator), number));
+    table.rows.push_back(numbers_of(table, words_of_line(line, separator), number));
     table.lines.push_back(number);
   }
   if (header) throw fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
