@@ -10,6 +10,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/io/convert/conversion_plan.h>
 #include <febiodea/io/convert/edit_feb.h>
+#include <febiodea/joint/placing.h>
 #include <febiodea/io/convert/write_feb.h>
 
 namespace dea {
@@ -42,14 +43,29 @@ bool same_folder(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-Conversion convert_feb(const JointModel& model, const Settings& settings, const std::string& output) {
+Conversion convert_feb(const JointModel& given, const Settings& given_settings, const std::string& output) {
+  Settings settings = given_settings;
+  const bool moved = !settings.placements.empty();
+  JointModel placed;
+  std::vector<Sentence> placements;
+  if (moved) {
+    const Joint joint = make_joint(given, settings);
+    placed = placed_model(given, joint, settings);
+    placements = placements_in_words(given, joint, settings);
+    settings.placements.clear();
+    settings.rotate_about.clear();
+  }
+  const JointModel& model = moved ? placed : given;
   ConversionPlan plan = plan_conversion(model, settings);
+  plan.changes.insert(plan.changes.begin(), placements.begin(), placements.end());
   const std::string text = file_text(model.files.front());
   Conversion result;
   std::string why;
   std::optional<std::string> edited;
   if (model.version != "4.0")
     why = fmt::format("it is of version {}", model.version);
+  else if (moved)
+    why = "bodies are placed, and their nodes moved";
   else if (plan.split)
     why = "an Elements section holds cartilage of several bodies, or other parts too, and is divided";
   else if (model.files.size() > 1 && !same_folder(model.files.front(), output))

@@ -125,4 +125,68 @@ std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& 
   return words;
 }
 
+JointModel placed_model(const JointModel& model, const Joint& joint, const Settings& settings) {
+  const std::vector<Pose> start = starting_poses(model, joint, settings);
+  JointModel placed = model;
+  const auto place = [&](int body, const Vector3d& x) -> Vector3d {
+    if (body < 0) return x;
+    return start[at(body)].center + start[at(body)].rotation * (x - joint.bodies[at(body)].center_of_mass);
+  };
+  const auto body_of = [&](int material) {
+    for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+      for (int m : joint.bodies[b].materials)
+        if (m == material) return static_cast<int>(b);
+    return -1;
+  };
+  const auto move_point = [&](int material, Vector3d& x) { x = place(body_of(material), x); };
+  const auto turn = [&](int material, Vector3d& v) {  // from a centre of mass, or a direction of the body
+    const int b = body_of(material);
+    if (b >= 0) v = start[at(b)].rotation * v;
+  };
+  for (std::size_t i = 0; i < placed.nodes.size(); ++i) placed.nodes[i] = place(joint.node_body[i], model.nodes[i]);
+  for (std::size_t m = 0; m < placed.materials.size(); ++m)
+    if (placed.materials[m].center_of_mass) move_point(static_cast<int>(m), *placed.materials[m].center_of_mass);
+  for (RigidSpring& s : placed.rigid_springs) {
+    if (s.free_length == 0.0) s.free_length = (s.insertion_b - s.insertion_a).norm();
+    move_point(s.material_a, s.insertion_a);
+    move_point(s.material_b, s.insertion_b);
+  }
+  for (RigidFollower& f : placed.rigid_followers) {
+    if (f.from_center)
+      turn(f.material, f.insertion);
+    else
+      move_point(f.material, f.insertion);
+    turn(f.material, f.value);
+  }
+  for (RigidLoad& l : placed.rigid_loads)
+    if (l.kind == RigidLoad::Kind::Follower && body_of(l.material) >= 0 &&
+        !start[at(body_of(l.material))].rotation.isIdentity(1e-15))
+      throw fault_at(model, l.origin, say("load \"{}\" turns with a body that is placed turned;", l.name),
+                     "turn its components in the model, or place the body without turning it");
+  for (RigidAxialForce& f : placed.rigid_axial_forces) {
+    (f.from_centers ? turn(f.material_a, f.point_a) : move_point(f.material_a, f.point_a));
+    (f.from_centers ? turn(f.material_b, f.point_b) : move_point(f.material_b, f.point_b));
+  }
+  for (RigidCable& c : placed.rigid_cables)
+    for (RigidCable::Point& p : c.points)
+      (c.from_centers ? turn(p.material, p.position) : move_point(p.material, p.position));
+  for (RigidJoint& j : placed.rigid_joints) {  // its frame goes with body A
+    move_point(j.material_a, j.joint_origin);
+    const int a = body_of(j.material_a);
+    if (a >= 0) j.axes = start[at(a)].rotation * j.axes;
+  }
+  for (const DiscreteSprings& s : model.discrete_springs)
+    for (const auto& pair : model.discrete_sets[at(s.set)].pairs) {
+      const double before = (model.nodes[at(pair[1])] - model.nodes[at(pair[0])]).norm(),
+                   after = (placed.nodes[at(pair[1])] - placed.nodes[at(pair[0])]).norm();
+      if (std::abs(after - before) <= 1e-9 * before) continue;
+      throw fault_at(model, s.origin,
+                     say("spring \"{}\" has its free length from where its nodes stand ({:.4g}), and they are placed "
+                         "{:.4g} apart;",
+                         s.name, before, after),
+                     "a converted file cannot say that; make it a rigid spring with a free_length of its own");
+    }
+  return placed;
+}
+
 }  // namespace dea

@@ -21,6 +21,11 @@ std::vector<Pose> starting_poses(const JointModel& model, const Joint& joint, co
 /// starting_poses does.
 Vector3d turn_point(const Joint& joint, int body, const TurnPoint& about, const std::string& name);
 
+/// The same model with its bodies where the settings place them: nodes, centres of mass, and all points of bodies. A
+/// rigid spring that has its length from its reference keeps it. InputError: springs between nodes whose free length is
+/// that of their reference, which would be another one.
+JointModel placed_model(const JointModel& model, const Joint& joint, const Settings& settings);
+
 /// The placements, a sentence each: how a body is turned, about what point, and how that was found.
 std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& joint, const Settings& settings);
 
