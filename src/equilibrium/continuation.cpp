@@ -98,13 +98,17 @@ Solution search_from(Problem& problem, const std::vector<Pose>& start, const Equ
   const std::vector<Pose> poses = e.poses;
   Solution direct = newton(problem, std::move(e), options);
   const bool no_equilibrium = direct.outcome == Outcome::NoEquilibrium;
+  const char* sign = "the opposite load would press them together: look at its sign";
+  if (direct.outcome == Outcome::SurfacesApart && direct.advice.empty() &&
+      opposite_load_presses(problem, evaluate(problem, poses)))
+    direct.advice = sign;
   if ((direct.outcome != Outcome::NotConverged && !no_equilibrium) || !direct.at.contact.allFinite()) return direct;
   Evaluation from =
       evaluate(problem, poses);  // a copy, kept for this rare case, would be as large as the springs' states
   if (const std::optional<double> at_start = opens(problem, from)) {
     if (const std::optional<double> at_end = opens(problem, direct.at)) {
       direct.outcome = Outcome::SurfacesApart;
-      direct.advice = {};
+      direct.advice = opposite_load_presses(problem, from) ? Sentence(sign) : Sentence();
       direct.message = fmt::format(
           "the load moves the surfaces apart: pressures on them, however spread, leave {:.2g} of it unbalanced",
           std::min(*at_start, *at_end));

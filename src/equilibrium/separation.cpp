@@ -86,12 +86,24 @@ VectorXd left_at_best(const MatrixXd& push, const VectorXd& load) {
   return left;
 }
 
-}  // namespace
-
-Separation separation(const Problem& problem, const Evaluation& e) {
+int springs_that_face(const Evaluation& e) {
   int facing = 0;
   for (const SpringStates& s : e.springs)
     for (int i = 0; i < s.size(); ++i) facing += faces_target(s, at(i));
+  return facing;
+}
+
+}  // namespace
+
+bool opposite_load_presses(const Problem& problem, const Evaluation& e) {
+  const int facing = springs_that_face(e);
+  const VectorXd load = -on_unknowns(problem, e, e.ligaments + e.external - problem.offset);
+  if (facing == 0 || !(load.norm() > 0)) return false;
+  return left_at_best(unit_pushes(problem, e, facing, load.size()), load).norm() < 0.05 * load.norm();
+}
+
+Separation separation(const Problem& problem, const Evaluation& e) {
+  const int facing = springs_that_face(e);
   const VectorXd load = on_unknowns(problem, e, e.ligaments + e.external - problem.offset);
   if (facing == 0 || !(load.norm() > 0)) return {1.0, load.norm() > 0 ? 1.0 : 0.0};
   const MatrixXd push = unit_pushes(problem, e, facing, load.size());

@@ -12,4 +12,7 @@ struct Separation {
 };
 Separation separation(const Problem& problem, const Evaluation& e);
 
+/// Whether pressures at this pose could balance the opposite load: the load's sign may be wrong then.
+bool opposite_load_presses(const Problem& problem, const Evaluation& e);
+
 }  // namespace dea
