@@ -31,14 +31,15 @@ double weighted_percentile(const std::vector<double>& values, const std::vector<
   return values[order.back()];
 }
 
-std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
-                                                  const std::vector<ContactFields>& fields) {
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
+                                                  const Equilibrium& e, const std::vector<ContactFields>& fields) {
   std::vector<ContactStatistics> all;
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     const ContactPair& pair = joint.contacts[c];
     const SpringStates& s = e.springs[c];
     const SideFields& source = fields[c].sides[pair.source];
     ContactStatistics stats;
+    stats.headline = headline(maps.contacts[c].plotted, plotted_values(source.pressure));
     stats.springs = beds.beds[c].springs.size();
     std::vector<double> pressure, area;
     Vector3d moment = Vector3d::Zero();

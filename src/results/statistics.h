@@ -5,11 +5,13 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/equilibrium.h>
 #include <febiodea/results/fields.h>
+#include <febiodea/results/headline.h>
 
 namespace dea {
 
 /// Numbers per contact and state. NaN: undefined (no active spring).
 struct ContactStatistics {
+  Headline headline;       ///< of the source's surface
   int springs = 0;         ///< cast
   int springs_hit = 0;     ///< of these, those that stand over the target
   int springs_active = 0;  ///< of these, those that carry pressure
@@ -32,8 +34,8 @@ struct ContactStatistics {
 double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction);
 
 /// One per contact. `fields`: of the same equilibrium.
-std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
-                                                  const std::vector<ContactFields>& fields);
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
+                                                  const Equilibrium& e, const std::vector<ContactFields>& fields);
 
 /// Where the selection of a layer's facets ends under pressure though the cartilage goes on: length of its rim beside
 /// facets that carry more than `above`. `pressure`: per facet, SideFields::pressure. There the pressure is that of an
