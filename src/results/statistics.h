@@ -29,10 +29,6 @@ struct ContactStatistics {
   double complementarity = kNaN;  ///< Law::Layer: residual of (L4) over the largest pressure
 };
 
-/// Percentile of values weighted by `weights` (> 0): each sorted value stands at the middle of its share of the weight,
-/// between them linear, beyond the first and last constant. Equal weights: the usual median. NaN for no values.
-double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction);
-
 /// One per contact. `fields`: of the same equilibrium.
 std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
                                                   const Equilibrium& e, const std::vector<ContactFields>& fields);
