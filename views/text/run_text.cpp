@@ -222,8 +222,8 @@ std::string converge_text(const JointModel& model, const std::vector<Convergence
   for (const Convergence& study : studies) {
     text += fmt::format("\ncontact \"{}\", last state; changes against the row above\n", study.contact);
     Table table;
-    table.headings = {"refine", "springs",      "active",       "peak",         "mean",
-                      "area",   "peak changes", "mean changes", "area changes", "outcome"};
+    table.headings = {"refine",        "springs",      "active",       "peak, springs", "mean, springs",
+                      "area, springs", "peak changes", "mean changes", "area changes",  "outcome"};
     table.left = "rrrrrrrrrl";
     for (const ConvergenceRow& r : study.rows)
       table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs),
