@@ -15,7 +15,7 @@ struct RunArguments {
   std::vector<std::string> words;  ///< the command line, for the page
   std::string model;
   OutputSettings outputs;  ///< as typed
-  bool quiet = false, verbose = false;
+  bool quiet = false, verbose = false, details = false;
   SettingsArguments settings;
   std::string times_from;
   bool compress = false;
@@ -64,7 +64,7 @@ struct CompareArguments {
   std::string at, areas, dose_above, up, anterior, axis, center, bin;
   bool profile = false;
   std::string output, json, csv, report;
-  bool time_fields = false, compress = false, quiet = false;
+  bool time_fields = false, compress = false, quiet = false, details = false;
 };
 CLI::App* add_compare(CLI::App& app, CompareArguments& arguments);
 int compare_command(const CompareArguments& arguments);

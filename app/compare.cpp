@@ -24,8 +24,12 @@ or not. Nothing is solved.
 
 Like is compared with like: every file's `contact pressure` per facet, at its place in the reference configuration. "nodes"
 are area-weighted averages of the facets around each node, each node with a quarter of each quad around it (a third of each
-triangle): FEA's single facets are noisy, averages are the numbers to trust. Peak, mean, median and percentiles are
-area-weighted and over places with p > 0, or above a threshold where it says so. "resultant" is |sum of p A n|.
+triangle): FEA's single facets are noisy, averages are the numbers to trust.
+
+p99, mean, area and peak are one set of numbers for every result, the same as of `dea run`: of nodes above 5 % of the load's
+mean pressure (the sum of p^2 A over that of p A, of the whole surface), weighted by the nodes' areas. --details adds what else
+there is: peak, mean, median and percentiles, of nodes and of facets, area-weighted and over places with p > 0 or above a
+--threshold; "resultant" is |sum of p A n|.
 
 Correlation (Pearson), rms, mean and largest difference are of nodes where either pressure is above 0, area-weighted; Dice is
 twice the common contact area over the sum of both. Where meshes differ, nodal values are carried to the reference's nodes
@@ -146,7 +150,7 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
                "pressure in at least one]");
   add_once(*c, "--at", a.at, "TIME", "Comparison", "Compare the states at this time [the last state of each file]");
   add_repeated(*c, "--threshold", a.thresholds, "PRESSURE", "Comparison",
-               "Also areas, means and Dice above this pressure; may be repeated [0.1 and 0.5]");
+               "Also Dice, and in --details, JSON and CSV all numbers above this pressure; may be repeated [0.1 and 0.5]");
   add_once(*c, "--areas", a.areas, "reference|deformed", "Comparison",
            "Facet areas of the mesh, or with nodes moved by each file's own displacement [reference]");
   add_once(*c, "--dose-above", a.dose_above, "PRESSURE", "Comparison",
@@ -172,6 +176,8 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   add_once(*c, "--csv", a.csv, "FILE|-", "Output",
            "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
   add_quiet_flag(*c, a.quiet);
+  c->add_flag("--details", a.details, "Print more numbers of every surface and region, each named in full")
+      ->group("Output");
   return c;
 }
 
@@ -210,7 +216,7 @@ int compare_command(const CompareArguments& a) {
   progress.clear();
   if (a.quiet) return kSolved;
   for (const std::string& line : comparison.warnings) log(line);
-  if (a.json != "-" && a.csv != "-") print(compare_text(comparison));
+  if (a.json != "-" && a.csv != "-") print(compare_text(comparison, a.details));
   return kSolved;
 }
 

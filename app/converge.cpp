@@ -20,8 +20,9 @@ namespace {
 
 constexpr const char* kConvergeFooter = R"(
 Solves the model again and again with each spring's triangle divided into 1, 4, 16, 64, ... and compares peak pressure,
-mean pressure and contact area of the last state with those before. Ends when all changes are below the target, or when
-the next division would need more springs than allowed: then the target is not reached and the exit code is 1.
+mean pressure and contact area of the springs in the last state with those before. Ends when all changes are below the
+target, or when the next division would need more springs than allowed: then the target is not reached and the exit code
+is 1.
 
 Examples:
   dea converge hip.feb

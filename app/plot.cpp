@@ -18,9 +18,9 @@ namespace {
 constexpr const char* kPlotFooter = R"(
 Files may be ours or FEBio's, compressed or not. Facets are drawn as they are, in the reference configuration, all panels
 with one scale, that of all states of the files, as on the page of --report; colours are in 128 steps. Lines and --smooth are of nodal averages (area-weighted, of the facets around each
-node); with --smooth the edge of contact encloses as much area as the facets with pressure do. Numbers are of facets, with
---smooth of nodes, as in the rows of `dea compare`; "mean" is over the area with pressure. Grey: no contact, or a value of
-exactly 0.
+node); with --smooth the edge of contact encloses as much area as the facets with pressure do. Numbers of pressure are those of
+`dea run` and `dea compare` with either: of nodes above 5 % of the load's mean pressure. Numbers of other fields and of
+differences are of facets, with --smooth of nodes. Grey: no contact, or a value of exactly 0.
 
 Sockets and flat surfaces are seen along their mean normal; balls, and surfaces whose pressure would be out of sight,
 against the force on them. --view unrolled is for balls and sockets: Lambert's equal-area map about the axis of the fitted
@@ -131,7 +131,7 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   add_once(*c, "-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
   add_quiet_flag(*c, a.quiet);
   add_repeated(*c, "--surface", a.surfaces, "NAME", "What",
-               "Surface to draw; may be repeated [the one with the highest pressure anywhere]");
+               "Surface to draw; may be repeated [the one with springs, or with the highest pressure anywhere]");
   add_once(*c, "--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");
   add_once(*c, "--at", a.at, "TIME,TIME", "What", "States at these times, a panel each [the last state of each file]");
   add_once(*c, "--states", a.states, "all|last|t1,t2,...", "What", "The same, or all states");

@@ -27,6 +27,10 @@ the word in quotes, as in --thickness "femoral cartilage=1.8". A name and its va
 Standard output holds the table of results, or nothing but JSON or CSV with --json -, --csv - or --facets-csv -; all else
 is on standard error.
 
+p99, mean, area and peak are one set of numbers for every result, also of `dea compare`, `dea plot`, pages, JSON (headline) and
+CSV (headline_...): of nodes (area-weighted averages of the facets around each) above 5 % of the load's mean pressure, the sum
+of p^2 A over that of p A, weighted by the nodes' areas; on the surface with springs. --details prints all others.
+
 Examples:
   dea run hip.feb
   dea run hip.feb -o walking.xplt --json walking.json --states last
@@ -50,6 +54,8 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   c->add_flag("-v,--verbose", a.verbose,
               "Print what is begun, every iteration, and a line per state: iterations, residual, seconds")
       ->excludes(q)
+      ->group("Output");
+  c->add_flag("--details", a.details, "Print more numbers of every contact and state, each named in full")
       ->group("Output");
   for (const OutputOption& o : output_options())
     if (o.kind == OutputOption::Kind::States) add_output(o);
@@ -107,10 +113,10 @@ void watch(RunOptions& options, Progress& progress) {
   };
 }
 
-void print_result(const JointModel& model, const RunOptions& options, const RunResult& result) {
+void print_result(const JointModel& model, const RunOptions& options, const RunResult& result, bool details) {
   for (const std::string& line : run_remarks(model, result.analysis)) log(line);
   const OutputSettings& o = options.outputs;
-  if (o.json != "-" && o.csv != "-" && o.facets_csv != "-") print(run_text(model, result.analysis));
+  if (o.json != "-" && o.csv != "-" && o.facets_csv != "-") print(run_text(model, result.analysis, details));
   log(run_summary(options, result));
 }
 
@@ -152,7 +158,7 @@ int run(const RunArguments& a) {
 
   if (!a.quiet) {
     if (!name_note.empty()) log(name_note);
-    print_result(recognition.model, options, result);
+    print_result(recognition.model, options, result, a.details);
   }
   return all_solved(result.analysis) ? kSolved : kNoSolution;
 }

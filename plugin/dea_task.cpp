@@ -87,7 +87,7 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   const RunResult result = run_model(recognition, options);
 
   for (const std::string& line : run_remarks(model, result.analysis, febio_wording())) log_text(fem, line);
-  log_text(fem, run_text(model, result.analysis));
+  log_text(fem, run_text(model, result.analysis, false));
   log_text(fem, run_summary(options, result));
   if (all_solved(result.analysis)) return true;
   log_error(fem, no_solution(result.analysis, file.outputs.output));

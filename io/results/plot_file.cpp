@@ -199,6 +199,8 @@ std::vector<SurfaceField> surface_fields() {
   for (std::size_t i = 1; i < facet_fields().size(); ++i) fields.push_back(facet_field(facet_fields()[i]));
   fields.push_back({surface(XpltType::Float, XpltFormat::Mult, "cartilage thickness", "L"),
                     [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }});
+  fields.push_back({surface(XpltType::Float, XpltFormat::Region, "springs", ""),
+                    [](S, L, F f) { return std::vector<float>{f.springs ? 1.0f : 0.0f}; }});
   return fields;
 }
 

@@ -163,6 +163,14 @@ std::optional<Vector3d> surface_vector(const ResultFile& result, int state, int 
   return std::nullopt;
 }
 
+bool has_springs(const ResultFile& result, int state, int surface) {
+  const int index = find_variable(result.xplt, XpltGroup::Surface, "springs");
+  if (index < 0) return false;
+  for (const XpltRegion& region : result.xplt.states[at(state)].variables[at(index)])
+    if (region.region == surface + 1 && region.values.size() == 1) return region.values[0] > 0;
+  return false;
+}
+
 std::vector<BodyPose> body_poses(const ResultFile& result, int state) {
   const XpltMesh& mesh = mesh_of(result, state);
   const XpltState& values = result.xplt.states[at(state)];

@@ -39,6 +39,9 @@ std::optional<ResultSurface> deformed_surface(const ResultFile& result, int stat
 std::vector<double> facet_values(const ResultFile& result, int state, int surface, const std::string& field,
                                  bool undefined = false);
 
+/// Do dea's springs stand on the surface in this state? Files of other programs do not say so: no.
+bool has_springs(const ResultFile& result, int state, int surface);
+
 /// A vector field with one value for the whole surface; none: the surface has none in this state.
 std::optional<Vector3d> surface_vector(const ResultFile& result, int state, int surface, const std::string& field);
 

@@ -8,7 +8,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
-#include <febiodea/results/statistics.h>
+#include <febiodea/results/percentile.h>
 
 namespace dea {
 

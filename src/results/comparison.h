@@ -48,7 +48,7 @@ std::vector<double> facet_areas(const ResultSurface& surface, const FacetMask& m
 std::vector<double> facet_average(const ResultSurface& surface, const std::vector<double>& vertex_values);
 
 /// How the values above a threshold are distributed; all but `area` NaN where there are none. Percentiles are
-/// area-weighted (weighted_percentile in statistics.h).
+/// area-weighted (weighted_percentile in percentile.h).
 struct Distribution {
   double area = 0.0;
   double peak = 0.0, p99 = 0.0, mean = 0.0;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/results/headline.h>
 #include <febiodea/springs/gaps.h>
 #include <febiodea/springs/press.h>
 #include <febiodea/springs/spring_law.h>
@@ -388,6 +389,7 @@ ContactFields fields_of_contact(const ContactAt& c, const Vector3d& force, bool 
   SideFields &on_source = fields.sides[c.source()], &on_target = fields.sides[c.target()];
   on_target.force = force;
   on_source.force = -force;
+  on_source.springs = true;
   const SpringAverages averages = average_springs(c.bed, c.states);
   const bool articular = source.springs_at == SpringsAt::Articular;
   SideValues shown;
@@ -424,7 +426,8 @@ FieldMaps make_field_maps(const JointModel& model, const Joint& joint) {
     RayCaster primary(pair.layers[0].articular), secondary(pair.layers[1].articular);
     FieldMaps::ContactMap map{
         {make_layer_map(model, pair.layers[0], primary), make_layer_map(model, pair.layers[1], secondary)},
-        {std::move(primary), std::move(secondary)}};
+        {std::move(primary), std::move(secondary)},
+        plotted_surface(model, model.surfaces[at(pair.source_layer().surface)])};
     maps.contacts.push_back(std::move(map));
   }
   return maps;

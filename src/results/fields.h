@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/results/comparison.h>
 
 namespace dea {
 
@@ -21,6 +22,7 @@ struct SideFields {
   std::vector<double> vertex_thickness;   ///< cartilage thickness
   std::vector<double> vertex_shortening;  ///< this layer's share of the overlap, >= 0
   Vector3d force = Vector3d::Zero();      ///< of the contact on this side
+  bool springs = false;                   ///< it is this side that they stand on
   double contact_area = 0.0;              ///< of whole facets with pressure > 0, current
   double resultant_factor =
       1.0;  ///< |sum of p A n over these facets| / |force|: 1 = the map carries the whole force; NaN without force
@@ -54,6 +56,7 @@ struct FieldMaps {
   struct ContactMap {
     LayerMap layers[2];      // primary, secondary
     RayCaster articular[2];  // primary, secondary
+    ResultSurface plotted;   // the source's surface, as a plot file holds it
   };
   std::vector<ContactMap> contacts;
 };

@@ -5,11 +5,13 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/equilibrium.h>
 #include <febiodea/results/fields.h>
+#include <febiodea/results/headline.h>
 
 namespace dea {
 
 /// Numbers per contact and state. NaN: undefined (no active spring).
 struct ContactStatistics {
+  Headline headline;       ///< of the source's surface
   int springs = 0;         ///< cast
   int springs_hit = 0;     ///< of these, those that stand over the target
   int springs_active = 0;  ///< of these, those that carry pressure
@@ -27,23 +29,9 @@ struct ContactStatistics {
   double complementarity = kNaN;  ///< Law::Layer: residual of (L4) over the largest pressure
 };
 
-/// Percentile of values weighted by `weights` (> 0): each sorted value stands at the middle of its share of the weight,
-/// between them linear, beyond the first and last constant. Equal weights: the usual median. NaN for no values.
-double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction);
-/// Sets p5 to p99 and the median of a distribution, whatever else it tells.
-template <class Distribution>
-void set_percentiles(Distribution& d, const std::vector<double>& values, const std::vector<double>& weights) {
-  d.p99 = weighted_percentile(values, weights, 0.99);
-  d.p95 = weighted_percentile(values, weights, 0.95);
-  d.p75 = weighted_percentile(values, weights, 0.75);
-  d.median = weighted_percentile(values, weights, 0.5);
-  d.p25 = weighted_percentile(values, weights, 0.25);
-  d.p5 = weighted_percentile(values, weights, 0.05);
-}
-
 /// One per contact. `fields`: of the same equilibrium.
-std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const Equilibrium& e,
-                                                  const std::vector<ContactFields>& fields);
+std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
+                                                  const Equilibrium& e, const std::vector<ContactFields>& fields);
 
 /// Where the selection of a layer's facets ends under pressure though the cartilage goes on: length of its rim beside
 /// facets that carry more than `above`. `pressure`: per facet, SideFields::pressure. There the pressure is that of an

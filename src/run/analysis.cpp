@@ -67,7 +67,7 @@ Equilibrium solve_state(const Recognition& recognition, const Prepared& prepared
 void add_fields(const Recognition& recognition, const Prepared& prepared, const FieldMaps& maps, StateResult& state) {
   const Equilibrium& e = state.equilibrium;
   state.fields = contact_fields(prepared.joint, prepared.beds, maps, e);
-  state.statistics = contact_statistics(prepared.joint, prepared.beds, e, state.fields);
+  state.statistics = contact_statistics(prepared.joint, prepared.beds, maps, e, state.fields);
   state.displacements =
       node_displacements(recognition.model, prepared.joint, maps, e, state.fields, recognition.settings.squash);
 }

@@ -624,9 +624,10 @@ TEST_F(CompareCommand, SaysWhichAreasAndHowFarTheContactGivesWay) {
   std::istringstream lines(csv.out);
   std::string line;
   ASSERT_TRUE(std::getline(lines, line));
-  EXPECT_EQ(line.substr(line.size() - 6), ",areas");
+  const std::string last = ",areas,headline_p99,headline_mean,headline_area,headline_peak,headline_above";
+  EXPECT_EQ(line.substr(line.size() - last.size()), last);
   ASSERT_TRUE(std::getline(lines, line));
-  EXPECT_EQ(line.substr(line.size() - 9), ",deformed");
+  EXPECT_NE(line.find(",deformed,"), std::string::npos);
 }
 
 TEST_F(CompareCommand, ThirdsInJson) {

@@ -449,8 +449,9 @@ TEST(MapFigure, PanelsScaleAndNumbers) {
   EXPECT_EQ(f.unit, "MPa");
   EXPECT_EQ(f.length_unit, "mm");
   EXPECT_EQ(f.panels[0].title, "a");
-  EXPECT_EQ(f.panels[0].numbers[0], "facets: peak 3.00, mean 2.00 MPa, area 2 mm\u00b2");
-  EXPECT_EQ(f.panels[1].numbers[0], "facets: peak 8.00, mean 5.00 MPa, area 2 mm\u00b2");
+  // nodal averages 0 0.5 2 1.5 0 and 0 1 5 4 0
+  EXPECT_EQ(f.panels[0].numbers[0], "p99 2, mean 1.333 MPa, area 3 mm\u00b2, peak 2 MPa");
+  EXPECT_EQ(f.panels[1].numbers[0], "p99 5, mean 3.333 MPa, area 3 mm\u00b2, peak 5 MPa");
   ASSERT_TRUE(f.panels[0].center_of_pressure);
   EXPECT_NEAR(f.panels[0].center_of_pressure->x(), (1 * 1.5 + 3 * 2.5) / 4, 1e-6);
   EXPECT_NEAR(f.panels[0].peak->x(), 2.5, 1e-6);
@@ -464,13 +465,14 @@ TEST(MapFigure, PanelsScaleAndNumbers) {
   EXPECT_TRUE(make_map_figure({a}, nullptr, o).beyond_high);
 }
 
-TEST(MapFigure, NumbersAreOfNodesWhenNodesAreDrawn) {
+TEST(MapFigure, NumbersOfPressureAreOfNodesThoseOfDifferencesOfWhatIsDrawn) {
   // Pressures 0 1 3 0 along x: nodal averages 0 0.5 2 1.5 0, of nodes with areas 0.5 1 1 1 0.5.
   const Patch p = sheet(4, 1, 4, 1);
   const ResultFile a = result_of("a", p, {{0, 1, 3, 0}}, "mm-N-s");
   MapOptions o = plain();
   o.smooth = true;
-  EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[0].numbers[0], "nodes: peak 2.00, mean 1.33 MPa, area 3 mm\u00b2");
+  EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[0].numbers[0],
+            "p99 2, mean 1.333 MPa, area 3 mm\u00b2, peak 2 MPa");
   const ResultFile c = result_of("c", p, {{0, 0, 2, 0}});
   EXPECT_EQ(make_map_figure({a}, &c, o).panels[0].numbers[1].substr(0, 6), "nodes:");
   EXPECT_EQ(make_map_figure({a}, &c, plain()).panels[0].numbers[0], "facets: +1.00 to +1.00, rms 1.00 MPa");

@@ -5,6 +5,7 @@
 #include <map>
 
 #include <febiodea/base/error.h>
+#include <febiodea/results/percentile.h>
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 

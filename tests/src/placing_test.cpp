@@ -83,6 +83,7 @@ TEST(Placing, IsTheModelTurnedByHand) {
 TEST(Placing, IsPartOfTheDisplacement) {
   Settings settings;
   settings.placements = {moved("ball", {0.25, 0, 0.5})};
+  settings.squash = false;
   const Analysis a = solved_with(slanted(), settings);
   const StateResult& first = a.states.front();
   ASSERT_EQ(first.when.time, 0.0);
@@ -109,9 +110,9 @@ TEST(Placing, AnEccentricBallTurnedIsABallMoved) {
   test::fix(model, 2, {true, true, true, true, true, true});
   const Vector3d point(0, 12, -1), axis(1, 0, 0);
   Settings turn_it, move_it;
-  turn_it.placements = {turned("ball", axis, 4)};
+  turn_it.placements = {turned("ball", axis, -4)};
   turn_it.rotate_about["ball"] = {TurnPoint::Kind::Point, point};
-  move_it.placements = {moved("ball", (turn(axis, 4) - Matrix3d::Identity()) * (-point))};
+  move_it.placements = {moved("ball", (turn(axis, -4) - Matrix3d::Identity()) * (-point))};
   const StateResult a = last_state(model, turn_it), b = last_state(model, move_it);
   EXPECT_GT(b.statistics[0].peak, 0.1);
   expect_same(a, b, 5e-3);

@@ -79,7 +79,8 @@ std::vector<std::vector<std::string>> asked_surfaces(const std::vector<ResultFil
   return chosen;
 }
 
-/// Surfaces of the same name in all files, pressed in one of them at least; first those that are pressed in all.
+/// Surfaces of the same name in all files, pressed in one of them at least; first those that are pressed in all, and
+/// of these first those with springs, whose facets carry the springs' own force.
 std::vector<std::vector<std::string>> common_surfaces(const std::vector<ResultFile>& files,
                                                       const std::vector<int>& states,
                                                       const std::vector<std::vector<std::string>>& with_pressure,
@@ -116,6 +117,12 @@ std::vector<std::vector<std::string>> common_surfaces(const std::vector<ResultFi
     throw InputError(
         fmt::format("found no surface with \"{}\" that all files have, expected --surface A=B: {}", kPressure, have));
   }
+  const auto springs_stand_on = [&](const std::vector<std::string>& names) {
+    for (std::size_t i = 0; i < files.size(); ++i)
+      if (has_springs(files[i], states[i], find_surface(files[i], states[i], names[i]))) return true;
+    return false;
+  };
+  std::stable_partition(chosen.begin(), chosen.end(), springs_stand_on);
   chosen.insert(chosen.end(), one_sided.begin(), one_sided.end());
   return chosen;
 }
@@ -380,6 +387,7 @@ ComparedRegion compare_region(const SurfaceInFiles& in, const Region& region, co
   r.name = region.name;
   for (std::size_t i = 0; i < in.sides.size(); ++i) {
     const Side& side = in.sides[i];
+    r.headlines.push_back(headline(side.geometry, side.values.pressure, region.masks[i]));
     r.results.push_back(measure(side.geometry, side.values, thresholds, region.masks[i]));
     r.over_time.push_back(time_measures(in.sums[i], in.summed_states[i], nodal_areas(side.geometry, region.masks[i])));
   }

@@ -7,6 +7,7 @@
 
 #include <febiodea/io/results/result_file.h>
 #include <febiodea/results/comparison.h>
+#include <febiodea/results/headline.h>
 
 namespace dea {
 
@@ -38,6 +39,7 @@ struct TimeMeasures {
 
 struct ComparedRegion {
   std::string name;                            ///< empty: the whole surface
+  std::vector<Headline> headlines;             ///< one per file
   std::vector<SurfaceMeasures> results;        ///< one per file; thresholds: 0, then CompareOptions::thresholds
   std::vector<TimeMeasures> over_time;         ///< one per file
   std::vector<PatternDifference> differences;  ///< one per file but the last

@@ -22,6 +22,13 @@ Quantity quantity(const std::string& name, const std::string& key, const Compare
   return q;
 }
 
+/// One of the headline numbers.
+inline Quantity headline_quantity(const HeadlineNumber& number, const ComparedRegion& region) {
+  Quantity q{number.name, std::string("headline_") + number.name, {}};
+  for (const Headline& h : region.headlines) q.values.push_back(h.*number.value);
+  return q;
+}
+
 /// The numbers of a distribution of pressure.
 struct DistributionNumber {
   const char* name;

@@ -45,6 +45,7 @@ Json result_json(const Comparison& c, const ComparedRegion& region, std::size_t 
   j["over_time"] = {{"max_peak", json_number(t.max_peak)},         {"mean_peak", json_number(t.mean_peak)},
                     {"max_exposure", json_number(t.max_exposure)}, {"mean_exposure", json_number(t.mean_exposure)},
                     {"max_dose", json_number(t.max_dose)},         {"mean_dose", json_number(t.mean_dose)}};
+  j["headline"] = headline_json(region.headlines[i]);
   return j;
 }
 
@@ -94,6 +95,9 @@ Json difference_json(const Comparison& c, const ComparedSurface& surface, const 
       list.push_back(percent_json(nodes ? a.nodes[k] : a.facets[k], nodes ? b.nodes[k] : b.facets[k], c.thresholds[k]));
   }
   p["resultant"] = json_number(percent_difference(a.resultant.norm(), b.resultant.norm()));
+  for (const HeadlineNumber& number : kHeadlineNumbers)
+    p["headline"][number.name] =
+        json_number(percent_difference(region.headlines[i].*number.value, region.headlines.back().*number.value));
   return j;
 }
 
@@ -107,6 +111,15 @@ Json pose_json(const std::optional<BodyPose>& pose) {
     j["rotation"] = json_vector(turn.angle() * turn.axis());
   }
   return j;
+}
+
+/// The columns after all others.
+std::vector<Quantity> last_csv_quantities(const ComparedRegion& region) {
+  std::vector<Quantity> out;
+  for (const HeadlineNumber& number : kHeadlineNumbers) out.push_back(headline_quantity(number, region));
+  out.push_back({"", "headline_above", {}});
+  for (const Headline& h : region.headlines) out.back().values.push_back(h.above);
+  return out;
 }
 
 /// Every number of a file about a region, with its column's name.
@@ -239,17 +252,21 @@ std::string compare_csv(const Comparison& c) {
   std::string text;
   for (const ComparedSurface& surface : c.surfaces) {
     for (const ComparedRegion& region : surface.regions) {
-      const std::vector<Quantity> quantities = csv_quantities(c, surface, region);
+      const std::vector<Quantity> quantities = csv_quantities(c, surface, region), last = last_csv_quantities(region);
       if (text.empty()) {
         text = "label,file,time,surface,region";
         for (const Quantity& q : quantities) text += fmt::format(",{}", q.key);
-        text += ",areas\n";
+        text += ",areas";
+        for (const Quantity& q : last) text += fmt::format(",{}", q.key);
+        text += '\n';
       }
       for (std::size_t i = 0; i < c.labels.size(); ++i) {
         text += fmt::format("{},{},{},{},{}", csv_word(c.labels[i]), csv_word(c.paths[i]), csv_number(c.times[i]),
                             csv_word(surface.names[i]), csv_word(region.name));
         for (const Quantity& q : quantities) text += fmt::format(",{}", csv_number(q.values[i]));
-        text += c.areas == CompareAreas::Deformed ? ",deformed\n" : ",reference\n";
+        text += c.areas == CompareAreas::Deformed ? ",deformed" : ",reference";
+        for (const Quantity& q : last) text += fmt::format(",{}", csv_number(q.values[i]));
+        text += '\n';
       }
     }
   }

@@ -10,6 +10,13 @@ Json json_vector(const Eigen::Vector3d& v) {
   return Json::array({json_number(v[0]), json_number(v[1]), json_number(v[2])});
 }
 
+Json headline_json(const Headline& h) {
+  Json j;
+  j["above"] = json_number(h.above);
+  for (const HeadlineNumber& number : kHeadlineNumbers) j[number.name] = json_number(h.*number.value);
+  return j;
+}
+
 Json json_word(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 std::string json_text(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }

@@ -4,12 +4,16 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include <febiodea/results/headline.h>
+
 namespace dea {
 
 using Json = nlohmann::ordered_json;
 
 Json json_number(double x);  ///< null when not finite
 Json json_vector(const Eigen::Vector3d& v);
+/// The threshold and what is above it.
+Json headline_json(const Headline& h);
 /// null for an empty text.
 Json json_word(const std::string& text);
 

@@ -90,6 +90,10 @@ std::vector<Column<ContactRow>> contact_columns() {
   const auto factor = [](R r, int side) { return csv_number(r.state.fields[r.contact].sides[side].resultant_factor); };
   columns.push_back({"source_resultant_factor", [=](R r) { return factor(r, r.pair().source); }});
   columns.push_back({"target_resultant_factor", [=](R r) { return factor(r, 1 - r.pair().source); }});
+  for (const HeadlineNumber& number : kHeadlineNumbers)
+    columns.push_back({std::string("headline_") + number.name,
+                       [=](R r) { return csv_number(r.statistics().headline.*number.value); }});
+  columns.push_back({"headline_above", [](R r) { return csv_number(r.statistics().headline.above); }});
   return columns;
 }
 

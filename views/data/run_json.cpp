@@ -48,7 +48,7 @@ Json body_json(const Body& body, const Pose& pose, const Vector6& reaction) {
   return j;
 }
 
-Json contact_json(const Joint& joint, const ContactPair& pair, const ContactStatistics& s,
+Json contact_json(const JointModel& model, const Joint& joint, const ContactPair& pair, const ContactStatistics& s,
                   const ContactFields& fields) {
   Json j;
   j["name"] = pair.name;
@@ -81,6 +81,8 @@ Json contact_json(const Joint& joint, const ContactPair& pair, const ContactStat
   j["law"] = name(pair.law);
   j["facets"] = name(pair.facets);
   j["refine"] = pair.refine;
+  Json& h = j["headline"] = {{"surface", model.surfaces[at(pair.source_layer().surface)].name}};
+  h.update(headline_json(s.headline));
   return j;
 }
 
@@ -97,7 +99,7 @@ Json tensions_json(const Springs& springs, const std::vector<double>& forces) {
   return list;
 }
 
-Json state_json(const Joint& joint, const StateResult& state) {
+Json state_json(const JointModel& model, const Joint& joint, const StateResult& state) {
   const Equilibrium& e = state.equilibrium;
   Json j;
   j["time"] = json_number(state.when.time);
@@ -110,7 +112,7 @@ Json state_json(const Joint& joint, const StateResult& state) {
     j["bodies"][joint.bodies[at(b)].name] = body_json(joint.bodies[at(b)], e.poses[at(b)], e.reaction[at(b)]);
   j["contacts"] = Json::array();
   for (std::size_t c = 0; c < joint.contacts.size(); ++c)
-    j["contacts"].push_back(contact_json(joint, joint.contacts[c], state.statistics[c], state.fields[c]));
+    j["contacts"].push_back(contact_json(model, joint, joint.contacts[c], state.statistics[c], state.fields[c]));
   j["message"] = outcome_text(e);
   j["step"] = state.when.step + 1;
   j["load"] = json_number(e.load);
@@ -173,7 +175,7 @@ Json run_json(const JointModel& model, const Settings& settings, const Analysis&
   j["bodies"] = Json::array();
   for (int b : reported_bodies(joint)) j["bodies"].push_back(joint.bodies[at(b)].name);
   j["states"] = Json::array();
-  for (const StateResult& state : analysis.states) j["states"].push_back(state_json(joint, state));
+  for (const StateResult& state : analysis.states) j["states"].push_back(state_json(model, joint, state));
   j["units"] = json_word(model.units);
   j["findings"] = run_remarks(model, analysis);
   return j;

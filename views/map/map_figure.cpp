@@ -11,7 +11,9 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/io/files/unit_names.h>
+#include <febiodea/results/headline.h>
 #include <febiodea/views/map/map_scale.h>
+#include <febiodea/views/text/table.h>
 
 namespace dea {
 
@@ -98,12 +100,13 @@ double largest_ever(const ResultFile& file, const std::string& surface, const st
   return most;
 }
 
-/// The surfaces that carry the field in all files. First the one with the highest pressure anywhere in the first file,
-/// whatever is asked for: pictures of other fields and times are of the same surface. Then those with values. Files
-/// without pressure: as they come, FEBio's primary surface first.
+/// The surfaces that carry the field in all files. First those with springs in one of them, of these the one with the
+/// highest pressure anywhere in the first file, whatever is asked for: pictures of other fields and times are of the
+/// same surface. Then those with values. Files without pressure: as they come, FEBio's primary surface first.
 std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, const std::vector<Row>& rows,
                                          const std::string& field) {
   struct Found {
+    bool springs;
     double pressure, most;
     std::string name;
   };
@@ -111,7 +114,7 @@ std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, c
   std::vector<Found> found;
   for (const XpltFacets& s : mesh_of(first, rows.front().front()).surfaces) {
     double most = 0.0;
-    bool carried = false, everywhere = true;
+    bool carried = false, everywhere = true, springs = false;
     for (const Row& row : rows) {
       for (std::size_t i = 0; i < files.size(); ++i) {
         const int surface = find_surface(files[i], row[i], s.name);
@@ -122,12 +125,15 @@ std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, c
         const std::vector<double> values = facet_values(files[i], row[i], surface, field);
         everywhere = everywhere && !values.empty();
         carried = carried || !values.empty();
+        springs = springs || has_springs(files[i], row[i], surface);
         for (double x : values) most = std::max(most, std::abs(x));
       }
     }
-    if (carried && everywhere) found.push_back({largest_ever(first, s.name, kPressure), most, s.name});
+    if (carried && everywhere) found.push_back({springs, largest_ever(first, s.name, kPressure), most, s.name});
   }
-  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.pressure > b.pressure; });
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return a.springs != b.springs ? a.springs : a.pressure > b.pressure;
+  });
   std::vector<std::string> names;
   for (const Found& f : found)
     if (f.most > 0 || names.empty()) names.push_back(f.name);
@@ -208,7 +214,7 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
   const MapSurface& s = figure.surfaces[at(panel.surface)];
   const std::string unit = figure.unit.empty() ? "" : fmt::format(" {}", figure.unit);
   const std::string area_unit = figure.length_unit.empty() ? "" : fmt::format(" {}\u00b2", figure.length_unit);
-  // All of nodes or all of facets, as dea compare has them in its rows.
+  // Pressure: the headline numbers. Anything else: all of nodes or all of facets, as they are drawn.
   const std::vector<double>& of = figure.smooth ? values.vertices : values.facets;
   const std::vector<double> areas = figure.smooth ? nodal_areas(s.surface) : s.surface.facet_areas;
   const char* where = figure.smooth ? "nodes" : "facets";
@@ -221,9 +227,8 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
   }
   const auto [least, most] = std::minmax_element(shown.begin(), shown.end());
   double area = 0.0, sum = 0.0, squares = 0.0;
-  Vector3d center = Vector3d::Zero();
   for (std::size_t i = 0; i < of.size(); ++i) {
-    if (!std::isfinite(of[i]) || (figure.pressure && figure.map == ColourMap::Sequential && !(of[i] > 0))) continue;
+    if (!std::isfinite(of[i])) continue;
     area += areas[i];
     sum += areas[i] * of[i];
     squares += areas[i] * of[i] * of[i];
@@ -238,14 +243,18 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
     panel.numbers = {fmt::format("{}, mean {}{}", range, number(sum / area), unit), range + unit, range};
     return;
   }
-  const std::string peak = fmt::format("{}: peak {}", where, number(*most)),
-                    means = fmt::format("{}, mean {}{}", peak, number(sum / area), unit);
-  panel.numbers = {fmt::format("{}, area {:.4g}{}", means, area, area_unit), means, peak + unit, peak,
-                   fmt::format("peak {}", number(*most))};
+  std::vector<double> pressure = values.facets;
+  std::replace_if(
+      pressure.begin(), pressure.end(), [](double p) { return !std::isfinite(p); }, 0.0);
+  const Headline h = headline(s.surface, pressure);
+  const std::string p99 = fmt::format("p99 {}", four_digits(h.p99)),
+                    mean = fmt::format("{}, mean {}{}", p99, four_digits(h.mean), unit),
+                    area_of = fmt::format("{}, area {}{}", mean, four_digits(h.area), area_unit);
+  panel.numbers = {fmt::format("{}, peak {}{}", area_of, four_digits(h.peak), unit), area_of, mean, p99 + unit, p99};
   double force = 0.0;
-  for (std::size_t f = 0; f < values.facets.size(); ++f) {
-    if (!std::isfinite(values.facets[f])) continue;
-    const double weight = s.surface.facet_areas[f] * values.facets[f];
+  Vector3d center = Vector3d::Zero();
+  for (std::size_t f = 0; f < pressure.size(); ++f) {
+    const double weight = s.surface.facet_areas[f] * pressure[f];
     force += weight;
     center += weight * s.surface.facet_centers[f];
   }

@@ -13,7 +13,7 @@ namespace dea {
 
 struct MapOptions {
   std::string field = "contact pressure";
-  std::vector<std::string> surfaces;  ///< empty: the one with the highest pressure in the first file
+  std::vector<std::string> surfaces;  ///< empty: the one with springs, or the highest pressure in the first file
   std::string states = "last";        ///< all, last, or times t1,t2,...
   std::string states_option;          ///< how the user calls it, for messages: "--at 1,2"
   std::optional<Vector3d> toward;     ///< seen from there; none: along the surface's axis

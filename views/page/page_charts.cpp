@@ -12,6 +12,8 @@ namespace dea {
 
 namespace {
 
+constexpr const char* kHeadlineCaption = "Of nodes above the threshold, as in the table; of the surface with springs.";
+
 PageChart empty_chart(const Analysis& analysis, const std::string& title, const std::string& caption,
                       const std::string& quantity, const std::string& dimension) {
   PageChart chart{title, caption, quantity, dimension, false, {}, {}, {}};
@@ -42,11 +44,10 @@ void add_contact_charts(const Analysis& analysis, std::vector<PageChart>& charts
   };
   using S = const ContactStatistics&;
   add("Contact force", "Resultant of each contact.", "force", "force", [](S s) { return s.force.norm(); });
-  add("Peak pressure", "Largest pressure of a spring.", "peak pressure", "pressure", [](S s) { return s.peak; });
-  add("Mean pressure", "Over the springs that carry, weighted by area.", "mean pressure", "pressure",
-      [](S s) { return s.mean; });
-  add("Contact area", "Of the springs that carry.", "contact area", "area",
-      [](S s) { return s.springs_active > 0 ? s.contact_area : 0.0; });
+  add("99th percentile of pressure", kHeadlineCaption, "p99", "pressure", [](S s) { return s.headline.p99; });
+  add("Mean pressure", kHeadlineCaption, "mean pressure", "pressure", [](S s) { return s.headline.mean; });
+  add("Contact area", kHeadlineCaption, "contact area", "area", [](S s) { return s.headline.area; });
+  add("Peak pressure", kHeadlineCaption, "peak pressure", "pressure", [](S s) { return s.headline.peak; });
 }
 
 /// Only where a body moves.

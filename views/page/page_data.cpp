@@ -397,7 +397,7 @@ void add_measures(const std::vector<ResultFile>& files, const std::vector<Result
       v.pressure = pressure_in(s, i, k);
       if (v.pressure.empty()) return;
       for (std::size_t r = 0; r < masks.size(); ++r)
-        s.measures[i][k][r] = {true, measure(own[i], v, {0.0}, masks[r][i])};
+        s.measures[i][k][r] = {true, measure(own[i], v, {0.0}, masks[r][i]), headline(own[i], v.pressure, masks[r][i])};
     });
   }
 }
@@ -553,7 +553,7 @@ PageData compare_page(const std::vector<ResultFile>& files, const CompareOptions
     if (!surface.asked_for) data.surfaces.back().note = "not every result has pressure here";
   }
   data.context = make_context(mesh_of(files.front(), comparison.states.front()));
-  data.tables = compare_tables(comparison);
+  data.tables = compare_tables(comparison, true);
   drop_folders(data, comparison.paths);
   return data;
 }
@@ -580,7 +580,7 @@ PageData run_page(const JointModel& model, const Analysis& analysis, const Resul
     data.context = make_context(mesh_of(file, last));
   }
   data.charts = run_charts(analysis);
-  data.tables = run_tables(analysis);
+  data.tables = run_tables(analysis, false);
   if (!recognised.empty()) data.texts.push_back({"What was recognised", recognised});
   std::vector<std::string> all = paths;
   all.insert(all.end(), model.files.begin(), model.files.end());

@@ -36,6 +36,7 @@ struct PageField {
 struct PageMeasures {
   bool known = false;      ///< false: the state has no pressure on it, or another mesh
   SurfaceMeasures values;  ///< thresholds: 0 only
+  Headline headline;
 };
 
 /// The pattern of one result against the reference's in one frame.

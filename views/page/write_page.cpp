@@ -16,6 +16,7 @@
 #include <febiodea/views/page/pack.h>
 #include <febiodea/views/page/page.h>
 #include <febiodea/views/text/info_text.h>
+#include <febiodea/views/text/table.h>
 
 namespace dea {
 
@@ -105,7 +106,8 @@ Json measures_json(const PageMeasures& m) {
   return {{"nodes", distribution_json(m.values.nodes.front())},
           {"facets", distribution_json(m.values.facets.front())},
           {"force", short_number(m.values.resultant.norm())},
-          {"center", json_vector(m.values.center_of_pressure)}};
+          {"center", json_vector(m.values.center_of_pressure)},
+          {"headline", headline_json(m.headline)}};
 }
 
 Json pattern_json(const std::optional<PagePattern>& p) {
@@ -262,6 +264,7 @@ Json page_json(const PageData& data, Arrays& arrays) {
   j["tables"] = list_json(data.tables, table_json);
   j["texts"] = list_json(data.texts, [](const PageText& t) -> Json { return {{"title", t.title}, {"text", t.text}}; });
   j["warnings"] = data.warnings;
+  j["headline"] = headline_words();
   j["steps"] = {{"count", kScaleSteps}, {"multiples", kScaleMultiples}};
   j["colours"] = {{"sequential", table_hex(ColourMap::Sequential)}, {"diverging", table_hex(ColourMap::Diverging)}};
   j["lines"] = {{"sequential", table_lines(ColourMap::Sequential)}, {"diverging", table_lines(ColourMap::Diverging)}};

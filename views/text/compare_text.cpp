@@ -15,16 +15,17 @@ namespace {
 std::string short_number(double x) { return four_digits(x == 0 ? 0.0 : x); }  // no -0
 std::string percent(double x) { return std::isfinite(x) ? fmt::format("{:+.1f}%", std::abs(x) < 0.05 ? 0.0 : x) : "-"; }
 
-/// The table's lines.
-std::vector<Quantity> table_quantities(const ComparedRegion& region, const std::vector<double>& thresholds) {
-  std::vector<Quantity> out;
+/// The table's lines with all that there is beside the headline numbers.
+std::vector<Quantity> detail_quantities(const ComparedRegion& region, const std::vector<double>& thresholds) {
+  std::vector<Quantity> out = {{"threshold of the lines above", "", {}}};
+  for (const Headline& h : region.headlines) out.back().values.push_back(h.above);
   for (const char* number : {"peak", "p99", "mean", "median"}) {
     for (const DistributionNumber& share : kDistributionNumbers) {
       if (std::string(share.name) != number) continue;
       const auto value = share.value;
-      out.push_back(quantity(fmt::format("{}, nodes", number), "", region,
+      out.push_back(quantity(fmt::format("{}, nodes > 0", number), "", region,
                              [value](const SurfaceMeasures& m) { return m.nodes[0].*value; }));
-      out.push_back(quantity(fmt::format("{}, facets", number), "", region,
+      out.push_back(quantity(fmt::format("{}, facets > 0", number), "", region,
                              [value](const SurfaceMeasures& m) { return m.facets[0].*value; }));
     }
   }
@@ -35,14 +36,15 @@ std::vector<Quantity> table_quantities(const ComparedRegion& region, const std::
   for (std::size_t t = 0; t < thresholds.size(); ++t)
     out.push_back(quantity(fmt::format("area, nodes > {:g}", thresholds[t]), "", region,
                            [t](const SurfaceMeasures& m) { return m.nodes[t].area; }));
-  out.push_back(quantity("resultant", "", region, [](const SurfaceMeasures& m) { return m.resultant.norm(); }));
+  out.push_back(
+      quantity("resultant of the map", "", region, [](const SurfaceMeasures& m) { return m.resultant.norm(); }));
   const auto penetration =
-      quantity("penetration, mean", "", region, [](const SurfaceMeasures& m) { return m.mean_penetration; });
+      quantity("penetration, mean of facets", "", region, [](const SurfaceMeasures& m) { return m.mean_penetration; });
   if (std::any_of(penetration.values.begin(), penetration.values.end(),
                   [](double x) { return std::isfinite(x) && x != 0; })) {
     out.push_back(penetration);
-    out.push_back(
-        quantity("penetration, largest", "", region, [](const SurfaceMeasures& m) { return m.max_penetration; }));
+    out.push_back(quantity("penetration, largest of facets", "", region,
+                           [](const SurfaceMeasures& m) { return m.max_penetration; }));
   }
   return out;
 }
@@ -50,7 +52,7 @@ std::vector<Quantity> table_quantities(const ComparedRegion& region, const std::
 /// The lines about the whole surface that rest on what the files say of themselves.
 std::vector<Quantity> fact_quantities(const Comparison& c, const ComparedSurface& surface) {
   const bool deformed = c.areas == CompareAreas::Deformed;
-  Quantity area{"area, whole surface", "", {}}, force{"contact force of the file", "", {}},
+  Quantity area{"area of the whole surface", "", {}}, force{"contact force of the file", "", {}},
       share{"resultant, % of it", "", {}, false};
   for (const SurfaceFacts& f : surface.facts) {
     area.values.push_back(deformed ? f.deformed_area : f.area);
@@ -86,7 +88,7 @@ void add_column(Table& table, const std::string& heading) {
 }
 
 /// What was measured in each file, and in per cent how far it is from the last.
-Table region_table(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region) {
+Table region_table(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region, bool details) {
   const std::size_t n = c.labels.size();
   Table table;
   table.headings = {""};
@@ -105,9 +107,12 @@ Table region_table(const Comparison& c, const ComparedSurface& surface, const Co
                         : percent(percent_difference(q.values[i], q.values.back())));
     table.rows.push_back(std::move(row));
   };
-  for (const Quantity& q : table_quantities(region, c.thresholds)) add(q);
-  if (region.name.empty())
+  for (const HeadlineNumber& number : kHeadlineNumbers) add(headline_quantity(number, region));
+  if (details)
+    for (const Quantity& q : detail_quantities(region, c.thresholds)) add(q);
+  if (details && region.name.empty())
     for (const Quantity& q : fact_quantities(c, surface)) add(q);
+  if (!details && !c.dose_above) return table;
   const auto add_time = [&](const char* name, double TimeMeasures::*value) {
     Quantity q{name, "", {}};
     for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*value);
@@ -115,11 +120,11 @@ Table region_table(const Comparison& c, const ComparedSurface& surface, const Co
   };
   if (std::any_of(region.over_time.begin(), region.over_time.end(),
                   [](const TimeMeasures& m) { return std::isfinite(m.max_exposure); }))
-    add_time("peak over time, mean", &TimeMeasures::mean_peak);
-  add_time("exposure, largest", &TimeMeasures::max_exposure);
-  add_time("exposure, mean", &TimeMeasures::mean_exposure);
-  add_time("dose, largest", &TimeMeasures::max_dose);
-  add_time("dose, mean", &TimeMeasures::mean_dose);
+    add_time("peak over time, mean of nodes", &TimeMeasures::mean_peak);
+  add_time("exposure, largest of nodes", &TimeMeasures::max_exposure);
+  add_time("exposure, mean of nodes", &TimeMeasures::mean_exposure);
+  add_time("dose, largest of nodes", &TimeMeasures::max_dose);
+  add_time("dose, mean of nodes", &TimeMeasures::mean_dose);
   return table;
 }
 
@@ -205,7 +210,7 @@ Table bodies_table(const Comparison& c) {
 }
 
 /// Tables of one surface.
-void add_surface(const Comparison& c, const ComparedSurface& surface, std::vector<TitledTable>& tables) {
+void add_surface(const Comparison& c, const ComparedSurface& surface, bool details, std::vector<TitledTable>& tables) {
   std::string remarks;
   for (std::size_t i = 0; i + 1 < c.labels.size(); ++i)
     if (!surface.same_mesh[i])
@@ -213,7 +218,8 @@ void add_surface(const Comparison& c, const ComparedSurface& surface, std::vecto
   if (c.areas == CompareAreas::Deformed) remarks += "; deformed areas";
   for (const ComparedRegion& region : surface.regions) {
     const std::string rest = region.name.empty() ? remarks : fmt::format(", region {}", region.name);
-    tables.push_back({fmt::format("surface {}{}", surface_title(surface), rest), region_table(c, surface, region)});
+    tables.push_back(
+        {fmt::format("surface {}{}", surface_title(surface), rest), region_table(c, surface, region, details)});
     tables.push_back({"", pattern_table(c, region)});
   }
   const std::string interface = interface_text(c, surface);
@@ -223,11 +229,11 @@ void add_surface(const Comparison& c, const ComparedSurface& surface, std::vecto
 
 }  // namespace
 
-std::vector<TitledTable> compare_tables(const Comparison& c) {
+std::vector<TitledTable> compare_tables(const Comparison& c, bool details) {
   std::vector<TitledTable> tables;
   for (const ComparedSurface& surface : c.surfaces) {
     if (surface.asked_for)
-      add_surface(c, surface, tables);
+      add_surface(c, surface, details, tables);
     else
       tables.push_back(
           {fmt::format("surface {}: not every file has pressure on it (--surface \"{}\" shows the numbers; "
@@ -239,7 +245,7 @@ std::vector<TitledTable> compare_tables(const Comparison& c) {
   return tables;
 }
 
-std::string compare_text(const Comparison& c) {
+std::string compare_text(const Comparison& c, bool details) {
   std::string text =
       c.units.empty() ? "units: the files' own (they name none)\n" : fmt::format("units: the files', {}\n", c.units);
   text += c.areas == CompareAreas::Deformed ? "areas: deformed, nodes moved by each file's own displacement\n"
@@ -247,7 +253,7 @@ std::string compare_text(const Comparison& c) {
   for (std::size_t i = 0; i < c.labels.size(); ++i)
     text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], number_text(c.times[i]),
                         i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
-  return text + tables_text(compare_tables(c));
+  return text + tables_text(compare_tables(c, details));
 }
 
 }  // namespace dea

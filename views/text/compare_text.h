@@ -8,9 +8,10 @@
 
 namespace dea {
 
-/// Per surface and region the numbers and the patterns' differences; profiles; bodies.
-std::vector<TitledTable> compare_tables(const Comparison& comparison);
+/// Per surface and region the headline numbers (`details`: then all others, each named in full) and the patterns'
+/// differences; profiles; bodies.
+std::vector<TitledTable> compare_tables(const Comparison& comparison, bool details);
 /// Units and files, then these tables.
-std::string compare_text(const Comparison& comparison);
+std::string compare_text(const Comparison& comparison, bool details);
 
 }  // namespace dea

@@ -79,19 +79,56 @@ namespace {
 
 Table contacts_table(const Joint& joint, const std::vector<StateResult>& states) {
   Table table;
-  table.headings = {"time", "contact", "outcome", "springs", "of",         "peak",    "p99",
-                    "mean", "median",  "area",    "force",   "iterations", "residual"};
-  table.left = "rllrrrrrrrrrr";
+  table.headings = {"time", "contact", "outcome"};
+  for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(number.name);
+  table.headings.insert(table.headings.end(), {"force", "iterations", "residual"});
+  table.left = "rll" + std::string(table.headings.size() - 3, 'r');
   for (const StateResult& state : states) {
     for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
       const ContactStatistics& s = state.statistics[c];
-      table.rows.push_back({number_text(state.when.time), joint.contacts[c].name, name(state.equilibrium.outcome),
-                            fmt::format("{}", s.springs_active), fmt::format("{}", s.springs), four_digits(s.peak),
-                            four_digits(s.p99), four_digits(s.mean), four_digits(s.median), four_digits(s.contact_area),
-                            four_digits(s.force.norm()), fmt::format("{}", state.equilibrium.iterations),
-                            residual_number(state.equilibrium.residual_force)});
+      std::vector<std::string> row = {number_text(state.when.time), joint.contacts[c].name,
+                                      name(state.equilibrium.outcome)};
+      for (const HeadlineNumber& number : kHeadlineNumbers) row.push_back(four_digits(s.headline.*number.value));
+      row.insert(row.end(), {four_digits(s.force.norm()), fmt::format("{}", state.equilibrium.iterations),
+                             residual_number(state.equilibrium.residual_force)});
+      table.rows.push_back(std::move(row));
     }
   }
+  return table;
+}
+
+/// All other numbers of a contact: what they are, and how they are found.
+struct Detail {
+  const char* name;
+  std::string (*text)(const ContactStatistics&);
+};
+
+std::vector<Detail> details_of_contact() {
+  using S = const ContactStatistics&;
+  return {{"threshold of p99, mean, area, peak", [](S s) { return four_digits(s.headline.above); }},
+          {"springs", [](S s) { return fmt::format("{}", s.springs); }},
+          {"springs under pressure", [](S s) { return fmt::format("{}", s.springs_active); }},
+          {"p99, springs", [](S s) { return four_digits(s.p99); }},
+          {"mean, springs", [](S s) { return four_digits(s.mean); }},
+          {"median, springs", [](S s) { return four_digits(s.median); }},
+          {"area, springs", [](S s) { return four_digits(s.contact_area); }},
+          {"peak, springs", [](S s) { return four_digits(s.peak); }},
+          {"area, facets > 0", [](S s) { return four_digits(s.facet_contact_area); }},
+          {"peak, facets > 0", [](S s) { return four_digits(s.facet_peak); }},
+          {"mean, nodes > 0, unweighted", [](S s) { return four_digits(s.nodal_mean); }},
+          {"median, nodes > 0, unweighted", [](S s) { return four_digits(s.nodal_median); }}};
+}
+
+/// A line per state, contact and number.
+Table details_table(const Joint& joint, const std::vector<StateResult>& states) {
+  Table table;
+  table.headings = {"time", "contact", "number", "value"};
+  table.left = "rllr";
+  for (const StateResult& state : states)
+    for (std::size_t c = 0; c < joint.contacts.size(); ++c)
+      for (const Detail& d : details_of_contact())
+        table.rows.push_back(
+            {number_text(state.when.time), joint.contacts[c].name, d.name, d.text(state.statistics[c])});
   return table;
 }
 
@@ -155,9 +192,10 @@ Table connectors_table(const Joint& joint, const Equilibrium& e) {
 
 }  // namespace
 
-std::vector<TitledTable> run_tables(const Analysis& analysis) {
+std::vector<TitledTable> run_tables(const Analysis& analysis, bool details) {
   const Joint& joint = analysis.joint;
   std::vector<TitledTable> tables = {{"", contacts_table(joint, analysis.states)}};
+  if (details && !analysis.states.empty()) tables.push_back({"", details_table(joint, analysis.states)});
   if (analysis.states.empty()) return tables;
   const StateResult& last = analysis.states.back();
   const Equilibrium& e = last.equilibrium;
@@ -174,8 +212,9 @@ std::vector<TitledTable> run_tables(const Analysis& analysis) {
   return tables;
 }
 
-std::string run_text(const JointModel& model, const Analysis& analysis) {
-  return units_text(model) + "\n" + laws_text(analysis.joint) + tables_text(run_tables(analysis));
+std::string run_text(const JointModel& model, const Analysis& analysis, bool details) {
+  return units_text(model) + "\n" + laws_text(analysis.joint) + headline_words() + ", of the surface with springs\n" +
+         tables_text(run_tables(analysis, details));
 }
 
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs) {
@@ -183,8 +222,8 @@ std::string converge_text(const JointModel& model, const std::vector<Convergence
   for (const Convergence& study : studies) {
     text += fmt::format("\ncontact \"{}\", last state; changes against the row above\n", study.contact);
     Table table;
-    table.headings = {"refine", "springs",      "active",       "peak",         "mean",
-                      "area",   "peak changes", "mean changes", "area changes", "outcome"};
+    table.headings = {"refine",        "springs",      "active",       "peak, springs", "mean, springs",
+                      "area, springs", "peak changes", "mean changes", "area changes",  "outcome"};
     table.left = "rrrrrrrrrl";
     for (const ConvergenceRow& r : study.rows)
       table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs),

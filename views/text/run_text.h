@@ -9,10 +9,11 @@
 
 namespace dea {
 
-/// The states' contacts, then bodies, ligaments and joints in the last state.
-std::vector<TitledTable> run_tables(const Analysis& analysis);
-/// Units and laws, then these tables.
-std::string run_text(const JointModel& model, const Analysis& analysis);
+/// The states' contacts with the headline numbers (`details`: then all others, each named in full), then bodies,
+/// ligaments and joints in the last state.
+std::vector<TitledTable> run_tables(const Analysis& analysis, bool details);
+/// Units, laws and what the numbers are of, then these tables.
+std::string run_text(const JointModel& model, const Analysis& analysis, bool details);
 
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs);
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <febiodea/results/headline.h>
+
 namespace dea {
 
 namespace {
@@ -16,6 +18,14 @@ std::size_t width(const std::string& text) {
 }
 
 }  // namespace
+
+std::string headline_words() {
+  std::string names;
+  for (const HeadlineNumber& number : kHeadlineNumbers)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", number.name);
+  return fmt::format("{}: of nodes above {:g} % of the load's mean pressure, weighted by area", names,
+                     100 * kHeadlineShare);
+}
 
 std::string number_text(double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x == 0.0 ? 0.0 : x) : "-"; }
 

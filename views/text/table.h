@@ -22,6 +22,9 @@ struct TitledTable {
 /// Each after an empty line.
 std::string tables_text(const std::vector<TitledTable>& tables);
 
+/// What the headline numbers are of, in a line.
+std::string headline_words();
+
 /// Number with six digits, "-" when undefined.
 std::string number_text(double x);
 /// The same with four.

@@ -199,6 +199,11 @@ const Format = {
     const unit = Format.unit(dimension);
     return Format.number(x, digits) + (unit && x !== null && !Number.isNaN(x) ? " " + unit : "");
   },
+  // Four digits without zeros at the end, as in the program's tables.
+  printed(x, dimension) {
+    const unit = Report.units[dimension];
+    return Format.short(x) + (unit && x !== null && !Number.isNaN(x) ? " " + unit : "");
+  },
   time(frame) { return frame.time === null ? "compared states" : Format.short(frame.time, 6); }
 };
 

@@ -306,18 +306,21 @@ const Figures = (() => {
         caption: (s) => `Nodal pressure of each result over that of ${labels()[labels().length - 1]}, where either is above 0. Dashed: identity; solid: least-squares line. r and slope weighted by nodal area. ${s.surface.about.title}, ${at(s)}.` });
       if (several) {
         const when = (s) => s.surface.about.regions.length > 1;
-        const by = (id, title, quantity, dimension, get) => out.now.push({ id, title, when, build: bars(quantity, dimension, get), caption: (s) => `Nodes with pressure. ${s.surface.about.title}, ${at(s)}.` });
-        by("region-area", "Contact area by region", "contact area", "area", (m) => m.nodes.area);
-        by("region-mean", "Mean pressure by region", "mean pressure", "pressure", (m) => m.nodes.mean);
-        by("region-peak", "Peak pressure by region", "peak pressure", "pressure", (m) => m.nodes.peak);
+        const by = (id, title, quantity, dimension, get) => out.now.push({ id, title, when, build: bars(quantity, dimension, get), caption: (s) => `Nodes above the threshold. ${s.surface.about.title}, ${at(s)}.` });
+        by("region-p99", "99th percentile by region", "p99", "pressure", (m) => m.headline.p99);
+        by("region-mean", "Mean pressure by region", "mean pressure", "pressure", (m) => m.headline.mean);
+        by("region-area", "Contact area by region", "contact area", "area", (m) => m.headline.area);
+        by("region-peak", "Peak pressure by region", "peak pressure", "pressure", (m) => m.headline.peak);
       }
       if (Report.surfaces.some((s) => s.bins.length > 1))
         out.now.push({ id: "profile", title: "Pressure along the angle", build: profile, when: (s) => s.surface.about.bins.length > 1,
           caption: (s) => `Area-weighted mean of the facets in each bin, those without pressure included, against the angle from the axis. ${s.surface.about.title}, ${at(s)}.` });
       if (Report.results.some((r) => r.times.length > 1)) {
-        out.time.push(over("time-peak", "Peak pressure", "peak pressure", "pressure", (m) => m.nodes.peak, "Largest nodal average."));
-        out.time.push(over("time-mean", "Mean pressure", "mean pressure", "pressure", (m) => m.nodes.mean, "Nodes with pressure, weighted by area."));
-        out.time.push(over("time-area", "Contact area", "contact area", "area", (m) => m.nodes.area, "Of the nodes with pressure."));
+        const nodes = "Nodes above the threshold, weighted by area.";
+        out.time.push(over("time-p99", "99th percentile", "p99", "pressure", (m) => m.headline.p99, nodes));
+        out.time.push(over("time-mean", "Mean pressure", "mean pressure", "pressure", (m) => m.headline.mean, nodes));
+        out.time.push(over("time-area", "Contact area", "contact area", "area", (m) => m.headline.area, nodes));
+        out.time.push(over("time-peak", "Peak pressure", "peak pressure", "pressure", (m) => m.headline.peak, nodes));
         out.time.push(over("time-force", "Resultant", "force", "force", (m) => m.force, "|Σ p A n| on the surface in its reference shape."));
       }
     } else {

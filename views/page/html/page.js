@@ -98,7 +98,7 @@ const Page = (() => {
       make("output", { id: "now" })));
     if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; $("time").style.position = "static"; }
     section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration. Ring: peak; cross: centre of pressure." }));
-    section.append(make("p", { class: "keys", id: "kinds", text: "Springs are where dea run works out the pressure, its table and curves count them one by one; a facet has the force of all its springs over its whole area (on the surface without springs: pressure carried over), and a node the average of the facets around it: peaks fall and contact areas grow from springs to facets to nodes. With “smooth” the edge of contact encloses as much area as the facets with pressure do." }));
+    section.append(make("p", { class: "keys", id: "kinds", text: Report.headline + ", with smooth maps or without: below the maps, in curves, and first in the tables. Springs are where dea run works out the pressure; a facet has the force of all its springs over its whole area (on the surface without springs: pressure carried over), and a node the average of the facets around it: peaks fall and contact areas grow from springs to facets to nodes. With “smooth” the edge of contact encloses as much area as the facets with pressure do." }));
     if (Report.context_note) section.append(make("p", { class: "keys", text: Report.context_note }));
   }
 
@@ -324,8 +324,8 @@ const Page = (() => {
           const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
           if (pattern) words = line(`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`, "nodes");
         } else {
-          const d = measures(p.result), kind = state.smooth ? "nodes" : "facets", of = d && d[kind];
-          if (d) words = line(`${kind}: peak ${Format.with(of.peak, "pressure", 3)}`, `mean ${Format.with(of.mean, "pressure", 3)}`, `area ${Format.with(of.area, "area", 4)}`, `force ${Format.with(d.force, "force", 4)}`);
+          const d = measures(p.result), h = d && d.headline;
+          if (d) words = line(`p99 ${Format.printed(h.p99, "pressure")}`, `mean ${Format.printed(h.mean, "pressure")}`, `area ${Format.printed(h.area, "area")}`, `peak ${Format.printed(h.peak, "pressure")}`, `force ${Format.printed(d.force, "force")}`);
         }
       }
       p.readout.replaceChildren(...words);

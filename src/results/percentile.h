@@ -1,0 +1,22 @@
+// febiodea/results/percentile.h – percentiles by area or force.
+#pragma once
+#include <vector>
+
+namespace dea {
+
+/// Percentile of values weighted by `weights` (> 0): each sorted value stands at the middle of its share of the weight,
+/// between them linear, beyond the first and last constant. Equal weights: the usual median. NaN for no values.
+double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction);
+
+/// Sets p5 to p99 and the median of a distribution, whatever else it tells.
+template <class Distribution>
+void set_percentiles(Distribution& d, const std::vector<double>& values, const std::vector<double>& weights) {
+  d.p99 = weighted_percentile(values, weights, 0.99);
+  d.p95 = weighted_percentile(values, weights, 0.95);
+  d.p75 = weighted_percentile(values, weights, 0.75);
+  d.median = weighted_percentile(values, weights, 0.5);
+  d.p25 = weighted_percentile(values, weights, 0.25);
+  d.p5 = weighted_percentile(values, weights, 0.05);
+}
+
+}  // namespace dea

@@ -1,0 +1,276 @@
+// The one set of numbers that stands for a pressure map: on paper, and the same digits wherever it is printed.
+#include <febiodea/results/headline.h>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <sstream>
+
+#include <febiodea/io/results/result_file.h>
+#include <febiodea/views/data/json.h>
+#include <febiodea/views/map/map_figure.h>
+#include <febiodea/views/text/table.h>
+
+#include "program.h"
+
+namespace dea {
+
+namespace {
+
+/// nx by ny squares of side h from (left, 0).
+ResultSurface squares(int nx, int ny, double h, double left = 0.0) {
+  std::vector<Vector3d> x;
+  for (int j = 0; j <= ny; ++j)
+    for (int i = 0; i <= nx; ++i) x.emplace_back(left + i * h, left + j * h, 0.0);
+  std::vector<int> begin = {0}, nodes;
+  for (int j = 0; j < ny; ++j) {
+    for (int i = 0; i < nx; ++i) {
+      const int a = j * (nx + 1) + i;
+      nodes.insert(nodes.end(), {a, a + 1, a + nx + 2, a + nx + 1});
+      begin.push_back(static_cast<int>(nodes.size()));
+    }
+  }
+  return make_result_surface("squares", begin, nodes, x);
+}
+
+TEST(Headline, RampOnAStripIsAsOnPaper) {
+  // Facet f of 200 unit squares has 2 f + 1: the two nodes at x = k have 2 k and together the area 1, at the ends 1 and
+  // 399 and half of it. Sum of A p = 0.5 + 2 (1 + ... + 199) + 199.5 = 40000, of A p^2 = 0.5 + 4 (1 + 4 + ... + 199^2)
+  // + 79600.5 = 10666401. Above 0.05 of their ratio, 13.33, is what lies at x >= 7.
+  const ResultSurface s = squares(200, 1, 1.0);
+  std::vector<double> p;
+  for (int f = 0; f < 200; ++f) p.push_back(2 * f + 1);
+  const Headline h = headline(s, p);
+  EXPECT_NEAR(h.above, 0.05 * 10666401 / 40000, 1e-10);
+  EXPECT_NEAR(h.area, 193.5, 1e-10);
+  EXPECT_NEAR(h.mean, (39800.0 - 42 + 199.5) / 193.5, 1e-10);
+  EXPECT_DOUBLE_EQ(h.peak, 399);
+  // 0.99 of the area is 191.565: the pair at x = 198 stands at 191.25 and 191.75
+  EXPECT_NEAR(h.p99, 396, 1e-10);
+
+  // half of the strip, with the threshold of the whole: its last node has half of its area there
+  FacetMask half(200, 0);
+  std::fill(half.begin(), half.begin() + 100, char{1});
+  const Headline left = headline(s, p, half);
+  EXPECT_EQ(left.above, h.above);
+  EXPECT_NEAR(left.area, 93.5, 1e-10);
+  EXPECT_NEAR(left.peak, 200, 1e-10);
+}
+
+TEST(Headline, ATriangleGivesAThirdToEachOfItsNodes) {
+  const ResultSurface s =
+      make_result_surface("two", {0, 3, 6}, {0, 1, 2, 0, 2, 3}, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  const Headline h = headline(s, {3, 9});  // nodes 6, 3, 6, 9 with areas 1/3, 1/6, 1/3, 1/6
+  EXPECT_NEAR(h.above, 0.05 * 39 / 6, 1e-12);
+  EXPECT_NEAR(h.mean, 6, 1e-12);
+  EXPECT_NEAR(h.area, 1, 1e-12);
+  EXPECT_NEAR(h.peak, 9, 1e-12);
+}
+
+TEST(Headline, NoPressureHasNoNumbersAndNoArea) {
+  const Headline h = headline(squares(3, 2, 1.0), std::vector<double>(6, 0.0));
+  EXPECT_EQ(h.area, 0);
+  for (double x : {h.above, h.p99, h.mean, h.peak}) EXPECT_TRUE(std::isnan(x));
+}
+
+TEST(Headline, UnitsChangeNothing) {
+  std::vector<double> p = {0, 0.02, 3, 1, 5, 0, 0, 0.7, 2}, pascal;
+  for (double x : p) pascal.push_back(1e6 * x);
+  const Headline mm = headline(squares(3, 3, 1.0), p), m = headline(squares(3, 3, 1e-3), pascal);
+  EXPECT_NEAR(m.above, 1e6 * mm.above, 1e-6 * m.above);
+  EXPECT_NEAR(m.area, 1e-6 * mm.area, 1e-12 * mm.area);
+  for (double Headline::*number : {&Headline::p99, &Headline::mean, &Headline::peak})
+    EXPECT_NEAR(m.*number, 1e6 * (mm.*number), 1e-9 * m.*number);
+}
+
+/// p = 1 - r^2 on squares of side h, facets with their means, mean over five places of the mesh: the error of the
+/// headline's area, and of that of all nodes with p > 0, over the exact ones.
+std::array<double, 2> area_errors(double h) {
+  std::array<double, 2> errors = {0, 0};
+  const double pi = std::numbers::pi;
+  for (double shift : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+    const int n = 2 * static_cast<int>(std::ceil(1.3 / h));
+    const double left = -(n / 2) * h + shift * h;
+    const ResultSurface s = squares(n, n, h, left);
+    std::vector<double> p;
+    for (int f = 0; f < n * n; ++f) {
+      double sum = 0.0;
+      for (int k = 0; k < 64; ++k) {
+        const double x = left + (f % n + (k % 8 + 0.5) / 8) * h, y = left + (f / n + (k / 8 + 0.5) / 8) * h;
+        sum += std::max(0.0, 1 - x * x - y * y) / 64;
+      }
+      p.push_back(sum);
+    }
+    // mean pressure of the load: 2/3; above t the paraboloid is pi (1 - t) wide
+    errors[0] += (headline(s, p).area / (pi * (1 - 0.05 * 2 / 3)) - 1) / 5;
+    errors[1] += (distribution(nodal_average(s, p), nodal_areas(s), 0.0).area / pi - 1) / 5;
+  }
+  return errors;
+}
+
+TEST(Headline, TheThresholdLeavesOutWhatOnlyTheMeshMakes) {
+  const std::array<double, 2> coarse = area_errors(0.1), fine = area_errors(0.05);
+  fmt::print(
+      "area of p = 1 - r^2, 10 and 20 facets over the radius: above the threshold {:+.1f} and {:+.1f} %, all "
+      "nodes {:+.1f} and {:+.1f} %\n",
+      100 * coarse[0], 100 * fine[0], 100 * coarse[1], 100 * fine[1]);
+  EXPECT_LT(coarse[0], 0.08);
+  EXPECT_GT(std::log2(coarse[0] / fine[0]), 1.7);  // second order: the edge's averages fall below the threshold
+  EXPECT_NEAR(std::log2(coarse[1] / fine[1]), 1, 0.1);
+  EXPECT_GT(fine[1], 0.1);
+}
+
+// ---- the program ----
+
+std::vector<std::string> words(const std::string& line) {
+  std::istringstream in(line);
+  std::vector<std::string> out;
+  for (std::string word; in >> word;) out.push_back(word);
+  return out;
+}
+
+std::vector<std::string> cells(const std::string& line) {
+  std::istringstream in(line);
+  std::vector<std::string> out;
+  for (std::string cell; std::getline(in, cell, ',');) out.push_back(cell);
+  return out;
+}
+
+std::string line_with(const std::string& text, const std::string& start) {
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind(start, 0) == 0) return line;
+  return "";
+}
+
+/// The numbers of the last line of a CSV by their columns.
+std::vector<double> headline_of_csv(const std::string& csv, std::size_t line) {
+  std::istringstream in(csv);
+  std::vector<std::vector<std::string>> rows;
+  for (std::string text; std::getline(in, text);) rows.push_back(cells(text));
+  std::vector<double> out;
+  for (const HeadlineNumber& number : kHeadlineNumbers)
+    for (std::size_t c = 0; c < rows[0].size(); ++c)
+      if (rows[0][c] == std::string("headline_") + number.name) out.push_back(std::stod(rows[line][c]));
+  return out;
+}
+
+std::vector<double> headline_of_json(const Json& j) {
+  std::vector<double> out;
+  for (const HeadlineNumber& number : kHeadlineNumbers) out.push_back(j[number.name].get<double>());
+  return out;
+}
+
+Json page_json(const std::filesystem::path& path) {
+  const std::string html = test::file_text(path), start = "<script type=\"application/json\" id=\"report\">";
+  const std::size_t from = html.find(start) + start.size();
+  return Json::parse(html.substr(from, html.find("</script>", from) - from));
+}
+
+struct Case {
+  std::string model, source;  ///< source: of the springs; empty: the primary surface
+};
+
+class HeadlineProgram : public ::testing::TestWithParam<Case> {};
+
+TEST_P(HeadlineProgram, PrintsTheSameDigitsEverywhere) {
+  const test::TemporaryFolder folder;
+  const auto dea = [&](std::vector<std::string> line) {
+    line.insert(line.begin(), DEA_PROGRAM);
+    test::Finished f = test::run_program(folder.path, line, 120);
+    EXPECT_EQ(f.code, 0) << f.err;
+    return f;
+  };
+  std::vector<std::string> line = {"run",      std::string(DEA_SAMPLES_DIR) + "/" + GetParam().model,
+                                   "-o",       "a.xplt",
+                                   "--json",   "run.json",
+                                   "--csv",    "run.csv",
+                                   "--report", "run.html",
+                                   "--states", "last"};
+  if (!GetParam().source.empty()) line.insert(line.end(), {"--source", GetParam().source});
+  const test::Finished run = dea(line);
+  const Json run_json = Json::parse(test::file_text(folder.path / "run.json"));
+  const Json contact = run_json["states"].back()["contacts"][0]["headline"];
+  const std::vector<double> numbers = headline_of_json(contact);
+  ASSERT_GT(numbers[2], 0);
+  std::vector<std::string> digits;
+  for (double x : numbers) digits.push_back(four_digits(x));
+
+  // dea run: the table's first numbers, CSV and the page's table
+  const std::vector<std::string> heads = words(line_with(run.out, "time"));
+  ASSERT_GE(heads.size(), 7u);
+  EXPECT_EQ((std::vector<std::string>{heads[3], heads[4], heads[5], heads[6]}),
+            (std::vector<std::string>{"p99", "mean", "area", "peak"}));
+  const std::vector<std::string> row = words(line_with(run.out.substr(run.out.find("\ntime")), "   "));
+  ASSERT_GE(row.size(), 7u) << run.out;
+  EXPECT_EQ((std::vector<std::string>{row[3], row[4], row[5], row[6]}), digits);
+  EXPECT_EQ(headline_of_csv(test::file_text(folder.path / "run.csv"), 1), numbers);
+  const Json run_page = page_json(folder.path / "run.html");
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(run_page["tables"][0]["rows"][0][3 + k], digits[k]);
+  EXPECT_EQ(run_page["surfaces"][0]["names"][0], contact["surface"]);  // springs lead
+  EXPECT_EQ(headline_of_json(run_page["surfaces"][0]["measures"][0].back()[0]["headline"]), numbers);
+
+  // dea compare, of the plot file with itself
+  const test::Finished compare = dea({"compare", "a.xplt", "a.xplt", "--json", "c.json", "--csv", "c.csv", "--report",
+                                      "c.html", "--label", "one", "--label", "two"});
+  const Json json = Json::parse(test::file_text(folder.path / "c.json"));
+  EXPECT_EQ(json["surfaces"][0]["names"][0], contact["surface"]);
+  const Json& results = json["surfaces"][0]["regions"][0]["results"];
+  for (std::size_t i : {0u, 1u}) {
+    EXPECT_EQ(headline_of_json(results[i]["headline"]), numbers);
+    EXPECT_EQ(headline_of_csv(test::file_text(folder.path / "c.csv"), i + 1), numbers);
+  }
+  EXPECT_EQ(results[0]["headline"]["above"], contact["above"]);
+  const Json compare_page = page_json(folder.path / "c.html");
+  EXPECT_EQ(headline_of_json(compare_page["surfaces"][0]["measures"][1].back()[0]["headline"]), numbers);
+  const std::string table =
+      compare.out.substr(compare.out.find("surface " + contact["surface"].get<std::string>() + "\n"));
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::vector<std::string> line_of = words(line_with(table, std::string(kHeadlineNumbers[k].name) + " "));
+    ASSERT_EQ(line_of.size(), 4u) << table;
+    EXPECT_EQ(line_of[1], digits[k]);
+    EXPECT_EQ(compare_page["tables"][0]["rows"][k][1], digits[k]);
+  }
+
+  // dea plot, facets and nodes
+  const ResultFile file = read_result((folder.path / "a.xplt").string(), "a");
+  for (bool smooth : {false, true}) {
+    MapOptions options;
+    options.smooth = smooth;
+    const MapFigure figure = make_map_figure({file}, nullptr, options);
+    EXPECT_EQ(figure.surfaces[0].name, contact["surface"]);
+    const std::vector<std::string> parts = cells(figure.panels[0].numbers[0]);
+    ASSERT_EQ(parts.size(), 4u) << figure.panels[0].numbers[0];
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(words(parts[k])[0], kHeadlineNumbers[k].name);
+      EXPECT_EQ(words(parts[k])[1], digits[k]);
+    }
+  }
+
+  // the rest, and only when asked for
+  EXPECT_EQ(run.out.find("peak, springs"), std::string::npos);
+  EXPECT_EQ(compare.out.find("peak, facets"), std::string::npos);
+  const test::Finished more = dea({"compare", "a.xplt", "a.xplt", "-o", "x.xplt", "--details"});
+  for (const char* name : {"peak, facets > 0", "p99, nodes > 0 ", "area, nodes > 0.1", "mean, nodes > 0.5"})
+    EXPECT_NE(more.out.find(name), std::string::npos) << more.out;
+  line.push_back("--details");
+  const test::Finished details = dea(line);
+  for (const char* name : {"peak, facets > 0", "peak, springs", "area, springs", "mean, nodes > 0, unweighted"})
+    EXPECT_NE(details.out.find(name), std::string::npos) << details.out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Samples, HeadlineProgram,
+                         ::testing::Values(Case{"hip/hip_walking.feb", ""}, Case{"hip/hip_walking.feb", "femur"},
+                                           Case{"sphere_on_flat/sphere_on_flat.feb", ""}),
+                         [](const auto& info) {
+                           return info.index == 1 ? std::string("springs_on_the_other_side")
+                                                  : info.param.model.substr(0, info.param.model.find('/'));
+                         });
+
+}  // namespace
+
+}  // namespace dea
