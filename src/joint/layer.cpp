@@ -36,4 +36,13 @@ double Layer::mean_thickness() const {
 }
 int Layer::missed_count() const { return static_cast<int>(std::count(missed.begin(), missed.end(), 1)); }
 
+std::unordered_map<int, int> articular_vertices(const Layer& layer) {
+  std::unordered_map<int, int> vertex;
+  const SurfaceMesh& mesh = layer.articular;
+  for (std::size_t v = 0; v < mesh.model_nodes.size(); ++v) vertex[mesh.model_nodes[v]] = static_cast<int>(v);
+  for (const auto& [node, other] : layer.stands_for)
+    if (const auto found = vertex.find(other); found != vertex.end()) vertex.try_emplace(node, found->second);
+  return vertex;
+}
+
 }  // namespace dea

@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <febiodea/base/fault.h>
@@ -30,6 +31,8 @@ struct Layer {
       mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
   std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
   std::vector<FaceKind> facet_kinds;  ///< per facet: all but Open are left out; empty: all are kept
+  std::vector<char> turned;           ///< of a bare surface, per facet: it looks the other way than the model winds it
+  std::unordered_map<int, int> stands_for;  ///< of a bare surface: node -> the one at its place that `articular` has
   std::vector<Sentence> notes;        ///< what the user should know of it, a sentence each
   LayerFace face;                     ///< of a layer whose springs stand on the articular surface; else empty
 
@@ -43,5 +46,8 @@ struct Layer {
   double mean_thickness() const;  ///< area-weighted
   int missed_count() const;
 };
+
+/// Vertex of the articular surface at each of its nodes.
+std::unordered_map<int, int> articular_vertices(const Layer& layer);
 
 }  // namespace dea
