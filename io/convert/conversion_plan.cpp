@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <unordered_map>
 #include <set>
+#include <unordered_map>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>

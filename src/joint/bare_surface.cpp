@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
@@ -15,6 +16,8 @@ namespace dea {
 
 namespace {
 
+constexpr double kSamePlace = 1e-6;  // of the facets' size: coordinates of a file have less noise
+
 double facet_area(const JointModel& model, const FacetList& facets, int f) {
   Vector3d sum = Vector3d::Zero();
   const int first = facets.begin[at(f)];
@@ -25,7 +28,6 @@ double facet_area(const JointModel& model, const FacetList& facets, int f) {
 
 /// Takes nodes at one place for one, in the facets' lists.
 void merge_nodes(const ContactSide& in, const std::vector<double>& areas, BareSurface& surface) {
-  constexpr double kSamePlace = 1e-6;  // of the facets' size: coordinates of a file have less noise
   double area = 0.0;
   for (double a : areas) area += a;
   const double size = std::sqrt(area / static_cast<double>(std::max<std::size_t>(areas.size(), 1)));
@@ -187,9 +189,10 @@ std::vector<int> connected_pieces(const SurfaceMesh& mesh) {
   return piece;
 }
 
-/// Per piece: does it look away from the partner? Compared at the closest points, area-weighted; the nearer, the more it
-/// counts: a closed surface looks away on its far side.
-std::vector<double> looking_away(const SurfaceMesh& surface, const std::vector<int>& piece, const SurfaceMesh& partner) {
+/// Per piece: does it look away from the partner? Compared at the closest points, area-weighted; the nearer, the more
+/// it counts: a closed surface looks away on its far side.
+std::vector<double> looking_away(const SurfaceMesh& surface, const std::vector<int>& piece,
+                                 const SurfaceMesh& partner) {
   const RayCaster caster(partner);
   std::vector<double> facing(at(*std::max_element(piece.begin(), piece.end()) + 1), 0.0);
   for (int t = 0; t < surface.size(); ++t) {
@@ -229,7 +232,122 @@ std::vector<char> behind_another(const SurfaceMesh& mesh, const std::vector<int>
   return is_behind;
 }
 
+// ---- rim -----------------------------------------------------------------------------------------------------------
+
+/// RimFaces of a body's elements, of nodes that stand for all at their place.
+using RimFaces =
+    std::unordered_map<FaceKey, std::pair<std::vector<int>, int>, FaceKeyHash>;  // its nodes, how many have it
+
+/// Those of elements that have two nodes or more on the rim.
+RimFaces faces_at(const ModelParts& parts, int body, const std::unordered_map<int, int>& stands_for,
+               const std::vector<char>& on_rim) {
+  const JointModel& model = parts.model;
+  const auto own = [&](int node) {
+    const auto found = stands_for.find(node);
+    return found == stands_for.end() ? node : found->second;
+  };
+  RimFaces faces;
+  std::vector<int> nodes, face;
+  const auto add = [&] {
+    const int corners = facet_corners(static_cast<int>(face.size()));
+    auto& entry = faces.try_emplace(face_key(face.data(), corners), face, 0).first->second;
+    ++entry.second;
+  };
+  for (const Domain& d : model.domains) {
+    if (d.material < 0 || !parts.rigid[at(d.material)] || is_line(d.shape) ||
+        parts.bodies.of_material[at(d.material)] != body)
+      continue;
+    const int n = nodes_per_element(d.shape);
+    for (std::size_t first = 0; first + at(n) <= d.nodes.size(); first += at(n)) {
+      nodes.clear();
+      int count = 0;
+      for (int k = 0; k < n; ++k) {
+        nodes.push_back(own(d.nodes[first + at(k)]));
+        count += on_rim[at(nodes.back())];
+      }
+      if (count < 2) continue;
+      if (is_shell(d.shape)) {
+        face = nodes;
+        add();
+        continue;
+      }
+      for (const auto& corners : element_faces(d.shape)) {
+        face.clear();
+        for (int k : corners) face.push_back(nodes[at(k)]);
+        add();
+      }
+    }
+  }
+  return faces;
+}
+
+/// Does a face go on from an edge of a triangle, turned by less than 40 degrees?
+bool goes_on_from(const JointModel& model, const SurfaceMesh& mesh, const BareRimEdge& e,
+                  const std::vector<int>& face) {
+  constexpr double kCos40 = 0.76604444311897801;
+  const Vector3d &a = mesh.corner(e.triangle, e.edge), &b = mesh.corner(e.triangle, (e.edge + 1) % 3);
+  const Vector3d along = (b - a).normalized(), outward = along.cross(mesh.normals[at(e.triangle)]);
+  Vector3d center = Vector3d::Zero();
+  const int corners = facet_corners(static_cast<int>(face.size()));
+  for (int k = 0; k < corners; ++k) center += model.nodes[at(face[at(k)])] / corners;
+  Vector3d there = center - 0.5 * (a + b);
+  there -= there.dot(along) * along;
+  return there.dot(outward) > kCos40 * there.norm();
+}
+
 }  // namespace
+
+std::vector<BareRimEdge> bare_rim(const ModelParts& parts, const Layer& layer) {
+  const JointModel& model = parts.model;
+  const SurfaceMesh& mesh = layer.articular;
+  std::vector<BareRimEdge> rim;
+  std::vector<int> nodes;  // first those of the rim: they stand for others at their place
+  std::vector<char> on_rim(model.nodes.size(), 0);
+  const auto node_at = [&](const BareRimEdge& e, int end) {
+    return mesh.model_nodes[at(mesh.triangles[at(e.triangle)][at((e.edge + end) % 3)])];
+  };
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.neighbours[at(t)][at(k)] >= 0) continue;
+      rim.push_back({t, k, false});
+      for (int end : {0, 1}) {
+        nodes.push_back(node_at(rim.back(), end));
+        on_rim[at(nodes.back())] = 1;
+      }
+    }
+  if (rim.empty()) return rim;
+  for (const Domain& d : model.domains)
+    if (d.material >= 0 && parts.rigid[at(d.material)] && parts.bodies.of_material[at(d.material)] == layer.body)
+      nodes.insert(nodes.end(), d.nodes.begin(), d.nodes.end());
+  double area = 0.0;
+  for (double a : mesh.areas) area += a / mesh.size();
+  const std::unordered_map<int, int> stands_for = coincident_nodes(nodes, model.nodes, kSamePlace * std::sqrt(area));
+  RimFaces faces = faces_at(parts, layer.body, stands_for, on_rim);
+  const Surface& surface = model.surfaces[at(layer.surface)];
+  for (int f = 0; f < surface.size(); ++f) {  // what is selected does not go on
+    std::vector<int> facet(surface.nodes.begin() + surface.begin[at(f)],
+                           surface.nodes.begin() + surface.begin[at(f) + 1]);
+    for (int& node : facet)
+      if (const auto found = stands_for.find(node); found != stands_for.end()) node = found->second;
+    faces.erase(face_key(facet.data(), facet_corners(static_cast<int>(facet.size()))));
+  }
+  std::unordered_map<int, std::vector<const std::vector<int>*>> at_node;
+  for (const auto& entry : faces) {
+    const std::vector<int>& face = entry.second.first;
+    // one element's alone; shells of two bodies' parts may lie on each other
+    if (entry.second.second > 1) continue;
+    for (int node : face)
+      if (on_rim[at(node)]) at_node[node].push_back(&face);
+  }
+  for (BareRimEdge& e : rim) {
+    const auto found = at_node.find(node_at(e, 0));
+    if (found == at_node.end()) continue;
+    for (const std::vector<int>* face : found->second)
+      e.goes_on = e.goes_on || (std::find(face->begin(), face->end(), node_at(e, 1)) != face->end() &&
+                                goes_on_from(model, mesh, e, *face));
+  }
+  return rim;
+}
 
 BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, bool merge) {
   const JointModel& model = in.parts.model;

@@ -14,6 +14,7 @@
 #include <febiodea/joint/bare_surface.h>
 #include <febiodea/joint/carried_surface.h>
 #include <febiodea/joint/given_layer.h>
+#include <febiodea/joint/half_held.h>
 #include <febiodea/joint/left_out.h>
 #include <febiodea/joint/make_layer.h>
 
@@ -257,7 +258,11 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
   }
   if (pair.layers[0].rigid && pair.layers[1].rigid) return no_cartilage(model, c);
   turn_shells(parts, pair, found.findings);
+  for (Layer& layer : pair.layers)
+    if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
   find_selected_faces(parts, pair);
+  for (Layer& layer : pair.layers)
+    if (!layer.rigid) layer.half_held = half_held_planes(parts, layer);
   for (const Layer& layer : pair.layers) {
     const std::vector<Sentence> findings = layer_findings(parts, layer);
     found.findings.insert(found.findings.end(), findings.begin(), findings.end());
