@@ -45,9 +45,7 @@ FEDeaSurface::FEDeaSurface(FEModel* fem) : FEContactSurface(fem) {}
 FEMaterialPoint* FEDeaSurface::CreateMaterialPoint() { return new FEContactMaterialPoint; }
 
 void FEDeaSurface::set_layer(const dea::Layer& layer) {
-  std::unordered_map<int, int> vertex_of_node;
-  for (std::size_t v = 0; v < layer.articular.model_nodes.size(); ++v)
-    vertex_of_node[layer.articular.model_nodes[v]] = static_cast<int>(v);
+  const std::unordered_map<int, int> vertex_of_node = dea::articular_vertices(layer);
   facet_vertices_.assign(at(Elements()), {});
   for (int f = 0; f < Elements(); ++f) {
     const FESurfaceElement& facet = Element(f);

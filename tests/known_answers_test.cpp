@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
+#include <utility>
 
+#include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/run/analysis.h>
@@ -351,6 +355,313 @@ TEST(KnownAnswers, SquarePlateAndItsSideWalls) {
     for (std::size_t f = at(n * n); f < pressure.size(); ++f) EXPECT_EQ(pressure[f], 0.0);
     fmt::print("plate, nu {}: force {:.5g}, rigid body first {:+.2f} %\n", nu, a.force, 100 * (c.force / a.force - 1));
   }
+}
+
+// ---- bare surfaces
+
+/// All that is said of a model before and after it is solved, and its analysis.
+struct Told {
+  Analysis analysis;
+  std::string text;
+  bool says(const std::string& what) const { return text.find(what) != std::string::npos; }
+};
+
+Told told(const Pressed& pressed, bool layer_first = true) {
+  JointModel model = pressed.model;
+  test::add_contact(model, "press", layer_first ? pressed.layer : pressed.indenter,
+                    layer_first ? pressed.indenter : pressed.layer);
+  Told t;
+  t.analysis = analyse(model, pressed.settings);
+  t.text = fmt::format("{}", fmt::join(run_remarks(model, t.analysis), "\n"));
+  return t;
+}
+
+/// Turns facets of the rigid body's surface, and leaves its elements as they are.
+void flip(Pressed& pressed, const std::function<bool(int, const Vector3d&)>& which) {
+  Surface& s = pressed.model.surfaces[at(pressed.indenter)];
+  for (int f = 0; f < s.size(); ++f)
+    if (which(f, pressed.center(s, f))) std::swap(s.nodes[at(4 * f + 1)], s.nodes[at(4 * f + 3)]);
+}
+
+/// Selects those facets of the rigid body's surface alone; `mesh`: its elements too end there.
+void select(Pressed& pressed, const std::function<bool(const Vector3d&)>& which, bool mesh = false) {
+  Surface& s = pressed.model.surfaces[at(pressed.indenter)];
+  std::vector<int> nodes;
+  for (int f = 0; f < s.size(); ++f)
+    if (which(pressed.center(s, f))) nodes.insert(nodes.end(), s.nodes.begin() + 4 * f, s.nodes.begin() + 4 * f + 4);
+  if (mesh) pressed.model.domains.back() = test::quad_domain("rigid", pressed.body, nodes);
+  s.nodes = nodes;
+  s.begin = {0};
+  for (int k = 4; k <= static_cast<int>(nodes.size()); k += 4) s.begin.push_back(k);
+}
+
+/// As SlabUnderBall, the ball of n x n facets.
+struct SlabUnderCoarseBall : Pressed {
+  explicit SlabUnderCoarseBall(int n, double poisson = 0.45)
+      : Pressed(
+            SlabUnderBall::kN, SlabUnderBall::kN,
+            [](double u, double v) { return SlabUnderBall::place(u, v, -14, -2); },
+            [](double u, double v) { return SlabUnderBall::place(u, v, -14, 0); }, n,
+            [](double u, double v) {
+              const Vector3d x = SlabUnderBall::place(u, v, -14, 0);
+              return Vector3d(x.x(), x.y(), x.head<2>().squaredNorm() / 200);
+            },
+            0.05, poisson) {}
+  /// Each facet gets nodes of its own.
+  void unmerge() {
+    Surface& s = model.surfaces[at(indenter)];
+    for (int& node : s.nodes) {
+      const Vector3d x = model.nodes[at(node)];  // a copy: the list grows
+      model.node_ids.push_back(static_cast<int>(model.nodes.size()) + 1);
+      model.nodes.push_back(x);
+      node = static_cast<int>(model.nodes.size()) - 1;
+    }
+    model.domains.back() = test::quad_domain("rigid", body, s.nodes);
+  }
+};
+
+// However the facets of rigid shells are wound, they are the same surface: a band through the contact, every second, a
+// few, all. 1e-9: the order of a triangle's corners.
+TEST(KnownAnswers, FacetsOfShellsAreWoundToOneSide) {
+  const std::pair<const char*, std::function<bool(int, const Vector3d&)>> cases[] = {
+      {"and 448 of its 3136 facets looked away", [](int, const Vector3d& x) { return std::abs(x.x()) < 2; }},
+      {"and 1568 of its 3136 facets looked away", [](int f, const Vector3d&) { return f % 2 == 1; }},
+      {"and 85 of its 3136 facets looked away", [](int f, const Vector3d&) { return f % 37 == 5; }},
+      {"and looked away from its partner: turned round", [](int, const Vector3d&) { return true; }},
+  };
+  for (const bool layer_first : {true, false}) {
+    const Solved whole = SlabUnderBall(0.45).run(layer_first);
+    for (const auto& c : cases) {
+      SlabUnderBall slab(0.45);
+      flip(slab, c.second);
+      const Told found = told(slab, layer_first);
+      const ContactStatistics& s = found.analysis.states.back().statistics[0];
+      EXPECT_NEAR(s.force.norm() / whole.force, 1, 1e-9) << c.first;
+      EXPECT_NEAR(s.peak / whole.peak, 1, 1e-9) << c.first;
+      EXPECT_TRUE(found.says(std::string("surface \"rigid\" lies on rigid shells")) && found.says(c.first))
+          << found.text;
+    }
+  }
+}
+
+// A surface of two parts beside each other, one of them turned; and the other side of a shell, behind the one that
+// touches, which looks away and stays so.
+TEST(KnownAnswers, EachPieceOfShellsIsTurnedByItself) {
+  SlabUnderBall whole(0.45), parts(0.45), both_sides(0.45);
+  const auto apart = [](const Vector3d& x) { return std::abs(x.x() - 1.25) > 0.3; };
+  select(whole, apart);
+  select(parts, apart);
+  flip(parts, [](int, const Vector3d& x) { return x.x() > 1.25; });
+  const Told a = told(whole), b = told(parts);
+  EXPECT_NEAR(b.analysis.states.back().statistics[0].force.norm() / a.analysis.states.back().statistics[0].force.norm(),
+              1, 1e-9);
+  EXPECT_TRUE(b.says("and 1400 of its 3080 facets looked away")) << b.text;
+
+  Surface& s = both_sides.model.surfaces[at(both_sides.indenter)];
+  std::map<int, int> above;
+  const std::vector<int> front = s.nodes;
+  for (std::size_t f = 0; f < front.size(); f += 4)
+    for (int k : {0, 3, 2, 1}) {
+      const int node = front[f + at(k)];
+      if (above.try_emplace(node, static_cast<int>(both_sides.model.nodes.size())).second) {
+        const Vector3d x = both_sides.model.nodes[at(node)] + Vector3d(0, 0, 0.03);
+        both_sides.model.node_ids.push_back(static_cast<int>(both_sides.model.nodes.size()) + 1);
+        both_sides.model.nodes.push_back(x);
+      }
+      s.nodes.push_back(above[node]);
+    }
+  for (std::size_t k = front.size() + 4; k <= s.nodes.size(); k += 4) s.begin.push_back(static_cast<int>(k));
+  both_sides.model.domains.back() = test::quad_domain("rigid", both_sides.body, s.nodes);
+  EXPECT_NEAR(both_sides.run().force / SlabUnderBall(0.45).run().force, 1, 1e-9);
+}
+
+// Facets that share no nodes: as if they did. Flat facets of 3.5 would leave 20 to 60 % of the force.
+TEST(KnownAnswers, FacetsThatShareNoNodesAreOneSurface) {
+  for (const bool layer_first : {true, false}) {
+    SlabUnderCoarseBall merged(layer_first ? 8 : 28), loose(layer_first ? 8 : 28), turned(layer_first ? 8 : 28);
+    loose.unmerge();
+    turned.unmerge();
+    flip(turned, [](int f, const Vector3d&) { return f % 3 == 0; });
+    const Solved a = merged.run(layer_first);
+    for (const SlabUnderCoarseBall* of : {&loose, &turned}) {
+      const Told b = told(*of, layer_first);
+      const ContactStatistics& s = b.analysis.states.back().statistics[0];
+      EXPECT_NEAR(s.force.norm() / a.force, 1, 1e-9) << layer_first;
+      EXPECT_NEAR(s.peak / a.peak, 1, 1e-9) << layer_first;
+      EXPECT_TRUE(b.says("nodes lie where another one is and are taken for it")) << b.text;
+    }
+  }
+  EXPECT_FALSE(told(SlabUnderCoarseBall(8)).says("lie where another one is"));
+}
+
+std::string refusal(const Pressed& pressed) {
+  try {
+    told(pressed);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+// A third facet on an edge, and a strip joined to itself half turned.
+TEST(KnownAnswers, ShellsWithoutTwoSidesAreRefused) {
+  SlabUnderCoarseBall rib(8);
+  Surface& s = rib.model.surfaces[at(rib.indenter)];
+  const int a = s.nodes[4 * 27], b = s.nodes[4 * 27 + 1], first = static_cast<int>(rib.model.nodes.size());
+  for (int node : {b, a}) {
+    rib.model.node_ids.push_back(static_cast<int>(rib.model.nodes.size()) + 1);
+    rib.model.nodes.push_back(Vector3d(rib.model.nodes[at(node)] + Vector3d(0, 0, 3)));
+  }
+  s.nodes.insert(s.nodes.end(), {a, b, first, first + 1});
+  s.begin.push_back(static_cast<int>(s.nodes.size()));
+  rib.model.domains.back() = test::quad_domain("rigid", rib.body, s.nodes);
+  EXPECT_NE(refusal(rib).find("a surface of shells with 3 facets at one edge has no two sides; select one sheet"),
+            std::string::npos)
+      << refusal(rib);
+
+  SlabUnderCoarseBall strip(8);
+  const int n = 24, ring = static_cast<int>(strip.model.nodes.size());
+  for (int i = 0; i < n; ++i)
+    for (const double side : {-1.0, 1.0}) {
+      const double angle = 2 * kPi * i / n, r = 5 + side * std::cos(angle / 2);
+      strip.model.node_ids.push_back(static_cast<int>(strip.model.nodes.size()) + 1);
+      strip.model.nodes.push_back({r * std::cos(angle), r * std::sin(angle), 2 + side * std::sin(angle / 2)});
+    }
+  std::vector<int> quads;
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n, over = i + 1 == n;
+    quads.insert(quads.end(), {ring + 2 * i, ring + 2 * i + 1, ring + 2 * next + 1 - over, ring + 2 * next + over});
+  }
+  strip.model.domains.back() = test::quad_domain("rigid", strip.body, quads);
+  Surface& band = strip.model.surfaces[at(strip.indenter)];
+  band.nodes = quads;
+  band.begin = {0};
+  for (int k = 4; k <= 4 * n; k += 4) band.begin.push_back(k);
+  EXPECT_NE(refusal(strip).find("cannot be turned to one side (a Moebius strip has but one)"), std::string::npos)
+      << refusal(strip);
+}
+
+// Cut off at x = 1 under a contact that reaches to 3.2, by its selection or by its mesh: the chord of about 6, less its
+// ends, of a rim of 56 + 2 * 30. A hole of one facet of 0.5 has a rim of 2. Not where contact ends inside the surface.
+TEST(KnownAnswers, ABareSurfaceThatEndsUnderPressureIsTold) {
+  const std::function<bool(const Vector3d&)> left = [](const Vector3d& x) { return x.x() < 1; };
+  for (const Law law : {Law::Layer, Law::Linear})
+    for (const bool layer_first : {true, false}) {
+      SlabUnderBall whole(0.45), cut(0.45), ends(0.45), hole(0.45);
+      select(cut, left);
+      select(ends, left, true);
+      select(hole, [](const Vector3d& x) { return (x - Vector3d(0.25, 0.25, x.z())).norm() > 0.1; });
+      const auto rim = [&](SlabUnderBall& slab) {
+        slab.settings.law = law;
+        const Told t = told(slab, layer_first);
+        const StateResult& state = t.analysis.states.back();
+        return std::pair(state.statistics[0].pressed_rim[layer_first ? 1 : 0],
+                         t.says("pressure reaches the end of bare surface \"rigid\""));
+      };
+      const auto all = rim(whole), by_selection = rim(cut), by_mesh = rim(ends), one = rim(hole);
+      EXPECT_EQ(all.first.selection + all.first.mesh, 0);
+      EXPECT_FALSE(all.second);
+      EXPECT_NEAR(by_selection.first.selection, 5.5, 0.8);
+      EXPECT_EQ(by_selection.first.mesh, 0);
+      EXPECT_NEAR(by_selection.first.whole, 2 * (28 + 15), 1);  // along the paraboloid
+      EXPECT_TRUE(by_selection.second);
+      EXPECT_NEAR(by_mesh.first.mesh, 5.5, 0.8);
+      EXPECT_EQ(by_mesh.first.selection, 0);
+      EXPECT_TRUE(by_mesh.second);
+      EXPECT_NEAR(one.first.selection, 2, 0.01);
+      EXPECT_TRUE(one.second);
+    }
+}
+
+// No end: the rim of a half model in its plane of symmetry, and of a plate as large as the layer under it.
+TEST(KnownAnswers, ABareSurfaceThatEndsWithTheCartilageIsNotTold) {
+  for (const bool layer_first : {true, false})
+    EXPECT_FALSE(told(SlabUnderBall(0.45, 0), layer_first).says("bare surface"));
+  JointModel model = test::flat_plates(12, 12, 2, 0);
+  test::fix(model, 2, {true, true, false, true, true, true});
+  test::prescribe(model, 2, 2, -0.05);
+  const Analysis analysis = analyse(model, {});
+  EXPECT_GT(analysis.states.back().statistics[0].peak, 0);
+  for (const std::string& line : result_remarks(model, analysis))
+    EXPECT_EQ(line.find("bare surface"), std::string::npos) << line;
+}
+
+// ---- planes of symmetry of which nodes were forgotten
+
+// The half slab's face has 56 edges in its plane x = 0. A node that is not held frees the two at it; none held at the
+// top frees all. Nodes held where no plane was meant say nothing.
+TEST(KnownAnswers, ForgottenNodesOfAPlaneOfSymmetryAreTold) {
+  const auto said = [](const std::function<bool(const Vector3d&)>& forgotten) {
+    SlabUnderBall half(0.45, 0);
+    std::vector<int>& nodes = half.model.fixed_nodes.back().nodes;
+    nodes.erase(
+        std::remove_if(nodes.begin(), nodes.end(), [&](int node) { return forgotten(half.model.nodes[at(node)]); }),
+        nodes.end());
+    const Told t = told(half);
+    const auto place = t.text.find(" edges of its rim in the plane x = 0 have nodes that are not held in x");
+    if (place == std::string::npos) return std::string();
+    const auto start = t.text.rfind(": ", place) + 2;
+    return t.text.substr(start, place - start);
+  };
+  EXPECT_EQ(said([](const Vector3d&) { return false; }), "");
+  EXPECT_EQ(said([](const Vector3d& x) { return x.norm() < 1e-9; }), "2 of 56");
+  EXPECT_EQ(said([](const Vector3d& x) { return std::abs(x.y()) < 2.2; }), "10 of 56");
+  EXPECT_EQ(said([](const Vector3d& x) { return x.z() > -1e-9; }), "56 of 56");
+  EXPECT_EQ(said([](const Vector3d& x) { return std::abs(std::remainder(x.y(), 1.0)) > 0.1; }), "56 of 56");
+  EXPECT_EQ(said([](const Vector3d& x) { return std::abs(x.y() - 3) > 0.1; }), "");  // one column: no plane
+}
+
+// ---- what is said of a layer's thickness, its facets, and of steps without a load
+
+TEST(Remarks, BoneThatEndsUnderTheContactIsTold) {
+  SlabUnderBall half(0.45), whole(0.45);
+  Domain& bone = half.model.domains[1];  // shells
+  std::vector<int> kept;
+  for (std::size_t f = 0; f < bone.nodes.size(); f += 4) {
+    double x = 0;
+    for (std::size_t k = f; k < f + 4; ++k) x += half.model.nodes[at(bone.nodes[k])].x() / 4;
+    if (x < 0.5)
+      kept.insert(kept.end(), bone.nodes.begin() + static_cast<std::ptrdiff_t>(f),
+                  bone.nodes.begin() + static_cast<std::ptrdiff_t>(f) + 4);
+  }
+  bone = test::quad_domain(bone.name, bone.material, kept);
+  const Told t = told(half);
+  EXPECT_TRUE(t.says("farther than two thicknesses from its rim: does its bone have a hole, or end too soon?"))
+      << t.text;
+  EXPECT_TRUE(t.says("of the vertices whose normals meet no bone carry pressure, up to")) << t.text;
+  EXPECT_FALSE(told(whole).says("meet no bone"));
+}
+
+// A wedge that runs out to nothing at one side, and a layer as thin as a slip of the units.
+TEST(Remarks, NoThicknessIsTold) {
+  const auto layer = [](const std::function<double(double)>& thickness) {
+    return std::make_unique<Pressed>(
+        12, 12, [=](double u, double v) { return Vector3d(12 * (u - 0.5), 12 * (v - 0.5), -thickness(u)); },
+        [](double u, double v) { return Vector3d(12 * (u - 0.5), 12 * (v - 0.5), 0); }, 12,
+        [](double u, double v) { return Vector3d(20 * (u - 0.5), 20 * (v - 0.5), 0); }, 1e-8, 0.45);
+  };
+  const Told wedge = told(*layer([](double u) { return 1e-9 + 8 * u; }));
+  EXPECT_TRUE(wedge.says("at 13 of 169 vertices its thickness is zero or next to it")) << wedge.text;
+  EXPECT_FALSE(wedge.says("warning: contact")) << wedge.text;
+  const Told thin = told(*layer([](double) { return 1e-6; }));
+  EXPECT_TRUE(thin.says("at 169 of 169 vertices its thickness is zero or next to it")) << thin.text;
+  EXPECT_TRUE(thin.says("this is hardly a layer of cartilage")) << thin.text;
+  const Told coarse = told(*layer([](double) { return 0.02; }));
+  EXPECT_TRUE(coarse.says("mesh it finer, or is its thickness wrong?")) << coarse.text;
+  EXPECT_TRUE(told(*layer([](double) { return 0.5; })).says("force may be 40%, peak 70% off")) << coarse.text;
+}
+
+// Pressed by a prescribed motion, then let go: nothing presses, and that is said; no failure, no few springs.
+TEST(Remarks, AStepWithoutALoadIsNoFailure) {
+  SlabUnderBall slab(0.45);
+  slab.model.rigid_prescribed.back().step = 0;
+  Step second = slab.model.steps.back();
+  second.name = "let go";
+  slab.model.steps.push_back(second);
+  const Told t = told(slab);
+  EXPECT_EQ(t.analysis.states.back().equilibrium.outcome, Outcome::Balanced) << t.text;
+  EXPECT_TRUE(t.says("nothing loads a free body")) << t.text;
+  EXPECT_FALSE(t.says("springs carry")) << t.text;
 }
 
 // ---- deep strain, rough surfaces

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <unordered_map>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
@@ -353,22 +354,20 @@ void convert_conditions(const JointModel& model, ConversionPlan& plan) {
 /// Thickness per node of the surface, from the vertices of the articular surface. A node in the middle of a facet,
 /// which is no vertex, gets the mean of the others.
 std::vector<double> thickness_map(const Surface& surface, const Layer& layer) {
-  std::map<int, double> of_node;
-  for (std::size_t v = 0; v < layer.articular.model_nodes.size(); ++v)
-    of_node[layer.articular.model_nodes[v]] = layer.thickness[v];
+  const std::unordered_map<int, int> vertex = articular_vertices(layer);
   std::vector<double> map;
   for (std::size_t f = 0; f + 1 < surface.begin.size(); ++f) {
     double sum = 0.0;
     int count = 0;
     for (int k = surface.begin[f]; k < surface.begin[f + 1]; ++k) {
-      const auto found = of_node.find(surface.nodes[at(k)]);
-      if (found == of_node.end()) continue;
-      sum += found->second;
+      const auto found = vertex.find(surface.nodes[at(k)]);
+      if (found == vertex.end()) continue;
+      sum += layer.thickness[at(found->second)];
       ++count;
     }
     for (int k = surface.begin[f]; k < surface.begin[f + 1]; ++k) {
-      const auto found = of_node.find(surface.nodes[at(k)]);
-      map.push_back(found != of_node.end() ? found->second : count > 0 ? sum / count : 0.0);
+      const auto found = vertex.find(surface.nodes[at(k)]);
+      map.push_back(found != vertex.end() ? layer.thickness[at(found->second)] : count > 0 ? sum / count : 0.0);
     }
   }
   return map;

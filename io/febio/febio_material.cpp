@@ -22,7 +22,16 @@ struct Reading {
   const JointModel& model;
   const std::string& name;
   bool nested_k_adds;
+  std::vector<Remark>& left_out;
 };
+
+/// A part of the material that has no place in E and nu. `instead`: what is taken.
+void leave_out(const Reading& reading, const MaterialTree& part, const std::string& what, const char* instead) {
+  Remark remark;
+  remark.what = fmt::format("material {}: {}; {}", quote(reading.name), what, instead);
+  remark.origin = part.origin;
+  reading.left_out.push_back(std::move(remark));
+}
 
 /// Small-strain stiffness of a material or of a part of one.
 struct Stiffness {
@@ -155,6 +164,8 @@ std::vector<Stiffness> nested(const Reading& reading, const MaterialTree& materi
   return parts;
 }
 
+constexpr const char* kGroundMatrix = "what is pressed is the matrix around them";
+
 /// Sum of the parts; `k` is the top-level bulk modulus of an uncoupled mixture.
 Stiffness mixture(const Reading& reading, const MaterialTree& m) {
   const std::string& type = m.type;
@@ -163,6 +174,9 @@ Stiffness mixture(const Reading& reading, const MaterialTree& m) {
   double G = 0.0, lambda = 0.0;
   double k = uncoupled ? constant_of(m, "k", 0.0, sum.note) : 0.0;
   std::string types;
+  for (const MaterialTree& part : m.parts)
+    if (one_of(part.tag, {"solid", "elastic", "mat"}) && is_fibre(part.type))
+      leave_out(reading, part, fmt::format("the fibres {} of its {}", quote(part.type), quote(type)), kGroundMatrix);
   for (const Stiffness& part : nested(reading, m, {"solid", "elastic", "mat"})) {
     if (!types.empty()) types += "+";
     types += part.type;
@@ -195,7 +209,10 @@ Stiffness wrapped(const Reading& reading, const MaterialTree& m) {
   s.type = fmt::format("{}/{}", type, s.type);
   if (type.find("viscoelastic") == type.npos) {
     if (type.find("prestrain") == type.npos) add_note(s.note, "drained solid");
-    if (type.find("prestrain") != type.npos) add_note(s.note, "prestrain left out");
+    if (type.find("prestrain") != type.npos) {
+      add_note(s.note, "prestrain left out");
+      leave_out(reading, m, fmt::format("the prestrain of {}", quote(type)), "the layer begins without stress");
+    }
     if (type.rfind("uncoupled", 0) == 0) {  // only the nested shear counts
       const double k = constant_of(m, "k", 0.0, s.note);
       set_uncoupled(s, s.G, reading.nested_k_adds ? k + s.k : k);
@@ -206,6 +223,7 @@ Stiffness wrapped(const Reading& reading, const MaterialTree& m) {
   const double g0 = constant_of(m, "g0", 1.0, why);
   add_note(s.note, why);
   add_note(s.note, fmt::format("long-term (g0 = {:g})", g0));
+  leave_out(reading, m, fmt::format("the relaxation of {}", quote(type)), "what is taken is its long-term stiffness");
   if (type.rfind("uncoupled", 0) == 0) {  // only the shear relaxes
     double k = constant_of(m, "k", 0.0, s.note);
     if (reading.nested_k_adds) k += s.k;
@@ -230,12 +248,15 @@ Stiffness stiffness_of(const Reading& reading, const MaterialTree& m) {
   if (type == "EFD neo-Hookean") {
     Stiffness s = from_E_and_v(reading, m);
     add_note(s.note, "ground matrix, fibres left out");
+    leave_out(reading, m, fmt::format("the fibres of {}", quote(type)), kGroundMatrix);
     return s;
   }
   Stiffness s;
   s.type = type;
   double G = kNaN;
   if (uncoupled_shear(m, type, G, s.note)) {
+    if (type.rfind("trans iso", 0) == 0)
+      leave_out(reading, m, fmt::format("the fibres of {}", quote(type)), kGroundMatrix);
     set_uncoupled(s, G, constant_of(m, "k", 0.0, s.note));
     return s;
   }
@@ -273,8 +294,10 @@ double constant_of(const MaterialTree& material, const char* name, double fallba
   return place->second.why.empty() ? place->second.value : kNaN;
 }
 
-void set_elasticity(Material& material, const MaterialTree& tree, bool nested_k_adds, const JointModel& model) {
-  Stiffness s = stiffness_of({model, material.name, nested_k_adds}, tree);
+void set_elasticity(Material& material, const MaterialTree& tree, bool nested_k_adds, JointModel& model) {
+  std::vector<Remark> left_out;
+  Stiffness s = stiffness_of({model, material.name, nested_k_adds, left_out}, tree);
+  model.ignored.insert(model.ignored.end(), left_out.begin(), left_out.end());
   if (std::isnan(s.E) && !std::isnan(s.G + s.lambda)) {
     add_note(s.note, fmt::format("no stiffness: G = {:g}, K = {:g}, need both > 0", s.G, s.lambda + 2 * s.G / 3));
   }

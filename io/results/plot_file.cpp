@@ -125,9 +125,7 @@ bool left_out(const Layer& layer, int facet) {
 /// A value per vertex of a layer's articular surface, in the slots of the surface's facets. Facets left out have none,
 /// though they share nodes with the rim.
 std::vector<float> per_slot(const Surface& s, const Layer& layer, const std::vector<double>& per_vertex) {
-  const SurfaceMesh& mesh = layer.articular;
-  std::unordered_map<int, int> vertex;
-  for (std::size_t v = 0; v < mesh.model_nodes.size(); ++v) vertex[mesh.model_nodes[v]] = static_cast<int>(v);
+  const std::unordered_map<int, int> vertex = articular_vertices(layer);
   const int slots = max_nodes(s);
   std::vector<float> values(at(s.size()) * at(slots), 0.0f);
   for (int f = 0; f < s.size(); ++f) {

@@ -251,6 +251,13 @@ SurfaceMesh turned_round(const SurfaceMesh& mesh, const std::vector<Vector3d>& p
   return make_surface_mesh(begin, nodes, positions);
 }
 
+SurfaceMesh with_turned(SurfaceMesh mesh, const std::vector<char>& which) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (which[t]) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  finish_surface_mesh(mesh);
+  return mesh;
+}
+
 void flatten(SurfaceMesh& mesh) { mesh.bulge.assign(mesh.bulge.size(), {0, 0, 0}); }
 
 Vector3d linear_gradient(const SurfaceMesh& mesh, int t, const std::array<double, 3>& v) {

@@ -41,6 +41,9 @@ SurfaceMesh make_surface_mesh(const std::vector<int>& facet_begin, const std::ve
 /// The triangles with their normals turned, each as a facet of its own. `positions`: of the model's nodes.
 SurfaceMesh turned_round(const SurfaceMesh& mesh, const std::vector<Vector3d>& positions);
 
+/// The same vertices and triangles, some turned over. `which`: per triangle.
+SurfaceMesh with_turned(SurfaceMesh mesh, const std::vector<char>& which);
+
 /// Height of the smooth surface that the facets stand for above a point of a triangle, along its normal (C0):
 ///     H(w) = sum over edges (i, j) of w_i w_j b_ij,   b_ij = (x_i - x_j) . (n_i - n_j) / 2
 /// with the vertices x and the vertex normals n: the parabola through both ends that leaves them with the slopes the

@@ -25,11 +25,9 @@ void turn_outward(const JointModel& model, const ElementFace& c, std::vector<int
   int face_nodes[9];
   for (std::size_t k = 0; k < face.size(); ++k)
     face_nodes[k] = d.nodes[at(c.element * nodes_per_element(d.shape) + face[k])];
-  const int count = static_cast<int>(facet.size()), corners = facet_corners(count);
-  if (!(area_vector(model, facet.data(), count).dot(area_vector(model, face_nodes, static_cast<int>(face.size()))) < 0))
-    return;
-  std::reverse(facet.begin() + 1, facet.begin() + corners);
-  if (count >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
+  const int count = static_cast<int>(facet.size());
+  if (area_vector(model, facet.data(), count).dot(area_vector(model, face_nodes, static_cast<int>(face.size()))) < 0)
+    turn_round(facet);
 }
 
 Fault no_face(const JointModel& model, const Surface& s, int facet) {
@@ -44,6 +42,12 @@ Fault no_face(const JointModel& model, const Surface& s, int facet) {
 }
 
 }  // namespace
+
+void turn_round(std::vector<int>& facet) {
+  const int count = static_cast<int>(facet.size()), corners = facet_corners(count);
+  std::reverse(facet.begin() + 1, facet.begin() + corners);
+  if (count >= 2 * corners) std::reverse(facet.begin() + corners, facet.begin() + 2 * corners);
+}
 
 std::optional<Fault> volume_fault(const JointModel& model, const Domain& d, int element) {
   const double volume = element_volume(model, d, element).volume;

@@ -11,8 +11,10 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
 #include <febiodea/geometry/ray_caster.h>
+#include <febiodea/joint/bare_surface.h>
 #include <febiodea/joint/carried_surface.h>
 #include <febiodea/joint/given_layer.h>
+#include <febiodea/joint/half_held.h>
 #include <febiodea/joint/left_out.h>
 #include <febiodea/joint/make_layer.h>
 
@@ -95,37 +97,11 @@ std::optional<Fault> doubled(const JointModel& model, const std::vector<ContactP
 // ---- surfaces on shells
 // ----------------------------------------------------------------------------------------------
 
-/// Does a shell surface look away from its partner? Compared at the closest points, area-weighted.
-bool looks_away(const SurfaceMesh& surface, const SurfaceMesh& partner) {
-  const RayCaster caster(partner);
-  double facing = 0.0;
-  for (int t = 0; t < surface.size(); ++t) {
-    const SurfacePoint p = caster.closest(surface.centroid(t));
-    facing += surface.areas[at(t)] * surface.normals[at(t)].dot(partner.normals[at(p.triangle)]);
-  }
-  return facing > 0;
-}
-
-/// Of the same facets, the normals turned.
-SurfaceMesh flipped(const SurfaceMesh& mesh, const JointModel& model) {
-  SurfaceMesh turned = turned_round(mesh, model.nodes);
-  turned.facet = mesh.facet;
-  turned.facets = mesh.facets;
-  return turned;
-}
-
 /// A shell surface has two sides: turns it to its partner. Solids know their outside.
 void turn_shells(const ModelParts& parts, ContactPair& pair, std::vector<Sentence>& findings) {
   for (int side = 0; side < 2; ++side) {
-    Layer& layer = pair.layers[side];
-    if (layer.material >= 0 || !carry(parts, layer.surface).on_shells ||
-        !looks_away(layer.articular, pair.layers[1 - side].articular))
-      continue;
-    layer.articular = flipped(layer.articular, parts.model);
-    if (pair.facets == Facets::Flat) flatten(layer.articular);
-    layer.bone = layer.articular;
-    findings.push_back(say("surface \"{}\" lies on rigid shells and looked away from its partner: turned round",
-                           parts.model.surfaces[at(layer.surface)].name));
+    const Sentence turned = face_partner(parts, pair.facets, pair.layers[1 - side].articular, pair.layers[side]);
+    if (!turned.empty()) findings.push_back(turned);
   }
 }
 
@@ -282,7 +258,11 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
   }
   if (pair.layers[0].rigid && pair.layers[1].rigid) return no_cartilage(model, c);
   turn_shells(parts, pair, found.findings);
+  for (Layer& layer : pair.layers)
+    if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
   find_selected_faces(parts, pair);
+  for (Layer& layer : pair.layers)
+    if (!layer.rigid) layer.half_held = half_held_planes(parts, layer);
   for (const Layer& layer : pair.layers) {
     const std::vector<Sentence> findings = layer_findings(parts, layer);
     found.findings.insert(found.findings.end(), findings.begin(), findings.end());

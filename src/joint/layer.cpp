@@ -13,11 +13,19 @@ double Layer::facet_size() const {
   for (int t = 0; t < articular.size(); ++t) {
     double mean = 0.0;
     for (int v : articular.triangles[at(t)]) mean += thickness[at(v)] / 3;
-    if (!(mean > 0)) continue;
-    sum += articular.areas[at(t)] * std::sqrt(2 * articular.areas[at(t)]) / mean;
+    const double size = std::sqrt(2 * articular.areas[at(t)]);
+    if (!(mean > kNoThickness * size)) continue;
+    sum += articular.areas[at(t)] * size / mean;
     area += articular.areas[at(t)];
   }
   return area > 0 ? sum / area : 0.0;
+}
+
+int Layer::without_thickness() const {
+  int count = 0;
+  for (std::size_t v = 0; v < thickness.size(); ++v)
+    count += !(thickness[v] > kNoThickness * std::sqrt(spring_surface().vertex_areas[v]));
+  return rigid ? 0 : count;
 }
 
 double Layer::min_thickness() const {
@@ -35,5 +43,14 @@ double Layer::mean_thickness() const {
   return area > 0 ? sum / area : 0.0;
 }
 int Layer::missed_count() const { return static_cast<int>(std::count(missed.begin(), missed.end(), 1)); }
+
+std::unordered_map<int, int> articular_vertices(const Layer& layer) {
+  std::unordered_map<int, int> vertex;
+  const SurfaceMesh& mesh = layer.articular;
+  for (std::size_t v = 0; v < mesh.model_nodes.size(); ++v) vertex[mesh.model_nodes[v]] = static_cast<int>(v);
+  for (const auto& [node, other] : layer.stands_for)
+    if (const auto found = vertex.find(other); found != vertex.end()) vertex.try_emplace(node, found->second);
+  return vertex;
+}
 
 }  // namespace dea

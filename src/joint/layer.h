@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <febiodea/base/fault.h>
@@ -11,6 +12,22 @@
 #include <febiodea/model/settings.h>
 
 namespace dea {
+
+/// An edge of a bare surface's rim: from corner `edge` of a triangle to the next.
+struct BareRimEdge {
+  int triangle = -1, edge = -1;
+  bool goes_on = false;  ///< the body's own mesh goes on there, turned by less than 40 degrees, unselected
+};
+
+/// A plane across an axis in which nodes of a layer are held, but not those of all edges of its face that lie there.
+struct HalfHeldPlane {
+  int component = -1;
+  double coordinate = 0.0;
+  int edges = 0, unheld = 0;  ///< of the face's rim in that plane; of these, those that are free edges for it
+};
+
+/// Of the facets' size: cartilage that is thinner is none.
+inline constexpr double kNoThickness = 0.01;
 
 /// A layer of cartilage between an articular surface and its bone, or the bare surface of a rigid body.
 struct Layer {
@@ -30,18 +47,26 @@ struct Layer {
       mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
   std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
   std::vector<FaceKind> facet_kinds;  ///< per facet: all but Open are left out; empty: all are kept
-  std::vector<Sentence> notes;        ///< what the user should know of it, a sentence each
-  LayerFace face;                     ///< of a layer whose springs stand on the articular surface; else empty
+  std::vector<char> turned;           ///< of a bare surface, per facet: it looks the other way than the model winds it
+  std::unordered_map<int, int> stands_for;  ///< of a bare surface: node -> the one at its place that `articular` has
+  std::vector<BareRimEdge> bare_rim;        ///< of a bare surface
+  std::vector<HalfHeldPlane> half_held;     ///< of a layer
+  std::vector<Sentence> notes;              ///< what the user should know of it, a sentence each
+  LayerFace face;                           ///< of a layer whose springs stand on the articular surface; else empty
 
   /// The surface thickness and springs live on.
   const SurfaceMesh& spring_surface() const { return springs_at == SpringsAt::Bone ? bone : articular; }
   /// Area-weighted mean over the articular triangles of their size over the thickness there: sqrt(2 area), the edge of
-  /// the quadrilateral they halve. 0 when rigid.
+  /// the quadrilateral they halve. 0 when rigid. Triangles without thickness are left out.
   double facet_size() const;
+  int without_thickness() const;  ///< vertices
   double min_thickness() const;
   double max_thickness() const;
   double mean_thickness() const;  ///< area-weighted
   int missed_count() const;
 };
+
+/// Vertex of the articular surface at each of its nodes.
+std::unordered_map<int, int> articular_vertices(const Layer& layer);
 
 }  // namespace dea

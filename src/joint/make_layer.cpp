@@ -9,6 +9,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
 #include <febiodea/geometry/ray_caster.h>
+#include <febiodea/joint/bare_surface.h>
 #include <febiodea/joint/carried_surface.h>
 #include <febiodea/joint/contact_side.h>
 #include <febiodea/joint/extended_face.h>
@@ -283,7 +284,19 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
   layer.surface = in.index;
   layer.springs_at = in.parts.settings.springs_at;
   std::vector<int> zero;
-  layer.articular = make_surface_mesh(carried.facets.begin, carried.facets.nodes, in.parts.model.nodes, &zero);
+  FacetList facets = carried.facets;
+  if (support.region < 0) {  // the elements under a map on solids know their own nodes
+    BareSurface bare = bare_surface(in, carried, carried.on_shells || !in.given.map);
+    if (bare.fault) {
+      draft.faults = {*bare.fault};
+      return draft;
+    }
+    facets = std::move(bare.facets);
+    layer.turned = std::move(bare.turned);
+    layer.stands_for = std::move(bare.stands_for);
+    if (!bare.note.empty()) layer.notes.push_back(bare.note);
+  }
+  layer.articular = make_surface_mesh(facets.begin, facets.nodes, in.parts.model.nodes, &zero);
   if (!zero.empty()) {
     draft.faults = {refusal_of(in, say("facet {} has no area ({} such facets);", zero.front() + 1, zero.size()),
                                "repair the mesh")};

@@ -1,12 +1,120 @@
 #include <febiodea/results/statistics.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <numeric>
+#include <optional>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/geometry/ray_caster.h>
 #include <febiodea/results/percentile.h>
 
 namespace dea {
+
+namespace {
+
+/// A spring that stands on the source in a pose.
+struct Foot {
+  Vector3d at;
+  double size = 0.0, pressure = 0.0;
+};
+
+/// Feet in cubes a little wider than the largest of them.
+struct FootGrid {
+  using Cell = std::array<long, 3>;
+  double size = 0.0;   // of the largest foot
+  double width = 0.0;  // of a cube: more than sqrt(1 + 1/4) of that
+  std::map<Cell, std::vector<Foot>> cells;
+
+  explicit FootGrid(const std::vector<Foot>& feet) {
+    for (const Foot& f : feet) size = std::max(size, f.size);
+    width = 1.2 * size;
+    for (const Foot& f : feet) cells[cell(f.at)].push_back(f);
+  }
+  Cell cell(const Vector3d& x) const {
+    return {std::lround(std::floor(x.x() / width)), std::lround(std::floor(x.y() / width)),
+            std::lround(std::floor(x.z() / width))};
+  }
+  /// The nearest inwards of an edge, within its own size; nullptr: none. Measured across `normal`; along it no more
+  /// than `depth`.
+  const Foot* nearest(const Vector3d& x, const Vector3d& normal, const Vector3d& outward, double depth) const {
+    const Foot* found = nullptr;
+    double best = kInfinity;
+    const int steps = static_cast<int>(std::ceil(depth / size));
+    for (int step = -steps; step <= steps; ++step) {  // along the normal; across it the cubes beside are far enough
+      const Cell home = cell(x + step * size * normal);
+      for (long i = -1; i <= 1; ++i)
+        for (long j = -1; j <= 1; ++j)
+          for (long k = -1; k <= 1; ++k) {
+            const auto near_by = cells.find({home[0] + i, home[1] + j, home[2] + k});
+            if (near_by == cells.end()) continue;
+            for (const Foot& f : near_by->second) {
+              const Vector3d d = f.at - x;
+              const double along = d.dot(normal), across = (d - along * normal).norm();
+              if (std::abs(along) > depth || across > f.size || d.dot(outward) > 0 || !(across < best)) continue;
+              best = across;
+              found = &f;
+            }
+          }
+    }
+    return found;
+  }
+};
+
+/// Of side `side` of a contact. Pressed: more than `above`.
+PressedRim pressed_rim(const Joint& joint, const Equilibrium& e, std::size_t contact, int side, double above) {
+  const ContactPair& pair = joint.contacts[contact];
+  const Layer &layer = pair.layers[side], &partner = pair.layers[1 - side];
+  const SpringStates& s = e.springs[contact];
+  const SurfaceMesh& mesh = layer.articular;
+  PressedRim rim;
+  std::vector<Foot> feet;
+  bool pressed = false;
+  for (int i = 0; i < s.size(); ++i) {
+    if (!(s.area[at(i)] > 0)) continue;
+    feet.push_back({s.foot[at(i)], std::sqrt(2 * s.area[at(i)]), s.pressure[at(i)]});
+    pressed = pressed || s.pressure[at(i)] > above;
+  }
+  if (layer.bare_rim.empty() || !pressed) return rim;
+  const FootGrid grid(feet);
+  const SurfaceMesh& cartilage = partner.face.mesh.size() > 0 ? partner.face.mesh : partner.articular;
+  std::optional<RayCaster> beyond;  // made when it is asked for
+  const auto now = [&](const Layer& of, const Vector3d& x) {
+    const Pose& pose = e.poses[at(of.body)];
+    return Vector3d(pose.center + pose.rotation * (x - joint.bodies[at(of.body)].center_of_mass));
+  };
+  const Pose& other = e.poses[at(partner.body)];
+  const double depth = partner.max_thickness();
+  for (const BareRimEdge& edge : layer.bare_rim) {
+    const Vector3d a = now(layer, mesh.corner(edge.triangle, edge.edge)),
+                   b = now(layer, mesh.corner(edge.triangle, (edge.edge + 1) % 3)),
+                   normal = e.poses[at(layer.body)].rotation * mesh.normals[at(edge.triangle)],
+                   outward = (b - a).cross(normal).normalized();
+    const double length = (b - a).norm();
+    rim.whole += length;
+    // an edge may be much longer than a spring is wide
+    const int parts = std::clamp(static_cast<int>(std::ceil(length / grid.size)), 1, 100);
+    for (int k = 0; k < parts; ++k) {
+      const Vector3d x = a + (k + 0.5) / parts * (b - a);
+      const Foot* foot = grid.nearest(x, normal, outward, depth);
+      if (foot == nullptr || !(foot->pressure > above)) continue;
+      // does the cartilage go on there?
+      const Vector3d outside = x + foot->size * outward;
+      const Vector3d seen =
+          other.rotation.transpose() * (outside - other.center) + joint.bodies[at(partner.body)].center_of_mass;
+      if (!beyond) beyond.emplace(cartilage);
+      const Vector3d gap = other.rotation * (position(cartilage, beyond->closest(seen)) - seen);
+      const double along = gap.dot(normal);
+      if ((gap - along * normal).norm() > 0.2 * foot->size + 0.3 * std::abs(along)) continue;
+      (edge.goes_on ? rim.selection : rim.mesh) += length / parts;
+    }
+  }
+  return rim;
+}
+
+}  // namespace
 
 std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
                                                   const Equilibrium& e, const std::vector<ContactFields>& fields) {
@@ -54,6 +162,8 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     stats.facet_contact_area = source.contact_area;
     stats.force = e.contact_on_target[c].head<3>();
     stats.moment = e.contact_on_target[c].tail<3>();
+    for (int side = 0; side < 2 && any; ++side)
+      stats.pressed_rim[side] = pressed_rim(joint, e, c, side, kFelt * stats.peak);
     all.push_back(stats);
   }
   return all;

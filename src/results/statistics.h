@@ -9,6 +9,17 @@
 
 namespace dea {
 
+/// Of the peak: less does not count as pressed.
+inline constexpr double kFelt = 0.2;
+
+/// Where a bare surface ends under pressure though the cartilage it presses goes on: there its edge presses like a
+/// punch's. Pressed: the nearest spring inwards, within its own size, carries more than kFelt of the peak.
+struct PressedRim {
+  double selection = 0.0;  ///< length where the body's own mesh goes on, unselected
+  double mesh = 0.0;       ///< length where the mesh ends
+  double whole = 0.0;      ///< length of the whole rim, pressed or not; 0: nothing is pressed there
+};
+
 /// Numbers per contact and state. NaN: undefined (no active spring).
 struct ContactStatistics {
   Headline headline;       ///< of the source's surface
@@ -26,6 +37,7 @@ struct ContactStatistics {
   Vector3d force = Vector3d::Zero();   ///< of the contact on the target
   Vector3d moment = Vector3d::Zero();  ///< the same, about the target's current centre of mass
   double largest_strain = 0.0;
+  PressedRim pressed_rim[2];      ///< of bare surfaces: primary, secondary
   double complementarity = kNaN;  ///< Law::Layer: residual of (L4) over the largest pressure
 };
 

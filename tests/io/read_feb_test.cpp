@@ -654,6 +654,36 @@ TEST_F(ReadFeb, MaterialsWithoutConstantsSayWhy) {
   }
 }
 
+// What has no place in E and nu is listed, with its line.
+TEST_F(ReadFeb, PartsOfMaterialsThatAreLeftOutAreIgnoredAloud) {
+  const std::pair<const char*, std::vector<const char*>> cases[] = {
+      {R"(type="trans iso Mooney-Rivlin"><c1>1</c1><c2>0</c2><c3>9</c3><k>100</k>)",
+       {"the fibres of \"trans iso Mooney-Rivlin\""}},
+      {R"(type="EFD neo-Hookean"><E>10</E><v>0.25</v><beta>2,2,2</beta>)", {"the fibres of \"EFD neo-Hookean\""}},
+      {R"(type="solid mixture"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid type="fiber-exp-pow"><ksi>5</ksi></solid>)",
+       {"the fibres \"fiber-exp-pow\" of its \"solid mixture\""}},
+      {R"(type="solid mixture"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid type="spherical fiber distribution"><ksi>5</ksi></solid>)",
+       {"the fibres \"spherical fiber distribution\" of its"}},
+      {R"(type="viscoelastic"><g1>0.9</g1><t1>10</t1><elastic type="neo-Hookean"><E>10</E><v>0.25</v></elastic>)",
+       {"the relaxation of \"viscoelastic\""}},
+      {R"(type="prestrain elastic"><elastic type="trans iso Mooney-Rivlin"><c1>1</c1><k>100</k></elastic>)",
+       {"the fibres of \"trans iso Mooney-Rivlin\"", "the prestrain of \"prestrain elastic\""}},
+      {R"(type="solid mixture"><solid type="neo-Hookean"><E>10</E><v>0.25</v></solid><solid type="neo-Hookean"><E>20</E><v>0.25</v></solid>)",
+       {}},
+      {R"(type="Mooney-Rivlin"><c1>1</c1><c2>0.5</c2><k>100</k>)", {}},
+  };
+  for (const auto& c : cases) {
+    const JointModel m =
+        read(feb("4.0", fmt::format("<Material><material id=\"1\" name=\"a\" {}</material></Material>", c.first)));
+    EXPECT_GT(m.materials[0].E, 0) << c.first;
+    ASSERT_EQ(m.ignored.size(), c.second.size()) << c.first;
+    for (std::size_t i = 0; i < c.second.size(); ++i) {
+      EXPECT_EQ(m.ignored[i].what.find(fmt::format("material \"a\": {}", c.second[i])), 0u) << m.ignored[i].what;
+      EXPECT_GT(m.ignored[i].origin.line, 0);
+    }
+  }
+}
+
 // -- contacts ----------------------------------------------------------------------------------------
 
 TEST_F(ReadFeb, ContactsSlideOrTie) {

@@ -57,9 +57,20 @@ double prescribed_turn(const JointModel& model, const Joint& joint, const Equili
   return sum;
 }
 
-/// Law layer follows what flows within the size of the facets. Measured on a sphere (docs/layer_law.md, section 6):
-/// facets of half the thickness or less are within 2 % where contact is 8 of them wide, facets as long as the cartilage
-/// is thick 7 % and 17 % off in force and peak. Empty: they are fine.
+/// How far force and peak were off on a sphere where contact is 2 to 4 facets wide (docs/layer_law.md, 4, Long facets).
+struct CoarseError {
+  double size;  ///< of facets, in thicknesses
+  const char* text;
+};
+constexpr CoarseError kCoarseErrors[] = {
+    {1.25, "force may be 10%, peak 30% off"},
+    {1.6, "force may be 25%, peak 55% off"},
+    {2.2, "force may be 40%, peak 70% off"},
+};
+
+/// Law layer follows what flows within the size of the facets: facets of half the thickness or less are within 2 %
+/// where contact is 8 of them wide, facets as long as the cartilage is thick 7 % and 17 % off in force and peak where
+/// it is 4 wide. Empty: they are fine.
 std::string coarse_facets(const JointModel& model, const ContactPair& pair, const Wording& wording) {
   constexpr double kFine = 0.3, kCoarse = 1.05;  // thicknesses
   if (pair.law != Law::Layer) return "";
@@ -72,25 +83,78 @@ std::string coarse_facets(const JointModel& model, const ContactPair& pair, cons
     sizes += fmt::format("{}{:.2g} on \"{}\"", sizes.empty() ? "" : ", ", size, model.surfaces[at(layer.surface)].name);
   }
   if (worst == 0) return "";
-  const int refine = pair.refine * static_cast<int>(std::ceil(worst / 0.5));
   const std::string text =
       fmt::format("contact \"{}\": facets are long against the cartilage's thickness ({})", pair.name, sizes);
-  if (worst > kCoarse)
-    return fmt::format("warning: {}: force and peak may be 20% off; type {} ({} times the springs)", text,
-                       wording({"refine", "", std::to_string(refine)}), refine * refine / (pair.refine * pair.refine));
-  return fmt::format(
-      "note: {}: right to about 3% where contact is 8 facets wide, less where it is narrower; "
-      "dea converge or {} tell",
-      text, wording({"refine", "", std::to_string(2 * pair.refine)}));
+  if (worst <= kCoarse)
+    return fmt::format(
+        "note: {}: right to about 3% where contact is 8 facets wide, less where it is narrower; "
+        "dea converge or {} tell",
+        text, wording({"refine", "", std::to_string(2 * pair.refine)}));
+  const char* off = "force may be 40%, peak 80% off and more";
+  for (const CoarseError& e : kCoarseErrors)
+    if (worst <= e.size) {
+      off = e.text;
+      break;
+    }
+  constexpr int kMostTimes = 16;  // more is no mesh to be mended by dividing it
+  const int times = static_cast<int>(std::min(std::ceil(worst / 0.5), kMostTimes + 1.0)), refine = pair.refine * times;
+  const std::string advice = times > kMostTimes
+                                 ? "mesh it finer, or is its thickness wrong?"
+                                 : fmt::format("type {} ({} times the springs)",
+                                               wording({"refine", "", std::to_string(refine)}), times * times);
+  return fmt::format("warning: {}: {} where contact is 2 to 4 facets wide, less where it is wider; {}", text, off,
+                     advice);
+}
+
+/// Vertices without cartilage. Empty: there are none.
+std::string no_thickness(const std::string& surface, const Layer& layer, const Wording& wording) {
+  const int without = layer.without_thickness(), all = static_cast<int>(layer.thickness.size());
+  if (without == 0) return "";
+  const std::string text = fmt::format(
+      "surface \"{}\": at {} of {} vertices its thickness is zero or next to it (less than {:g}% of the "
+      "facets' size)",
+      surface, without, all, 100 * kNoThickness);
+  if (2 * without > all)
+    return fmt::format(
+        "warning: {}: this is hardly a layer of cartilage; check its bone surface and the units, or give {}", text,
+        wording({"thickness", surface, "VALUE"}));
+  return fmt::format("note: {}: no cartilage there, what is pressed there is as good as rigid", text);
 }
 
 /// Vertices whose thickness is the closest point's for want of a better one. On a plane of symmetry the closest point
 /// is the better one: of a curved surface the normal is known from one side only there.
-int doubtful_vertices(const Layer& layer) {
+std::vector<std::size_t> doubtful_vertices(const Layer& layer) {
   const bool planes = layer.springs_at == SpringsAt::Articular && layer.mirror.size() == layer.missed.size();
-  int count = 0;
-  for (std::size_t v = 0; v < layer.missed.size(); ++v) count += layer.missed[v] && !(planes && layer.mirror[v]);
+  std::vector<std::size_t> doubtful;
+  for (std::size_t v = 0; v < layer.missed.size(); ++v)
+    if (layer.missed[v] && !(planes && layer.mirror[v])) doubtful.push_back(v);
+  return doubtful;
+}
+
+/// Those of them that are farther than two thicknesses from any rim of the surface.
+std::size_t far_from_rim(const Layer& layer, const std::vector<std::size_t>& vertices) {
+  const SurfaceMesh& mesh = layer.spring_surface();
+  if (mesh.vertices.size() != layer.missed.size()) return 0;
+  const auto rim = rim_segments(mesh);
+  const double near_by = 2 * layer.mean_thickness();
+  std::size_t count = 0;
+  for (const std::size_t v : vertices)
+    count += std::none_of(rim.begin(), rim.end(), [&](const std::array<Vector3d, 2>& edge) {
+      return distance_to_segment(mesh.vertices[v], edge[0], edge[1]) <= near_by;
+    });
   return count;
+}
+
+/// Planes of symmetry of which nodes were forgotten.
+void add_half_held(const std::string& surface, const Layer& layer, std::vector<std::string>& lines) {
+  for (const HalfHeldPlane& plane : layer.half_held) {
+    const char axis = "xyz"[plane.component];
+    add_once(lines,
+             fmt::format("warning: surface \"{}\": {} of {} edges of its rim in the plane {} = {:.6g} have nodes that "
+                         "are not held in {}, as others of the layer in that plane are: they are free edges; hold "
+                         "these nodes too if it is a plane of symmetry",
+                         surface, plane.unheld, plane.edges, axis, plane.coordinate + 0.0, axis));
+  }
 }
 
 }  // namespace
@@ -112,12 +176,21 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
   }
   for (const ContactPair& pair : joint.contacts) {
     for (const Layer& layer : pair.layers) {
-      const int doubtful = doubtful_vertices(layer);
-      if (doubtful == 0) continue;
-      add_once(lines, fmt::format("warning: surface \"{}\": at {} of {} vertices the thickness is the distance to the "
-                                  "nearest point of the bone, "
-                                  "for their normals meet no bone (usual at rims; `dea info -o` shows where)",
-                                  model.surfaces[at(layer.surface)].name, doubtful, layer.missed.size()));
+      const std::string& surface = model.surfaces[at(layer.surface)].name;
+      add_half_held(surface, layer, lines);
+      const std::string without = no_thickness(surface, layer, wording);
+      if (!without.empty()) add_once(lines, without);
+      const std::vector<std::size_t> doubtful = doubtful_vertices(layer);
+      if (doubtful.empty()) continue;
+      const std::size_t far = far_from_rim(layer, doubtful);
+      add_once(lines,
+               fmt::format("warning: surface \"{}\": at {} of {} vertices the thickness is the distance to the nearest "
+                           "point of the bone, for their normals meet no bone ({}; `dea info -o` shows where)",
+                           surface, doubtful.size(), layer.missed.size(),
+                           far == 0 ? "usual at rims"
+                                    : fmt::format("{} of them farther than two thicknesses from its rim: does its bone "
+                                                  "have a hole, or end too soon?",
+                                                  far)));
     }
   }
   return lines;
@@ -174,6 +247,18 @@ void add_large_turns(const JointModel& model, const Joint& joint, const Equilibr
   }
 }
 
+/// Nothing presses a free body, and the surfaces have parted: no forces but such as are none against the cartilage's
+/// modulus.
+bool parted(const Joint& joint, const StateResult& state) {
+  constexpr double kNothing = 1e-9;
+  if (state.equilibrium.outcome != Outcome::Balanced) return false;
+  double most = 0.0;
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& layer : pair.layers)
+      if (!layer.rigid) most = std::max(most, layer.elasticity.E * surface_extent(layer.articular).area);
+  return state.equilibrium.load <= kNothing * most;
+}
+
 /// Surfaces that do not touch, at the end or ever.
 void add_no_contact(const Analysis& analysis, const Wording& wording, Lines& lines) {
   const auto touches = [](const StateResult& state) {
@@ -181,13 +266,12 @@ void add_no_contact(const Analysis& analysis, const Wording& wording, Lines& lin
                        [](const ContactStatistics& s) { return s.springs_active > 0; });
   };
   const StateResult& last = analysis.states.back();
-  if (!touches(last) && last.equilibrium.outcome == Outcome::Balanced && last.equilibrium.load == 0.0)
-    add_once(
-        lines,
-        fmt::format(
-            "warning: at time {} nothing loads a free body and nothing touches: there is no contact to look at; "
-            "give a load with {}",
-            number_text(last.when.time), wording({.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true})));
+  if (parted(analysis.joint, last))
+    add_once(lines,
+             fmt::format(
+                 "warning: at time {} nothing loads a free body{}: there is no contact to look at; give a load with {}",
+                 number_text(last.when.time), touches(last) ? ", and the surfaces have parted" : " and nothing touches",
+                 wording({.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true})));
   if (last.equilibrium.outcome == Outcome::Prescribed &&
       std::none_of(analysis.states.begin(), analysis.states.end(), touches))
     add_once(lines,
@@ -224,10 +308,58 @@ void add_incomplete_maps(const JointModel& model, const ContactPair& pair, const
   }
 }
 
+/// Vertices under pressure whose thickness is doubtful.
+void add_doubtful_pressure(const JointModel& model, const ContactPair& pair, const StateResult& state,
+                           std::size_t contact, const Wording& wording, Lines& lines) {
+  for (int side = 0; side < 2; ++side) {
+    const Layer& layer = pair.layers[side];
+    const std::vector<double>& pressure = state.fields[contact].sides[side].vertex_pressure;
+    if (layer.springs_at == SpringsAt::Bone || pressure.size() != layer.missed.size()) continue;
+    int count = 0;
+    double most = 0.0;
+    for (const std::size_t v : doubtful_vertices(layer)) {
+      if (!(pressure[v] > kFelt * state.statistics[contact].peak)) continue;
+      ++count;
+      most = std::max(most, pressure[v]);
+    }
+    if (count == 0) continue;
+    const std::string& surface = model.surfaces[at(layer.surface)].name;
+    add_once(lines,
+             fmt::format("warning: surface \"{}\": at time {} {} of the vertices whose normals meet no bone carry "
+                         "pressure, up to {:.3g}: it is only as good as the distance to the nearest point of the "
+                         "bone is a thickness; complete the bone under them, or give {}",
+                         surface, number_text(state.when.time), count, most, wording({"thickness", surface, "VALUE"})));
+  }
+}
+
+/// Bare surfaces that end under pressure though the cartilage goes on.
+void add_pressed_rims(const JointModel& model, const ContactPair& pair, const StateResult& state, std::size_t contact,
+                      Lines& lines) {
+  for (int side = 0; side < 2; ++side) {
+    const Layer &layer = pair.layers[side], &partner = pair.layers[1 - side];
+    if (!layer.rigid || layer.bare_rim.empty()) continue;
+    const PressedRim& rim = state.statistics[contact].pressed_rim[side];
+    const double length = rim.selection + rim.mesh, facet = partner.facet_size() * partner.mean_thickness();
+    if (!(length > 0) || !(length > facet)) continue;
+    const std::string where =
+        rim.mesh == 0 ? "where its body's mesh goes on"
+        : rim.selection == 0
+            ? "where its mesh ends"
+            : fmt::format("where its mesh ends ({:.3g}) or goes on unselected ({:.3g})", rim.mesh, rim.selection);
+    const char* advice = rim.mesh == 0        ? "select the facets beyond as well"
+                         : rim.selection == 0 ? "mesh more of it if the body goes on there"
+                                              : "select the facets beyond, mesh more of it if the body goes on there";
+    add_once(lines,
+             fmt::format("warning: at time {} pressure reaches the end of bare surface \"{}\" along {:.3g} ({:.0f}% "
+                         "of its rim), {}: there is no contact beyond, and its edge presses like a punch's; {}",
+                         number_text(state.when.time), model.surfaces[at(layer.surface)].name, length,
+                         100 * length / rim.whole, where, advice));
+  }
+}
+
 /// Selections that end under pressure though the cartilage goes on.
 void add_pressed_ends(const JointModel& model, const ContactPair& pair, const StateResult& state, std::size_t contact,
                       Lines& lines) {
-  constexpr double kFelt = 0.2;  // of the peak
   for (int side = 0; side < 2; ++side) {
     const Layer& layer = pair.layers[side];
     const double length = pressed_end_of_selection(layer, state.fields[contact].sides[side].pressure,
@@ -257,9 +389,12 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   add_large_turns(model, joint, last.equilibrium, wording, lines);
   add_no_contact(analysis, wording, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    if (parted(analysis.joint, last)) continue;
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
+    add_pressed_rims(model, joint.contacts[c], last, c, lines);
+    add_doubtful_pressure(model, joint.contacts[c], last, c, wording, lines);
   }
   return lines;
 }

@@ -1,0 +1,34 @@
+// febiodea/joint/bare_surface.h – the facets of a rigid body's surface as one surface with one outside.
+#pragma once
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include <febiodea/joint/carried_surface.h>
+#include <febiodea/joint/contact_side.h>
+#include <febiodea/joint/layer.h>
+
+namespace dea {
+
+/// Facets that join where their nodes lie at one place, and that look to one side in each connected piece of shells.
+struct BareSurface {
+  FacetList facets;                         ///< of nodes that stand for all at their place
+  std::vector<char> turned;                 ///< per facet: wound the other way than the model says
+  std::unordered_map<int, int> stands_for;  ///< node -> the one at its place; of those that are not their own
+  Sentence note;                            ///< empty: there is nothing to say
+  std::optional<Fault> fault;               ///< of a surface that has no sides
+};
+
+/// Solids know their outside; facets on shells follow those beside them, in a piece of shells alone the greater part of
+/// its area. Which side is which partners tell (face_partner). `merge`: nodes that lie at one place, within 1e-6 of the
+/// facets' size, count as one.
+BareSurface bare_surface(const ContactSide& in, const CarriedSurface& carried, bool merge);
+
+/// Where a bare surface ends, and whether its body's mesh goes on there.
+std::vector<BareRimEdge> bare_rim(const ModelParts& parts, const Layer& layer);
+
+/// Turns the pieces of a bare surface on shells that look away from their partner, but for the back of another piece.
+/// Says how many facets look the other way than the model winds them; empty: none.
+Sentence face_partner(const ModelParts& parts, Facets facets, const SurfaceMesh& partner, Layer& layer);
+
+}  // namespace dea
