@@ -240,7 +240,7 @@ using RimFaces =
 
 /// Those of elements that have two nodes or more on the rim.
 RimFaces faces_at(const ModelParts& parts, int body, const std::unordered_map<int, int>& stands_for,
-               const std::vector<char>& on_rim) {
+                  const std::vector<char>& on_rim) {
   const JointModel& model = parts.model;
   const auto own = [&](int node) {
     const auto found = stands_for.find(node);
