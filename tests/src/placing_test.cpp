@@ -79,6 +79,35 @@ TEST(Placing, IsTheModelTurnedByHand) {
   EXPECT_LT((center - same.equilibrium.poses[1].center).norm(), 1e-8);
 }
 
+// The model with its bodies placed, as dea convert writes it, is the placed one.
+TEST(Placing, AModelWrittenPlacedIsTheSame) {
+  JointModel model = slanted();
+  RigidSpring s;
+  s.name = "ligament";
+  s.material_a = 1;
+  s.material_b = 2;
+  s.insertion_a = {30, 0, 0};
+  s.insertion_b = {10, 0, -5};
+  s.k = 40;  // its length is that of the reference, before anything is placed
+  model.rigid_springs.push_back(s);
+  Settings settings;
+  settings.placements = {turned("ball", {0, 1, 0}, 12), moved("socket", {0.1, 0, -0.1})};
+  const StateResult placed = last_state(model, settings);
+  const StateResult written = last_state(placed_model(model, make_joint(model, settings), settings));
+  expect_same(placed, written, 1e-8);
+  ASSERT_EQ(placed.equilibrium.ligament_force.size(), 1u);
+  EXPECT_GT(std::abs(placed.equilibrium.ligament_force[0]), 1.0);
+  EXPECT_NEAR(placed.equilibrium.ligament_force[0], written.equilibrium.ligament_force[0], 1e-6);
+}
+
+// A force that pulls the bones apart would press them with the other sign, and that is said.
+TEST(Rows, ALoadOfTheWrongSignIsTold) {
+  const JointModel model = test::concentric_spheres(16, -500.0);
+  const Equilibrium e = last_state(model).equilibrium;
+  EXPECT_EQ(e.outcome, Outcome::SurfacesApart);
+  EXPECT_NE(e.advice.text.find("opposite load"), std::string::npos);
+}
+
 // What the plot file shows is counted from the file's mesh: the placement is part of it.
 TEST(Placing, IsPartOfTheDisplacement) {
   Settings settings;
