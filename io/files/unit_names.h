@@ -8,6 +8,7 @@ namespace dea {
 struct UnitNames {
   std::string system;  ///< as the file has it
   std::string length, force, pressure, area;
+  double metres = 0.0, newtons = 0.0;  ///< of a unit of length, of force; 0: the system is none of FEBio's
 };
 /// Of FEBio's systems ("mm-N-s": mm, N, MPa); others: the name alone.
 UnitNames unit_names(const std::string& system);

@@ -35,12 +35,10 @@ std::vector<std::string> words_of_line(const std::string& line, char separator) 
     for (std::string word; in >> word;) words.push_back(word);
     return words;
   }
-  std::size_t begin = 0;
-  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
-    end = line.find(separator, begin);
-    std::string word = trimmed(line.substr(begin, end == std::string::npos ? end : end - begin));
-    if (word.size() > 1 && word.front() == '"' && word.back() == '"') word = word.substr(1, word.size() - 2);
-    words.push_back(word);
+  for (const std::string& text : split(line, separator)) {
+    const std::string word = trimmed(text);
+    const bool in_quotes = word.size() > 1 && word.front() == '"' && word.back() == '"';
+    words.push_back(in_quotes ? word.substr(1, word.size() - 2) : word);
   }
   while (!words.empty() && words.back().empty()) words.pop_back();  // a separator at the end of the line
   return words;

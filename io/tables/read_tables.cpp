@@ -12,6 +12,7 @@
 #include <febiodea/base/parse.h>
 #include <febiodea/base/say.h>
 #include <febiodea/io/febio/febio_text.h>
+#include <febiodea/io/files/unit_names.h>
 #include <febiodea/io/tables/number_table.h>
 
 namespace dea {
@@ -30,14 +31,6 @@ constexpr Unit kForces[] = {{"N", 1.0}, {"kN", 1e3}, {"mN", 1e-3}, {"nN", 1e-9}}
 constexpr Unit kLengths[] = {{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}};
 constexpr Unit kAngles[] = {{"rad", 1.0}, {"deg", kPi / 180.0}};
 
-/// FEBio's systems of units, in N and m.
-struct System {
-  const char* name;
-  double force, length;
-};
-constexpr System kSystems[] = {{"SI", 1.0, 1.0},      {"mm-N-s", 1.0, 1e-3},  {"mm-kg-s", 1e-3, 1e-3}, {"um-nN-s", 1e-9, 1e-6},
-                               {"CGS", 1e-5, 1e-2},   {"mm-g-s", 1e-6, 1e-3}, {"mm-mg-s", 1e-9, 1e-3}};
-
 template <std::size_t n>
 std::optional<double> size_of(const Unit (&units)[n], const std::string& name) {
   for (const Unit& u : units)
@@ -45,17 +38,10 @@ std::optional<double> size_of(const Unit (&units)[n], const std::string& name) {
   return std::nullopt;
 }
 
-UsageError wrong(const char* setting, const std::string& value, Sentence found, Sentence expected) {
-  return UsageError(Fault{
-      .given = NamedSetting{setting, "", value}, .found = std::move(found), .expected = std::move(expected)});
-}
-
-/// The model's system; nullopt: nobody names it.
-std::optional<System> model_system(const JointModel& model, const Settings& settings) {
-  const std::string& name = settings.units.empty() ? model.units : settings.units;
-  for (const System& s : kSystems)
-    if (name == s.name) return s;
-  return std::nullopt;
+/// The model's system; nullopt: nobody names one of FEBio's.
+std::optional<UnitNames> model_system(const JointModel& model, const Settings& settings) {
+  const UnitNames units = unit_names(settings.units.empty() ? model.units : settings.units);
+  return units.metres > 0 ? std::optional(units) : std::nullopt;
 }
 
 /// What a table's forces (angles) and lengths are multiplied by, and how that was decided.
@@ -67,22 +53,20 @@ struct Scale {
 /// `units`: "N-m", "deg-mm". `first`: force or angle.
 template <std::size_t n>
 Scale scale_of(const char* setting, const std::string& units, const Unit (&first)[n], const char* expected,
-               const std::optional<System>& model, bool is_force) {
+               const std::optional<UnitNames>& model, bool is_force) {
   const std::size_t dash = units.find('-');
   const std::optional<double> a = size_of(first, units.substr(0, dash));
   const std::optional<double> b =
       dash == std::string::npos ? std::nullopt : size_of(kLengths, units.substr(dash + 1));
-  if (!a || !b) throw wrong(setting, units, "these are no units that are known;", expected);
-  const System system = model.value_or(System{"mm-N-s", 1.0, 1e-3});
-  return {is_force ? *a / system.force : *a, *b / system.length,
-          fmt::format("in {}, the model {} {}", units, model ? "in" : "names no units and is taken as in", system.name)};
+  if (!a || !b) throw wrong_setting(setting, units, "these are no units that are known;", expected);
+  const UnitNames system = model.value_or(unit_names("mm-N-s"));
+  return {is_force ? *a / system.newtons : *a, *b / system.metres,
+          fmt::format("in {}, the model {} {}", units, model ? "in" : "names no units and is taken as in", system.system)};
 }
 
 // ---- columns -------------------------------------------------------------------------------------------------------
 
-std::string named_columns(const NumberTable& table) {
-  return name_list(table.names);
-}
+std::string named_columns(const NumberTable& table) { return name_list(table.names); }
 
 /// "Fx [N]" is "fx".
 std::string bare_name(const std::string& name) {
@@ -124,7 +108,7 @@ std::array<int, 3> vector_columns(const NumberTable& table, const char* setting,
     if (found.size() > 1)
       throw InputError(Fault{.place = table.path,
                              .found = say("found {} columns that may be the {}'s {}: {};", found.size(), what,
-                                          "xyz"[k] == 'x' ? "x" : k == 1 ? "y" : "z",
+                                          std::string(1, "xyz"[k]),
                                           name_list({table.names[at(found[0])], table.names[at(found[1])]})),
                              .expected = say("name them with {}", NamedSetting{setting})});
     if (found.empty())
@@ -145,11 +129,11 @@ std::vector<int> given_columns(const NumberTable& table, const char* setting, co
   for (const std::string& name : split_at_commas(names)) {
     columns.push_back(table.find(name));
     if (columns.back() < 0)
-      throw wrong(setting, names, say("{} has no column {};", table.path, febio::quote(name)),
+      throw wrong_setting(setting, names, say("{} has no column {};", table.path, febio::quote(name)),
                   say("it has {}", named_columns(table)));
   }
   if (columns.size() != 3 && columns.size() != 6)
-    throw wrong(setting, names, say("these are {} columns;", columns.size()), "name three, or six");
+    throw wrong_setting(setting, names, say("these are {} columns;", columns.size()), "name three, or six");
   return columns;
 }
 
@@ -189,10 +173,21 @@ std::vector<Vector6> values_of(const NumberTable& table, const std::vector<int>&
 
 void need_body(const char* file_setting, const std::string& file, const char* body_setting, const std::string& body) {
   if (file.empty() && !body.empty())
-    throw wrong(body_setting, body, "there is no table for it;", say("name its file with {}", NamedSetting{file_setting}));
+    throw wrong_setting(body_setting, body, "there is no table for it;", say("name its file with {}", NamedSetting{file_setting}));
   if (!file.empty() && body.empty())
-    throw wrong(file_setting, file, "no body is named on which its rows act;",
+    throw wrong_setting(file_setting, file, "no body is named on which its rows act;",
                 say("name it with {}", NamedSetting{body_setting, "", "BODY"}));
+}
+
+/// OpenSim's tables have units of their own, so that the model's have to be known.
+void need_model_units(const NumberTable& table, const std::optional<UnitNames>& model, const char* units,
+                      const NamedSetting& of_table) {
+  if (model) return;
+  throw InputError(
+      Fault{.place = table.path,
+            .found = fmt::format("OpenSim's tables are in {}, and the model names no units;", units),
+            .expected = say("name the model's with {}, or the table's with {} (the model is in mm and N then)",
+                            NamedSetting{"units", "", "mm-N-s"}, of_table)});
 }
 
 // ---- loads ---------------------------------------------------------------------------------------------------------
@@ -222,15 +217,10 @@ std::vector<int> load_columns(const NumberTable& table, const std::string& given
 
 void read_loads(const JointModel& model, const Settings& settings, LoadTable& loads) {
   const NumberTable table = read_table(loads.file);
-  const std::optional<System> system = model_system(model, settings);
+  const std::optional<UnitNames> system = model_system(model, settings);
   std::string units = loads.units;
   if (units.empty() && table.opensim) {
-    if (!system)
-      throw InputError(Fault{
-          .place = table.path,
-          .found = "OpenSim's tables are in N and N m, and the model names no units;",
-          .expected = say("name the model's with {}, or the table's with {} (the model is in mm and N then)",
-                          NamedSetting{"units", "", "mm-N-s"}, NamedSetting{"load-units", "", "N-m"})});
+    need_model_units(table, system, "N and N m", {"load-units", "", "N-m"});
     units = "N-m";
   }
   Scale scale;
@@ -290,25 +280,20 @@ std::vector<int> motion_columns(const NumberTable& table, const MotionTable& mot
 
 void read_motion(const JointModel& model, const Settings& settings, MotionTable& motion) {
   const NumberTable table = read_table(motion.file);
-  const std::optional<System> system = model_system(model, settings);
+  const std::optional<UnitNames> system = model_system(model, settings);
   const std::vector<int> columns = motion_columns(table, motion);
   motion.turns = columns.size() == 6;
   if (motion.turns && motion.rotation.empty())
-    throw wrong("motion", motion.file, "its rows have rotations, and nobody says what their three numbers are;",
+    throw wrong_setting("motion", motion.file, "its rows have rotations, and nobody says what their three numbers are;",
                 say("say {} for a rotation vector, or the sequence of three angles: {}",
                     NamedSetting{"motion-rotation", "", "vector"}, NamedSetting{"motion-rotation", "", "zxy"}));
   std::string units = motion.units;
   if (units.empty() && table.opensim) {
-    if (!system)
-      throw InputError(Fault{
-          .place = table.path,
-          .found = "OpenSim's tables are in m, and the model names no units;",
-          .expected = say("name the model's with {}, or the table's with {} (the model is in mm and N then)",
-                          NamedSetting{"units", "", "mm-N-s"}, NamedSetting{"motion-units", "", "deg-m"})});
+    need_model_units(table, system, "m", {"motion-units", "", "deg-m"});
     units = table.degrees ? "deg-m" : "rad-m";
   }
   if (units.empty() && motion.turns)
-    throw wrong("motion", motion.file, "its rows have rotations, and nobody says whether in degrees or radians;",
+    throw wrong_setting("motion", motion.file, "its rows have rotations, and nobody says whether in degrees or radians;",
                 say("say {}", NamedSetting{"motion-units", "", "deg-mm"}));
   Scale scale;
   if (!units.empty())
@@ -329,9 +314,9 @@ void read_motion(const JointModel& model, const Settings& settings, MotionTable&
 void read_tables(const JointModel& model, Settings& settings) {
   const std::string& named = settings.units.empty() ? model.units : settings.units;
   if (!settings.units.empty() && !model.units.empty() && settings.units != model.units)
-    throw wrong("units", settings.units, say("the model says that it is in {};", febio::quote(model.units)), "leave it out");
+    throw wrong_setting("units", settings.units, say("the model says that it is in {};", febio::quote(model.units)), "leave it out");
   if (!settings.units.empty() && !model_system(model, settings))
-    throw wrong("units", named, "this is no system of units of FEBio's;",
+    throw wrong_setting("units", named, "this is no system of units of FEBio's;",
                 "name one of SI, mm-N-s, mm-kg-s, um-nN-s, CGS, mm-g-s, mm-mg-s");
   need_body("loads", settings.loads.file, "load-body", settings.loads.body);
   need_body("motion", settings.motion.file, "motion-body", settings.motion.body);

@@ -34,6 +34,11 @@ struct UsageError : std::runtime_error {
   explicit UsageError(Fault what_is_wrong) : std::runtime_error(line(what_is_wrong)), fault(std::move(what_is_wrong)) {}
   explicit UsageError(const std::string& text) : UsageError(Fault{.found = text}) {}
 };
+/// The value of a setting, and what is wrong with it.
+inline UsageError wrong_setting(const char* setting, const std::string& value, Sentence found, Sentence expected) {
+  return UsageError(Fault{
+      .given = NamedSetting{setting, "", value}, .found = std::move(found), .expected = std::move(expected)});
+}
 
 /// The output cannot be written (exit code 4).
 struct WriteError : std::runtime_error {

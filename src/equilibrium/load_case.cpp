@@ -28,13 +28,6 @@ struct Instant {
   bool acts(int condition_step) const { return condition_step < 0 || condition_step == step; }
 };
 
-int body_of(const Joint& joint, int material) {
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
-    for (int m : joint.bodies[b].materials)
-      if (m == material) return static_cast<int>(b);
-  return -1;
-}
-
 double finite_value(const Instant& now, const Scaled& scaled, Origin origin) {
   const double v = value(now.model, scaled, now.time);
   if (std::isfinite(v)) return v;
@@ -213,7 +206,7 @@ void set_motions(const Instant& now, LoadCase& c) {
   for (std::size_t b = 0; b < joint.bodies.size(); ++b)
     if (joint.bodies[b].ground) c.bodies[b].dofs.fill(DofState::Held);
   for (const RigidFixed& f : now.model.rigid_fixed) {
-    const int b = body_of(joint, f.material);
+    const int b = joint.body_of(f.material);
     if (!now.acts(f.step) || b < 0) continue;
     for (std::size_t k = 0; k < kDofs; ++k)
       if (f.dofs[k]) c.bodies[at(b)].dofs[k] = DofState::Held;
@@ -229,7 +222,7 @@ void set_motions(const Instant& now, LoadCase& c) {
         c.bodies[at(b)].dofs[k] = entry.second[k] ? DofState::Free : DofState::Held;
   }
   for (const RigidPrescribed& p : now.model.rigid_prescribed) {
-    const int b = body_of(joint, p.material);
+    const int b = joint.body_of(p.material);
     if (!now.acts(p.step) || b < 0) continue;
     BodyConditions& body = c.bodies[at(b)];
     body.dofs[at(p.dof)] = DofState::Prescribed;
@@ -262,7 +255,7 @@ double passed(const Instant& now, int step) {
 /// Forces and moments on a rigid body. `replaced`: per body, the user gives another one of its kind.
 void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<char>& replaced,
                     const std::vector<Vector6>* reaction, LoadCase& c) {
-  const int b = body_of(now.joint, l.material);
+  const int b = now.joint.body_of(l.material);
   if (!now.acts(l.step) || b < 0) return;
   if (replaced[at(b)]) return;
   BodyConditions& body = c.bodies[at(b)];
@@ -284,7 +277,7 @@ void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<ch
 void add_point_forces(const Instant& now, const std::vector<char>& replaced, const std::vector<char>& moments_replaced,
                       LoadCase& c) {
   for (const RigidFollower& f : now.model.rigid_followers) {
-    const int b = body_of(now.joint, f.material);
+    const int b = now.joint.body_of(f.material);
     if (!now.acts(f.step) || b < 0) continue;
     const Vector3d v = finite_vector(now, f.value, f.controller, f.origin);
     if (f.moment) {

@@ -15,14 +15,9 @@ namespace dea {
 
 namespace {
 
-UsageError wrong(const char* setting, const std::string& value, Sentence found, Sentence expected) {
-  return UsageError(Fault{
-      .given = NamedSetting{setting, "", value}, .found = std::move(found), .expected = std::move(expected)});
-}
-
 void refuse_ground(const Joint& joint, const JointModel& model, const char* setting, const std::string& name) {
   if (joint.bodies[at(joint.find_body(model, name))].ground)
-    throw wrong(setting, name, "the ground never moves;", "name a rigid body");
+    throw wrong_setting(setting, name, "the ground never moves;", "name a rigid body");
 }
 
 bool loads_given(const Settings& s) { return !s.loads.time.empty(); }
@@ -48,7 +43,7 @@ void check_rows(const JointModel& model, const Joint& joint, const Settings& s) 
     for (std::size_t r = 0; same && r < a.size(); ++r)
       same = std::abs(a[r] - b[r]) <= 1e-6 * std::max({std::abs(a.front()), std::abs(a.back()), 1e-300});
     if (!same)
-      throw wrong("motion", s.motion.file,
+      throw wrong_setting("motion", s.motion.file,
                   say("its rows ({}, {:g} to {:g}) are not at the times of the loads' ({}, {:g} to {:g});", b.size(),
                       b.front(), b.back(), a.size(), a.front(), a.back()),
                   "give both tables the same times");

@@ -126,6 +126,13 @@ int Joint::find_body(const JointModel& model, const std::string& name) const {
   return body_by_name(model, bodies, name);
 }
 
+int Joint::body_of(int material) const {
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (int m : bodies[b].materials)
+      if (m == material) return static_cast<int>(b);
+  return -1;
+}
+
 Fault no_sliding_contact(const JointModel& model) {
   const OtherContacts others = other_contacts(model);
   std::string expected =

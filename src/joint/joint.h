@@ -25,6 +25,8 @@ struct Joint {
 
   /// Index of the body with this name (of any of its materials), -1: none.
   int find_body(const JointModel& model, const std::string& name) const;
+  /// Index of the body that a rigid material became, -1: none.
+  int body_of(int material) const;
 };
 
 struct JointFound {

@@ -132,15 +132,9 @@ JointModel placed_model(const JointModel& model, const Joint& joint, const Setti
     if (body < 0) return x;
     return start[at(body)].center + start[at(body)].rotation * (x - joint.bodies[at(body)].center_of_mass);
   };
-  const auto body_of = [&](int material) {
-    for (std::size_t b = 0; b < joint.bodies.size(); ++b)
-      for (int m : joint.bodies[b].materials)
-        if (m == material) return static_cast<int>(b);
-    return -1;
-  };
-  const auto move_point = [&](int material, Vector3d& x) { x = place(body_of(material), x); };
+  const auto move_point = [&](int material, Vector3d& x) { x = place(joint.body_of(material), x); };
   const auto turn = [&](int material, Vector3d& v) {  // from a centre of mass, or a direction of the body
-    const int b = body_of(material);
+    const int b = joint.body_of(material);
     if (b >= 0) v = start[at(b)].rotation * v;
   };
   for (std::size_t i = 0; i < placed.nodes.size(); ++i) placed.nodes[i] = place(joint.node_body[i], model.nodes[i]);
@@ -159,8 +153,8 @@ JointModel placed_model(const JointModel& model, const Joint& joint, const Setti
     turn(f.material, f.value);
   }
   for (RigidLoad& l : placed.rigid_loads)
-    if (l.kind == RigidLoad::Kind::Follower && body_of(l.material) >= 0 &&
-        !start[at(body_of(l.material))].rotation.isIdentity(1e-15))
+    if (l.kind == RigidLoad::Kind::Follower && joint.body_of(l.material) >= 0 &&
+        !start[at(joint.body_of(l.material))].rotation.isIdentity(1e-15))
       throw fault_at(model, l.origin, say("load \"{}\" turns with a body that is placed turned;", l.name),
                      "turn its components in the model, or place the body without turning it");
   for (RigidAxialForce& f : placed.rigid_axial_forces) {
@@ -172,7 +166,7 @@ JointModel placed_model(const JointModel& model, const Joint& joint, const Setti
       (c.from_centers ? turn(p.material, p.position) : move_point(p.material, p.position));
   for (RigidJoint& j : placed.rigid_joints) {  // its frame goes with body A
     move_point(j.material_a, j.joint_origin);
-    const int a = body_of(j.material_a);
+    const int a = joint.body_of(j.material_a);
     if (a >= 0) j.axes = start[at(a)].rotation * j.axes;
   }
   for (const DiscreteSprings& s : model.discrete_springs)

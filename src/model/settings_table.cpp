@@ -104,16 +104,12 @@ TableFrame parse_frame(Text text) {
   }
   const char* expected = "three axes at right angles, right-handed, each in global directions: x,y,z/x,y,z/x,y,z";
   frame.kind = TableFrame::Kind::Axes;
-  std::size_t begin = 0;
-  for (int k = 0; k < 3; ++k) {
-    const std::size_t end = text.find('/', begin);
-    if ((end == std::string::npos) != (k == 2)) throw bad_value(text, expected);
-    try {
-      frame.axes.col(k) = parse_vector(text.substr(begin, end == std::string::npos ? end : end - begin)).normalized();
-    } catch (const BadValue&) {
-      throw bad_value(text, expected);
-    }
-    begin = end + 1;
+  const std::vector<std::string> axes = split(text, '/');
+  if (axes.size() != 3) throw bad_value(text, expected);
+  try {
+    for (int k = 0; k < 3; ++k) frame.axes.col(k) = parse_vector(axes[static_cast<std::size_t>(k)]).normalized();
+  } catch (const BadValue&) {
+    throw bad_value(text, expected);
   }
   const double skew = (frame.axes.transpose() * frame.axes - Eigen::Matrix3d::Identity()).norm();
   // typed to a few digits: made exact below
