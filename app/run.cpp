@@ -116,7 +116,7 @@ void watch(RunOptions& options, Progress& progress) {
 void print_result(const JointModel& model, const RunOptions& options, const RunResult& result, bool details) {
   for (const std::string& line : run_remarks(model, result.analysis)) log(line);
   const OutputSettings& o = options.outputs;
-  if (o.json != "-" && o.csv != "-" && o.facets_csv != "-") print(run_text(model, result.analysis, details));
+  if (o.json != "-" && o.csv != "-" && o.compartments_csv != "-" && o.facets_csv != "-") print(run_text(model, result.analysis, details));
   log(run_summary(options, result));
 }
 

@@ -5,6 +5,7 @@
 //                --twisted-spheres            the same, the ball's mesh turned so that facets do not coincide
 //                --two-layer-spheres          3 N^2 on each hemisphere
 //                --sphere-on-flat             N^2 on the layer
+//                --plateaus                   N^2 on each plateau
 //                --ligament                   N^2 on the layer
 //                --knee                       about 10 N^2 springs in four contacts
 //                --chain                      N^2 quads on each of 18 surfaces
@@ -411,6 +412,46 @@ std::string sphere_on_flat(int n) {
   return feb.file("Rigid sphere of radius 25 on a flat layer of 2 mm.", "base_articular", "sphere_articular");
 }
 
+constexpr double kApart = 22;  // [mm], of each condyle from the middle
+
+/// A tibia whose two flat plateaus are one surface, under a femur with two spherical condyles. The femur may sink and
+/// tilt (Rv); 500 N act 4 mm medially of the middle (x lateral), at the height of the condyles' centres.
+std::string plateaus(int n) {
+  Feb feb;
+  feb.add_cartilage("cartilage");
+  feb.add_bone("tibia", Vector3d::Zero());
+  feb.add_bone("femur", {-4, 0, kIndenter});
+  const Patch flat = square(n, kHalfWidth);
+  std::vector<Quad> tibia_surface, femur_surface;
+  for (const double x : {-kApart, kApart}) {
+    const std::string side = x < 0 ? "medial" : "lateral";
+    std::vector<int> sheets;
+    for (const double depth : {kThickness, kThickness / 2, 0.0}) {
+      std::vector<Vector3d> points = flat.points;
+      for (Vector3d& point : points) point += Vector3d(x, 0, -depth);
+      sheets.push_back(feb.add_nodes(fmt::format("{}_z{}", side, depth), points));
+    }
+    std::vector<Vector3d> cap = flat.points;
+    for (Vector3d& p : cap) {
+      p.z() = p.squaredNorm() / (kIndenter + std::sqrt(kIndenter * kIndenter - p.squaredNorm()));
+      p.x() += x;
+    }
+    const int cap_node = feb.add_nodes(side + "_condyle_nodes", cap);
+    feb.add_hexes(side + "_plateau", "cartilage", flat.quads, sheets);
+    feb.add_shells(side + "_bone", "tibia", shifted(flat.quads, sheets.front()));
+    feb.add_shells(side + "_condyle", "femur", reversed(shifted(flat.quads, cap_node)));
+    for (const Quad& q : shifted(flat.quads, sheets.back())) tibia_surface.push_back(q);
+    for (const Quad& q : reversed(shifted(flat.quads, cap_node))) femur_surface.push_back(q);
+  }
+  feb.add_surface("tibia_articular", tibia_surface);
+  feb.add_surface("femur_articular", femur_surface);
+  feb.rigid = Feb::fixed("tibia", "111111") + Feb::fixed("femur", "110101");
+  const int ramp = feb.add_controller("ramp", {"0,0", "1,1"});
+  feb.add_step("load", Feb::loaded("femur", "Rz", -500, ramp));
+  return feb.file("Two spherical condyles on the two plateaus of a tibia, one contact.", "tibia_articular",
+                  "femur_articular");
+}
+
 /// A spherical condyle on a flat plateau, pressed by 300 N and tied by two stretched ligaments, one tether that
 /// gets taut and one that gets slack. Free but for flexion (Ru).
 std::string ligament(int n) {
@@ -654,6 +695,7 @@ constexpr Sample kSamples[] = {
     {"--twisted-spheres", nullptr, 0, twisted_spheres},
     {"--two-layer-spheres", "spheres/two_layers.feb", 28, two_layer_spheres},
     {"--sphere-on-flat", "sphere_on_flat/sphere_on_flat.feb", 56, sphere_on_flat},
+    {"--plateaus", "plateaus/plateaus.feb", 24, plateaus},
     {"--ligament", "ligament/ligament.feb", 48, ligament},
     {"--knee", "knee/knee.feb", 16, knee},
     {"--chain", "chain/chain.feb", 12, chain},
@@ -675,7 +717,7 @@ int run(const std::vector<std::string>& arguments) {
   }
   throw std::runtime_error(
       "usage: make_samples SAMPLES_DIR, or make_samples --spheres|--twisted-spheres|"
-      "--two-layer-spheres|--sphere-on-flat|--ligament|--knee|--chain N out.feb");
+      "--two-layer-spheres|--sphere-on-flat|--plateaus|--ligament|--knee|--chain N out.feb");
 }
 
 }  // namespace

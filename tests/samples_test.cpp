@@ -303,6 +303,45 @@ TEST(SamplesSphereOnFlat, Program) {
   expect_same(j["states"].back(), last_state(sample("sphere_on_flat/sphere_on_flat.feb"), {}));
 }
 
+// ---- plateaus
+// ----------------------------------------------------------------------------------------------------------
+
+// The lever: without friction on flat plateaus both forces are vertical, and symmetry puts them under the condyles'
+// centres, which stand 18 and 26 mm beside the load and at its height: their ratio stays 26 : 18 while the femur tilts.
+// Facets leave 1e-5 mm of the symmetry.
+TEST(SamplesPlateaus, CompartmentsShareTheLoadAsALever) {
+  for (const Law law : {Law::Layer, Law::Linear}) {
+    for (const char* source : {"tibia", "femur"}) {
+      Settings settings;
+      settings.law = law;
+      settings.source = source;
+      const Analysis analysis = analyse(sample("plateaus/plateaus.feb"), settings);
+      for (std::size_t i = 1; i < analysis.states.size(); ++i) {
+        const StateResult& state = analysis.states[i];
+        const ContactStatistics& s = state.statistics[0];
+        const bool on_tibia = std::string(source) == "tibia";
+        ASSERT_TRUE(solved(state.equilibrium.outcome));
+        ASSERT_EQ(s.compartments.size(), 2u);
+        const double load = 500 * state.when.time, side = on_tibia ? -1.0 : 1.0;
+        const Vector3d &medial = s.compartments[0].force, &lateral = s.compartments[1].force;
+        EXPECT_NEAR(std::abs(medial.z()), load * 26 / 44, (on_tibia ? 1e-5 : 1e-3) * load) << source << name(law);
+        EXPECT_NEAR(std::abs(lateral.z()), load * 18 / 44, (on_tibia ? 1e-5 : 1e-3) * load) << source << name(law);
+        EXPECT_LT((medial + lateral - s.force).norm(), 1e-9 * load);
+        EXPECT_GT(-side * medial.z(), 0.0);
+      }
+    }
+  }
+}
+
+TEST(SamplesPlateaus, Program) {
+  const Json j = run_sample("plateaus/plateaus.feb", {"--compartments-csv", "c.csv"});
+  expect_same(j["states"].back(), last_state(sample("plateaus/plateaus.feb"), {}));
+  const Json& compartments = j["states"].back()["contacts"][0]["compartments"];
+  ASSERT_EQ(compartments.size(), 2u);
+  EXPECT_EQ(compartments[0]["name"], "medial_plateau");
+  EXPECT_NEAR(compartments[0]["force"][2].get<double>(), 500.0 * 26 / 44, 0.01);
+}
+
 // ---- ligament
 // ---------------------------------------------------------------------------------------------------------
 

@@ -97,6 +97,7 @@ void write_others(const JointModel& model, const Settings& settings, const RunOp
   if (!outputs.json.empty())
     write_text(outputs.json, json_text(run_json(model, settings, result.analysis, result.timings)));
   if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(result.analysis));
+  if (!outputs.compartments_csv.empty()) write_text(outputs.compartments_csv, compartments_csv(result.analysis));
   if (!outputs.facets_csv.empty()) write_text(outputs.facets_csv, facets_csv(model, result.analysis));
 }
 

@@ -13,6 +13,9 @@ const std::vector<OutputOption>& output_options() {
       {"json", &O::json, Kind::File, "a file name", "FILE|-", "Also write JSON, \"-\" to standard output"},
       {"csv", &O::csv, Kind::File, "a file name", "FILE|-",
        "Also write CSV, a line per state and contact, \"-\" to standard output"},
+      {"compartments-csv", &O::compartments_csv, Kind::File, "a file name", "FILE|-",
+       "Also write CSV, a line per state, contact and compartment, where a surface is of several pieces; \"-\" to standard "
+       "output"},
       {"facets-csv", &O::facets_csv, Kind::File, "a file name", "FILE|-",
        "Also write CSV, a line per state, contact and facet: pressure, joint space, overlap; \"-\" to standard output"},
       {"report", &O::report, Kind::File, "a file name", "FILE.html",

@@ -12,7 +12,7 @@ namespace dea {
 /// Empty: nothing is said.
 struct OutputSettings {
   std::string output;  ///< plot file
-  std::string json, csv, facets_csv;
+  std::string json, csv, compartments_csv, facets_csv;
   std::string report;  ///< a page
   std::string vtu;     ///< a folder
   std::string states;  ///< all, last, times t1,t2,... or ranges t1:t2

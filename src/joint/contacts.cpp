@@ -196,6 +196,14 @@ Sentence not_thin(const std::string& surface, const Layer& layer) {
       reach.half_width, NamedSetting{"thickness"}, NamedSetting{"bone"});
 }
 
+/// Empty: it is one piece.
+std::string compartments_note(const std::string& surface, const Compartments& compartments) {
+  if (compartments.names.empty()) return "";
+  std::string list;
+  for (const std::string& name : compartments.names) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", name);
+  return fmt::format("surface \"{}\": {} compartments that share no node: {}", surface, compartments.size(), list);
+}
+
 /// What the user should know of a layer.
 std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer) {
   const Surface& surface = parts.model.surfaces[at(layer.surface)];
@@ -204,6 +212,8 @@ std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer
   if (!rim.empty()) findings.push_back(rim);
   const Sentence left_out = left_out_note(surface.name, layer.facet_kinds);
   if (!left_out.empty()) findings.push_back(left_out);
+  const std::string pieces = compartments_note(surface.name, layer.compartments);
+  if (!pieces.empty()) findings.push_back(pieces);
   const std::string shells = layer.material >= 0 ? deformable_shells(parts, surface) : "";
   if (!shells.empty())
     findings.push_back(

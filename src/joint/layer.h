@@ -26,6 +26,13 @@ struct HalfHeldPlane {
   int edges = 0, unheld = 0;  ///< of the face's rim in that plane; of these, those that are free edges for it
 };
 
+/// Pieces of an articular surface that hang together, such as a tibia's plateaus (compartments.h).
+struct Compartments {
+  std::vector<std::string> names;  ///< empty: the surface is one piece
+  std::vector<int> of_triangle;    ///< per triangle of Layer::articular; empty as the names
+  int size() const { return static_cast<int>(names.size()); }
+};
+
 /// Of the facets' size: cartilage that is thinner is none.
 inline constexpr double kNoThickness = 0.01;
 
@@ -51,6 +58,7 @@ struct Layer {
   std::unordered_map<int, int> stands_for;  ///< of a bare surface: node -> the one at its place that `articular` has
   std::vector<BareRimEdge> bare_rim;        ///< of a bare surface
   std::vector<HalfHeldPlane> half_held;     ///< of a layer
+  Compartments compartments;
   std::vector<Sentence> notes;              ///< what the user should know of it, a sentence each
   LayerFace face;                           ///< of a layer whose springs stand on the articular surface; else empty
 

@@ -12,7 +12,7 @@ namespace dea {
 namespace {
 
 /// A layer nothing holds: usually its bone is deformable, of another material of the same part.
-Fault not_held(const ContactSide& in, int region, int cartilage) {
+Fault not_held(const ContactSide& in, int region, bool of_several, int cartilage) {
   const ModelParts& parts = in.parts;
   const JointModel& model = parts.model;
   std::set<int> others;
@@ -32,17 +32,23 @@ Fault not_held(const ContactSide& in, int region, int cartilage) {
           setting_of(in, "attach", "BODY"), bodies.empty() ? "none" : bodies, setting_of(in, "bone", "SURFACE"),
           setting_of(in, "thickness"));
   return refusal_of(in,
-                    "its layer is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed "
-                    "in x, y and z);",
+                    say("{} is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in "
+                        "x, y and z);",
+                        of_several ? "one of its layer's parts" : "its layer"),
                     bones.empty() ? attach : say("take its bone as rigid with {}, or {}", bones, attach));
 }
 
-Fault held_by_several(const ContactSide& in, const std::map<int, std::string>& holders) {
+Fault held_by_several(const ContactSide& in, const Support& support, const std::map<int, std::string>& holders) {
   std::string list;
   for (const auto& h : holders) list += (list.empty() ? "" : "; ") + h.second;
   const auto moved = std::count_if(holders.begin(), holders.end(), [&](const auto& h) {
     return !in.parts.bodies.bodies[at(h.first)].moved_by.empty();
   });
+  if (support.regions.size() > 1 && moved == 0)
+    return refusal_of(in, say("the {} parts of its layer are held by {} bodies ({});", support.regions.size(),
+                              holders.size(), list),
+                      say("divide it into one surface per body, or choose one with {}",
+                          setting_of(in, "attach", "BODY")));
   return refusal_of(in,
                     say("its layer is held by {} bodies ({}){};", holders.size(), list,
                         moved > 0 ? ", and moved nodes move otherwise than the rest, so it is not bonded to one "
@@ -72,7 +78,6 @@ int Support::main_material() const {
 Support find_support(const ContactSide& in, const CarriedSurface& carried) {
   const ModelParts& parts = in.parts;
   Support support;
-  std::set<int> regions;
   for (const ElementFace& c : carried.carriers) {
     const Domain& d = parts.model.domains[at(c.domain)];
     if (d.material < 0) {
@@ -91,52 +96,55 @@ Support find_support(const ContactSide& in, const CarriedSurface& carried) {
               modulus_settings(in)));
       return support;
     } else {
-      regions.insert(parts.region[at(d.nodes[at(c.element * nodes_per_element(d.shape))])]);
+      support.regions.insert(parts.region[at(d.nodes[at(c.element * nodes_per_element(d.shape))])]);
       ++support.materials[d.material];
     }
   }
-  if (!regions.empty()) support.region = *regions.begin();
-  if (!regions.empty() && !support.bodies.empty())
+  if (!support.regions.empty() && !support.bodies.empty())
     support.fault =
         refusal_of(in, "lies partly on rigid, partly on deformable elements;", "split it into two surfaces");
-  else if (regions.size() > 1)
-    support.fault = refusal_of(in, say("lies on {} separate deformable parts;", regions.size()),
-                               "split it into one surface per part");
   return support;
 }
 
 Attachment find_attachment(const ContactSide& in, const Support& support) {
   const std::string name = said_of(in.parts.settings.attach, in.surface.name);
-  const bool rigid = support.region < 0;
+  const bool rigid = support.regions.empty();
   Attachment found;
   if (!name.empty()) found = attached_by_user(in, name);
   if (rigid && support.bodies.size() > 1)
     found.fault = refusal_of(in, "lies on several rigid bodies;", "split it into one surface per body");
   if (found.body >= 0 || found.fault) return found;
   if (rigid) return {*support.bodies.begin(), "is a surface of the rigid body itself", {}};
-  const auto held = in.parts.holders.of_region.find(support.region);
-  if (held == in.parts.holders.of_region.end() || held->second.empty()) {
-    if (in.contact.dea && in.parts.rigid[at(support.main_material())])
+  std::map<int, std::string> holders;
+  for (int region : support.regions) {
+    const auto held = in.parts.holders.of_region.find(region);
+    if (held != in.parts.holders.of_region.end() && !held->second.empty()) {
+      holders.insert(held->second.begin(), held->second.end());
+    } else if (in.contact.dea && in.parts.rigid[at(support.main_material())]) {
       found.fault = unmeasured(in, "its elements share no nodes with the bone under them");
-    else
-      found.fault = not_held(in, support.region, support.main_material());
-  } else if (held->second.size() > 1) {
-    found.fault = held_by_several(in, held->second);
+      return found;
+    } else {
+      found.fault = not_held(in, region, support.regions.size() > 1, support.main_material());
+      return found;
+    }
+  }
+  if (holders.size() > 1) {
+    found.fault = held_by_several(in, support, holders);
   } else {
-    found.body = held->second.begin()->first;
-    found.by = held->second.begin()->second;
+    found.body = holders.begin()->first;
+    found.by = holders.begin()->second;
   }
   return found;
 }
 
-LayerPart find_part(const ModelParts& parts, int region) {
-  LayerPart part;
+LayerElements find_layer_elements(const ModelParts& parts, const std::set<int>& regions) {
+  LayerElements part;
   std::set<int> nodes;
   for (const Domain& d : parts.model.domains) {
     if (!deformable(parts, d)) continue;
     const int n = nodes_per_element(d.shape);
     for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
-      if (parts.region[at(d.nodes[e * at(n)])] != region) continue;
+      if (regions.count(parts.region[at(d.nodes[e * at(n)])]) == 0) continue;
       part.materials.insert(d.material);
       for (int k = 0; k < n; ++k) nodes.insert(d.nodes[e * at(n) + at(k)]);
       part.fault = volume_fault(parts.model, d, static_cast<int>(e));

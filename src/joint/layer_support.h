@@ -11,9 +11,9 @@
 
 namespace dea {
 
-/// What carries the facets: one deformable part, or one rigid body.
+/// What carries the facets: deformable parts, such as the two plateaus of a tibia, or one rigid body.
 struct Support {
-  int region = -1;               ///< deformable part; -1: rigid
+  std::set<int> regions;         ///< deformable parts; empty: rigid
   std::set<int> bodies;          ///< rigid ones under the facets
   std::map<int, int> materials;  ///< deformable material -> facets
   std::optional<Fault> fault;
@@ -28,15 +28,15 @@ struct Attachment {
   std::string by;  ///< the rule that found it, as a sentence
   std::optional<Fault> fault;
 };
-/// As the user says, or what bears the facets, or what holds their part. Throws UsageError for a body there is not.
+/// As the user says, or what bears the facets, or what holds all their parts. Throws UsageError for a body there is not.
 Attachment find_attachment(const ContactSide& in, const Support& support);
 
-/// The elements of the layer's part.
-struct LayerPart {
+/// The elements of the layer's parts.
+struct LayerElements {
   std::vector<int> nodes;  ///< ascending
   std::set<int> materials;
   std::optional<Fault> fault;  ///< of an element without volume
 };
-LayerPart find_part(const ModelParts& parts, int region);
+LayerElements find_layer_elements(const ModelParts& parts, const std::set<int>& regions);
 
 }  // namespace dea

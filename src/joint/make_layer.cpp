@@ -11,6 +11,7 @@
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/joint/bare_surface.h>
 #include <febiodea/joint/carried_surface.h>
+#include <febiodea/joint/compartments.h>
 #include <febiodea/joint/contact_side.h>
 #include <febiodea/joint/extended_face.h>
 #include <febiodea/joint/layer_material.h>
@@ -118,7 +119,8 @@ SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, cons
 }
 
 /// Finds what the layer is bonded to: boundary and bone surface of the draft.
-void find_bone(const ContactSide& in, const CarriedSurface& carried, int region, LayerDraft& draft) {
+void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::set<int>& regions,
+               LayerDraft& draft) {
   const ModelParts& parts = in.parts;
   const JointModel& model = parts.model;
   const std::string name = said_of(parts.settings.bone, in.surface.name);
@@ -126,7 +128,7 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, int region,
   std::vector<char> held = held_by(parts, draft.layer.body);
   if (named >= 0)
     for (int node : model.surfaces[at(named)].nodes) held[at(node)] = 1;
-  draft.boundary = find_layer_boundary(model, region_elements(parts, region), std::move(held));
+  draft.boundary = find_layer_boundary(model, region_elements(parts, regions), std::move(held));
   open_feather_facets(model, carried.facets, draft.boundary);
   if (!name.empty() && named < 0)
     throw UsageError(
@@ -189,7 +191,7 @@ void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, c
                          LayerDraft& draft) {
   Layer& layer = draft.layer;
   layer.material = support.main_material();
-  LayerPart part = find_part(in.parts, support.region);
+  LayerElements part = find_layer_elements(in.parts, support.regions);
   if (part.fault) {
     draft.faults = {*part.fault};
     return;
@@ -201,9 +203,10 @@ void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, c
     return;
   }
   layer.notes = std::move(others.notes);
-  find_bone(in, carried, support.region, draft);
+  find_bone(in, carried, support.regions, draft);
   if (draft.faults.empty()) draft.faults = leave_out_facets(in, carried, draft.boundary, layer);
   if (draft.faults.empty() && layer.bone.size() == 0) draft.faults = do_without_bone(in, layer);
+  if (auto fault = touching_parts(in, layer); fault && draft.faults.empty()) draft.faults = {*fault};
 }
 
 // ---- thickness
@@ -285,7 +288,7 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
   layer.springs_at = in.parts.settings.springs_at;
   std::vector<int> zero;
   FacetList facets = carried.facets;
-  if (support.region < 0) {  // the elements under a map on solids know their own nodes
+  if (support.regions.empty()) {  // the elements under a map on solids know their own nodes
     BareSurface bare = bare_surface(in, carried, carried.on_shells || !in.given.map);
     if (bare.fault) {
       draft.faults = {*bare.fault};
@@ -339,11 +342,12 @@ LayerFound make_layer(const ModelParts& parts, const Contact& contact, int side)
   if (const auto fault = repeated_facet(in)) return {{}, {*fault}};
   const Support support = find_support(in, carried);
   if (support.fault) return {{}, {*support.fault}};
-  const bool on_elements = support.region >= 0;
+  const bool on_elements = !support.regions.empty();
   LayerDraft draft = begin(in, carried, support);
   if (draft.faults.empty() && on_elements) finish_bonded_layer(in, carried, support, draft);
   if (draft.faults.empty() && !on_elements) finish_bare_surface(in, draft);
   if (draft.faults.empty()) finish(in, carried, on_elements, draft);
+  if (draft.faults.empty()) draft.layer.compartments = find_compartments(parts.model, carried, draft.layer.articular);
   return {std::move(draft.layer), std::move(draft.faults)};
 }
 

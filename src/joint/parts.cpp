@@ -168,13 +168,13 @@ const ElementFace* carrier(const ModelParts& parts, const std::vector<ElementFac
   return best;
 }
 
-std::vector<LayerElement> region_elements(const ModelParts& parts, int region) {
+std::vector<LayerElement> region_elements(const ModelParts& parts, const std::set<int>& regions) {
   std::vector<LayerElement> elements;
   for (int i = 0; i < static_cast<int>(parts.model.domains.size()); ++i) {
     const Domain& d = parts.model.domains[at(i)];
     if (!deformable(parts, d)) continue;
     for (int e = 0; e < static_cast<int>(d.element_ids.size()); ++e)
-      if (parts.region[at(d.nodes[at(e * nodes_per_element(d.shape))])] == region) elements.push_back({i, e});
+      if (regions.count(parts.region[at(d.nodes[at(e * nodes_per_element(d.shape))])]) > 0) elements.push_back({i, e});
   }
   return elements;
 }

@@ -1,5 +1,6 @@
 // febiodea/joint/parts.h – the parts of a model: rigid bodies, deformable parts, what holds these; element faces.
 #pragma once
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -48,8 +49,8 @@ const std::vector<ElementFace>* find_face(const ModelParts& parts, const Surface
 /// The element that carries a facet: a deformable solid before a rigid solid before a shell; nullptr: none.
 const ElementFace* carrier(const ModelParts& parts, const std::vector<ElementFace>* candidates);
 
-/// Elements of a deformable part.
-std::vector<LayerElement> region_elements(const ModelParts& parts, int region);
+/// Elements of deformable parts.
+std::vector<LayerElement> region_elements(const ModelParts& parts, const std::set<int>& regions);
 
 /// Body of a rigid material; no material: the ground.
 int body_of_material(const ModelParts& parts, int material);

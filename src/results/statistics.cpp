@@ -164,6 +164,7 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     stats.moment = e.contact_on_target[c].tail<3>();
     for (int side = 0; side < 2 && any; ++side)
       stats.pressed_rim[side] = pressed_rim(joint, e, c, side, kFelt * stats.peak);
+    stats.compartments = compartment_loads(joint, beds, maps, e, fields[c], c);
     all.push_back(stats);
   }
   return all;

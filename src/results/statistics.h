@@ -4,6 +4,7 @@
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/results/compartment_loads.h>
 #include <febiodea/results/fields.h>
 #include <febiodea/results/headline.h>
 
@@ -39,6 +40,7 @@ struct ContactStatistics {
   double largest_strain = 0.0;
   PressedRim pressed_rim[2];      ///< of bare surfaces: primary, secondary
   double complementarity = kNaN;  ///< Law::Layer: residual of (L4) over the largest pressure
+  std::vector<CompartmentLoad> compartments;  ///< one per compartment_names of the contact
 };
 
 /// One per contact. `fields`: of the same equilibrium.

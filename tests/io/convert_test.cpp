@@ -469,7 +469,7 @@ std::string fault(const std::string& path, const Settings& settings = {}) {
 TEST(Convert, EverySampleIsTheSameJoint) {
   const test::TemporaryFolder folder;
   for (const char* sample : {"hip/hip_walking.feb", "spheres/one_layer.feb", "spheres/two_layers.feb",
-                             "ligament/ligament.feb", "sphere_on_flat/sphere_on_flat.feb"}) {
+                             "ligament/ligament.feb", "sphere_on_flat/sphere_on_flat.feb", "plateaus/plateaus.feb"}) {
     SCOPED_TRACE(sample);
     EXPECT_TRUE(expect_same_joint(folder.path, std::string(DEA_SAMPLES_DIR "/") + sample).conversion.edited);
   }

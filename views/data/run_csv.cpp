@@ -97,6 +97,30 @@ std::vector<Column<ContactRow>> contact_columns() {
   return columns;
 }
 
+/// A compartment of a contact in a state.
+struct CompartmentRow {
+  const ContactRow& contact;
+  std::size_t compartment;
+  const CompartmentLoad& load() const { return contact.statistics().compartments[compartment]; }
+};
+
+std::vector<Column<CompartmentRow>> compartment_columns() {
+  using R = const CompartmentRow&;
+  std::vector<Column<CompartmentRow>> columns = {
+      {"time", [](R r) { return csv_number(r.contact.state.when.time); }},
+      {"contact", [](R r) { return csv_word(r.contact.pair().name); }},
+      {"compartment", [](R r) { return csv_word(compartment_names(r.contact.pair())[r.compartment]); }},
+      {"outcome", [](R r) { return std::string(name(r.contact.state.equilibrium.outcome)); }},
+  };
+  for (const HeadlineNumber& number : kHeadlineNumbers)
+    columns.push_back({std::string("headline_") + number.name,
+                       [=](R r) { return csv_number(r.load().headline.*number.value); }});
+  columns.push_back({"headline_above", [](R r) { return csv_number(r.load().headline.above); }});
+  add_vector(columns, "force_", [](R r) { return r.load().force; });
+  add_vector(columns, "center_of_pressure_", [](R r) { return r.load().center_of_pressure; });
+  return columns;
+}
+
 /// Of the facets of a surface, in the reference configuration.
 struct FacetShape {
   std::vector<double> area;
@@ -168,6 +192,18 @@ std::string run_csv(const Analysis& analysis) {
   for (const StateResult& state : analysis.states)
     for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c)
       text += line(columns, ContactRow{analysis.joint, state, c});
+  return text;
+}
+
+std::string compartments_csv(const Analysis& analysis) {
+  const std::vector<Column<CompartmentRow>> columns = compartment_columns();
+  std::string text = header(columns);
+  for (const StateResult& state : analysis.states)
+    for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c) {
+      const ContactRow contact{analysis.joint, state, c};
+      for (std::size_t i = 0; i < contact.statistics().compartments.size(); ++i)
+        text += line(columns, CompartmentRow{contact, i});
+    }
   return text;
 }
 

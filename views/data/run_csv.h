@@ -9,6 +9,9 @@ namespace dea {
 /// One line per wanted state and contact, under a line of names.
 std::string run_csv(const Analysis& analysis);
 
+/// One line per wanted state, contact and compartment, under a line of names; contacts of surfaces in one piece have none.
+std::string compartments_csv(const Analysis& analysis);
+
 /// One line per wanted state, contact, side (primary, secondary) and facet of its surface, under a line of names.
 /// Facets count from 1 in the model's surface. `area` and `reference_x,y,z` (centroid): of the facet's triangles in the
 /// reference configuration; `x,y,z`: that centroid moved with the surface's body, not compressed; `thickness`: mean

@@ -83,6 +83,14 @@ Json contact_json(const JointModel& model, const Joint& joint, const ContactPair
   j["refine"] = pair.refine;
   Json& h = j["headline"] = {{"surface", model.surfaces[at(pair.source_layer().surface)].name}};
   h.update(headline_json(s.headline));
+  j["compartments"] = Json::array();
+  for (std::size_t i = 0; i < s.compartments.size(); ++i) {
+    const CompartmentLoad& load = s.compartments[i];
+    j["compartments"].push_back({{"name", compartment_names(pair)[i]},
+                                 {"headline", headline_json(load.headline)},
+                                 {"force", json_vector(load.force)},
+                                 {"center_of_pressure", json_vector(load.center_of_pressure)}});
+  }
   return j;
 }
 

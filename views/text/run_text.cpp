@@ -97,6 +97,31 @@ Table contacts_table(const Joint& joint, const std::vector<StateResult>& states)
   return table;
 }
 
+/// A line per state, contact and compartment; no rows: all surfaces are in one piece.
+Table compartments_table(const Joint& joint, const std::vector<StateResult>& states) {
+  Table table;
+  table.headings = {"time", "contact", "compartment"};
+  for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(number.name);
+  table.headings.insert(table.headings.end(), {"force", "share"});
+  table.left = "rll" + std::string(table.headings.size() - 3, 'r');
+  for (const StateResult& state : states)
+    for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+      const std::vector<CompartmentLoad>& loads = state.statistics[c].compartments;
+      double all = 0.0;
+      for (const CompartmentLoad& load : loads) all += load.force.norm();
+      for (std::size_t i = 0; i < loads.size(); ++i) {
+        std::vector<std::string> row = {number_text(state.when.time), joint.contacts[c].name,
+                                        compartment_names(joint.contacts[c])[i]};
+        for (const HeadlineNumber& number : kHeadlineNumbers)
+          row.push_back(four_digits(loads[i].headline.*number.value));
+        const double force = loads[i].force.norm();
+        row.insert(row.end(), {four_digits(force), all > 0 ? fmt::format("{:.1f}%", 100 * force / all) : "-"});
+        table.rows.push_back(std::move(row));
+      }
+    }
+  return table;
+}
+
 /// All other numbers of a contact: what they are, and how they are found.
 struct Detail {
   const char* name;
@@ -195,6 +220,8 @@ Table connectors_table(const Joint& joint, const Equilibrium& e) {
 std::vector<TitledTable> run_tables(const Analysis& analysis, bool details) {
   const Joint& joint = analysis.joint;
   std::vector<TitledTable> tables = {{"", contacts_table(joint, analysis.states)}};
+  if (Table compartments = compartments_table(joint, analysis.states); !compartments.rows.empty())
+    tables.push_back({"compartments; share: of the sum of their forces", std::move(compartments)});
   if (details && !analysis.states.empty()) tables.push_back({"", details_table(joint, analysis.states)});
   if (analysis.states.empty()) return tables;
   const StateResult& last = analysis.states.back();
