@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -114,6 +115,22 @@ PressedRim pressed_rim(const Joint& joint, const Equilibrium& e, std::size_t con
   return rim;
 }
 
+/// How many of the largest forces p A make up nine tenths of their sum.
+int fewest_of_most(const std::vector<double>& pressure, const std::vector<double>& area) {
+  std::vector<double> forces;
+  for (std::size_t i = 0; i < pressure.size(); ++i) forces.push_back(pressure[i] * area[i]);
+  std::sort(forces.begin(), forces.end(), std::greater<>());
+  const double most = 0.9 * std::accumulate(forces.begin(), forces.end(), 0.0);
+  double sum = 0.0;
+  int count = 0;
+  for (double f : forces) {
+    if (sum >= most) break;
+    sum += f;
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
@@ -143,6 +160,7 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
       stats.contact_area += s.area[k];
       stats.largest_strain = std::max(stats.largest_strain, s.strain[k]);
     }
+    stats.springs_most = fewest_of_most(pressure, area);
     if (s.rates.rows() > 0) stats.complementarity = s.complementarity;
     const bool any = !pressure.empty();
     stats.peak = any ? *std::max_element(pressure.begin(), pressure.end()) : kNaN;

@@ -27,6 +27,7 @@ struct ContactStatistics {
   int springs = 0;         ///< cast
   int springs_hit = 0;     ///< of these, those that stand over the target
   int springs_active = 0;  ///< of these, those that carry pressure
+  int springs_most = 0;    ///< of these, the fewest that together carry nine tenths of the force
   // over active springs, weighted by area
   double peak = 0.0, p99 = 0.0, mean = 0.0, median = 0.0, p5 = 0.0, p25 = 0.0, p75 = 0.0, p95 = 0.0;
   double contact_area = 0.0;  ///< of the active springs

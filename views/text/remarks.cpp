@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/views/text/plausibility.h>
 #include <febiodea/views/text/table.h>
 
 namespace dea {
@@ -170,6 +171,7 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
       add_once(lines, fmt::format("ignored: {}contact \"{}\": {}", where(model, contact.origin), contact.name, what));
   }
   for (const Sentence& finding : joint.findings) add_once(lines, "note: " + worded(finding, wording));
+  for (const std::string& odd : implausible_numbers(model, joint, wording)) add_once(lines, odd);
   for (const ContactPair& pair : joint.contacts) {
     const std::string coarse = coarse_facets(model, pair, wording);
     if (!coarse.empty()) add_once(lines, coarse);
@@ -296,6 +298,34 @@ void add_few_springs(const ContactPair& pair, const StateResult& state, std::siz
                          wording({"refine", "", std::to_string(2 * pair.refine)})));
 }
 
+/// A force that rests on a handful of springs though more are pressed: the map is one of the mesh.
+void add_crowded_force(const ContactPair& pair, const StateResult& state, std::size_t contact, const Wording& wording,
+                       Lines& lines) {
+  constexpr int kHandful = 8;
+  const ContactStatistics& s = state.statistics[contact];
+  if (s.springs_active < 20 || s.springs_most >= kHandful) return;  // fewer: add_few_springs
+  add_once(lines,
+           fmt::format("warning: contact \"{}\": at time {} {} of {} springs carry nine tenths of the force, too few for a "
+                       "pressure map: facets stand out of their surface, or they are long against the contact; look at "
+                       "the mesh, or divide them with {}",
+                       pair.name, number_text(state.when.time), s.springs_most, s.springs_active,
+                       wording({"refine", "", std::to_string(2 * pair.refine)})));
+}
+
+/// Cartilage pressed together by more than half, in any state.
+void add_large_strains(const Analysis& analysis, std::size_t contact, Lines& lines) {
+  constexpr double kLarge = 0.5;
+  const StateResult* worst = nullptr;
+  const auto strain = [&](const StateResult& s) { return s.statistics[contact].largest_strain; };
+  for (const StateResult& state : analysis.states)
+    if (solved(state.equilibrium.outcome) && strain(state) > (worst ? strain(*worst) : kLarge)) worst = &state;
+  if (worst == nullptr) return;
+  add_once(lines, fmt::format("warning: contact \"{}\": at time {} cartilage is pressed together by {:.0f}% of its "
+                              "thickness: check load, modulus, thickness and units if that is not meant",
+                              analysis.joint.contacts[contact].name, number_text(worst->when.time),
+                              100 * strain(*worst)));
+}
+
 /// Maps that do not carry the whole force.
 void add_incomplete_maps(const JointModel& model, const ContactPair& pair, const ContactFields& fields, Lines& lines) {
   for (int side = 0; side < 2; ++side) {
@@ -391,6 +421,8 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     if (parted(analysis.joint, last)) continue;
     add_few_springs(joint.contacts[c], last, c, wording, lines);
+    add_crowded_force(joint.contacts[c], last, c, wording, lines);
+    add_large_strains(analysis, c, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
     add_pressed_rims(model, joint.contacts[c], last, c, lines);

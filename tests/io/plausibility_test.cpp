@@ -1,0 +1,105 @@
+// What is told of numbers that no joint has: one line each, and none for joints.
+#include <febiodea/views/text/plausibility.h>
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/run/analysis.h>
+#include <febiodea/views/text/remarks.h>
+#include "src/test_models.h"
+
+namespace dea {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+Lines told(JointModel model, double E, const std::string& units, double length = 1.0) {
+  for (Vector3d& x : model.nodes) x *= length;
+  for (Material& m : model.materials)
+    if (!m.rigid) m.E = E;
+  model.units = units;
+  return implausible_numbers(model, make_joint(model, {}), command_line_wording());
+}
+
+bool has(const Lines& lines, const std::string& text) {
+  for (const std::string& line : lines)
+    if (line.find(text) != std::string::npos) return true;
+  return false;
+}
+
+// 12 MPa on 40 mm, written in each system as it should be: nothing is odd.
+TEST(Plausibility, AJointIsPlausibleInEverySystemOfUnits) {
+  const JointModel plates = test::flat_plates(4, 40, 2, 0.0);
+  EXPECT_EQ(told(plates, 12, ""), Lines());
+  EXPECT_EQ(told(plates, 12, "mm-N-s"), Lines());
+  EXPECT_EQ(told(plates, 12e3, "mm-kg-s"), Lines());
+  EXPECT_EQ(told(plates, 12e3, ""), Lines());
+  EXPECT_EQ(told(plates, 12e6, "SI", 1e-3), Lines());
+  EXPECT_EQ(told(plates, 12e6, "", 1e-3), Lines());
+  EXPECT_EQ(told(plates, 12e7, "CGS", 0.1), Lines());
+  EXPECT_EQ(told(plates, 1, "", 1 / 40.0), Lines());  // a block of size 1
+}
+
+TEST(Plausibility, MixedUnitsAreToldOnce) {
+  const JointModel plates = test::flat_plates(4, 40, 2, 0.0);
+  const Lines pascals = told(plates, 12e6, "");
+  ASSERT_EQ(pascals.size(), 1u);
+  EXPECT_TRUE(has(pascals, "as if E in Pa and lengths in mm")) << pascals[0];
+  EXPECT_TRUE(has(told(plates, 12e6, "mm-N-s"), "E = 1.2e+07 is 1.2e+07 MPa in the model's units, mm-N-s"));
+  EXPECT_TRUE(has(told(plates, 12, "", 1e-3), "as if E in MPa and lengths in m"));
+  EXPECT_TRUE(has(told(plates, 12, "SI", 1e-3), "E = 12 is 1.2e-05 MPa"));
+  EXPECT_TRUE(has(told(plates, 12e6, "SI"), "m in the model's units, SI: check the units"));
+  EXPECT_EQ(told(test::concentric_spheres(6, 100, true), 12e6, "").size(), 1u);  // two layers
+}
+
+// A ball of radius 20 under 4 of cartilage, and one of 4: the layer is as thick as its ball.
+TEST(Plausibility, ALayerAsThickAsItsBallIsToldAndAPlaneHasNoRadius) {
+  JointModel model = test::empty_model();
+  const int cartilage = test::add_material(model, "cartilage", false), ball = test::add_material(model, "ball", true),
+            plate = test::add_material(model, "plate", true);
+  const int a = test::add_layer(
+      model, "ball articular", 8, 8, 1, [](double u, double v) { return test::hemisphere(1.0, u, v); },
+      [](double u, double v) { return test::hemisphere(4.0, u, v); }, cartilage, ball);
+  const int b = test::add_rigid_surface(
+      model, "plate", 4, 4, [](double u, double v) { return Vector3d(20 * (v - 0.5), 20 * (u - 0.5), 4.0); }, plate);
+  test::add_contact(model, "press", a, b);
+  EXPECT_TRUE(has(told(model, 12, "mm-N-s"), "is more than half the radius of its sphere, 4:"));
+  EXPECT_FALSE(has(told(test::concentric_spheres(6, 100), 12, ""), "radius"));
+  EXPECT_FALSE(has(told(test::flat_plates(2, 4, 3.9, 0.0), 12, ""), "radius"));
+}
+
+/// The largest strain is (d / h) everywhere (S2): 0.6.
+TEST(Plausibility, StrainsAboveOneHalfAreTold) {
+  JointModel model = test::flat_plates(8, 10, 2, 0.0);
+  test::fix(model, 2, {true, true, false, true, true, true});
+  test::prescribe(model, 2, 2, -1.2);
+  const Lines lines = result_remarks(model, analyse(model, test::linear()));
+  EXPECT_TRUE(has(lines, "at time 1 cartilage is pressed together by 60% of its thickness"));
+  model.rigid_prescribed.back().value.factor = -0.8;
+  EXPECT_FALSE(has(result_remarks(model, analyse(model, test::linear())), "pressed together"));
+}
+
+// A plate presses 128 springs alike: 116 of them carry nine tenths. With one node of it 0.5 lower than the rest, which hardly
+// touches, the few facets around that node carry it all.
+TEST(Plausibility, AForceOnAHandfulOfSpringsIsTold) {
+  JointModel model = test::flat_plates(8, 10, 2, 0.0);
+  test::fix(model, 2, {true, true, false, true, true, true});
+  test::prescribe(model, 2, 2, -0.01);
+  const Analysis even = analyse(model, test::linear());
+  EXPECT_EQ(even.states.back().statistics[0].springs_most, 116);
+  EXPECT_FALSE(has(result_remarks(model, even), "nine tenths"));
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)  // the plate's middle node: the last such
+    if (model.nodes[i].head<2>().norm() < 1e-9 && i + 82 > model.nodes.size()) model.nodes[i].z() -= 0.5;
+  model.rigid_prescribed.back().value.factor = -0.0005;
+  const Analysis pointed = analyse(model, test::linear("plate"));
+  const ContactStatistics& s = pointed.states.back().statistics[0];
+  EXPECT_LT(s.springs_most, 8);
+  EXPECT_TRUE(has(result_remarks(model, pointed), "springs carry nine tenths of the force"));
+  EXPECT_EQ(s.springs_active, 128);
+}
+
+}  // namespace
+}  // namespace dea

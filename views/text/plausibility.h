@@ -1,0 +1,15 @@
+// febiodea/views/text/plausibility.h – numbers of a model that are no joint's: units mixed up, layers that are none.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/io/settings/setting_words.h>
+#include <febiodea/joint/joint.h>
+
+namespace dea {
+
+/// "warning: ..." lines, each once; empty: nothing is odd. Where the model names its system of units (or the user does),
+/// moduli and sizes are judged in it; else by how they go together.
+std::vector<std::string> implausible_numbers(const JointModel& model, const Joint& joint, const Wording& wording);
+
+}  // namespace dea
