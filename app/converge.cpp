@@ -85,7 +85,7 @@ int converge_command(const ConvergeArguments& a) {
     const ConvergenceRow& last = study.rows.back();
     return solved(last.outcome) && last.change_peak < target && last.change_mean < target && last.change_area < target;
   });
-  if (!reached && !a.quiet) log(fmt::format("warning: not all changes came below the target of {:g}%", 100.0 * target));
+  if (!reached) log(fmt::format("warning: not all changes came below the target of {:g}%", 100.0 * target));
   return reached ? kSolved : kNoSolution;
 }
 

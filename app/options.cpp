@@ -117,7 +117,7 @@ void add_repeated(CLI::App& command, const char* name, std::vector<std::string>&
 }
 
 CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet) {
-  return command.add_flag("-q,--quiet", quiet, "Print nothing but errors")->group("Output");
+  return command.add_flag("-q,--quiet", quiet, "Print nothing but errors and what is no solution")->group("Output");
 }
 
 void add_compress_flag(CLI::App& command, bool& compress) {

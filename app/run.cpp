@@ -7,6 +7,7 @@
 #include <febiodea/app/interrupt.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/output_options.h>
@@ -105,7 +106,7 @@ void watch(RunOptions& options, Progress& progress) {
     const double now = seconds();
     progress.step(
         what,
-        fmt::format("{}, time {}: {}, {} iterations, residual {}, {:.2f} s", what, number_text(s.when.time),
+        fmt::format("{}, time {}: {}, {} iterations, residual {}, {:.2f} s", what, time_text(s.when.time),
                     name(e.outcome), e.iterations,
                     std::isfinite(e.residual_force) ? fmt::format("{:.1e}", e.residual_force) : "-", now - last),
         index + 1, count);
@@ -159,6 +160,8 @@ int run(const RunArguments& a) {
   if (!a.quiet) {
     if (!name_note.empty()) log(name_note);
     print_result(recognition.model, options, result, a.details);
+  } else {
+    for (const std::string& line : no_solution_lines(result.analysis)) log(line);
   }
   return all_solved(result.analysis) ? kSolved : kNoSolution;
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/io/settings/settings_xml.h>
@@ -53,7 +54,7 @@ std::string no_solution(const Analysis& analysis, const std::string& output) {
     ++count;
   }
   return fmt::format("dea: no solution in {} of {} states, first at time {} ({}); results are in {}", count,
-                     analysis.states.size(), number_text(first->when.time), name(first->equilibrium.outcome), output);
+                     analysis.states.size(), time_text(first->when.time), name(first->equilibrium.outcome), output);
 }
 
 bool run(FEBioModel& fem, const std::string& settings_file) {

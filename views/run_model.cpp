@@ -8,12 +8,12 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/vtu/write_vtu.h>
 #include <febiodea/run/states.h>
 #include <febiodea/views/data/run_csv.h>
-#include <febiodea/views/text/table.h>
 
 namespace dea {
 
@@ -58,8 +58,8 @@ States wanted_states(const JointModel& model, const Settings& settings, const st
       chosen.push_back(t);
   if (asked.last) chosen.push_back(*std::max_element(own.begin(), own.end()));
   if (chosen.empty())
-    throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {:g} to {:g}",
-                                 option, own.front(), own.back()));
+    throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {} to {}", option,
+                                 time_text(own.front()), time_text(own.back())));
   return choose_states(model, std::move(times.times), chosen, option);
 }
 
@@ -84,8 +84,8 @@ AnalysisOptions analysis_options(const RunOptions& options, const States& states
   out.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
     if (options.on_state) options.on_state(s, index, count);
     if (!options.progress) return;
-    options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count,
-                                 number_text(s.when.time), name(s.equilibrium.outcome), s.equilibrium.iterations));
+    options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count, time_text(s.when.time),
+                                 name(s.equilibrium.outcome), s.equilibrium.iterations));
   };
   return out;
 }

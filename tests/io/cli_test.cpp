@@ -340,6 +340,44 @@ TEST_F(Cli, QuietPrintsNothing) {
   EXPECT_NE(loud.out.find("mm-N-s"), std::string::npos);
 }
 
+TEST_F(Cli, QuietNamesTheStatesThatAreNoSolution) {
+  write_model("pull.feb", 12.0);  // apart as soon as it is pulled: states 2 to 5 of 5
+  const Finished f = dea({"run", "pull.feb", "-q"});
+  EXPECT_EQ(f.code, 1);
+  EXPECT_EQ(f.out, "");
+  std::istringstream lines(f.err);
+  Names found;
+  for (std::string line; std::getline(lines, line);) found.push_back(line);
+  ASSERT_EQ(found.size(), 5u) << f.err;
+  const char* times[] = {"0.25", "0.5", "0.75", "1"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::string start = fmt::format("warning: time {}: SurfacesApart: ", times[i]);
+    EXPECT_EQ(found[i].substr(0, start.size()), start);
+    EXPECT_GT(found[i].size(), start.size() + 10);  // and why
+  }
+  EXPECT_EQ(found[4], "warning: no solution in 4 of 5 states");
+  EXPECT_EQ(dea({"run", "pull.feb", "-q", "--states", "0"}).err, "");  // the reference state is none that failed
+}
+
+TEST_F(Cli, TimesArePrintedAsTheyWereMeant) {
+  write_model();
+  std::string text = file_text(folder / "flat.feb");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("<time_steps>4</time_steps><step_size>0.25</step_size>",
+          "<time_steps>10</time_steps><step_size>0.1</step_size>");
+  write("ten.feb", text);
+  const Finished f = dea({"run", "ten.feb", "-v", "--states", "0.7,0.123456789,last"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  for (const char* what : {", time 0.7: ", ", time 0.123456789: ", ", time 1: "})
+    EXPECT_NE(f.err.find(what), std::string::npos) << f.err;
+  EXPECT_NE(f.out.find("\n0.123456789  touch"), std::string::npos) << f.out;
+  EXPECT_NE(f.out.find("\n        0.7  touch"), std::string::npos) << f.out;
+  const Finished c = dea({"compare", "ten_dea.xplt", "ten_dea.xplt", "--at", "0.7"});  // in single precision there
+  EXPECT_NE(c.out.find("ten_dea.xplt, time 0.7\n"), std::string::npos) << c.out;
+}
+
 TEST_F(Cli, PlotFilesOfOtherEndingsAreWrittenWithANote) {
   write_model();
   const auto notes = [&](const std::string& name, std::vector<std::string> more = {}) {
