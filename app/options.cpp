@@ -124,6 +124,19 @@ void add_compress_flag(CLI::App& command, bool& compress) {
   command.add_flag("--compress", compress, "Compress the plot file (zlib)")->group("Output");
 }
 
+void add_overwrite_flag(CLI::App& command, bool& overwrite) {
+  command
+      .add_flag("--overwrite", overwrite,
+                "Replace a plot file that is there already, whoever wrote it [replaced are dea's own of the same mesh, "
+                "if no states are lost]")
+      ->group("Output");
+}
+
+void refuse_to_replace(const std::string& path, const std::string& why) {
+  if (!why.empty())
+    throw WriteError(fmt::format("{}: {}; --overwrite replaces it, -o FILE.xplt writes another", path, why));
+}
+
 std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings) {
   std::vector<NamedPath> inputs = {{"the model", model}};
   if (!settings.file.empty()) inputs.push_back({"the settings file", settings.file});

@@ -7,6 +7,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/time_text.h>
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/io/settings/settings_xml.h>
@@ -71,7 +72,7 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   if (!named) outputs.front().option = "-p";
 
   const JointModel model = read_fe_model(fem);
-  check_outputs(files, outputs);
+  const HeldOutputs held = claim_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());
   options.seconds_reading = seconds() - start;
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };

@@ -90,6 +90,13 @@ AnalysisOptions analysis_options(const RunOptions& options, const States& states
   return out;
 }
 
+std::vector<double> times_to_write(const States& states) {
+  std::vector<double> times;
+  for (std::size_t i = 0; i < states.times.size(); ++i)
+    if (states.wanted[i]) times.push_back(states.times[i].time);
+  return times;
+}
+
 /// Everything but the plot file itself.
 void write_others(const JointModel& model, const Settings& settings, const RunOptions& options,
                   const RunResult& result) {
@@ -116,6 +123,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }
+  if (options.on_times && recognition.faults.empty()) options.on_times(times_to_write(states));
   RunResult result;
   Timings& timings = result.timings;
   timings.read = options.seconds_reading + seconds() - start;
@@ -129,9 +137,11 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   timings.solve = result.analysis.seconds_solve;
 
   const double write_start = seconds();
-  if (options.on_writing) options.on_writing(outputs.output);
-  XpltFile xplt = make_plot_file(model, result.analysis, options.compress);
-  write_xplt(outputs.output, xplt);
+  if (options.on_writing) options.on_writing(outputs.output.empty() ? "results" : outputs.output);
+  XpltFile xplt;
+  if (!outputs.output.empty() || !outputs.vtu.empty() || options.with_plot)
+    xplt = make_plot_file(model, result.analysis, options.compress);
+  if (!outputs.output.empty()) write_xplt(outputs.output, xplt);
   end_if_stopped(options.stop);
   if (!outputs.vtu.empty()) write_vtu(outputs.vtu, xplt);
   timings.write = seconds() - write_start;
@@ -150,8 +160,10 @@ bool all_solved(const Analysis& analysis) {
 
 std::string run_summary(const RunOptions& options, const RunResult& result) {
   const Timings& t = result.timings;
-  return fmt::format("{}: {} states in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})",
-                     options.outputs.output, result.analysis.states.size(), t.total, t.read, t.joint, t.solve, t.write);
+  const std::string& output = options.outputs.output;
+  return fmt::format("{}{} states in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})",
+                     output.empty() ? "" : output + ": ", result.analysis.states.size(), t.total, t.read, t.joint,
+                     t.solve, t.write);
 }
 
 }  // namespace dea
