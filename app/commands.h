@@ -16,6 +16,7 @@ struct RunArguments {
   std::string model;
   OutputSettings outputs;  ///< as typed
   bool quiet = false, verbose = false, details = false;
+  bool no_xplt = false, overwrite = false;
   SettingsArguments settings;
   std::string times_from;
   bool compress = false;
@@ -26,6 +27,7 @@ int run(const RunArguments& arguments);
 
 struct InfoArguments {
   std::string model, output, json;
+  bool overwrite = false;
   SettingsArguments settings;
   std::string threads;
 };
@@ -64,7 +66,7 @@ struct CompareArguments {
   std::string at, areas, dose_above, up, anterior, axis, center, bin;
   bool profile = false;
   std::string output, json, csv, report;
-  bool time_fields = false, compress = false, quiet = false, details = false;
+  bool time_fields = false, overwrite = false, compress = false, quiet = false, details = false;
 };
 CLI::App* add_compare(CLI::App& app, CompareArguments& arguments);
 int compare_command(const CompareArguments& arguments);

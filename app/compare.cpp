@@ -8,7 +8,9 @@
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/results/existing_plot.h>
 #include <febiodea/views/compare/compare_files.h>
 #include <febiodea/views/data/compare_json.h>
 #include <febiodea/views/page/write_page.h>
@@ -172,6 +174,7 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
            "Also write a page for any browser: maps side by side, differences, box plots, scatter, curves, tables");
   c->add_flag("--time-fields", a.time_fields, "In -o also peak, exposure and dose up to each state")->group("Output");
   add_compress_flag(*c, a.compress);
+  add_overwrite_flag(*c, a.overwrite);
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
   add_once(*c, "--csv", a.csv, "FILE|-", "Output",
            "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
@@ -205,7 +208,8 @@ int compare_command(const CompareArguments& a) {
     files.push_back(read_result(a.files[i], labels[i]));
     progress.step(fmt::format("{} of {} files read", i + 1, a.files.size()), "", i + 1, a.files.size());
   }
-  check_outputs(inputs, outputs);
+  const HeldOutputs held = claim_outputs(inputs, outputs);
+  if (!a.output.empty() && !a.overwrite) refuse_to_replace(a.output, why_kept(a.output, PlotKind::Comparison));
   progress.now("comparing", "", "");
   const Comparison comparison = compare_files(files, options);
   progress.now("writing", "", "");

@@ -8,6 +8,7 @@
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/run/convergence.h>
 #include <febiodea/run/recognise.h>
@@ -60,7 +61,7 @@ int converge_command(const ConvergeArguments& a) {
   Progress progress(progress_style(a.quiet, a.verbose));
   progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
   const JointModel model = read_feb(a.model);
-  check_outputs(inputs, outputs);
+  const HeldOutputs held = claim_outputs(inputs, outputs);
 
   double last = seconds();
   const auto watch = [&](const Activity& activity) {
@@ -85,7 +86,7 @@ int converge_command(const ConvergeArguments& a) {
     const ConvergenceRow& last = study.rows.back();
     return solved(last.outcome) && last.change_peak < target && last.change_mean < target && last.change_area < target;
   });
-  if (!reached && !a.quiet) log(fmt::format("warning: not all changes came below the target of {:g}%", 100.0 * target));
+  if (!reached) log(fmt::format("warning: not all changes came below the target of {:g}%", 100.0 * target));
   return reached ? kSolved : kNoSolution;
 }
 

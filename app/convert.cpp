@@ -5,6 +5,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/io/convert/convert_feb.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/setting_words.h>
 
@@ -46,7 +47,7 @@ int convert(const ConvertArguments& a) {
   const Settings settings = effective_settings(a.settings);
   const JointModel model = read_feb(a.model);
   for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});
-  check_outputs(inputs, {{"-o", output}});
+  const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
 
   const Conversion conversion = convert_feb(model, settings, output);
   write_text(output, conversion.text);

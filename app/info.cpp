@@ -4,7 +4,9 @@
 #include <febiodea/app/commands.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/results/existing_plot.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/views/data/info_json.h>
@@ -35,6 +37,7 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
                                   kInfoFooter, a.model);
   add_once(*c, "-o", a.output, "check.xplt", "Output",
            "Plot file with thickness, gap, missed normals, rims, facets left out and springs");
+  add_overwrite_flag(*c, a.overwrite);
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the text");
   add_solving_options(*c, a.settings, a.threads, {"squash"});
   return c;
@@ -49,7 +52,8 @@ int info(const InfoArguments& a) {
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
   JointModel read = read_feb(a.model);
-  check_outputs(inputs, outputs);
+  const HeldOutputs held = claim_outputs(inputs, outputs);
+  if (!a.output.empty() && !a.overwrite) refuse_to_replace(a.output, why_kept(a.output, PlotKind::Check));
   read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings);
   const JointModel& model = recognition.model;

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstring>
 
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 
 namespace dea {
@@ -27,6 +28,7 @@ void on_signal(int signal) {
   received = signal;
   if (!again && under_way != UnderWay::NothingToLose) return;
   remove_unfinished();
+  remove_held();
   if (terminal) write_all("\r\033[K");  // half a line of progress may be there
   write_all("dea: stopped\n");
   ::_exit(128 + signal);

@@ -117,11 +117,24 @@ void add_repeated(CLI::App& command, const char* name, std::vector<std::string>&
 }
 
 CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet) {
-  return command.add_flag("-q,--quiet", quiet, "Print nothing but errors")->group("Output");
+  return command.add_flag("-q,--quiet", quiet, "Print nothing but errors and what is no solution")->group("Output");
 }
 
 void add_compress_flag(CLI::App& command, bool& compress) {
   command.add_flag("--compress", compress, "Compress the plot file (zlib)")->group("Output");
+}
+
+void add_overwrite_flag(CLI::App& command, bool& overwrite) {
+  command
+      .add_flag("--overwrite", overwrite,
+                "Replace a plot file that is there already, whoever wrote it [replaced are dea's own of the same mesh, "
+                "if no states are lost]")
+      ->group("Output");
+}
+
+void refuse_to_replace(const std::string& path, const std::string& why) {
+  if (!why.empty())
+    throw WriteError(fmt::format("{}: {}; --overwrite replaces it, -o FILE.xplt writes another", path, why));
 }
 
 std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings) {

@@ -42,6 +42,10 @@ void add_repeated(CLI::App& command, const char* name, std::vector<std::string>&
 /// -q, --compress as all commands that have them spell them.
 CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet);
 void add_compress_flag(CLI::App& command, bool& compress);
+/// --overwrite of a plot file that is there already.
+void add_overwrite_flag(CLI::App& command, bool& overwrite);
+/// WriteError that ends in what to do; `why` (existing_plot.h) is empty: nothing.
+void refuse_to_replace(const std::string& path, const std::string& why);
 
 /// What must not be written over.
 std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings);

@@ -7,6 +7,7 @@
 #include <febiodea/app/commands.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/views/map/draw_map.h>
 #include <febiodea/views/map/map_figure.h>
@@ -178,7 +179,7 @@ int plot_command(const PlotArguments& a) {
   std::vector<ResultFile> files, minus;
   for (std::size_t i = 0; i < a.files.size(); ++i) files.push_back(read_result(a.files[i], names[i]));
   if (!a.minus.empty()) minus.push_back(read_result(a.minus, names.back()));
-  check_outputs(inputs, {{"-o", output}});
+  const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
   MapFigure figure = make_map_figure(files, minus.empty() ? nullptr : &minus.front(), options);
   figure.title = a.title;
   write_text(output, picture(figure, look));

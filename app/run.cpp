@@ -7,8 +7,11 @@
 #include <febiodea/app/interrupt.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/results/existing_plot.h>
 #include <febiodea/io/settings/output_options.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/views/page/write_page.h>
@@ -50,6 +53,8 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   };
   for (const OutputOption& o : output_options())
     if (o.kind != OutputOption::Kind::States) add_output(o);
+  c->add_flag("--no-xplt", a.no_xplt, "Write no plot file, only what else is asked for")->group("Output");
+  add_overwrite_flag(*c, a.overwrite);
   CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose,
               "Print what is begun, every iteration, and a line per state: iterations, residual, seconds")
@@ -105,7 +110,7 @@ void watch(RunOptions& options, Progress& progress) {
     const double now = seconds();
     progress.step(
         what,
-        fmt::format("{}, time {}: {}, {} iterations, residual {}, {:.2f} s", what, number_text(s.when.time),
+        fmt::format("{}, time {}: {}, {} iterations, residual {}, {:.2f} s", what, time_text(s.when.time),
                     name(e.outcome), e.iterations,
                     std::isfinite(e.residual_force) ? fmt::format("{:.1e}", e.residual_force) : "-", now - last),
         index + 1, count);
@@ -120,6 +125,18 @@ void print_result(const JointModel& model, const RunOptions& options, const RunR
   log(run_summary(options, result));
 }
 
+/// --no-xplt over the settings file; else there is a plot file, named or not.
+void name_plot_file(const RunArguments& a, OutputSettings& typed, OutputSettings& file) {
+  if (!a.no_xplt) {
+    if (typed.output.empty() && file.output.empty()) typed.output = default_output(a.model);
+    return;
+  }
+  if (!typed.output.empty())
+    throw UsageError(fmt::format("--no-xplt and -o {}: found both, expected one of them", typed.output));
+  if (a.compress) throw UsageError("--compress belongs to the plot file, found --no-xplt beside it");
+  file.output.clear();
+}
+
 }  // namespace
 
 int run(const RunArguments& a) {
@@ -127,7 +144,7 @@ int run(const RunArguments& a) {
   const auto threads = limit_threads(a.threads);
   OutputSettings typed = a.outputs, file;
   Settings settings = effective_settings(a.settings, &file);
-  if (typed.output.empty() && file.output.empty()) typed.output = default_output(a.model);
+  name_plot_file(a, typed, file);
   RunOptions options = run_options(a, typed, file);
   const std::string &output = options.outputs.output, &page = options.outputs.report;
   const std::string output_option = given_as(&OutputSettings::output, typed);
@@ -139,18 +156,23 @@ int run(const RunArguments& a) {
   JointModel read = read_feb(a.model);
   std::vector<NamedPath> files = run_inputs(a);
   const std::vector<NamedPath> outputs = named_outputs(typed, file);
-  check_outputs(files, outputs);
+  const HeldOutputs held = claim_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());
-  const std::string name_note = plot_name_note(output_option, output);
+  const std::string name_note = output.empty() ? "" : plot_name_note(output_option, output);
   options.seconds_reading = seconds() - start;
   watch(options, progress);
   show_activity(progress, {});
   read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
+  if (!output.empty() && !a.overwrite)
+    options.on_times = [&](const std::vector<double>& times) {
+      refuse_to_replace(output, why_kept(output, recognition.model, times));
+    };
   if (!page.empty()) {
     options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
       begin(progress, "writing " + file_name(page));
-      write_run_page(page, recognition, analysis, std::move(xplt), a.model, output, a.words, files);
+      write_run_page(page, recognition, analysis, std::move(xplt), a.model, output.empty() ? a.model : output, a.words,
+                     files);
     };
   }
   const RunResult result = run_model(recognition, options);
@@ -159,6 +181,8 @@ int run(const RunArguments& a) {
   if (!a.quiet) {
     if (!name_note.empty()) log(name_note);
     print_result(recognition.model, options, result, a.details);
+  } else {
+    for (const std::string& line : no_solution_lines(result.analysis)) log(line);
   }
   return all_solved(result.analysis) ? kSolved : kNoSolution;
 }

@@ -36,7 +36,7 @@ def version_of(path):
 
 
 def outcome(dea, path, folder):
-    words = [dea, "run", path, "-q", "-o", os.path.join(folder, "o.xplt")]
+    words = [dea, "run", path, "-q", "--no-xplt"]
     try:
         done = subprocess.run(words, capture_output=True, text=True, errors="replace", timeout=600)
     except subprocess.TimeoutExpired:

@@ -24,7 +24,7 @@ SAMPLES = os.path.join(HERE, "..", "samples")
 
 def last_state(dea, model, *options):
     with tempfile.TemporaryDirectory() as folder:
-        out = subprocess.run([dea, "run", os.path.join(SAMPLES, model), "-o", os.path.join(folder, "x.xplt"), "--states", "last", "-q", "--json", "-",
+        out = subprocess.run([dea, "run", os.path.join(SAMPLES, model), "--no-xplt", "--states", "last", "-q", "--json", "-",
                               *options], check=True, capture_output=True, text=True).stdout
     return json.loads(out)
 
@@ -120,7 +120,7 @@ def measure(dea, joint):
                 name += ", %s" % stiffness
             labels.append("dea, " + name)
             files.append(os.path.join(temporary, "%d.xplt" % len(files)))
-            subprocess.run([dea, "run", model, "-o", files[-1], "--states", "last", "-q", *options, *choice], check=True)
+            subprocess.run([dea, "run", model, "-o", files[-1], "--overwrite", "--states", "last", "-q", *options, *choice], check=True)
         for name, path in references:
             names.append("FEBio")
             labels.append("FEBio, " + name)

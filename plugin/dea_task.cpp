@@ -6,6 +6,8 @@
 #include <filesystem>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/time_text.h>
+#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/io/settings/settings_xml.h>
@@ -53,7 +55,7 @@ std::string no_solution(const Analysis& analysis, const std::string& output) {
     ++count;
   }
   return fmt::format("dea: no solution in {} of {} states, first at time {} ({}); results are in {}", count,
-                     analysis.states.size(), number_text(first->when.time), name(first->equilibrium.outcome), output);
+                     analysis.states.size(), time_text(first->when.time), name(first->equilibrium.outcome), output);
 }
 
 bool run(FEBioModel& fem, const std::string& settings_file) {
@@ -70,7 +72,7 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   if (!named) outputs.front().option = "-p";
 
   const JointModel model = read_fe_model(fem);
-  check_outputs(files, outputs);
+  const HeldOutputs held = claim_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());
   options.seconds_reading = seconds() - start;
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };

@@ -11,7 +11,7 @@ trap 'rm -rf "$folder"' EXIT
 "$cmake" --build "$folder/build" >"$folder/build.log" || { cat "$folder/build.log"; exit 1; }
 "$folder/build/outside" "$source/samples/hip/hip_walking.feb" "$folder/outside.xplt"
 "$folder/build/outside_static" "$source/samples/spheres/one_layer.feb" "$folder/static.xplt"
-"$dea" run "$source/samples/hip/hip_walking.feb" -o "$folder/dea.xplt" -q >/dev/null
+"$dea" run "$source/samples/hip/hip_walking.feb" -o "$folder/dea.xplt" --overwrite -q >/dev/null
 cmp "$folder/outside.xplt" "$folder/dea.xplt"
-"$dea" run "$source/samples/spheres/one_layer.feb" -o "$folder/dea.xplt" -q >/dev/null
+"$dea" run "$source/samples/spheres/one_layer.feb" -o "$folder/dea.xplt" --overwrite -q >/dev/null
 cmp "$folder/static.xplt" "$folder/dea.xplt"

@@ -8,12 +8,12 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/vtu/write_vtu.h>
 #include <febiodea/run/states.h>
 #include <febiodea/views/data/run_csv.h>
-#include <febiodea/views/text/table.h>
 
 namespace dea {
 
@@ -58,8 +58,8 @@ States wanted_states(const JointModel& model, const Settings& settings, const st
       chosen.push_back(t);
   if (asked.last) chosen.push_back(*std::max_element(own.begin(), own.end()));
   if (chosen.empty())
-    throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {:g} to {:g}",
-                                 option, own.front(), own.back()));
+    throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {} to {}", option,
+                                 time_text(own.front()), time_text(own.back())));
   return choose_states(model, std::move(times.times), chosen, option);
 }
 
@@ -84,10 +84,17 @@ AnalysisOptions analysis_options(const RunOptions& options, const States& states
   out.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
     if (options.on_state) options.on_state(s, index, count);
     if (!options.progress) return;
-    options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count,
-                                 number_text(s.when.time), name(s.equilibrium.outcome), s.equilibrium.iterations));
+    options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count, time_text(s.when.time),
+                                 name(s.equilibrium.outcome), s.equilibrium.iterations));
   };
   return out;
+}
+
+std::vector<double> times_to_write(const States& states) {
+  std::vector<double> times;
+  for (std::size_t i = 0; i < states.times.size(); ++i)
+    if (states.wanted[i]) times.push_back(states.times[i].time);
+  return times;
 }
 
 /// Everything but the plot file itself.
@@ -117,6 +124,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }
+  if (options.on_times && recognition.faults.empty()) options.on_times(times_to_write(states));
   RunResult result;
   Timings& timings = result.timings;
   timings.read = options.seconds_reading + seconds() - start;
@@ -130,9 +138,11 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   timings.solve = result.analysis.seconds_solve;
 
   const double write_start = seconds();
-  if (options.on_writing) options.on_writing(outputs.output);
-  XpltFile xplt = make_plot_file(model, result.analysis, options.compress);
-  write_xplt(outputs.output, xplt);
+  if (options.on_writing) options.on_writing(outputs.output.empty() ? "results" : outputs.output);
+  XpltFile xplt;
+  if (!outputs.output.empty() || !outputs.vtu.empty() || options.with_plot)
+    xplt = make_plot_file(model, result.analysis, options.compress);
+  if (!outputs.output.empty()) write_xplt(outputs.output, xplt);
   end_if_stopped(options.stop);
   if (!outputs.vtu.empty()) write_vtu(outputs.vtu, xplt);
   timings.write = seconds() - write_start;
@@ -151,8 +161,10 @@ bool all_solved(const Analysis& analysis) {
 
 std::string run_summary(const RunOptions& options, const RunResult& result) {
   const Timings& t = result.timings;
-  return fmt::format("{}: {} states in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})",
-                     options.outputs.output, result.analysis.states.size(), t.total, t.read, t.joint, t.solve, t.write);
+  const std::string& output = options.outputs.output;
+  return fmt::format("{}{} states in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})",
+                     output.empty() ? "" : output + ": ", result.analysis.states.size(), t.total, t.read, t.joint,
+                     t.solve, t.write);
 }
 
 }  // namespace dea

@@ -11,8 +11,8 @@
 namespace dea {
 
 struct RunOptions {
-  OutputSettings outputs;  ///< where to; the plot file is always written, the page by `with_plot`. States: empty: all,
-                           ///< or about 1000 of them where there are very many
+  OutputSettings outputs;  ///< where to; the page is written by `with_plot`. States: empty: all, or about 1000 of them
+                           ///< where there are very many
   std::string states_option;                              ///< how the user calls the states: "--states last"
   std::string times_from;                                 ///< FEA result whose times to take; "" the model's
   bool compress = false;                                  ///< the plot file
@@ -21,8 +21,10 @@ struct RunOptions {
   std::function<void(const StateResult&, std::size_t index, std::size_t count)> on_state;  ///< the same, as numbers
   std::function<void(const Activity&)> on_activity;  ///< what is being worked out; may be empty
   const StopFlag* stop = nullptr;                    ///< ends the search, or the writing between two files: Stopped
-  std::function<void(const std::string& file)> on_writing;     ///< before the plot file is written; may be empty
-  std::function<void(const Analysis&, XpltFile&&)> with_plot;  ///< what else to make of the plot file; may be empty
+  std::function<void(const std::vector<double>& times)> on_times;  ///< before springs are placed: of the states that
+                                                                   ///< will be written; may be empty, may throw
+  std::function<void(const std::string& file)> on_writing;         ///< before a file is written; may be empty
+  std::function<void(const Analysis&, XpltFile&&)> with_plot;      ///< what else to make of the plot file; may be empty
 };
 
 struct RunResult {
@@ -40,7 +42,7 @@ bool wants_all_states(const RunOptions& options);
 /// True if every state that was asked for is a solution.
 bool all_solved(const Analysis& analysis);
 
-/// "hip_dea.xplt: 3 states in 0.20 s (read 0.05, ...)"
+/// "hip_dea.xplt: 3 states in 0.20 s (read 0.05, ...)"; without a plot file: "3 states in ..."
 std::string run_summary(const RunOptions& options, const RunResult& result);
 
 }  // namespace dea

@@ -8,6 +8,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/say.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/geometry/surface_mesh.h>
 #include <febiodea/model/load_curve.h>
 
@@ -284,8 +285,9 @@ void check_times(LoadController& curve) {
   const bool jumps = kind == Interpolate::Linear || kind == Interpolate::Step || kind == Interpolate::SmoothStep;
   for (std::size_t i = 1; i < curve.points.size() && curve.unsupported.empty(); ++i) {
     const double before = curve.points[i - 1][0], t = curve.points[i][0];
-    if (t < before) curve.unsupported = fmt::format("times that go back from {:g} to {:g}", before, t);
-    if (t == before && !jumps) curve.unsupported = fmt::format("a smooth curve with time {:g} twice", t);
+    if (t < before)
+      curve.unsupported = fmt::format("times that go back from {} to {}", time_text(before), time_text(t));
+    if (t == before && !jumps) curve.unsupported = fmt::format("a smooth curve with time {} twice", time_text(t));
   }
   // FEBio refuses these, with as many points as there are; a smooth curve takes any number.
   const std::size_t least = jumps || kind == Interpolate::Smooth ? 0 : kind == Interpolate::C2Smooth ? 3 : 2;

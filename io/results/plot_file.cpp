@@ -444,6 +444,8 @@ XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool 
   return file;
 }
 
+XpltMesh plot_mesh(const JointModel& model) { return make_mesh(model).mesh; }
+
 XpltFile make_check_file(const JointModel& model, const JointCheck& check) {
   MeshMap map = make_mesh(model);
   XpltFile file = empty_file(model);

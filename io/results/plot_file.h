@@ -13,6 +13,9 @@ inline XpltFile make_plot_file(const Recognition& recognition, const Analysis& a
   return make_plot_file(recognition.model, analysis, compressed);
 }
 
+/// The mesh in it: the model's as FEBio would write it.
+XpltMesh plot_mesh(const JointModel& model);
+
 /// What `dea info -o` shows: thickness, initial gap, missed normals, rims and facets left out on the surfaces, and the
 /// springs that face something as line elements (on nodes of their own after the model's).
 XpltFile make_check_file(const JointModel& model, const JointCheck& check);

@@ -11,6 +11,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
 
 namespace dea {
 
@@ -65,9 +66,9 @@ int find_state(const ResultFile& result, double time) {
   for (std::size_t s = 0; s < result.xplt.states.size(); ++s)
     if (same_time(result.xplt.states[s].time, time)) return static_cast<int>(s);
   std::string times;
-  for (const XpltState& state : result.xplt.states)
-    times += fmt::format("{}{:.6g}", times.empty() ? "" : ", ", state.time);
-  throw InputError(fmt::format("{}: found no state at time {:g}, expected one of {}", result.path, time, times));
+  for (const XpltState& state : result.xplt.states) times += (times.empty() ? "" : ", ") + time_text(state.time);
+  throw InputError(
+      fmt::format("{}: found no state at time {}, expected one of {}", result.path, time_text(time), times));
 }
 
 int find_surface(const ResultFile& result, int state, const std::string& name) {
@@ -128,8 +129,8 @@ std::vector<double> facet_values(const ResultFile& result, int state, int surfac
       throw InputError(fmt::format("{}: \"{}\" is not one number per facet or node", result.path, field));
     for (float x : region.values)
       if (!std::isfinite(x) && !undefined)
-        throw InputError(fmt::format("{}: surface \"{}\", time {:g}: \"{}\" is not a number somewhere", result.path,
-                                     facets.name, result.xplt.states[at(state)].time, field));
+        throw InputError(fmt::format("{}: surface \"{}\", time {}: \"{}\" is not a number somewhere", result.path,
+                                     facets.name, time_text(result.xplt.states[at(state)].time), field));
     std::vector<double> values;
     if (variable.format == XpltFormat::Item) {
       values.assign(region.values.begin(), region.values.end());

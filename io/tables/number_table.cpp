@@ -17,7 +17,7 @@ namespace dea {
 
 namespace {
 
-InputError fault(const std::string& path, int line, const std::string& text) {
+InputError table_fault(const std::string& path, int line, const std::string& text) {
   return InputError(fmt::format("{}:{}: {}", path, line, text));
 }
 
@@ -59,9 +59,9 @@ std::string text_of(const std::string& path) {
 void check_names(const NumberTable& table, int line) {
   std::set<std::string> seen;
   for (const std::string& name : table.names) {
-    if (name.empty()) throw fault(table.path, line, "found a column without a name, expected a name for each");
+    if (name.empty()) throw table_fault(table.path, line, "found a column without a name, expected a name for each");
     if (!seen.insert(lower_case(name)).second)
-      throw fault(table.path, line, fmt::format("found two columns named {}, expected different names", febio::quote(name)));
+      throw table_fault(table.path, line, fmt::format("found two columns named {}, expected different names", febio::quote(name)));
   }
   const bool numbers = std::all_of(table.names.begin(), table.names.end(), [](const std::string& name) {
     try {
@@ -71,19 +71,19 @@ void check_names(const NumberTable& table, int line) {
       return false;
     }
   });
-  if (numbers) throw fault(table.path, line, "found numbers, expected the names of the columns");
+  if (numbers) throw table_fault(table.path, line, "found numbers, expected the names of the columns");
 }
 
 std::vector<double> numbers_of(const NumberTable& table, const std::vector<std::string>& words, int line) {
   if (words.size() != table.names.size())
-    throw fault(table.path, line, fmt::format("found {} values, expected {}: one for each name in the line of names",
+    throw table_fault(table.path, line, fmt::format("found {} values, expected {}: one for each name in the line of names",
                                               words.size(), table.names.size()));
   std::vector<double> row;
   for (std::size_t i = 0; i < words.size(); ++i) {
     try {
       row.push_back(parse_number(words[i]));
     } catch (const BadValue&) {
-      throw fault(table.path, line, fmt::format("column {}: found {}, expected a number with a decimal point",
+      throw table_fault(table.path, line, fmt::format("column {}: found {}, expected a number with a decimal point",
                                                 febio::quote(table.names[i]), febio::quote(words[i])));
     }
   }
@@ -126,9 +126,9 @@ NumberTable read_table(const std::string& path) {
     table.rows.push_back(numbers_of(table, words_of_line(line, separator), number));
     table.lines.push_back(number);
   }
-  if (header) throw fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
-  if (table.names.empty()) throw fault(path, number, "found no line, expected the names of the columns and rows");
-  if (table.rows.empty()) throw fault(path, number, "found no row, expected at least one below the names of the columns");
+  if (header) throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
+  if (table.names.empty()) throw table_fault(path, number, "found no line, expected the names of the columns and rows");
+  if (table.rows.empty()) throw table_fault(path, number, "found no row, expected at least one below the names of the columns");
   return table;
 }
 

@@ -11,6 +11,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/base/say.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/febio/febio_text.h>
 #include <febiodea/io/files/unit_names.h>
 #include <febiodea/io/tables/number_table.h>
@@ -144,8 +145,8 @@ std::vector<double> times_of(const NumberTable& table) {
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
     times.push_back(column < 0 ? static_cast<double>(r + 1) : table.rows[r][at(column)]);
     if (r > 0 && !(times[r] > times[r - 1]))
-      throw InputError(fmt::format("{}:{}: found time {:g} after {:g}, expected times that rise from row to row", table.path,
-                                   table.lines[r], times[r], times[r - 1]));
+      throw InputError(fmt::format("{}:{}: found time {} after {}, expected times that rise from row to row", table.path,
+                                   table.lines[r], time_text(times[r]), time_text(times[r - 1])));
   }
   return times;
 }
@@ -158,8 +159,9 @@ std::string column_names(const NumberTable& table, const std::vector<int>& colum
 
 std::string rows_in_words(const NumberTable& table, const std::vector<int>& columns, const std::vector<double>& times) {
   const int time = time_column(table);
-  return fmt::format("{}: {} rows, {} {:g} to {:g}, columns {}", table.path, table.rows.size(),
-                     time < 0 ? "numbered" : fmt::format("{}", table.names[at(time)]), times.front(), times.back(),
+  return fmt::format("{}: {} rows, {} {} to {}, columns {}", table.path, table.rows.size(),
+                     time < 0 ? "numbered" : fmt::format("{}", table.names[at(time)]), time_text(times.front()),
+                     time_text(times.back()),
                      column_names(table, columns));
 }
 

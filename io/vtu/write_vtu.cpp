@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
@@ -14,6 +13,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/files/encoded_text.h>
 #include <febiodea/io/files/output.h>
 
@@ -91,16 +91,8 @@ std::string document(std::size_t points, const Cells& cells, const std::string& 
          "</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
 }
 
-/// Seven digits, as they read back from the plot file: 0.05, not 0.0500000007.
-double decimal(float x) {
-  const std::string text = fmt::format("{}", x);
-  double number = 0.0;
-  std::from_chars(text.data(), text.data() + text.size(), number);
-  return number;
-}
-
 std::string time_value(const XpltState& state) {
-  return data_array("TimeValue", 1, std::vector<double>{decimal(state.time)}, true);
+  return data_array("TimeValue", 1, std::vector<double>{time_meant(state.time)}, true);
 }
 
 /// Values at `nodes` of the mesh.
@@ -217,7 +209,7 @@ std::string pvd(const XpltFile& file) {
     int part = 0;
     for (const char* what : {"mesh", "surfaces"})
       out += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" name=\"{}\" file=\"{}\"/>\n",
-                         file.states[i].time, part++, what, file_name(what, i));
+                         time_text(file.states[i].time), part++, what, file_name(what, i));
   }
   return out + "</Collection>\n</VTKFile>\n";
 }

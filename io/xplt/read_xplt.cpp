@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <set>
@@ -830,6 +831,70 @@ XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
     }
   }
   return file;
+}
+
+namespace {
+
+// The time of the state whose bytes begin so; nothing: they begin otherwise than FEBio's and ours.
+std::optional<float> time_at_start(const std::string& bytes, const std::string& name) {
+  Source source;
+  source.name = &name;
+  source.bytes = &bytes;
+  if (bytes.size() < 8 || u32_at(source, 0) != kStateHeader) return std::nullopt;
+  const std::size_t end = 8 + std::size_t{u32_at(source, 4)};
+  for (std::size_t at = 8; at + 12 <= std::min(end, bytes.size()); at += 8 + std::size_t{u32_at(source, at + 4)})
+    if (u32_at(source, at) == kStateTime) return float_at(source, at + 8);
+  return std::nullopt;
+}
+
+// Header, mesh and times by looking at the starts of chunks; nothing: read all of it.
+std::optional<XpltFile> skimmed(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!in || error) return std::nullopt;
+  std::uintmax_t at = 0;
+  const auto take = [&](std::uintmax_t count, std::string& bytes) {
+    if (count > size - at) return false;
+    bytes.resize(count);
+    in.read(bytes.data(), static_cast<std::streamsize>(count));
+    at += count;
+    return static_cast<bool>(in);
+  };
+  const auto take_header = [&](std::uint32_t id, std::string& bytes) -> std::optional<std::uint32_t> {
+    if (!take(8, bytes)) return std::nullopt;
+    Source source;
+    source.bytes = &bytes;
+    return u32_at(source, 0) == id ? std::optional(u32_at(source, 4)) : std::nullopt;
+  };
+  std::string start, header, chunk;
+  if (!take(4, start)) return std::nullopt;
+  for (const std::uint32_t id : {kRoot, kMesh}) {
+    const auto length = take_header(id, header);
+    if (!length || !take(*length, chunk)) return std::nullopt;
+    start += header + chunk;
+  }
+  XpltFile file = xplt_from_bytes(start, path);
+  if (file.compressed) return std::nullopt;
+  while (at < size) {
+    const auto length = take_header(kState, header);
+    constexpr std::uint32_t kEnough = 64;  // of a state, to know its time
+    const std::uintmax_t behind = length ? at + *length : 0;
+    if (!length || behind > size || !take(std::min(*length, kEnough), chunk)) return std::nullopt;
+    const std::optional<float> time = time_at_start(chunk, path);
+    if (!time) return std::nullopt;
+    file.states.emplace_back().time = *time;
+    at = behind;
+    in.seekg(static_cast<std::streamoff>(at));
+  }
+  return file;
+}
+
+}  // namespace
+
+XpltFile read_xplt_outline(const std::string& path) {
+  std::optional<XpltFile> file = skimmed(path);
+  return file ? std::move(*file) : read_xplt(path);
 }
 
 XpltFile read_xplt(const std::string& path) { return xplt_from_bytes(bytes_of_file(path), path); }

@@ -148,6 +148,10 @@ void write_xplt(const std::string& path, const XpltFile& file);
 /// flagged. Throws InputError: not a plot file, older version, inconsistent chunk sizes, ...
 XpltFile read_xplt(const std::string& path);
 
+/// What a plot file is of: header, dictionary, meshes, and of each state its time; its values may be missing. Quick: it
+/// passes over the states, unless the file is compressed, has several meshes or is cut off. Throws as read_xplt does.
+XpltFile read_xplt_outline(const std::string& path);
+
 /// The same from bytes in memory; `name` stands for the path in errors.
 XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name);
 

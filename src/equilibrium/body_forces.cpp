@@ -7,6 +7,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea {
@@ -153,10 +154,10 @@ std::string undefined_force(const Joint& joint, const LoadCase& load_case, const
     const double length = length_of(joint, l, poses);
     if (std::isfinite(value_or_nan(*l.curve, measure_of(l, length).value))) continue;
     return fmt::format(
-        "{}spring \"{}\" at time {:g}: its force \"{}\" has no finite value at {} = {:g} (length {:g}, free length "
+        "{}spring \"{}\" at time {}: its force \"{}\" has no finite value at {} = {:g} (length {:g}, free length "
         "{:g}); write it for every length, such as with max({}, 0)",
-        l.where, l.name, load_case.time, l.curve->expression, l.curve->variable, measure_of(l, length).value, length,
-        l.free_length, l.curve->variable);
+        l.where, l.name, time_text(load_case.time), l.curve->expression, l.curve->variable, measure_of(l, length).value,
+        length, l.free_length, l.curve->variable);
   }
   return "";
 }

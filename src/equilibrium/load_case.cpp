@@ -10,6 +10,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/rotations.h>
 #include <febiodea/base/say.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/joint/placing.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/model/load_curve.h>
@@ -32,8 +33,8 @@ double finite_value(const Instant& now, const Scaled& scaled, Origin origin) {
   const double v = value(now.model, scaled, now.time);
   if (std::isfinite(v)) return v;
   throw fault_at(now.model, origin,
-                 fmt::format("its value at time {:g} is no finite number (load curve {}): mend the curve's points",
-                             now.time, scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
+                 fmt::format("its value at time {} is no finite number (load curve {}): mend the curve's points",
+                             time_text(now.time), scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
 }
 
 Vector3d finite_vector(const Instant& now, const Vector3d& v, int controller, Origin origin) {
@@ -158,10 +159,10 @@ void hold_by_nodes(const Instant& now, int body, BodyConditions& conditions) {
   if (!agree)
     throw fault_at(
         now.model, nodes.mover->origin,
-        fmt::format("prescribed displacement \"{}\": at time {:g} its nodes move bone \"{}\" otherwise than by one "
+        fmt::format("prescribed displacement \"{}\": at time {} its nodes move bone \"{}\" otherwise than by one "
                     "translation along x, y or z, which DEA cannot follow; make the bone a rigid body of the model and "
                     "prescribe its motion",
-                    nodes.mover->name, now.time, b.name));
+                    nodes.mover->name, time_text(now.time), b.name));
 }
 
 // ---- motions -----------------------------------------------------------------------------------------------------

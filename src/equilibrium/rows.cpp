@@ -7,6 +7,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/equilibrium/equilibrium.h>
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/equilibrium/times.h>
@@ -44,8 +45,8 @@ void check_rows(const JointModel& model, const Joint& joint, const Settings& s) 
       same = std::abs(a[r] - b[r]) <= 1e-6 * std::max({std::abs(a.front()), std::abs(a.back()), 1e-300});
     if (!same)
       throw wrong_setting("motion", s.motion.file,
-                  say("its rows ({}, {:g} to {:g}) are not at the times of the loads' ({}, {:g} to {:g});", b.size(),
-                      b.front(), b.back(), a.size(), a.front(), a.back()),
+                  say("its rows ({}, {} to {}) are not at the times of the loads' ({}, {} to {});", b.size(),
+                      time_text(b.front()), time_text(b.back()), a.size(), time_text(a.front()), time_text(a.back())),
                   "give both tables the same times");
   }
   if (row_count(s) > 0) make_row_case(model, joint, s, 0, reference_poses(joint));  // a frame that cannot be followed
@@ -84,8 +85,8 @@ std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint,
                             : fmt::format(", angles in the sequence {}", s.motion.rotation),
                         before));
   if (row_count(s) == 0 && s.skip_steps)
-    words.push_back(say("the model's steps are not walked through: what holds at time {:g} starts from the starting poses",
-                        step_starts(model).back()));
+    words.push_back(say("the model's steps are not walked through: what holds at time {} starts from the starting poses",
+                        time_text(step_starts(model).back())));
   return words;
 }
 

@@ -8,6 +8,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/base/time_text.h>
 
 namespace dea {
 
@@ -93,14 +94,15 @@ States row_states(const JointModel& model, const Settings& settings, const State
         found = true;
       }
     if (!found)
-      throw UsageError(fmt::format("{}: found time {:g}, expected that of a row of the table, from {:g} to {:g}", option,
-                                   t, row_time(settings, 0), row_time(settings, rows - 1)));
+      throw UsageError(fmt::format("{}: found time {}, expected that of a row of the table, from {} to {}", option,
+                                   time_text(t), time_text(row_time(settings, 0)),
+                                   time_text(row_time(settings, rows - 1))));
   }
   for (std::size_t r = 0; r < rows; ++r)
     for (const auto& range : asked.ranges) wanted[r] = wanted[r] || within(row_time(settings, r), range);
   if (std::count(wanted.begin(), wanted.end(), 1) == 0)
-    throw UsageError(fmt::format("{}: found no row of the table in this range, expected times from {:g} to {:g}", option,
-                                 row_time(settings, 0), row_time(settings, rows - 1)));
+    throw UsageError(fmt::format("{}: found no row of the table in this range, expected times from {} to {}", option,
+                                 time_text(row_time(settings, 0)), time_text(row_time(settings, rows - 1))));
   for (std::size_t r = 0; r < rows; ++r)
     if (wanted[r]) {
       states.times.push_back({row_time(settings, r), last, static_cast<int>(r)});
@@ -126,8 +128,8 @@ ResultTimes times_of_result(const JointModel& model, const std::vector<double>& 
     if (step_end > 0) insert_time(model, result.times, step_end, end);
   for (double t : found) {
     if (!(t >= -1e-6 * end && t <= end * (1 + 1e-6)))
-      throw InputError(fmt::format("{}: found a state at time {:g}, expected times from 0 to {:g}, those of the model",
-                                   path, t, end));
+      throw InputError(fmt::format("{}: found a state at time {}, expected times from 0 to {}, those of the model",
+                                   path, time_text(t), time_text(end)));
     for (const TimePoint& p : own)
       if (same_in_single_precision(p.time, t, end)) t = p.time;  // 0.05, not the single-precision 0.0500000007
     insert_time(model, result.times, t, end);
@@ -142,7 +144,7 @@ States choose_states(const JointModel& model, std::vector<TimePoint> times, cons
   for (double t : chosen) {
     if (!(t >= 0 && t <= end * (1 + 1e-6)))
       throw UsageError(
-          fmt::format("{}: found time {:g}, expected times from 0 to {:g}, those of the model", option, t, end));
+          fmt::format("{}: found time {}, expected times from 0 to {}, those of the model", option, time_text(t), time_text(end)));
     insert_time(model, times, std::min(t, end), end);
   }
   States states{std::move(times), {}};

@@ -340,6 +340,45 @@ TEST_F(Cli, QuietPrintsNothing) {
   EXPECT_NE(loud.out.find("mm-N-s"), std::string::npos);
 }
 
+TEST_F(Cli, QuietNamesTheStatesThatAreNoSolution) {
+  write_model("pull.feb", 12.0);  // apart as soon as it is pulled: states 2 to 5 of 5
+  const Finished f = dea({"run", "pull.feb", "-q"});
+  EXPECT_EQ(f.code, 1);
+  EXPECT_EQ(f.out, "");
+  std::istringstream lines(f.err);
+  Names found;
+  for (std::string line; std::getline(lines, line);) found.push_back(line);
+  ASSERT_EQ(found.size(), 5u) << f.err;
+  const char* times[] = {"0.25", "0.5", "0.75", "1"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::string start = fmt::format("warning: time {}: SurfacesApart: ", times[i]);
+    EXPECT_EQ(found[i].substr(0, start.size()), start);
+    EXPECT_GT(found[i].size(), start.size() + 10);  // and why
+  }
+  EXPECT_EQ(found[4], "warning: no solution in 4 of 5 states");
+  EXPECT_EQ(dea({"run", "pull.feb", "-q", "--states", "0", "--overwrite"}).err,
+            "");  // the reference state is none that failed
+}
+
+TEST_F(Cli, TimesArePrintedAsTheyWereMeant) {
+  write_model();
+  std::string text = file_text(folder / "flat.feb");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("<time_steps>4</time_steps><step_size>0.25</step_size>",
+          "<time_steps>10</time_steps><step_size>0.1</step_size>");
+  write("ten.feb", text);
+  const Finished f = dea({"run", "ten.feb", "-v", "--states", "0.7,0.123456789,last"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  for (const char* what : {", time 0.7: ", ", time 0.123456789: ", ", time 1: "})
+    EXPECT_NE(f.err.find(what), std::string::npos) << f.err;
+  EXPECT_NE(f.out.find("\n0.123456789  touch"), std::string::npos) << f.out;
+  EXPECT_NE(f.out.find("\n        0.7  touch"), std::string::npos) << f.out;
+  const Finished c = dea({"compare", "ten_dea.xplt", "ten_dea.xplt", "--at", "0.7"});  // in single precision there
+  EXPECT_NE(c.out.find("ten_dea.xplt, time 0.7\n"), std::string::npos) << c.out;
+}
+
 TEST_F(Cli, PlotFilesOfOtherEndingsAreWrittenWithANote) {
   write_model();
   const auto notes = [&](const std::string& name, std::vector<std::string> more = {}) {
@@ -404,7 +443,7 @@ TEST_F(Cli, VectorsMayBeginWithAMinus) {
 TEST_F(Cli, StatesAndTimesFrom) {
   write_model();
   const auto times = [&](std::vector<std::string> more) {
-    std::vector<std::string> words = {"run", "flat.feb", "--json", "-"};
+    std::vector<std::string> words = {"run", "flat.feb", "--overwrite", "--json", "-"};
     words.insert(words.end(), more.begin(), more.end());
     const Finished f = dea(words);
     EXPECT_EQ(f.code, 0) << f.err;
@@ -455,6 +494,10 @@ TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
       {{"run", "flat.feb", "--threads", "0"},
        "dea: --threads 0: found \"0\", expected a whole number from 1 to 1024\n"},
       {{"run", "flat.feb", "-o", "-"}, "dea: -o -: the plot file cannot go to standard output, give it a name\n"},
+      {{"run", "flat.feb", "--no-xplt", "-o", "r.xplt"},
+       "dea: --no-xplt and -o r.xplt: found both, expected one of them\n"},
+      {{"run", "flat.feb", "--no-xplt", "--compress"},
+       "dea: --compress belongs to the plot file, found --no-xplt beside it\n"},
       {{"run", "flat.feb", "-o", "./flat.feb"}, "dea: -o ./flat.feb: would overwrite the model\n"},
       {{"run", "flat.feb", "--json", "-", "--csv", "-"},
        "dea: only one of --json and --csv can go to standard output\n"},
@@ -531,7 +574,7 @@ TEST_F(Cli, FileSizeLimitLeavesTheOlderResultAndNoTemporaryFile) {
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
   const rlimit small{1024, before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);  // inherited by the program
-  const Finished f = dea({"run", "flat.feb", "-o", "r.xplt", "-q"});
+  const Finished f = dea({"run", "flat.feb", "-o", "r.xplt", "-q", "--overwrite"});
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   EXPECT_EQ(f.code, 4);
   EXPECT_EQ(f.err, "dea: cannot write r.xplt: File too large\n");
@@ -545,6 +588,150 @@ TEST_F(Cli, OutputReplacesAnOlderOneAndMayBeADevice) {
   ASSERT_EQ(dea({"run", "flat.feb", "--json", "r.json", "-o", "/dev/null", "-q"}).code, 0);
   EXPECT_EQ(Json::parse(file_text(folder / "r.json"))["schema"], "dea.run/1");
   EXPECT_EQ(files(), (Names{"flat.feb", "r.json"}));
+}
+
+TEST_F(Cli, NoPlotFileWhereNoneIsWanted) {
+  write_model();
+  const Finished table = dea({"run", "flat.feb", "--no-xplt"});
+  EXPECT_EQ(table.code, 0) << table.err;
+  EXPECT_NE(table.out.find("\n   1  touch"), std::string::npos) << table.out;
+  EXPECT_EQ(table.err.find("xplt"), std::string::npos) << table.err;
+  EXPECT_EQ(files(), Names{"flat.feb"});
+  write("s.xml", "<febiodea_settings version=\"1\"><output>o.xplt</output></febiodea_settings>");
+  const Finished f = dea({"run", "flat.feb", "--no-xplt", "-q", "--settings", "s.xml", "--json", "r.json", "--csv",
+                          "r.csv", "--facets-csv", "f.csv", "--vtu", "paraview", "--report", "r.html"});
+  EXPECT_EQ(f.code, 0) << f.err;
+  EXPECT_EQ(files(), (Names{"f.csv", "flat.feb", "paraview", "r.csv", "r.html", "r.json", "s.xml"}));
+  EXPECT_TRUE(fs::exists(folder / "paraview" / "results.pvd"));
+  ASSERT_EQ(dea({"run", "flat.feb", "-q", "--json", "with.json"}).code, 0);
+  EXPECT_EQ(Json::parse(file_text(folder / "r.json"))["states"],
+            Json::parse(file_text(folder / "with.json"))["states"]);
+}
+
+// What is there already is replaced unasked only if it is ours, of the same mesh, and no state is lost.
+TEST_F(Cli, PlotFilesThatAreThereAlready) {
+  write_model();
+  write_model("push.feb", -12.0);
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"run", "flat.feb", "-q"});
+    return dea(more);
+  };
+  const auto expect_kept = [&](const Finished& f, const std::string& name, const std::string& why,
+                               const std::string& before) {
+    EXPECT_EQ(f.code, 4);
+    EXPECT_EQ(f.err, fmt::format("dea: cannot write {}: it is there already, {}; --overwrite replaces it, -o FILE.xplt "
+                                 "writes another\n",
+                                 name, why));
+    EXPECT_TRUE(file_text(folder / name) == before) << name;
+  };
+  ASSERT_EQ(run({"--states", "last"}).code, 0);
+  ASSERT_EQ(run({}).code, 0);  // with more states: nothing is lost
+  ASSERT_EQ(run({"--law", "linear"}).code, 0);
+  const std::string all = file_text(folder / "flat_dea.xplt");
+  expect_kept(run({"--states", "last"}), "flat_dea.xplt",
+              "results of this model with 4 states that would be lost (times 0 to 0.75)", all);
+  expect_kept(run({"--states", "0,0.25,0.75,last"}), "flat_dea.xplt",
+              "results of this model with 1 state that would be lost (time 0.5)", all);
+  expect_kept(run({"--states", "last", "-o", "flat_dea.xplt"}), "flat_dea.xplt",
+              "results of this model with 4 states that would be lost (times 0 to 0.75)", all);
+  EXPECT_EQ(dea({"run", "push.feb", "-q", "-o", "flat_dea.xplt"}).code, 0);  // the same mesh and times
+  ASSERT_EQ(run({"--states", "last", "--overwrite"}).code, 0);
+  EXPECT_EQ(read_xplt((folder / "flat_dea.xplt").string()).states.size(), 1u);
+  ASSERT_EQ(run({"--states", "last", "--compress", "-o", "z.xplt"}).code, 0);
+  EXPECT_EQ(run({"--states", "0", "-o", "z.xplt"}).code, 4);  // also where the states must be unpacked
+  EXPECT_EQ(run({"-o", "z.xplt"}).code, 0);
+
+  std::string text = file_text(folder / "flat.feb");
+  const std::string node = "<node id=\"37\">9,9,9</node>\n</Nodes>";
+  text.replace(text.find("</Nodes>"), 8, node);
+  write("other.feb", text);
+  const std::string ours = file_text(folder / "flat_dea.xplt");
+  expect_kept(dea({"run", "other.feb", "-q", "-o", "flat_dea.xplt"}), "flat_dea.xplt",
+              "results of another mesh: 36 nodes and 19 elements, not 37 nodes and 19 elements", ours);
+
+  XpltFile foreign = read_xplt((folder / "flat_dea.xplt").string());
+  foreign.software = "FEBio 4.7.0";
+  write_xplt((folder / "fea.xplt").string(), foreign);
+  const std::string fea = file_text(folder / "fea.xplt");
+  expect_kept(run({"--states", "last", "-o", "fea.xplt"}), "fea.xplt", "written by FEBio 4.7.0", fea);
+  expect_kept(dea({"info", "flat.feb", "-o", "fea.xplt"}), "fea.xplt", "written by FEBio 4.7.0", fea);
+  expect_kept(dea({"compare", "flat_dea.xplt", "flat_dea.xplt", "-o", "fea.xplt"}), "fea.xplt",
+              "written by FEBio 4.7.0", fea);
+  EXPECT_EQ(dea({"info", "flat.feb", "-o", "fea.xplt", "--overwrite"}).code, 0);
+  EXPECT_EQ(dea({"info", "flat.feb", "-o", "fea.xplt"}).code, 0);  // its own may be replaced
+  expect_kept(run({"-o", "fea.xplt"}), "fea.xplt", "what dea info -o writes", file_text(folder / "fea.xplt"));
+  ASSERT_EQ(dea({"compare", "flat_dea.xplt", "flat_dea.xplt", "-q", "-o", "both.xplt"}).code, 0);
+  EXPECT_EQ(dea({"compare", "flat_dea.xplt", "flat_dea.xplt", "-q", "-o", "both.xplt"}).code, 0);
+  expect_kept(run({"-o", "both.xplt"}), "both.xplt", "what dea compare -o writes", file_text(folder / "both.xplt"));
+  expect_kept(dea({"info", "flat.feb", "-o", "flat_dea.xplt"}), "flat_dea.xplt", "results of dea run", ours);
+
+  write("text.xplt", "not a plot file");
+  const Finished no_plot = run({"-o", "text.xplt"});
+  EXPECT_EQ(no_plot.code, 4);
+  EXPECT_NE(no_plot.err.find("it is there already, and is no whole plot file;"), std::string::npos) << no_plot.err;
+  write("cut.xplt", ours.substr(0, ours.size() / 2));
+  EXPECT_EQ(run({"-o", "cut.xplt"}).code, 4);
+  EXPECT_EQ(run({"-o", "cut.xplt", "--overwrite"}).code, 0);
+  write("empty.xplt", "");  // as mktemp leaves it: nothing to lose
+  EXPECT_EQ(run({"-o", "empty.xplt"}).code, 0);
+}
+
+// Two runs truly at once: the second one is told, and whoever is killed stands in nobody's way.
+TEST_F(Cli, TwoRunsAtOnceShareNoOutput) {
+  write_model();
+  const std::string hip = DEA_SAMPLES_DIR "/hip/hip_walking.feb";
+  const fs::path out = folder.string() + ".first.out", err = folder.string() + ".first.err";
+  const pid_t first =
+      start(folder, {"run", hip, "--refine", "4", "-v", "-o", "flat_dea.xplt", "--json", "j", "--vtu", "pv"}, out, err);
+  const auto started = std::chrono::steady_clock::now();
+  while (file_text(err).find("springs and layers") == std::string::npos &&
+         std::chrono::steady_clock::now() - started < std::chrono::minutes(5))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const auto refused = [&](const std::string& name, const std::string& option, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"run", "flat.feb", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished f = dea(words);
+    EXPECT_EQ(f.code, 4) << name;
+    EXPECT_EQ(f.err,
+              fmt::format("dea: cannot write {}: another run (process {}) is at work on it; wait for its end, or "
+                          "give {} another name\n",
+                          name, first, option));
+  };
+  fs::create_symlink("flat_dea.xplt", folder / "link.xplt");
+  refused("flat_dea.xplt", "-o", {});  // its default name
+  refused("./flat_dea.xplt", "-o", {"-o", "./flat_dea.xplt"});
+  refused("j", "--csv", {"--no-xplt", "--csv", "j"});
+  refused("pv/", "--vtu", {"-o", "mine.xplt", "--vtu", "pv/"});
+  EXPECT_EQ(dea({"run", "flat.feb", "-q", "-o", "mine.xplt", "--json", "mine.json"}).code, 0);
+  ASSERT_EQ(::kill(first, SIGKILL), 0);
+  end_of(first, out, err);
+  EXPECT_EQ(dea({"run", "flat.feb", "-q", "--json", "j", "--vtu", "pv"}).code, 0);
+  EXPECT_EQ(files(), (Names{"flat.feb", "flat_dea.xplt", "j", "link.xplt", "mine.json", "mine.xplt", "pv"}));
+}
+
+// Started at one moment, again and again: each run either writes its whole result or is told; nothing is left behind.
+TEST_F(Cli, ManyRunsAtOnce) {
+  write_model();
+  int solved = 0;
+  for (int round = 0; round < 8; ++round) {
+    std::vector<pid_t> all;
+    const auto stream = [&](int i, const char* which) { return fmt::format("{}.{}.{}", folder.string(), i, which); };
+    for (int i = 0; i < 4; ++i)
+      all.push_back(start(folder, {"run", "flat.feb", "-q", "--json", "r.json"}, stream(i, "out"), stream(i, "err")));
+    int solved_now = 0;
+    for (int i = 0; i < 4; ++i) {
+      const Finished f = end_of(all[static_cast<std::size_t>(i)], stream(i, "out"), stream(i, "err"));
+      EXPECT_TRUE(f.code == 0 || (f.code == 4 && f.err.find("is at work on it; wait") != std::string::npos))
+          << f.code << f.err;
+      solved_now += f.code == 0;
+    }
+    EXPECT_GE(solved_now, 1);
+    solved += solved_now;
+    EXPECT_EQ(files(), (Names{"flat.feb", "flat_dea.xplt", "r.json"}));
+    EXPECT_EQ(read_xplt((folder / "flat_dea.xplt").string()).states.size(), 5u);
+    EXPECT_EQ(Json::parse(file_text(folder / "r.json"))["states"].size(), 5u);
+  }
+  EXPECT_LT(solved, 32);  // they did meet
 }
 
 TEST_F(Cli, CompressedPlotHoldsTheSame) {
@@ -696,10 +883,11 @@ TEST_F(Cli, HelpAndVersion) {
   }
   const std::string help = dea({"run", "--help"}).out;
   for (const char* option :
-       {"--contact", "--source",   "--springs-at", "--law",    "--facets",   "--refine",    "--rigid",
-        "--attach",  "--bone",     "--thickness",  "--E",      "--nu",       "--free",      "--force",
-        "--load-at", "--settings", "--times-from", "--states", "--compress", "--no-squash", "--threads",
-        "--json",    "--csv",      "--facets-csv", "--vtu",    "-q",         "-v"})
+       {"--contact", "--source",   "--springs-at", "--law",    "--facets",     "--refine",    "--rigid",
+        "--attach",  "--bone",     "--thickness",  "--E",      "--nu",         "--free",      "--force",
+        "--load-at", "--settings", "--times-from", "--states", "--compress",   "--no-squash", "--threads",
+        "--json",    "--no-xplt",  "--overwrite",  "--csv",    "--facets-csv", "--vtu",       "-q",
+        "-v"})
     EXPECT_NE(help.find(option), std::string::npos) << option;
   EXPECT_NE(dea({"--version"}).out.find("Eigen"), std::string::npos);
 }

@@ -9,6 +9,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/version.h>
 
 namespace dea {
@@ -135,8 +136,8 @@ std::vector<std::vector<std::string>> choose_surfaces(const std::vector<ResultFi
   for (std::size_t i = 0; i < files.size(); ++i) {
     with_pressure.push_back(surfaces_with_pressure(files[i], states[i]));
     if (with_pressure.back().empty())
-      throw InputError(fmt::format("{}: found no surface with \"{}\" at time {:g}, expected one", files[i].path,
-                                   kPressure, files[i].xplt.states[at(states[i])].time));
+      throw InputError(fmt::format("{}: found no surface with \"{}\" at time {}, expected one", files[i].path,
+                                   kPressure, time_text(files[i].xplt.states[at(states[i])].time)));
   }
   std::vector<std::vector<std::string>> chosen = asked_surfaces(files, states, options, with_pressure);
   if (!chosen.empty()) return chosen;
@@ -582,9 +583,9 @@ ResultSurface compared_surface(const ResultFile& file, int state, int surface, C
   const std::optional<ResultSurface> moved = deformed_surface(file, state, surface);
   if (!moved)
     throw InputError(
-        fmt::format("{}: found no \"displacement\" of the nodes at time {:g}, expected one for --areas "
+        fmt::format("{}: found no \"displacement\" of the nodes at time {}, expected one for --areas "
                     "deformed; --areas reference needs none",
-                    file.path, file.xplt.states[at(state)].time));
+                    file.path, time_text(file.xplt.states[at(state)].time)));
   return with_areas_of(std::move(mesh), *moved);
 }
 
@@ -605,12 +606,12 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
                                        file.path, file.xplt.units, c.units));
     if (file.xplt.truncated)
       c.warnings.push_back(
-          fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file.path,
-                      file.xplt.states.back().time));
+          fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {}", file.path,
+                      time_text(file.xplt.states.back().time)));
     if (!same_time(c.times.back(), c.times.front()))
       c.warnings.push_back(
-          fmt::format("warning: the last state of {} is at time {:g}, that of {} at {:g}; --at T compares at one time",
-                      files.front().label, c.times.front(), file.label, c.times.back()));
+          fmt::format("warning: the last state of {} is at time {}, that of {} at {}; --at T compares at one time",
+                      files.front().label, time_text(c.times.front()), file.label, time_text(c.times.back())));
   }
   for (std::size_t i = 0; i + 1 < files.size(); ++i) {
     const int n = c.states[i] + 1, reference = c.states.back() + 1;

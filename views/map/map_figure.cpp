@@ -10,6 +10,7 @@
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/files/unit_names.h>
 #include <febiodea/results/headline.h>
 #include <febiodea/views/map/map_scale.h>
@@ -144,8 +145,8 @@ MapValues field_values(const ResultFile& file, int state, const ResultSurface& s
                        const std::string& field, bool clamped) {
   std::vector<double> facets = facet_values(file, state, index, field);
   if (facets.empty())
-    throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {:g}", file.path, surface.name, field,
-                                 file.xplt.states[at(state)].time));
+    throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {}", file.path, surface.name, field,
+                                 time_text(file.xplt.states[at(state)].time)));
   if (clamped && is_pressure(field))
     for (double& x : facets) x = std::max(x, 0.0);  // as everywhere: contact is where pressure is above 0
   return map_values(surface, field, std::move(facets));
@@ -393,8 +394,8 @@ std::vector<std::vector<std::string>> remark_files(const std::vector<const Resul
   for (const ResultFile* file : files)
     if (file->xplt.truncated)
       figure.remarks.push_back(
-          fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {:g}", file->path,
-                      file->xplt.states.back().time));
+          fmt::format("warning: {}: the last state is cut off and left out; the one before is at time {}", file->path,
+                      time_text(file->xplt.states.back().time)));
   if (!is_pressure(o.field)) return without;
   for (const std::string& name : names) {
     std::vector<char> pressed;
@@ -521,8 +522,8 @@ MapValues take_away(const MapRequest& r, PanelSource& from, const ResultSurface&
   const double taken = minus.xplt.states[at(state)].time;
   if (!same_time(taken, from.time)) {
     from.same_times = false;
-    figure.remarks.push_back(fmt::format("warning: {} is shown at time {:g}, {} at {:g}; --at T compares at one time",
-                                         file.label, from.time, minus.label, taken));
+    figure.remarks.push_back(fmt::format("warning: {} is shown at time {}, {} at {}; --at T compares at one time",
+                                         file.label, time_text(from.time), minus.label, time_text(taken)));
   }
   return difference(match, surface, values, reference,
                     field_values(minus, state, reference, other, r.options.field, false));
@@ -541,7 +542,7 @@ void set_title(const MapRequest& r, const PanelSource& from, MapPanel& panel) {
   if (r.names.size() > 1 || (alone && r.rows.size() == 1)) add(from.name);
   if (r.rows.size() > 1 || !from.same_times || (alone && r.names.size() == 1)) {
     add("");
-    panel.when = fmt::format("time {:.6g}", from.time);
+    panel.when = "time " + time_text(from.time);
     panel.title += panel.when;
   }
 }

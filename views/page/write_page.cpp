@@ -8,6 +8,7 @@
 #include <map>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/io/files/encoded_text.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/version.h>
@@ -94,6 +95,8 @@ Json short_number(double x) {
   if (!std::isfinite(x)) return nullptr;
   return Json(std::stod(fmt::format("{:.9g}", x)));
 }
+
+Json time_json(double time) { return json_number(time_meant(time)); }
 
 Json distribution_json(const Distribution& d) {
   return {{"area", short_number(d.area)},     {"peak", short_number(d.peak)}, {"p99", short_number(d.p99)},
@@ -199,7 +202,7 @@ Json chart_json(const PageChart& c) {
           {"quantity", c.quantity},
           {"dimension", c.dimension},
           {"logarithmic", c.logarithmic},
-          {"times", list_json(c.times, short_number)},
+          {"times", list_json(c.times, time_json)},
           {"names", c.names},
           {"values", list_json(c.values, [](const auto& v) { return list_json(v, short_number); })}};
 }
@@ -242,11 +245,10 @@ Json page_json(const PageData& data, Arrays& arrays) {
                 {"area", data.units.area}};
   j["exact"] = exact;
   j["results"] = list_json(data.results, [](const PageResult& r) -> Json {
-    return {
-        {"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, short_number)}};
+    return {{"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, time_json)}};
   });
   j["frames"] = list_json(data.frames, [](const PageFrame& f) -> Json {
-    return {{"time", short_number(f.time)}, {"states", f.states}};
+    return {{"time", time_json(f.time)}, {"states", f.states}};
   });
   j["frame"] = data.frame;
   Json meshes = Json::array(), surfaces = Json::array();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/views/compare/quantities.h>
 
 namespace dea {
@@ -251,7 +252,7 @@ std::string compare_text(const Comparison& c, bool details) {
   text += c.areas == CompareAreas::Deformed ? "areas: deformed, nodes moved by each file's own displacement\n"
                                             : "areas: of the mesh in the reference configuration\n";
   for (std::size_t i = 0; i < c.labels.size(); ++i)
-    text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], number_text(c.times[i]),
+    text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], time_text(c.times[i]),
                         i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
   return text + tables_text(compare_tables(c, details));
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/run/recognise.h>
 #include <febiodea/views/text/info_words.h>
@@ -177,8 +178,8 @@ std::string steps_text(const JointCheck& check) {
   for (std::size_t s = 0; s < check.steps.size(); ++s) {
     const StepCheck& step = check.steps[s];
     text += fmt::format("  step {}{}: time {} to {}, step size {}, {} states; at its end:\n", s + 1,
-                        step.name.empty() ? "" : fmt::format(" \"{}\"", step.name), number_text(step.start),
-                        number_text(step.end), number_text(step.step_size), step.states);
+                        step.name.empty() ? "" : fmt::format(" \"{}\"", step.name), time_text(step.start),
+                        time_text(step.end), number_text(step.step_size), step.states);
     for (int b : reported_bodies(check.joint)) {
       if (check.joint.bodies[at(b)].ground) continue;
       text +=
@@ -214,9 +215,8 @@ std::string times_text(const std::vector<TimePoint>& times) {
   if (times.empty()) return "";
   constexpr std::size_t kShown = 60;
   std::string text = fmt::format("\ntimes of the {} states\n ", times.size());
-  for (std::size_t i = 0; i < std::min(times.size(), kShown); ++i)
-    text += fmt::format(" {}", number_text(times[i].time));
-  return text + (times.size() > kShown ? fmt::format(" ... {}\n", number_text(times.back().time)) : "\n");
+  for (std::size_t i = 0; i < std::min(times.size(), kShown); ++i) text += fmt::format(" {}", time_text(times[i].time));
+  return text + (times.size() > kShown ? fmt::format(" ... {}\n", time_text(times.back().time)) : "\n");
 }
 
 std::string remarks_text(const JointModel& model, const Joint& joint) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
 #include <febiodea/views/text/plausibility.h>
 #include <febiodea/views/text/table.h>
 
@@ -33,7 +34,7 @@ void add_state(std::vector<StateRun>& runs, const std::string& what, std::size_t
 }
 
 std::string run_line(const Analysis& analysis, const StateRun& run) {
-  const auto time = [&](std::size_t i) { return number_text(analysis.states[i].when.time); };
+  const auto time = [&](std::size_t i) { return time_text(analysis.states[i].when.time); };
   if (run.first == run.last) return fmt::format("warning: time {}: {}: {}", time(run.last), run.what, run.detail);
   return fmt::format("warning: times {} to {} ({} states): {}; at time {}: {}", time(run.first), time(run.last),
                      run.last - run.first + 1, run.what, time(run.last), run.detail);
@@ -227,7 +228,7 @@ void add_held_motions(const Analysis& analysis, Lines& lines) {
   for (const std::string& held : last->equilibrium.held) directions += (directions.empty() ? "" : ", ") + held;
   add_once(lines,
            fmt::format("note: in {} of {} states motions were held that nothing resists or loads; at time {}: {}",
-                       count, analysis.states.size(), number_text(last->when.time), directions));
+                       count, analysis.states.size(), time_text(last->when.time), directions));
 }
 
 /// Bodies that have turned far although nobody wants them to.
@@ -272,7 +273,7 @@ void add_no_contact(const Analysis& analysis, const Wording& wording, Lines& lin
     add_once(lines,
              fmt::format(
                  "warning: at time {} nothing loads a free body{}: there is no contact to look at; give a load with {}",
-                 number_text(last.when.time), touches(last) ? ", and the surfaces have parted" : " and nothing touches",
+                 time_text(last.when.time), touches(last) ? ", and the surfaces have parted" : " and nothing touches",
                  wording({.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true})));
   if (last.equilibrium.outcome == Outcome::Prescribed &&
       std::none_of(analysis.states.begin(), analysis.states.end(), touches))
@@ -288,13 +289,13 @@ void add_few_springs(const ContactPair& pair, const StateResult& state, std::siz
              fmt::format("warning: contact \"{}\": only {} springs carry at time {}, too few for a pressure "
                          "map; divide them with {}, or let the other "
                          "body's finer surface carry them with {}",
-                         pair.name, active, number_text(state.when.time), wording({"refine"}), wording({"source"})));
+                         pair.name, active, time_text(state.when.time), wording({"refine"}), wording({"source"})));
   else if (active < 60 && active > 0 && pair.law == Law::Layer)
     add_once(lines,
              fmt::format("warning: contact \"{}\": at time {} only {} springs carry, too few to follow how the layers "
                          "flow: force and peak may be 10% too high; divide them with "
                          "{}",
-                         pair.name, number_text(state.when.time), active,
+                         pair.name, time_text(state.when.time), active,
                          wording({"refine", "", std::to_string(2 * pair.refine)})));
 }
 
@@ -308,7 +309,7 @@ void add_crowded_force(const ContactPair& pair, const StateResult& state, std::s
            fmt::format("warning: contact \"{}\": at time {} {} of {} springs carry nine tenths of the force, too few for a "
                        "pressure map: facets stand out of their surface, or they are long against the contact; look at "
                        "the mesh, or divide them with {}",
-                       pair.name, number_text(state.when.time), s.springs_most, s.springs_active,
+                       pair.name, time_text(state.when.time), s.springs_most, s.springs_active,
                        wording({"refine", "", std::to_string(2 * pair.refine)})));
 }
 
@@ -322,7 +323,7 @@ void add_large_strains(const Analysis& analysis, std::size_t contact, Lines& lin
   if (worst == nullptr) return;
   add_once(lines, fmt::format("warning: contact \"{}\": at time {} cartilage is pressed together by {:.0f}% of its "
                               "thickness: check load, modulus, thickness and units if that is not meant",
-                              analysis.joint.contacts[contact].name, number_text(worst->when.time),
+                              analysis.joint.contacts[contact].name, time_text(worst->when.time),
                               100 * strain(*worst)));
 }
 
@@ -358,7 +359,7 @@ void add_doubtful_pressure(const JointModel& model, const ContactPair& pair, con
              fmt::format("warning: surface \"{}\": at time {} {} of the vertices whose normals meet no bone carry "
                          "pressure, up to {:.3g}: it is only as good as the distance to the nearest point of the "
                          "bone is a thickness; complete the bone under them, or give {}",
-                         surface, number_text(state.when.time), count, most, wording({"thickness", surface, "VALUE"})));
+                         surface, time_text(state.when.time), count, most, wording({"thickness", surface, "VALUE"})));
   }
 }
 
@@ -382,7 +383,7 @@ void add_pressed_rims(const JointModel& model, const ContactPair& pair, const St
     add_once(lines,
              fmt::format("warning: at time {} pressure reaches the end of bare surface \"{}\" along {:.3g} ({:.0f}% "
                          "of its rim), {}: there is no contact beyond, and its edge presses like a punch's; {}",
-                         number_text(state.when.time), model.surfaces[at(layer.surface)].name, length,
+                         time_text(state.when.time), model.surfaces[at(layer.surface)].name, length,
                          100 * length / rim.whole, where, advice));
   }
 }
@@ -399,7 +400,7 @@ void add_pressed_ends(const JointModel& model, const ContactPair& pair, const St
              fmt::format("warning: surface \"{}\": at time {} pressure reaches the end of the selected facets "
                          "along {:.3g} of its rim, where the cartilage goes on: it is that of an edge there, too "
                          "high if the other surface covers what is beyond; select the facets beyond as well",
-                         model.surfaces[at(layer.surface)].name, number_text(state.when.time), length));
+                         model.surfaces[at(layer.surface)].name, time_text(state.when.time), length));
   }
 }
 
@@ -407,6 +408,19 @@ void add_pressed_ends(const JointModel& model, const ContactPair& pair, const St
 
 std::string outcome_text(const Equilibrium& e, const Wording& wording) {
   return e.message + (e.advice.empty() ? "" : " " + worded(e.advice, wording));
+}
+
+std::vector<std::string> no_solution_lines(const Analysis& analysis, const Wording& wording) {
+  std::vector<std::string> lines;
+  for (const StateResult& state : analysis.states) {
+    const Equilibrium& e = state.equilibrium;
+    if (!solved(e.outcome))
+      lines.push_back(fmt::format("warning: time {}: {}: {}", time_text(state.when.time), name(e.outcome),
+                                  outcome_text(e, wording)));
+  }
+  if (!lines.empty())
+    lines.push_back(fmt::format("warning: no solution in {} of {} states", lines.size(), analysis.states.size()));
+  return lines;
 }
 
 std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis, const Wording& wording) {

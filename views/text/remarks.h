@@ -19,6 +19,9 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
 std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis,
                                      const Wording& wording = command_line_wording());
 
+/// The states that are no solution, a line each, and how many they are; none: nothing.
+std::vector<std::string> no_solution_lines(const Analysis& analysis, const Wording& wording = command_line_wording());
+
 /// The sentence behind a state's outcome.
 std::string outcome_text(const Equilibrium& e, const Wording& wording = command_line_wording());
 

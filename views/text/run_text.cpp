@@ -9,6 +9,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
 
 namespace dea {
 
@@ -86,7 +87,7 @@ Table contacts_table(const Joint& joint, const std::vector<StateResult>& states)
   for (const StateResult& state : states) {
     for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
       const ContactStatistics& s = state.statistics[c];
-      std::vector<std::string> row = {number_text(state.when.time), joint.contacts[c].name,
+      std::vector<std::string> row = {time_text(state.when.time), joint.contacts[c].name,
                                       name(state.equilibrium.outcome)};
       for (const HeadlineNumber& number : kHeadlineNumbers) row.push_back(four_digits(s.headline.*number.value));
       row.insert(row.end(), {four_digits(s.force.norm()), fmt::format("{}", state.equilibrium.iterations),
@@ -110,7 +111,7 @@ Table compartments_table(const Joint& joint, const std::vector<StateResult>& sta
       double all = 0.0;
       for (const CompartmentLoad& load : loads) all += load.force.norm();
       for (std::size_t i = 0; i < loads.size(); ++i) {
-        std::vector<std::string> row = {number_text(state.when.time), joint.contacts[c].name,
+        std::vector<std::string> row = {time_text(state.when.time), joint.contacts[c].name,
                                         compartment_names(joint.contacts[c])[i]};
         for (const HeadlineNumber& number : kHeadlineNumbers)
           row.push_back(four_digits(loads[i].headline.*number.value));
@@ -152,8 +153,7 @@ Table details_table(const Joint& joint, const std::vector<StateResult>& states) 
   for (const StateResult& state : states)
     for (std::size_t c = 0; c < joint.contacts.size(); ++c)
       for (const Detail& d : details_of_contact())
-        table.rows.push_back(
-            {number_text(state.when.time), joint.contacts[c].name, d.name, d.text(state.statistics[c])});
+        table.rows.push_back({time_text(state.when.time), joint.contacts[c].name, d.name, d.text(state.statistics[c])});
   return table;
 }
 
@@ -229,7 +229,7 @@ std::vector<TitledTable> run_tables(const Analysis& analysis, bool details) {
   tables.push_back(
       {fmt::format("bodies at time {}: motion of the centre of mass, rotation vector, force and moment on the body by "
                    "what loads and holds it",
-                   number_text(last.when.time)),
+                   time_text(last.when.time)),
        bodies_table(joint, e)});
   if (!joint.ligaments.empty() || !joint.cables.empty()) tables.push_back({"", springs_table(joint, e)});
   if (!e.connector_force.empty())

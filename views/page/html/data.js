@@ -204,7 +204,7 @@ const Format = {
     const unit = Report.units[dimension];
     return Format.short(x) + (unit && x !== null && !Number.isNaN(x) ? " " + unit : "");
   },
-  time(frame) { return frame.time === null ? "compared states" : Format.short(frame.time, 6); }
+  time(frame) { return frame.time === null ? "compared states" : Format.short(frame.time, 9); }
 };
 
 // Round steps for ticks: 1, 2, 2.5, 5 times a power of ten.

@@ -288,7 +288,7 @@ const Figures = (() => {
 
   const regionName = (state) => { const r = state.surface.about.regions[state.region]; return r ? `, region ${r}` : ""; };
   const where = (state) => `${state.surface.about.title}${regionName(state)}`;
-  const at = (state) => { const t = nowOf(state); return t === null ? "compared states" : `time ${Format.short(t, 6)}`; };
+  const at = (state) => { const t = nowOf(state); return t === null ? "compared states" : `time ${Format.short(t, 9)}`; };
   const over = (id, title, quantity, dimension, get, caption) => ({
     id, title, caption: (state) => `${caption} ${where(state)}.`,
     build: (state, width, ink) => curves({ series: measureSeries(state, ink, get), quantity, dimension, now: nowOf(state) }, width, ink)

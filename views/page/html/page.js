@@ -463,7 +463,7 @@ const Page = (() => {
         make("pre", { text: t.text })));
   }
   function foot() {
-    const rows = results.map((r) => [r.label, r.file, r.software || "–", String(r.times.length), r.times.length ? `${Format.short(r.times[0], 6)} to ${Format.short(r.times[r.times.length - 1], 6)}` : "–"]);
+    const rows = results.map((r) => [r.label, r.file, r.software || "–", String(r.times.length), r.times.length ? `${Format.short(r.times[0], 9)} to ${Format.short(r.times[r.times.length - 1], 9)}` : "–"]);
     $("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }),
       table({ headings: ["result", "file", "written by", "states", "times"], left: "lllrl", rows }),
       make("p", { class: "about", text: `${Report.program}. ${Report.exact ? "Maps hold the files’ own numbers." : "Maps hold numbers in 16 bits: within 1/65534 of the range of the state."} Numbers in figures and tables were computed from the files before. Nothing on this page comes from the network.` }),

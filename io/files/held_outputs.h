@@ -1,0 +1,39 @@
+// febiodea/io/files/held_outputs.h – output files that one command at a time works for.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/io/files/output.h>
+
+namespace dea {
+
+/// For as long as it lives no other process holds the same outputs. Each is held by an advisory lock on a small file
+/// beside it, ".NAME.lock", which is taken away at the end. A process that was killed holds nothing: the lock ends with
+/// it, and a file that it left behind is used again.
+class HeldOutputs {
+ public:
+  HeldOutputs() = default;
+  HeldOutputs(HeldOutputs&& other) noexcept = default;
+  HeldOutputs& operator=(HeldOutputs&&) = delete;
+  ~HeldOutputs();
+
+ private:
+  friend HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs);
+  struct Held {
+    int file;
+    std::string path;
+  };
+  std::vector<Held> held_;
+};
+
+/// Standard output and devices are passed over, and file systems without locks. Throws WriteError: another process
+/// holds one of them, or its folder cannot be written to.
+[[nodiscard]] HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs);
+
+/// check_outputs, then hold_outputs.
+[[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
+
+/// Takes away the files of all locks. For signal handlers, before they end the program.
+void remove_held();
+
+}  // namespace dea

@@ -1,0 +1,106 @@
+#include <febiodea/io/results/existing_plot.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/time_text.h>
+#include <febiodea/io/results/plot_file.h>
+#include <febiodea/io/xplt/xplt.h>
+
+namespace dea {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+PlotKind kind_of(const XpltFile& file) {
+  if (find_variable(file, XpltGroup::Surface, "missed normal") >= 0) return PlotKind::Check;
+  const bool run = find_variable(file, XpltGroup::Surface, "contact pressure") >= 0;
+  return run ? PlotKind::Run : PlotKind::Comparison;
+}
+
+const char* words_of(PlotKind kind) {
+  switch (kind) {
+    case PlotKind::Run:
+      return "results of dea run";
+    case PlotKind::Check:
+      return "what dea info -o writes";
+    case PlotKind::Comparison:
+      return "what dea compare -o writes";
+  }
+  return "";
+}
+
+/// A file that has something in it and could be replaced by renaming.
+bool is_there(const std::string& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 && !error;
+}
+
+/// `outline`: filled if the file may be of this kind and ours.
+std::string why_foreign(const std::string& path, PlotKind kind, std::optional<XpltFile>& outline) {
+  if (!is_there(path)) return "";
+  try {
+    outline = read_xplt_outline(path);
+  } catch (const InputError&) {
+    return "it is there already, and is no whole plot file";
+  }
+  if (outline->software.rfind("FEBioDEA", 0) != 0)
+    return fmt::format("it is there already, written by {}",
+                       outline->software.empty() ? "another program" : outline->software);
+  const PlotKind found = kind_of(*outline);
+  return found == kind ? "" : fmt::format("it is there already, {}", words_of(found));
+}
+
+std::size_t element_count(const XpltMesh& mesh) {
+  std::size_t count = 0;
+  for (const XpltDomain& d : mesh.domains) count += d.element_ids.size();
+  return count;
+}
+
+bool same_domains(const XpltMesh& a, const XpltMesh& b) {
+  return std::equal(a.domains.begin(), a.domains.end(), b.domains.begin(), b.domains.end(),
+                    [](const XpltDomain& x, const XpltDomain& y) {
+                      return x.element_ids.size() == y.element_ids.size() && x.element_type == y.element_type &&
+                             x.name == y.name;
+                    });
+}
+
+std::string mesh_words(const XpltMesh& mesh) {
+  return fmt::format("{} nodes and {} elements", mesh.node_ids.size(), element_count(mesh));
+}
+
+}  // namespace
+
+std::string why_kept(const std::string& path, PlotKind kind) {
+  std::optional<XpltFile> outline;
+  return why_foreign(path, kind, outline);
+}
+
+std::string why_kept(const std::string& path, const JointModel& model, const std::vector<double>& times) {
+  std::optional<XpltFile> outline;
+  const std::string foreign = why_foreign(path, PlotKind::Run, outline);
+  if (!foreign.empty() || !outline) return foreign;
+  const XpltMesh &there = outline->meshes.front(), ours = plot_mesh(model);
+  if (there.node_ids.size() != ours.node_ids.size() || !same_domains(there, ours)) {
+    const std::string a = mesh_words(there), b = mesh_words(ours);
+    return "it is there already, results of another mesh" +
+           (a == b ? ", of other parts" : fmt::format(": {}, not {}", a, b));
+  }
+  const double scale = times.empty() ? 0.0 : std::max(std::abs(times.front()), std::abs(times.back()));
+  std::vector<double> lost;  // times in single precision
+  for (const XpltState& s : outline->states)
+    if (std::none_of(times.begin(), times.end(), [&](double t) { return std::abs(t - s.time) <= 1e-6 * scale; }))
+      lost.push_back(s.time);
+  if (lost.empty()) return "";
+  return fmt::format("it is there already, results of this model with {} state{} that would be lost (time{} {}{})",
+                     lost.size(), lost.size() == 1 ? "" : "s", lost.size() == 1 ? "" : "s", time_text(lost.front()),
+                     lost.size() == 1 ? "" : fmt::format(" to {}", time_text(lost.back())));
+}
+
+}  // namespace dea
