@@ -9,6 +9,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/run/convergence.h>
 #include <febiodea/run/recognise.h>
 #include <febiodea/views/data/run_json.h>
@@ -53,10 +54,11 @@ int converge_command(const ConvergeArguments& a) {
   std::vector<NamedPath> outputs;
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
-  const Settings settings = effective_settings(a.settings);
+  Settings settings = effective_settings(a.settings);
   if (!settings.loads.file.empty() || !settings.motion.file.empty())
     throw UsageError("converge: found a table of loads or motion, expected none: it divides the springs of the model's own "
                      "last state");
+  read_thickness(settings);
   Progress progress(progress_style(a.quiet, a.verbose));
   progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
   const JointModel model = read_feb(a.model);
