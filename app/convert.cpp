@@ -46,6 +46,7 @@ int convert(const ConvertArguments& a) {
   std::vector<NamedPath> inputs = input_files(a.model, a.settings);
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
+  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
   read_thickness(settings);
   const JointModel model = read_feb(a.model);
   for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});

@@ -384,7 +384,7 @@ DeaLayer dea_layer(const JointModel& model, const Layer& layer) {
   }
   out.E = layer.elasticity.E;
   out.nu = layer.elasticity.nu;
-  if (layer.thickness_given && layer.thickness_from.empty())
+  if (layer.thickness_given && layer.min_thickness() == layer.max_thickness())
     out.thickness = layer.thickness.empty() ? 0.0 : layer.thickness.front();
   else
     out.thickness_map = thickness_map(model.surfaces[at(layer.surface)], layer);

@@ -348,6 +348,17 @@ void read_thickness(Settings& settings) {
   for (auto& entry : settings.thickness_from) read_node_thickness(entry.second);
 }
 
+std::vector<NamedPath> table_files(const Settings& settings) {
+  std::vector<NamedPath> files;
+  const auto add = [&](const char* what, const std::string& path) {
+    if (!path.empty()) files.push_back({what, path});
+  };
+  add("the table of loads", settings.loads.file);
+  add("the table of motion", settings.motion.file);
+  for (const auto& entry : settings.thickness_from) add("the table of thickness", entry.second.file);
+  return files;
+}
+
 void read_tables(const JointModel& model, Settings& settings) {
   const std::string& named = settings.units.empty() ? model.units : settings.units;
   if (!settings.units.empty() && !model.units.empty() && settings.units != model.units)

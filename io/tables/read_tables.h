@@ -1,5 +1,8 @@
 // febiodea/io/tables/read_tables.h – loads, motions and thicknesses from the files that settings name.
 #pragma once
+#include <vector>
+
+#include <febiodea/io/files/output.h>
 #include <febiodea/model/joint_model.h>
 #include <febiodea/model/settings.h>
 
@@ -15,5 +18,8 @@ void read_tables(const JointModel& model, Settings& settings);
 /// Fills settings.thickness_from from its files: columns "node", numbers of the model's nodes, and "thickness", >= 0, in
 /// the model's length; other columns are passed over. Throws InputError (a file's fault, with its line).
 void read_thickness(Settings& settings);
+
+/// The files that the settings name to be read, so that no output takes their place.
+std::vector<NamedPath> table_files(const Settings& settings);
 
 }  // namespace dea

@@ -82,9 +82,7 @@ void add_discrete_spring(ConnectionsDraft& draft, const DiscreteSprings& set, co
   }
   l.point_a = model.nodes[at(pair[0])];
   l.point_b = model.nodes[at(pair[1])];
-  const auto given = [&](const char* parameter) {
-    return given_value(model, draft.parts.settings, set, parameter);
-  };
+  const auto given = [&](const char* parameter) { return given_value(model, draft.parts.settings, set, parameter); };
   l.stiffness = given(kStiffness).value_or(set.stiffness);
   l.free_length = given(kSlackLength).value_or(0.0);
   l.tension_only = set.tension_only;

@@ -158,7 +158,8 @@ void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurfac
   const JointModel& model = parts.model;
   const NodeThickness* said = node_thickness(parts.settings, model.surfaces[at(layer.surface)].name);
   double deepest = layer.max_thickness();
-  if (layer.material < 0 && said == nullptr) {  // rigid_boundary: as far as before the conversion, though the map knows the rim better
+  if (layer.material < 0 &&
+      said == nullptr) {  // rigid_boundary: as far as before the conversion, though the map knows the rim better
     const std::vector<double> measured = measure_thickness(layer.articular, bonded_surface(model, boundary)).thickness;
     deepest = layer.thickness_scale * *std::max_element(measured.begin(), measured.end());
   }

@@ -98,8 +98,7 @@ std::vector<GivenValue> given_values(const Settings& settings) {
 }
 
 [[noreturn]] void refuse(const GivenValue& given, Sentence found, Sentence expected) {
-  throw UsageError(
-      Fault{.given = given.setting(), .found = std::move(found), .expected = std::move(expected)});
+  throw UsageError(Fault{.given = given.setting(), .found = std::move(found), .expected = std::move(expected)});
 }
 
 [[noreturn]] void refuse_name(const std::vector<NamedThing>& things, const GivenValue& given) {
@@ -126,9 +125,10 @@ void check_sign(const NamedThing& thing, const Replaceable& number, const GivenV
   if (given.parameter == kSlackLength && !(v > 0)) refuse(given, "a length is positive;", "give a number > 0");
   const double sense = number.in_model.factor < 0 ? -1.0 : 1.0;
   if (given.parameter == kForce && thing.pulls && !(sense * v >= 0))
-    refuse(given, say("{} \"{}\" would push where it pulls in the model ({:g});", thing.kind, given.name,
-                      number.in_model.factor),
-           say("give a number {} 0", sense > 0 ? ">=" : "<="));
+    refuse(
+        given,
+        say("{} \"{}\" would push where it pulls in the model ({:g});", thing.kind, given.name, number.in_model.factor),
+        say("give a number {} 0", sense > 0 ? ">=" : "<="));
 }
 
 /// A force that other settings have taken the place of would change nothing.
@@ -150,10 +150,9 @@ void check_in_use(const ModelParts& parts, const NamedThing& thing, const GivenV
 
 /// "60", or "29 to 33" of several.
 std::string model_values(const std::vector<const Replaceable*>& numbers) {
-  const auto [least, most] =
-      std::minmax_element(numbers.begin(), numbers.end(), [](const Replaceable* a, const Replaceable* b) {
-        return a->in_model.factor < b->in_model.factor;
-      });
+  const auto [least, most] = std::minmax_element(
+      numbers.begin(), numbers.end(),
+      [](const Replaceable* a, const Replaceable* b) { return a->in_model.factor < b->in_model.factor; });
   const std::string low = fmt::format("{:.6g}", (*least)->in_model.factor),
                     high = fmt::format("{:.6g}", (*most)->in_model.factor);
   return low == high ? low : low + " to " + high;
@@ -191,8 +190,7 @@ std::optional<double> constant_force(const DiscreteSprings& springs) {
   if (!springs.force || !springs.force->unsupported.empty()) return std::nullopt;
   const LoadController& curve = *springs.force;
   if (!curve.expression.empty()) {
-    const bool fixed =
-        expression_fault(curve.expression, {}).empty() && expression_variables(curve.expression).empty();
+    const bool fixed = expression_fault(curve.expression, {}).empty() && expression_variables(curve.expression).empty();
     return fixed ? std::optional<double>(springs.scale.factor * constant_value(curve.expression)) : std::nullopt;
   }
   if (curve.points.empty()) return std::nullopt;

@@ -40,9 +40,10 @@ void check_names(const ModelParts& parts) {
   for (const auto& e : settings.thickness_from) {
     check_surface(model, {"thickness-from", e.first}, e.first);
     if (settings.thickness.count(e.first) > 0)
-      throw UsageError(Fault{.given = NamedSetting{"thickness-from", e.first, e.second.file},
-                             .found = say("{} says the thickness of the same surface;", NamedSetting{"thickness", e.first}),
-                             .expected = "leave one out"});
+      throw UsageError(
+          Fault{.given = NamedSetting{"thickness-from", e.first, e.second.file},
+                .found = say("{} says the thickness of the same surface;", NamedSetting{"thickness", e.first}),
+                .expected = "leave one out"});
   }
   for (const auto& e : settings.E) check_surface(model, {"E", e.first}, e.first);
   for (const auto& e : settings.nu) check_surface(model, {"nu", e.first}, e.first);

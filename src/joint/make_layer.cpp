@@ -251,7 +251,7 @@ Sentence nodes_in_words(const ContactSide& in) {
   const auto others = std::count_if(said.begin(), said.end(), [&](const auto& e) { return own.count(e.first) == 0; });
   return say("surface \"{}\": thickness from {}, {} nodes{}", in.surface.name, in.given.nodes->file,
              said.size() - static_cast<std::size_t>(others),
-             others > 0 ? fmt::format("; {} of the file's nodes are not on it", others) : "");
+             others > 0 ? fmt::format("; {} of the file's nodes are not on it and passed over", others) : "");
 }
 
 std::vector<Fault> take_map(const ContactSide& in, Layer& layer) {
