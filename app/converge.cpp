@@ -10,6 +10,7 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/run/convergence.h>
 #include <febiodea/run/recognise.h>
 #include <febiodea/views/data/run_json.h>
@@ -50,14 +51,16 @@ int converge_command(const ConvergeArguments& a) {
   if (!(target > 0 && target < 1))
     throw UsageError(fmt::format("--target {}: found \"{}\", expected a number between 0 and 1", a.target, a.target));
   const int max_springs = count_argument("max-springs", a.max_springs, 1, 100000000);
-  const std::vector<NamedPath> inputs = input_files(a.model, a.settings);
+  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
   std::vector<NamedPath> outputs;
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
-  const Settings settings = effective_settings(a.settings);
+  Settings settings = effective_settings(a.settings);
   if (!settings.loads.file.empty() || !settings.motion.file.empty())
     throw UsageError("converge: found a table of loads or motion, expected none: it divides the springs of the model's own "
                      "last state");
+  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
+  read_thickness(settings);
   Progress progress(progress_style(a.quiet, a.verbose));
   progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
   const JointModel model = read_feb(a.model);

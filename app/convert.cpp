@@ -8,6 +8,7 @@
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/setting_words.h>
+#include <febiodea/io/tables/read_tables.h>
 
 namespace dea {
 
@@ -19,7 +20,8 @@ cartilage is rigid with its bone. Modulus and thickness, measured here, are the 
 edited, all else in it stays byte for byte; one of 2.5 or 3.0 is written anew as 4.0. Standard output lists what changed.
 docs/convert.md has more.
 
-Options mean what they mean in dea run. --springs-at bone, --free, --force and --load-at cannot be said in the file.
+Options mean what they mean in dea run. --springs-at bone, --free, --force, --load-at and --set cannot be said in the
+file.
 
 Examples:
   dea convert hip.feb
@@ -44,7 +46,9 @@ int convert(const ConvertArguments& a) {
   if (output == "-") throw UsageError("-o -: the list of changes goes to standard output, give the model a name");
   std::vector<NamedPath> inputs = input_files(a.model, a.settings);
   const auto threads = limit_threads(a.threads);
-  const Settings settings = effective_settings(a.settings);
+  Settings settings = effective_settings(a.settings);
+  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
+  read_thickness(settings);
   const JointModel model = read_feb(a.model);
   for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});
   const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});

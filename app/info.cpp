@@ -44,13 +44,14 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
 }
 
 int info(const InfoArguments& a) {
-  const std::vector<NamedPath> inputs = input_files(a.model, a.settings);
+  std::vector<NamedPath> inputs = input_files(a.model, a.settings);
   std::vector<NamedPath> outputs;
   require_file("-o", a.output);
   if (!a.output.empty()) outputs.push_back({"-o", a.output});
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
+  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
   JointModel read = read_feb(a.model);
   const HeldOutputs held = claim_outputs(inputs, outputs);
   if (!a.output.empty() && !a.overwrite) refuse_to_replace(a.output, why_kept(a.output, PlotKind::Check));

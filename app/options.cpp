@@ -18,7 +18,7 @@ namespace {
 std::string type_of(const SettingOption& option) {
   const std::string value = option.help_value != nullptr ? option.help_value : option.value;
   if (option.key == nullptr) return value;
-  const std::string key = std::string(option.key) == "body" ? "BODY=" : "SURFACE=";
+  const std::string key = key_form(option) + "=";
   return (option.per_surface != nullptr ? fmt::format("[{}]", key) : key) + value;
 }
 

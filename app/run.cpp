@@ -73,8 +73,9 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
 
 namespace {
 
-std::vector<NamedPath> run_inputs(const RunArguments& a) {
+std::vector<NamedPath> run_inputs(const RunArguments& a, const Settings& settings) {
   std::vector<NamedPath> inputs = input_files(a.model, a.settings);
+  for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
   if (!a.times_from.empty()) inputs.insert(inputs.begin() + 1, {"the FEA result", a.times_from});
   return inputs;
 }
@@ -154,7 +155,7 @@ int run(const RunArguments& a) {
   Progress progress(progress_style(a.quiet, a.verbose));
   begin(progress, "reading " + file_name(a.model));
   JointModel read = read_feb(a.model);
-  std::vector<NamedPath> files = run_inputs(a);
+  std::vector<NamedPath> files = run_inputs(a, settings);
   const std::vector<NamedPath> outputs = named_outputs(typed, file);
   const HeldOutputs held = claim_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());

@@ -71,6 +71,7 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   std::vector<NamedPath> files = input_files(fem, settings_file), outputs = named_outputs({}, file.outputs);
   if (!named) outputs.front().option = "-p";
 
+  for (const NamedPath& table : table_files(file.settings)) files.push_back(table);
   const JointModel model = read_fe_model(fem);
   const HeldOutputs held = claim_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());

@@ -38,6 +38,9 @@ void refuse_settings(const Settings& s) {
   refuse_load("force", s.force);
   refuse_load("load-at", s.load_at);
   refuse_load("free", s.free);
+  if (!s.set_values.empty())
+    refuse({"set", s.set_values.begin()->first}, "a converted file keeps the model's own springs and forces;",
+           "change them in the model");
   const auto refuse_word = [&](const char* setting, bool given) {
     if (given)
       refuse({setting}, "a converted file keeps the model's own motion, loads and steps;", "change them in the model");
@@ -381,7 +384,7 @@ DeaLayer dea_layer(const JointModel& model, const Layer& layer) {
   }
   out.E = layer.elasticity.E;
   out.nu = layer.elasticity.nu;
-  if (layer.thickness_given)
+  if (layer.thickness_given && layer.min_thickness() == layer.max_thickness())
     out.thickness = layer.thickness.empty() ? 0.0 : layer.thickness.front();
   else
     out.thickness_map = thickness_map(model.surfaces[at(layer.surface)], layer);

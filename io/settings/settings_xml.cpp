@@ -151,13 +151,14 @@ SettingValue split_key(const SettingOption& option, const std::string& text) {
   const std::size_t equals = text.rfind('=');
   if (equals == std::string::npos) {
     if (option.per_surface) return v;
-    throw BadValue(fmt::format("{}: found no '=', expected {}={}", v.where,
-                               std::string(option.key) == "body" ? "BODY" : "SURFACE", option.value));
+    throw BadValue(fmt::format("{}: found no '=', expected {}={}", v.where, key_form(option), option.value));
   }
   v.key = text.substr(0, equals);
   v.value = text.substr(equals + 1);
   if (v.key.empty())
-    throw BadValue(fmt::format("{}: found no name before '=', expected that of a {}", v.where, option.key));
+    throw BadValue(
+        fmt::format("{}: found no name before '=', expected {}", v.where,
+                    std::string(option.key) == "name" ? key_form(option) : fmt::format("that of a {}", option.key)));
   return v;
 }
 

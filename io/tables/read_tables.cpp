@@ -4,6 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <optional>
 
 #include <febiodea/base/error.h>
@@ -311,7 +314,52 @@ void read_motion(const JointModel& model, const Settings& settings, MotionTable&
   motion.words = fmt::format("{} {}", rows_in_words(table, columns, motion.time), scale.words);
 }
 
+// ---- thickness -----------------------------------------------------------------------------------------------------
+
+int column_called(const NumberTable& table, const char* name) {
+  for (std::size_t i = 0; i < table.names.size(); ++i)
+    if (bare_name(table.names[i]) == name) return static_cast<int>(i);
+  throw InputError(Fault{.place = table.path,
+                         .found = say("found no column {} among {};", febio::quote(name), named_columns(table)),
+                         .expected = "name the columns node and thickness in the first line"});
+}
+
+void read_node_thickness(NodeThickness& thickness) {
+  const NumberTable table = read_table(thickness.file);
+  const int node_column = column_called(table, "node"), column = column_called(table, "thickness");
+  std::map<int, int> line_of;  // by node
+  thickness.at_node.clear();
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    const double number = table.rows[r][at(node_column)], value = table.rows[r][at(column)];
+    const auto refuse = [&](const std::string& text) { throw InputError(table.path, table.lines[r], text); };
+    if (!(number >= 1 && number <= std::numeric_limits<int>::max() && number == std::floor(number)))
+      refuse(fmt::format("found node {:g}, expected a whole number > 0: the node's number in the model", number));
+    if (value < 0) refuse(fmt::format("found thickness {:g}, expected a number >= 0", value));
+    const int node = static_cast<int>(number);
+    const auto [entry, is_new] = thickness.at_node.insert({node, value});
+    if (!is_new && entry->second != value)
+      refuse(fmt::format("found thickness {:g} of node {}, and {:g} in line {}, expected one for each node", value, node,
+                         entry->second, line_of[node]));
+    line_of.insert({node, table.lines[r]});
+  }
+}
+
 }  // namespace
+
+void read_thickness(Settings& settings) {
+  for (auto& entry : settings.thickness_from) read_node_thickness(entry.second);
+}
+
+std::vector<NamedPath> table_files(const Settings& settings) {
+  std::vector<NamedPath> files;
+  const auto add = [&](const char* what, const std::string& path) {
+    if (!path.empty()) files.push_back({what, path});
+  };
+  add("the table of loads", settings.loads.file);
+  add("the table of motion", settings.motion.file);
+  for (const auto& entry : settings.thickness_from) add("the table of thickness", entry.second.file);
+  return files;
+}
 
 void read_tables(const JointModel& model, Settings& settings) {
   const std::string& named = settings.units.empty() ? model.units : settings.units;
@@ -324,6 +372,7 @@ void read_tables(const JointModel& model, Settings& settings) {
   need_body("motion", settings.motion.file, "motion-body", settings.motion.body);
   if (!settings.loads.file.empty()) read_loads(model, settings, settings.loads);
   if (!settings.motion.file.empty()) read_motion(model, settings, settings.motion);
+  read_thickness(settings);
 }
 
 }  // namespace dea

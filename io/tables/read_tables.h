@@ -1,5 +1,8 @@
-// febiodea/io/tables/read_tables.h – loads and motions from the files that settings name.
+// febiodea/io/tables/read_tables.h – loads, motions and thicknesses from the files that settings name.
 #pragma once
+#include <vector>
+
+#include <febiodea/io/files/output.h>
 #include <febiodea/model/joint_model.h>
 #include <febiodea/model/settings.h>
 
@@ -9,6 +12,14 @@ namespace dea {
 /// table's to the model's, as settings.units or else the model names it. OpenSim's tables are in N, m, and N m; a table
 /// that names no units and for which none are given is in the model's. Throws InputError (a file's fault, with its line)
 /// and UsageError (settings that do not fit together).
+/// Thicknesses: as read_thickness.
 void read_tables(const JointModel& model, Settings& settings);
+
+/// Fills settings.thickness_from from its files: columns "node", numbers of the model's nodes, and "thickness", >= 0, in
+/// the model's length; other columns are passed over. Throws InputError (a file's fault, with its line).
+void read_thickness(Settings& settings);
+
+/// The files that the settings name to be read, so that no output takes their place.
+std::vector<NamedPath> table_files(const Settings& settings);
 
 }  // namespace dea

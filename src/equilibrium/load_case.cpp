@@ -11,6 +11,7 @@
 #include <febiodea/base/rotations.h>
 #include <febiodea/base/say.h>
 #include <febiodea/base/time_text.h>
+#include <febiodea/joint/given_values.h>
 #include <febiodea/joint/placing.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/model/load_curve.h>
@@ -261,7 +262,9 @@ void add_rigid_load(const Instant& now, const RigidLoad& l, const std::vector<ch
   if (replaced[at(b)]) return;
   BodyConditions& body = c.bodies[at(b)];
   Vector6& load = l.kind == RigidLoad::Kind::Follower ? body.follower : body.dead;
-  const double full = finite_value(now, l.value, l.origin);
+  Scaled value = l.value;
+  if (l.dof < 3) value.factor = given_value(now.settings, l.name, kForce).value_or(value.factor);
+  const double full = finite_value(now, value, l.origin);
   // FEBio notes the reaction when a load becomes active: outside steps that is before anything has been solved
   const bool on_reaction = l.kind == RigidLoad::Kind::Target || (l.kind == RigidLoad::Kind::Dead && l.relative);
   const double start = on_reaction && l.step >= 0 && reaction ? (*reaction)[at(b)][l.dof] : 0.0;

@@ -5,6 +5,7 @@
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
+#include <febiodea/joint/given_values.h>
 #include <febiodea/joint/parts.h>
 
 namespace dea {
@@ -56,8 +57,8 @@ void add_rigid_springs(ConnectionsDraft& draft) {
     l.body_b = body_of_material(draft.parts, s.material_b);
     l.point_a = s.insertion_a;
     l.point_b = s.insertion_b;
-    l.stiffness = s.k;
-    l.free_length = s.free_length;
+    l.stiffness = given_value(draft.parts.settings, s.name, kStiffness).value_or(s.k);
+    l.free_length = given_value(draft.parts.settings, s.name, kSlackLength).value_or(s.free_length);
     l.step = s.step;
     add_ligament(draft, l, "spring", s.origin);
     if (draft.connections.fault) return;
@@ -81,13 +82,20 @@ void add_discrete_spring(ConnectionsDraft& draft, const DiscreteSprings& set, co
   }
   l.point_a = model.nodes[at(pair[0])];
   l.point_b = model.nodes[at(pair[1])];
-  l.stiffness = set.stiffness;
+  const auto given = [&](const char* parameter) { return given_value(model, draft.parts.settings, set, parameter); };
+  l.stiffness = given(kStiffness).value_or(set.stiffness);
+  l.free_length = given(kSlackLength).value_or(0.0);
   l.tension_only = set.tension_only;
   if (set.force) {
     l.law = Ligament::Law::Curve;
     l.curve = set.force;
     l.measure = set.measure;
     l.scale = set.scale;
+    if (const auto force = given(kForce)) {  // the curve is constant
+      l.law = Ligament::Law::Constant;
+      l.curve.reset();
+      l.scale.factor = *force;
+    }
   }
   l.step = set.step;
   add_ligament(draft, l, "spring", set.origin);
@@ -120,6 +128,7 @@ void add_axial_forces(ConnectionsDraft& draft) {
     l.point_a = reference_point(draft, l.body_a, f.point_a, f.from_centers);
     l.point_b = reference_point(draft, l.body_b, f.point_b, f.from_centers);
     l.scale = f.force;
+    l.scale.factor = given_value(draft.parts.settings, f.name, kForce).value_or(l.scale.factor);
     l.step = f.step;
     add_ligament(draft, l, "axial force", f.origin);
     if (draft.connections.fault) return;
@@ -148,6 +157,7 @@ void add_cables(ConnectionsDraft& draft) {
       cable.points.push_back({body, reference_point(draft, body, p.position, c.from_centers)});
     }
     cable.force = c.force;
+    cable.force.factor = given_value(draft.parts.settings, c.name, kForce).value_or(c.force.factor);
     if (c.direction.norm() > 0) cable.direction = c.direction.normalized();
     cable.step = c.step;
     cable.origin = c.origin;

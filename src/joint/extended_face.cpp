@@ -156,10 +156,12 @@ FacetList pressed_elsewhere(const ContactSide& in, int body) {
 void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurface& carried,
                      const LayerBoundary& boundary, const FacetList& elsewhere, Layer& layer) {
   const JointModel& model = parts.model;
+  const NodeThickness* said = node_thickness(parts.settings, model.surfaces[at(layer.surface)].name);
   double deepest = layer.max_thickness();
-  if (layer.material < 0) {  // rigid_boundary: as far as before the conversion, though the map knows the rim better
+  if (layer.material < 0 &&
+      said == nullptr) {  // rigid_boundary: as far as before the conversion, though the map knows the rim better
     const std::vector<double> measured = measure_thickness(layer.articular, bonded_surface(model, boundary)).thickness;
-    deepest = *std::max_element(measured.begin(), measured.end());
+    deepest = layer.thickness_scale * *std::max_element(measured.begin(), measured.end());
   }
   layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular,
                          kFaceReach * deepest, parts.holders.mirror, elsewhere);
@@ -173,17 +175,20 @@ void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurfac
   layer.face.thickness = layer.thickness;
   // a map says nothing of what is beyond it; where a map replaced the model's own layer (rigid_boundary), the elements
   // are as thick as it says
-  if (!layer.thickness_given || layer.material < 0) {
+  if (said == nullptr && (!layer.thickness_given || layer.material < 0)) {
     const MeasuredThickness measured =
         measure_thickness(mesh, layer.thickness_given ? bonded_surface(model, boundary) : layer.bone);
-    layer.face.thickness.insert(layer.face.thickness.end(),
-                                measured.thickness.begin() + static_cast<std::ptrdiff_t>(vertices),
-                                measured.thickness.end());
+    for (std::size_t v = vertices; v < mesh.vertices.size(); ++v)
+      layer.face.thickness.push_back(layer.thickness_scale * measured.thickness[v]);
     return;
   }
   const RayCaster caster(layer.articular);
-  for (std::size_t v = vertices; v < mesh.vertices.size(); ++v)
-    layer.face.thickness.push_back(interpolate(layer.articular, layer.thickness, caster.closest(mesh.vertices[v])));
+  for (std::size_t v = vertices; v < mesh.vertices.size(); ++v) {
+    const double* own = said == nullptr ? nullptr : thickness_at(*said, model.node_ids[at(mesh.model_nodes[v])]);
+    layer.face.thickness.push_back(
+        own != nullptr ? layer.thickness_scale * *own
+                       : interpolate(layer.articular, layer.thickness, caster.closest(mesh.vertices[v])));
+  }
 }
 
 }  // namespace dea

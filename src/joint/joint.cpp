@@ -6,6 +6,7 @@
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
+#include <febiodea/joint/given_values.h>
 #include <febiodea/joint/parts.h>
 
 namespace dea {
@@ -35,6 +36,15 @@ void check_names(const ModelParts& parts) {
   for (const auto& e : settings.bone) check_surface(model, {"bone", e.first}, e.first);
   for (const std::string& name : settings.keep_facets) check_surface(model, {"keep-facets", "", name}, name);
   for (const auto& e : settings.thickness) check_surface(model, {"thickness", e.first}, e.first);
+  for (const auto& e : settings.thickness_scale) check_surface(model, {"thickness-scale", e.first}, e.first);
+  for (const auto& e : settings.thickness_from) {
+    check_surface(model, {"thickness-from", e.first}, e.first);
+    if (settings.thickness.count(e.first) > 0)
+      throw UsageError(
+          Fault{.given = NamedSetting{"thickness-from", e.first, e.second.file},
+                .found = say("{} says the thickness of the same surface;", NamedSetting{"thickness", e.first}),
+                .expected = "leave one out"});
+  }
   for (const auto& e : settings.E) check_surface(model, {"E", e.first}, e.first);
   for (const auto& e : settings.nu) check_surface(model, {"nu", e.first}, e.first);
   for (const auto& e : settings.free) {
@@ -54,6 +64,7 @@ void check_names(const ModelParts& parts) {
   check_word("load-body", settings.loads.body);
   check_word("load-frame", settings.loads.frame.body);
   check_word("motion-body", settings.motion.body);
+  check_given_values(parts);
   if (!settings.source.empty()) check_body(parts, {"source", "", settings.source}, settings.source);
 }
 
@@ -151,6 +162,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   joint.bodies = parts.bodies.bodies;
   joint.findings = parts.findings;
   append(joint.findings, liberties(model, settings));
+  append(joint.findings, given_values_in_words(parts));
 
   FoundContacts contacts = find_contacts(parts, parts.faults);
   append(joint.findings, contacts.findings);

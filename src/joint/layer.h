@@ -50,6 +50,8 @@ struct Layer {
   std::vector<double> thickness;  ///< per vertex of spring_surface(); 0 when rigid
   std::vector<char> missed;       ///< per vertex: its ray found no opposing face near enough; closest point used
   bool thickness_given = false;   ///< by the user, not measured
+  std::string thickness_from;     ///< the user's file of thickness per node; empty: none
+  double thickness_scale = 1.0;   ///< thickness is what was measured or given times this
   std::vector<unsigned char>
       mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
   std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer

@@ -77,7 +77,7 @@ OtherMaterials other_materials(const ContactSide& in, int material, const std::m
   const double E = in.given.E.value_or(own.E);
   OtherMaterials result;
   result.fault = several_materials(in, material, under_facets);
-  if (result.fault || in.given.thickness || in.given.map) return result;
+  if (result.fault || in.given.has_thickness()) return result;
   for (int m : in_part) {
     if (m == material) continue;
     const Material& other = model.materials[at(m)];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <febiodea/base/error.h>
@@ -68,7 +69,7 @@ std::vector<Fault> leave_out_facets(const ContactSide& in, const CarriedSurface&
   // A block on rollers or held by its sides: no facet looks at the bone. With a thickness given that need not matter.
   const bool all_turned = of_kind(FaceKind::SideWall) == s.size();
   if (std::count(keep.begin(), keep.end(), s.name) > 0 || of_kind(FaceKind::Open) == s.size() ||
-      (all_turned && (in.given.thickness || in.given.map)))
+      (all_turned && in.given.has_thickness()))
     kinds.clear();
   layer.facet_kinds = kinds;
   if (kinds.empty()) return {};
@@ -153,7 +154,7 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
 /// No face of the layer is bonded to its body: without a bone surface the thickness must be given.
 std::vector<Fault> do_without_bone(const ContactSide& in, Layer& layer) {
   const NamedSetting bone = setting_of(in, "bone", "SURFACE");
-  if (!in.given.thickness && !in.given.map)
+  if (!in.given.has_thickness())
     return no_thickness(in, layer.material,
                         say("no face of its layer is held by body \"{}\" with all its nodes, so there is no bone "
                             "surface to measure the thickness to;",
@@ -174,11 +175,11 @@ Sentence use_articular_springs() { return say("use {}", NamedSetting{"springs-at
 void finish_bare_surface(const ContactSide& in, LayerDraft& draft) {
   Layer& layer = draft.layer;
   const GivenLayer& given = in.given;
-  if (in.contact.dea && !given.thickness && !given.map && (given.E || given.nu)) {
+  if (in.contact.dea && !given.has_thickness() && (given.E || given.nu)) {
     draft.faults = {unmeasured(in, "it does not lie on solid elements")};
     return;
   }
-  layer.rigid = !given.map && (!given.thickness || *given.thickness == 0.0);
+  layer.rigid = !given.map && given.nodes == nullptr && given.thickness.value_or(0.0) == 0.0;
   if (!layer.rigid && layer.springs_at == SpringsAt::Bone)
     draft.faults = {refusal_of(in,
                                "a thickness given for a bare rigid surface lies under that surface, and the bone under "
@@ -211,6 +212,50 @@ void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, c
 
 // ---- thickness
 // -------------------------------------------------------------------------------------------------------
+
+/// The articular vertices' values in the user's file. None may be missing: what is between would be guessed.
+std::vector<Fault> take_nodes(const ContactSide& in, Layer& layer) {
+  const NodeThickness& said = *in.given.nodes;
+  const JointModel& model = in.parts.model;
+  if (layer.springs_at == SpringsAt::Bone)
+    return {refusal_of(in, "its thickness is given at nodes of the articular surface:", use_articular_springs())};
+  std::vector<int> missing;
+  layer.thickness.clear();
+  for (int node : layer.articular.model_nodes) {
+    const double* own = thickness_at(said, model.node_ids[at(node)]);
+    layer.thickness.push_back(own == nullptr ? 0.0 : *own);
+    if (own == nullptr) missing.push_back(model.node_ids[at(node)]);
+  }
+  if (!missing.empty()) {
+    std::sort(missing.begin(), missing.end());
+    std::string first;
+    for (std::size_t i = 0; i < std::min<std::size_t>(missing.size(), 5); ++i)
+      first += fmt::format("{}{}", i ? ", " : "", missing[i]);
+    return {Fault{.place = said.file,
+                  .found = say("found no thickness for {} of the {} nodes of surface \"{}\" ({}{});", missing.size(),
+                               layer.thickness.size(), in.surface.name, first, missing.size() > 5 ? ", ..." : ""),
+                  .expected = "give one for every node"}};
+  }
+  layer.missed.assign(layer.thickness.size(), 0);
+  layer.thickness_given = true;
+  layer.thickness_from = said.file;
+  if (layer.mean_thickness() > 0) return {};
+  return {Fault{.place = said.file,
+                .found = say("found thickness 0 at every node of surface \"{}\";", in.surface.name),
+                .expected = "give the cartilage's"}};
+}
+
+/// How the user's file was taken.
+Sentence nodes_in_words(const ContactSide& in) {
+  const JointModel& model = in.parts.model;
+  std::set<int> own;
+  for (int node : in.surface.nodes) own.insert(model.node_ids[at(node)]);
+  const auto& said = in.given.nodes->at_node;
+  const auto others = std::count_if(said.begin(), said.end(), [&](const auto& e) { return own.count(e.first) == 0; });
+  return say("surface \"{}\": thickness from {}, {} nodes{}", in.surface.name, in.given.nodes->file,
+             said.size() - static_cast<std::size_t>(others),
+             others > 0 ? fmt::format("; {} of the file's nodes are not on it and passed over", others) : "");
+}
 
 std::vector<Fault> take_map(const ContactSide& in, Layer& layer) {
   if (layer.springs_at == SpringsAt::Bone)
@@ -260,6 +305,7 @@ std::vector<Fault> find_thickness(const ContactSide& in, Layer& layer) {
     layer.missed.assign(layer.thickness.size(), 0);
     return {};
   }
+  if (in.given.nodes != nullptr) return take_nodes(in, layer);
   if (in.given.map) return take_map(in, layer);
   if (!in.given.thickness) return measure(in, layer);
   take_number(in, *in.given.thickness, layer);
@@ -275,9 +321,32 @@ std::vector<Fault> take_rigid_elements(const ContactSide& in, const CarriedSurfa
   const std::vector<Fault> faults = leave_out_facets(in, carried, draft.boundary, layer);
   if (!faults.empty()) return faults;
   layer.bone = layer.articular;
+  if (in.given.nodes != nullptr) return take_nodes(in, layer);
   layer.thickness = mapped_thickness(in.surface, map, layer.articular);
   layer.missed.assign(layer.thickness.size(), 0);
   return {};
+}
+
+/// Thickness times the user's factor, wherever it comes from. The articular surface stays: the bone is taken to lie
+/// deeper or less deep, so that gaps between articular surfaces are the mesh's.
+void scale_thickness(const ContactSide& in, Layer& layer) {
+  if (!in.given.thickness_scale) return;
+  const bool named = in.parts.settings.thickness_scale.count(in.surface.name) > 0;
+  const NamedSetting setting = {"thickness-scale", named ? in.surface.name : "",
+                                fmt::format("{:g}", *in.given.thickness_scale)};
+  if (layer.rigid && !named) return;
+  if (layer.rigid)
+    throw UsageError(Fault{.given = setting,
+                           .found = say("surface \"{}\" is a bare rigid surface, without thickness;", in.surface.name),
+                           .expected = say("leave it out, or give a thickness with {}", setting_of(in, "thickness"))});
+  if (layer.springs_at == SpringsAt::Bone)
+    throw UsageError(Fault{.given = setting,
+                           .found = "springs at the bone stand on the mesh's bone surface, which stays where it is;",
+                           .expected = use_articular_springs()});
+  layer.thickness_scale = *in.given.thickness_scale;
+  for (double& t : layer.thickness) t *= layer.thickness_scale;
+  layer.notes.push_back(
+      say("surface \"{}\": thickness times {:g} ({})", in.surface.name, layer.thickness_scale, setting));
 }
 
 /// The surface with the body it moves with.
@@ -329,6 +398,8 @@ void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elemen
   const bool on_articular = layer.springs_at == SpringsAt::Articular;
   if (draft.faults.empty() && !on_elements && in.given.map && on_articular)
     draft.faults = take_rigid_elements(in, carried, draft);
+  if (draft.faults.empty() && in.given.nodes != nullptr) layer.notes.push_back(nodes_in_words(in));
+  if (draft.faults.empty()) scale_thickness(in, layer);
   if (draft.faults.empty() && !layer.rigid && draft.boundary.faces.size() > 0 && on_articular)
     find_layer_face(in.parts, facets, carried, draft.boundary, pressed_elsewhere(in, layer.body), layer);
 }

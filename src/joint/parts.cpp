@@ -84,7 +84,7 @@ std::vector<char> find_layer_domains(const ModelParts& parts) {
     if (!c.dea || c.primary < 0 || c.secondary < 0) continue;
     for (int side = 0; side < 2; ++side) {
       const GivenLayer given = given_layer(model, parts.settings, c, side);
-      if (given.thickness || given.map || (!given.E && !given.nu)) continue;
+      if (given.has_thickness() || (!given.E && !given.nu)) continue;
       const Surface& s = model.surfaces[at(side == 0 ? c.primary : c.secondary)];
       for (int f = 0; f < s.size(); ++f) {
         const auto* found = find_face(parts, s, f);

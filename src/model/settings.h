@@ -101,6 +101,12 @@ struct MotionTable {
   std::string words;
 };
 
+/// Thickness of a layer at the nodes of its surface.
+struct NodeThickness {
+  std::string file;               ///< where it is read from (io/tables/read_tables.h)
+  std::map<int, double> at_node;  ///< by the node's number in the model file; the model's length, >= 0
+};
+
 struct Settings {
   std::string contact;  ///< only this contact pair; empty: every one that joins two bodies
   std::string source;   ///< body whose layer carries the springs; empty: the contact's primary side
@@ -115,6 +121,8 @@ struct Settings {
   std::map<std::string, std::string> bone;          ///< articular surface -> surface that is its bone surface
   std::vector<std::string> keep_facets;             ///< surfaces of which no facet is left out as side wall or bonded
   std::map<std::string, double> thickness;          ///< surface -> constant thickness; "" = all surfaces
+  std::map<std::string, NodeThickness> thickness_from;  ///< surface -> thickness per node; not together with `thickness`
+  std::map<std::string, double> thickness_scale;    ///< surface -> factor on its thickness, > 0; "" = all
   std::map<std::string, double> E;                  ///< surface -> Young's modulus; "" = all
   std::map<std::string, double> nu;                 ///< surface -> Poisson's ratio; "" = all
   std::map<std::string, std::array<bool, 6>> free;  ///< body -> dofs left free (all others held), in all steps
@@ -123,6 +131,7 @@ struct Settings {
   std::map<std::string, LoadPoint> load_at;  ///< body -> where its force acts
   std::vector<Placement> placements;         ///< act in this order
   std::map<std::string, TurnPoint> rotate_about;  ///< body -> what it is turned about
+  std::map<std::string, double> set_values;  ///< "NAME.PARAMETER" -> number in place of the model's (given_values.h)
   LoadTable loads;
   MotionTable motion;
   bool skip_steps = false;  ///< the model's steps are not walked through: what holds at their end starts from rest

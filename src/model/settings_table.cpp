@@ -57,6 +57,14 @@ double parse_poisson_ratio(Text text) {
   return nu;
 }
 
+/// NAME.PARAMETER; a name may hold dots itself.
+Text need_parameter(Text key) {
+  const std::size_t dot = key.rfind('.');
+  if (dot == key.npos || dot == 0 || dot + 1 == key.size())
+    throw bad_value(key, "NAME.PARAMETER, the parameter being stiffness, slack-length or force");
+  return key;
+}
+
 LoadPoint parse_load_point(Text text) {
   LoadPoint point;
   point.sphere_center = lower_case(text) == "sphere-center";
@@ -167,6 +175,7 @@ SettingContent number_or_nothing(const std::optional<Number>& number) {
 SettingItem item_of(Text word) { return word; }
 SettingItem item_of(double number) { return number; }
 SettingItem item_of(const Eigen::Vector3d& vector) { return vector; }
+SettingItem item_of(const NodeThickness& thickness) { return thickness.file; }
 SettingItem item_of(const LoadPoint& load_at) {
   if (load_at.sphere_center) return std::string("sphere-center");
   return load_at.point;
@@ -285,6 +294,15 @@ std::vector<SettingOption> cartilage_options() {
        "Constant cartilage thickness, in the model's length (mm); may be repeated [measured]",
        [](S& s, Text key, Text text) { s.thickness[key] = parse_length(text); },
        [](const S& s) { return by_name(s.thickness); }, &S::thickness},
+      {"thickness-from", "surface", false, "FILE", nullptr, kCartilage,
+       "Cartilage thickness at each node of a contact surface: CSV with columns node (its number in the model) and "
+       "thickness; may be repeated [measured]",
+       [](S& s, Text key, Text text) { s.thickness_from[key] = {text, {}}; },
+       [](const S& s) { return by_name(s.thickness_from); }},
+      {"thickness-scale", "surface", false, "NUMBER", "FACTOR", kCartilage,
+       "Cartilage thickness, measured or given, times this; articular surfaces stay where they are; may be repeated [1]",
+       [](S& s, Text key, Text text) { s.thickness_scale[key] = parse_positive(text); },
+       [](const S& s) { return by_name(s.thickness_scale); }, &S::thickness_scale},
       {"E", "surface", false, "NUMBER", "MODULUS", kCartilage,
        "Young's modulus, in the model's pressure (MPa); may be repeated [the material's]",
        [](S& s, Text key, Text text) { s.E[key] = parse_positive(text); }, [](const S& s) { return by_name(s.E); },
@@ -334,6 +352,11 @@ std::vector<SettingOption> load_options() {
        "may be repeated [centre of mass]",
        [](S& s, Text key, Text text) { s.load_at[key] = parse_load_point(text); },
        [](const S& s) { return by_name(s.load_at); }},
+      {"set", "name", false, "NUMBER", "VALUE", kLoads,
+       "stiffness, slack-length or force of a spring, ligament, cable, muscle or rigid force of this name, in place of "
+       "the model's number; a load controller still scales it; may be repeated [the model's]",
+       [](S& s, Text key, Text text) { s.set_values[need_parameter(key)] = parse_number(text); },
+       [](const S& s) { return by_name(s.set_values); }},
       {"skip-steps", nullptr, false, "true|false", nullptr, kLoads,
        "Do not walk through the model's steps: what holds at the end of the last one starts from the starting poses",
        [](S& s, Text, Text text) { s.skip_steps = parse_switch(text); }, [](const S& s) { return one(s.skip_steps); },
@@ -393,6 +416,14 @@ std::vector<SettingOption> table_options() {
   };
 }
 
+/// Of a surface's thickness what the weaker source says the other way: as one number, or by a file.
+void leave_thickness_to(Settings& settings, const SettingValue& v) {
+  const std::string name = v.option->name;
+  if (name == "thickness" && v.key.empty()) settings.thickness_from.clear();
+  if (name == "thickness") settings.thickness_from.erase(v.key);
+  if (name == "thickness-from") settings.thickness.erase(v.key);
+}
+
 }  // namespace
 
 const std::vector<SettingOption>& setting_options() {
@@ -412,6 +443,11 @@ const SettingOption* find_setting_option(const std::string& name) {
   return nullptr;
 }
 
+std::string key_form(const SettingOption& option) {
+  const std::string key = option.key;
+  return key == "body" ? "BODY" : key == "surface" ? "SURFACE" : "NAME.PARAMETER";
+}
+
 void set_value(Settings& settings, const SettingValue& v) {
   if (trimmed(v.value).empty()) throw BadValue(fmt::format("found nothing, expected {}", v.option->value));
   v.option->set(settings, v.key, v.value);
@@ -423,6 +459,7 @@ void lay_over(Settings& settings, const std::vector<SettingValue>& values) {
     if (!v.option->repeatable && !given.insert({v.option->name, v.key}).second)
       throw BadValue(fmt::format("{}: given twice{}", v.where, v.key.empty() ? "" : fmt::format(" for \"{}\"", v.key)));
     if (v.option->per_surface != nullptr && v.key.empty()) (settings.*v.option->per_surface).clear();
+    leave_thickness_to(settings, v);
     if (v.option->places)  // the body's placements of the weaker source
       std::erase_if(settings.placements, [&](const Placement& p) { return p.body == v.key; });
   }

@@ -20,7 +20,7 @@ using SettingContent = std::variant<SettingItem, std::map<std::string, SettingIt
 
 struct SettingOption {
   const char* name;        ///< "springs-at"
-  const char* key;         ///< "surface" or "body": what the value belongs to; nullptr: no key
+  const char* key;         ///< "surface", "body" or "name": what the value belongs to; nullptr: no key
   bool repeatable;         ///< may be given again without a key
   const char* value;       ///< form of the value: "curved|flat", "NUMBER"; "true|false" is a switch
   const char* help_value;  ///< what help calls the value; nullptr: `value`
@@ -39,6 +39,9 @@ struct SettingOption {
 const std::vector<SettingOption>& setting_options();
 /// nullptr: there is none of this name.
 const SettingOption* find_setting_option(const std::string& name);
+
+/// What stands before the value: "SURFACE", "BODY" or "NAME.PARAMETER". For options with a key.
+std::string key_form(const SettingOption& option);
 
 /// One value as the user wrote it.
 struct SettingValue {

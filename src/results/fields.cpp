@@ -55,8 +55,12 @@ FieldMaps::LayerMap make_layer_map(const JointModel& model, const Layer& layer, 
     const double to_articular = (position(mesh, map.node_to_articular[i]) - x).norm();
     const double to_bone = (position(layer.bone, bone.closest(x)) - x).norm();
     // a node that lies far beside the articular surface (a contact surface on part of the layer) does not move with it
-    const double between = to_bone + to_articular,
-                 local = interpolate(mesh, map.vertex_thickness, map.node_to_articular[i]);
+    const double between = to_bone + to_articular;
+    double local = interpolate(mesh, map.vertex_thickness, map.node_to_articular[i]) / layer.thickness_scale;
+    if (layer.thickness_given) {  // the mesh may be thicker than what is said of it
+      const Vector3d foot = position(mesh, map.node_to_articular[i]);
+      local = std::max(local, (position(layer.bone, bone.closest(foot)) - foot).norm());
+    }
     map.node_depth[i] = between > 0 && between < 1.5 * local ? to_bone / between : 0.0;
   });
   return map;

@@ -531,6 +531,92 @@ TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
   EXPECT_EQ(files(), Names{"flat.feb"});
 }
 
+// p = M d / t with d = 0.2 of the plate in the file: thickness scaled, from a file, both; and every command that takes
+// settings knows them.
+TEST_F(Cli, ThicknessScaledAndFromAFile) {
+  write_model();
+  std::string csv = "node,thickness\n";
+  for (int node = 17; node <= 32; ++node) csv += fmt::format("{},1.6\n", node);
+  write("t.csv", csv + "33,9\n");
+  const auto peak = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"run", "flat.feb", "--law", "linear", "--json", "-"});
+    const Finished f = dea(options);
+    EXPECT_EQ(f.code, 0) << f.err;
+    return Json::parse(f.out)["states"].back()["contacts"][0]["peak_pressure"].get<double>();
+  };
+  const double M_d = kM * 0.2;
+  EXPECT_NEAR(peak({"--thickness-scale", "0.8"}), M_d / 1.6, 1e-11);
+  EXPECT_NEAR(peak({"--thickness-from", "top=t.csv"}), M_d / 1.6, 1e-11);
+  EXPECT_NEAR(peak({"--thickness-from", "top=t.csv", "--thickness-scale", "top=0.5"}), M_d / 0.8, 1e-11);
+  write("s.xml",
+        "<febiodea_settings version=\"1\"><thickness-from surface=\"top\">t.csv</thickness-from>"
+        "<thickness-scale>0.5</thickness-scale></febiodea_settings>");
+  EXPECT_NEAR(peak({"--settings", "s.xml"}), M_d / 0.8, 1e-11);
+  EXPECT_NEAR(peak({"--settings", "s.xml", "--thickness", "top=4"}), M_d / 2, 1e-11);
+
+  const Finished info = dea({"info", "flat.feb", "--settings", "s.xml"});
+  EXPECT_NE(info.out.find("thickness (from t.csv, times 0.5): min 0.8, mean 0.8, max 0.8\n"), std::string::npos)
+      << info.out;
+  EXPECT_NE(info.out.find("thickness from t.csv, 16 nodes; 1 of the file's nodes are not on it and passed over"),
+            std::string::npos);
+  const Json j = Json::parse(dea({"info", "flat.feb", "--settings", "s.xml", "--json", "-"}).out);
+  const Json& layer = j["contacts"][0]["primary"];
+  EXPECT_NEAR(layer["thickness_mean"].get<double>(), 0.8, 1e-12);
+  EXPECT_EQ(layer["thickness_scale"], 0.5);
+  EXPECT_EQ(layer["thickness_from"], "t.csv");
+  EXPECT_EQ(j["settings"]["thickness_scale"][""], 0.5);
+  EXPECT_EQ(j["settings"]["thickness_from"]["top"], "t.csv");
+  EXPECT_TRUE(j["settings"]["set"].empty());
+  EXPECT_EQ(dea({"converge", "flat.feb", "-q", "--law", "linear", "--settings", "s.xml"}).code, 0);
+  ASSERT_EQ(dea({"convert", "flat.feb", "-q", "--law", "linear", "--settings", "s.xml", "-o", "c.feb"}).code, 0);
+  const Finished converted = dea({"run", "c.feb", "--json", "-"});
+  EXPECT_NEAR(Json::parse(converted.out)["states"].back()["contacts"][0]["peak_pressure"].get<double>(), M_d / 0.8,
+              1e-11);
+
+  const Finished over = dea({"run", "flat.feb", "--thickness-from", "top=t.csv", "--csv", "t.csv"});
+  EXPECT_EQ(over.code, 2);
+  EXPECT_EQ(over.err, "dea: --csv t.csv: would overwrite the table of thickness\n");
+  EXPECT_EQ(file_text(folder / "t.csv"), csv + "33,9\n");
+}
+
+// A ligament of samples/knee set on the command line, in a settings file and in the model's text: one result.
+TEST_F(Cli, SetIsTheSameAsInTheModel) {
+  const std::string knee = file_text(DEA_SAMPLES_DIR "/knee/knee.feb");
+  const std::string cruciates = "<E>80</E>";
+  ASSERT_NE(knee.find(cruciates), std::string::npos);
+  std::string softer = knee;
+  softer.replace(knee.find(cruciates), cruciates.size(), "<E>65</E>");
+  write("knee.feb", knee);
+  write("softer.feb", softer);
+  write("s.xml",
+        "<febiodea_settings version=\"1\"><set name=\"ACL.stiffness\">65</set><set name=\"PCL.stiffness\">65</set>"
+        "</febiodea_settings>");
+  const auto last = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words = {"run", options[0], "--law", "linear", "--states", "last", "--json", "-"};
+    words.insert(words.end(), options.begin() + 1, options.end());
+    const Finished f = dea(words);
+    EXPECT_EQ(f.code, 0) << f.err;
+    return Json::parse(f.out)["states"].back();
+  };
+  const Json written = last({"softer.feb"});
+  EXPECT_EQ(last({"knee.feb", "--set", "ACL.stiffness=65", "--set", "PCL.stiffness=65"}), written);
+  EXPECT_EQ(last({"knee.feb", "--settings", "s.xml"}), written);
+  EXPECT_EQ(last({"knee.feb", "--settings", "s.xml", "--set", "ACL.stiffness=80", "--set", "PCL.stiffness=80"}),
+            last({"knee.feb"}));
+  EXPECT_NE(last({"knee.feb"}), written);
+
+  const Finished info = dea({"info", "knee.feb", "--set", "ACL.stiffness=65"});
+  EXPECT_NE(info.out.find("note: set: ACL.stiffness 65 for all 2 of this name (model: 80)\n"), std::string::npos);
+  EXPECT_NE(info.out.find("stiffness 65, free length"), std::string::npos);
+  const Finished run = dea({"run", "knee.feb", "--law", "linear", "--states", "last", "--set", "ACL.stiffness=65"});
+  EXPECT_NE(run.err.find("set: ACL.stiffness 65 for all 2 of this name (model: 80)\n"), std::string::npos) << run.err;
+  const Finished refused = dea({"convert", "knee.feb", "--set", "ACL.stiffness=65"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_EQ(refused.err,
+            "dea: --set ACL.stiffness: a converted file keeps the model's own springs and forces; change them in the "
+            "model\n");
+}
+
 TEST_F(Cli, InputRefusedIsOneLineAndCodeThree) {
   const Finished missing = dea({"run", "no.feb"});
   EXPECT_EQ(missing.code, 3);

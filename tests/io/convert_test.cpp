@@ -432,6 +432,8 @@ Converted expect_same_joint(const fs::path& folder, const std::string& path, con
   of_rest.bone.clear();
   of_rest.rigid.clear();
   of_rest.thickness.clear();
+  of_rest.thickness_from.clear();
+  of_rest.thickness_scale.clear();
   of_rest.E.clear();
   of_rest.nu.clear();
   const Analysis before = analyse(read_feb(path), settings);
@@ -594,6 +596,26 @@ TEST(Convert, SettingsAreSaidInTheFile) {
   EXPECT_EQ(dea.layers[0].nu, 0.2);
   EXPECT_EQ(dea.layers[1].thickness, 1.25);
   EXPECT_EQ(dea.layers[0].thickness_map.size(), 36u);
+}
+
+// Thickness per node and its factor are in the file as maps and numbers.
+TEST(Convert, ThicknessSaidAndScaledIsSaidInTheFile) {
+  const test::TemporaryFolder folder;
+  const std::string path = write_model(folder, {.upper_layer = true});
+  Settings s;
+  s.law = Law::Linear;
+  s.thickness_scale[""] = 0.5;
+  s.thickness["plate face"] = 1.25;
+  const JointModel model = read_feb(path);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    s.thickness_from["top"].at_node[model.node_ids[i]] = 1 + 0.01 * static_cast<double>(i);
+  const Converted c = expect_same_joint(folder.path, path, s);
+  const DeaContact& dea = *c.model.contacts[0].dea;
+  EXPECT_EQ(dea.layers[1].thickness, 0.625);
+  const Surface& top = c.model.surfaces[static_cast<std::size_t>(c.model.contacts[0].primary)];
+  ASSERT_EQ(dea.layers[0].thickness_map.size(), top.nodes.size());
+  for (std::size_t k = 0; k < top.nodes.size(); ++k)
+    EXPECT_NEAR(dea.layers[0].thickness_map[k], 0.5 * (1 + 0.01 * top.nodes[k]), 1e-12);
 }
 
 // --rigid: a deformable bone. Its material becomes a rigid body.
@@ -813,6 +835,10 @@ TEST(Convert, Refusals) {
   s = {};
   s.free["plate"] = {};
   EXPECT_EQ(fault(path, s), fmt::format("--free plate: {}", kOwn));
+  s = {};
+  s.set_values["load.force"] = 2;
+  EXPECT_EQ(fault(path, s),
+            "--set load.force: a converted file keeps the model's own springs and forces; change them in the model");
   // --attach to the other body: rigid with it, the layer would make both one body.
   s = {};
   s.attach["top"] = "plate";

@@ -83,6 +83,10 @@ TEST(SettingWords, EveryOption) {
                            value("keep-facets", "s 1"),
                            value("keep-facets", "s=2"),
                            value("keep-facets", "s 1"),
+                           value("set", "a.b c.stiffness=-2.5"),
+                           value("thickness-scale", "0.8"),
+                           value("thickness-scale", "s=1.2"),
+                           value("thickness-from", "t=a b.csv"),
                            value("squash", "false")});
   EXPECT_EQ(s.contact, "hip contact");
   EXPECT_EQ(s.source, "femur");
@@ -95,6 +99,9 @@ TEST(SettingWords, EveryOption) {
   EXPECT_EQ(s.bone.at("s"), "t");
   EXPECT_EQ(s.thickness.at(""), 2.0);
   EXPECT_EQ(s.thickness.at("a=b"), 1.5);  // cut at the last '='
+  EXPECT_EQ(s.set_values, (std::map<std::string, double>{{"a.b c.stiffness", -2.5}}));
+  EXPECT_EQ(s.thickness_scale, (std::map<std::string, double>{{"", 0.8}, {"s", 1.2}}));
+  EXPECT_EQ(s.thickness_from.at("t").file, "a b.csv");
   EXPECT_EQ(s.E.at("s"), 10.0);
   EXPECT_EQ(s.nu.at(""), -0.2);
   EXPECT_EQ(s.free.at("femur"), (std::array<bool, 6>{true, false, true, false, false, true}));
@@ -127,6 +134,16 @@ TEST(SettingWords, RefusalsSayWhatWasFoundAndExpected) {
             "--free femur=x,Rx: found \"x,Rx\", expected some of x,y,z,Ru,Rv,Rw, or none");
   EXPECT_EQ(refusal("load-at", "femur=middle"),
             "--load-at femur=middle: found \"middle\", expected three numbers x,y,z, or sphere-center");
+  EXPECT_EQ(refusal("set", "80"), "--set 80: found no '=', expected NAME.PARAMETER=NUMBER");
+  EXPECT_EQ(refusal("set", "=80"), "--set =80: found no name before '=', expected NAME.PARAMETER");
+  for (const std::string key : {"ACL", ".force", "ACL."})
+    EXPECT_EQ(refusal("set", (key + "=80").c_str()),
+              "--set " + key + "=80: found \"" + key +
+                  "\", expected NAME.PARAMETER, the parameter being stiffness, slack-length or force");
+  EXPECT_EQ(refusal("set", "ACL.force=much"), "--set ACL.force=much: found \"much\", expected a number");
+  EXPECT_EQ(refusal("thickness-scale", "s=0"), "--thickness-scale s=0: found \"0\", expected a number > 0");
+  EXPECT_EQ(refusal("thickness-scale", "-1"), "--thickness-scale -1: found \"-1\", expected a number > 0");
+  EXPECT_EQ(refusal("thickness-from", "a.csv"), "--thickness-from a.csv: found no '=', expected SURFACE=FILE");
   EXPECT_EQ(refusal("contact", " "), "--contact  : found nothing, expected NAME");
   EXPECT_EQ(message_of([] { with({value("E", "S=1"), value("E", "S=2")}); }), "--E S=2: given twice for \"S\"");
 }
@@ -138,9 +155,24 @@ TEST(SettingWords, StrongerValueForAllSilencesWeakerOnes) {
   EXPECT_EQ(s.nu, (std::map<std::string, double>{{"S", 0.1}, {"T", 0.2}}));
 }
 
+// One number and a file say the same thing of a surface: the stronger source's way holds.
+TEST(SettingWords, StrongerThicknessTakesThePlaceOfTheOtherWay) {
+  Settings s = with({value("thickness", "S=1"), value("thickness", "T=2"), value("thickness-from", "U=u.csv")});
+  lay_over(s, {value("thickness-from", "S=s.csv"), value("thickness", "U=3")});
+  EXPECT_EQ(s.thickness, (std::map<std::string, double>{{"T", 2.0}, {"U", 3.0}}));
+  ASSERT_EQ(s.thickness_from.size(), 1u);
+  EXPECT_EQ(s.thickness_from.at("S").file, "s.csv");
+  lay_over(s, {value("thickness", "4")});
+  EXPECT_TRUE(s.thickness_from.empty());
+  s = with({value("thickness", "S=1"), value("thickness-from", "S=s.csv")});  // one source: refused with the model
+  EXPECT_EQ(s.thickness.size() + s.thickness_from.size(), 2u);
+}
+
 TEST(SettingsXml, ReadsEveryKindOfElement) {
   const SettingsFile file(
       "<?xml version=\"1.0\"?>\n<febiodea_settings version=\"1\">\n <!-- a comment -->\n <law> logarithmic </law>\n"
+      " <set name=\"ACL.stiffness\">80</set>\n <thickness-scale surface=\"U\">0.8</thickness-scale>\n"
+      " <thickness-from surface=\"U\"> u.csv </thickness-from>\n"
       " <thickness>2</thickness>\n <thickness surface=\"S &amp; T\">1.5</thickness>\n <rigid>a</rigid>\n "
       "<rigid>b</rigid>\n"
       " <force body=\"femur\">1, -2,3</force>\n <load-at body=\"femur\">sphere-center</load-at>\n "
@@ -148,6 +180,9 @@ TEST(SettingsXml, ReadsEveryKindOfElement) {
   const Settings s = read_settings(file.path);
   EXPECT_EQ(s.law, Law::Logarithmic);
   EXPECT_EQ(s.thickness, (std::map<std::string, double>{{"", 2.0}, {"S & T", 1.5}}));
+  EXPECT_EQ(s.set_values, (std::map<std::string, double>{{"ACL.stiffness", 80.0}}));
+  EXPECT_EQ(s.thickness_scale, (std::map<std::string, double>{{"U", 0.8}}));
+  EXPECT_EQ(s.thickness_from.at("U").file, "u.csv");
   EXPECT_EQ(s.rigid, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(s.force.at("femur"), Eigen::Vector3d(1, -2, 3));
   EXPECT_TRUE(s.load_at.at("femur").sphere_center);
@@ -207,7 +242,8 @@ TEST(SettingsTable, ManualAndReadmeNameEveryOption) {
 // What is set is shown, and nothing is shown before.
 TEST(SettingsTable, ShowsWhatWasSet) {
   const Settings s = with({value("law", "layer"), value("nu", "s=0.3"), value("free", "femur=x,Rw"),
-                           value("load-at", "femur=sphere-center"), value("layer-terms", "1")});
+                           value("load-at", "femur=sphere-center"), value("layer-terms", "1"),
+                           value("set", "ACL.force=7"), value("thickness-from", "s=f.csv")});
   const auto shown = [&](const char* option) { return find_setting_option(option)->content(s); };
   using Items = std::map<std::string, SettingItem>;
   EXPECT_EQ(shown("law"), SettingContent(SettingItem(std::string("layer"))));
@@ -215,6 +251,8 @@ TEST(SettingsTable, ShowsWhatWasSet) {
   EXPECT_EQ(shown("layer-terms"), SettingContent(SettingItem(1)));
   EXPECT_EQ(shown("nu"), SettingContent(Items{{"s", 0.3}}));
   EXPECT_EQ(shown("E"), SettingContent(Items{}));
+  EXPECT_EQ(shown("set"), SettingContent(Items{{"ACL.force", 7.0}}));
+  EXPECT_EQ(shown("thickness-from"), SettingContent(Items{{"s", std::string("f.csv")}}));
   EXPECT_EQ(shown("free"), SettingContent(Items{{"femur", std::vector<std::string>{"x", "Rw"}}}));
   EXPECT_EQ(shown("load-at"), SettingContent(Items{{"femur", std::string("sphere-center")}}));
 }
@@ -228,6 +266,9 @@ TEST(SettingsXml, RefusalsNameTheLine) {
   EXPECT_EQ(fault("\n<Law>linear</Law>"), ":3: found <Law> (did you mean \"law\"?), expected one of " + all);
   EXPECT_EQ(fault("<force>1,2,3</force>"), ":2: <force>: found no attribute \"body\", expected body=\"NAME\"");
   EXPECT_EQ(fault("<force surface=\"S\">1,2,3</force>"), ":2: <force>: found attribute \"surface\", expected \"body\"");
+  EXPECT_EQ(fault("<set>80</set>"), ":2: <set>: found no attribute \"name\", expected name=\"NAME\"");
+  EXPECT_EQ(fault("<set name=\"ACL\">80</set>"),
+            ":2: <set>: found \"ACL\", expected NAME.PARAMETER, the parameter being stiffness, slack-length or force");
   EXPECT_EQ(fault("<law a=\"b\">linear</law>"), ":2: <law>: found attribute \"a\", expected none");
   EXPECT_EQ(fault("<law/>"), ":2: <law>: found nothing, expected linear|logarithmic|neo-Hookean|layer");
   EXPECT_EQ(fault("<law>\n<linear/></law>"),

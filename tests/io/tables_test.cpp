@@ -109,5 +109,46 @@ TEST(Tables, RefusedWithTheirLine) {
   EXPECT_EQ(refusal("nowhere.csv"), ": found no readable file, expected a table");
 }
 
+/// What is wrong with a file of thickness per node, without its name; its values else.
+std::string thickness_refusal(const std::string& path, NodeThickness* read = nullptr) {
+  Settings settings;
+  settings.thickness_from["s"].file = path;
+  try {
+    read_thickness(settings);
+  } catch (const InputError& e) {
+    return std::string(e.what()).substr(path.size());
+  }
+  if (read != nullptr) *read = settings.thickness_from["s"];
+  return "";
+}
+
+TEST(Tables, ThicknessPerNode) {
+  NodeThickness read;
+  const std::string path = file("t.csv", "x,Thickness [mm],NODE\n0,1.5,7\n0,0,12\n9,1.5,7\n");  // one line twice
+  EXPECT_EQ(thickness_refusal(path, &read), "");
+  EXPECT_EQ(read.at_node, (std::map<int, double>{{7, 1.5}, {12, 0.0}}));
+  EXPECT_EQ(read.file, path);
+}
+
+TEST(Tables, ThicknessPerNodeRefusedWithItsLine) {
+  const auto refusal_of = [](const char* text) { return thickness_refusal(file("t.csv", text)); };
+  EXPECT_EQ(refusal_of("node,thickness\n7,-1\n"), ":2: found thickness -1, expected a number >= 0");
+  EXPECT_EQ(refusal_of("node,thickness\n7,nan\n"),
+            ":2: column \"thickness\": found \"nan\", expected a number with a decimal point");
+  EXPECT_EQ(refusal_of("node,thickness\n7,1\n8,1\n7,2\n"),
+            ":4: found thickness 2 of node 7, and 1 in line 2, expected one for each node");
+  for (const char* node : {"7.5", "0", "-3", "1e12"})
+    EXPECT_NE(refusal_of((std::string("node,thickness\n") + node + ",1\n").c_str())
+                  .find("expected a whole number > 0: the node's number in the model"),
+              std::string::npos)
+        << node;
+  EXPECT_EQ(refusal_of("id,thickness\n7,1\n"),
+            ": found no column \"node\" among \"id\", \"thickness\"; name the columns node and thickness in the first "
+            "line");
+  EXPECT_EQ(refusal_of("node\n7\n"),
+            ": found no column \"thickness\" among \"node\"; name the columns node and thickness in the first line");
+  EXPECT_EQ(thickness_refusal("nowhere.csv"), ": found no readable file, expected a table");
+}
+
 }  // namespace
 }  // namespace dea

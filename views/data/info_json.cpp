@@ -55,6 +55,8 @@ Json layer_json(const JointModel& model, const JointCheck& check, const Layer& l
   sphere["radius"] = json_number(side.sphere.radius);
   sphere["rms"] = json_number(side.sphere.rms);
   j["sphere"] = sphere;
+  j["thickness_scale"] = json_number(layer.thickness_scale);  // part of the thicknesses above
+  j["thickness_from"] = json_word(layer.thickness_from);
   return j;
 }
 

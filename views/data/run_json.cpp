@@ -157,12 +157,13 @@ Json settings_json(const Settings& settings) {
     std::replace(key.begin(), key.end(), '-', '_');
     j[key] = content_json(option.content(settings));
   };
+  const std::vector<std::string> last = {"facets", "set", "thickness-from", "thickness-scale"};  // in dea.run/1
   for (const SettingOption& option : setting_options()) {
     const std::string name = option.name;
-    if (name != "facets") add(name);
-    if (name == "rigid") add("keep-facets");  // where these two stand in dea.run/1
+    if (std::find(last.begin(), last.end(), name) == last.end()) add(name);
+    if (name == "rigid") add("keep-facets");  // where it stands in dea.run/1
   }
-  add("facets");
+  for (const std::string& name : last) add(name);
   return j;
 }
 

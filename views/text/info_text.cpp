@@ -62,6 +62,16 @@ std::string rim_text(const SideCheck& side) {
   return fmt::format("      rim of the selected facets:{}{}\n", text, beyond);
 }
 
+/// " (given, times 0.8)"; measured and not scaled: "".
+std::string thickness_origin(const Layer& layer) {
+  std::string text = !layer.thickness_from.empty() ? "from " + layer.thickness_from
+                     : layer.thickness_given       ? "given"
+                                                   : "";
+  if (layer.thickness_scale != 1.0)
+    text += fmt::format("{}times {}", text.empty() ? "measured, " : ", ", number_text(layer.thickness_scale));
+  return text.empty() ? "" : " (" + text + ")";
+}
+
 std::string layer_text(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side,
                        const char* role) {
   const Surface& surface = model.surfaces[at(layer.surface)];
@@ -78,7 +88,7 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
                                                    model.materials[at(layer.material)].type);
     text += fmt::format("      cartilage: material {}, E {}, nu {}, confined modulus {}\n", material, number_text(e.E),
                         number_text(e.nu), number_text(confined_modulus(e.E, e.nu)));
-    text += fmt::format("      thickness{}: min {}, mean {}, max {}", layer.thickness_given ? " (given)" : "",
+    text += fmt::format("      thickness{}: min {}, mean {}, max {}", thickness_origin(layer),
                         number_text(layer.min_thickness()), number_text(layer.mean_thickness()),
                         number_text(layer.max_thickness()));
     text += layer.thickness_given
