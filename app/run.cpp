@@ -1,6 +1,7 @@
 // `dea run`: every wanted state solved and written.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include <febiodea/app/commands.h>
@@ -119,11 +120,24 @@ void watch(RunOptions& options, Progress& progress) {
   };
 }
 
-void print_result(const JointModel& model, const RunOptions& options, const RunResult& result, bool details) {
-  for (const std::string& line : run_remarks(model, result.analysis)) log(line);
+/// `told`: remarks that were printed before solving.
+void print_result(const JointModel& model, const RunOptions& options, const RunResult& result,
+                  const std::vector<std::string>& told, bool details) {
+  for (const std::string& line : run_remarks(model, result.analysis))
+    if (std::find(told.begin(), told.end(), line) == told.end()) log(line);
   const OutputSettings& o = options.outputs;
-  if (o.json != "-" && o.csv != "-" && o.compartments_csv != "-" && o.facets_csv != "-") print(run_text(model, result.analysis, details));
+  if (o.json != "-" && o.csv != "-" && o.compartments_csv != "-" && o.facets_csv != "-")
+    print(run_text(model, result.analysis, details));
   log(run_summary(options, result));
+}
+
+/// What is odd about the model or was concluded from it, before it is solved.
+std::vector<std::string> tell_of_model(const Recognition& recognition, Progress& progress) {
+  if (!recognition.faults.empty()) return {};
+  const std::vector<std::string> lines = model_remarks(recognition.model, recognition.joint);
+  progress.clear();
+  for (const std::string& line : lines) log(line);
+  return lines;
 }
 
 /// --no-xplt over the settings file; else there is a plot file, named or not.
@@ -176,12 +190,14 @@ int run(const RunArguments& a) {
                      files);
     };
   }
+  std::vector<std::string> told;
+  if (!a.quiet) told = tell_of_model(recognition, progress);
   const RunResult result = run_model(recognition, options);
   progress.clear();
 
   if (!a.quiet) {
     if (!name_note.empty()) log(name_note);
-    print_result(recognition.model, options, result, a.details);
+    print_result(recognition.model, options, result, told, a.details);
   } else {
     for (const std::string& line : no_solution_lines(result.analysis)) log(line);
   }

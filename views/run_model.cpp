@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <febiodea/base/error.h>
@@ -14,6 +15,7 @@
 #include <febiodea/io/vtu/write_vtu.h>
 #include <febiodea/run/states.h>
 #include <febiodea/views/data/run_csv.h>
+#include <febiodea/views/text/remarks.h>
 
 namespace dea {
 
@@ -74,14 +76,43 @@ void note_states(const JointModel& model, const RunOptions& options, const State
     findings.push_back(states_left_out_note(model, states.times.size()));
 }
 
-AnalysisOptions analysis_options(const RunOptions& options, const States& states) {
+/// The plot file as it grows with the states, and what it takes of the time.
+struct GrowingPlot {
+  const Recognition& recognition;
+  const States& states;
+  PlotHead head;
+  XpltWriter file;
+  double seconds_writing = 0.0;
+
+  GrowingPlot(const Recognition& r, const States& s, const RunOptions& options)
+      : recognition(r),
+        states(s),
+        head(plot_head(r.model, r.joint, options.compress)),
+        file(options.outputs.output, head.file) {}
+  void add(const StateResult& state, std::size_t index) {
+    if (!states.wanted[index]) return;
+    const double start = seconds();
+    file.add(plot_state(recognition.model, recognition.joint, head, state));
+    seconds_writing += seconds() - start;
+  }
+};
+
+/// Must whole fields of all states be there at the end?
+bool needs_fields(const RunOptions& options) {
+  return options.with_plot || !options.outputs.vtu.empty() || !options.outputs.facets_csv.empty();
+}
+
+/// `plot`: may be null.
+AnalysisOptions analysis_options(const RunOptions& options, const States& states, GrowingPlot* plot) {
   AnalysisOptions out;
+  out.keep_fields = needs_fields(options);
   out.times = states.times;
   out.keep_state = states.wanted;
   out.activity = options.on_activity;
   out.equilibrium.stop = options.stop;
-  if (!options.progress && !options.on_state) return out;
-  out.progress = [&options](const StateResult& s, std::size_t index, std::size_t count) {
+  if (!options.progress && !options.on_state && plot == nullptr) return out;
+  out.progress = [&options, plot](const StateResult& s, std::size_t index, std::size_t count) {
+    if (plot != nullptr) plot->add(s, index);
     if (options.on_state) options.on_state(s, index, count);
     if (!options.progress) return;
     options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count, time_text(s.when.time),
@@ -97,13 +128,22 @@ std::vector<double> times_to_write(const States& states) {
   return times;
 }
 
+/// The warnings alone, one after the other: "...; ...".
+std::string warnings_of(const JointModel& model, const Analysis& analysis) {
+  const std::string start = "warning: ";
+  std::string all;
+  for (const std::string& line : run_remarks(model, analysis))
+    if (line.rfind(start, 0) == 0) all += (all.empty() ? "" : "; ") + line.substr(start.size());
+  return all;
+}
+
 /// Everything but the plot file itself.
 void write_others(const JointModel& model, const Settings& settings, const RunOptions& options,
                   const RunResult& result) {
   const OutputSettings& outputs = options.outputs;
   if (!outputs.json.empty())
     write_text(outputs.json, json_text(run_json(model, settings, result.analysis, result.timings)));
-  if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(result.analysis));
+  if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(result.analysis, warnings_of(model, result.analysis)));
   if (!outputs.compartments_csv.empty()) write_text(outputs.compartments_csv, compartments_csv(result.analysis));
   if (!outputs.facets_csv.empty()) write_text(outputs.facets_csv, facets_csv(model, result.analysis));
 }
@@ -128,24 +168,25 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   RunResult result;
   Timings& timings = result.timings;
   timings.read = options.seconds_reading + seconds() - start;
-  result.analysis = analyse(recognition, analysis_options(options, states));
+  std::optional<GrowingPlot> plot;
+  if (!outputs.output.empty() && recognition.faults.empty()) plot.emplace(recognition, states, options);
+  result.analysis = analyse(recognition, analysis_options(options, states, plot ? &*plot : nullptr));
   if (!options.with_plot) {  // the bulk of the memory
     result.analysis.beds = {};
     result.analysis.maps = {};
   }
   note_states(model, options, states, result.analysis.joint.findings);
   timings.joint = result.analysis.seconds_joint;
-  timings.solve = result.analysis.seconds_solve;
+  timings.solve = result.analysis.seconds_solve - (plot ? plot->seconds_writing : 0.0);
 
   const double write_start = seconds();
   if (options.on_writing) options.on_writing(outputs.output.empty() ? "results" : outputs.output);
-  XpltFile xplt;
-  if (!outputs.output.empty() || !outputs.vtu.empty() || options.with_plot)
-    xplt = make_plot_file(model, result.analysis, options.compress);
-  if (!outputs.output.empty()) write_xplt(outputs.output, xplt);
+  if (plot) plot->file.finish();
   end_if_stopped(options.stop);
+  XpltFile xplt;
+  if (!outputs.vtu.empty() || options.with_plot) xplt = make_plot_file(model, result.analysis, options.compress);
   if (!outputs.vtu.empty()) write_vtu(outputs.vtu, xplt);
-  timings.write = seconds() - write_start;
+  timings.write = seconds() - write_start + (plot ? plot->seconds_writing : 0.0);
   timings.total = options.seconds_reading + seconds() - start;
   end_if_stopped(options.stop);
   write_others(model, recognition.settings, options, result);

@@ -277,10 +277,10 @@ std::vector<double> left_out_facets(const Surface& s, const Layer& layer) {
 }
 
 /// Forces and places of rigid bodies, per domain of their materials; `first`: index of "rigid force".
-void add_rigid_bodies(const MeshMap& map, const Joint& joint, const Equilibrium& e, std::size_t first,
+void add_rigid_bodies(const std::vector<int>& material_of_domain, const Joint& joint, const Equilibrium& e, std::size_t first,
                       XpltState& state) {
-  for (std::size_t d = 0; d < map.material_of_domain.size(); ++d) {
-    const int b = map.material_of_domain[d] < 0 ? -1 : body_of_material(joint, map.material_of_domain[d]);
+  for (std::size_t d = 0; d < material_of_domain.size(); ++d) {
+    const int b = material_of_domain[d] < 0 ? -1 : body_of_material(joint, material_of_domain[d]);
     if (b < 0) continue;
     const int region = static_cast<int>(d) + 1;
     state.variables[first].push_back({region, numbers(e.reaction[at(b)].head<3>())});
@@ -290,16 +290,16 @@ void add_rigid_bodies(const MeshMap& map, const Joint& joint, const Equilibrium&
 }
 
 /// Fields on contact surfaces; `first`: index of the first of them.
-void add_surface_fields(const JointModel& model, const MeshMap& map, const Joint& joint,
+void add_surface_fields(const JointModel& model, const std::vector<int>& surface, const Joint& joint,
                         const std::vector<ContactFields>& contacts, const std::vector<SurfaceField>& fields,
                         std::size_t first, XpltState& state) {
   const std::vector<Shown> shown = shown_contacts(model, joint, contacts);
   for (std::size_t s = 0; s < shown.size(); ++s) {
-    if (shown[s].contact < 0 || map.surface[s] == 0) continue;
+    if (shown[s].contact < 0 || surface[s] == 0) continue;
     const Layer& layer = joint.contacts[at(shown[s].contact)].layers[shown[s].side];
     const SideFields& side = contacts[at(shown[s].contact)].sides[shown[s].side];
     for (std::size_t v = 0; v < fields.size(); ++v)
-      state.variables[first + v].push_back({map.surface[s], fields[v].values(model.surfaces[s], layer, side)});
+      state.variables[first + v].push_back({surface[s], fields[v].values(model.surfaces[s], layer, side)});
   }
 }
 
@@ -403,45 +403,44 @@ void add_spring_lines(const JointCheck& check, MeshMap& map) {
 
 }  // namespace
 
-XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed) {
-  const Joint& joint = analysis.joint;
+PlotHead plot_head(const JointModel& model, const Joint& joint, bool compressed) {
   MeshMap map = make_mesh(model);
-  XpltFile file = empty_file(model);
-  file.compressed = compressed;
+  for (const Body& body : joint.bodies)
+    if (!body.ground) map.mesh.objects.push_back(rigid_body_object(body));
+  PlotHead head{empty_file(model), std::move(map.material_of_domain), std::move(map.surface), map.elements};
+  head.file.compressed = compressed;
+  head.file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
+                         xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
+                         xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
+                         xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
+  for (const SurfaceField& f : surface_fields()) head.file.variables.push_back(f.variable);
+  head.file.meshes.push_back(std::move(map.mesh));
+  return head;
+}
 
-  constexpr std::size_t kRigidForce = 1;
-  file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
-                    xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
-                    xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
-                    xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
-  const std::size_t first_on_surfaces = file.variables.size();
-  const std::vector<SurfaceField> on_surfaces = surface_fields();
-  for (const SurfaceField& f : on_surfaces) file.variables.push_back(f.variable);
+XpltState plot_state(const JointModel& model, const Joint& joint, const PlotHead& head, const StateResult& result) {
+  constexpr std::size_t kRigidForce = 1, kOnSurfaces = 4;  // in the dictionary of plot_head
+  const Equilibrium& e = result.equilibrium;
+  XpltState state;
+  state.time = number(result.when.time);
+  state.element_flags.assign(head.elements, 1);
+  state.variables.resize(head.file.variables.size());
+  std::vector<float> displacements;
+  displacements.reserve(3 * result.displacements.size());
+  for (const Vector3d& u : result.displacements) append(displacements, u);
+  state.variables[0].push_back({0, std::move(displacements)});
+  add_rigid_bodies(head.material_of_domain, joint, e, kRigidForce, state);
+  add_surface_fields(model, head.surface, joint, result.fields, surface_fields(), kOnSurfaces, state);
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+    if (!joint.bodies[b].ground) state.objects.push_back(rigid_body_state(e.poses[b], e.reaction[b]));
+  return state;
+}
 
-  std::vector<int> bodies;
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    if (joint.bodies[b].ground) continue;
-    bodies.push_back(static_cast<int>(b));
-    map.mesh.objects.push_back(rigid_body_object(joint.bodies[b]));
-  }
-
-  for (const StateResult& result : analysis.states) {
-    const Equilibrium& e = result.equilibrium;
-    XpltState state;
-    state.time = number(result.when.time);
-    state.element_flags.assign(map.elements, 1);
-    state.variables.resize(file.variables.size());
-    std::vector<float> displacements;
-    displacements.reserve(3 * result.displacements.size());
-    for (const Vector3d& u : result.displacements) append(displacements, u);
-    state.variables[0].push_back({0, std::move(displacements)});
-    add_rigid_bodies(map, joint, e, kRigidForce, state);
-    add_surface_fields(model, map, joint, result.fields, on_surfaces, first_on_surfaces, state);
-    for (int b : bodies) state.objects.push_back(rigid_body_state(e.poses[at(b)], e.reaction[at(b)]));
-    file.states.push_back(std::move(state));
-  }
-  file.meshes.push_back(std::move(map.mesh));
-  return file;
+XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed) {
+  PlotHead head = plot_head(model, analysis.joint, compressed);
+  for (const StateResult& result : analysis.states)
+    head.file.states.push_back(plot_state(model, analysis.joint, head, result));
+  return std::move(head.file);
 }
 
 XpltMesh plot_mesh(const JointModel& model) { return make_mesh(model).mesh; }

@@ -11,11 +11,13 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <set>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/xplt/xplt.h>
@@ -541,10 +543,17 @@ std::string packed(const std::string& bytes) {
 
 std::string cause_of(int error) { return error == 0 ? "write error" : std::generic_category().message(error); }
 
+// Writes all that belongs into a stream; false: not all of it arrived.
+using Fill = std::function<bool(std::FILE*)>;
+
+bool put_all(std::FILE* stream, const std::string& bytes) {
+  return std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size();
+}
+
 // 0, or the system's reason why not all bytes arrived. Buffered data may fail as late as in fclose.
-int write_and_close(std::FILE* stream, const std::string& bytes) {
+int write_and_close(std::FILE* stream, const Fill& fill) {
   errno = 0;
-  bool failed = std::fwrite(bytes.data(), 1, bytes.size(), stream) != bytes.size();
+  bool failed = !fill(stream);
   int error = errno;
   if (std::fclose(stream) != 0 && !failed) {
     failed = true;
@@ -562,7 +571,7 @@ std::FILE* create_temporary(const std::filesystem::path& directory, std::filesys
         static_cast<unsigned long long>(std::filesystem::file_time_type::clock::now().time_since_epoch().count());
     temporary = directory / fmt::format(".dea-{:x}-{}.tmp", stamp, counter++);
     errno = 0;
-    if (std::FILE* stream = std::fopen(temporary.string().c_str(), "wbx")) return stream;
+    if (std::FILE* stream = std::fopen(temporary.string().c_str(), "w+bx")) return stream;
     if (errno != EEXIST) break;
   }
   return nullptr;
@@ -597,16 +606,12 @@ std::string xplt_bytes(const XpltFile& file) {
   return std::move(out.bytes);
 }
 
-void write_xplt(const std::string& path, const XpltFile& file) {
+namespace {
+
+// A complete file at `path`, or the one that was there.
+void replace_file(const std::string& path, const Fill& fill) {
   namespace fs = std::filesystem;
   const auto fail = [&](const std::string& why) { throw WriteError(fmt::format("{}: {}", path, why)); };
-  std::string bytes;
-  try {
-    bytes = xplt_bytes(file);
-  } catch (const WriteError& error) {
-    fail(error.what());
-  }
-
   std::error_code error;
   fs::path target = path;
   const fs::file_type link = fs::symlink_status(target, error).type();
@@ -623,7 +628,7 @@ void write_xplt(const std::string& path, const XpltFile& file) {
     errno = 0;
     std::FILE* stream = std::fopen(target.string().c_str(), "wb");
     if (stream == nullptr) fail(cause_of(errno));
-    const int why = write_and_close(stream, bytes);
+    const int why = write_and_close(stream, fill);
     if (why != 0) fail(cause_of(why));
     return;
   }
@@ -631,12 +636,84 @@ void write_xplt(const std::string& path, const XpltFile& file) {
   fs::path temporary;
   std::FILE* stream = create_temporary(target.parent_path(), temporary);
   if (stream == nullptr) fail(cause_of(errno));
-  const int why = write_and_close(stream, bytes);
+  const int why = write_and_close(stream, fill);
   if (why == 0) fs::rename(temporary, target, error);
   if (why == 0 && !error) return;
   std::error_code ignored;  // the first error is the one to report
   fs::remove(temporary, ignored);
   fail(why != 0 ? cause_of(why) : error.message());
+}
+
+// What `make` gives, whose faults are told of the file.
+template <class Make>
+auto of_file(const std::string& path, const Make& make) {
+  try {
+    return make();
+  } catch (const WriteError& error) {
+    throw WriteError(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+// Beside the file it is for, where there is room for it; else among the system's temporary files. It goes with the
+// process.
+std::FILE* nameless_file(const std::string& beside) {
+  std::filesystem::path temporary;
+  std::FILE* stream = create_temporary(std::filesystem::path(beside).parent_path(), temporary);
+  if (stream == nullptr) return std::tmpfile();
+  std::error_code error;
+  std::filesystem::remove(temporary, error);
+  return stream;
+}
+
+bool copy_all(std::FILE* from, std::FILE* to) {
+  if (std::fseek(from, 0, SEEK_SET) != 0) return false;
+  std::string buffer(1 << 20, '\0');
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), from)) > 0;)
+    if (std::fwrite(buffer.data(), 1, n, to) != n) return false;
+  return std::ferror(from) == 0;
+}
+
+}  // namespace
+
+void write_xplt(const std::string& path, const XpltFile& file) {
+  const std::string bytes = of_file(path, [&] { return xplt_bytes(file); });
+  replace_file(path, [&](std::FILE* stream) { return put_all(stream, bytes); });
+}
+
+XpltWriter::XpltWriter(std::string path, XpltFile head) : path_(std::move(path)), head_(std::move(head)) {
+  head_.states.clear();
+  require(head_.meshes.size() == 1, "state by state: one mesh");
+  start_ = of_file(path_, [&] { return xplt_bytes(head_); });
+  states_ = nameless_file(path_);
+  if (states_ == nullptr) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
+}
+
+XpltWriter::XpltWriter(XpltWriter&& other) noexcept
+    : path_(std::move(other.path_)),
+      start_(std::move(other.start_)),
+      head_(std::move(other.head_)),
+      states_(std::exchange(other.states_, nullptr)) {}
+
+XpltWriter::~XpltWriter() {
+  if (states_ != nullptr) std::fclose(states_);
+}
+
+void XpltWriter::add(const XpltState& state) {
+  require(state.mesh == 0, "mesh of a state");
+  check_state(head_, state);
+  const std::string bytes = of_file(path_, [&] {
+    Chunks chunk;
+    put_state(chunk, head_, state);
+    return head_.compressed ? packed(chunk.bytes) : std::move(chunk.bytes);
+  });
+  errno = 0;
+  if (!put_all(states_, bytes)) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
+}
+
+void XpltWriter::finish() {
+  errno = 0;
+  if (std::fflush(states_) != 0) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
+  replace_file(path_, [&](std::FILE* stream) { return put_all(stream, start_) && copy_all(states_, stream); });
 }
 
 }  // namespace dea

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -143,6 +144,25 @@ std::string xplt_bytes(const XpltFile& file);
 /// Writes to a temporary file beside `path`, then renames: no half-written file is left behind, and an
 /// older result stays until the new one is complete. Devices and pipes are written directly. Throws WriteError.
 void write_xplt(const std::string& path, const XpltFile& file);
+
+/// A plot file that is written state by state, so that memory holds one at a time. States lie in a file without a name,
+/// beside `path`, until finish brings all to `path` as write_xplt does: whoever ends before leaves nothing behind, killed
+/// or not.
+class XpltWriter {
+ public:
+  /// `head`: header, dictionary and one mesh; its states are left out. Throws as write_xplt.
+  XpltWriter(std::string path, XpltFile head);
+  XpltWriter(XpltWriter&& other) noexcept;
+  XpltWriter& operator=(XpltWriter&&) = delete;
+  ~XpltWriter();
+  void add(const XpltState& state);
+  void finish();
+
+ private:
+  std::string path_, start_;  ///< bytes of all before the states
+  XpltFile head_;
+  std::FILE* states_ = nullptr;
+};
 
 /// Reads a plot file of version 0x30 to 0x35, compressed or not. A truncated last state is dropped and
 /// flagged. Throws InputError: not a plot file, older version, inconsistent chunk sizes, ...

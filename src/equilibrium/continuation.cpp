@@ -98,7 +98,7 @@ Solution search_from(Problem& problem, const std::vector<Pose>& start, const Equ
   const std::vector<Pose> poses = e.poses;
   Solution direct = newton(problem, std::move(e), options);
   const bool no_equilibrium = direct.outcome == Outcome::NoEquilibrium;
-  const char* sign = "; the opposite load would press them together: look at its sign";
+  const char* sign = "(the opposite load would press them together: look at its sign)";
   if (direct.outcome == Outcome::SurfacesApart && direct.advice.empty() &&
       opposite_load_presses(problem, evaluate(problem, poses)))
     direct.advice = sign;

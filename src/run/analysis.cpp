@@ -72,6 +72,20 @@ void add_fields(const Recognition& recognition, const Prepared& prepared, const 
       node_displacements(recognition.model, prepared.joint, maps, e, state.fields, recognition.settings.squash);
 }
 
+/// What is as large as the mesh goes.
+void drop_fields(StateResult& state) {
+  for (ContactFields& contact : state.fields)
+    for (SideFields& side : contact.sides) {
+      SideFields numbers;
+      numbers.force = side.force;
+      numbers.springs = side.springs;
+      numbers.contact_area = side.contact_area;
+      numbers.resultant_factor = side.resultant_factor;
+      side = std::move(numbers);
+    }
+  std::vector<Vector3d>().swap(state.displacements);  // "= {}" would keep the memory
+}
+
 /// A force given for a body that is not free to move in the last step.
 void note_idle_forces(const Recognition& recognition, const TimePoint& last, Joint& joint) {
   const JointModel& model = recognition.model;
@@ -158,7 +172,9 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options)
     if (keep) add_fields(recognition, prepared, maps, state);
     if (options.progress) options.progress(state, i, times.size());
     state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported
-    if (keep) analysis.states.push_back(std::move(state));
+    if (!keep) continue;
+    if (!options.keep_fields && !analysis.states.empty()) drop_fields(analysis.states.back());
+    analysis.states.push_back(std::move(state));
   }
   analysis.joint = std::move(prepared.joint);
   analysis.beds = std::move(prepared.beds);

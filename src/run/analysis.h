@@ -47,6 +47,8 @@ struct Activity {
 struct AnalysisOptions {
   std::vector<TimePoint> times;  ///< states to solve in order; empty: model_times(model)
   std::vector<char> keep_state;  ///< per time: its result with its fields; empty: all
+  bool keep_fields = true;  ///< false: of all kept states but the last, fields and displacements go once `progress` has
+                            ///< seen them; SideFields keep their numbers of the whole surface
   std::function<void(const StateResult&, std::size_t index, std::size_t count)>
       progress;                                   ///< after every state; may be empty
   std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing

@@ -45,6 +45,7 @@ struct ContactRow {
   const Joint& joint;
   const StateResult& state;
   std::size_t contact;
+  std::string warnings = {};
   const ContactPair& pair() const { return joint.contacts[contact]; }
   const ContactStatistics& statistics() const { return state.statistics[contact]; }
 };
@@ -94,6 +95,7 @@ std::vector<Column<ContactRow>> contact_columns() {
     columns.push_back({std::string("headline_") + number.name,
                        [=](R r) { return csv_number(r.statistics().headline.*number.value); }});
   columns.push_back({"headline_above", [](R r) { return csv_number(r.statistics().headline.above); }});
+  columns.push_back({"warnings", [](R r) { return csv_word(r.warnings); }});
   return columns;
 }
 
@@ -186,12 +188,13 @@ std::vector<Column<FacetRow>> facet_columns() {
 
 }  // namespace
 
-std::string run_csv(const Analysis& analysis) {
+std::string run_csv(const Analysis& analysis, const std::string& warnings) {
   const std::vector<Column<ContactRow>> columns = contact_columns();
   std::string text = header(columns);
+  bool first = true;
   for (const StateResult& state : analysis.states)
-    for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c)
-      text += line(columns, ContactRow{analysis.joint, state, c});
+    for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c, first = false)
+      text += line(columns, ContactRow{analysis.joint, state, c, first ? warnings : ""});
   return text;
 }
 

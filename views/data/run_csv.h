@@ -6,8 +6,9 @@
 
 namespace dea {
 
-/// One line per wanted state and contact, under a line of names.
-std::string run_csv(const Analysis& analysis);
+/// One line per wanted state and contact, under a line of names. `warnings`: what is to be known of all, in the first
+/// line's last cell alone.
+std::string run_csv(const Analysis& analysis, const std::string& warnings);
 
 /// One line per wanted state, contact and compartment, under a line of names; contacts of surfaces in one piece have none.
 std::string compartments_csv(const Analysis& analysis);
