@@ -26,6 +26,7 @@ struct NamedThing {
   std::vector<Replaceable> numbers;
   bool pulls = false;  ///< its force has one sense: a muscle does not push
   int body = -1;       ///< of a rigid force
+  int axis = -1;       ///< of a rigid force: 0 x, 1 y, 2 z
 };
 
 Scaled constant(double value) { return {value, -1}; }
@@ -64,7 +65,8 @@ std::vector<NamedThing> named_things(const ModelParts& parts) {
   for (const RigidCable& c : model.rigid_cables) things.push_back({{c.name}, "cable", {{kForce, c.force}}, true});
   for (const RigidLoad& l : model.rigid_loads)
     if (l.dof < 3)
-      things.push_back({{l.name}, "rigid force", {{kForce, l.value}}, false, body_of_material(parts, l.material)});
+      things.push_back(
+          {{l.name}, "rigid force", {{kForce, l.value}}, false, body_of_material(parts, l.material), l.dof});
   return things;
 }
 
@@ -148,6 +150,21 @@ void check_in_use(const ModelParts& parts, const NamedThing& thing, const GivenV
            "leave one out");
 }
 
+/// Components of a force that share a name: one number cannot say them all.
+void check_one_axis(const ModelParts& parts, const std::vector<NamedThing>& named, const GivenValue& given) {
+  const NamedThing* first = nullptr;
+  for (const NamedThing& thing : named) {
+    if (thing.axis < 0 || given.parameter != kForce) continue;
+    if (first == nullptr) first = &thing;
+    if (thing.axis == first->axis) continue;
+    const std::string& body = parts.bodies.bodies[at(thing.body)].name;
+    refuse(given,
+           say("rigid force \"{}\" acts along {} and {}, and one number cannot say both;", given.name,
+               kDofNames[first->axis], kDofNames[thing.axis]),
+           say("give the whole force with {}", NamedSetting{"force", body, "x,y,z"}));
+  }
+}
+
 /// "60", or "29 to 33" of several.
 std::string model_values(const std::vector<const Replaceable*>& numbers) {
   const auto [least, most] = std::minmax_element(
@@ -216,6 +233,7 @@ void check_given_values(const ModelParts& parts) {
       check_in_use(parts, thing, given);
     }
     if (!any) refuse_parameter(named.front(), given);
+    check_one_axis(parts, named, given);
   }
 }
 

@@ -312,6 +312,21 @@ std::vector<Fault> find_thickness(const ContactSide& in, Layer& layer) {
   return {};
 }
 
+/// Far thicker than the surface is wide: a slip of units or digits, with which numbers end in nothing.
+std::vector<Fault> too_thick(const ContactSide& in, const Layer& layer) {
+  constexpr double kMostThickness = 1000.0;  // of the surface's width
+  if (layer.rigid) return {};
+  Vector3d least = layer.articular.vertices.front(), most = least;
+  for (const Vector3d& x : layer.articular.vertices) {
+    least = least.cwiseMin(x);
+    most = most.cwiseMax(x);
+  }
+  const double width = (most - least).norm();
+  if (layer.max_thickness() <= kMostThickness * width) return {};
+  return {refusal_of(in, say("its thickness is {:g}, and the whole surface {:g} across;", layer.max_thickness(), width),
+                     "give it in the model's length")};
+}
+
 /// The elements of a layer that is rigid with its bone, known by the map that was made of them.
 std::vector<Fault> take_rigid_elements(const ContactSide& in, const CarriedSurface& carried, LayerDraft& draft) {
   Layer& layer = draft.layer;
@@ -400,6 +415,7 @@ void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elemen
     draft.faults = take_rigid_elements(in, carried, draft);
   if (draft.faults.empty() && in.given.nodes != nullptr) layer.notes.push_back(nodes_in_words(in));
   if (draft.faults.empty()) scale_thickness(in, layer);
+  if (draft.faults.empty()) draft.faults = too_thick(in, layer);
   if (draft.faults.empty() && !layer.rigid && draft.boundary.faces.size() > 0 && on_articular)
     find_layer_face(in.parts, facets, carried, draft.boundary, pressed_elsewhere(in, layer.body), layer);
 }

@@ -185,6 +185,20 @@ TEST(GivenValues, ForceOnABody) {
   EXPECT_EQ(refusal(model, both), "taken");
 }
 
+// Components of one name: which of them the number would be for, nobody can tell.
+TEST(GivenValues, ForceAlongSeveralAxesIsRefused) {
+  JointModel model = lifted_plate(100);
+  add_spring(model, 60, 40);
+  RigidLoad second = model.rigid_loads[0];
+  model.rigid_loads.push_back(second);  // along the same axis: both are meant
+  EXPECT_NEAR(height(model, with("lift.force", 30)), 60.0 / 60, 1e-9);
+  model.rigid_loads[1].dof = 0;
+  EXPECT_EQ(
+      refusal(model, with("lift.force", 30)),
+      "set of \"lift.force\" = 30: rigid force \"lift\" acts along z and x, and one number cannot say both; give the "
+      "whole force with force of \"plate\" = x,y,z");
+}
+
 // Said or written in the model: the same bits, whatever else is there.
 TEST(GivenValues, TheSameAsInTheModel) {
   for (const double k : {60.0, 81.5}) {
