@@ -206,6 +206,16 @@ TEST(Plugin, SettingsHoldForTheTask) {
     expect_the_same(folder.path, "m.feb", settings);
 }
 
+// A socket turned by 10 degrees, and a table of loads: the task's settings are those of the file.
+TEST(Plugin, PlacesAndLoadsAsDeaRunDoes) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(DEA_SAMPLES_DIR) / "hip" / "hip_walking.feb", folder.path / "hip.feb");
+  expect_the_same(folder.path, "hip.feb", "<rotate body=\"pelvis\">0,1,0,10</rotate>");
+  write(folder.path / "gait.csv", "time,fx,fy,fz\n0,200,-100,900\n0.5,432,-262,1834\n");
+  expect_the_same(folder.path, "hip.feb",
+                  "<move body=\"pelvis\">0.5,0,0</move><loads>gait.csv</loads><load-body>femur</load-body>");
+}
+
 TEST(Plugin, ThePageIsThatOfDeaRun) {
   const TemporaryFolder folder;
   write(folder.path / "m.feb", model_40(false));
