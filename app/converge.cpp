@@ -10,6 +10,7 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/run/convergence.h>
 #include <febiodea/run/recognise.h>
 #include <febiodea/views/data/run_json.h>
@@ -60,7 +61,8 @@ int converge_command(const ConvergeArguments& a) {
                      "last state");
   Progress progress(progress_style(a.quiet, a.verbose));
   progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
-  const JointModel model = read_feb(a.model);
+  JointModel model = read_feb(a.model);
+  settle_units(model, settings);
   const HeldOutputs held = claim_outputs(inputs, outputs);
 
   double last = seconds();

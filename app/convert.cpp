@@ -8,6 +8,7 @@
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/setting_words.h>
+#include <febiodea/io/tables/read_tables.h>
 
 namespace dea {
 
@@ -45,7 +46,8 @@ int convert(const ConvertArguments& a) {
   std::vector<NamedPath> inputs = input_files(a.model, a.settings);
   const auto threads = limit_threads(a.threads);
   const Settings settings = effective_settings(a.settings);
-  const JointModel model = read_feb(a.model);
+  JointModel model = read_feb(a.model);
+  settle_units(model, settings);
   for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});
   const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
 

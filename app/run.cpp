@@ -5,6 +5,7 @@
 
 #include <febiodea/app/commands.h>
 #include <febiodea/app/interrupt.h>
+#include <febiodea/app/memory.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/time_text.h>
@@ -125,6 +126,14 @@ void print_result(const JointModel& model, const RunOptions& options, const RunR
   log(run_summary(options, result));
 }
 
+/// Before anything that takes long or much memory.
+void tell_cost(const Recognition& recognition, bool quiet, Progress& progress) {
+  const std::string note = spring_cost_note(recognition);
+  if (note.empty() || quiet) return;
+  progress.clear();
+  log(note);
+}
+
 /// --no-xplt over the settings file; else there is a plot file, named or not.
 void name_plot_file(const RunArguments& a, OutputSettings& typed, OutputSettings& file) {
   if (!a.no_xplt) {
@@ -162,8 +171,10 @@ int run(const RunArguments& a) {
   options.seconds_reading = seconds() - start;
   watch(options, progress);
   show_activity(progress, {});
+  settle_units(read, settings);
   read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
+  tell_cost(recognition, a.quiet, progress);
   if (!output.empty() && !a.overwrite)
     options.on_times = [&](const std::vector<double>& times) {
       refuse_to_replace(output, why_kept(output, recognition.model, times));
