@@ -72,7 +72,7 @@ CompareOptions compare_options(const CompareArguments& a) {
   CompareOptions o;
   if (!a.at.empty()) o.at = number_argument("at", a.at);
   if (!a.areas.empty() && a.areas != "reference" && a.areas != "deformed")
-    throw UsageError(fmt::format("--areas {}: found \"{}\", expected reference or deformed", a.areas, a.areas));
+    throw wrong_word("areas", a.areas, "reference or deformed", {"reference", "deformed"});
   if (a.areas == "deformed") o.areas = CompareAreas::Deformed;
   o.surfaces = a.surfaces;
   if (!a.thresholds.empty()) o.thresholds.clear();

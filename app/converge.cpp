@@ -63,7 +63,8 @@ int converge_command(const ConvergeArguments& a) {
   read_thickness(settings);
   Progress progress(progress_style(a.quiet, a.verbose));
   progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
-  const JointModel model = read_feb(a.model);
+  JointModel model = read_feb(a.model);
+  settle_units(model, settings);
   const HeldOutputs held = claim_outputs(inputs, outputs);
 
   double last = seconds();

@@ -49,7 +49,8 @@ int convert(const ConvertArguments& a) {
   Settings settings = effective_settings(a.settings);
   for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
   read_thickness(settings);
-  const JointModel model = read_feb(a.model);
+  JointModel model = read_feb(a.model);
+  settle_units(model, settings);
   for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});
   const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
 

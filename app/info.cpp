@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/app/memory.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/held_outputs.h>
@@ -55,8 +56,11 @@ int info(const InfoArguments& a) {
   JointModel read = read_feb(a.model);
   const HeldOutputs held = claim_outputs(inputs, outputs);
   if (!a.output.empty() && !a.overwrite) refuse_to_replace(a.output, why_kept(a.output, PlotKind::Check));
+  settle_units(read, settings);
   read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings);
+  const std::string cost = spring_cost_note(recognition);
+  if (!cost.empty()) log(cost);
   const JointModel& model = recognition.model;
   const JointCheck check = check_joint(recognition);
   if (!a.output.empty() && check.recognised) write_xplt(a.output, make_check_file(model, check));

@@ -174,6 +174,11 @@ Eigen::Vector3d vector_argument(const char* option, const std::string& text) {
   return argument(option, text, parse_vector);
 }
 
+UsageError wrong_word(const char* option, const std::string& text, const std::string& expected,
+                      const std::vector<std::string>& words) {
+  return UsageError(fmt::format("--{} {}: {}", option, text, bad_value(text, expected, words).what()));
+}
+
 void show_activity(Progress& progress, const Activity& a) {
   if (a.stage != Activity::Stage::State) {
     const std::string what = a.stage == Activity::Stage::Joint ? "joint and thickness" : "springs and layers";

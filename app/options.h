@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <febiodea/app/progress.h>
+#include <febiodea/base/error.h>
 #include <febiodea/io/settings/output_options.h>
 #include <febiodea/model/settings.h>
 #include <febiodea/run/analysis.h>
@@ -57,6 +58,10 @@ std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
 int count_argument(const char* option, const std::string& text, int least, int most);
 double number_argument(const char* option, const std::string& text);
 Eigen::Vector3d vector_argument(const char* option, const std::string& text);
+
+/// A value that is none of an option's words.
+UsageError wrong_word(const char* option, const std::string& text, const std::string& expected,
+                      const std::vector<std::string>& words);
 
 /// What an analysis is at: "thickness", "springs", "state 4 of 23: iteration 2, unbalanced 3e-04".
 void show_activity(Progress& progress, const Activity& activity);

@@ -44,14 +44,14 @@ double number_option(const char* option, const std::string& text, double least, 
   return x;
 }
 
-Vector3d direction(const char* option, const std::string& text, const char* expected) {
+Vector3d direction(const char* option, const std::string& text, const char* expected,
+                   const std::vector<std::string>& words = {}) {
   Vector3d v = Vector3d::Zero();
   try {
     v = parse_vector(text);
   } catch (const BadValue&) {
   }
-  if (!(v.norm() > 0) || !std::isfinite(v.norm()))
-    throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, expected));
+  if (!(v.norm() > 0) || !std::isfinite(v.norm())) throw wrong_word(option, text, expected, words);
   return v;
 }
 
@@ -80,7 +80,7 @@ MapOptions map_options(const PlotArguments& a) {
   if (a.view == "unrolled")
     o.unrolled = true;
   else if (!a.view.empty())
-    o.toward = direction("view", a.view, "a direction x,y,z, or unrolled");
+    o.toward = direction("view", a.view, "a direction x,y,z, or unrolled", {"unrolled"});
   if (!a.up.empty()) o.up = direction("up", a.up, "a direction x,y,z that is not 0");
   o.smooth = a.smooth;
   if (!a.low.empty()) o.low = number_argument("min", a.low);
@@ -92,7 +92,7 @@ MapOptions map_options(const PlotArguments& a) {
   if (o.high && !(*o.high > o.low.value_or(-1e300)))
     throw UsageError(fmt::format("--max {}: found \"{}\", expected more than --min {}", a.high, a.high, a.low));
   if (!a.scale.empty() && a.scale != "all" && a.scale != "shown")
-    throw UsageError(fmt::format("--scale {}: found \"{}\", expected all or shown", a.scale, a.scale));
+    throw wrong_word("scale", a.scale, "all or shown", {"all", "shown"});
   o.scale_of_shown = a.scale == "shown";
   if (a.contours == "none") {
     o.contours = std::vector<double>{};
@@ -102,8 +102,7 @@ MapOptions map_options(const PlotArguments& a) {
     } catch (const BadValue&) {
     }
     if (!o.contours || o.contours->empty())
-      throw UsageError(
-          fmt::format("--contours {}: found \"{}\", expected none or values v1,v2,...", a.contours, a.contours));
+      throw wrong_word("contours", a.contours, "none or values v1,v2,...", {"none"});
   }
   return o;
 }

@@ -6,6 +6,7 @@
 
 #include <febiodea/app/commands.h>
 #include <febiodea/app/interrupt.h>
+#include <febiodea/app/memory.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/time_text.h>
@@ -133,11 +134,18 @@ void print_result(const JointModel& model, const RunOptions& options, const RunR
 
 /// What is odd about the model or was concluded from it, before it is solved.
 std::vector<std::string> tell_of_model(const Recognition& recognition, Progress& progress) {
-  if (!recognition.faults.empty()) return {};
   const std::vector<std::string> lines = model_remarks(recognition.model, recognition.joint);
   progress.clear();
   for (const std::string& line : lines) log(line);
   return lines;
+}
+
+/// Before anything that takes long or much memory.
+void tell_cost(const Recognition& recognition, bool quiet, Progress& progress) {
+  const std::string note = spring_cost_note(recognition);
+  if (note.empty() || quiet) return;
+  progress.clear();
+  log(note);
 }
 
 /// --no-xplt over the settings file; else there is a plot file, named or not.
@@ -177,12 +185,15 @@ int run(const RunArguments& a) {
   options.seconds_reading = seconds() - start;
   watch(options, progress);
   show_activity(progress, {});
+  settle_units(read, settings);
   read_tables(read, settings);
   const Recognition recognition = recognise(std::move(read), settings, wants_all_states(options));
-  if (!output.empty() && !a.overwrite)
-    options.on_times = [&](const std::vector<double>& times) {
-      refuse_to_replace(output, why_kept(output, recognition.model, times));
-    };
+  tell_cost(recognition, a.quiet, progress);
+  std::vector<std::string> told;
+  options.on_times = [&](const std::vector<double>& times) {
+    if (!output.empty() && !a.overwrite) refuse_to_replace(output, why_kept(output, recognition.model, times));
+    if (!a.quiet) told = tell_of_model(recognition, progress);
+  };
   if (!page.empty()) {
     options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
       begin(progress, "writing " + file_name(page));
@@ -190,8 +201,6 @@ int run(const RunArguments& a) {
                      files);
     };
   }
-  std::vector<std::string> told;
-  if (!a.quiet) told = tell_of_model(recognition, progress);
   const RunResult result = run_model(recognition, options);
   progress.clear();
 

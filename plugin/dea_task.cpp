@@ -72,11 +72,12 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   if (!named) outputs.front().option = "-p";
 
   for (const NamedPath& table : table_files(file.settings)) files.push_back(table);
-  const JointModel model = read_fe_model(fem);
+  JointModel model = read_fe_model(fem);
   const HeldOutputs held = claim_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());
   options.seconds_reading = seconds() - start;
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };
+  settle_units(model, file.settings);
   read_tables(model, file.settings);
   const Recognition recognition = recognise(model, file.settings, wants_all_states(options));
   if (!file.outputs.report.empty()) {

@@ -698,6 +698,89 @@ TEST(BadInput, Misspelt) {
                 3,
                 "<value lc",
                 {"no load controller 4", "ids \"1\""}},
+           Case{"surface of a setting",
+                kModel,
+                2,
+                "",
+                {"--thickness tpo: the model has no surface of this name (did you mean \"top\"?); it has"},
+                {"--thickness", "tpo=2"}},
+           Case{"surface to keep", kModel, 2, "", {"(did you mean \"under\"?)"}, {"--keep-facets", "undre"}},
+           Case{"bone surface",
+                kModel,
+                2,
+                "",
+                {"--bone top=undre: ", "(did you mean \"under\"?)"},
+                {"--bone", "top=undre"}},
+           Case{"surface that is attached", kModel, 2, "", {"(did you mean \"top\"?)"}, {"--attach", "tpo=base"}},
+           Case{"body that a surface is attached to",
+                kModel,
+                2,
+                "",
+                {"(did you mean \"base\"?)"},
+                {"--attach", "top=bsae"}},
+           Case{"body of a force", kModel, 2, "", {"(did you mean \"plate\"?)"}, {"--force", "palte=0,0,-1"}},
+           Case{"body that is free", kModel, 2, "", {"(did you mean \"plate\"?)"}, {"--free", "plat=x"}},
+           Case{"body that is moved", kModel, 2, "", {"(did you mean \"plate\"?)"}, {"--move", "plat=0,0,1"}},
+           Case{"body of the source", kModel, 2, "", {"(did you mean \"plate\"?)"}, {"--source", "Plat"}},
+           Case{"contact", kModel, 2, "", {"(did you mean \"touch\"?)"}, {"--contact", "toch"}},
+           Case{"material", kModel, 2, "", {"(did you mean \"cartilage\"?)"}, {"--rigid", "cartilge"}},
+           Case{"law",
+                kModel,
+                2,
+                "",
+                {"found \"linar\" (did you mean \"linear\"?), expected linear, "},
+                {"--law", "linar"}},
+           Case{"place of springs", kModel, 2, "", {"(did you mean \"bone\"?)"}, {"--springs-at", "bon"}},
+           Case{"facets", kModel, 2, "", {"(did you mean \"curved\"?)"}, {"--facets", "curvd"}},
+           Case{"point of a load",
+                kModel,
+                2,
+                "",
+                {"(did you mean \"sphere-center\"?)"},
+                {"--load-at", "plate=sphere-centre"}},
+           Case{"turning point",
+                kModel,
+                2,
+                "",
+                {"(did you mean \"sphere-center\"?)"},
+                {"--rotate-about", "plate=sphere_center"}},
+           Case{"states",
+                kModel,
+                2,
+                "",
+                {"found \"lst\" (did you mean \"last\"?), expected all, "},
+                {"--states", "lst"}},
+           Case{"states in a list",
+                kModel,
+                2,
+                "",
+                {"found \"lats\" (did you mean \"last\"?)"},
+                {"--states", "0.5,lats"}},
+           Case{"rotations of a table", kModel, 2, "", {"(did you mean \"vector\"?)"}, {"--motion-rotation", "vektor"}},
+           Case{"system of units", kModel, 2, "", {"(did you mean \"mm-N-s\"?)"}, {"--units", "mm-N"}},
+           Case{"column of a table",
+                kModel,
+                2,
+                "",
+                {"has no column \"hip_fxx\" (did you mean \"hip_fx\"?)"},
+                {"--loads", "walk.csv", "--load-body", "plate", "--load-columns", "hip_fxx,hip_fy,hip_fz"},
+                {{"walk.csv", "time,hip_fx,hip_fy,hip_fz\n0,0,0,-1\n1,0,0,-2\n"}}},
+           Case{"body of a table",
+                kModel,
+                2,
+                "",
+                {"(did you mean \"plate\"?)"},
+                {"--loads", "walk.csv", "--load-body", "palte"},
+                {{"walk.csv", "time,hip_fx,hip_fy,hip_fz\n0,0,0,-1\n1,0,0,-2\n"}}},
+           Case{"setting of a file",
+                kModel,
+                3,
+                "<thicknes",
+                {"found <thicknes> (did you mean \"thickness\"?)"},
+                {"--settings", "s.xml"},
+                {{"s.xml", "<febiodea_settings version=\"1\">\n<thicknes>2</thicknes>\n</febiodea_settings>\n"}},
+                "model.feb",
+                "s.xml"},
            Case{"option", kModel, 2, "", {"no option --thicknes", "did you mean \"--thickness\"?"}, {"--thicknes=2"}},
        })
     check(c);
@@ -705,6 +788,81 @@ TEST(BadInput, Misspelt) {
   const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "rnu", "model.feb"}, kLimit);
   EXPECT_EQ(f.code, 2);
   EXPECT_NE(f.err.find("\"rnu\" is no command (did you mean \"run\"?)"), std::string::npos) << f.err;
+}
+
+// Names of results, and words of the commands that look at them.
+TEST(BadInput, MisspeltNamesOfResults) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << kModel;
+  ASSERT_EQ(test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "-q", "-o", "r.xplt"}, kLimit).code, 0);
+  const std::vector<std::pair<Words, std::string>> cases = {
+      {{"plot", "--surface", "tpo"}, "top"},
+      {{"plot", "--field", "contact presure"}, "contact pressure"},
+      {{"plot", "--states", "lst"}, "last"},
+      {{"plot", "--scale", "al"}, "all"},
+      {{"plot", "--view", "unroled"}, "unrolled"},
+      {{"plot", "--contours", "non"}, "none"},
+      {{"compare", "r.xplt", "--surface", "tpo"}, "top"},
+      {{"compare", "r.xplt", "--regions", "layr"}, "layer"},
+      {{"compare", "r.xplt", "--areas", "deformd"}, "deformed"},
+  };
+  for (const auto& c : cases) {
+    Words words = c.first;
+    words.insert(words.begin(), DEA_PROGRAM);
+    words.insert(words.begin() + 2, "r.xplt");
+    const test::Finished f = test::run_program(folder.path, words, kLimit);
+    EXPECT_TRUE(f.code == 2 || f.code == 3) << f.code << f.err;
+    EXPECT_NE(f.err.find(fmt::format("(did you mean \"{}\"?)", c.second)), std::string::npos) << f.err;
+    EXPECT_EQ(std::count(f.err.begin(), f.err.end(), '\n'), 1) << f.err;
+    EXPECT_EQ(contents(folder.path).size(), 2u);
+  }
+}
+
+// A surface called by what lies under it, where only one can be meant.
+TEST(BadInput, SurfacesCalledByWhatLiesUnderThem) {
+  const auto with = [](const Words& options) {
+    const test::TemporaryFolder folder;
+    std::ofstream(folder.path / "model.feb") << kModel;
+    Words words = {DEA_PROGRAM, "run", "model.feb", "--no-xplt", "--json", "r.json"};
+    words.insert(words.end(), options.begin(), options.end());
+    test::Finished f = test::run_program(folder.path, words, kLimit);
+    f.out = test::file_text(folder.path / "r.json");
+    return f;
+  };
+  const auto states = [](const test::Finished& f) { return nlohmann::json::parse(f.out)["states"]; };
+  const auto by_name = states(with({"--thickness", "top=1.5"}));
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"cartilage", "material \"cartilage\""}, {"layer", "element set \"layer\""}, {"base", "body \"base\""}};
+  for (const auto& c : cases) {
+    const test::Finished f = with({"--thickness", c.first + "=1.5"});
+    EXPECT_EQ(f.code, 0) << f.err;
+    EXPECT_EQ(states(f), by_name) << c.first;
+    EXPECT_NE(f.err.find(fmt::format("note: --thickness \"{}\" names no surface; it is taken for \"top\", the only "
+                                     "articular surface of {}\n",
+                                     c.first, c.second)),
+              std::string::npos)
+        << f.err;
+  }
+  EXPECT_NE(states(with({})), by_name);
+  const test::Finished twice = with({"--thickness", "base=1.5", "--thickness", "top=2"});
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_EQ(twice.err,
+            "dea: --thickness base: it is taken for surface \"top\", which is given too; give one of them\n");
+  const std::string two = edited(
+      {{"<Surface name=\"under\">",
+        "<Surface name=\"top 2\">\n<quad4 id=\"1\">5,6,7,8</quad4>\n</Surface>\n<Surface "
+        "name=\"under\">"},
+       {"</Mesh>",
+        "<SurfacePair name=\"pair 2\">\n<primary>top "
+        "2</primary>\n<secondary>under</secondary>\n</SurfacePair>\n</Mesh>"},
+       {"</Contact>", "<contact name=\"again\" type=\"sliding-elastic\" surface_pair=\"pair 2\"/>\n</Contact>"}});
+  check({"several surfaces of a material",
+         two,
+         2,
+         "",
+         {"--E cartilage: the model has no surface of this name, and material \"cartilage\" has 2 articular surfaces: "
+          "\"top\", \"top 2\"; name one of them"},
+         {"--E", "cartilage=5"}});
 }
 
 // Model and result taken for each other.
@@ -795,8 +953,8 @@ TEST(Solved, SomeOfVeryManyTimeSteps) {
   ASSERT_EQ(states.size(), 1001u);
   EXPECT_NEAR(states[500]["time"].get<double>(), 0.5, 1e-12);
   EXPECT_NEAR(states[500]["contacts"][0]["force"][2].get<double>(), 2.5, 2.5e-6);  // half of the push
-  const test::Finished last =
-      test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--states", "last", "--json", "r.json"}, kLimit);
+  const test::Finished last = test::run_program(
+      folder.path, {DEA_PROGRAM, "run", "model.feb", "--states", "last", "--json", "r.json", "--overwrite"}, kLimit);
   EXPECT_EQ(last.code, 0) << last.err;
   EXPECT_NE(last.err.find("note: of the model's 1000000 time steps"), std::string::npos) << last.err;
   const nlohmann::json result = nlohmann::json::parse(test::file_text(folder.path / "r.json"));

@@ -12,6 +12,7 @@
 #include <febiodea/io/convert/edit_feb.h>
 #include <febiodea/joint/placing.h>
 #include <febiodea/io/convert/write_feb.h>
+#include <febiodea/joint/surface_names.h>
 
 namespace dea {
 
@@ -44,7 +45,8 @@ bool same_folder(const std::string& a, const std::string& b) {
 }  // namespace
 
 Conversion convert_feb(const JointModel& given, const Settings& given_settings, const std::string& output) {
-  Settings settings = given_settings;
+  std::vector<Sentence> naming;
+  Settings settings = name_surfaces(given, given_settings, naming);
   const bool moved = !settings.placements.empty();
   JointModel placed;
   std::vector<Sentence> placements;
@@ -57,6 +59,7 @@ Conversion convert_feb(const JointModel& given, const Settings& given_settings, 
   }
   const JointModel& model = moved ? placed : given;
   ConversionPlan plan = plan_conversion(model, settings);
+  plan.notes.insert(plan.notes.begin(), naming.begin(), naming.end());
   plan.changes.insert(plan.changes.begin(), placements.begin(), placements.end());
   const std::string text = file_text(model.files.front());
   Conversion result;

@@ -2,23 +2,28 @@
 
 namespace dea {
 
+namespace {
+
+struct UnitSystem {
+  const char *name, *length, *force, *pressure;
+  double metres, newtons;
+};
+constexpr UnitSystem kUnitSystems[] = {
+    {"SI", "m", "N", "Pa", 1, 1},
+    {"mm-N-s", "mm", "N", "MPa", 1e-3, 1},
+    {"mm-kg-s", "mm", "mN", "kPa", 1e-3, 1e-3},
+    {"um-nN-s", "µm", "nN", "kPa", 1e-6, 1e-9},
+    {"CGS", "cm", "dyn", "dyn/cm²", 1e-2, 1e-5},
+    {"mm-g-s", "mm", "µN", "Pa", 1e-3, 1e-6},
+    {"mm-mg-s", "mm", "nN", "mPa", 1e-3, 1e-9},
+};
+
+}  // namespace
+
 UnitNames unit_names(const std::string& system) {
   UnitNames u;
   u.system = system;
-  struct System {
-    const char *name, *length, *force, *pressure;
-    double metres, newtons;
-  };
-  static constexpr System kSystems[] = {
-      {"SI", "m", "N", "Pa", 1, 1},
-      {"mm-N-s", "mm", "N", "MPa", 1e-3, 1},
-      {"mm-kg-s", "mm", "mN", "kPa", 1e-3, 1e-3},
-      {"um-nN-s", "µm", "nN", "kPa", 1e-6, 1e-9},
-      {"CGS", "cm", "dyn", "dyn/cm²", 1e-2, 1e-5},
-      {"mm-g-s", "mm", "µN", "Pa", 1e-3, 1e-6},
-      {"mm-mg-s", "mm", "nN", "mPa", 1e-3, 1e-9},
-  };
-  for (const System& s : kSystems) {
+  for (const UnitSystem& s : kUnitSystems) {
     if (system != s.name) continue;
     u.length = s.length;
     u.force = s.force;
@@ -28,6 +33,35 @@ UnitNames unit_names(const std::string& system) {
     u.newtons = s.newtons;
   }
   return u;
+}
+
+std::vector<std::string> unit_systems() {
+  std::vector<std::string> names;
+  for (const UnitSystem& s : kUnitSystems) names.push_back(s.name);
+  return names;
+}
+
+std::string unit_of(const UnitNames& units, Dimension dimension) {
+  switch (dimension) {
+    case Dimension::None:
+      return "";
+    case Dimension::Pressure:
+      return units.pressure;
+    case Dimension::Area:
+      return units.area;
+    case Dimension::Force:
+      return units.force;
+    case Dimension::Moment:
+      return units.force.empty() ? "" : units.force + " " + units.length;
+    case Dimension::Length:
+      return units.length;
+  }
+  return "";
+}
+
+std::string with_unit(const std::string& name, const UnitNames& units, Dimension dimension) {
+  const std::string unit = unit_of(units, dimension);
+  return unit.empty() ? name : name + " [" + unit + "]";
 }
 
 }  // namespace dea

@@ -1,6 +1,7 @@
 // febiodea/io/files/unit_names.h – names of units in FEBio's systems of units, for axes and scales.
 #pragma once
 #include <string>
+#include <vector>
 
 namespace dea {
 
@@ -12,5 +13,15 @@ struct UnitNames {
 };
 /// Of FEBio's systems ("mm-N-s": mm, N, MPa); others: the name alone.
 UnitNames unit_names(const std::string& system);
+
+/// "SI", "mm-N-s", ...
+std::vector<std::string> unit_systems();
+
+/// What a number is, as far as its unit goes.
+enum class Dimension { None, Pressure, Area, Force, Moment, Length };
+/// Empty: it has none, or nobody names one.
+std::string unit_of(const UnitNames& units, Dimension dimension);
+/// "peak [MPa]"; without a unit: "peak".
+std::string with_unit(const std::string& name, const UnitNames& units, Dimension dimension);
 
 }  // namespace dea

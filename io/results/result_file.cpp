@@ -10,6 +10,7 @@
 #include <unordered_set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/time_text.h>
 
@@ -219,10 +220,9 @@ FacetMask facets_in(const ResultFile& result, int state, int surface, const std:
   const XpltFacets& facets = mesh.surfaces[at(surface)];
   const std::vector<std::vector<int>> members = set_members(mesh, name);
   if (members.empty()) {
-    std::string known;
-    for (const std::string& n : region_names(mesh)) known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", n);
-    throw InputError(fmt::format("{}: found no facet set, surface or element set \"{}\", expected one of {}",
-                                 result.path, name, known));
+    const std::vector<std::string> known = region_names(mesh);
+    throw InputError(fmt::format("{}: found no facet set, surface or element set \"{}\"{}, expected one of {}",
+                                 result.path, name, did_you_mean(name, known), name_list(known, name, 20)));
   }
   std::unordered_map<int, std::vector<int>> members_at;  // node -> members
   for (std::size_t m = 0; m < members.size(); ++m)

@@ -70,7 +70,7 @@ Scale scale_of(const char* setting, const std::string& units, const Unit (&first
 
 // ---- columns -------------------------------------------------------------------------------------------------------
 
-std::string named_columns(const NumberTable& table) { return name_list(table.names); }
+std::string named_columns(const NumberTable& table, const std::string& word = "") { return name_list(table.names, word); }
 
 /// "Fx [N]" is "fx".
 std::string bare_name(const std::string& name) {
@@ -133,8 +133,8 @@ std::vector<int> given_columns(const NumberTable& table, const char* setting, co
   for (const std::string& name : split_at_commas(names)) {
     columns.push_back(table.find(name));
     if (columns.back() < 0)
-      throw wrong_setting(setting, names, say("{} has no column {};", table.path, febio::quote(name)),
-                  say("it has {}", named_columns(table)));
+      throw wrong_setting(setting, names, say("{} has no column {}{};", table.path, febio::quote(name), did_you_mean(name, table.names)),
+                  say("it has {}", named_columns(table, name)));
   }
   if (columns.size() != 3 && columns.size() != 6)
     throw wrong_setting(setting, names, say("these are {} columns;", columns.size()), "name three, or six");
@@ -344,6 +344,18 @@ void read_node_thickness(NodeThickness& thickness) {
   }
 }
 
+void check_units(const JointModel& model, const Settings& settings) {
+  if (settings.units.empty()) return;
+  const std::vector<std::string> systems = unit_systems();
+  if (std::find(systems.begin(), systems.end(), settings.units) == systems.end())
+    throw wrong_setting("units", settings.units,
+                        say("this is no system of units of FEBio's{};", did_you_mean(settings.units, systems)),
+                        fmt::format("name one of {}", fmt::join(systems, ", ")));
+  if (!model.units.empty() && settings.units != model.units)
+    throw wrong_setting("units", settings.units, say("the model says that it is in {};", febio::quote(model.units)),
+                        "leave it out");
+}
+
 }  // namespace
 
 void read_thickness(Settings& settings) {
@@ -361,13 +373,13 @@ std::vector<NamedPath> table_files(const Settings& settings) {
   return files;
 }
 
+void settle_units(JointModel& model, const Settings& settings) {
+  check_units(model, settings);
+  if (model.units.empty()) model.units = settings.units;
+}
+
 void read_tables(const JointModel& model, Settings& settings) {
-  const std::string& named = settings.units.empty() ? model.units : settings.units;
-  if (!settings.units.empty() && !model.units.empty() && settings.units != model.units)
-    throw wrong_setting("units", settings.units, say("the model says that it is in {};", febio::quote(model.units)), "leave it out");
-  if (!settings.units.empty() && !model_system(model, settings))
-    throw wrong_setting("units", named, "this is no system of units of FEBio's;",
-                "name one of SI, mm-N-s, mm-kg-s, um-nN-s, CGS, mm-g-s, mm-mg-s");
+  check_units(model, settings);
   need_body("loads", settings.loads.file, "load-body", settings.loads.body);
   need_body("motion", settings.motion.file, "motion-body", settings.motion.body);
   if (!settings.loads.file.empty()) read_loads(model, settings, settings.loads);

@@ -8,6 +8,10 @@
 
 namespace dea {
 
+/// The model's system of units is settings.units where the model names none: from here on model.units has it. Throws
+/// UsageError: it names another, or settings.units is none of FEBio's.
+void settle_units(JointModel& model, const Settings& settings);
+
 /// Fills the rows of settings.loads and settings.motion from their files; nothing where there are none. Units: from the
 /// table's to the model's, as settings.units or else the model names it. OpenSim's tables are in N, m, and N m; a table
 /// that names no units and for which none are given is in the model's. Throws InputError (a file's fault, with its line)

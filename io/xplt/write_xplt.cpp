@@ -683,14 +683,18 @@ void write_xplt(const std::string& path, const XpltFile& file) {
 XpltWriter::XpltWriter(std::string path, XpltFile head) : path_(std::move(path)), head_(std::move(head)) {
   head_.states.clear();
   require(head_.meshes.size() == 1, "state by state: one mesh");
-  start_ = of_file(path_, [&] { return xplt_bytes(head_); });
+  bytes_ = of_file(path_, [&] { return xplt_bytes(head_); });
+  std::error_code error;
+  const auto type = std::filesystem::status(path_, error).type();
+  using std::filesystem::file_type;
+  if (type != file_type::regular && type != file_type::not_found) return;
   states_ = nameless_file(path_);
   if (states_ == nullptr) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
 }
 
 XpltWriter::XpltWriter(XpltWriter&& other) noexcept
     : path_(std::move(other.path_)),
-      start_(std::move(other.start_)),
+      bytes_(std::move(other.bytes_)),
       head_(std::move(other.head_)),
       states_(std::exchange(other.states_, nullptr)) {}
 
@@ -698,22 +702,32 @@ XpltWriter::~XpltWriter() {
   if (states_ != nullptr) std::fclose(states_);
 }
 
-void XpltWriter::add(const XpltState& state) {
-  require(state.mesh == 0, "mesh of a state");
-  check_state(head_, state);
-  const std::string bytes = of_file(path_, [&] {
-    Chunks chunk;
-    put_state(chunk, head_, state);
-    return head_.compressed ? packed(chunk.bytes) : std::move(chunk.bytes);
-  });
+void XpltWriter::put(const std::string& bytes) {
+  if (states_ == nullptr) {
+    bytes_ += bytes;
+    return;
+  }
   errno = 0;
   if (!put_all(states_, bytes)) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
 }
 
+void XpltWriter::add(const XpltState& state) {
+  require(state.mesh == 0, "mesh of a state");
+  check_state(head_, state);
+  put(of_file(path_, [&] {
+    Chunks chunk;
+    put_state(chunk, head_, state);
+    return head_.compressed ? packed(chunk.bytes) : std::move(chunk.bytes);
+  }));
+}
+
 void XpltWriter::finish() {
   errno = 0;
-  if (std::fflush(states_) != 0) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
-  replace_file(path_, [&](std::FILE* stream) { return put_all(stream, start_) && copy_all(states_, stream); });
+  if (states_ != nullptr && std::fflush(states_) != 0)
+    throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
+  replace_file(path_, [&](std::FILE* stream) {
+    return put_all(stream, bytes_) && (states_ == nullptr || copy_all(states_, stream));
+  });
 }
 
 }  // namespace dea

@@ -159,7 +159,8 @@ class XpltWriter {
   void finish();
 
  private:
-  std::string path_, start_;  ///< bytes of all before the states
+  void put(const std::string& bytes);
+  std::string path_, bytes_;  ///< all before the states; where `path` is a device or a pipe, the states too
   XpltFile head_;
   std::FILE* states_ = nullptr;
 };

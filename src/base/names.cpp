@@ -83,6 +83,11 @@ std::string name_list(std::vector<std::string> names, std::string_view word, std
   return text.empty() ? "none" : text;
 }
 
+std::string no_such_name(const char* what, std::string_view word, const std::vector<std::string>& names) {
+  return "the model has no " + std::string(what) + " of this name" + did_you_mean(word, names) + "; it has " +
+         name_list(names, word);
+}
+
 std::string take_free_name(const std::string& wanted, std::set<std::string>& names) {
   std::string name = wanted;
   for (int i = 2; !names.insert(name).second; ++i) name = wanted + "_" + std::to_string(i);

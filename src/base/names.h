@@ -22,6 +22,9 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 /// "a", "b", ... in quotes, at most `most` of them: of more those nearest to `word`; "none".
 std::string name_list(std::vector<std::string> names, std::string_view word = {}, std::size_t most = 8);
 
+/// "the model has no surface of this name (did you mean "top"?); it has "top", "under"".
+std::string no_such_name(const char* what, std::string_view word, const std::vector<std::string>& names);
+
 /// `wanted`, with a number if it is among `names` already ("part_2"); it is among them then.
 std::string take_free_name(const std::string& wanted, std::set<std::string>& names);
 

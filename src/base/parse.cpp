@@ -1,3 +1,4 @@
+#include <febiodea/base/names.h>
 #include <febiodea/base/parse.h>
 
 #include <fmt/format.h>
@@ -8,8 +9,8 @@
 
 namespace dea {
 
-BadValue bad_value(const std::string& found, const std::string& expected) {
-  return BadValue(fmt::format("found \"{}\", expected {}", found, expected));
+BadValue bad_value(const std::string& found, const std::string& expected, const std::vector<std::string>& words) {
+  return BadValue(fmt::format("found \"{}\"{}, expected {}", found, did_you_mean(found, words), expected));
 }
 
 double parse_number(const std::string& text) {

@@ -12,8 +12,8 @@ struct BadValue : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// `found "FOUND", expected EXPECTED`
-BadValue bad_value(const std::string& found, const std::string& expected);
+/// `found "FOUND", expected EXPECTED`; of words that may be meant also the nearest one: `(did you mean "last"?)`.
+BadValue bad_value(const std::string& found, const std::string& expected, const std::vector<std::string>& words = {});
 
 /// Finite, with a decimal point. Throws BadValue, as those below do.
 double parse_number(const std::string& text);

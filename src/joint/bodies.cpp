@@ -131,9 +131,7 @@ std::vector<char> rigid_materials(const JointModel& model, const Settings& setti
     if (!found) {
       std::vector<std::string> names;
       for (const Material& m : model.materials) names.push_back(m.name);
-      throw UsageError(
-          Fault{.given = NamedSetting{"rigid", "", name},
-                .found = say("the model has no material of this name; it has {}", name_list(names, name))});
+      throw UsageError(Fault{.given = NamedSetting{"rigid", "", name}, .found = no_such_name("material", name, names)});
     }
   }
   return rigid;

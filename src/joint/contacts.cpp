@@ -135,10 +135,13 @@ ContactPair stated_pair(const ModelParts& parts, int contact) {
 
 void refuse_many_springs(const ContactPair& pair) {
   const double springs = static_cast<double>(pair.refine) * pair.refine * pair.source_layer().spring_surface().size();
+  const int largest =
+      static_cast<int>(std::sqrt(kMostSprings / std::max(1, pair.source_layer().spring_surface().size())));
   if (springs > kMostSprings)
     throw UsageError(Fault{.given = NamedSetting{"refine", "", std::to_string(pair.refine)},
                            .found = say("{:.0f} springs for contact \"{}\",", springs, pair.name),
-                           .expected = say("need at most {:.0f}", kMostSprings)});
+                           .expected = say("need at most {:.0f}: {} at most", kMostSprings,
+                                           NamedSetting{"refine", "", std::to_string(largest)})});
 }
 
 Fault no_cartilage(const JointModel& model, const Contact& c) {
@@ -311,8 +314,7 @@ FoundContacts find_contacts(const ModelParts& parts, std::vector<Fault> faults) 
   found.sliding = static_cast<int>(names.size());
   if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end())
     throw UsageError(
-        Fault{.given = NamedSetting{"contact", "", wanted},
-              .found = say("the model has no sliding contact of this name; it has {}", name_list(names, wanted))});
+        Fault{.given = NamedSetting{"contact", "", wanted}, .found = no_such_name("sliding contact", wanted, names)});
   return found;
 }
 

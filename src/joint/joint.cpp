@@ -15,17 +15,13 @@ namespace {
 
 void check_surface(const JointModel& model, NamedSetting given, const std::string& name) {
   if (name.empty() || surface_index(model, name) >= 0) return;
-  throw UsageError(
-      Fault{.given = std::move(given),
-            .found = say("the model has no surface of this name; it has {}", name_list(surface_names(model), name))});
+  throw UsageError(Fault{.given = std::move(given), .found = no_such_name("surface", name, surface_names(model))});
 }
 
 void check_body(const ModelParts& parts, NamedSetting given, const std::string& name) {
   const std::vector<Body>& bodies = parts.bodies.bodies;
   if (body_by_name(parts.model, bodies, name) >= 0) return;
-  throw UsageError(
-      Fault{.given = std::move(given),
-            .found = say("the model has no rigid body of this name; it has {}", name_list(body_names(bodies), name))});
+  throw UsageError(Fault{.given = std::move(given), .found = no_such_name("rigid body", name, body_names(bodies))});
 }
 
 /// Settings name surfaces and bodies of the model.

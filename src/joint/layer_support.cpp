@@ -62,8 +62,7 @@ Attachment attached_by_user(const ContactSide& in, const std::string& name) {
   const int body = name == "ground" ? bodies.ground() : body_by_name(in.parts.model, bodies.bodies, name);
   if (body < 0)
     throw UsageError(Fault{.given = NamedSetting{"attach", in.surface.name, name},
-                           .found = say("the model has no rigid body of this name; it has {}",
-                                        name_list(body_names(bodies.bodies), name))});
+                           .found = no_such_name("rigid body", name, body_names(bodies.bodies))});
   return {body, "attached by the user", {}};
 }
 

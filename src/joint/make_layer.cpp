@@ -132,9 +132,8 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
   draft.boundary = find_layer_boundary(model, region_elements(parts, regions), std::move(held));
   open_feather_facets(model, carried.facets, draft.boundary);
   if (!name.empty() && named < 0)
-    throw UsageError(
-        Fault{.given = NamedSetting{"bone", in.surface.name, name},
-              .found = say("the model has no surface \"{}\"; it has {}", name, name_list(surface_names(model), name))});
+    throw UsageError(Fault{.given = NamedSetting{"bone", in.surface.name, name},
+                           .found = no_such_name("surface", name, surface_names(model))});
   if (named >= 0) {
     const CarriedSurface bone = carry(parts, named);
     if (bone.fault) {

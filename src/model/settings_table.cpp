@@ -26,16 +26,18 @@ constexpr const char* kOutput = "Output";
 template <class Word>
 Word parse_word(Text text, std::initializer_list<Word> words) {
   std::string expected;
+  std::vector<std::string> all;
   for (const Word* word = words.begin(); word != words.end(); ++word) {
     if (lower_case(text) == lower_case(name(*word))) return *word;
+    all.push_back(name(*word));
     expected += fmt::format("{}{}", word == words.begin() ? "" : word + 1 == words.end() ? " or " : ", ", name(*word));
   }
-  throw bad_value(text, expected);
+  throw bad_value(text, expected, all);
 }
 
 bool parse_switch(Text text) {
   const std::string word = lower_case(text);
-  if (word != "true" && word != "false") throw bad_value(text, "true or false");
+  if (word != "true" && word != "false") throw bad_value(text, "true or false", {"true", "false"});
   return word == "true";
 }
 
@@ -72,7 +74,7 @@ LoadPoint parse_load_point(Text text) {
   try {
     point.point = parse_vector(text);
   } catch (const BadValue&) {
-    throw bad_value(text, "three numbers x,y,z, or sphere-center");
+    throw bad_value(text, "three numbers x,y,z, or sphere-center", {"sphere-center"});
   }
   return point;
 }
@@ -84,7 +86,7 @@ TurnPoint parse_turn_point(Text text) {
   try {
     return {TurnPoint::Kind::Point, parse_vector(text)};
   } catch (const BadValue&) {
-    throw bad_value(text, "three numbers x,y,z, sphere-center or com");
+    throw bad_value(text, "three numbers x,y,z, sphere-center or com", {"sphere-center", "com"});
   }
 }
 
@@ -133,7 +135,7 @@ std::string parse_rotation(Text text) {
   if (word == "vector") return word;
   const bool axes = word.size() == 3 && word.find_first_not_of("xyz") == word.npos;
   if (!axes || word[0] == word[1] || word[1] == word[2])
-    throw bad_value(text, "vector, or the axes of three angles in their order, such as zxy");
+    throw bad_value(text, "vector, or the axes of three angles in their order, such as zxy", {"vector"});
   return word;
 }
 

@@ -15,6 +15,7 @@
 #include <febiodea/equilibrium/rows.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/bodies.h>
+#include <febiodea/joint/surface_names.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea {
@@ -85,7 +86,10 @@ Recognition recognise(JointModel given, Settings settings, bool all_states) {
   if (no_body) add(r.faults, *no_body);
   for (const Fault& fault : unsupported_faults(model)) add(r.faults, fault);
   if (sliding && !no_body) {
+    std::vector<Sentence> naming;
+    r.settings = name_surfaces(model, r.settings, naming);
     JointFound found = find_joint(model, r.settings);
+    found.joint.findings.insert(found.joint.findings.begin(), naming.begin(), naming.end());
     for (const Fault& fault : found.faults) add(r.faults, fault);
     r.recognised = found.faults.empty();
     if (r.recognised) r.joint = std::move(found.joint);

@@ -64,7 +64,8 @@ StatesAsked parse_states(const std::string& text) {
       else
         asked.ranges.push_back({parse_number(word.substr(0, colon)), parse_number(word.substr(colon + 1))});
     } catch (const BadValue&) {
-      throw bad_value(text, expected);
+      const bool alone = word == text;  // "all" stands alone
+      throw bad_value(word, expected, alone ? std::vector<std::string>{"all", "last"} : std::vector<std::string>{"last"});
     }
     if (!asked.ranges.empty() && asked.ranges.back()[0] > asked.ranges.back()[1])
       throw bad_value(text, "a range that rises, t1:t2");

@@ -676,6 +676,84 @@ TEST_F(Cli, OutputReplacesAnOlderOneAndMayBeADevice) {
   EXPECT_EQ(files(), (Names{"flat.feb", "r.json"}));
 }
 
+// 18 triangles: their springs are counted, and refused where they need more memory than there is.
+TEST_F(Cli, FineDivisionsTellTheirCost) {
+  write_model();
+  const Finished few = dea({"info", "flat.feb", "--refine", "20", "--law", "linear"});
+  EXPECT_EQ(few.err, "");
+  const Finished many = dea({"run", "flat.feb", "--refine", "240", "--law", "linear", "--states", "last", "--no-xplt"});
+  EXPECT_EQ(many.code, 0) << many.err;
+  const std::string note =
+      "note: --refine 240: 1036800 springs (18 triangles, each divided into 240 x 240), about 0.75 GB of memory\n";
+  EXPECT_NE(many.err.find(note), std::string::npos) << many.err;
+#ifndef __SANITIZE_ADDRESS__  // takes all addresses for itself
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit small{rlim_t{3} << 30, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &small), 0);  // inherited by the program
+  const Finished f = dea({"run", "flat.feb", "--refine", "1000", "--law", "linear"});
+  ASSERT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_EQ(f.code, 2) << f.err;
+  EXPECT_EQ(f.err.rfind("dea: --refine 1000: 18000000 springs need about 13 GB of memory, and ", 0), 0u) << f.err;
+  const std::size_t place = f.err.find("GB are free; --refine ");
+  ASSERT_NE(place, std::string::npos) << f.err;
+  const int fits = std::stoi(f.err.substr(place + 22));
+  EXPECT_GT(fits, 300);                                                              // 1.6 million springs
+  EXPECT_LT(fits, static_cast<int>(std::sqrt(double(rlim_t{3} << 30) / 720 / 18)));  // less than all of the 3 GiB
+  EXPECT_EQ(files(), Names{"flat.feb"});
+#endif
+}
+
+// Units stand where they are known, by the model or by --units, and nowhere else.
+TEST_F(Cli, UnitsOfTables) {
+  write_model();
+  std::string text = file_text(folder / "flat.feb");
+  const std::string named = "<units>mm-N-s</units>";
+  text.erase(text.find(named), named.size());
+  write("silent.feb", text);
+  const auto heading = [](const std::string& out, const std::string& start) {
+    const std::size_t begin = out.find("\n" + start);
+    return begin == std::string::npos ? "" : out.substr(begin + 1, out.find('\n', begin + 1) - begin - 1);
+  };
+  const std::vector<std::vector<std::string>> known = {{"flat.feb"}, {"silent.feb", "--units", "mm-N-s"}};
+  for (const std::vector<std::string>& model : known) {
+    const auto with = [&](const std::string& command, std::vector<std::string> more) {
+      std::vector<std::string> words = {command};
+      words.insert(words.end(), model.begin(), model.end());
+      words.insert(words.end(), more.begin(), more.end());
+      const Finished f = dea(words);
+      EXPECT_TRUE(f.code == 0 || (f.code == 1 && command == "converge")) << f.err;
+      return f.out;
+    };
+    const std::string run = with("run", {"--json", "r.json", "-o", "r.xplt"});
+    for (const char* word : {"p99 [MPa]  ", "mean [MPa]  ", "area [mm²]  ", "peak [MPa]  ", "force [N]  "})
+      EXPECT_NE(heading(run, "time  contact").find(word), std::string::npos) << run;
+    for (const char* word : {"translation [mm]  ", "force [N]  ", "moment [N mm]"})
+      EXPECT_NE(heading(run, "body ").find(word), std::string::npos) << run;
+    const Json units = {{"length", "mm"}, {"force", "N"}, {"pressure", "MPa"}, {"area", "mm²"}};
+    const Json j = Json::parse(file_text(folder / "r.json"));
+    EXPECT_EQ(j["units"], "mm-N-s");
+    EXPECT_EQ(j["unit_names"], units);
+    EXPECT_EQ(read_xplt((folder / "r.xplt").string()).units, "mm-N-s");
+    const std::string info = with("info", {"--json", "i.json"});
+    for (const char* word : {"area 9 mm²\n", ", E 10 MPa, nu 0.3, ", "thickness: min 2, mean 2, max 2 mm; "})
+      EXPECT_NE(info.find(word), std::string::npos) << word << info;
+    EXPECT_EQ(Json::parse(file_text(folder / "i.json"))["unit_names"], units);
+    EXPECT_NE(with("converge", {"--max-springs", "20"}).find("area, springs [mm²]"), std::string::npos);
+    const Finished compare = dea({"compare", "r.xplt", "r.xplt", "--details"});
+    for (const char* word : {"\np99 [MPa] ", "\narea [mm²] ", "\nresultant of the map [N] ", "position r [mm]"})
+      EXPECT_NE(compare.out.find(word), std::string::npos) << word << compare.out;
+    fs::remove(folder / "r.xplt");
+  }
+  const Finished silent = dea({"run", "silent.feb", "--json", "s.json"});
+  EXPECT_EQ(silent.out.find('['), std::string::npos) << silent.out;
+  EXPECT_TRUE(Json::parse(file_text(folder / "s.json"))["unit_names"].is_null());
+  EXPECT_EQ(dea({"info", "silent.feb"}).out.find("mm"), std::string::npos);
+  const Finished other = dea({"run", "flat.feb", "--units", "SI"});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_EQ(other.err, "dea: --units SI: the model says that it is in \"mm-N-s\"; leave it out\n");
+}
+
 TEST_F(Cli, NoPlotFileWhereNoneIsWanted) {
   write_model();
   const Finished table = dea({"run", "flat.feb", "--no-xplt"});

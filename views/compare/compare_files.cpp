@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/base/time_text.h>
@@ -71,8 +72,9 @@ std::vector<std::vector<std::string>> asked_surfaces(const std::vector<ResultFil
     chosen.push_back(split_names(text, files, states));
     for (std::size_t i = 0; i < files.size(); ++i)
       if (std::find(with_pressure[i].begin(), with_pressure[i].end(), chosen.back()[i]) == with_pressure[i].end())
-        throw InputError(fmt::format("{}: found no surface \"{}\" with \"{}\", expected one of {}", files[i].path,
-                                     chosen.back()[i], kPressure, quoted(with_pressure[i])));
+        throw InputError(fmt::format("{}: found no surface \"{}\" with \"{}\"{}, expected one of {}", files[i].path,
+                                     chosen.back()[i], kPressure, did_you_mean(chosen.back()[i], with_pressure[i]),
+                                     quoted(with_pressure[i])));
     for (std::size_t k = 0; k + 1 < chosen.size(); ++k)
       if (chosen[k].front() == chosen.back().front())
         throw UsageError(fmt::format("--surface {}: surface \"{}\" given twice", text, chosen[k].front()));

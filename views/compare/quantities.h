@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/io/files/unit_names.h>
 #include <febiodea/views/compare/compare_files.h>
 
 namespace dea {
@@ -13,6 +14,7 @@ struct Quantity {
   std::string key;   ///< of CSV
   std::vector<double> values;
   bool compared = true;  ///< false: a difference of two of them says nothing
+  Dimension dimension = Dimension::Pressure;
 };
 
 template <class Get>
@@ -25,6 +27,7 @@ Quantity quantity(const std::string& name, const std::string& key, const Compare
 /// One of the headline numbers.
 inline Quantity headline_quantity(const HeadlineNumber& number, const ComparedRegion& region) {
   Quantity q{number.name, std::string("headline_") + number.name, {}};
+  if (number.value == &Headline::area) q.dimension = Dimension::Area;
   for (const Headline& h : region.headlines) q.values.push_back(h.*number.value);
   return q;
 }

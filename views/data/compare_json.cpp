@@ -245,6 +245,7 @@ Json compare_json(const Comparison& c) {
   j["bodies"] = Json::array();
   for (const ComparedBody& body : c.bodies) j["bodies"].push_back(compared_body_json(body));
   j["warnings"] = c.warnings;
+  j["unit_names"] = units_json(c.units);
   return j;
 }
 

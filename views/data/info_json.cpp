@@ -213,6 +213,7 @@ Json info_json(const JointModel& model, const Settings& settings, const JointChe
   j["error"] = check.errors.empty() ? Json(nullptr) : Json(line(check.errors.front(), wording));
   j["errors"] = Json::array();  // all that are known, the most basic first
   for (const Fault& fault : check.errors) j["errors"].push_back(line(fault, wording));
+  j["unit_names"] = units_json(model.units);
   return j;
 }
 

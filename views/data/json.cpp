@@ -1,3 +1,4 @@
+#include <febiodea/io/files/unit_names.h>
 #include <febiodea/views/data/json.h>
 
 #include <cmath>
@@ -18,6 +19,17 @@ Json headline_json(const Headline& h) {
 }
 
 Json json_word(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json units_json(const std::string& system) {
+  const UnitNames units = unit_names(system);
+  if (units.length.empty()) return nullptr;
+  Json j;
+  j["length"] = units.length;
+  j["force"] = units.force;
+  j["pressure"] = units.pressure;
+  j["area"] = units.area;
+  return j;
+}
 
 std::string json_text(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 

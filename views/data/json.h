@@ -16,6 +16,8 @@ Json json_vector(const Eigen::Vector3d& v);
 Json headline_json(const Headline& h);
 /// null for an empty text.
 Json json_word(const std::string& text);
+/// Names of units: length, force, pressure, area; null: the system is none of FEBio's, or not named.
+Json units_json(const std::string& system);
 
 /// The JSON text, numbers such that they read back the same, with a line feed at the end. Text that is not UTF-8 is
 /// mended.

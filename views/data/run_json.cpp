@@ -187,6 +187,7 @@ Json run_json(const JointModel& model, const Settings& settings, const Analysis&
   for (const StateResult& state : analysis.states) j["states"].push_back(state_json(model, joint, state));
   j["units"] = json_word(model.units);
   j["findings"] = run_remarks(model, analysis);
+  j["unit_names"] = units_json(model.units);
   return j;
 }
 
@@ -224,6 +225,8 @@ Json converge_json(const JointModel& model, const Settings& settings, const std:
     }
     j["contacts"].push_back(c);
   }
+  j["units"] = json_word(model.units);
+  j["unit_names"] = units_json(model.units);
   return j;
 }
 

@@ -75,8 +75,8 @@ std::vector<Row> choose_states(const std::vector<ResultFile>& files, const MapOp
     } catch (const BadValue&) {
     }
     if (times.empty())
-      throw UsageError(
-          fmt::format("{}: found \"{}\", expected all, last or times t1,t2,...", o.states_option, o.states));
+      throw UsageError(fmt::format("{}: {}", o.states_option,
+                                   bad_value(o.states, "all, last or times t1,t2,...", {"all", "last"}).what()));
   }
   for (double t : times) {
     Row row;

@@ -580,7 +580,7 @@ PageData run_page(const JointModel& model, const Analysis& analysis, const Resul
     data.context = make_context(mesh_of(file, last));
   }
   data.charts = run_charts(analysis);
-  data.tables = run_tables(analysis, false);
+  data.tables = run_tables(analysis, false, data.units);
   if (!recognised.empty()) data.texts.push_back({"What was recognised", recognised});
   std::vector<std::string> all = paths;
   all.insert(all.end(), model.files.begin(), model.files.end());

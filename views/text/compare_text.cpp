@@ -33,19 +33,28 @@ std::vector<Quantity> detail_quantities(const ComparedRegion& region, const std:
   for (std::size_t t = 1; t < thresholds.size(); ++t)
     out.push_back(quantity(fmt::format("mean, nodes > {:g}", thresholds[t]), "", region,
                            [t](const SurfaceMeasures& m) { return m.nodes[t].mean; }));
-  out.push_back(quantity("area, facets > 0", "", region, [](const SurfaceMeasures& m) { return m.facets[0].area; }));
+  const auto of = [](Quantity q, Dimension dimension) {
+    q.dimension = dimension;
+    return q;
+  };
+  out.push_back(of(quantity("area, facets > 0", "", region, [](const SurfaceMeasures& m) { return m.facets[0].area; }),
+                   Dimension::Area));
   for (std::size_t t = 0; t < thresholds.size(); ++t)
-    out.push_back(quantity(fmt::format("area, nodes > {:g}", thresholds[t]), "", region,
-                           [t](const SurfaceMeasures& m) { return m.nodes[t].area; }));
+    out.push_back(of(quantity(fmt::format("area, nodes > {:g}", thresholds[t]), "", region,
+                              [t](const SurfaceMeasures& m) { return m.nodes[t].area; }),
+                     Dimension::Area));
   out.push_back(
-      quantity("resultant of the map", "", region, [](const SurfaceMeasures& m) { return m.resultant.norm(); }));
-  const auto penetration =
-      quantity("penetration, mean of facets", "", region, [](const SurfaceMeasures& m) { return m.mean_penetration; });
+      of(quantity("resultant of the map", "", region, [](const SurfaceMeasures& m) { return m.resultant.norm(); }),
+         Dimension::Force));
+  const auto penetration = of(
+      quantity("penetration, mean of facets", "", region, [](const SurfaceMeasures& m) { return m.mean_penetration; }),
+      Dimension::Length);
   if (std::any_of(penetration.values.begin(), penetration.values.end(),
                   [](double x) { return std::isfinite(x) && x != 0; })) {
     out.push_back(penetration);
-    out.push_back(quantity("penetration, largest of facets", "", region,
-                           [](const SurfaceMeasures& m) { return m.max_penetration; }));
+    out.push_back(of(quantity("penetration, largest of facets", "", region,
+                              [](const SurfaceMeasures& m) { return m.max_penetration; }),
+                     Dimension::Length));
   }
   return out;
 }
@@ -53,8 +62,9 @@ std::vector<Quantity> detail_quantities(const ComparedRegion& region, const std:
 /// The lines about the whole surface that rest on what the files say of themselves.
 std::vector<Quantity> fact_quantities(const Comparison& c, const ComparedSurface& surface) {
   const bool deformed = c.areas == CompareAreas::Deformed;
-  Quantity area{"area of the whole surface", "", {}}, force{"contact force of the file", "", {}},
-      share{"resultant, % of it", "", {}, false};
+  Quantity area{"area of the whole surface", "", {}, true, Dimension::Area},
+      force{"contact force of the file", "", {}, true, Dimension::Force},
+      share{"resultant, % of it", "", {}, false, Dimension::None};
   for (const SurfaceFacts& f : surface.facts) {
     area.values.push_back(deformed ? f.deformed_area : f.area);
     force.values.push_back(f.contact_force ? f.contact_force->norm() : kNaN);
@@ -91,6 +101,7 @@ void add_column(Table& table, const std::string& heading) {
 /// What was measured in each file, and in per cent how far it is from the last.
 Table region_table(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region, bool details) {
   const std::size_t n = c.labels.size();
+  const UnitNames units = unit_names(c.units);
   Table table;
   table.headings = {""};
   table.left = "l";
@@ -98,7 +109,7 @@ Table region_table(const Comparison& c, const ComparedSurface& surface, const Co
   for (std::size_t i = 0; i + 1 < n; ++i)
     add_column(table, n == 2 ? "difference" : fmt::format("difference {}", c.labels[i]));
   const auto add = [&](const Quantity& q) {
-    std::vector<std::string> row = {q.name};
+    std::vector<std::string> row = {with_unit(q.name, units, q.dimension)};
     for (double x : q.values) row.push_back(short_number(x));
     // a contact without penetration is another contact, not one with 100 % less
     const bool zero_is_none = q.name.rfind("penetration", 0) == 0;
@@ -116,6 +127,7 @@ Table region_table(const Comparison& c, const ComparedSurface& surface, const Co
   if (!details && !c.dose_above) return table;
   const auto add_time = [&](const char* name, double TimeMeasures::*value) {
     Quantity q{name, "", {}};
+    if (value != &TimeMeasures::mean_peak) q.dimension = Dimension::None;  // times have no unit here
     for (const TimeMeasures& m : region.over_time) q.values.push_back(m.*value);
     if (std::any_of(q.values.begin(), q.values.end(), [](double x) { return std::isfinite(x); })) add(q);
   };
@@ -132,10 +144,13 @@ Table region_table(const Comparison& c, const ComparedSurface& surface, const Co
 /// How alike the patterns are.
 Table pattern_table(const Comparison& c, const ComparedRegion& region) {
   Table patterns;
-  patterns.headings = {fmt::format("against {}", c.labels.back()), "correlation", "rms", "mean", "largest"};
+  const UnitNames units = unit_names(c.units);
+  patterns.headings = {fmt::format("against {}", c.labels.back()), "correlation"};
+  for (const char* name : {"rms", "mean", "largest"})
+    patterns.headings.push_back(with_unit(name, units, Dimension::Pressure));
   patterns.left = "lrrrr";
   for (double t : c.thresholds) add_column(patterns, fmt::format("Dice > {:g}", t));
-  patterns.headings.push_back("centre of pressure");
+  patterns.headings.push_back(with_unit("centre of pressure", units, Dimension::Length));
   patterns.left += 'l';
   for (std::size_t i = 0; i + 1 < c.labels.size(); ++i) {
     const PatternDifference& d = region.differences[i];
@@ -175,7 +190,8 @@ TitledTable profile_table(const Comparison& c, const ComparedSurface& surface) {
     }
     table.rows.push_back(std::move(row));
   }
-  return {fmt::format("mean pressure against the angle from {} about {}", vector_text(surface.axis),
+  return {fmt::format("{} against the angle from {} about {}",
+                      with_unit("mean pressure", unit_names(c.units), Dimension::Pressure), vector_text(surface.axis),
                       vector_text(surface.center)),
           std::move(table)};
 }
@@ -191,8 +207,10 @@ std::string surface_title(const ComparedSurface& s) {
 
 Table bodies_table(const Comparison& c) {
   Table bodies;
+  const UnitNames units = unit_names(c.units);
   bodies.headings = {"body"};
-  for (const std::string& label : c.labels) bodies.headings.push_back(fmt::format("position {}", label));
+  for (const std::string& label : c.labels)
+    bodies.headings.push_back(with_unit(fmt::format("position {}", label), units, Dimension::Length));
   for (std::size_t i = 0; i + 1 < c.labels.size(); ++i) {
     bodies.headings.push_back(c.labels.size() == 2 ? "difference" : fmt::format("difference {}", c.labels[i]));
     bodies.headings.push_back("rotated [degrees]");

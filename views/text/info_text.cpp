@@ -72,11 +72,19 @@ std::string thickness_origin(const Layer& layer) {
   return text.empty() ? "" : " (" + text + ")";
 }
 
+/// " mm", where units are known.
+std::string unit_behind(const JointModel& model, Dimension dimension) {
+  const std::string unit = unit_of(unit_names(model.units), dimension);
+  return unit.empty() ? "" : " " + unit;
+}
+
 std::string layer_text(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side,
                        const char* role) {
   const Surface& surface = model.surfaces[at(layer.surface)];
-  std::string text = fmt::format("    {}: surface {}, {} facets, area {}\n", role, quoted(surface.name), surface.size(),
-                                 number_text(side.area));
+  const std::string length = unit_behind(model, Dimension::Length), area = unit_behind(model, Dimension::Area),
+                    pressure = unit_behind(model, Dimension::Pressure);
+  std::string text = fmt::format("    {}: surface {}, {} facets, area {}{}\n", role, quoted(surface.name),
+                                 surface.size(), number_text(side.area), area);
   text += fmt::format("      body {}: {}\n", check.joint.bodies[at(layer.body)].name, layer.attached_by);
   if (layer.rigid) {
     text += "      bare rigid surface, no cartilage\n";
@@ -86,21 +94,23 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
                                      ? std::string("given")
                                      : fmt::format("{} ({})", quoted(model.materials[at(layer.material)].name),
                                                    model.materials[at(layer.material)].type);
-    text += fmt::format("      cartilage: material {}, E {}, nu {}, confined modulus {}\n", material, number_text(e.E),
-                        number_text(e.nu), number_text(confined_modulus(e.E, e.nu)));
-    text += fmt::format("      thickness{}: min {}, mean {}, max {}", thickness_origin(layer),
+    text +=
+        fmt::format("      cartilage: material {}, E {}{}, nu {}, confined modulus {}{}\n", material, number_text(e.E),
+                    pressure, number_text(e.nu), number_text(confined_modulus(e.E, e.nu)), pressure);
+    text += fmt::format("      thickness{}: min {}, mean {}, max {}{}", thickness_origin(layer),
                         number_text(layer.min_thickness()), number_text(layer.mean_thickness()),
-                        number_text(layer.max_thickness()));
+                        number_text(layer.max_thickness()), length);
     text += layer.thickness_given
                 ? "\n"
                 : fmt::format("; normals that missed: {} of {}\n", layer.missed_count(), layer.missed.size());
   }
   if (side.whole_face) text += rim_text(side);
   if (side.side_walls + side.bonded > 0)
-    text += fmt::format("      left out: {} facets, {} side wall, {} bonded to bone; area of those kept {}\n",
-                        side.side_walls + side.bonded, side.side_walls, side.bonded, number_text(side.area));
-  text += fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}\n",
-                      vector_text(side.sphere.center), number_text(side.sphere.radius), number_text(side.sphere.rms));
+    text += fmt::format("      left out: {} facets, {} side wall, {} bonded to bone; area of those kept {}{}\n",
+                        side.side_walls + side.bonded, side.side_walls, side.bonded, number_text(side.area), area);
+  text += fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}{}\n",
+                      vector_text(side.sphere.center), number_text(side.sphere.radius), number_text(side.sphere.rms),
+                      length);
   return text;
 }
 
@@ -116,9 +126,10 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
     text += fmt::format("    law {}: {}\n", name(pair.law), law_origin(model.contacts[at(pair.contact)], settings));
     for (int side = 0; side < 2; ++side)
       text += layer_text(model, check, pair.layers[side], found.sides[side], side == 0 ? "primary" : "secondary");
-    text += fmt::format("    springs: {} cast, {} over the other side; initial gap min {}, 5% {}, median {}, max {}\n",
-                        found.springs, found.springs_hit, number_text(found.gap_min), number_text(found.gap_p5),
-                        number_text(found.gap_median), number_text(found.gap_max));
+    text +=
+        fmt::format("    springs: {} cast, {} over the other side; initial gap min {}, 5% {}, median {}, max {}{}\n",
+                    found.springs, found.springs_hit, number_text(found.gap_min), number_text(found.gap_p5),
+                    number_text(found.gap_median), number_text(found.gap_max), unit_behind(model, Dimension::Length));
   }
   return text;
 }

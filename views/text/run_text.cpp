@@ -78,11 +78,11 @@ std::string laws_text(const Joint& joint) {
 
 namespace {
 
-Table contacts_table(const Joint& joint, const std::vector<StateResult>& states) {
+Table contacts_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
   Table table;
   table.headings = {"time", "contact", "outcome"};
-  for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(number.name);
-  table.headings.insert(table.headings.end(), {"force", "iterations", "residual"});
+  for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(heading_of(number, units));
+  table.headings.insert(table.headings.end(), {with_unit("force", units, Dimension::Force), "iterations", "residual"});
   table.left = "rll" + std::string(table.headings.size() - 3, 'r');
   for (const StateResult& state : states) {
     for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
@@ -99,11 +99,11 @@ Table contacts_table(const Joint& joint, const std::vector<StateResult>& states)
 }
 
 /// A line per state, contact and compartment; no rows: all surfaces are in one piece.
-Table compartments_table(const Joint& joint, const std::vector<StateResult>& states) {
+Table compartments_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
   Table table;
   table.headings = {"time", "contact", "compartment"};
-  for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(number.name);
-  table.headings.insert(table.headings.end(), {"force", "share"});
+  for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(heading_of(number, units));
+  table.headings.insert(table.headings.end(), {with_unit("force", units, Dimension::Force), "share"});
   table.left = "rll" + std::string(table.headings.size() - 3, 'r');
   for (const StateResult& state : states)
     for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
@@ -126,40 +126,44 @@ Table compartments_table(const Joint& joint, const std::vector<StateResult>& sta
 /// All other numbers of a contact: what they are, and how they are found.
 struct Detail {
   const char* name;
+  Dimension dimension;
   std::string (*text)(const ContactStatistics&);
 };
 
 std::vector<Detail> details_of_contact() {
   using S = const ContactStatistics&;
-  return {{"threshold of p99, mean, area, peak", [](S s) { return four_digits(s.headline.above); }},
-          {"springs", [](S s) { return fmt::format("{}", s.springs); }},
-          {"springs under pressure", [](S s) { return fmt::format("{}", s.springs_active); }},
-          {"p99, springs", [](S s) { return four_digits(s.p99); }},
-          {"mean, springs", [](S s) { return four_digits(s.mean); }},
-          {"median, springs", [](S s) { return four_digits(s.median); }},
-          {"area, springs", [](S s) { return four_digits(s.contact_area); }},
-          {"peak, springs", [](S s) { return four_digits(s.peak); }},
-          {"area, facets > 0", [](S s) { return four_digits(s.facet_contact_area); }},
-          {"peak, facets > 0", [](S s) { return four_digits(s.facet_peak); }},
-          {"mean, nodes > 0, unweighted", [](S s) { return four_digits(s.nodal_mean); }},
-          {"median, nodes > 0, unweighted", [](S s) { return four_digits(s.nodal_median); }}};
+  constexpr Dimension P = Dimension::Pressure, A = Dimension::Area, none = Dimension::None;
+  return {{"threshold of p99, mean, area, peak", P, [](S s) { return four_digits(s.headline.above); }},
+          {"springs", none, [](S s) { return fmt::format("{}", s.springs); }},
+          {"springs under pressure", none, [](S s) { return fmt::format("{}", s.springs_active); }},
+          {"p99, springs", P, [](S s) { return four_digits(s.p99); }},
+          {"mean, springs", P, [](S s) { return four_digits(s.mean); }},
+          {"median, springs", P, [](S s) { return four_digits(s.median); }},
+          {"area, springs", A, [](S s) { return four_digits(s.contact_area); }},
+          {"peak, springs", P, [](S s) { return four_digits(s.peak); }},
+          {"area, facets > 0", A, [](S s) { return four_digits(s.facet_contact_area); }},
+          {"peak, facets > 0", P, [](S s) { return four_digits(s.facet_peak); }},
+          {"mean, nodes > 0, unweighted", P, [](S s) { return four_digits(s.nodal_mean); }},
+          {"median, nodes > 0, unweighted", P, [](S s) { return four_digits(s.nodal_median); }}};
 }
 
 /// A line per state, contact and number.
-Table details_table(const Joint& joint, const std::vector<StateResult>& states) {
+Table details_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
   Table table;
   table.headings = {"time", "contact", "number", "value"};
   table.left = "rllr";
   for (const StateResult& state : states)
     for (std::size_t c = 0; c < joint.contacts.size(); ++c)
       for (const Detail& d : details_of_contact())
-        table.rows.push_back({time_text(state.when.time), joint.contacts[c].name, d.name, d.text(state.statistics[c])});
+        table.rows.push_back({time_text(state.when.time), joint.contacts[c].name, with_unit(d.name, units, d.dimension),
+                              d.text(state.statistics[c])});
   return table;
 }
 
-Table bodies_table(const Joint& joint, const Equilibrium& e) {
+Table bodies_table(const Joint& joint, const Equilibrium& e, const UnitNames& units) {
   Table table;
-  table.headings = {"body", "translation", "rotation", "force", "moment"};
+  table.headings = {"body", with_unit("translation", units, Dimension::Length), "rotation",
+                    with_unit("force", units, Dimension::Force), with_unit("moment", units, Dimension::Moment)};
   table.left = "lllll";
   double farthest = 0.0, strongest = 0.0, turning = 0.0;
   for (int b : reported_bodies(joint)) {
@@ -180,9 +184,10 @@ Table bodies_table(const Joint& joint, const Equilibrium& e) {
   return table;
 }
 
-Table springs_table(const Joint& joint, const Equilibrium& e) {
+Table springs_table(const Joint& joint, const Equilibrium& e, const UnitNames& units) {
   Table table;
-  table.headings = {joint.cables.empty() ? "spring between bodies" : "spring or cable between bodies", "tension"};
+  table.headings = {joint.cables.empty() ? "spring between bodies" : "spring or cable between bodies",
+                    with_unit("tension", units, Dimension::Force)};
   table.left = "lr";
   const std::vector<std::string> names = spring_names(joint);
   for (std::size_t l = 0; l < joint.ligaments.size() && l < e.ligament_force.size(); ++l)
@@ -192,9 +197,14 @@ Table springs_table(const Joint& joint, const Equilibrium& e) {
   return table;
 }
 
-Table connectors_table(const Joint& joint, const Equilibrium& e) {
+Table connectors_table(const Joint& joint, const Equilibrium& e, const UnitNames& units) {
   Table table;
-  table.headings = {"joint", "bodies", "force", "moment", "translation", "rotation"};
+  table.headings = {"joint",
+                    "bodies",
+                    with_unit("force", units, Dimension::Force),
+                    with_unit("moment", units, Dimension::Moment),
+                    with_unit("translation", units, Dimension::Length),
+                    "rotation"};
   table.left = "llllll";
   double largest = 0.0, reach = 0.0;
   for (const Vector6& f : e.connector_force)
@@ -217,12 +227,12 @@ Table connectors_table(const Joint& joint, const Equilibrium& e) {
 
 }  // namespace
 
-std::vector<TitledTable> run_tables(const Analysis& analysis, bool details) {
+std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, const UnitNames& units) {
   const Joint& joint = analysis.joint;
-  std::vector<TitledTable> tables = {{"", contacts_table(joint, analysis.states)}};
-  if (Table compartments = compartments_table(joint, analysis.states); !compartments.rows.empty())
+  std::vector<TitledTable> tables = {{"", contacts_table(joint, analysis.states, units)}};
+  if (Table compartments = compartments_table(joint, analysis.states, units); !compartments.rows.empty())
     tables.push_back({"compartments; share: of the sum of their forces", std::move(compartments)});
-  if (details && !analysis.states.empty()) tables.push_back({"", details_table(joint, analysis.states)});
+  if (details && !analysis.states.empty()) tables.push_back({"", details_table(joint, analysis.states, units)});
   if (analysis.states.empty()) return tables;
   const StateResult& last = analysis.states.back();
   const Equilibrium& e = last.equilibrium;
@@ -230,27 +240,37 @@ std::vector<TitledTable> run_tables(const Analysis& analysis, bool details) {
       {fmt::format("bodies at time {}: motion of the centre of mass, rotation vector, force and moment on the body by "
                    "what loads and holds it",
                    time_text(last.when.time)),
-       bodies_table(joint, e)});
-  if (!joint.ligaments.empty() || !joint.cables.empty()) tables.push_back({"", springs_table(joint, e)});
+       bodies_table(joint, e, units)});
+  if (!joint.ligaments.empty() || !joint.cables.empty()) tables.push_back({"", springs_table(joint, e, units)});
   if (!e.connector_force.empty())
     tables.push_back(
         {"joints: force and moment on the second body at the joint, motion along and about the joint's axes",
-         connectors_table(joint, e)});
+         connectors_table(joint, e, units)});
   return tables;
 }
 
 std::string run_text(const JointModel& model, const Analysis& analysis, bool details) {
   return units_text(model) + "\n" + laws_text(analysis.joint) + headline_words() + ", of the surface with springs\n" +
-         tables_text(run_tables(analysis, details));
+         tables_text(run_tables(analysis, details, unit_names(model.units)));
 }
 
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs) {
   std::string text = units_text(model) + "\n";
+  const UnitNames units = unit_names(model.units);
+  const auto pressure = [&](const char* name) { return with_unit(name, units, Dimension::Pressure); };
   for (const Convergence& study : studies) {
     text += fmt::format("\ncontact \"{}\", last state; changes against the row above\n", study.contact);
     Table table;
-    table.headings = {"refine",        "springs",      "active",       "peak, springs", "mean, springs",
-                      "area, springs", "peak changes", "mean changes", "area changes",  "outcome"};
+    table.headings = {"refine",
+                      "springs",
+                      "active",
+                      pressure("peak, springs"),
+                      pressure("mean, springs"),
+                      with_unit("area, springs", units, Dimension::Area),
+                      "peak changes",
+                      "mean changes",
+                      "area changes",
+                      "outcome"};
     table.left = "rrrrrrrrrl";
     for (const ConvergenceRow& r : study.rows)
       table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs),

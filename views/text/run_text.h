@@ -11,7 +11,7 @@ namespace dea {
 
 /// The states' contacts with the headline numbers (`details`: then all others, each named in full), then bodies,
 /// ligaments and joints in the last state.
-std::vector<TitledTable> run_tables(const Analysis& analysis, bool details);
+std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, const UnitNames& units);
 /// Units, laws and what the numbers are of, then these tables.
 std::string run_text(const JointModel& model, const Analysis& analysis, bool details);
 

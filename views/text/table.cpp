@@ -19,6 +19,10 @@ std::size_t width(const std::string& text) {
 
 }  // namespace
 
+std::string heading_of(const HeadlineNumber& number, const UnitNames& units) {
+  return with_unit(number.name, units, number.value == &Headline::area ? Dimension::Area : Dimension::Pressure);
+}
+
 std::string headline_words() {
   std::string names;
   for (const HeadlineNumber& number : kHeadlineNumbers)

@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/io/files/unit_names.h>
+#include <febiodea/results/headline.h>
+
 namespace dea {
 
 /// Cells under headings; columns as wide as they need, all but those of words aligned to the right.
@@ -21,6 +24,9 @@ struct TitledTable {
 };
 /// Each after an empty line.
 std::string tables_text(const std::vector<TitledTable>& tables);
+
+/// "p99 [MPa]", where units are known.
+std::string heading_of(const HeadlineNumber& number, const UnitNames& units);
 
 /// What the headline numbers are of, in a line.
 std::string headline_words();

@@ -1,0 +1,15 @@
+// febiodea/app/memory.h – will the springs fit in this machine's memory?
+#pragma once
+#include <febiodea/run/recognise.h>
+
+namespace dea {
+
+/// Bytes that this process may still take: of the machine, of its control group, of its limit on addresses. Infinity:
+/// nobody says.
+double free_memory();
+
+/// What springs divided by --refine cost, as a note; empty: they are few. Throws UsageError where they need more memory
+/// than is free.
+std::string spring_cost_note(const Recognition& recognition);
+
+}  // namespace dea

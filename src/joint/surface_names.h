@@ -1,0 +1,17 @@
+// febiodea/joint/surface_names.h – surfaces that settings call by what lies under them.
+#pragma once
+#include <vector>
+
+#include <febiodea/base/sentence.h>
+#include <febiodea/model/joint_model.h>
+#include <febiodea/model/settings.h>
+
+namespace dea {
+
+/// Settings that call surfaces by their own names. Where one names no surface, but a material, an element set or a body
+/// that has exactly one articular surface (side of a sliding contact), that surface is meant, and `findings` say so;
+/// other names stay as they are. Throws UsageError: several surfaces may be meant, or the one that is meant is given
+/// too.
+Settings name_surfaces(const JointModel& model, const Settings& settings, std::vector<Sentence>& findings);
+
+}  // namespace dea

@@ -1,0 +1,20 @@
+// febiodea/run/cost.h – what the springs of a joint will cost, before they are placed.
+#pragma once
+#include <febiodea/joint/joint.h>
+
+namespace dea {
+
+struct SpringCost {
+  double springs = 0;          ///< of all contacts
+  double layer_triangles = 0;  ///< law layer: of both layers' meshes; else 0
+  double bytes = 0;  ///< of memory, while a state is solved: an estimate, within a fifth for law linear and for
+                     ///< half a million layer triangles, coarser beyond
+};
+
+/// With every contact divided `refine` times; 0: each as it is (ContactPair::refine).
+SpringCost spring_cost(const Joint& joint, int refine = 0);
+
+/// The largest division of all contacts that fits in so many bytes; 0: none does. At most 1000.
+int largest_refine(const Joint& joint, double bytes);
+
+}  // namespace dea
