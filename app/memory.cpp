@@ -49,7 +49,9 @@ double free_of_group() {
   return most < kInfinity && taken < kInfinity ? std::max(0.0, most - taken) : kInfinity;
 }
 
-std::string gigabytes(double bytes) { return fmt::format("{:.2g} GB", bytes / 1e9); }
+std::string gigabytes(double bytes) {
+  return bytes < 1e10 ? fmt::format("{:.2g} GB", bytes / 1e9) : fmt::format("{:.0f} GB", bytes / 1e9);
+}
 
 }  // namespace
 

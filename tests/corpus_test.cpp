@@ -277,7 +277,9 @@ TEST(CorpusAdvice, TheOptionsThatAreNamedSuffice) {
     const test::Finished f = test::run_program(folder.path, words, kLimit);
     EXPECT_FALSE(f.timed_out);
     EXPECT_EQ(f.code, a.code) << f.err;
-    EXPECT_EQ(f.out + f.err, "");
+    EXPECT_EQ(f.out, "");
+    EXPECT_EQ(f.err.empty(), a.code == 0) << f.err;
+    EXPECT_EQ(f.err.find("warning: no solution in ") != std::string::npos, a.code == 1) << f.err;
     EXPECT_EQ(names_in(folder.path), Words{"o.xplt"});
   }
 }

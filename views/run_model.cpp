@@ -203,9 +203,9 @@ bool all_solved(const Analysis& analysis) {
 std::string run_summary(const RunOptions& options, const RunResult& result) {
   const Timings& t = result.timings;
   const std::string& output = options.outputs.output;
-  return fmt::format("{}{} states in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})",
-                     output.empty() ? "" : output + ": ", result.analysis.states.size(), t.total, t.read, t.joint,
-                     t.solve, t.write);
+  return fmt::format("{}{} state{} in {:.2f} s (read {:.2f}, joint {:.2f}, solve {:.2f}, write {:.2f})",
+                     output.empty() ? "" : output + ": ", result.analysis.states.size(),
+                     result.analysis.states.size() == 1 ? "" : "s", t.total, t.read, t.joint, t.solve, t.write);
 }
 
 }  // namespace dea
