@@ -558,7 +558,7 @@ TEST_F(Cli, ThicknessScaledAndFromAFile) {
   EXPECT_NEAR(peak({"--settings", "s.xml", "--thickness", "top=4"}), M_d / 2, 1e-11);
 
   const Finished info = dea({"info", "flat.feb", "--settings", "s.xml"});
-  EXPECT_NE(info.out.find("thickness (from t.csv, times 0.5): min 0.8, mean 0.8, max 0.8\n"), std::string::npos)
+  EXPECT_NE(info.out.find("thickness (from t.csv, times 0.5): min 0.8, mean 0.8, max 0.8 mm\n"), std::string::npos)
       << info.out;
   EXPECT_NE(info.out.find("thickness from t.csv, 16 nodes; 1 of the file's nodes are not on it and passed over"),
             std::string::npos);
