@@ -56,7 +56,7 @@ Examples:
   dea compare layer.xplt linear.xplt fea.xplt --report maps.html
   dea compare hip_dea.xplt hip.xplt --areas deformed --json -
   dea compare a.xplt b.xplt --surface "socket=acetabulum" --at 1 -o both.xplt
-  dea compare a.xplt b.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 0,1,0 --csv - > thirds.csv
+  dea compare hip_dea.xplt hip.xplt --regions anterior-superior-posterior --up 0,0,1 --anterior 0,1,0 --csv - > thirds.csv
   dea compare ball_dea.xplt ball.xplt --profile --axis 0,0,1 --center 0,0,0 --bin 2)";
 
 constexpr const char* kThirds = "anterior-superior-posterior";

@@ -26,7 +26,7 @@ file.
 Examples:
   dea convert hip.feb
   dea convert hip.feb -o hip_springs.feb --law neo-Hookean
-  dea convert hip.feb --attach "head surface=femur" --thickness "head surface=1.8"
+  dea convert hip.feb --attach femoral_articulating=femur --thickness femoral_articulating=1.8
   dea run hip_dea.feb                the same pressures as dea run hip.feb)";
 
 }  // namespace

@@ -29,7 +29,7 @@ something within five thicknesses as lines.
 Examples:
   dea info hip.feb
   dea info hip.feb -o check.xplt
-  dea info hip.feb --attach "head surface=femur" --json -)";
+  dea info hip.feb --attach femoral_articulating=femur --json -)";
 
 }  // namespace
 

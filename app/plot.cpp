@@ -30,7 +30,7 @@ below them; --columns 1 stacks all panels.
 
 Examples:
   dea plot hip_dea.xplt
-  dea plot hip_dea.xplt hip.xplt --label dea --label FEBio --surface socket -o both.svg
+  dea plot hip_dea.xplt hip.xplt --label dea --label FEBio --surface acetabular_articulating -o both.svg
   dea plot hip_dea.xplt --at 1,1.5,2 --smooth --title "Walking" -o walking.pdf
   dea plot hip_dea.xplt --minus hip.xplt -o difference.png
   dea plot knee_dea.xplt --surface medial_plateau --surface lateral_plateau --up 0,1,0 -o knee.png

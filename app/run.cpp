@@ -35,11 +35,12 @@ is on standard error.
 p99, mean, area and peak are one set of numbers for every result, also of `dea compare`, `dea plot`, pages, JSON (headline) and
 CSV (headline_...): of nodes (area-weighted averages of the facets around each) above 5 % of the load's mean pressure, the sum
 of p^2 A over that of p A, weighted by the nodes' areas; on the surface with springs. --details prints all others.
+docs/results.md says what every key of JSON and column of CSV is.
 
 Examples:
   dea run hip.feb
   dea run hip.feb -o walking.xplt --json walking.json --states last
-  dea run hip.feb --force femur=-432,262,-1834 --load-at femur=sphere-center --law neo-Hookean
+  dea run hip.feb --force femur=432,-262,1834 --load-at femur=sphere-center --law neo-Hookean
   dea run hip.feb --times-from hip.xplt --csv - -q > walking.csv
   dea run hip.feb --report hip.html && xdg-open hip.html
   dea run hip.feb --vtu hip_paraview && paraview hip_paraview/results.pvd

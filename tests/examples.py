@@ -1,0 +1,209 @@
+"""Every example as a user would type it: python3 examples.py DEA SOURCE [-v].
+
+Collects the commands of README.md, docs, samples and the "Examples" of each --help: lines of indented or fenced blocks that
+begin with `dea`, and code in a sentence that names a file. Runs each in a folder of its own with the files it names, and fails
+where the exit code is not 0, where a file that the line or the words beside it name is not there afterwards, and where a
+"note: ..." shown below it is not printed. A new example with a new file name needs a line in FILES."""
+import concurrent.futures
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+
+dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "plugin-build")
+
+# Commands that are not run: what they hold, and why.
+SKIPPED = {"plugin-build": "needs an installed FEBio"}
+
+HIP, FEBIO = "samples/hip/hip_walking.feb", "samples/hip/hip_walking_febio.xplt"
+# What a user has: a file of the sources, or the command that makes it. "SURFACE->NAME": the same with another name.
+FILES = {
+    "hip.feb": HIP, "own.feb": HIP, "hip_walking.feb": HIP, HIP: HIP,
+    "hip.xplt": FEBIO, "own.xplt": FEBIO, "fea.xplt": FEBIO, "hip_walking_febio.xplt": FEBIO,
+    "knee.feb": "samples/knee/knee.feb",
+    "chain.feb": "samples/chain/chain.feb",
+    "plateaus.feb": "samples/plateaus/plateaus.feb",
+    "ligament.feb": "samples/ligament/ligament.feb",
+    "sphere_on_flat.feb": "samples/sphere_on_flat/sphere_on_flat.feb",
+    "one_layer.feb": "samples/spheres/one_layer.feb",
+    "hip_dea.xplt": "dea run hip.feb",
+    "own_dea.xplt": "dea run own.feb --times-from own.xplt",
+    "own_series.xplt": "dea run own.feb -o own_series.xplt --times-from own.xplt --interface-stiffness 92",
+    "hip_walking_dea.xplt": "dea run hip_walking.feb",
+    "knee_dea.xplt": "dea run knee.feb --states last",
+    "hip_dea.feb": "dea convert hip.feb",
+    "hip_springs.xplt": "dea run hip.feb -o hip_springs.xplt",  # in its text FEBio with the plugin makes it
+    "articular.xplt": "dea run hip.feb -o articular.xplt --states last",
+    "layer.xplt": "dea run hip.feb -o layer.xplt --states last",
+    "bone.xplt": "dea run hip.feb -o bone.xplt --springs-at bone --states last",
+    "linear.xplt": "dea run hip.feb -o linear.xplt --law linear --states last",
+    # two results of a ball: FEBio's is not in the sources
+    "ball_dea.xplt": "dea run one_layer.feb -o ball_dea.xplt --states last",
+    "ball.xplt": "dea run one_layer.feb -o ball.xplt --law linear --states last",
+    # results in which a surface has different names
+    "a.feb": HIP + " acetabular_articulating->socket", "b.feb": HIP + " acetabular_articulating->acetabulum",
+    "a.xplt": "dea run a.feb -o a.xplt", "b.xplt": "dea run b.feb -o b.xplt --law linear",
+    "walk.csv": "time,fx,fy,fz\n0,30,-20,150\n1,54,-33,229\n",  # % of body weight
+    "gait.sto": "gait\nversion=1\nnRows=2\nnColumns=4\ninDegrees=no\nendheader\n"
+                "time\thip_fx\thip_fy\thip_fz\n0\t240\t-160\t1200\n1\t432\t-262\t1834\n",
+}
+# What stands for a number.
+NUMBERS = {"ball=0,0,F": "ball=0,0,2000", "--interface-stiffness X": "--interface-stiffness 92"}
+# Dividing the hip's springs takes a minute: for dea converge its names are those of a smaller model.
+CONVERGE = {name: "samples/sphere_on_flat/sphere_on_flat.feb" for name in ("hip.feb", "own.feb")}
+# Programs that show what dea has written: here they only look whether it is there.
+VIEWERS = ("xdg-open", "paraview")
+
+
+def split_comment(text):
+    """A command, and what is said beside it after two spaces or more."""
+    command, _, beside = re.sub(r"\s{2,}", "\0", text.strip(), count=1).partition("\0")
+    return command, beside
+
+
+def in_text(path):
+    """(where, command, what is said beside it, lines of output shown below) of a page."""
+    lines, fenced = path.read_text().splitlines(), False
+    for number, line in enumerate(lines, 1):
+        where = f"{path.relative_to(source)}:{number}"
+        if line.startswith("```"):
+            fenced = not fenced
+        elif fenced or line.startswith("    "):
+            if re.match(rf"(\S*/)?dea ({'|'.join(COMMANDS)}|--\w+)\b", line.strip()):
+                shown = []
+                for below in lines[number:]:
+                    if not below.strip().startswith(("note: ", "warning: ")):
+                        break
+                    shown.append(below.strip())
+                yield (where, *split_comment(line), shown)
+        else:
+            for code in re.findall(r"`((?:[^`\s]*/)?dea [^`]+)`", line):
+                if re.search(r"\.(feb|xplt)\b", code):
+                    yield where, code, "", []
+
+
+def in_help(command):
+    text = subprocess.run([dea, *command, "--help"], capture_output=True, text=True, check=True).stdout
+    where = " ".join(["dea", *command, "--help"])
+    examples = text.partition("\nExamples:\n")[2].splitlines()
+    if not examples:
+        faults.append(f"{where}: no examples")
+    for line in examples:
+        yield (where, *split_comment(line), [])
+
+
+def outputs_of(command):
+    return re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--vtu|>) ([^\s-]\S*)", command)
+
+
+def inputs_of(command):
+    words = shlex.split(command.partition(">")[0].partition("&&")[0])
+    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml)$", word)]
+    return sorted(set(found) - set(outputs_of(command)))
+
+
+def bash(folder, command):
+    program = f"shopt -s expand_aliases\nalias dea={shlex.quote(str(dea))}\n"
+    program += "".join(f"{viewer}() {{ test -s \"$1\"; }}\n" for viewer in VIEWERS)
+    return subprocess.run(["bash", "-c", program + re.sub(r"^\S*/dea ", "dea ", command)], cwd=folder,
+                          capture_output=True, text=True, timeout=300)
+
+
+def made(kit, name, command):
+    """The bytes of a file that a command needs; made once."""
+    needed.add(name)
+    recipe = CONVERGE.get(name) if command.startswith("dea converge") else None
+    recipe = recipe or FILES.get(name)
+    if name == "mri.csv":  # a thickness at every node of the hip
+        nodes = re.findall(r'<node id="(\d+)">', (source / HIP).read_text())
+        return "".join(["node,thickness\n"] + [f"{n},1.5\n" for n in nodes]).encode()
+    if recipe is None:
+        raise LookupError(f"needs {name}: say in FILES of tests/examples.py what that is")
+    if "\n" in recipe:
+        return recipe.encode()
+    if not recipe.startswith("dea "):
+        path, _, renamed = recipe.partition(" ")
+        content = (source / path).read_bytes()
+        return content.replace(*renamed.encode().split(b"->")) if renamed else content
+    if recipe not in kit:
+        with tempfile.TemporaryDirectory() as folder:
+            done = execute(kit, pathlib.Path(folder), recipe)
+            if done.returncode != 0:
+                raise LookupError(f"needs {name}: {recipe}: exit code {done.returncode}\n{done.stderr}")
+            kit[recipe] = (pathlib.Path(folder) / name).read_bytes()
+    return kit[recipe]
+
+
+def execute(kit, folder, command):
+    for name in inputs_of(command):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(made(kit, name, command))
+    return bash(folder, command)
+
+
+def fault_of(kit, command, places):
+    """What is wrong with an example, wherever it stands; empty: nothing."""
+    beside, shown = " ".join(place[1] for place in places), [line for place in places for line in place[2]]
+    for placeholder, number in NUMBERS.items():
+        command = command.replace(placeholder, number)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        try:
+            done = execute(kit, folder, command)
+        except (LookupError, subprocess.TimeoutExpired) as fault:
+            return str(fault)
+        if done.returncode != 0:
+            return f"exit code {done.returncode}\n{done.stderr}"
+        said = re.findall(r"[\w./]+\.(?:xplt|feb|png|svg|pdf|html|json|csv)\b", re.sub(r"dea \w+ \S+", "", beside))
+        for name in outputs_of(command) + said:
+            file = folder / name.rstrip(",;")
+            if not (any(file.iterdir()) if file.is_dir() else file.is_file() and file.stat().st_size > 0):
+                return f"{name} is not there afterwards"
+        printed = (done.stdout + done.stderr).splitlines()
+        missing = [line for line in shown if line not in [p.strip() for p in printed]]
+        return f"shown, but not printed: {missing[0]}" if missing else ""
+
+
+def collect():
+    pages = [source / "README.md", *sorted((source / "docs").glob("*.md")), *sorted((source / "samples").rglob("README.md"))]
+    found = [example for page in pages for example in in_text(page)]
+    for command in ((), *((c,) for c in COMMANDS)):
+        found += in_help(command)
+    examples = {}  # the same command in several places is run once
+    for where, command, beside, shown in found:
+        examples.setdefault(re.sub(r"^\S*/dea ", "dea ", command), []).append((where, beside, shown))
+    return examples
+
+
+faults, kit, needed = [], {}, set()
+examples = collect()
+skipped = {command: why for command in examples for word, why in SKIPPED.items() if word in command.split()[:2]}
+to_run = [command for command in examples if command not in skipped]
+for name in sorted({name for command in to_run for name in inputs_of(command)} & FILES.keys()):  # what examples share
+    try:
+        made(kit, name, "")
+    except LookupError:
+        pass  # told by each example that needs it
+
+
+def timed(command):
+    start = time.monotonic()
+    return fault_of(kit, command, examples[command]), time.monotonic() - start
+
+
+with concurrent.futures.ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
+    for command, (fault, seconds) in zip(to_run, pool.map(timed, to_run)):
+        if fault:
+            faults.append(f"{', '.join(place[0] for place in examples[command])}: {command}\n  {fault.strip()}")
+        if "-v" in sys.argv:
+            print(f"{seconds:6.1f} s  {command}")
+faults += [f"FILES of tests/examples.py has {name}, and no example needs it" for name in FILES if name not in needed]
+for command, why in skipped.items():
+    print(f"skipped, {why}: {command}")
+print("\n".join(faults) or f"{len(to_run)} examples, each does what is said of it")
+sys.exit(bool(faults) or len(to_run) < 40)  # fewer: they were not found

@@ -1,0 +1,170 @@
+"""docs/results.md and what the program writes: python3 results_page.py DEA SOURCE.
+
+Runs the program on samples and fails on a key of JSON or a column of CSV that the page lacks, on one that the page names
+and no run writes, and on a null or an empty cell where the page says there is none.
+
+A table of the page belongs to the line "In `FILE` at `PLACE`, `PLACE`; in `FILE`" above it. Its columns JSON and CSV hold
+the names: `_y` stands for the name before it with that ending."""
+import collections
+import csv
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+samples = source / "samples"
+PAGE = "docs/results.md"
+NEVER = "–"  # in the last column of a row
+
+# What joins and loads bodies besides what samples/ligament has: a cable, a joint, a force on nodes. And something that is
+# passed over.
+EXTRAS = """<rigid_ic name="swing" type="initial_rigid_velocity"><rb>femur</rb><value>0,0,1</value></rigid_ic>
+<rigid_load name="muscle" type="rigid_cable"><force>5</force><relative>0</relative>
+<force_direction>0,0,-1</force_direction>
+<rigid_cable_point><rigid_body_id>femur</rigid_body_id><position>0,0,20</position></rigid_cable_point>
+<rigid_cable_point><rigid_body_id>tibia</rigid_body_id><position>0,0,-20</position></rigid_cable_point></rigid_load>
+<rigid_connector name="guide" type="rigid cylindrical joint"><body_a>tibia</body_a><body_b>femur</body_b>
+<joint_origin>0,0,25</joint_origin><joint_axis>0,0,1</joint_axis><transverse_axis>1,0,0</transverse_axis></rigid_connector>
+</Rigid>
+<Loads><nodal_load name="push" type="nodal_force" node_set="pushed"><value>0,0,-1</value></nodal_load></Loads>"""
+
+
+def names(cell):
+    """The code spans of a cell, `_y` written out."""
+    full = []
+    for name in re.findall(r"`([^`]+)`", cell):
+        full.append(full[-1].rpartition("_")[0] + name if name.startswith("_") else name)
+    return full
+
+
+def places(line):
+    """File -> where in it, of a line such as: In `run.json` at `states[]`; in `run.csv`."""
+    found = {}
+    for part in line.split(";"):
+        file, *at = re.findall(r"`([^`]+)`", part)
+        found[file] = at or [""]
+    return found
+
+
+def read_page(text):
+    """File -> key or column -> whether it may be null or empty."""
+    said = collections.defaultdict(dict)
+    lines = text.splitlines()
+    above, heads = {}, None
+    for number, line in enumerate(lines, 1):
+        if re.match(r"In `", line):
+            above = places(line)
+        if not line.startswith("|"):
+            heads = None
+            continue
+        cells = [c.strip() for c in line.strip("|").split("|")]
+        if heads is None:
+            heads = cells
+            continue
+        for file, at in above.items():
+            kind = file.rpartition(".")[2].upper()
+            for name in names(cells[heads.index(kind)]) if kind in heads else []:
+                for place in at:
+                    key = f"{place}.{name}" if place else name
+                    if key in said[file]:
+                        faults.append(f"{PAGE}:{number}: {file}: `{key}` is said twice")
+                    said[file][key] = cells[-1] != NEVER
+    return said
+
+
+def walk(value, key, written):
+    """Key -> whether it was null anywhere. Keys of objects by name are {}; settings are told one by one."""
+    if isinstance(value, dict):
+        by_name = re.fullmatch(r"(states|steps)\[\]\.bodies", key)
+        for name, inner in value.items():
+            at = key + "{}" if by_name else f"{key}.{name}" if key else name
+            if not by_name:
+                written[at] = written.get(at, False) or inner is None
+            if key != "settings":
+                walk(inner, at, written)
+    elif isinstance(value, list):
+        for inner in value:
+            written[key] = written.get(key, False) or inner is None
+            walk(inner, key if isinstance(inner, list) else key + "[]", written)
+
+
+def keys_of(file):
+    written = {}
+    if file.suffix == ".json":
+        walk(json.loads(file.read_text()), "", written)
+        return written
+    rows = list(csv.reader(file.read_text().splitlines()))
+    for i, column in enumerate(rows[0]):
+        name = re.sub(r"_above_[0-9.e+-]+$", "_above_T", column)
+        written[name] = written.get(name, False) or any(row[i] == "" for row in rows[1:])
+    return written
+
+
+def run(folder, line, exits=(0,)):
+    done = subprocess.run([dea] + line.split(), cwd=folder, capture_output=True, text=True)
+    if done.returncode not in exits:
+        raise SystemExit(f"dea {line}: exit code {done.returncode}\n{done.stderr}")
+
+
+def make_models(folder):
+    for model in ("hip/hip_walking", "knee/knee", "plateaus/plateaus", "ligament/ligament", "chain/chain"):
+        name = pathlib.Path(model).name
+        (folder / f"{name}.feb").write_text((samples / f"{model}.feb").read_text())
+    (folder / "febio.xplt").write_bytes((samples / "hip/hip_walking_febio.xplt").read_bytes())
+    text = (samples / "ligament/ligament.feb").read_text()
+    # on a node of the femur, after the mesh's last node
+    femur = re.search(r'<Elements type="[^"]+" name="femur[^"]*">\s*<elem id="\d+">(\d+)', text).group(1)
+    text = text.replace("<DiscreteSet", f'<NodeSet name="pushed">{femur}</NodeSet>\n<DiscreteSet', 1)
+    text = text.replace("</Rigid>", EXTRAS, 1)
+    (folder / "joined.feb").write_text(text)
+    (folder / "refused.feb").write_text(text.replace("</Loads>", '<body_load type="non-const"/></Loads>', 1))
+
+
+def run_all(folder):
+    """File of the page -> the files of that kind that were written."""
+    outputs = "--json {0}.run.json --csv {0}.run.csv --compartments-csv {0}.compartments.csv --facets-csv {0}.facets.csv"
+    for model in ("hip_walking", "knee", "plateaus", "chain", "joined"):
+        run(folder, f"run {model}.feb -q --states last -o {model}.xplt " + outputs.format(model))
+        run(folder, f"info {model}.feb --json {model}.info.json")
+    run(folder, "run plateaus.feb -q --law linear -o all.xplt " + outputs.format("all"))  # from before the first touch
+    run(folder, "info refused.feb --json refused.info.json", (3,))
+    run(folder, "converge ligament.feb -q --target 0.05 --law linear --json a.converge.json")
+    run(folder, "compare hip_walking.xplt febio.xplt -q --profile --dose-above 1 --up 0,0,1 --anterior 0,1,0 "
+                "--regions anterior-superior-posterior --json hip.compare.json --csv hip.compare.csv")
+    run(folder, "compare all.xplt all.xplt -q --dose-above 1 --json all.compare.json --csv all.compare.csv")
+    files = collections.defaultdict(list)
+    for file in sorted(folder.glob("*.*.*")):
+        files[file.name.partition(".")[2]].append(file)
+    return files
+
+
+def compare(said, file, outputs):
+    written = {}
+    for output in outputs:
+        for key, null in keys_of(output).items():
+            written[key] = written.get(key, False) or null
+    inside = {key[:end.start()] for key in said for end in re.finditer(r"(\[\]|\{\})?\.", key)}  # what holds others
+    for key, null in written.items():
+        if key not in said and key not in inside:
+            faults.append(f"{file}: `{key}` is written, and {PAGE} lacks it")
+        elif null and not said.get(key, True):
+            faults.append(f"{file}: `{key}` is null or empty, and {PAGE} says never")
+    for key in said:
+        if key not in written:
+            faults.append(f"{PAGE} names `{key}` of {file}, and no run writes it")
+    return len(written)
+
+
+faults = []
+said = read_page((source / PAGE).read_text())
+with tempfile.TemporaryDirectory() as temporary:
+    folder = pathlib.Path(temporary)
+    make_models(folder)
+    files = run_all(folder)
+    counts = [f"{file} {compare(said.get(file, {}), file, outputs)}" for file, outputs in sorted(files.items())]
+faults += [f"{PAGE} has {file}, and no run writes it" for file in said if file not in files]
+print("\n".join(faults) or "names written, all on the page: " + ", ".join(counts))
+sys.exit(bool(faults))
