@@ -681,15 +681,7 @@ TEST(Loads, TargetStartsFromTheReaction) {
 TEST(Loads, MusclesAndCablesInEquilibrium) {
   JointModel model = test::flat_plates(6, kSize, kThick, 0.0);
   test::fix(model, 2, {true, true, false, true, true, true});
-  RigidAxialForce muscle;
-  muscle.name = "muscle";
-  muscle.material_a = 2;
-  muscle.material_b = 1;
-  muscle.point_a = {0, 0, 10};
-  muscle.point_b = {0, 0, -30};
-  muscle.from_centers = true;  // centres are at the origin here
-  muscle.force = {70, 0};
-  model.rigid_axial_forces.push_back(muscle);
+  test::add_muscle(model, 2, {0, 0, 10}, 1, {0, 0, -30}, 70).from_centers = true;  // which are at the origin here
   RigidCable cable;
   cable.name = "tendon";
   cable.points = {{1, {0, 0, -30}}, {2, {0, 0, 20}}};

@@ -439,15 +439,7 @@ TEST(EquilibriumTest, LigamentAddsToTheLoad) {
   JointModel model = test::flat_plates(6, size, h, 0.0);
   test::fix(model, 2, {true, true, false, true, true, true});
   test::force(model, 2, {0, 0, -F});
-  RigidSpring spring;
-  spring.name = "ligament";
-  spring.material_a = 2;
-  spring.material_b = 1;
-  spring.insertion_a = {0, 0, 10};
-  spring.insertion_b = {0, 0, -20};
-  spring.k = k;
-  spring.free_length = 30 - stretch;
-  model.rigid_springs.push_back(spring);
+  test::add_rigid_spring(model, 2, {0, 0, 10}, 1, {0, 0, -20}, k).free_length = 30 - stretch;
   const StateResult state = last_state(model);
   const double K = confined_modulus(test::kE, test::kNu) * size * size / h;
   const double d = (F + k * stretch) / (K + k);  // K d = F + k (stretch - d)

@@ -136,13 +136,7 @@ TEST(GivenValues, SlackLengthOfACurve) {
 TEST(GivenValues, ForceOfPulls) {
   JointModel model = lifted_plate(0, 2);
   add_spring(model, 60, 40);
-  RigidAxialForce muscle;
-  muscle.name = "muscle";
-  muscle.material_a = 2;
-  muscle.material_b = 1;
-  muscle.point_b = {0, 0, -30};
-  muscle.force = {30, 0};
-  model.rigid_axial_forces.push_back(muscle);
+  test::add_muscle(model, 2, {0, 0, 0}, 1, {0, 0, -30}, 30);
   EXPECT_NEAR(height(model, with("muscle.force", 90)), -90.0 / 60, 1e-9);
   // the ramp of the model's force is that of the user's
   const Analysis ramped = analyse(model, with("muscle.force", 90));
@@ -229,13 +223,7 @@ TEST(GivenValues, TheSameAsInTheModel) {
 TEST(GivenValues, Refusals) {
   JointModel model = lifted_plate(100);
   add_spring(model, 60, 39);
-  RigidAxialForce muscle;
-  muscle.name = "muscle";
-  muscle.material_a = 2;
-  muscle.material_b = 1;
-  muscle.point_b = {0, 0, -30};
-  muscle.force = {-30, 0};  // of a controller that is negative, say
-  model.rigid_axial_forces.push_back(muscle);
+  test::add_muscle(model, 2, {0, 0, 0}, 1, {0, 0, -30}, -30);  // of a controller that is negative, say
   EXPECT_EQ(
       refusal(model, with("acl.stiffness", 80)),
       "set of \"acl.stiffness\" = 80: the model has no spring, axial force, cable or rigid force of this name (did "

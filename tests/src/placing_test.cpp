@@ -82,14 +82,7 @@ TEST(Placing, IsTheModelTurnedByHand) {
 // The model with its bodies placed, as dea convert writes it, is the placed one.
 TEST(Placing, AModelWrittenPlacedIsTheSame) {
   JointModel model = slanted();
-  RigidSpring s;
-  s.name = "ligament";
-  s.material_a = 1;
-  s.material_b = 2;
-  s.insertion_a = {30, 0, 0};
-  s.insertion_b = {10, 0, -5};
-  s.k = 40;  // its length is that of the reference, before anything is placed
-  model.rigid_springs.push_back(s);
+  test::add_rigid_spring(model, 1, {30, 0, 0}, 2, {10, 0, -5}, 40);  // as long as in the reference, before all is placed
   Settings settings;
   settings.placements = {turned("ball", {0, 1, 0}, 12), moved("socket", {0.1, 0, -0.1})};
   const StateResult placed = last_state(model, settings);
