@@ -55,9 +55,7 @@ States wanted_states(const JointModel& model, const Settings& settings, const st
   if (own.empty())
     for (const TimePoint& p : times.times) own.push_back(p.time);
   for (double t : own)
-    if (asked.all || std::any_of(asked.ranges.begin(), asked.ranges.end(),
-                                 [t](const auto& range) { return t >= range[0] && t <= range[1]; }))
-      chosen.push_back(t);
+    if (asked.all || asks_for(asked, t)) chosen.push_back(t);
   if (asked.last) chosen.push_back(*std::max_element(own.begin(), own.end()));
   if (chosen.empty())
     throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {} to {}", option,

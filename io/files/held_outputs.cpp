@@ -46,11 +46,12 @@ fs::path lock_path(const std::string& output) {
   std::error_code error;
   fs::path target = output;
   if (fs::is_symlink(fs::symlink_status(target, error))) target = fs::weakly_canonical(target, error);
+  if (target.empty()) return {};  // a link to what has no name, such as /dev/stdout into a pipe
   const fs::file_status status = fs::status(target, error);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return {};  // /dev/null
   if (!target.has_filename()) target = target.parent_path();                                       // "results/"
   std::string name = target.filename().string();
-  if (name == "." || name == "..") return {};
+  if (name.empty() || name == "." || name == "..") return {};
   name.resize(std::min(name.size(), kLongestName));
   return target.parent_path() / fmt::format(".{}.lock", name);
 }

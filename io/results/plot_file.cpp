@@ -236,13 +236,6 @@ XpltObjectState rigid_body_state(const Pose& pose, const Vector6& reaction) {
   return s;
 }
 
-int body_of_material(const Joint& joint, int material) {
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b)
-    for (int m : joint.bodies[b].materials)
-      if (m == material) return static_cast<int>(b);
-  return -1;
-}
-
 XpltFile empty_file(const JointModel& model) {
   XpltFile file;
   file.software = fmt::format("FEBioDEA {}", kVersion);
@@ -280,7 +273,7 @@ std::vector<double> left_out_facets(const Surface& s, const Layer& layer) {
 void add_rigid_bodies(const std::vector<int>& material_of_domain, const Joint& joint, const Equilibrium& e, std::size_t first,
                       XpltState& state) {
   for (std::size_t d = 0; d < material_of_domain.size(); ++d) {
-    const int b = material_of_domain[d] < 0 ? -1 : body_of_material(joint, material_of_domain[d]);
+    const int b = material_of_domain[d] < 0 ? -1 : joint.body_of(material_of_domain[d]);
     if (b < 0) continue;
     const int region = static_cast<int>(d) + 1;
     state.variables[first].push_back({region, numbers(e.reaction[at(b)].head<3>())});

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -107,12 +108,15 @@ NumberTable read_table(const std::string& path) {
   bool header = table.opensim;
   char separator = ',';
   int number = 0;
+  std::string said_rows;
   for (std::string line; std::getline(in, line);) {
     ++number;
     line = trimmed(line);
     if (header) {
-      const std::string word = lower_case(line);
-      if (word.rfind("indegrees=", 0) == 0) table.degrees = trimmed(word.substr(10)) == "yes";
+      std::string word = lower_case(line);
+      word.erase(std::remove_if(word.begin(), word.end(), [](unsigned char c) { return std::isspace(c); }), word.end());
+      if (word.rfind("indegrees=", 0) == 0) table.degrees = word.substr(10) == "yes";
+      if (word.rfind("nrows=", 0) == 0) said_rows = word.substr(6);
       header = word != "endheader";
       continue;
     }
@@ -129,6 +133,9 @@ NumberTable read_table(const std::string& path) {
   if (header) throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
   if (table.names.empty()) throw table_fault(path, number, "found no line, expected the names of the columns and rows");
   if (table.rows.empty()) throw table_fault(path, number, "found no row, expected at least one below the names of the columns");
+  if (!said_rows.empty() && said_rows != std::to_string(table.rows.size()))
+    throw table_fault(path, number, fmt::format("found {} rows, expected the {} that nRows says: is the file cut off?",
+                                                table.rows.size(), said_rows));
   return table;
 }
 

@@ -1,4 +1,4 @@
-// febiodea/io/tables/table.h – numbers in columns with names: CSV, and OpenSim's .sto and .mot.
+// febiodea/io/tables/number_table.h – numbers in columns with names: CSV, and OpenSim's .sto and .mot.
 #pragma once
 #include <string>
 #include <vector>

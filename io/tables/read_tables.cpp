@@ -136,9 +136,57 @@ std::vector<int> given_columns(const NumberTable& table, const char* setting, co
       throw wrong_setting(setting, names, say("{} has no column {}{};", table.path, febio::quote(name), did_you_mean(name, table.names)),
                   say("it has {}", named_columns(table, name)));
   }
+  for (std::size_t k = 1; k < columns.size(); ++k)
+    if (std::find(columns.begin(), columns.begin() + static_cast<long>(k), columns[k]) != columns.begin() + static_cast<long>(k))
+      throw wrong_setting(setting, names, say("column {} stands twice;", febio::quote(table.names[at(columns[k])])),
+                          "name each once");
   if (columns.size() != 3 && columns.size() != 6)
     throw wrong_setting(setting, names, say("these are {} columns;", columns.size()), "name three, or six");
   return columns;
+}
+
+/// What a column's name says in brackets: "Fx [N]" "n", "mx (N m)" "nm"; empty: nothing.
+std::string unit_in_name(const std::string& name) {
+  const std::size_t open = name.find_first_of("[("), close = name.find_last_of("])");
+  if (open == name.npos || close == name.npos || close < open) return "";
+  std::string unit;
+  for (char c : lower_case(name.substr(open + 1, close - open - 1)))
+    if (std::string(" -*.").find(c) == std::string::npos) unit += c;
+  for (const auto& [word, meant] : std::map<std::string, std::string>{
+           {"degree", "deg"}, {"degrees", "deg"}, {"°", "deg"}, {"radian", "rad"}, {"radians", "rad"}, {"µm", "um"}})
+    if (unit == word) return meant;
+  return unit;
+}
+
+/// Columns whose names say units other than those they are taken in. `expected`: "n", "nm"; empty: nobody knows.
+void refuse_other_units(const NumberTable& table, const std::vector<int>& columns, std::size_t first,
+                        const std::string& expected, const std::vector<std::string>& known, const Sentence& remedy) {
+  for (std::size_t k = first; k < std::min(columns.size(), first + 3) && !expected.empty(); ++k) {
+    const std::string& name = table.names[at(columns[k])];
+    const std::string unit = unit_in_name(name);
+    if (unit == expected || std::find(known.begin(), known.end(), unit) == known.end()) continue;
+    throw InputError(Fault{.place = table.path,
+                           .found = say("column {} is taken in {}, and its name says otherwise;", febio::quote(name), expected),
+                           .expected = remedy});
+  }
+}
+
+const std::vector<std::string> kForceWords = {"n", "kn", "mn", "nn", "%bw", "bw", "%"}, kLengthWords = {"m", "cm", "mm", "um"},
+                               kAngleWords = {"deg", "rad"};
+
+/// "nm", "nmm", ...
+std::vector<std::string> moment_words() {
+  std::vector<std::string> words;
+  for (const std::string& force : kForceWords)
+    for (const std::string& length : kLengthWords) words.push_back(force + length);
+  return words;
+}
+
+/// Before and behind the dash of "N-m", or of the model's system; empty: nobody knows.
+std::array<std::string, 2> units_taken(const std::string& units, const std::string& first, const std::string& length) {
+  const std::size_t dash = units.find('-');
+  if (dash != units.npos) return {lower_case(units.substr(0, dash)), lower_case(units.substr(dash + 1))};
+  return {lower_case(first), lower_case(length)};
 }
 
 /// Rising times of the rows; without a column of times: 1, 2, 3, ...
@@ -177,11 +225,35 @@ std::vector<Vector6> values_of(const NumberTable& table, const std::vector<int>&
 }
 
 void need_body(const char* file_setting, const std::string& file, const char* body_setting, const std::string& body) {
-  if (file.empty() && !body.empty())
-    throw wrong_setting(body_setting, body, "there is no table for it;", say("name its file with {}", NamedSetting{file_setting}));
   if (!file.empty() && body.empty())
     throw wrong_setting(file_setting, file, "no body is named on which its rows act;",
                 say("name it with {}", NamedSetting{body_setting, "", "BODY"}));
+}
+
+/// A table's settings without the table.
+void refuse_idle(const Settings& s) {
+  const auto refuse = [](const char* setting, const std::string& value, const char* file_setting) {
+    if (!value.empty())
+      throw wrong_setting(setting, value, "there is no table for it;",
+                          say("name its file with {}", NamedSetting{file_setting}));
+  };
+  if (s.loads.file.empty() && s.loads.time.empty()) {
+    refuse("load-body", s.loads.body, "loads");
+    refuse("load-columns", s.loads.columns, "loads");
+    refuse("load-units", s.loads.units, "loads");
+    refuse("body-weight", s.loads.body_weight ? fmt::format("{:g}", *s.loads.body_weight) : "", "loads");
+    refuse("load-frame",
+           s.loads.frame.kind == TableFrame::Kind::Global ? ""
+           : s.loads.frame.kind == TableFrame::Kind::Body ? s.loads.frame.body
+                                                          : "three axes",
+           "loads");
+  }
+  if (s.motion.file.empty() && s.motion.time.empty()) {
+    refuse("motion-body", s.motion.body, "motion");
+    refuse("motion-columns", s.motion.columns, "motion");
+    refuse("motion-rotation", s.motion.rotation, "motion");
+    refuse("motion-units", s.motion.units, "motion");
+  }
 }
 
 /// OpenSim's tables have units of their own, so that the model's have to be known.
@@ -215,6 +287,16 @@ std::vector<int> load_columns(const NumberTable& table, const std::string& given
                            .expected = say("name the force's columns, and the moment's, with {}",
                                            NamedSetting{"load-columns", "", "FX,FY,FZ,MX,MY,MZ"})});
   const std::array<int, 3> moment = vector_columns(table, "load-columns", "moment", words("m", "moment", "torque"));
+  const auto owner = [&](int column, const char* end) {  // "hip" of "hip_fx"
+    const std::string name = bare_name(table.names[at(column)]);
+    return ends_in(name, end) ? name.substr(0, name.size() - std::string(end).size()) : std::string();
+  };
+  if (moment[0] >= 0 && !owner(force[0], "_fx").empty() && !owner(moment[0], "_mx").empty() &&
+      owner(force[0], "_fx") != owner(moment[0], "_mx"))
+    throw InputError(Fault{.place = table.path,
+                           .found = say("the force is that of {}, the moment that of {};", owner(force[0], "_fx"),
+                                        owner(moment[0], "_mx")),
+                           .expected = say("name the columns of one load with {}", NamedSetting{"load-columns"})});
   std::vector<int> columns(force.begin(), force.end());
   if (moment[0] >= 0) columns.insert(columns.end(), moment.begin(), moment.end());
   return columns;
@@ -233,6 +315,14 @@ void read_loads(const JointModel& model, const Settings& settings, LoadTable& lo
     scale = scale_of("load-units", units, kForces, "FORCE-LENGTH of N, kN, mN, nN and m, cm, mm, um, such as N-m", system,
                      true);
   const std::vector<int> columns = load_columns(table, loads.columns);
+  const std::array<std::string, 2> taken =
+      units_taken(units, system ? system->force : "", system ? system->length : "");
+  const Sentence remedy = say("say what they are in with {}, or with {}", NamedSetting{"load-units", "", "kN-m"},
+                              NamedSetting{"body-weight", "", "FORCE"});
+  const std::string force_unit = loads.body_weight ? "%bw" : taken[0].empty() ? "?" : taken[0];
+  const std::vector<std::string> of_weight = {"%bw", "bw"};
+  refuse_other_units(table, columns, 0, force_unit, force_unit == "?" ? of_weight : kForceWords, remedy);
+  if (!taken[1].empty()) refuse_other_units(table, columns, 3, force_unit + taken[1], moment_words(), remedy);
   loads.time = times_of(table);
   loads.load = values_of(table, columns);
   const double share = loads.body_weight ? *loads.body_weight / 100.0 : 1.0;
@@ -244,19 +334,24 @@ void read_loads(const JointModel& model, const Settings& settings, LoadTable& lo
   }
   loads.words = fmt::format("{} {}", rows_in_words(table, columns, loads.time),
                             loads.body_weight ? fmt::format("in % of {:g}{}", *loads.body_weight,
-                                                            columns.size() > 3 && !units.empty()
-                                                                ? fmt::format(", moments times length {}", scale.words)
-                                                                : "")
+                                                            columns.size() <= 3 ? ""
+                                                            : units.empty()     ? ", moments times the model's length"
+                                                                : fmt::format(", moments times length {}", scale.words))
                                               : scale.words);
+  const std::vector<int> points = like(table, {"px", "py", "pz"});
+  if (!points.empty())
+    loads.words += fmt::format("; where the force acts ({}) is not read from it", column_names(table, points));
 }
 
 // ---- motion --------------------------------------------------------------------------------------------------------
 
-/// Rotation vector of three angles about the axes of `sequence`, each about the axis that the one before has turned.
+/// Rotation vector of angles about x, y and z, taken in the order of `sequence`, each about the axis that the ones before
+/// have turned.
 Eigen::Vector3d rotation_vector(const std::string& sequence, const Eigen::Vector3d& angles) {
+  const auto turn_about = [&](int axis) { return Eigen::AngleAxisd(angles[axis], Eigen::Vector3d::Unit(axis)); };
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   for (int k = 0; k < 3; ++k)
-    q = q * Eigen::Quaterniond(Eigen::AngleAxisd(angles[k], Eigen::Vector3d::Unit(sequence[at(k)] - 'x')));
+    q = q * Eigen::Quaterniond(turn_about(sequence[at(k)] - 'x'));
   const Eigen::AngleAxisd turn(q);
   return turn.angle() * turn.axis();
 }
@@ -304,6 +399,10 @@ void read_motion(const JointModel& model, const Settings& settings, MotionTable&
   if (!units.empty())
     scale = scale_of("motion-units", units, kAngles, "ANGLE-LENGTH of deg, rad and m, cm, mm, um, such as deg-mm", system,
                      false);
+  const std::array<std::string, 2> taken = units_taken(units, "", system ? system->length : "");
+  const Sentence remedy = say("say what they are in with {}", NamedSetting{"motion-units", "", "deg-m"});
+  refuse_other_units(table, columns, 0, taken[1], kLengthWords, remedy);
+  refuse_other_units(table, columns, 3, taken[0], kAngleWords, remedy);
   motion.time = times_of(table);
   motion.motion = values_of(table, columns);
   for (Vector6& row : motion.motion) {
@@ -380,6 +479,7 @@ void settle_units(JointModel& model, const Settings& settings) {
 
 void read_tables(const JointModel& model, Settings& settings) {
   check_units(model, settings);
+  refuse_idle(settings);
   need_body("loads", settings.loads.file, "load-body", settings.loads.body);
   need_body("motion", settings.motion.file, "motion-body", settings.motion.body);
   if (!settings.loads.file.empty()) read_loads(model, settings, settings.loads);

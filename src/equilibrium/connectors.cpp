@@ -457,12 +457,11 @@ std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint
     const double length = size + c.point.norm();
     for (int k = 0; k < kDofs; ++k) {
       const double gap = std::abs(motion[k] - before[k]);
-      if (c.motion[at(k)] != RigidJoint::Motion::Held || gap <= (k < 3 ? 1e-6 * length : 1e-6)) continue;
+      if (c.motion[at(k)] == RigidJoint::Motion::Free || gap <= (k < 3 ? 1e-6 * length : 1e-6)) continue;
       faults.push_back(make_fault(
           model, c.origin,
-          say("joint \"{}\" holds its two bodies together, and as these are placed they are {:.3g}{} apart {} its axis "
-              "{};",
-              c.name, gap, k < 3 ? "" : " rad", k < 3 ? "along" : "about", k % 3 + 1),
+          say("joint \"{}\" {} its two bodies, and as these are placed they are {:.3g}{} apart {} its axis {};", c.name,
+              c.motion[at(k)] == RigidJoint::Motion::Held ? "holds together" : "says how to move", gap, k < 3 ? "" : " rad", k < 3 ? "along" : "about", k % 3 + 1),
           "place both bodies alike, or only along the motion that the joint leaves free"));
       break;
     }

@@ -80,25 +80,6 @@ Equilibrium to_equilibrium(const Problem& problem, Evaluation e, Outcome outcome
   return result;
 }
 
-/// Where the bodies are that a load case moves; the others where they start.
-std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& start,
-                                   const std::vector<Pose>& step_start) {
-  std::vector<Pose> poses = start;
-  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    const BodyConditions& c = load_case.bodies[b];
-    const Pose begin = load_case.start.empty() ? Pose{joint.bodies[b].center_of_mass} : load_case.start[b];
-    for (int k = 0; k < 3; ++k) {
-      if (c.dofs[at(k)] != DofState::Prescribed) continue;
-      poses[b].center[k] = (c.relative[at(k)] ? step_start[b].center[k] : begin.center[k]) + c.value[k];
-    }
-    const auto prescribed = std::find(c.dofs.begin() + 3, c.dofs.end(), DofState::Prescribed);
-    if (prescribed == c.dofs.end()) continue;
-    const bool relative = c.relative[static_cast<std::size_t>(prescribed - c.dofs.begin())];
-    poses[b].rotation = rotation(c.value.tail<3>()) * (relative ? step_start[b] : begin).rotation;
-  }
-  return poses;
-}
-
 void find_unknowns(Problem& problem) {
   for (int b = 0; b < static_cast<int>(problem.joint.bodies.size()); ++b)
     for (int k = 0; k < kDofs; ++k)

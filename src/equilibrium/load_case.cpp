@@ -360,12 +360,13 @@ void add_given_forces(const Instant& now, LoadCase& c) {
     c.bodies[at(now.joint.find_body(now.model, entry.first))].dead.head<3>() = passed(now, last) * entry.second;
 }
 
-void add_row_loads(const Instant& now, int row, const std::vector<Pose>& poses, LoadCase& c) {
+void add_row_loads(const Instant& now, int row, const std::vector<Pose>& poses, const std::vector<Pose>& step_start,
+                   LoadCase& c) {
   const LoadTable& table = now.settings.loads;
   if (table.time.empty()) return;
   const int b = now.joint.find_body(now.model, table.body);
   BodyConditions& body = c.bodies[at(b)];
-  Vector6 load = table.load[at(row)];
+  const Vector6& load = table.load[at(row)];
   const int frame = table.frame.kind == TableFrame::Kind::Body ? now.joint.find_body(now.model, table.frame.body) : -1;
   if (frame == b) {
     body.follower += load;
@@ -373,14 +374,12 @@ void add_row_loads(const Instant& now, int row, const std::vector<Pose>& poses, 
   }
   Eigen::Matrix3d axes = table.frame.axes;
   if (frame >= 0) {
-    const BodyConditions& other = c.bodies[at(frame)];
-    if (std::count(other.dofs.begin() + 3, other.dofs.end(), DofState::Free) > 0)
+    const auto& dofs = c.bodies[at(frame)].dofs;
+    if (std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0)
       throw UsageError(Fault{.given = NamedSetting{"load-frame", "", table.frame.body},
                              .found = "this body is free to turn, and its axes with it, while balance is sought;",
                              .expected = "name the loaded body, one that is held, or three axes"});
-    const bool given = std::count(other.dofs.begin() + 3, other.dofs.end(), DofState::Prescribed) > 0;
-    const Eigen::Matrix3d start = c.start.empty() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : c.start[at(frame)].rotation;
-    axes = given ? Eigen::Matrix3d(rotation(other.value.tail<3>()) * start) : poses[at(frame)].rotation;
+    axes = prescribed_poses(now.joint, c, poses, step_start)[at(frame)].rotation;
   }
   body.dead.head<3>() += axes * load.head<3>();
   body.dead.tail<3>() += axes * load.tail<3>();
@@ -394,14 +393,17 @@ void set_row_motion(const Instant& now, int row, LoadCase& c) {
   const Vector3d& center = now.joint.bodies[at(b)].center_of_mass;
   const Pose begin = c.start.empty() ? Pose{center} : c.start[at(b)];
   BodyConditions& body = c.bodies[at(b)];
-  body.value = table.motion[at(row)];
-  body.relative = {};
+  const int moved = table.turns ? kDofs : 3;  // of the others the model says what holds
+  for (int k = 0; k < moved; ++k) {
+    body.value[k] = table.motion[at(row)][k];
+    body.relative[at(k)] = false;
+    body.dofs[at(k)] = DofState::Prescribed;
+  }
   const auto about = now.settings.rotate_about.find(table.body);
   if (table.turns && about != now.settings.rotate_about.end()) {
     const Vector3d arm = begin.rotation * (turn_point(now.joint, b, about->second, table.body) - center);
     body.value.head<3>() += arm - rotation(body.value.tail<3>()) * arm;
   }
-  for (int k = 0; k < (table.turns ? 6 : 3); ++k) body.dofs[at(k)] = DofState::Prescribed;
 }
 
 }  // namespace
@@ -415,8 +417,27 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
   return c;
 }
 
+std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& now,
+                                   const std::vector<Pose>& step_start) {
+  std::vector<Pose> poses = now;
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    const BodyConditions& c = load_case.bodies[b];
+    const Pose begin = load_case.start.empty() ? Pose{joint.bodies[b].center_of_mass} : load_case.start[b];
+    for (int k = 0; k < 3; ++k) {
+      if (c.dofs[at(k)] != DofState::Prescribed) continue;
+      poses[b].center[k] = (c.relative[at(k)] ? step_start[b].center[k] : begin.center[k]) + c.value[k];
+    }
+    const auto prescribed = std::find(c.dofs.begin() + 3, c.dofs.end(), DofState::Prescribed);
+    if (prescribed == c.dofs.end()) continue;
+    const bool relative = c.relative[static_cast<std::size_t>(prescribed - c.dofs.begin())];
+    poses[b].rotation = rotation(c.value.tail<3>()) * (relative ? step_start[b] : begin).rotation;
+  }
+  return poses;
+}
+
 LoadCase make_row_case(const JointModel& model, const Joint& joint, const Settings& settings, int row,
-                       const std::vector<Pose>& poses, const std::vector<Vector6>* reaction) {
+                       const std::vector<Pose>& poses, const std::vector<Pose>& step_start,
+                       const std::vector<Vector6>* reaction) {
   const int last = static_cast<int>(model.steps.size()) - 1;
   const Instant now{model, joint, settings, last, step_starts(model).back()};
   Replaced replaced = replaced_by(model, joint, settings);
@@ -428,7 +449,7 @@ LoadCase make_row_case(const JointModel& model, const Joint& joint, const Settin
   set_row_motion(now, row, c);
   refuse_rotations_in_part(model, joint, c);
   add_given_forces(now, c);
-  add_row_loads(now, row, poses, c);
+  add_row_loads(now, row, poses, step_start, c);
   c.time = row_time(settings, at(row));
   return c;
 }

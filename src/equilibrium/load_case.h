@@ -60,12 +60,19 @@ struct LoadCase {
 LoadCase make_load_case(const JointModel& model, const Joint& joint, const Settings& settings, int step, double time,
                         const std::vector<Vector6>* reaction = nullptr);
 
+/// Where the bodies are that a load case moves; the others where they are `now`. `step_start`: when the step began, for
+/// relative motions.
+std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& now,
+                                   const std::vector<Pose>& step_start);
+
 /// A row of settings.loads and settings.motion: conditions at the end of the model's last step, but for what the row says.
 /// Its force and moment replace all that the model puts on that body; its pose takes the place of what the model says of
-/// those dofs. `now`: current poses, for a frame whose body is held where it is. Throws UsageError where that body is
-/// free to turn and not the loaded one: its axes would turn while balance is sought.
+/// those dofs. `now`: current poses, for a frame whose body is held where it is; `step_start`: as in prescribed_poses,
+/// for one that is moved. Throws UsageError where that body is free to turn and not the loaded one: its axes would turn
+/// while balance is sought.
 LoadCase make_row_case(const JointModel& model, const Joint& joint, const Settings& settings, int row,
-                       const std::vector<Pose>& now, const std::vector<Vector6>* reaction = nullptr);
+                       const std::vector<Pose>& now, const std::vector<Pose>& step_start,
+                       const std::vector<Vector6>* reaction = nullptr);
 
 /// Reference coordinates where the force on a body acts by settings.load_at; for sphere-center the fit is returned
 /// too (through the body's articular surface of the first contact that has it).

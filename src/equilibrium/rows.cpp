@@ -11,6 +11,7 @@
 #include <febiodea/equilibrium/equilibrium.h>
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/equilibrium/times.h>
+#include <febiodea/joint/placing.h>
 
 namespace dea {
 
@@ -27,6 +28,10 @@ bool motion_given(const Settings& s) { return !s.motion.time.empty(); }
 }  // namespace
 
 void check_rows(const JointModel& model, const Joint& joint, const Settings& s) {
+  if (s.loads.load.size() != s.loads.time.size() || (loads_given(s) && s.loads.body.empty()))
+    throw wrong_setting("loads", s.loads.file, "its times, rows and body do not go together;", "give all of them");
+  if (s.motion.motion.size() != s.motion.time.size() || (motion_given(s) && s.motion.body.empty()))
+    throw wrong_setting("motion", s.motion.file, "its times, rows and body do not go together;", "give all of them");
   if (loads_given(s)) {
     refuse_ground(joint, model, "load-body", s.loads.body);
     const int body = joint.find_body(model, s.loads.body);
@@ -49,7 +54,8 @@ void check_rows(const JointModel& model, const Joint& joint, const Settings& s) 
                       time_text(b.front()), time_text(b.back()), a.size(), time_text(a.front()), time_text(a.back())),
                   "give both tables the same times");
   }
-  if (row_count(s) > 0) make_row_case(model, joint, s, 0, reference_poses(joint));  // a frame that cannot be followed
+  const std::vector<Pose> start = starting_poses(model, joint, s);
+  if (row_count(s) > 0) make_row_case(model, joint, s, 0, start, start);  // a frame that cannot be followed
 }
 
 std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint, const Settings& s) {
@@ -57,19 +63,23 @@ std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint,
   const char* before = s.skip_steps ? "from the starting poses, without the model's steps"
                                     : "after the model's steps, whose ends are solved on the way";
   if (loads_given(s)) {
-    const LoadCase first = make_row_case(model, joint, s, 0, reference_poses(joint));
+    const std::vector<Pose> begin = starting_poses(model, joint, s);
+    const LoadCase first = make_row_case(model, joint, s, 0, begin, begin);
     const std::size_t b = at(joint.find_body(model, s.loads.body));
     const BodyConditions& body = first.bodies[b];
-    const Eigen::Matrix3d start = first.start.empty() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : first.start[b].rotation;
-    const Vector3d force = body.dead.head<3>() + start * body.follower.head<3>(),
-                   moment = body.dead.tail<3>() + start * body.follower.tail<3>(),
+    const Eigen::Matrix3d turned = prescribed_poses(joint, first, begin, begin)[b].rotation;
+    const Vector3d force = body.dead.head<3>() + turned * body.follower.head<3>(),
+                   moment = body.dead.tail<3>() + turned * body.follower.tail<3>(),
                    point = joint.bodies[b].center_of_mass + body.arm;
     words.push_back(say("loads of {}, on body \"{}\", {}", s.loads.words.empty() ? "a table" : s.loads.words, s.loads.body,
                         before));
     words.push_back(say("its first row in global axes: force ({:.6g}, {:.6g}, {:.6g}), moment ({:.6g}, {:.6g}, {:.6g}), at "
-                        "({:.6g}, {:.6g}, {:.6g}) of the body's reference position{}",
+                        "({:.6g}, {:.6g}, {:.6g}) of the body's reference position{}{}",
                         force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(), point.x(), point.y(),
-                        point.z(), s.load_at.count(s.loads.body) ? "" : ", its centre of mass"));
+                        point.z(), s.load_at.count(s.loads.body) ? "" : ", its centre of mass",
+                        s.loads.frame.kind == TableFrame::Kind::Body
+                            ? fmt::format("; axes of body \"{}\" where it starts", s.loads.frame.body)
+                            : ""));
     int free = 0;
     for (DofState d : body.dofs) free += d == DofState::Free;
     if (free == 0)
@@ -77,12 +87,15 @@ std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint,
                           s.loads.body));
   }
   if (motion_given(s))
-    words.push_back(say("motion of {}, of body \"{}\"{}, {}", s.motion.words.empty() ? "a table" : s.motion.words,
+    words.push_back(say("motion of {}, of body \"{}\"{}{}, {}", s.motion.words.empty() ? "a table" : s.motion.words,
                         s.motion.body,
                         !s.motion.turns ? ", translations alone"
                         : s.motion.rotation == "vector"
                             ? ", rotation vectors"
-                            : fmt::format(", angles in the sequence {}", s.motion.rotation),
+                            : fmt::format(", angles about x, y and z in the order {}", s.motion.rotation),
+                        !s.motion.turns                             ? ""
+                        : s.rotate_about.count(s.motion.body) > 0 ? ", about the point it is turned about"
+                                                                    : ", about its centre of mass",
                         before));
   if (row_count(s) == 0 && s.skip_steps)
     words.push_back(say("the model's steps are not walked through: what holds at time {} starts from the starting poses",

@@ -133,9 +133,10 @@ TableFrame parse_frame(Text text) {
 std::string parse_rotation(Text text) {
   const std::string word = lower_case(text);
   if (word == "vector") return word;
-  const bool axes = word.size() == 3 && word.find_first_not_of("xyz") == word.npos;
-  if (!axes || word[0] == word[1] || word[1] == word[2])
-    throw bad_value(text, "vector, or the axes of three angles in their order, such as zxy", {"vector"});
+  std::string axes = word;
+  std::sort(axes.begin(), axes.end());
+  if (axes != "xyz")
+    throw bad_value(text, "vector, or the order in which the angles about x, y and z are taken, such as zxy", {"vector"});
   return word;
 }
 
@@ -409,7 +410,8 @@ std::vector<SettingOption> table_options() {
        [](S& s, Text, Text text) { s.motion.columns = text; },
        [](const S& s) { return word_or_nothing(s.motion.columns); }},
       {"motion-rotation", nullptr, false, "vector|xyz|zxy|...", nullptr, kTables,
-       "What the three rotations are: a rotation vector, or angles about axes that turn with the body, in this order",
+       "What the three rotations are: a rotation vector, or angles about x, y and z, taken in this order, each about the "
+       "body's axis as the ones before have turned it",
        [](S& s, Text, Text text) { s.motion.rotation = parse_rotation(text); },
        [](const S& s) { return word_or_nothing(s.motion.rotation); }},
       {"motion-units", nullptr, false, "ANGLE-LENGTH", nullptr, kTables,

@@ -51,17 +51,26 @@ void end_state(Walk& walk, const Equilibrium& e, const EquilibriumOptions& optio
     walk.search.patience = std::max(std::min(kLeastPatience, walk.search.patience), walk.search.patience / 3);
 }
 
-/// One state: its loads, its equilibrium. `reference`: the reference configuration is not solved.
-Equilibrium solve_state(const Recognition& recognition, const Prepared& prepared, const TimePoint& when, bool reference,
-                        Walk& walk) {
-  const LoadCase load_case =
-      when.row >= 0 ? make_row_case(recognition.model, prepared.joint, recognition.settings, when.row, walk.start.poses,
-                                    &walk.step_reaction)
-                    : make_load_case(recognition.model, prepared.joint, recognition.settings, when.step, when.time,
-                                     &walk.step_reaction);
+LoadCase load_case_of(const Recognition& recognition, const Prepared& prepared, const TimePoint& when,
+                      const Walk& walk) {
+  return when.row >= 0 ? make_row_case(recognition.model, prepared.joint, recognition.settings, when.row,
+                                       walk.start.poses, walk.start.step_poses, &walk.step_reaction)
+                       : make_load_case(recognition.model, prepared.joint, recognition.settings, when.step, when.time,
+                                        &walk.step_reaction);
+}
+
+/// `reference`: the reference configuration is not solved.
+Equilibrium solve_state(const Prepared& prepared, const LoadCase& load_case, bool reference, Walk& walk) {
   return reference
              ? state_at(prepared.joint, prepared.beds, load_case, walk.start.poses, &walk.memory, walk.search.stop)
              : solve(prepared, load_case, walk.start, walk.search, &walk.memory);
+}
+
+std::vector<char> free_to_turn(const LoadCase& load_case) {
+  std::vector<char> free;
+  for (const BodyConditions& body : load_case.bodies)
+    free.push_back(std::count(body.dofs.begin() + 3, body.dofs.end(), DofState::Free) > 0);
+  return free;
 }
 
 void add_fields(const Recognition& recognition, const Prepared& prepared, const FieldMaps& maps, StateResult& state) {
@@ -89,8 +98,9 @@ void drop_fields(StateResult& state) {
 /// A force given for a body that is not free to move in the last step.
 void note_idle_forces(const Recognition& recognition, const TimePoint& last, Joint& joint) {
   const JointModel& model = recognition.model;
+  const double end = last.row >= 0 ? step_starts(model).back() : last.time;  // a row's time is the table's
   for (const auto& entry : recognition.settings.force) {
-    const LoadCase load_case = make_load_case(model, joint, recognition.settings, last.step, last.time);
+    const LoadCase load_case = make_load_case(model, joint, recognition.settings, last.step, end);
     const auto& dofs = load_case.bodies[at(joint.find_body(model, entry.first))].dofs;
     if (std::count(dofs.begin(), dofs.begin() + 3, DofState::Free) == 0)
       joint.findings.push_back(say("{}: the body is not free to move in the last step; the force has no effect",
@@ -156,6 +166,7 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options)
     };
   }
   activity.count = times.size();
+  analysis.start = walk.start.poses;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i].step != walk.step) begin_step(walk, times[i].step, options.equilibrium);
     activity.index = i;
@@ -164,12 +175,14 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& options)
     StateResult state;
     state.when = times[i];
     const bool reference = i == 0 && times[i].time <= 0.0 && times[i].row < 0;
-    state.equilibrium = solve_state(recognition, prepared, times[i], reference, walk);
+    const LoadCase load_case = load_case_of(recognition, prepared, times[i], walk);
+    state.equilibrium = solve_state(prepared, load_case, reference, walk);
     end_state(walk, state.equilibrium, options.equilibrium);
     refuse_zero_thickness(model, joint, prepared.beds, state.equilibrium);
     end_if_stopped(options.equilibrium.stop);
     const bool keep = options.keep_state.empty() || options.keep_state[i];
     if (keep) add_fields(recognition, prepared, maps, state);
+    if (keep) analysis.free_to_turn = free_to_turn(load_case);
     if (options.progress) options.progress(state, i, times.size());
     state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported
     if (!keep) continue;

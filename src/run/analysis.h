@@ -28,6 +28,8 @@ struct Analysis {
   SpringBeds beds;  ///< that were used, for whoever looks at more poses
   FieldMaps maps;
   std::vector<StateResult> states;  ///< those that were kept, in order of time
+  std::vector<Pose> start;          ///< per body: where it began
+  std::vector<char> free_to_turn;   ///< per body: about some axis, in the last state that was kept
   double seconds_joint = 0.0;       ///< recognition and springs
   double seconds_solve = 0.0;       ///< equilibria and fields
 };

@@ -42,12 +42,14 @@ States only_needed(const JointModel& model, const States& all, double end) {
   return needed;
 }
 
-bool within(double t, const std::array<double, 2>& range) {
-  const double rounding = 1e-9 * std::max(std::abs(range[0]), std::abs(range[1]));
-  return t >= range[0] - rounding && t <= range[1] + rounding;
-}
-
 }  // namespace
+
+bool asks_for(const StatesAsked& asked, double t) {
+  return std::any_of(asked.ranges.begin(), asked.ranges.end(), [t](const std::array<double, 2>& range) {
+    const double rounding = 1e-9 * std::max(std::abs(range[0]), std::abs(range[1]));
+    return t >= range[0] - rounding && t <= range[1] + rounding;
+  });
+}
 
 StatesAsked parse_states(const std::string& text) {
   const char* expected = "all, last, times t1,t2,... or ranges t1:t2";
@@ -79,7 +81,14 @@ States row_states(const JointModel& model, const Settings& settings, const State
   const int last = static_cast<int>(model.steps.size()) - 1;
   const double end = step_starts(model).back();
   const std::size_t rows = row_count(settings);
-  if (rows == 0) return all_states({{end, last}});
+  if (rows == 0) {
+    const bool by_time = std::any_of(asked.times.begin(), asked.times.end(),
+                                     [&](double t) { return same_in_single_precision(t, end, end); });
+    if (!asked.all && !asked.last && !by_time && !asks_for(asked, end))
+      throw UsageError(fmt::format("{}: found no time {}, expected it: without the model's steps it is the only state",
+                                   option, time_text(end)));
+    return all_states({{end, last}});
+  }
   if (!settings.skip_steps) {
     states.times = place_times(model, step_starts(model));
     states.wanted.assign(states.times.size(), 0);
@@ -99,8 +108,7 @@ States row_states(const JointModel& model, const Settings& settings, const State
                                    time_text(t), time_text(row_time(settings, 0)),
                                    time_text(row_time(settings, rows - 1))));
   }
-  for (std::size_t r = 0; r < rows; ++r)
-    for (const auto& range : asked.ranges) wanted[r] = wanted[r] || within(row_time(settings, r), range);
+  for (std::size_t r = 0; r < rows; ++r) wanted[r] = wanted[r] || asks_for(asked, row_time(settings, r));
   if (std::count(wanted.begin(), wanted.end(), 1) == 0)
     throw UsageError(fmt::format("{}: found no row of the table in this range, expected times from {} to {}", option,
                                  time_text(row_time(settings, 0)), time_text(row_time(settings, rows - 1))));

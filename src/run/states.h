@@ -24,6 +24,8 @@ struct StatesAsked {
   std::vector<std::array<double, 2>> ranges;  ///< from, to; both belong to it
   bool operator==(const StatesAsked&) const = default;
 };
+/// Does a range hold this time?
+bool asks_for(const StatesAsked& asked, double t);
 /// "all", or some of "last", "0.5", "0.2:0.8", separated by commas; "": all. Throws BadValue.
 StatesAsked parse_states(const std::string& text);
 

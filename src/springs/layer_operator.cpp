@@ -83,6 +83,7 @@ std::vector<double> smeared_thickness(const SurfaceMesh& mesh, const std::vector
   Eigen::SparseMatrix<double> matrix(right.size(), right.size());
   matrix.setFromTriplets(entries.begin(), entries.end());
   const Eigen::VectorXd smeared = solve_positive_definite(matrix, right);
+  if (smeared.size() != right.size()) return t;  // beyond what numbers can hold
   const auto [least, most] = std::minmax_element(t.begin(), t.end());
   std::vector<double> out(t.size());
   for (std::size_t v = 0; v < t.size(); ++v) out[v] = std::clamp(smeared[static_cast<Eigen::Index>(v)], *least, *most);

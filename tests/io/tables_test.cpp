@@ -10,6 +10,8 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/tables/number_table.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/model/settings_table.h>
 
 namespace dea {
 namespace {
@@ -87,6 +89,107 @@ TEST(Tables, MotionByAnglesAndByVectors) {
   const Eigen::Vector3d w = settings.motion.motion[1].tail<3>();
   EXPECT_LT((w - 2 * kPi / 3 * Eigen::Vector3d(1, -1, 1).normalized()).norm(), 1e-12);
   EXPECT_EQ(settings.motion.time, (std::vector<double>{1, 2}));  // numbered: no column of times
+}
+
+// Columns are angles about x, y, z; the sequence says in which order they are taken.
+TEST(Tables, AnglesAreAboutTheAxesTheyAreNamedFor) {
+  JointModel model;
+  model.units = "mm-N-s";
+  Settings settings;
+  settings.motion.file = file("pose.csv", "tx,ty,tz,rx,ry,rz\n0,0,0,10,0,0\n0,0,0,90,0,90\n");
+  settings.motion.body = "femur";
+  settings.motion.rotation = "zxy";
+  settings.motion.units = "deg-mm";
+  read_tables(model, settings);
+  EXPECT_LT((settings.motion.motion[0].tail<3>() - Eigen::Vector3d(kPi / 18, 0, 0)).norm(), 1e-12);
+  // 90 degrees about z, then about the x that has turned: 120 degrees about (1, 1, 1)
+  const Eigen::Vector3d w = settings.motion.motion[1].tail<3>();
+  EXPECT_LT((w - 2 * kPi / 3 * Eigen::Vector3d(1, 1, 1).normalized()).norm(), 1e-12);
+  for (const char* word : {"zxz", "xx", "abc", "zxyz"})
+    EXPECT_THROW(find_setting_option("motion-rotation")->set(settings, "", word), BadValue) << word;
+}
+
+TEST(Tables, DegreesMayBeWrittenWithSpaces) {
+  for (const char* line : {"inDegrees=yes", "inDegrees = yes", "InDegrees =Yes"}) {
+    Settings settings;
+    settings.motion.file = file("p.mot", std::string(line) + "\nendheader\ntime\ttx\tty\ttz\trx\try\trz\n0\t0\t0\t0\t90\t0\t0\n");
+    settings.motion.body = "femur";
+    settings.motion.rotation = "xyz";
+    JointModel model;
+    model.units = "mm-N-s";
+    read_tables(model, settings);
+    EXPECT_NEAR(settings.motion.motion[0][3], kPi / 2, 1e-12) << line;
+  }
+}
+
+TEST(Tables, SettingsOfATableWithoutItAreRefused) {
+  const auto refused = [](const char* option, const char* value) {
+    Settings settings;
+    find_setting_option(option)->set(settings, "", value);
+    EXPECT_THROW(read_tables({}, settings), UsageError) << option;
+  };
+  for (const char* option : {"load-body", "load-columns", "load-units", "load-frame", "motion-body", "motion-columns",
+                             "motion-units"})
+    refused(option, "a");
+  refused("load-frame", "1,0,0/0,1,0/0,0,1");
+  refused("body-weight", "800");
+  refused("motion-rotation", "xyz");
+}
+
+TEST(Tables, MomentsInPercentOfBodyWeightSayTheirLength) {
+  Settings settings;
+  settings.loads.file = file("bw.csv", "cycle,fx,fy,fz,mx,my,mz\n0,100,0,250,1,0,0\n");
+  settings.loads.body = "femur";
+  settings.loads.body_weight = 800;
+  read_tables({}, settings);
+  EXPECT_EQ(settings.loads.load[0][3], 8.0);
+  EXPECT_NE(settings.loads.words.find("moments times the model's length"), std::string::npos);
+}
+
+// What a column's name says in brackets is what it is taken in, or it is refused.
+TEST(Tables, UnitsInNamesOfColumnsMustBeThoseTaken) {
+  const auto with = [](const std::string& names, const std::string& units, const std::string& model_units) {
+    std::string row = "0";
+    for (char c : names) row += c == ',' ? ",1" : "";
+    try {
+      loads_of(file("u.csv", "time," + names + "\n" + row + ",1\n"), units, model_units);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(with("fx [N],fy [N],fz [N]", "", "mm-N-s"), "");
+  EXPECT_EQ(with("fx [N],fy [N],fz [N]", "", ""), "");  // nobody knows the model's
+  EXPECT_EQ(with("fx [kN],fy [kN],fz [kN]", "kN-m", "mm-N-s"), "");
+  EXPECT_EQ(with("fx (N),fy (N),fz (N),mx (N mm),my (N mm),mz (N mm)", "", "mm-N-s"), "");
+  EXPECT_NE(with("fx [kN],fy [kN],fz [kN]", "", "mm-N-s").find("column \"fx [kN]\" is taken in n"), std::string::npos);
+  EXPECT_NE(with("fx [%BW],fy [%BW],fz [%BW]", "", "mm-N-s"), "");
+  EXPECT_NE(with("fx [%BW],fy [%BW],fz [%BW]", "", ""), "");
+  EXPECT_NE(with("fx [N],fy [N],fz [N],mx [N m],my [N m],mz [N m]", "", "mm-N-s"), "");
+  EXPECT_EQ(with("fx [N],fy [N],fz [N],mx [N m],my [N m],mz [N m]", "N-m", "mm-N-s"), "");
+
+  Settings settings;
+  settings.motion.file = file("m.csv", "tx [mm],ty [mm],tz [mm],rx [rad],ry [rad],rz [rad]\n0,0,0,0,0,0.1\n");
+  settings.motion.body = "femur";
+  settings.motion.rotation = "xyz";
+  settings.motion.units = "deg-mm";
+  EXPECT_THROW(read_tables({}, settings), InputError);
+  settings.motion.units = "rad-mm";
+  EXPECT_NO_THROW(read_tables({}, settings));
+}
+
+TEST(Tables, OneLoadsColumnsAndWholeFiles) {
+  const std::string names = "time,hip_fx,hip_fy,hip_fz,knee_mx,knee_my,knee_mz\n0,1,2,3,4,5,6\n";
+  EXPECT_NE(refusal(file("a.csv", names)).find("the force is that of hip, the moment that of knee"), std::string::npos);
+  EXPECT_NE(refusal(file("a.sto", "nRows=5\nendheader\ntime\tfx\tfy\tfz\n0\t1\t2\t3\n")).find("found 1 rows, expected the 5"),
+            std::string::npos);
+  const Settings s = loads_of(file("p.csv", "time,fx,fy,fz,px,py,pz\n0,1,2,3,4,5,6\n"));
+  EXPECT_NE(s.loads.words.find("where the force acts (px, py, pz) is not read from it"), std::string::npos);
+  Settings twice;
+  twice.loads.file = file("a.csv", "time,fx,fy,fz\n0,1,2,3\n");
+  twice.loads.body = "femur";
+  twice.loads.columns = "fx,fx,fz";
+  EXPECT_THROW(read_tables({}, twice), UsageError);
 }
 
 TEST(Tables, RefusedWithTheirLine) {

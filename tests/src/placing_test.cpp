@@ -293,6 +293,79 @@ TEST(Rows, MotionIsAPrescribedPose) {
   EXPECT_LT((pose.center + pose.rotation * point - (point + Vector3d(0.05, 0, -0.4))).norm(), 1e-12);
 }
 
+// A table of translations leaves the rotation that the model prescribes as it is.
+TEST(Rows, TranslationsAloneLeaveTheModelsRotation) {
+  JointModel model = test::flat_plates(6, 10, 2, 0.5);
+  test::fix(model, 2, {false, false, false, false, true, true});
+  test::prescribe(model, 2, 3, 0.03);
+  Settings table;
+  table.motion.body = "plate";
+  table.motion.time = {0.0};
+  table.motion.motion = {six({0.05, 0, -0.1})};
+  const Pose pose = last_state(model, table).equilibrium.poses[1];
+  EXPECT_LT((pose.rotation - rotation(Vector3d(0.03, 0, 0))).norm(), 1e-14);
+  EXPECT_LT((pose.center - Vector3d(0.05, 0, -0.1)).norm(), 1e-14);
+}
+
+/// The socket of slanted(), turned by 0.2 rad about x in the first step and by another 0.1, relative, in the second.
+JointModel turned_in_two_steps() {
+  JointModel model = slanted();
+  model.rigid_fixed.erase(model.rigid_fixed.begin());  // the socket's
+  test::fix(model, 1, {true, true, true, false, true, true});
+  model.steps.push_back(model.steps[0]);
+  model.controllers[0].points = {{0, 0}, {1, 1}, {2, 1}};
+  for (int step = 0; step < 2; ++step) {
+    test::prescribe(model, 1, 3, step == 0 ? 0.2 : 0.1);
+    model.rigid_prescribed.back().step = step;
+    model.rigid_prescribed.back().relative = step == 1;
+  }
+  return model;
+}
+
+// The axes of a body that is moved relative to its pose at the start of the step: 0.3 rad about x.
+TEST(Rows, AFrameTurnsWithABodyThatIsMovedRelatively) {
+  const JointModel model = turned_in_two_steps();
+  const Vector3d load(300, -150, 1500);
+  Settings frame = rows({six(load)}), axes = frame;
+  frame.loads.frame.kind = TableFrame::Kind::Body;
+  frame.loads.frame.body = "socket";
+  axes.loads.frame.kind = TableFrame::Kind::Axes;
+  axes.loads.frame.axes = rotation(Vector3d(0.3, 0, 0));
+  const StateResult a = last_state(model, frame);
+  ASSERT_LT((a.equilibrium.poses[0].rotation - rotation(Vector3d(0.3, 0, 0))).norm(), 1e-12);
+  expect_same(a, last_state(model, axes), 1e-9);
+}
+
+// What is printed of the first row: the axes of a body that is held where it was placed are turned with it.
+TEST(Rows, FirstRowIsToldInGlobalAxes) {
+  Settings settings = rows({six({100, 0, 0})});
+  settings.loads.frame.kind = TableFrame::Kind::Body;
+  settings.loads.frame.body = "socket";
+  settings.placements = {turned("socket", {0, 1, 0}, 90)};
+  settings.rotate_about["socket"] = {TurnPoint::Kind::CenterOfMass};
+  std::string text;
+  for (const Sentence& finding : recognise(slanted(), settings).joint.findings) text += finding.text + "\n";
+  EXPECT_NE(text.find(", -100), moment"), std::string::npos) << text;
+}
+
+TEST(Rows, AnalysisKnowsWhereBodiesStartAndWhichMayTurn) {
+  Settings settings;
+  settings.placements = {turned("socket", {0, 0, 1}, 90)};
+  settings.rotate_about["socket"] = {TurnPoint::Kind::CenterOfMass};
+  const Analysis a = solved_with(slanted(), settings);
+  EXPECT_LT((a.start[0].rotation - turn({0, 0, 1}, 90)).norm(), 1e-14);
+  EXPECT_EQ(a.free_to_turn, (std::vector<char>{0, 0, 0}));  // the ball is free to move, not to turn
+}
+
+TEST(Rows, RefuseTablesInPart) {
+  Settings settings = rows({six({0, 0, 800}), six({0, 0, 900})});
+  settings.loads.load.pop_back();
+  EXPECT_THROW(recognise(slanted(), settings), UsageError);
+  settings = rows({six({0, 0, 800})});
+  settings.loads.body.clear();
+  EXPECT_THROW(recognise(slanted(), settings), UsageError);
+}
+
 TEST(Rows, RefuseWhatDoesNotFit) {
   const JointModel model = slanted();
   Settings settings = rows({six({0, 0, 800})});
@@ -316,6 +389,22 @@ TEST(States, AreParsed) {
   EXPECT_TRUE(parse_states("all").all);
   EXPECT_THROW(parse_states("some"), BadValue);
   EXPECT_THROW(parse_states("2:1"), BadValue);
+}
+
+TEST(States, ARangeHoldsItsEnds) {
+  const StatesAsked asked = parse_states("0.1:0.3");
+  EXPECT_TRUE(asks_for(asked, 6 * 0.05));  // 0.30000000000000004
+  EXPECT_TRUE(asks_for(asked, 0.1));
+  EXPECT_FALSE(asks_for(asked, 0.31));
+}
+
+TEST(States, WithoutStepsThereIsOneAndNoOther) {
+  Settings settings;
+  settings.skip_steps = true;
+  for (const char* asked : {"all", "last", "1", "0.5:1"})
+    EXPECT_EQ(row_states(slanted(), settings, parse_states(asked), "--states").times.size(), 1u) << asked;
+  EXPECT_THROW(row_states(slanted(), settings, parse_states("0.5"), "--states 0.5"), UsageError);
+  EXPECT_THROW(row_states(slanted(), settings, parse_states("0:0.5"), "--states 0:0.5"), UsageError);
 }
 
 // Of a table only what is asked for is solved, after the ends of the model's steps.

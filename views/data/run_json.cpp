@@ -164,6 +164,11 @@ Json settings_json(const Settings& settings) {
     if (name == "rigid") add("keep-facets");  // where it stands in dea.run/1
   }
   for (const std::string& name : last) add(name);
+  j["placements"] = Json::array();  // rotate and move, as they act one after the other
+  for (const Placement& p : settings.placements)
+    j["placements"].push_back(fmt::format("{} {}={},{},{}{}", p.kind == Placement::Kind::Rotate ? "rotate" : "move",
+                                          p.body, p.vector.x(), p.vector.y(), p.vector.z(),
+                                          p.kind == Placement::Kind::Rotate ? fmt::format(",{}", p.degrees) : ""));
   return j;
 }
 

@@ -232,12 +232,14 @@ void add_held_motions(const Analysis& analysis, Lines& lines) {
 }
 
 /// Bodies that have turned far although nobody wants them to.
-void add_large_turns(const JointModel& model, const Joint& joint, const Equilibrium& e, const Wording& wording,
-                     Lines& lines) {
+void add_large_turns(const JointModel& model, const Analysis& analysis, const Wording& wording, Lines& lines) {
+  const Joint& joint = analysis.joint;
+  const Equilibrium& e = analysis.states.back().equilibrium;
   if (!solved(e.outcome) || e.outcome == Outcome::Prescribed) return;
   const double prescribed = prescribed_turn(model, joint, e);
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    const Eigen::AngleAxisd turn(e.poses[b].rotation);
+    if (!analysis.free_to_turn[b]) continue;
+    const Eigen::AngleAxisd turn(e.poses[b].rotation * analysis.start[b].rotation.transpose());
     const double degrees = turn.angle() * kDegreesPerRadian;
     if (degrees > 20.0 + prescribed)
       add_once(
@@ -430,7 +432,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Analysis&
   add_held_motions(analysis, lines);
   const Joint& joint = analysis.joint;
   const StateResult& last = analysis.states.back();  // stands for all: turns and factors change slowly
-  add_large_turns(model, joint, last.equilibrium, wording, lines);
+  add_large_turns(model, analysis, wording, lines);
   add_no_contact(analysis, wording, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     if (parted(analysis.joint, last)) continue;
