@@ -333,6 +333,19 @@ TEST(SamplesPlateaus, CompartmentsShareTheLoadAsALever) {
   }
 }
 
+// A femur put down on one plateau alone rolls over it until the other carries its share: on the way it stands on a ball
+// beside which the load acts, which is no stable balance.
+TEST(SamplesPlateaus, AFemurThatStandsOnOneCondyleComesDownOnBoth) {
+  for (const double degrees : {0.8, 1.0, 2.0, -1.0, -2.0}) {
+    Settings settings;
+    settings.placements = {{Placement::Kind::Rotate, "femur", {0, 1, 0}, degrees}};
+    settings.rotate_about["femur"] = {TurnPoint::Kind::CenterOfMass};
+    const StateResult state = analyse(sample("plateaus/plateaus.feb"), settings).states.back();
+    ASSERT_EQ(state.equilibrium.outcome, Outcome::Balanced) << degrees << state.equilibrium.message;
+    EXPECT_NEAR(state.statistics[0].compartments[0].force.z(), 500.0 * 26 / 44, 0.005) << degrees;
+  }
+}
+
 TEST(SamplesPlateaus, Program) {
   const Json j = run_sample("plateaus/plateaus.feb", {"--compartments-csv", "c.csv"});
   expect_same(j["states"].back(), last_state(sample("plateaus/plateaus.feb"), {}));

@@ -62,11 +62,11 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
       to_stdout = &outputs[i];
       continue;
     }
-    if (outputs[i].option != "-o" && !outputs[i].folder && extension_of(outputs[i].path) == ".feb")
-      throw UsageError(fmt::format("{} {}: is a model's name, expected another", outputs[i].option, outputs[i].path));
     for (const NamedPath& input : inputs)
       if (same_file(outputs[i].path, input.path))
         throw UsageError(fmt::format("{} {}: would overwrite {}", outputs[i].option, outputs[i].path, input.option));
+    if (outputs[i].option != "-o" && !outputs[i].folder && extension_of(outputs[i].path) == ".feb")
+      throw UsageError(fmt::format("{} {}: is a model's name, expected another", outputs[i].option, outputs[i].path));
     for (std::size_t k = 0; k < i; ++k)
       if (outputs[k].path != "-" && same_file(outputs[i].path, outputs[k].path))
         throw UsageError(

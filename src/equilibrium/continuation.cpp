@@ -86,6 +86,18 @@ void explain(const Problem& problem, const std::vector<Pose>& started, Solution&
   }
 }
 
+/// Newton's steps seek a balance that is unstable as well, as of a body on one of the two contacts that are to carry it,
+/// and go against the load then. The same search along the load.
+std::optional<Solution> followed(Problem& problem, const std::vector<Pose>& poses, const EquilibriumOptions& options,
+                                 int iterations) {
+  problem.downhill = true;
+  Solution found = newton(problem, evaluate(problem, poses), options);
+  problem.downhill = false;
+  if (!solved(found.outcome)) return std::nullopt;
+  found.iterations += iterations;
+  return found;
+}
+
 }  // namespace
 
 Solution search_from(Problem& problem, const std::vector<Pose>& start, const EquilibriumOptions& options) {
@@ -115,7 +127,10 @@ Solution search_from(Problem& problem, const std::vector<Pose>& start, const Equ
       return direct;
     }
   }
-  if (no_equilibrium && beyond_limit(direct.at) == 0) return direct;
+  if (no_equilibrium && beyond_limit(direct.at) == 0) {
+    std::optional<Solution> found = followed(problem, poses, options, direct.iterations);
+    return found ? std::move(*found) : std::move(direct);
+  }
   int iterations = direct.iterations;
   if (std::optional<Solution> released = release(problem, std::move(from), options, iterations))
     return std::move(*released);

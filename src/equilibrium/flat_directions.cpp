@@ -111,13 +111,20 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
   return s;
 }
 
-/// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness.
-void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, Directions& d) {
+/// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness. `downhill`:
+/// along those of negative stiffness the load is followed, where Newton's step would go against it.
+void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, bool downhill,
+                 Directions& d) {
   if (stiff.cols() == 0) return;
   d.newton = stiff * solve_least_norm(test.transpose() * K * stiff, test.transpose() * r);
   const MatrixXd projected = stiff.transpose() * K * stiff;
-  const MatrixXd symmetric = 0.5 * (projected + projected.transpose());
-  d.least_stiffness = symmetric_eigenvalues(symmetric)[0];
+  const Eigenvalues parts = symmetric_eigen(0.5 * (projected + projected.transpose()));
+  d.least_stiffness = parts.values[0];
+  for (Eigen::Index k = 0; downhill && k < parts.values.size() && parts.values[k] < 0; ++k) {
+    const VectorXd unstable = stiff * parts.vectors.col(k);
+    d.newton -= unstable * unstable.dot(d.newton);
+    d.drift += unstable * unstable.dot(r);
+  }
 }
 
 }  // namespace
@@ -155,7 +162,7 @@ Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, co
     if (d.drift.squaredNorm() == 0.0) d.residual -= d.left_unbalanced * (d.left_unbalanced.transpose() * r);
   }
   if (dense) {
-    solve_stiff(K, split.stiff, asked, r, d);
+    solve_stiff(K, split.stiff, asked, r, problem.downhill, d);
   } else {
     d.newton = bordered_step(K, d.left_unbalanced, split.flat, r);
     d.least_stiffness = least_symmetric_eigenvalue(K, split.flat, kDenseUnknowns);

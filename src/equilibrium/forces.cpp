@@ -19,7 +19,7 @@ constexpr double kRateTolerance = 1e-4;  // the derivative only directs the next
 Problem make_problem(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
                      std::vector<PressMemory>& memory) {
   memory.resize(beds.beds.size());
-  Problem problem{joint, beds, load_case, {}, {}, {}, memory, 0, kPressureTolerance, {}, {}, {}, nullptr};
+  Problem problem{joint, beds, load_case, {}, {}, {}, memory, 0, kPressureTolerance, false, {}, {}, {}, nullptr};
   problem.offset = VectorXd::Zero(6 * static_cast<Eigen::Index>(joint.bodies.size()));
   return problem;
 }
