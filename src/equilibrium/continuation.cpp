@@ -87,9 +87,10 @@ void explain(const Problem& problem, const std::vector<Pose>& started, Solution&
 }
 
 /// Newton's steps seek a balance that is unstable as well, as of a body on one of the two contacts that are to carry it,
-/// and go against the load then. The same search along the load.
-std::optional<Solution> followed(Problem& problem, const std::vector<Pose>& poses, const EquilibriumOptions& options,
+/// and go against the load then. The same search along the load, with half of the patience: most have no balance.
+std::optional<Solution> followed(Problem& problem, const std::vector<Pose>& poses, EquilibriumOptions options,
                                  int iterations) {
+  options.patience = options.patience / 2;
   problem.downhill = true;
   Solution found = newton(problem, evaluate(problem, poses), options);
   problem.downhill = false;
