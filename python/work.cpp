@@ -1,5 +1,8 @@
 #include <febiodea/python/work.h>
 
+#include <unistd.h>
+
+#include <atomic>
 #include <chrono>
 #include <set>
 #include <thread>
@@ -12,31 +15,61 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLook{50};      // between looks for Ctrl-C
 constexpr milliseconds kGrace{500};    // for work that was told to end
 
-/// Never destroyed: threads may outlive this library's statics.
-struct AllWork {
+/// A thread that does one piece of work after the other. Threads are used again, for libraries below keep something for
+/// each that ever was.
+struct Worker {
+  std::mutex mutex;
+  std::condition_variable given;
+  std::function<void()> job;
+};
+
+/// All workers of this process. Never destroyed: threads may outlive this library's statics.
+struct Workshop {
+  pid_t process = ::getpid();
   std::mutex mutex;
   std::condition_variable changed;
+  std::vector<std::shared_ptr<Worker>> idle;
   std::set<std::shared_ptr<Work>> under_way;
 };
-AllWork& all_work() {
-  static AllWork* const all = new AllWork;
-  return *all;
+
+/// A process that was forked has none of its parent's threads: it gets a workshop of its own.
+Workshop& workshop() {
+  static std::atomic<Workshop*> current = new Workshop;
+  Workshop* shop = current.load();
+  if (shop->process == ::getpid()) return *shop;
+  Workshop* own = new Workshop;
+  if (current.compare_exchange_strong(shop, own)) return *own;
+  delete own;
+  return *current.load();
 }
 
-void begin_work(const std::shared_ptr<Work>& work) {
-  AllWork& all = all_work();
-  const std::lock_guard<std::mutex> lock(all.mutex);
-  all.under_way.insert(work);
+void work_for_ever(const std::shared_ptr<Worker>& worker) {
+  for (;;) {
+    std::unique_lock<std::mutex> lock(worker->mutex);
+    worker->given.wait(lock, [&] { return worker->job != nullptr; });
+    const std::function<void()> job = std::move(worker->job);
+    worker->job = nullptr;
+    lock.unlock();
+    job();
+  }
 }
 
-void end_work(const std::shared_ptr<Work>& work) {
-  AllWork& all = all_work();
-  const std::lock_guard<std::mutex> lock(all.mutex);
-  all.under_way.erase(work);
-  all.changed.notify_all();
+std::shared_ptr<Worker> idle_worker(Workshop& shop) {
+  {
+    const std::lock_guard<std::mutex> lock(shop.mutex);
+    if (!shop.idle.empty()) {
+      std::shared_ptr<Worker> worker = std::move(shop.idle.back());
+      shop.idle.pop_back();
+      return worker;
+    }
+  }
+  auto worker = std::make_shared<Worker>();
+  std::thread(work_for_ever, worker).detach();
+  return worker;
 }
 
-void do_work(const std::shared_ptr<Work>& work, std::function<void(Work&)> job) {
+void do_work(Workshop& shop, const std::shared_ptr<Worker>& worker, const std::shared_ptr<Work>& work,
+             std::function<void(Work&)>& job) {
   std::exception_ptr failure;
   try {
     job(*work);
@@ -44,10 +77,28 @@ void do_work(const std::shared_ptr<Work>& work, std::function<void(Work&)> job) 
     failure = std::current_exception();
   }
   job = nullptr;  // what it owns goes before its end is told
+  {
+    const std::lock_guard<std::mutex> lock(shop.mutex);
+    shop.idle.push_back(worker);
+    shop.under_way.erase(work);
+    shop.changed.notify_all();
+  }
   const std::lock_guard<std::mutex> lock(work->mutex);
   work->failure = failure;
   work->ended = true;
   work->changed.notify_all();
+}
+
+void begin_work(const std::shared_ptr<Work>& work, const std::function<void(Work&)>& job) {
+  Workshop& shop = workshop();
+  const std::shared_ptr<Worker> worker = idle_worker(shop);
+  {
+    const std::lock_guard<std::mutex> lock(shop.mutex);
+    shop.under_way.insert(work);
+  }
+  const std::lock_guard<std::mutex> lock(worker->mutex);
+  worker->job = [&shop, worker, work, own = std::function<void(Work&)>(job)]() mutable { do_work(shop, worker, work, own); };
+  worker->given.notify_one();
 }
 
 /// Tells the callback. False: Ctrl-C, or it raised; Python's error is set.
@@ -64,17 +115,12 @@ bool listen(const py::object& progress, std::vector<Progress>& told) {
   return true;
 }
 
-/// Ends the work, or leaves it to itself.
-void give_up(std::thread& worker, const std::shared_ptr<Work>& work) {
+/// Waits a little for the work to end; else it is left to itself.
+void give_up(const std::shared_ptr<Work>& work) {
   const py::gil_scoped_release unlocked;
   work->stop = true;
   std::unique_lock<std::mutex> lock(work->mutex);
-  const bool ended = work->changed.wait_for(lock, kGrace, [&] { return work->ended; });
-  lock.unlock();
-  if (ended)
-    worker.join();
-  else
-    worker.detach();
+  work->changed.wait_for(lock, kGrace, [&] { return work->ended; });
 }
 
 }  // namespace
@@ -89,17 +135,7 @@ void Work::tell(Progress progress) {
 void run_work(const std::function<void(Work&)>& job, const py::object& progress) {
   const auto work = std::make_shared<Work>();
   work->listened_to = !progress.is_none();
-  begin_work(work);
-  std::thread worker;
-  try {
-    worker = std::thread([work, job]() mutable {
-      do_work(work, std::move(job));
-      end_work(work);
-    });
-  } catch (...) {
-    end_work(work);
-    throw;
-  }
+  begin_work(work, job);
   for (bool ended = false; !ended;) {
     std::vector<Progress> told;
     {
@@ -111,22 +147,18 @@ void run_work(const std::function<void(Work&)>& job, const py::object& progress)
     }
     if (listen(progress, told)) continue;
     const py::error_already_set raised;
-    give_up(worker, work);
+    give_up(work);
     throw raised;
-  }
-  {
-    const py::gil_scoped_release unlocked;
-    worker.join();
   }
   if (work->failure) std::rethrow_exception(work->failure);
 }
 
 void end_all_work() {
   const py::gil_scoped_release unlocked;
-  AllWork& all = all_work();
-  std::unique_lock<std::mutex> lock(all.mutex);
-  for (const std::shared_ptr<Work>& work : all.under_way) work->stop = true;
-  all.changed.wait(lock, [&] { return all.under_way.empty(); });
+  Workshop& shop = workshop();
+  std::unique_lock<std::mutex> lock(shop.mutex);
+  for (const std::shared_ptr<Work>& work : shop.under_way) work->stop = true;
+  shop.changed.wait(lock, [&] { return shop.under_way.empty(); });
 }
 
 }  // namespace dea::python

@@ -41,7 +41,7 @@ struct Work {
   void tell(Progress progress);  ///< for the thread that works
 };
 
-/// Runs `job` in a thread of its own, and waits for it without Python's lock. Ctrl-C and a callback that raises set the
+/// Runs `job` in another thread, and waits for it without Python's lock. Ctrl-C and a callback that raises set the
 /// flag; work that does not see it for half a second (a matrix that is being factorised) is left to itself, ends when it
 /// does, and what it makes is dropped. `job` owns all that it uses, and no Python object. `progress`: a callable, or None;
 /// called in the thread that waits. Throws what `job` throws.

@@ -19,14 +19,17 @@ import sys as _sys
 
 from . import _febiodea, _models, _settings, _tables
 from ._errors import Error, InputError, UsageError, WriteError
-from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, Prepared, Pressed, PressedContact, Progress,
-                        Recognition, Result, Side, Springs, State, __version__)
+from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, PlotField, PlotFile, PlotState, PlotSurface, Prepared,
+                        Pressed, PressedContact, Progress, Recognition, Result, Side, Springs, State, __version__,
+                        distribution, pattern_difference, percentile)
+from ._maps import picture, plot
 from ._settings import Settings, settings_help
 from ._tables import Headline
 
-__all__ = ["read_feb", "recognise", "analyse", "prepare", "settings_help", "Settings", "Model", "Recognition", "Result",
+__all__ = ["read_feb", "recognise", "analyse", "prepare", "read_xplt", "picture", "plot", "distribution", "percentile",
+           "pattern_difference", "settings_help", "Settings", "Model", "Recognition", "Result",
            "State", "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
-           "PressedContact", "Progress", "Error", "InputError", "UsageError", "WriteError"]
+           "PressedContact", "PlotFile", "PlotState", "PlotSurface", "PlotField", "Progress", "Error", "InputError", "UsageError", "WriteError"]
 
 
 @_atexit.register
@@ -76,6 +79,12 @@ def analyse(recognition, states=None, *, times_from=None, progress=None):
 def prepare(recognition):
     """Places the springs and factorises the layers once, for any number of loads and poses. Raises InputError."""
     return _febiodea.prepare(recognition)
+
+
+def read_xplt(path, *, partial=False):
+    """Reads a plot file of any program, compressed or not. One that is cut off is refused; partial: its complete states are
+    read. Raises InputError."""
+    return _febiodea.read_xplt(_os.fspath(path), partial)
 
 
 def _solve(self, body=None, force=None, moment=None, about=None, rotate=None, move=None, rotate_about=None, free=None,
@@ -140,6 +149,6 @@ def _add(owner, **methods):
 
 
 _add(Result, table=_table, to_pandas=_to_pandas, write_xplt=_write_xplt, write_vtu=_write_vtu, report=_report,
-     _repr_html_=lambda self: _tables.html_table(self.states))
+     _repr_html_=lambda self: _tables.html_of(self))
 _add(Model, __reduce__=_models.reduce_model)
 _add(Recognition, __reduce__=_models.reduce_recognition)

@@ -58,3 +58,13 @@ def html_table(states, most=20):
     if len(states) > most:
         lines.append(f"<tr><td colspan='7'>the last {most} of {len(states)} states</td></tr>")
     return "\n".join(lines) + "</table>"
+
+
+def html_of(result):
+    """The table, and the map of the last state."""
+    from . import _errors, _maps
+    try:
+        drawn = _maps.picture(result, width=90).decode()
+    except _errors.Error:  # nothing is pressed, no surface to be shown: the table says so
+        return html_table(result.states)
+    return html_table(result.states) + drawn[drawn.index("<svg"):]

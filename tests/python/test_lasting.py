@@ -120,7 +120,8 @@ def interrupt(path, stage, then):
         if line.strip() == "interrupted":
             break
     raised = time.monotonic() - start
-    out, err = process.communicate(timeout=60)
+    out, err = process.stdout.read(), process.stderr.read()
+    process.wait(60)
     return raised, time.monotonic() - start, process.returncode, out, err
 
 

@@ -89,28 +89,31 @@ def test_press_does_not_care_where_the_joint_is(joint):
     np.testing.assert_allclose(there.springs.pressure, here.springs.pressure, atol=1e-6)
 
 
-@pytest.mark.parametrize("law", ["linear", "layer"])
-def test_the_derivative_is_that_of_differences(hip, law):
+# Law linear: the error of central differences falls with the square of the step, that of springs which come and go at the
+# edge of contact with the step. Law layer: what of the target each foot covers is held in the derivative
+# (docs/layer_law.md), which costs less than a hundredth.
+@pytest.mark.parametrize("law, tolerance", [("linear", 1e-5), ("layer", 1e-2)])
+def test_the_derivative_is_that_of_differences(hip, law, tolerance):
     joint = febiodea.prepare(febiodea.recognise(hip.model, law=law))
     state = joint.solve()
     femur = state.poses["femur"]  # its centre of mass is the origin of the file
     target = state.contact().target.body
     assert target == "femur"
     exact = joint.press(state).contact().derivative
-    step = 1e-4  # springs come and go at the edge of contact: below it noise, above it curvature
+    step = 1e-4
     found = np.empty((6, 6))
     for k in range(6):
         wrench = []
         for sign in (1, -1):
             axis = np.eye(3)[k % 3]
             scale = step if k < 3 else step / 25  # as far at the surface of the head
-            motion = (turned(axis, sign * scale, about=femur[:3, 3]) if k >= 3 else turned((1, 0, 0), 0, sign * scale * axis))
+            motion = turned(axis, sign * scale, about=femur[:3, 3]) if k >= 3 else turned(axis, 0, sign * scale * axis)
             pressed = joint.press({"femur": motion @ femur}).contact()
             wrench.append(np.concatenate([pressed.force, pressed.moment]))
         found[:, k] = (wrench[0] - wrench[1]) / (2 * (step if k < 3 else step / 25))
     length = np.array([1, 1, 1, 25, 25, 25])
     scale = np.abs(exact / np.outer(length, length)).max()
-    assert np.abs((found - exact) / np.outer(length, length)).max() < 2e-3 * scale
+    assert np.abs((found - exact) / np.outer(length, length)).max() < tolerance * scale
     pressed = joint.press(state).contact()
     np.testing.assert_array_equal(pressed.stiffness, -pressed.derivative)
     assert np.linalg.eigvalsh((pressed.stiffness + pressed.stiffness.T)[:3, :3]).min() > 0

@@ -48,7 +48,6 @@ def test_facets_and_nodes(hip_result):
         corners = model.points[facets.nodes].mean(axis=1)
         assert np.abs(corners - facets.center).max() < math.sqrt(facets.area.max())
         assert nodes.triangles.max() == len(nodes) - 1
-        assert facets.pressure.max() == hip_result.facets_csv().count("\n") * 0 + facets.pressure.max() > 5
     # whole facets carry the whole force: sum p A of facets against the springs', up to the facets' turning
     normal = contact.springs.pressure @ contact.springs.area
     assert contact.facets.pressure @ contact.facets.area == pytest.approx(normal, rel=1e-3)
