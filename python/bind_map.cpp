@@ -51,9 +51,8 @@ py::bytes picture_of(const std::shared_ptr<ResultFile>& file, const std::string&
   options.format = format == "svg" ? PictureFormat::Svg : format == "pdf" ? PictureFormat::Pdf : PictureFormat::Png;
   options.width = width;
   options.dpi = dpi;
-  return *result_of<std::string>([figure, options](Work&) {
-    return std::make_shared<std::string>(picture(*figure, options));
-  });
+  return *result_of<std::string>(
+      [figure, options](Work&) { return std::make_shared<std::string>(picture(*figure, options)); });
 }
 
 py::dict panel_dict(const std::shared_ptr<MapFigure>& figure, const MapPanel& panel) {
@@ -77,7 +76,8 @@ py::dict figure_dict(const std::shared_ptr<MapFigure>& figure) {
   py::dict all;
   py::list panels, colours;
   for (const MapPanel& panel : figure->panels) panels.append(panel_dict(figure, panel));
-  for (const auto& c : colour_table(figure->map)) colours.append(py::make_tuple(c[0] / 255.0, c[1] / 255.0, c[2] / 255.0));
+  for (const auto& c : colour_table(figure->map))
+    colours.append(py::make_tuple(c[0] / 255.0, c[1] / 255.0, c[2] / 255.0));
   all["panels"] = panels;
   all["colours"] = colours;
   all["low"] = figure->low;

@@ -48,18 +48,16 @@ File read_plot(const std::string& path, bool partial) {
   return result_of<ResultFile>([path, partial](Work&) {
     const auto file = std::make_shared<ResultFile>(read_result(path, std::filesystem::path(path).stem().string()));
     if (file->xplt.truncated && !partial)
-      throw InputError(Fault{
-          .place = path,
-          .found = fmt::format("found a plot file that is cut off after {} complete state{},", file->xplt.states.size(),
-                               file->xplt.states.size() == 1 ? "" : "s"),
-          .expected = "expected a whole one; read_xplt(path, partial=True) reads the complete states"});
+      throw InputError(
+          Fault{.place = path,
+                .found = fmt::format("found a plot file that is cut off after {} complete state{},",
+                                     file->xplt.states.size(), file->xplt.states.size() == 1 ? "" : "s"),
+                .expected = "expected a whole one; read_xplt(path, partial=True) reads the complete states"});
     return file;
   });
 }
 
-const char* word_of_group(XpltGroup group) {
-  return word_of(group, {"global", "nodal", "domain", "surface", "edge"});
-}
+const char* word_of_group(XpltGroup group) { return word_of(group, {"global", "nodal", "domain", "surface", "edge"}); }
 const char* word_of_type(XpltType type) {
   return word_of(type, {"float", "vec3", "mat3s", "mat3d", "tens4s", "mat3", "array", "array_vec3"});
 }
@@ -145,8 +143,8 @@ VtkCells cells_of_mesh(const XpltMesh& mesh) {
 py::dict distribution_dict(const Distribution& d) {
   py::dict all;
   const std::pair<const char*, double> numbers[] = {
-      {"area", d.area}, {"peak", d.peak}, {"p99", d.p99},       {"mean", d.mean}, {"p5", d.p5},
-      {"p25", d.p25},   {"median", d.median}, {"p75", d.p75},   {"p95", d.p95},   {"p99_unweighted", d.p99_unweighted}};
+      {"area", d.area}, {"peak", d.peak},     {"p99", d.p99}, {"mean", d.mean}, {"p5", d.p5},
+      {"p25", d.p25},   {"median", d.median}, {"p75", d.p75}, {"p95", d.p95},   {"p99_unweighted", d.p99_unweighted}};
   for (const auto& number : numbers) all[number.first] = number.second;
   return all;
 }
@@ -157,17 +155,25 @@ py::object headline_tuple(const Headline& h) {
 
 void bind_field(py::module_& m) {
   py::class_<FieldView>(m, "PlotField", "One variable on one region in one state.")
-      .def_property_readonly("name", [](const FieldView& f) { return text(f.what().name); }, "\"contact pressure\"")
-      .def_property_readonly("group", [](const FieldView& f) { return word_of_group(f.what().group); },
-                             "\"global\", \"nodal\", \"domain\", \"surface\" or \"edge\".")
-      .def_property_readonly("type", [](const FieldView& f) { return word_of_type(f.what().type); }, "\"float\", \"vec3\", \"mat3s\", ...")
-      .def_property_readonly("format", [](const FieldView& f) { return word_of_format(f.what().format); },
-                             "What has a value: \"node\" of the region, \"item\" (element, facet), \"mult\" (each node of each\n"
-                             "item), \"region\".")
-      .def_property_readonly("units", [](const FieldView& f) { return text(f.what().units); },
-                             "FEBio's code of its dimension, \"P\", \"L\"; \"\": none is given.")
-      .def_property_readonly("region", [](const FieldView& f) { return text(region_name(f)); }, "Name of the region; \"\": all nodes, or none.")
-      .def_property_readonly("values", &values_of, "(values,) or (values, components), single precision as in the file.")
+      .def_property_readonly(
+          "name", [](const FieldView& f) { return text(f.what().name); }, "\"contact pressure\"")
+      .def_property_readonly(
+          "group", [](const FieldView& f) { return word_of_group(f.what().group); },
+          "\"global\", \"nodal\", \"domain\", \"surface\" or \"edge\".")
+      .def_property_readonly(
+          "type", [](const FieldView& f) { return word_of_type(f.what().type); }, "\"float\", \"vec3\", \"mat3s\", ...")
+      .def_property_readonly(
+          "format", [](const FieldView& f) { return word_of_format(f.what().format); },
+          "What has a value: \"node\" of the region, \"item\" (element, facet), \"mult\" (each node of each\n"
+          "item), \"region\".")
+      .def_property_readonly(
+          "units", [](const FieldView& f) { return text(f.what().units); },
+          "FEBio's code of its dimension, \"P\", \"L\"; \"\": none is given.")
+      .def_property_readonly(
+          "region", [](const FieldView& f) { return text(region_name(f)); },
+          "Name of the region; \"\": all nodes, or none.")
+      .def_property_readonly("values", &values_of,
+                             "(values,) or (values, components), single precision as in the file.")
       .def("__repr__", [](const FieldView& f) {
         return text(fmt::format("<febiodea.PlotField {} ({}) on {}: {} numbers>", f.what().name,
                                 word_of_type(f.what().type), region_name(f).empty() ? "all" : region_name(f),
@@ -175,12 +181,85 @@ void bind_field(py::module_& m) {
       });
 }
 
+void add_surface_values(py::class_<PlotSurfaceView>& surface) {
+  surface
+      .def_property_readonly(
+          "facet_areas", [](const PlotSurfaceView& v) { return look(v.surface->facet_areas, v.surface); }, "(facets,)")
+      .def_property_readonly(
+          "nodal_areas", [](const PlotSurfaceView& v) { return kept(nodal_areas(*v.surface)); },
+          "(vertices,) equal shares of the facets around each.")
+      .def_property_readonly(
+          "fields", [](const PlotSurfaceView& v) { return fields_of(v.in, XpltGroup::Surface, v.index + 1); },
+          "All that the file has on it, as it is there.")
+      .def(
+          "facet", [](const PlotSurfaceView& v, const std::string& field) { return kept(facet_field(v, field)); },
+          py::arg("field"), "(facets,) a scalar field: the mean of values per node; NaN: not finite in the file.")
+      .def(
+          "nodal",
+          [](const PlotSurfaceView& v, const std::string& field) {
+            return kept(nodal_average(*v.surface, facet_field(v, field)));
+          },
+          py::arg("field"),
+          "(vertices,) a scalar field: the area-weighted mean of the facets around each of `points`.");
+}
+
+void add_surface_numbers(py::class_<PlotSurfaceView>& surface) {
+  surface
+      .def(
+          "headline",
+          [](const PlotSurfaceView& v, const std::string& field) {
+            return headline_tuple(headline(*v.surface, facet_field(v, field)));
+          },
+          py::arg("field") = "contact pressure", "p99, mean, area, peak as every command prints them.")
+      .def(
+          "distribution",
+          [](const PlotSurfaceView& v, const std::string& field, double above, bool nodal) {
+            const std::vector<double> values = facet_field(v, field);
+            return distribution_dict(
+                nodal ? distribution(nodal_average(*v.surface, values), nodal_areas(*v.surface), above)
+                      : distribution(values, v.surface->facet_areas, above));
+          },
+          py::arg("field") = "contact pressure", py::arg("above") = 0.0, py::arg("nodal") = true,
+          "How the values above a threshold are distributed, as `dea compare --details` has it: of nodal averages or "
+          "facets.")
+      .def(
+          "resultant",
+          [](const PlotSurfaceView& v, const std::string& field) {
+            return vector3(measure(*v.surface, {facet_field(v, field), {}}, {0.0}).resultant);
+          },
+          py::arg("field") = "contact pressure", "(3,) sum of value, area and normal over the facets.")
+      .def(
+          "center_of_pressure",
+          [](const PlotSurfaceView& v, const std::string& field) {
+            return vector3(measure(*v.surface, {facet_field(v, field), {}}, {0.0}).center_of_pressure);
+          },
+          py::arg("field") = "contact pressure", "(3,) reference; NaN: no pressure.")
+      .def(
+          "carry_from",
+          [](const PlotSurfaceView& v, const PlotSurfaceView& other, const std::vector<double>& values) {
+            if (values.size() != other.surface->mesh.vertices.size())
+              throw UsageError(Fault{.place = "values",
+                                     .found = fmt::format("found {} values,", values.size()),
+                                     .expected = fmt::format("expected one for each of {} points of the other surface",
+                                                             other.surface->mesh.vertices.size())});
+            return kept(carry_values(match_nodes(*v.surface, *other.surface), *other.surface, values));
+          },
+          py::arg("other"), py::arg("values"),
+          "(vertices,) nodal values of another surface at this one's `points`; NaN: it does not cover them.")
+      .def("__repr__", [](const PlotSurfaceView& v) {
+        return text(fmt::format("<febiodea.PlotSurface {}: {} facets>", v.surface->name, v.surface->facets()));
+      });
+}
+
 void bind_plot_surface(py::module_& m) {
-  py::class_<PlotSurfaceView>(
-      m, "PlotSurface", "A surface in one state. Areas and places are those of the reference configuration.")
-      .def_property_readonly("name", [](const PlotSurfaceView& v) { return text(v.surface->name); }, "Its name.")
-      .def_property_readonly("facets", [](const PlotSurfaceView& v) { return padded(v.facets().begin, v.facets().nodes); },
-                             "(facets, most nodes) rows of PlotState.points, filled up with -1.")
+  py::class_<PlotSurfaceView> surface(
+      m, "PlotSurface", "A surface in one state. Areas and places are those of the reference configuration.");
+  surface
+      .def_property_readonly(
+          "name", [](const PlotSurfaceView& v) { return text(v.surface->name); }, "Its name.")
+      .def_property_readonly(
+          "facets", [](const PlotSurfaceView& v) { return padded(v.facets().begin, v.facets().nodes); },
+          "(facets, most nodes) rows of PlotState.points, filled up with -1.")
       .def_property_readonly(
           "cells",
           [](const PlotSurfaceView& v) {
@@ -197,70 +276,36 @@ void bind_plot_surface(py::module_& m) {
             return kept(cells.types);
           },
           "(facets,) VTK's number of each facet's type.")
-      .def_property_readonly("points", [](const PlotSurfaceView& v) { return look(v.surface->mesh.vertices, v.surface); },
-                             "(vertices, 3) of the surface alone, reference.")
-      .def_property_readonly("triangles", [](const PlotSurfaceView& v) { return look(v.surface->mesh.triangles, v.surface); },
-                             "(triangles, 3) the surface as triangles of `points`.")
-      .def_property_readonly("facet_areas", [](const PlotSurfaceView& v) { return look(v.surface->facet_areas, v.surface); }, "(facets,)")
-      .def_property_readonly("nodal_areas", [](const PlotSurfaceView& v) { return kept(nodal_areas(*v.surface)); },
-                             "(vertices,) equal shares of the facets around each.")
-      .def_property_readonly("fields",
-                             [](const PlotSurfaceView& v) { return fields_of(v.in, XpltGroup::Surface, v.index + 1); },
-                             "All that the file has on it, as it is there.")
-      .def("facet", [](const PlotSurfaceView& v, const std::string& field) { return kept(facet_field(v, field)); }, py::arg("field"),
-           "(facets,) a scalar field: the mean of values per node; NaN: not finite in the file.")
-      .def("nodal",
-           [](const PlotSurfaceView& v, const std::string& field) { return kept(nodal_average(*v.surface, facet_field(v, field))); },
-           py::arg("field"), "(vertices,) a scalar field: the area-weighted mean of the facets around each of `points`.")
-      .def("headline",
-           [](const PlotSurfaceView& v, const std::string& field) { return headline_tuple(headline(*v.surface, facet_field(v, field))); },
-           py::arg("field") = "contact pressure", "p99, mean, area, peak as every command prints them.")
-      .def("distribution",
-           [](const PlotSurfaceView& v, const std::string& field, double above, bool nodal) {
-             const std::vector<double> values = facet_field(v, field);
-             return distribution_dict(nodal ? distribution(nodal_average(*v.surface, values), nodal_areas(*v.surface), above)
-                                            : distribution(values, v.surface->facet_areas, above));
-           },
-           py::arg("field") = "contact pressure", py::arg("above") = 0.0, py::arg("nodal") = true,
-           "How the values above a threshold are distributed, as `dea compare --details` has it: of nodal averages or facets.")
-      .def("resultant",
-           [](const PlotSurfaceView& v, const std::string& field) {
-             return vector3(measure(*v.surface, {facet_field(v, field), {}}, {0.0}).resultant);
-           },
-           py::arg("field") = "contact pressure", "(3,) sum of value, area and normal over the facets.")
-      .def("center_of_pressure",
-           [](const PlotSurfaceView& v, const std::string& field) {
-             return vector3(measure(*v.surface, {facet_field(v, field), {}}, {0.0}).center_of_pressure);
-           },
-           py::arg("field") = "contact pressure", "(3,) reference; NaN: no pressure.")
-      .def("carry_from",
-           [](const PlotSurfaceView& v, const PlotSurfaceView& other, const std::vector<double>& values) {
-             if (values.size() != other.surface->mesh.vertices.size())
-               throw UsageError(Fault{.place = "values",
-                                      .found = fmt::format("found {} values,", values.size()),
-                                      .expected = fmt::format("expected one for each of {} points of the other surface",
-                                                              other.surface->mesh.vertices.size())});
-             return kept(carry_values(match_nodes(*v.surface, *other.surface), *other.surface, values));
-           },
-           py::arg("other"), py::arg("values"),
-           "(vertices,) nodal values of another surface at this one's `points`; NaN: it does not cover them.")
-      .def("__repr__", [](const PlotSurfaceView& v) {
-        return text(fmt::format("<febiodea.PlotSurface {}: {} facets>", v.surface->name, v.surface->facets()));
-      });
+      .def_property_readonly(
+          "points", [](const PlotSurfaceView& v) { return look(v.surface->mesh.vertices, v.surface); },
+          "(vertices, 3) of the surface alone, reference.")
+      .def_property_readonly(
+          "triangles", [](const PlotSurfaceView& v) { return look(v.surface->mesh.triangles, v.surface); },
+          "(triangles, 3) the surface as triangles of `points`.");
+  add_surface_values(surface);
+  add_surface_numbers(surface);
 }
 
 void bind_plot_state(py::module_& m) {
   py::class_<PlotStateView>(m, "PlotState", "One state of a plot file.")
-      .def_property_readonly("time", [](const PlotStateView& s) { return s.values().time; }, "As the file has it, in single precision.")
-      .def_property_readonly("points", [](const PlotStateView& s) { return floats_as_points(s.mesh().coordinates, s.file); },
-                             "(nodes, 3) reference positions.")
-      .def_property_readonly("node_ids", [](const PlotStateView& s) { return look(s.mesh().node_ids, s.file); }, "(nodes,) their numbers.")
-      .def_property_readonly("cells", [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).cells); },
-                             "All elements as pyvista takes them: number of nodes, nodes in VTK's order.")
-      .def_property_readonly("cell_types", [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).types); },
-                             "(elements,) VTK's number of each element's type.")
-      .def_property_readonly("domains", [](const PlotStateView& s) { return names_of(s.mesh().domains); }, "Their names, in the order of `cells`.")
-      .def_property_readonly("surfaces", [](const PlotStateView& s) { return names_of(s.mesh().surfaces); }, "Names of the surfaces.")
+      .def_property_readonly(
+          "time", [](const PlotStateView& s) { return s.values().time; }, "As the file has it, in single precision.")
+      .def_property_readonly(
+          "points", [](const PlotStateView& s) { return floats_as_points(s.mesh().coordinates, s.file); },
+          "(nodes, 3) reference positions.")
+      .def_property_readonly(
+          "node_ids", [](const PlotStateView& s) { return look(s.mesh().node_ids, s.file); }, "(nodes,) their numbers.")
+      .def_property_readonly(
+          "cells", [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).cells); },
+          "All elements as pyvista takes them: number of nodes, nodes in VTK's order.")
+      .def_property_readonly(
+          "cell_types", [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).types); },
+          "(elements,) VTK's number of each element's type.")
+      .def_property_readonly(
+          "domains", [](const PlotStateView& s) { return names_of(s.mesh().domains); },
+          "Their names, in the order of `cells`.")
+      .def_property_readonly(
+          "surfaces", [](const PlotStateView& s) { return names_of(s.mesh().surfaces); }, "Names of the surfaces.")
       .def_property_readonly(
           "node_sets",
           [](const PlotStateView& s) {
@@ -269,19 +314,23 @@ void bind_plot_state(py::module_& m) {
             return all;
           },
           "By their names the rows of `points`.")
-      .def_property_readonly("fields", [](const PlotStateView& s) { return fields_of(s, XpltGroup::Global, 0); }, "Every field of the state.")
+      .def_property_readonly(
+          "fields", [](const PlotStateView& s) { return fields_of(s, XpltGroup::Global, 0); },
+          "Every field of the state.")
       .def("surface", &surface_of, py::arg("name"), "The surface of this name.")
-      .def("nodal",
-           [](const PlotStateView& s, const std::string& field) {
-             const int v = find_variable(s.file->xplt, XpltGroup::Nodal, field);
-             std::vector<std::string> names;
-             for (const XpltVariable& variable : s.file->xplt.variables)
-               if (variable.group == XpltGroup::Nodal) names.push_back(utf8(variable.name));
-             if (v < 0 || s.values().variables[at(v)].empty()) find_name_in("field", v < 0 ? field : "", names);
-             return values_of(FieldView{s, at(v), 0});
-           },
-           py::arg("field"), "(nodes,) or (nodes, components) a nodal field such as \"displacement\".")
-      .def("__repr__", [](const PlotStateView& s) { return fmt::format("<febiodea.PlotState at time {}>", s.values().time); });
+      .def(
+          "nodal",
+          [](const PlotStateView& s, const std::string& field) {
+            const int v = find_variable(s.file->xplt, XpltGroup::Nodal, field);
+            std::vector<std::string> names;
+            for (const XpltVariable& variable : s.file->xplt.variables)
+              if (variable.group == XpltGroup::Nodal) names.push_back(utf8(variable.name));
+            if (v < 0 || s.values().variables[at(v)].empty()) find_name_in("field", v < 0 ? field : "", names);
+            return values_of(FieldView{s, at(v), 0});
+          },
+          py::arg("field"), "(nodes,) or (nodes, components) a nodal field such as \"displacement\".")
+      .def("__repr__",
+           [](const PlotStateView& s) { return fmt::format("<febiodea.PlotState at time {}>", s.values().time); });
 }
 
 py::list plot_states(const File& file) {
@@ -291,15 +340,26 @@ py::list plot_states(const File& file) {
 }
 
 void bind_file(py::module_& m) {
-  py::class_<ResultFile, File>(m, "PlotFile", "A plot file of FEBio, of dea or of another program.\n\nMade by read_xplt.")
-      .def_property_readonly("path", [](const ResultFile& f) { return text(f.path); }, "As it was named.")
-      .def_property_readonly("software", [](const ResultFile& f) { return text(f.xplt.software); }, "What wrote it.")
-      .def_property_readonly("units", [](const ResultFile& f) { return text(f.xplt.units); }, "Its system of units; \"\": it names none.")
-      .def_property_readonly("compressed", [](const ResultFile& f) { return f.xplt.compressed; }, "It is compressed.")
-      .def_property_readonly("truncated", [](const ResultFile& f) { return f.xplt.truncated; },
-                             "It was cut off; its last state was left out (read with partial=True).")
+  py::class_<ResultFile, File>(m, "PlotFile",
+                               "A plot file of FEBio, of dea or of another program.\n\nMade by read_xplt.")
+      .def_property_readonly(
+          "path", [](const ResultFile& f) { return text(f.path); }, "As it was named.")
+      .def_property_readonly(
+          "software", [](const ResultFile& f) { return text(f.xplt.software); }, "What wrote it.")
+      .def_property_readonly(
+          "units", [](const ResultFile& f) { return text(f.xplt.units); }, "Its system of units; \"\": it names none.")
+      .def_property_readonly(
+          "compressed", [](const ResultFile& f) { return f.xplt.compressed; }, "It is compressed.")
+      .def_property_readonly(
+          "truncated", [](const ResultFile& f) { return f.xplt.truncated; },
+          "It was cut off; its last state was left out (read with partial=True).")
       .def_property_readonly("states", &plot_states, "Its states in order.")
-      .def("state", [](const File& f, double time) { return PlotStateView{f, find_state(*f, time)}; }, py::arg("time"), "The state at this time.")
+      .def(
+          "state",
+          [](const File& f, double time) {
+            return PlotStateView{f, find_state(*f, time)};
+          },
+          py::arg("time"), "The state at this time.")
       .def("__repr__", [](const ResultFile& f) {
         return text(fmt::format("<febiodea.PlotFile {}: {} states>", f.path, f.xplt.states.size()));
       });
@@ -320,14 +380,16 @@ void bind_numbers(py::module_& m) {
         return distribution_dict(distribution(values, areas, above));
       },
       py::arg("values"), py::arg("areas"), py::arg("above") = 0.0,
-      "How values above a threshold are distributed, weighted by areas: a dictionary with area, peak, p99, mean, p5, ...");
+      "How values above a threshold are distributed, weighted by areas: a dictionary with area, peak, p99, mean, p5, "
+      "...");
   m.def(
       "percentile",
       [](const std::vector<double>& values, const std::vector<double>& weights, double fraction) {
         need_same_size(values.size(), weights.size(), "weights");
         return weighted_percentile(values, weights, fraction);
       },
-      py::arg("values"), py::arg("weights"), py::arg("fraction"), "Percentile of weighted values; fraction 0 to 1. NaN: no values.");
+      py::arg("values"), py::arg("weights"), py::arg("fraction"),
+      "Percentile of weighted values; fraction 0 to 1. NaN: no values.");
   m.def(
       "pattern_difference",
       [](const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& areas, double above) {
@@ -335,13 +397,17 @@ void bind_numbers(py::module_& m) {
         need_same_size(a.size(), areas.size(), "areas");
         const PatternDifference d = pattern_difference(a, b, areas, {above});
         py::dict all;
-        const std::pair<const char*, double> numbers[] = {
-            {"correlation", d.correlation}, {"rms", d.rms}, {"mean", d.mean}, {"largest", d.largest}, {"dice", d.dice.front()}};
+        const std::pair<const char*, double> numbers[] = {{"correlation", d.correlation},
+                                                          {"rms", d.rms},
+                                                          {"mean", d.mean},
+                                                          {"largest", d.largest},
+                                                          {"dice", d.dice.front()}};
         for (const auto& number : numbers) all[number.first] = number.second;
         return all;
       },
       py::arg("a"), py::arg("b"), py::arg("areas"), py::arg("above") = 0.0,
-      "How the pattern a differs from b, over nodes where either is above 0: correlation, rms, mean, largest, and dice of\n"
+      "How the pattern a differs from b, over nodes where either is above 0: correlation, rms, mean, largest, and dice "
+      "of\n"
       "what lies above the threshold. NaN in a: left out.");
 }
 

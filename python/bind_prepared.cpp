@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include <febiodea/equilibrium/load_case.h>
@@ -39,8 +40,8 @@ std::size_t body_at(const PreparedJoint& joint, const std::string& name) {
   return found >= 0 ? at(found) : find_named_body(joint.prepared.joint, name);
 }
 
-/// What a user says of poses: None, a dictionary by bodies, an array of all bodies, or a state. Bodies that are not named
-/// have those of `poses`.
+/// What a user says of poses: None, a dictionary by bodies, an array of all bodies, or a state. Bodies that are not
+/// named have those of `poses`.
 std::vector<Pose> with_poses(const PreparedJoint& joint, std::vector<Pose> poses, const py::object& given,
                              const std::string& where) {
   const std::vector<Body>& bodies = joint.prepared.joint.bodies;
@@ -55,15 +56,16 @@ std::vector<Pose> with_poses(const PreparedJoint& joint, std::vector<Pose> poses
     return poses;
   }
   if (!py::isinstance<py::sequence>(given) && !py::isinstance<py::array>(given))
-    throw UsageError(Fault{.place = where,
-                           .found = "found no poses,",
-                           .expected = "expected {\"BODY\": 4 x 4 array, ...}, an array of shape (bodies, 4, 4), or a state"});
+    throw UsageError(
+        Fault{.place = where,
+              .found = "found no poses,",
+              .expected = "expected {\"BODY\": 4 x 4 array, ...}, an array of shape (bodies, 4, 4), or a state"});
   const std::size_t count = py::len(given);
   if (count != bodies.size())
-    throw UsageError(Fault{.place = where,
-                           .found = fmt::format("found {} poses,", count),
-                           .expected = fmt::format("expected one for each of {} bodies, or {{\"BODY\": 4 x 4 array}}",
-                                                   bodies.size())});
+    throw UsageError(Fault{
+        .place = where,
+        .found = fmt::format("found {} poses,", count),
+        .expected = fmt::format("expected one for each of {} bodies, or {{\"BODY\": 4 x 4 array}}", bodies.size())});
   for (std::size_t b = 0; b < count; ++b)
     poses[b] = pose_of(given.attr("__getitem__")(b), bodies[b].center_of_mass, fmt::format("{}[{}]", where, b));
   return poses;
@@ -83,7 +85,8 @@ Vector3d three_numbers(const py::object& given, const char* where) {
     throw UsageError(Fault{.place = where, .found = "found no three numbers,", .expected = "expected (x, y, z)"});
   const Vector3d v = Eigen::Map<const Vector3d>(array.data());
   if (!v.allFinite())
-    throw UsageError(Fault{.place = where, .found = "found a number that is not finite,", .expected = "expected (x, y, z)"});
+    throw UsageError(
+        Fault{.place = where, .found = "found a number that is not finite,", .expected = "expected (x, y, z)"});
   return v;
 }
 
@@ -91,7 +94,8 @@ Vector3d three_numbers(const py::object& given, const char* where) {
 Settings settings_with(const PreparedJoint& joint, const py::list& values, const GivenLoad& given) {
   for (const py::handle value : values) {  // others would make another joint
     const std::string keyword = value.cast<py::tuple>()[0].cast<std::string>();
-    if (keyword != "rotate" && keyword != "rotate_about" && keyword != "move" && keyword != "free" && keyword != "load_at")
+    if (keyword != "rotate" && keyword != "rotate_about" && keyword != "move" && keyword != "free" &&
+        keyword != "load_at")
       throw UsageError(Fault{.place = keyword,
                              .found = "found a setting of the joint itself,",
                              .expected = "expected rotate, rotate_about, move or free; recognise takes the others"});
@@ -107,16 +111,37 @@ Settings settings_with(const PreparedJoint& joint, const py::list& values, const
   return settings;
 }
 
-LoadCase load_case_of(const PreparedJoint& joint, const Settings& settings, const std::vector<Pose>& start) {
+LoadCase load_case_of(const PreparedJoint& joint, const Settings& settings, const std::vector<Pose>& placed) {
   const JointModel& model = joint.recognised->recognition.model;
   if (row_count(settings) == 0)
     return make_load_case(model, joint.prepared.joint, settings, static_cast<int>(model.steps.size()) - 1,
                           step_starts(model).back());
   check_rows(model, joint.prepared.joint, settings);
-  return make_row_case(model, joint.prepared.joint, settings, static_cast<int>(row_count(settings)) - 1, start);
+  return make_row_case(model, joint.prepared.joint, settings, static_cast<int>(row_count(settings)) - 1, placed);
 }
 
-std::shared_ptr<SolvedLoad> solved_load(const Joint_& joint, const LoadCase& load_case, const Start& start, Work& work) {
+/// A start says where free dofs begin; what is held stays where the settings place it, whatever state the start is
+/// taken from. `said`: the user named the bodies, and would be surprised.
+std::vector<Pose> free_start(const PreparedJoint& joint, const LoadCase& load_case, const std::vector<Pose>& placed,
+                             const std::vector<Pose>& start, bool said) {
+  constexpr double kSame = 1e-9;
+  std::vector<Pose> poses = placed;
+  for (std::size_t b = 0; b < poses.size(); ++b) {
+    const auto& dofs = load_case.bodies[b].dofs;
+    for (int k = 0; k < 3; ++k)
+      if (dofs[at(k)] == DofState::Free) poses[b].center(k) = start[b].center(k);
+    if (std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0) poses[b].rotation = start[b].rotation;
+    const double away = (poses[b].center - start[b].center).norm() + (poses[b].rotation - start[b].rotation).norm();
+    if (said && away > kSame * (1 + placed[b].center.norm()))
+      throw UsageError(Fault{.place = fmt::format("start[\"{}\"]", joint.prepared.joint.bodies[b].name),
+                             .found = "found a motion that the body is not free to make,",
+                             .expected = "expected rotate or move for where it is held"});
+  }
+  return poses;
+}
+
+std::shared_ptr<SolvedLoad> solved_load(const Joint_& joint, const LoadCase& load_case, const Start& start,
+                                        Work& work) {
   EquilibriumOptions options;
   options.stop = &work.stop;
   options.watch = [&work](const SearchStatus& s) {
@@ -149,10 +174,14 @@ StateView solve_joint(const Joint_& joint, const std::string& body, const py::ob
   const Settings settings = settings_with(*joint, values, given);
   const std::vector<Pose> placed =
       starting_poses(joint->recognised->recognition.model, joint->prepared.joint, settings);
-  const std::vector<Pose> poses = with_poses(*joint, placed, start, "start");
-  const LoadCase load_case = load_case_of(*joint, settings, poses);
+  const LoadCase load_case = load_case_of(*joint, settings, placed);
+  const std::vector<Pose> poses = free_start(*joint, load_case, placed, with_poses(*joint, placed, start, "start"),
+                                             py::isinstance<py::dict>(start));
   const auto solved = result_of<SolvedLoad>(
-      [joint, load_case, poses](Work& work) { return solved_load(joint, load_case, {poses, poses}, work); }, progress);
+      [joint, load_case, poses, placed](Work& work) {
+        return solved_load(joint, load_case, {poses, placed}, work);
+      },
+      progress);
   return view_of(solved);
 }
 
@@ -176,13 +205,14 @@ void bind_joint(py::module_& m) {
       m, "Prepared",
       "A joint made ready once: springs placed, layers factorised. It never changes; several threads may use one at a\n"
       "time, and the same call gives the same bits.\n\nMade by prepare.")
-      .def_property_readonly("recognition",
-                             [](const PreparedJoint& j) { return std::const_pointer_cast<Recognised>(j.recognised); },
-                             "What it was prepared from.")
-      .def_property_readonly("bodies", [](const PreparedJoint& j) { return body_names(j.prepared.joint); },
-                             "Names of the rigid bodies, in the order of arrays of poses.")
-      .def_property_readonly("contacts", [](const PreparedJoint& j) { return contact_names(j.prepared.joint); },
-                             "Names of the contacts.")
+      .def_property_readonly(
+          "recognition", [](const PreparedJoint& j) { return std::const_pointer_cast<Recognised>(j.recognised); },
+          "What it was prepared from.")
+      .def_property_readonly(
+          "bodies", [](const PreparedJoint& j) { return body_names(j.prepared.joint); },
+          "Names of the rigid bodies, in the order of arrays of poses.")
+      .def_property_readonly(
+          "contacts", [](const PreparedJoint& j) { return contact_names(j.prepared.joint); }, "Names of the contacts.")
       .def("_solve", &solve_joint)
       .def("press", &press_joint, py::arg("pose") = py::none(),
            "All contacts at given poses, without a search for the poses.\n\n"
@@ -197,35 +227,47 @@ void bind_joint(py::module_& m) {
 
 void bind_pressed_contact(py::module_& m) {
   py::class_<PressedView>(m, "PressedContact", "What one contact does at given poses.")
-      .def_property_readonly("name", [](const PressedView& v) { return text(v.of->joint->prepared.joint.contacts[v.index].name); },
-                             "Of the contact.")
-      .def_property_readonly("springs", [](const PressedView& v) { return SpringsView{v.of, &v.contact().springs}; },
-                             "Its springs: arrays, one entry per spring.")
-      .def_property_readonly("force", [](const PressedView& v) { return vector3(v.contact().on_target.head<3>()); },
-                             "(3,) on the target, global.")
-      .def_property_readonly("moment", [](const PressedView& v) { return vector3(v.contact().on_target.tail<3>()); },
-                             "(3,) on the target, about its current centre of mass.")
-      .def_property_readonly("force_on_source", [](const PressedView& v) { return vector3(v.contact().on_source.head<3>()); },
-                             "(3,) the opposite force.")
-      .def_property_readonly("moment_on_source", [](const PressedView& v) { return vector3(v.contact().on_source.tail<3>()); },
-                             "(3,) on the source, about its current centre of mass.")
-      .def_property_readonly("derivative", [](const PressedView& v) { return matrix6(v.contact().derivative); },
-                             "(6, 6) of (force, moment) by small motions of the target (translation of its centre of\n"
-                             "mass, rotation [rad], global axes), the source held.")
-      .def_property_readonly("stiffness", [](const PressedView& v) { return matrix6(-v.contact().derivative); },
-                             "(6, 6) minus `derivative`: what resists the motion.")
-      .def_property_readonly("normal_force", [](const PressedView& v) { return v.contact().normal_force; },
-                             "Sum of pressure times area.");
+      .def_property_readonly(
+          "name", [](const PressedView& v) { return text(v.of->joint->prepared.joint.contacts[v.index].name); },
+          "Of the contact.")
+      .def_property_readonly(
+          "springs",
+          [](const PressedView& v) {
+            return SpringsView{v.of, &v.contact().springs};
+          },
+          "Its springs: arrays, one entry per spring.")
+      .def_property_readonly(
+          "force", [](const PressedView& v) { return vector3(v.contact().on_target.head<3>()); },
+          "(3,) on the target, global.")
+      .def_property_readonly(
+          "moment", [](const PressedView& v) { return vector3(v.contact().on_target.tail<3>()); },
+          "(3,) on the target, about its current centre of mass.")
+      .def_property_readonly(
+          "force_on_source", [](const PressedView& v) { return vector3(v.contact().on_source.head<3>()); },
+          "(3,) the opposite force.")
+      .def_property_readonly(
+          "moment_on_source", [](const PressedView& v) { return vector3(v.contact().on_source.tail<3>()); },
+          "(3,) on the source, about its current centre of mass.")
+      .def_property_readonly(
+          "derivative", [](const PressedView& v) { return matrix6(v.contact().derivative); },
+          "(6, 6) of (force, moment) by small motions of the target (translation of its centre of\n"
+          "mass, rotation [rad], global axes), the source held.")
+      .def_property_readonly(
+          "stiffness", [](const PressedView& v) { return matrix6(-v.contact().derivative); },
+          "(6, 6) minus `derivative`: what resists the motion.")
+      .def_property_readonly(
+          "normal_force", [](const PressedView& v) { return v.contact().normal_force; }, "Sum of pressure times area.");
 }
 
 void bind_pressed(py::module_& m) {
   bind_pressed_contact(m);
   py::class_<PressedJoint, std::shared_ptr<PressedJoint>>(m, "Pressed", "All contacts of a joint at given poses.")
-      .def("contact",
-           [](const std::shared_ptr<PressedJoint>& p, const std::string& name) {
-             return PressedView{p, find_contact(p->joint->prepared.joint, name)};
-           },
-           py::arg("name") = "", "The contact of this name; without a name: the only one.")
+      .def(
+          "contact",
+          [](const std::shared_ptr<PressedJoint>& p, const std::string& name) {
+            return PressedView{p, find_contact(p->joint->prepared.joint, name)};
+          },
+          py::arg("name") = "", "The contact of this name; without a name: the only one.")
       .def_property_readonly(
           "contacts",
           [](const std::shared_ptr<PressedJoint>& p) {
@@ -240,7 +282,8 @@ void bind_pressed(py::module_& m) {
             py::dict all;
             for (std::size_t b = 0; b < p.pressed.on_body.size(); ++b) {
               const Vector6& w = p.pressed.on_body[b];
-              all[text(p.joint->prepared.joint.bodies[b].name)] = py::make_tuple(vector3(w.head<3>()), vector3(w.tail<3>()));
+              all[text(p.joint->prepared.joint.bodies[b].name)] =
+                  py::make_tuple(vector3(w.head<3>()), vector3(w.tail<3>()));
             }
             return all;
           },

@@ -65,19 +65,23 @@ py::list states_of(const Result_& a) {
 
 void bind_result(py::module_& m) {
   py::class_<Analysed, Result_>(m, "Result", "All states of an analysis.\n\nMade by analyse.")
-      .def_property_readonly("recognition",
-                             [](const Analysed& a) { return std::const_pointer_cast<Recognised>(a.recognised); },
-                             "What was analysed.")
+      .def_property_readonly(
+          "recognition", [](const Analysed& a) { return std::const_pointer_cast<Recognised>(a.recognised); },
+          "What was analysed.")
       .def_property_readonly("states", &states_of, "Its states in order of time.")
-      .def_property_readonly("solved", [](const Analysed& a) { return all_solved(a.analysis); },
-                             "Every state is a solution.")
-      .def_property_readonly("findings",
-                             [](const Analysed& a) { return texts(run_remarks(model_of(a), a.analysis, python_wording())); },
-                             "What was concluded, left out or is doubtful, a line each.")
-      .def("to_dict", [](const Analysed& a) { return plain(result_json(a)); }, "What `dea run --json` writes, as a dictionary.")
-      .def("to_json", [](const Analysed& a) { return text(json_text(result_json(a))); }, "What `dea run --json` writes.")
-      .def("facets_csv", [](const Analysed& a) { return text(facets_csv(model_of(a), a.analysis)); },
-           "What `dea run --facets-csv` writes: a line per state, contact, side and facet.")
+      .def_property_readonly(
+          "solved", [](const Analysed& a) { return all_solved(a.analysis); }, "Every state is a solution.")
+      .def_property_readonly(
+          "findings", [](const Analysed& a) { return texts(run_remarks(model_of(a), a.analysis, python_wording())); },
+          "What was concluded, left out or is doubtful, a line each.")
+      .def(
+          "to_dict", [](const Analysed& a) { return plain(result_json(a)); },
+          "What `dea run --json` writes, as a dictionary.")
+      .def(
+          "to_json", [](const Analysed& a) { return text(json_text(result_json(a))); }, "What `dea run --json` writes.")
+      .def(
+          "facets_csv", [](const Analysed& a) { return text(facets_csv(model_of(a), a.analysis)); },
+          "What `dea run --facets-csv` writes: a line per state, contact, side and facet.")
       .def("__str__", [](const Analysed& a) { return text(run_text(model_of(a), a.analysis, false)); })
       .def("__repr__",
            [](const Analysed& a) {
@@ -114,15 +118,20 @@ py::object headline_of(const Headline& h) {
 
 void bind_state(py::module_& m) {
   py::class_<StateView>(m, "State", "One state: poses, forces, contacts.")
-      .def_property_readonly("time", [](const StateView& v) { return v.state->when.time; }, "The model's time.")
-      .def_property_readonly("step", [](const StateView& v) { return v.state->when.step + 1; }, "Step of the model, from 1 on.")
-      .def_property_readonly("outcome", [](const StateView& v) { return name(v.state->equilibrium.outcome); },
-                             "\"Balanced\", \"Prescribed\", ... (docs/theory.md)")
-      .def_property_readonly("solved", [](const StateView& v) { return solved(v.state->equilibrium.outcome); },
-                             "It is a solution.")
-      .def_property_readonly("message", [](const StateView& v) { return text(outcome_text(v.state->equilibrium, python_wording())); },
-                             "The sentence behind the outcome.")
-      .def_property_readonly("iterations", [](const StateView& v) { return v.state->equilibrium.iterations; }, "Newton steps.")
+      .def_property_readonly(
+          "time", [](const StateView& v) { return v.state->when.time; }, "The model's time.")
+      .def_property_readonly(
+          "step", [](const StateView& v) { return v.state->when.step + 1; }, "Step of the model, from 1 on.")
+      .def_property_readonly(
+          "outcome", [](const StateView& v) { return name(v.state->equilibrium.outcome); },
+          "\"Balanced\", \"Prescribed\", ... (docs/theory.md)")
+      .def_property_readonly(
+          "solved", [](const StateView& v) { return solved(v.state->equilibrium.outcome); }, "It is a solution.")
+      .def_property_readonly(
+          "message", [](const StateView& v) { return text(outcome_text(v.state->equilibrium, python_wording())); },
+          "The sentence behind the outcome.")
+      .def_property_readonly(
+          "iterations", [](const StateView& v) { return v.state->equilibrium.iterations; }, "Newton steps.")
       .def_property_readonly("poses", &poses_of,
                              "Per body its pose, (4, 4): x = R X + t, the identity is where the file has it. Global.")
       .def_property_readonly("reactions", &reactions_of,
@@ -130,8 +139,9 @@ void bind_state(py::module_& m) {
       .def_property_readonly(
           "displacements", [](const StateView& v) { return look(v.state->displacements, v.owner); },
           "(nodes, 3) of all nodes of the model, cartilage compressed.")
-      .def_property_readonly("statistics", [](const StateView& v) { return plain(statistics_of(v)); },
-                             "All numbers of the state by their names in JSON.")
+      .def_property_readonly(
+          "statistics", [](const StateView& v) { return plain(statistics_of(v)); },
+          "All numbers of the state by their names in JSON.")
       .def_property_readonly(
           "contacts",
           [](const StateView& v) {
@@ -140,10 +150,15 @@ void bind_state(py::module_& m) {
             return all;
           },
           "Its contacts, in the order of the model.")
-      .def("contact", [](const StateView& v, const std::string& name) { return ContactView{v, find_contact(*v.joint, name)}; },
-           py::arg("name") = "", "The contact of this name; without a name: the only one.")
+      .def(
+          "contact",
+          [](const StateView& v, const std::string& name) {
+            return ContactView{v, find_contact(*v.joint, name)};
+          },
+          py::arg("name") = "", "The contact of this name; without a name: the only one.")
       .def("__repr__", [](const StateView& v) {
-        return text(fmt::format("<febiodea.State at time {}: {}>", v.state->when.time, name(v.state->equilibrium.outcome)));
+        return text(
+            fmt::format("<febiodea.State at time {}: {}>", v.state->when.time, name(v.state->equilibrium.outcome)));
       });
 }
 
@@ -153,18 +168,29 @@ SideView target_side(const ContactView& v) { return {v, 1 - v.pair().source}; }
 py::str body_of(const SideView& v) { return text(v.of.in.joint->bodies[at(v.layer().body)].name); }
 
 void bind_contact(py::module_& m) {
-  py::class_<ContactView>(m, "Contact", "One contact in one state. Its springs stand on the source and press the target.")
-      .def_property_readonly("name", [](const ContactView& v) { return text(v.pair().name); }, "Of the contact.")
-      .def_property_readonly("source", [](const ContactView& v) { return source_side(v); }, "The side with the springs.")
-      .def_property_readonly("target", [](const ContactView& v) { return target_side(v); }, "The other side.")
-      .def_property_readonly("springs", [](const ContactView& v) { return SpringsView{v.in.owner, &(*v.in.springs)[v.index]}; },
-                             "Its springs: arrays, one entry per spring.")
-      .def_property_readonly("facets", [](const ContactView& v) { return FacetsView{source_side(v)}; },
-                             "Facets of the source's surface: arrays.")
-      .def_property_readonly("nodes", [](const ContactView& v) { return NodesView{source_side(v)}; },
-                             "Nodes of the source's articular surface: arrays.")
-      .def_property_readonly("headline", [](const ContactView& v) { return headline_of(v.statistics().headline); },
-                             "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).")
+  py::class_<ContactView>(m, "Contact",
+                          "One contact in one state. Its springs stand on the source and press the target.")
+      .def_property_readonly(
+          "name", [](const ContactView& v) { return text(v.pair().name); }, "Of the contact.")
+      .def_property_readonly(
+          "source", [](const ContactView& v) { return source_side(v); }, "The side with the springs.")
+      .def_property_readonly(
+          "target", [](const ContactView& v) { return target_side(v); }, "The other side.")
+      .def_property_readonly(
+          "springs",
+          [](const ContactView& v) {
+            return SpringsView{v.in.owner, &(*v.in.springs)[v.index]};
+          },
+          "Its springs: arrays, one entry per spring.")
+      .def_property_readonly(
+          "facets", [](const ContactView& v) { return FacetsView{source_side(v)}; },
+          "Facets of the source's surface: arrays.")
+      .def_property_readonly(
+          "nodes", [](const ContactView& v) { return NodesView{source_side(v)}; },
+          "Nodes of the source's articular surface: arrays.")
+      .def_property_readonly(
+          "headline", [](const ContactView& v) { return headline_of(v.statistics().headline); },
+          "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).")
       .def_property_readonly(
           "compartments",
           [](const ContactView& v) {
@@ -173,17 +199,21 @@ void bind_contact(py::module_& m) {
             return all;
           },
           "The pieces of its surface, such as a tibia's plateaus; []: it is one piece.")
-      .def_property_readonly("force", [](const ContactView& v) { return vector3(v.statistics().force); }, "(3,) on the target, global.")
-      .def_property_readonly("moment", [](const ContactView& v) { return vector3(v.statistics().moment); },
-                             "(3,) on the target, about its current centre of mass.")
-      .def_property_readonly("center_of_pressure", [](const ContactView& v) { return vector3(v.statistics().center_of_pressure); },
-                             "(3,) current; NaN: no pressure.")
-      .def_property_readonly("statistics",
-                             [](const ContactView& v) {
-                               return plain(contact_json(v.in.model(), *v.in.joint, v.pair(), v.statistics(),
-                                                         v.in.state->fields[v.index]));
-                             },
-                             "All numbers of the contact by their names in JSON.")
+      .def_property_readonly(
+          "force", [](const ContactView& v) { return vector3(v.statistics().force); }, "(3,) on the target, global.")
+      .def_property_readonly(
+          "moment", [](const ContactView& v) { return vector3(v.statistics().moment); },
+          "(3,) on the target, about its current centre of mass.")
+      .def_property_readonly(
+          "center_of_pressure", [](const ContactView& v) { return vector3(v.statistics().center_of_pressure); },
+          "(3,) current; NaN: no pressure.")
+      .def_property_readonly(
+          "statistics",
+          [](const ContactView& v) {
+            return plain(
+                contact_json(v.in.model(), *v.in.joint, v.pair(), v.statistics(), v.in.state->fields[v.index]));
+          },
+          "All numbers of the contact by their names in JSON.")
       .def("__repr__", [](const ContactView& v) {
         return text(fmt::format("<febiodea.Contact {}: p99 {:.4g}, area {:.4g}>", v.pair().name,
                                 v.statistics().headline.p99, v.statistics().headline.area));
@@ -193,18 +223,26 @@ void bind_contact(py::module_& m) {
 void bind_side(py::module_& m) {
   py::class_<SideView>(m, "Side", "One side of a contact: a surface and the body it moves with.")
       .def_property_readonly("body", &body_of, "Name of its body.")
-      .def_property_readonly("surface", [](const SideView& v) { return text(v.of.in.model().surfaces[at(v.layer().surface)].name); },
-                             "Name of its surface.")
-      .def_property_readonly("facets", [](const SideView& v) { return FacetsView{v}; }, "Its facets: arrays.")
-      .def_property_readonly("nodes", [](const SideView& v) { return NodesView{v}; }, "Its nodes: arrays.")
-      .def_property_readonly("force", [](const SideView& v) { return vector3(v.fields().force); }, "(3,) of the contact on this side.");
+      .def_property_readonly(
+          "surface", [](const SideView& v) { return text(v.of.in.model().surfaces[at(v.layer().surface)].name); },
+          "Name of its surface.")
+      .def_property_readonly(
+          "facets", [](const SideView& v) { return FacetsView{v}; }, "Its facets: arrays.")
+      .def_property_readonly(
+          "nodes", [](const SideView& v) { return NodesView{v}; }, "Its nodes: arrays.")
+      .def_property_readonly(
+          "force", [](const SideView& v) { return vector3(v.fields().force); }, "(3,) of the contact on this side.");
   py::class_<CompartmentView>(m, "Compartment", "What one piece of a contact's surface carries.")
-      .def_property_readonly("name", [](const CompartmentView& v) { return text(compartment_names(v.of.pair())[v.index]); }, "Its name.")
-      .def_property_readonly("headline", [](const CompartmentView& v) { return headline_of(v.load().headline); },
-                             "p99, mean, area, peak of its share.")
-      .def_property_readonly("force", [](const CompartmentView& v) { return vector3(v.load().force); }, "(3,) on the target, global.")
-      .def_property_readonly("center_of_pressure", [](const CompartmentView& v) { return vector3(v.load().center_of_pressure); },
-                             "(3,) of its springs, current; NaN: it carries nothing.");
+      .def_property_readonly(
+          "name", [](const CompartmentView& v) { return text(compartment_names(v.of.pair())[v.index]); }, "Its name.")
+      .def_property_readonly(
+          "headline", [](const CompartmentView& v) { return headline_of(v.load().headline); },
+          "p99, mean, area, peak of its share.")
+      .def_property_readonly(
+          "force", [](const CompartmentView& v) { return vector3(v.load().force); }, "(3,) on the target, global.")
+      .def_property_readonly(
+          "center_of_pressure", [](const CompartmentView& v) { return vector3(v.load().center_of_pressure); },
+          "(3,) of its springs, current; NaN: it carries nothing.");
 }
 
 /// A column of springs: a member of SpringStates.
@@ -216,7 +254,8 @@ void add_column(py::class_<SpringsView>& to, const char* name, Values SpringStat
 
 void bind_springs(py::module_& m) {
   py::class_<SpringsView> springs(
-      m, "Springs", "Springs of a contact at one pose, one entry each: current configuration, global frame, the model's units.");
+      m, "Springs",
+      "Springs of a contact at one pose, one entry each: current configuration, global frame, the model's units.");
   add_column(springs, "pressure", &SpringStates::pressure, "(springs,) >= 0.");
   add_column(springs, "area", &SpringStates::area, "(springs,) that the pressure acts on.");
   add_column(springs, "strain", &SpringStates::strain, "(springs,) the larger of both layers' strains.");
@@ -224,7 +263,8 @@ void bind_springs(py::module_& m) {
   add_column(springs, "strain_target", &SpringStates::strain_target, "(springs,) of the target's layer.");
   add_column(springs, "overlap", &SpringStates::overlap, "(springs,) of both surfaces, >= 0.");
   add_column(springs, "gap", &SpringStates::gap, "(springs,) > 0 apart, < 0 overlap; infinity: the ray met nothing.");
-  add_column(springs, "coverage", &SpringStates::coverage, "(springs,) share of the foot that lies over the target, 0 to 1.");
+  add_column(springs, "coverage", &SpringStates::coverage,
+             "(springs,) share of the foot that lies over the target, 0 to 1.");
   add_column(springs, "foot", &SpringStates::foot, "(springs, 3) where each stands.");
   add_column(springs, "direction", &SpringStates::direction, "(springs, 3) unit vector towards the target.");
   add_column(springs, "end", &SpringStates::end, "(springs, 3) where its ray meets the target.");
@@ -256,10 +296,12 @@ void bind_facets(py::module_& m) {
         (std::string("(facets,) ") + field.name + ".").c_str());
   }
   facets
-      .def_property_readonly("area", [](const FacetsView& v) { return look(v.of.map().facet_area, v.of.of.in.owner); },
-                             "(facets,) reference; 0: left out.")
-      .def_property_readonly("center", [](const FacetsView& v) { return kept(facet_centers_of(v.of)); },
-                             "(facets, 3) centroid, reference; NaN: left out.")
+      .def_property_readonly(
+          "area", [](const FacetsView& v) { return look(v.of.map().facet_area, v.of.of.in.owner); },
+          "(facets,) reference; 0: left out.")
+      .def_property_readonly(
+          "center", [](const FacetsView& v) { return kept(facet_centers_of(v.of)); },
+          "(facets, 3) centroid, reference; NaN: left out.")
       .def_property_readonly(
           "nodes",
           [](const FacetsView& v) {
@@ -281,22 +323,30 @@ std::vector<double> node_strain(const SideView& v) {
 void bind_nodes(py::module_& m) {
   const auto owner = [](const NodesView& v) { return v.of.of.in.owner; };
   py::class_<NodesView>(m, "Nodes", "Nodes of one side's articular surface in one state.")
-      .def_property_readonly("index", [owner](const NodesView& v) { return look(mesh_of(v.of).model_nodes, owner(v)); },
-                             "(nodes,) rows of Model.points.")
-      .def_property_readonly("point", [owner](const NodesView& v) { return look(mesh_of(v.of).vertices, owner(v)); },
-                             "(nodes, 3) reference positions.")
-      .def_property_readonly("triangles", [owner](const NodesView& v) { return look(mesh_of(v.of).triangles, owner(v)); },
-                             "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.")
-      .def_property_readonly("area", [owner](const NodesView& v) { return look(mesh_of(v.of).vertex_areas, owner(v)); },
-                             "(nodes,) a third of each triangle around it, reference.")
-      .def_property_readonly("pressure", [owner](const NodesView& v) { return look(v.of.fields().vertex_pressure, owner(v)); },
-                             "(nodes,) area-weighted mean of the facets around.")
-      .def_property_readonly("thickness", [owner](const NodesView& v) { return look(v.of.fields().vertex_thickness, owner(v)); },
-                             "(nodes,) of the cartilage.")
-      .def_property_readonly("shortening", [owner](const NodesView& v) { return look(v.of.fields().vertex_shortening, owner(v)); },
-                             "(nodes,) of the cartilage, >= 0.")
-      .def_property_readonly("strain", [](const NodesView& v) { return kept(node_strain(v.of)); },
-                             "(nodes,) shortening over thickness; NaN: no cartilage.")
+      .def_property_readonly(
+          "index", [owner](const NodesView& v) { return look(mesh_of(v.of).model_nodes, owner(v)); },
+          "(nodes,) rows of Model.points.")
+      .def_property_readonly(
+          "point", [owner](const NodesView& v) { return look(mesh_of(v.of).vertices, owner(v)); },
+          "(nodes, 3) reference positions.")
+      .def_property_readonly(
+          "triangles", [owner](const NodesView& v) { return look(mesh_of(v.of).triangles, owner(v)); },
+          "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.")
+      .def_property_readonly(
+          "area", [owner](const NodesView& v) { return look(mesh_of(v.of).vertex_areas, owner(v)); },
+          "(nodes,) a third of each triangle around it, reference.")
+      .def_property_readonly(
+          "pressure", [owner](const NodesView& v) { return look(v.of.fields().vertex_pressure, owner(v)); },
+          "(nodes,) area-weighted mean of the facets around.")
+      .def_property_readonly(
+          "thickness", [owner](const NodesView& v) { return look(v.of.fields().vertex_thickness, owner(v)); },
+          "(nodes,) of the cartilage.")
+      .def_property_readonly(
+          "shortening", [owner](const NodesView& v) { return look(v.of.fields().vertex_shortening, owner(v)); },
+          "(nodes,) of the cartilage, >= 0.")
+      .def_property_readonly(
+          "strain", [](const NodesView& v) { return kept(node_strain(v.of)); },
+          "(nodes,) shortening over thickness; NaN: no cartilage.")
       .def("__len__", [](const NodesView& v) { return mesh_of(v.of).vertices.size(); });
 }
 

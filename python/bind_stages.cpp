@@ -122,7 +122,9 @@ AnalysisOptions options_of(const States& states, Work& work, std::vector<std::ve
   options.equilibrium.stop = &work.stop;
   options.activity = [&work](const Activity& a) {
     const bool state = a.stage == Activity::Stage::State;
-    work.tell({.stage = state ? "state" : a.stage == Activity::Stage::Joint ? "joint" : "springs",
+    work.tell({.stage = state                               ? "state"
+                        : a.stage == Activity::Stage::Joint ? "joint"
+                                                            : "springs",
                .state = state ? a.index + 1 : 0,
                .states = a.count,
                .iterations = a.search.iterations,
@@ -158,14 +160,18 @@ std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& reco
 }
 
 void bind_model(py::module_& m) {
-  py::class_<ReadModel, std::shared_ptr<ReadModel>>(m, "Model",
-                                                    "A FEBio model that was read: what it says, no conclusions.\n\n"
-                                                    "Frame: global. Units: the model's own, throughout. Made by read_feb.")
-      .def_property_readonly("files", [](const ReadModel& r) { return texts(r.model.files); },
-                             "Its files as they were named: the model, then what it includes.")
-      .def_property_readonly("version", [](const ReadModel& r) { return text(r.model.version); }, "Of the format: \"4.0\".")
-      .def_property_readonly("units", [](const ReadModel& r) { return text(r.model.units); },
-                             "FEBio's name of its system of units; \"\": it names none.")
+  py::class_<ReadModel, std::shared_ptr<ReadModel>>(
+      m, "Model",
+      "A FEBio model that was read: what it says, no conclusions.\n\n"
+      "Frame: global. Units: the model's own, throughout. Made by read_feb.")
+      .def_property_readonly(
+          "files", [](const ReadModel& r) { return texts(r.model.files); },
+          "Its files as they were named: the model, then what it includes.")
+      .def_property_readonly(
+          "version", [](const ReadModel& r) { return text(r.model.version); }, "Of the format: \"4.0\".")
+      .def_property_readonly(
+          "units", [](const ReadModel& r) { return text(r.model.units); },
+          "FEBio's name of its system of units; \"\": it names none.")
       .def_property_readonly(
           "points", [](const std::shared_ptr<ReadModel>& r) { return look(r->model.nodes, r); },
           "(nodes, 3) reference positions, the model's length.")
@@ -202,19 +208,22 @@ void bind_model(py::module_& m) {
 
 void bind_recognition(py::module_& m) {
   py::class_<Recognised, std::shared_ptr<Recognised>>(
-      m, "Recognition",
-      "What joint a model was taken for. print() shows it as `dea info` does.\n\nMade by recognise.")
-      .def_property_readonly("model", [](const Recognised& r) { return std::const_pointer_cast<ReadModel>(r.read); },
-                             "The model it was made from.")
-      .def_property_readonly("bodies", [](const Recognised& r) { return py::cast(body_names(r.recognition.joint)); },
-                             "Names of the rigid bodies.")
-      .def_property_readonly("contacts", [](const Recognised& r) { return py::cast(contact_names(r.recognition.joint)); },
-                             "Names of the contacts.")
+      m, "Recognition", "What joint a model was taken for. print() shows it as `dea info` does.\n\nMade by recognise.")
+      .def_property_readonly(
+          "model", [](const Recognised& r) { return std::const_pointer_cast<ReadModel>(r.read); },
+          "The model it was made from.")
+      .def_property_readonly(
+          "bodies", [](const Recognised& r) { return py::cast(body_names(r.recognition.joint)); },
+          "Names of the rigid bodies.")
+      .def_property_readonly(
+          "contacts", [](const Recognised& r) { return py::cast(contact_names(r.recognition.joint)); },
+          "Names of the contacts.")
       .def_property_readonly(
           "solvable", [](const Recognised& r) { return r.recognition.recognised && r.recognition.faults.empty(); },
           "No fault is known: it can be analysed.")
-      .def_property_readonly("faults", [](const Recognised& r) { return faults_as_errors(r.recognition.faults); },
-                             "Why it cannot be analysed, as exceptions that were not raised; the most basic first.")
+      .def_property_readonly(
+          "faults", [](const Recognised& r) { return faults_as_errors(r.recognition.faults); },
+          "Why it cannot be analysed, as exceptions that were not raised; the most basic first.")
       .def_property_readonly(
           "findings",
           [](const Recognised& r) {
@@ -223,8 +232,9 @@ void bind_recognition(py::module_& m) {
                              : std::vector<std::string>());
           },
           "What was concluded, left out or is doubtful, a line each.")
-      .def_property_readonly("settings", [](const Recognised& r) { return plain(settings_json(r.recognition.settings)); },
-                             "All settings by their names in JSON, as they were used.")
+      .def_property_readonly(
+          "settings", [](const Recognised& r) { return plain(settings_json(r.recognition.settings)); },
+          "All settings by their names in JSON, as they were used.")
       .def_property_readonly(
           "times",
           [](const Recognised& r) {
@@ -234,8 +244,9 @@ void bind_recognition(py::module_& m) {
           },
           "Times of the model's states; about 1000 of them where there are very many.")
       .def("_said", [](const Recognised& r) { return py::make_tuple(r.said.file, r.said.values); })
-      .def("info", [](const std::shared_ptr<Recognised>& r) { return plain(recognised_json(r)); },
-           "What `dea info --json` writes, as a dictionary.")
+      .def(
+          "info", [](const std::shared_ptr<Recognised>& r) { return plain(recognised_json(r)); },
+          "What `dea info --json` writes, as a dictionary.")
       .def("__str__", [](const std::shared_ptr<Recognised>& r) { return text(recognised_text(r)); })
       .def("__repr__", [](const Recognised& r) {
         const Joint& joint = r.recognition.joint;
@@ -247,13 +258,14 @@ void bind_recognition(py::module_& m) {
 
 void bind_progress(py::module_& m) {
   py::class_<Progress>(m, "Progress", "What a callback `progress` is told while an analysis is under way.")
-      .def_property_readonly("stage", [](const Progress& p) { return p.stage; }, "\"joint\", \"springs\" or \"state\".")
+      .def_property_readonly(
+          "stage", [](const Progress& p) { return p.stage; }, "\"joint\", \"springs\" or \"state\".")
       .def_readonly("state", &Progress::state, "Number of the state, from 1 on; 0: none yet.")
       .def_readonly("states", &Progress::states, "How many states there will be.")
       .def_readonly("iterations", &Progress::iterations, "Newton steps in this state.")
       .def_readonly("residual", &Progress::residual, "Unbalanced over applied force; NaN: not known yet.")
-      .def_property_readonly("outcome", [](const Progress& p) { return p.outcome; },
-                             "How a state ended; \"\": it is being solved.")
+      .def_property_readonly(
+          "outcome", [](const Progress& p) { return p.outcome; }, "How a state ended; \"\": it is being solved.")
       .def_readonly("time", &Progress::time, "The model's time of a state that ended; else NaN.");
 }
 
@@ -291,15 +303,16 @@ void bind_stages(py::module_& m) {
   bind_progress(m);
   bind_model(m);
   bind_recognition(m);
-  py::class_<SaidSettings>(m, "NativeSettings")
-      .def("as_dict", [](const SaidSettings& s) { return plain(settings_json(s.settings)); });
+  py::class_<SaidSettings>(m, "NativeSettings").def("as_dict", [](const SaidSettings& s) {
+    return plain(settings_json(s.settings));
+  });
   m.def("setting_options", &options_of_python);
   m.def("make_settings", &make_settings);
   m.def("read_feb", &read_model);
-  m.def("recognise", [](const std::shared_ptr<ReadModel>& read, const SaidSettings& s) { return recognise_model(read, s); });
-  m.def("analyse",
-        [](const std::shared_ptr<Recognised>& r, const std::string& states, const std::string& times_from,
-           const py::object& progress) { return analyse_joint(r, states, times_from, progress); });
+  m.def("recognise",
+        [](const std::shared_ptr<ReadModel>& read, const SaidSettings& s) { return recognise_model(read, s); });
+  m.def("analyse", [](const std::shared_ptr<Recognised>& r, const std::string& states, const std::string& times_from,
+                      const py::object& progress) { return analyse_joint(r, states, times_from, progress); });
 }
 
 }  // namespace dea::python

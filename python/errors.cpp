@@ -62,8 +62,8 @@ std::string keyword_words(const NamedSetting& s) {
   return list ? fmt::format("{}=[{}]", keyword, value_words(s.value)) : keyword + "=" + value_words(s.value);
 }
 
-/// What a fault is in parts. Texts that came in one piece are cut where their file or setting ends, and where they go on
-/// to what is expected.
+/// What a fault is in parts. Texts that came in one piece are cut where their file or setting ends, and where they go
+/// on to what is expected.
 struct FaultParts {
   std::string place, found, expected;
   std::vector<std::string> remedy;
@@ -91,7 +91,8 @@ FaultParts parts_of(const Fault& fault) {
     parts.expected = parts.found.substr(parts.found.find(' ', end) + 1);
     parts.found.erase(end);
   }
-  while (!parts.found.empty() && std::string(",;:").find(parts.found.back()) != std::string::npos) parts.found.pop_back();
+  while (!parts.found.empty() && std::string(",;:").find(parts.found.back()) != std::string::npos)
+    parts.found.pop_back();
   return parts;
 }
 

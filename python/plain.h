@@ -34,8 +34,7 @@ py::object plain(const Json& json);
 py::array look(const py::dtype& type, std::size_t rows, std::size_t columns, const void* data, const Owner& owner);
 
 template <class Number>
-requires std::is_arithmetic_v<Number>
-py::array look(const std::vector<Number>& values, const Owner& owner) {
+requires std::is_arithmetic_v<Number> py::array look(const std::vector<Number>& values, const Owner& owner) {
   // a flag of ours is a char of 0 or 1
   const py::dtype type = std::is_same_v<Number, char> ? py::dtype("?") : py::dtype::of<Number>();
   return look(type, values.size(), 0, values.data(), owner);

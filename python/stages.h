@@ -1,4 +1,5 @@
-// febiodea/python/stages.h – what Python holds of each stage. Each keeps what it was made from alive, and never changes.
+// febiodea/python/stages.h – what Python holds of each stage. Each keeps what it was made from alive, and never
+// changes.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -21,7 +22,7 @@ struct ReadModel {
 /// Settings, and how they were said: enough to say them again.
 struct SaidSettings {
   Settings settings;
-  std::string file;  ///< settings file; empty: none
+  std::string file;                                                       ///< settings file; empty: none
   std::vector<std::tuple<std::string, std::string, std::string>> values;  ///< over it: keyword, key, text
 };
 

@@ -12,8 +12,8 @@ namespace dea::python {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr milliseconds kLook{50};      // between looks for Ctrl-C
-constexpr milliseconds kGrace{500};    // for work that was told to end
+constexpr milliseconds kLook{50};    // between looks for Ctrl-C
+constexpr milliseconds kGrace{500};  // for work that was told to end
 
 /// A thread that does one piece of work after the other. Threads are used again, for libraries below keep something for
 /// each that ever was.
@@ -97,7 +97,9 @@ void begin_work(const std::shared_ptr<Work>& work, const std::function<void(Work
     shop.under_way.insert(work);
   }
   const std::lock_guard<std::mutex> lock(worker->mutex);
-  worker->job = [&shop, worker, work, own = std::function<void(Work&)>(job)]() mutable { do_work(shop, worker, work, own); };
+  worker->job = [&shop, worker, work, own = std::function<void(Work&)>(job)]() mutable {
+    do_work(shop, worker, work, own);
+  };
   worker->given.notify_one();
 }
 

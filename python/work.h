@@ -20,13 +20,13 @@ namespace py = pybind11;
 
 /// What a callback is told.
 struct Progress {
-  std::string stage;             ///< "joint", "springs", "state"
-  std::size_t state = 0;         ///< from 1 on; 0: none yet
-  std::size_t states = 0;        ///< of so many
-  int iterations = 0;            ///< of the search in this state
-  double residual = kNaN;        ///< unbalanced / applied force; NaN: none is known yet
-  std::string outcome = {};      ///< of a state that ended; else empty
-  double time = kNaN;            ///< of the model, of a state that ended
+  std::string stage;         ///< "joint", "springs", "state"
+  std::size_t state = 0;     ///< from 1 on; 0: none yet
+  std::size_t states = 0;    ///< of so many
+  int iterations = 0;        ///< of the search in this state
+  double residual = kNaN;    ///< unbalanced / applied force; NaN: none is known yet
+  std::string outcome = {};  ///< of a state that ended; else empty
+  double time = kNaN;        ///< of the model, of a state that ended
 };
 
 /// Between the thread that works and the one of Python that waits for it.
@@ -42,9 +42,9 @@ struct Work {
 };
 
 /// Runs `job` in another thread, and waits for it without Python's lock. Ctrl-C and a callback that raises set the
-/// flag; work that does not see it for half a second (a matrix that is being factorised) is left to itself, ends when it
-/// does, and what it makes is dropped. `job` owns all that it uses, and no Python object. `progress`: a callable, or None;
-/// called in the thread that waits. Throws what `job` throws.
+/// flag; work that does not see it for half a second (a matrix that is being factorised) is left to itself, ends when
+/// it does, and what it makes is dropped. `job` owns all that it uses, and no Python object. `progress`: a callable, or
+/// None; called in the thread that waits. Throws what `job` throws.
 void run_work(const std::function<void(Work&)>& job, const py::object& progress = py::none());
 
 /// The same for work with a result.

@@ -93,8 +93,9 @@ def _solve(self, body=None, force=None, moment=None, about=None, rotate=None, mo
 
     body, force, moment: what replaces all that the model puts on this body; (x, y, z), global; the force acts at
     `about`, (x, y, z) of the reference or "sphere-center" (None: the centre of mass), the moment is about it.
-    rotate, move, rotate_about, free: as in recognise, over what was said there. start: where the search starts, a state
-    or {"BODY": 4 x 4 array}; None: where the bodies are placed. The same call gives the same bits. Answers a State.
+    rotate, move, rotate_about, free: as in recognise, over what was said there. start: where free motions begin, a state
+    or {"BODY": 4 x 4 array}; None: where the bodies are placed. What is held stays where rotate and move place it. The
+    same call gives the same bits. Answers a State.
     """
     keywords = {"rotate_about": rotate_about, "rotate": rotate, "move": move, "free": free}
     if about is not None and body is None:

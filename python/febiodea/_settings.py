@@ -42,9 +42,9 @@ def _placements(value, keyword):
         value = [(body, turn) for body, turn in value.items()]
     elif isinstance(value, tuple) and value and isinstance(value[0], str):
         value = [value]
-    for one in value:
+    form = '[("BODY", (x, y, z), DEGREES)]' if keyword == "rotate" else '[("BODY", (x, y, z))]'
+    for one in value if _is_sequence(value) else [value]:
         if not _is_sequence(one) or len(one) < 2 or not isinstance(one[0], str):
-            form = '[("BODY", (x, y, z), DEGREES)]' if keyword == "rotate" else '[("BODY", (x, y, z))]'
             raise UsageError(f"{keyword}: found {one!r}, expected {form}", keyword, f"found {one!r}", f"expected {form}")
         yield one[0], _text(list(one[1:]) if len(one) > 2 else one[1], keyword)
 

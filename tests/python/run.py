@@ -3,7 +3,8 @@ import importlib.util
 import pathlib
 import sys
 
-folder = pathlib.Path(sys.argv[1])
+sys.dont_write_bytecode = True  # nothing new in the source tree
+folder = pathlib.Path(sys.argv[1]).resolve()
 if not list(folder.glob("febiodea/_febiodea*.so")):
     print("skipped: the Python module was not built (pybind11-dev was not found)")
     sys.exit(77)

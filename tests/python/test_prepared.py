@@ -62,6 +62,27 @@ def test_turned_bodies_are_placed(joint, hip):
     np.testing.assert_allclose(solved.poses["femur"], analysed.poses["femur"], atol=1e-6)
 
 
+def test_a_start_moves_nothing_that_is_held(joint):
+    """A state of a turned socket as the start of another: its socket is not taken over."""
+    there = joint.solve(rotate=[("pelvis", (0, 1, 0), 5)])
+    turned_on = joint.solve(rotate=[("pelvis", (0, 1, 0), 7)], start=there)
+    np.testing.assert_allclose(turned_on.poses["pelvis"], turned((0, 1, 0), np.radians(7), about=center_of(turned_on)),
+                               atol=1e-9)
+    plain = joint.solve(rotate=[("pelvis", (0, 1, 0), 7)])
+    np.testing.assert_allclose(turned_on.poses["femur"], plain.poses["femur"], atol=1e-6)
+    back = joint.solve(start=there)
+    np.testing.assert_array_equal(back.poses["pelvis"], np.eye(4))
+    with pytest.raises(febiodea.UsageError, match="not free") as caught:
+        joint.solve(start={"pelvis": there.poses["pelvis"]})
+    assert caught.value.place == 'start["pelvis"]'
+
+
+def center_of(state):
+    """The point that the pelvis's pose leaves where it is, on the axis: least squares, for turns have a line of them."""
+    pose = state.poses["pelvis"]
+    return np.linalg.lstsq(np.eye(3) - pose[:3, :3], pose[:3, 3], rcond=None)[0]
+
+
 def test_press_at_a_solution_has_its_forces(joint):
     state = joint.solve()
     pressed = joint.press(state).contact("hip_contact")

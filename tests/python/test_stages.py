@@ -85,7 +85,7 @@ def test_settings_order_of_placements(hip):
     ({"rotate": [("pelvis", (0, 0, 0), 1)]}, 'rotate=[("pelvis", (0, 0, 0), 1)]', "0,0,0", "an axis"),
     ({"rotate": [("pelvs", (0, 1, 0), 1)]}, 'rotate=[("pelvs", ...)]', 'did you mean "pelvis"', '"femur"'),
     ({"rotate": [(0, 1, 0)]}, "rotate", "found (0, 1, 0)", "BODY"),
-    ({"refine": 900}, "refine=900", "springs need about", "largest that fits"),
+    ({"refine": 900}, "refine=900", "springs", "at most"),
 ])
 def test_faults_name_keywords(hip, keywords, place, found, expected):
     with pytest.raises(febiodea.UsageError) as caught:
@@ -141,8 +141,8 @@ def test_pickle(samples, tmp_path):
     recognition = febiodea.recognise(febiodea.read_feb(path), settings)
     bytes_of_it = pickle.dumps(recognition)
     table = febiodea.analyse(recognition, "last").table()
-    assert febiodea.analyse(pickle.loads(bytes_of_it), "last").table() == table
-    assert pickle.loads(pickle.dumps(table)) == table
+    again = febiodea.analyse(pickle.loads(bytes_of_it), "last").table()
+    assert repr(again) == repr(table) == repr(pickle.loads(pickle.dumps(table)))  # all digits; NaN is NaN
     path.write_bytes(path.read_bytes().replace(b"0.45", b"0.44", 1))
     with pytest.raises(febiodea.InputError, match="another content"):
         pickle.loads(bytes_of_it)
