@@ -111,9 +111,9 @@ States wanted_states(const Recognition& recognition, const RunOptions& options) 
   if (row_count(settings) > 0 || settings.skip_steps) {
     if (!times_from.empty())
       throw UsageError(Fault{.given = NamedSetting{"times-from", "", times_from},
-                             .found = say("found {} beside it,", settings.skip_steps
-                                                                     ? say("{}", NamedSetting{"skip-steps", "", "", "", true})
-                                                                     : Sentence("a table of loads or motion")),
+                             .found = say("found {} beside it,",
+                                          settings.skip_steps ? say("{}", NamedSetting{"skip-steps", "", "", "", true})
+                                                              : Sentence("a table of loads or motion")),
                              .expected = "expected the model's own steps"});
     return row_states(model, settings, asked, option);
   }

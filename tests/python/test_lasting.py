@@ -136,3 +136,12 @@ def test_interrupt_ends_an_analysis_within_a_second(samples):
 def test_a_program_that_catches_the_interrupt_ends_in_order(samples):
     raised, _, code, out, err = interrupt(str(samples / "hip/hip_walking.feb"), "springs", "go on")
     assert raised < 1 and code == 0 and "went on" in out and err == ""
+
+
+def test_a_forked_process_works_on_its_own(small):
+    joint = febiodea.prepare(small)
+    force = joint.press().contact().force.tobytes()
+    child = os.fork()
+    if child == 0:  # no thread of its parent goes on there
+        os._exit(0 if joint.press().contact().force.tobytes() == force else 1)
+    assert os.waitpid(child, 0)[1] == 0
