@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <febiodea/app/commands.h>
-#include <febiodea/app/memory.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/held_outputs.h>
@@ -11,6 +10,7 @@
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/views/data/info_json.h>
+#include <febiodea/views/memory.h>
 #include <febiodea/views/text/info_text.h>
 
 namespace dea {

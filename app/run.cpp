@@ -6,7 +6,6 @@
 
 #include <febiodea/app/commands.h>
 #include <febiodea/app/interrupt.h>
-#include <febiodea/app/memory.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/time_text.h>
@@ -16,6 +15,7 @@
 #include <febiodea/io/results/existing_plot.h>
 #include <febiodea/io/settings/output_options.h>
 #include <febiodea/io/tables/read_tables.h>
+#include <febiodea/views/memory.h>
 #include <febiodea/views/page/write_page.h>
 #include <febiodea/views/run_model.h>
 #include <febiodea/views/text/remarks.h>

@@ -1,18 +1,19 @@
 """Who includes whom: python3 includes.py SOURCE. Fails on an include that goes up the house, and on circles. And who words
 settings: src has no text with an option of the command line.
 
-Floors, lowest first. A file includes its own floor and those below; plugin never includes app."""
+Floors, lowest first. A file includes its own floor and those below; plugin and python never include app, nor each other."""
 import pathlib
 import re
 import sys
 
 FLOORS = ["base", "model", "geometry", "joint", "springs", "equilibrium", "results", "run", "io", "views", "app"]
+ASIDE = ["plugin", "python"]  # beside the program, on the same floors
 source = pathlib.Path(sys.argv[1])
 
 
 def floor(path):
     part = path.split("/")[0]
-    return len(FLOORS) if part == "plugin" else FLOORS.index(part)
+    return len(FLOORS) if part in ASIDE else FLOORS.index(part)
 
 
 def name(file):
@@ -20,7 +21,7 @@ def name(file):
     return path[4:] if path.startswith("src/") else path
 
 
-files = [f for folder in ("src", "io", "views", "app", "plugin") for f in sorted((source / folder).rglob("*"))
+files = [f for folder in ("src", "io", "views", "app", *ASIDE) for f in sorted((source / folder).rglob("*"))
          if f.suffix in (".h", ".cpp") and f.name != "febiodea.h"]
 faults, graph = [], {}
 for file in files:
@@ -32,8 +33,9 @@ for file in files:
             continue  # version.h
         if floor(other) > floor(name(file)):
             faults.append(f"{name(file)} includes {other}, which is a floor higher")
-        if floor(name(file)) == len(FLOORS) and other.startswith("app/"):
-            faults.append(f"{name(file)} includes {other}: the plugin knows nothing of the program")
+        own = name(file).split("/")[0]
+        if own in ASIDE and other.split("/")[0] in {"app", *ASIDE} - {own}:
+            faults.append(f"{name(file)} includes {other}: {own} knows nothing of it")
         # a .cpp file stands for its header: what one of the two includes, both depend on
         graph.setdefault(re.sub(r"\.(h|cpp)$", "", name(file)), set()).add(re.sub(r"\.h$", "", other))
 for file in sorted((source / "src").rglob("*.[hc]*")):

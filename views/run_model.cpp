@@ -9,11 +9,11 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/base/say.h>
 #include <febiodea/base/time_text.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/vtu/write_vtu.h>
-#include <febiodea/run/states.h>
 #include <febiodea/views/data/run_csv.h>
 #include <febiodea/views/text/remarks.h>
 
@@ -27,51 +27,6 @@ StatesAsked asked_states(const std::string& states, const std::string& option) {
   } catch (const BadValue& bad) {
     throw UsageError(fmt::format("{}: {}", option, bad.what()));
   }
-}
-
-/// `option`: how the user calls `states`.
-States wanted_states(const JointModel& model, const Settings& settings, const std::string& states,
-                     const std::string& option, const std::string& times_from) {
-  const StatesAsked asked = asked_states(states, option);
-  if (row_count(settings) > 0 || settings.skip_steps) {
-    if (!times_from.empty())
-      throw UsageError(fmt::format("--times-from {}: found {} beside it, expected the model's own steps", times_from,
-                                   settings.skip_steps ? "--skip-steps" : "a table of loads or motion"));
-    return row_states(model, settings, asked, option);
-  }
-  ResultTimes times;
-  if (times_from.empty()) {
-    times.times = model_times(model, states != "all");
-  } else {
-    const XpltFile file = read_xplt(times_from);
-    if (file.states.empty())
-      throw InputError(times_from + ": found no complete state, expected the times of at least one");
-    std::vector<double> found;
-    for (const XpltState& state : file.states) found.push_back(state.time);
-    times = times_of_result(model, found, times_from);
-  }
-  if (asked.all && times_from.empty()) return all_states(std::move(times.times));
-  std::vector<double> own = times.of_result, chosen = asked.times;
-  if (own.empty())
-    for (const TimePoint& p : times.times) own.push_back(p.time);
-  for (double t : own)
-    if (asked.all || asks_for(asked, t)) chosen.push_back(t);
-  if (asked.last) chosen.push_back(*std::max_element(own.begin(), own.end()));
-  if (chosen.empty())
-    throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {} to {}", option,
-                                 time_text(own.front()), time_text(own.back())));
-  return choose_states(model, std::move(times.times), chosen, option);
-}
-
-/// What the user should know of the states that are solved.
-void note_states(const JointModel& model, const RunOptions& options, const States& states,
-                 std::vector<Sentence>& findings) {
-  const std::string& asked = options.outputs.states;
-  if (!options.times_from.empty() || asked == "all" || states.times.back().row >= 0) return;
-  if (asked.empty() && very_many_time_steps(model))
-    findings.push_back(thinned_note(model, states.times.size()));
-  else if (!asked.empty() && many_states_left_out(model, states.times))
-    findings.push_back(states_left_out_note(model, states.times.size()));
 }
 
 /// The plot file as it grows with the states, and what it takes of the time.
@@ -148,6 +103,54 @@ void write_others(const JointModel& model, const Settings& settings, const RunOp
 
 }  // namespace
 
+States wanted_states(const Recognition& recognition, const RunOptions& options) {
+  const JointModel& model = recognition.model;
+  const Settings& settings = recognition.settings;
+  const std::string &states = options.outputs.states, &option = options.states_option, &times_from = options.times_from;
+  const StatesAsked asked = asked_states(states, option);
+  if (row_count(settings) > 0 || settings.skip_steps) {
+    if (!times_from.empty())
+      throw UsageError(Fault{.given = NamedSetting{"times-from", "", times_from},
+                             .found = say("found {} beside it,",
+                                          settings.skip_steps ? say("{}", NamedSetting{"skip-steps", "", "", "", true})
+                                                              : Sentence("a table of loads or motion")),
+                             .expected = "expected the model's own steps"});
+    return row_states(model, settings, asked, option);
+  }
+  ResultTimes times;
+  if (times_from.empty()) {
+    times.times = model_times(model, states != "all");
+  } else {
+    const XpltFile file = read_xplt(times_from);
+    if (file.states.empty())
+      throw InputError(times_from + ": found no complete state, expected the times of at least one");
+    std::vector<double> found;
+    for (const XpltState& state : file.states) found.push_back(state.time);
+    times = times_of_result(model, found, times_from);
+  }
+  if (asked.all && times_from.empty()) return all_states(std::move(times.times));
+  std::vector<double> own = times.of_result, chosen = asked.times;
+  if (own.empty())
+    for (const TimePoint& p : times.times) own.push_back(p.time);
+  for (double t : own)
+    if (asked.all || asks_for(asked, t)) chosen.push_back(t);
+  if (asked.last) chosen.push_back(*std::max_element(own.begin(), own.end()));
+  if (chosen.empty())
+    throw UsageError(fmt::format("{}: found no state of the model in this range, expected times from {} to {}", option,
+                                 time_text(own.front()), time_text(own.back())));
+  return choose_states(model, std::move(times.times), chosen, option);
+}
+
+void note_states(const JointModel& model, const RunOptions& options, const States& states,
+                 std::vector<Sentence>& findings) {
+  const std::string& asked = options.outputs.states;
+  if (!options.times_from.empty() || asked == "all" || states.times.back().row >= 0) return;
+  if (asked.empty() && very_many_time_steps(model))
+    findings.push_back(thinned_note(model, states.times.size()));
+  else if (!asked.empty() && many_states_left_out(model, states.times))
+    findings.push_back(states_left_out_note(model, states.times.size()));
+}
+
 bool wants_all_states(const RunOptions& options) {
   return options.outputs.states == "all" && options.times_from.empty();
 }
@@ -158,7 +161,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   const OutputSettings& outputs = options.outputs;
   States states;
   try {
-    states = wanted_states(model, recognition.settings, outputs.states, options.states_option, options.times_from);
+    states = wanted_states(recognition, options);
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }

@@ -6,6 +6,7 @@
 #include <febiodea/io/settings/output_options.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/run/states.h>
 #include <febiodea/views/data/run_json.h>
 
 namespace dea {
@@ -35,6 +36,12 @@ struct RunResult {
 /// Solves every wanted state and writes plot file, VTK files, JSON and CSV. Throws UsageError, InputError, WriteError,
 /// Stopped.
 RunResult run_model(const Recognition& recognition, const RunOptions& options);
+
+/// The states that `options` ask for, and those on the way to them. Throws UsageError, InputError.
+States wanted_states(const Recognition& recognition, const RunOptions& options);
+/// Adds to `findings` what the user should know of the states that are solved.
+void note_states(const JointModel& model, const RunOptions& options, const States& states,
+                 std::vector<Sentence>& findings);
 
 /// Are all states of the model wanted, however many these are?
 bool wants_all_states(const RunOptions& options);

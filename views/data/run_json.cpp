@@ -48,6 +48,21 @@ Json body_json(const Body& body, const Pose& pose, const Vector6& reaction) {
   return j;
 }
 
+/// Of ligaments or cables.
+template <class Springs>
+Json tensions_json(const Springs& springs, const std::vector<double>& forces) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < forces.size() && i < springs.size(); ++i) {
+    Json j;
+    j["name"] = springs[i].name;
+    j["force"] = json_number(forces[i]);
+    list.push_back(j);
+  }
+  return list;
+}
+
+}  // namespace
+
 Json contact_json(const JointModel& model, const Joint& joint, const ContactPair& pair, const ContactStatistics& s,
                   const ContactFields& fields) {
   Json j;
@@ -94,19 +109,6 @@ Json contact_json(const JointModel& model, const Joint& joint, const ContactPair
   return j;
 }
 
-/// Of ligaments or cables.
-template <class Springs>
-Json tensions_json(const Springs& springs, const std::vector<double>& forces) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < forces.size() && i < springs.size(); ++i) {
-    Json j;
-    j["name"] = springs[i].name;
-    j["force"] = json_number(forces[i]);
-    list.push_back(j);
-  }
-  return list;
-}
-
 Json state_json(const JointModel& model, const Joint& joint, const StateResult& state) {
   const Equilibrium& e = state.equilibrium;
   Json j;
@@ -146,8 +148,6 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
   }
   return j;
 }
-
-}  // namespace
 
 Json settings_json(const Settings& settings) {
   Json j;

@@ -12,6 +12,10 @@ struct Timings {
 };
 
 Json settings_json(const Settings& settings);
+/// One state, and one contact in it, as run_json has them.
+Json state_json(const JointModel& model, const Joint& joint, const StateResult& state);
+Json contact_json(const JointModel& model, const Joint& joint, const ContactPair& pair,
+                  const ContactStatistics& statistics, const ContactFields& fields);
 Json run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings);
 Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies,
                    double target, int max_springs);

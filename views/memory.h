@@ -1,5 +1,8 @@
-// febiodea/app/memory.h – will the springs fit in this machine's memory?
+// febiodea/views/memory.h – will the springs fit in this machine's memory?
 #pragma once
+#include <string>
+
+#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/run/recognise.h>
 
 namespace dea {
@@ -10,6 +13,6 @@ double free_memory();
 
 /// What springs divided by --refine cost, as a note; empty: they are few. Throws UsageError where they need more memory
 /// than is free.
-std::string spring_cost_note(const Recognition& recognition);
+std::string spring_cost_note(const Recognition& recognition, const Wording& wording = command_line_wording());
 
 }  // namespace dea

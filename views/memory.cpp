@@ -1,4 +1,4 @@
-#include <febiodea/app/memory.h>
+#include <febiodea/views/memory.h>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -10,7 +10,6 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
-#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/run/cost.h>
 
 namespace dea {
@@ -60,7 +59,7 @@ double free_memory() {
       {kernel_number("/proc/meminfo", "MemAvailable:") * kBytesOfKilobyte, free_of_group(), free_addresses()});
 }
 
-std::string spring_cost_note(const Recognition& r) {
+std::string spring_cost_note(const Recognition& r, const Wording& wording) {
   int refine = 1;
   for (const ContactPair& pair : r.joint.contacts) refine = std::max(refine, pair.refine);
   if (!r.recognised || refine == 1) return "";
@@ -80,9 +79,9 @@ std::string spring_cost_note(const Recognition& r) {
   const std::string layers =
       cost.layer_triangles > 0 ? fmt::format(" and {:.0f} triangles of the layers", cost.layer_triangles) : "";
   return fmt::format(
-      "note: --refine {0}: {1:.0f} springs ({2:.0f} triangles, each divided into {0} x {0}){3}, about {4} "
+      "note: {5}: {1:.0f} springs ({2:.0f} triangles, each divided into {0} x {0}){3}, about {4} "
       "of memory",
-      refine, cost.springs, spring_cost(r.joint, 1).springs, layers, gigabytes(cost.bytes));
+      refine, cost.springs, spring_cost(r.joint, 1).springs, layers, gigabytes(cost.bytes), wording(given));
 }
 
 }  // namespace dea

@@ -1,0 +1,311 @@
+#include <pybind11/stl.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/rows.h>
+#include <febiodea/equilibrium/times.h>
+#include <febiodea/joint/placing.h>
+#include <febiodea/model/settings_table.h>
+#include <febiodea/python/bind.h>
+#include <febiodea/python/errors.h>
+#include <febiodea/python/plain.h>
+#include <febiodea/python/views.h>
+#include <febiodea/python/work.h>
+#include <febiodea/views/memory.h>
+
+namespace dea::python {
+
+namespace {
+
+using Joint_ = std::shared_ptr<PreparedJoint>;
+
+Joint_ prepare_joint(const std::shared_ptr<Recognised>& recognised) {
+  return result_of<PreparedJoint>([recognised](Work& work) {
+    throw_if_any(recognised->recognition.faults);
+    spring_cost_note(recognised->recognition, python_wording());
+    const auto joint = std::make_shared<PreparedJoint>();
+    joint->recognised = recognised;
+    joint->prepared = prepare(recognised->recognition, &work.stop);
+    joint->maps = make_field_maps(recognised->recognition.model, joint->prepared.joint);
+    return joint;
+  });
+}
+
+std::size_t body_at(const PreparedJoint& joint, const std::string& name) {
+  const int found = joint.prepared.joint.find_body(joint.recognised->recognition.model, name);
+  return found >= 0 ? at(found) : find_named_body(joint.prepared.joint, name);
+}
+
+/// What a user says of poses: None, a dictionary by bodies, an array of all bodies, or a state. Bodies that are not
+/// named have those of `poses`.
+std::vector<Pose> with_poses(const PreparedJoint& joint, std::vector<Pose> poses, const py::object& given,
+                             const std::string& where) {
+  const std::vector<Body>& bodies = joint.prepared.joint.bodies;
+  if (given.is_none()) return poses;
+  if (py::hasattr(given, "poses")) return with_poses(joint, std::move(poses), given.attr("poses"), where);
+  if (py::isinstance<py::dict>(given)) {
+    for (const auto& item : given.cast<py::dict>()) {
+      const std::string name = py::str(item.first);
+      const std::size_t b = body_at(joint, name);
+      poses[b] = pose_of(item.second, bodies[b].center_of_mass, fmt::format("{}[\"{}\"]", where, name));
+    }
+    return poses;
+  }
+  if (!py::isinstance<py::sequence>(given) && !py::isinstance<py::array>(given))
+    throw UsageError(
+        Fault{.place = where,
+              .found = "found no poses,",
+              .expected = "expected {\"BODY\": 4 x 4 array, ...}, an array of shape (bodies, 4, 4), or a state"});
+  const std::size_t count = py::len(given);
+  if (count != bodies.size())
+    throw UsageError(Fault{
+        .place = where,
+        .found = fmt::format("found {} poses,", count),
+        .expected = fmt::format("expected one for each of {} bodies, or {{\"BODY\": 4 x 4 array}}", bodies.size())});
+  for (std::size_t b = 0; b < count; ++b)
+    poses[b] = pose_of(given.attr("__getitem__")(b), bodies[b].center_of_mass, fmt::format("{}[{}]", where, b));
+  return poses;
+}
+
+/// The load that a user puts on one body.
+struct GivenLoad {
+  std::string body;  ///< empty: the model's own
+  Vector6 load = Vector6::Zero();
+};
+
+Vector3d three_numbers(const py::object& given, const char* where) {
+  if (given.is_none()) return Vector3d::Zero();
+  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
+  if (!array) PyErr_Clear();
+  if (!array || array.ndim() != 1 || array.shape(0) != 3)
+    throw UsageError(Fault{.place = where, .found = "found no three numbers,", .expected = "expected (x, y, z)"});
+  const Vector3d v = Eigen::Map<const Vector3d>(array.data());
+  if (!v.allFinite())
+    throw UsageError(
+        Fault{.place = where, .found = "found a number that is not finite,", .expected = "expected (x, y, z)"});
+  return v;
+}
+
+/// The settings of a load case: those of the recognition, with the load as a table of one row.
+Settings settings_with(const PreparedJoint& joint, const py::list& values, const GivenLoad& given) {
+  for (const py::handle value : values) {  // others would make another joint
+    const std::string keyword = value.cast<py::tuple>()[0].cast<std::string>();
+    if (keyword != "rotate" && keyword != "rotate_about" && keyword != "move" && keyword != "free" &&
+        keyword != "load_at")
+      throw UsageError(Fault{.place = keyword,
+                             .found = "found a setting of the joint itself,",
+                             .expected = "expected rotate, rotate_about, move or free; recognise takes the others"});
+  }
+  Settings settings = with_values(joint.recognised->recognition.settings, values);
+  if (given.body.empty()) return settings;
+  settings.force.erase(given.body);
+  settings.motion = {};
+  settings.loads = {};
+  settings.loads.body = given.body;
+  settings.loads.time = {step_starts(joint.recognised->recognition.model).back()};
+  settings.loads.load = {given.load};
+  return settings;
+}
+
+LoadCase load_case_of(const PreparedJoint& joint, const Settings& settings, const std::vector<Pose>& placed) {
+  const JointModel& model = joint.recognised->recognition.model;
+  if (row_count(settings) == 0)
+    return make_load_case(model, joint.prepared.joint, settings, static_cast<int>(model.steps.size()) - 1,
+                          step_starts(model).back());
+  check_rows(model, joint.prepared.joint, settings);
+  return make_row_case(model, joint.prepared.joint, settings, static_cast<int>(row_count(settings)) - 1, placed);
+}
+
+/// A start says where free dofs begin; what is held stays where the settings place it, whatever state the start is
+/// taken from. `said`: the user named the bodies, and would be surprised.
+std::vector<Pose> free_start(const PreparedJoint& joint, const LoadCase& load_case, const std::vector<Pose>& placed,
+                             const std::vector<Pose>& start, bool said) {
+  constexpr double kSame = 1e-9;
+  std::vector<Pose> poses = placed;
+  for (std::size_t b = 0; b < poses.size(); ++b) {
+    const auto& dofs = load_case.bodies[b].dofs;
+    for (int k = 0; k < 3; ++k)
+      if (dofs[at(k)] == DofState::Free) poses[b].center(k) = start[b].center(k);
+    if (std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0) poses[b].rotation = start[b].rotation;
+    const double away = (poses[b].center - start[b].center).norm() + (poses[b].rotation - start[b].rotation).norm();
+    if (said && away > kSame * (1 + placed[b].center.norm()))
+      throw UsageError(Fault{.place = fmt::format("start[\"{}\"]", joint.prepared.joint.bodies[b].name),
+                             .found = "found a motion that the body is not free to make,",
+                             .expected = "expected rotate or move for where it is held"});
+  }
+  return poses;
+}
+
+std::shared_ptr<SolvedLoad> solved_load(const Joint_& joint, const LoadCase& load_case, const Start& start,
+                                        Work& work) {
+  EquilibriumOptions options;
+  options.stop = &work.stop;
+  options.watch = [&work](const SearchStatus& s) {
+    work.tell({.stage = "state", .state = 1, .states = 1, .iterations = s.iterations, .residual = s.residual});
+  };
+  const Prepared& p = joint->prepared;
+  const Recognition& r = joint->recognised->recognition;
+  const auto solved = std::make_shared<SolvedLoad>();
+  solved->joint = joint;
+  StateResult& state = solved->state;
+  state.when = {load_case.time, load_case.step, -1};
+  state.equilibrium = solve(p, load_case, start, options);
+  refuse_zero_thickness(r.model, p.joint, p.beds, state.equilibrium);
+  state.fields = contact_fields(p.joint, p.beds, joint->maps, state.equilibrium);
+  state.statistics = contact_statistics(p.joint, p.beds, joint->maps, state.equilibrium, state.fields);
+  state.displacements =
+      node_displacements(r.model, p.joint, joint->maps, state.equilibrium, state.fields, r.settings.squash);
+  return solved;
+}
+
+StateView solve_joint(const Joint_& joint, const std::string& body, const py::object& force, const py::object& moment,
+                      const py::list& values, const py::object& start, const py::object& progress) {
+  GivenLoad given;
+  given.load << three_numbers(force, "force"), three_numbers(moment, "moment");
+  if (!body.empty()) given.body = joint->prepared.joint.bodies[body_at(*joint, body)].name;
+  if (body.empty() && !(force.is_none() && moment.is_none()))
+    throw UsageError(Fault{.place = force.is_none() ? "moment" : "force",
+                           .found = "found no body that it acts on,",
+                           .expected = "expected body=\"BODY\" beside it"});
+  const Settings settings = settings_with(*joint, values, given);
+  const std::vector<Pose> placed =
+      starting_poses(joint->recognised->recognition.model, joint->prepared.joint, settings);
+  const LoadCase load_case = load_case_of(*joint, settings, placed);
+  const std::vector<Pose> poses = free_start(*joint, load_case, placed, with_poses(*joint, placed, start, "start"),
+                                             py::isinstance<py::dict>(start));
+  const auto solved = result_of<SolvedLoad>(
+      [joint, load_case, poses, placed](Work& work) {
+        return solved_load(joint, load_case, {poses, placed}, work);
+      },
+      progress);
+  return view_of(solved);
+}
+
+std::shared_ptr<PressedJoint> press_joint(const Joint_& joint, const py::object& poses) {
+  const std::vector<Pose> all = with_poses(*joint, reference_poses(joint->prepared.joint), poses, "pose");
+  return result_of<PressedJoint>([joint, all](Work& work) {
+    PressOptions options;
+    options.stop = &work.stop;
+    return std::make_shared<PressedJoint>(PressedJoint{joint, all, press(joint->prepared, all, options)});
+  });
+}
+
+struct PressedView {
+  std::shared_ptr<const PressedJoint> of;
+  std::size_t index = 0;
+  const PressedSprings& contact() const { return of->pressed.contacts[index]; }
+};
+
+void bind_joint(py::module_& m) {
+  py::class_<PreparedJoint, Joint_>(
+      m, "Prepared",
+      "A joint made ready once: springs placed, layers factorised. It never changes; several threads may use one at a\n"
+      "time, and the same call gives the same bits.\n\nMade by prepare.")
+      .def_property_readonly(
+          "recognition", [](const PreparedJoint& j) { return std::const_pointer_cast<Recognised>(j.recognised); },
+          "What it was prepared from.")
+      .def_property_readonly(
+          "bodies", [](const PreparedJoint& j) { return body_names(j.prepared.joint); },
+          "Names of the rigid bodies, in the order of arrays of poses.")
+      .def_property_readonly(
+          "contacts", [](const PreparedJoint& j) { return contact_names(j.prepared.joint); }, "Names of the contacts.")
+      .def("_solve", &solve_joint)
+      .def("press", &press_joint, py::arg("pose") = py::none(),
+           "All contacts at given poses, without a search for the poses.\n\n"
+           "pose: {\"BODY\": 4 x 4 array, ...}, bodies that are not named stay where the file has them; or an array\n"
+           "(bodies, 4, 4); or a state. x = R X + t: the identity leaves a body where the file has it. Global frame,\n"
+           "the model's units. Answers a Pressed.")
+      .def("__repr__", [](const PreparedJoint& j) {
+        return text(fmt::format("<febiodea.Prepared: {} bodies, {} contacts>", j.prepared.joint.bodies.size(),
+                                j.prepared.joint.contacts.size()));
+      });
+}
+
+void bind_pressed_contact(py::module_& m) {
+  py::class_<PressedView>(m, "PressedContact", "What one contact does at given poses.")
+      .def_property_readonly(
+          "name", [](const PressedView& v) { return text(v.of->joint->prepared.joint.contacts[v.index].name); },
+          "Of the contact.")
+      .def_property_readonly(
+          "springs",
+          [](const PressedView& v) {
+            return SpringsView{v.of, &v.contact().springs};
+          },
+          "Its springs: arrays, one entry per spring.")
+      .def_property_readonly(
+          "force", [](const PressedView& v) { return vector3(v.contact().on_target.head<3>()); },
+          "(3,) on the target, global.")
+      .def_property_readonly(
+          "moment", [](const PressedView& v) { return vector3(v.contact().on_target.tail<3>()); },
+          "(3,) on the target, about its current centre of mass.")
+      .def_property_readonly(
+          "force_on_source", [](const PressedView& v) { return vector3(v.contact().on_source.head<3>()); },
+          "(3,) the opposite force.")
+      .def_property_readonly(
+          "moment_on_source", [](const PressedView& v) { return vector3(v.contact().on_source.tail<3>()); },
+          "(3,) on the source, about its current centre of mass.")
+      .def_property_readonly(
+          "derivative", [](const PressedView& v) { return matrix6(v.contact().derivative); },
+          "(6, 6) of (force, moment) by small motions of the target (translation of its centre of\n"
+          "mass, rotation [rad], global axes), the source held.")
+      .def_property_readonly(
+          "stiffness", [](const PressedView& v) { return matrix6(-v.contact().derivative); },
+          "(6, 6) minus `derivative`: what resists the motion.")
+      .def_property_readonly(
+          "normal_force", [](const PressedView& v) { return v.contact().normal_force; }, "Sum of pressure times area.");
+}
+
+void bind_pressed(py::module_& m) {
+  bind_pressed_contact(m);
+  py::class_<PressedJoint, std::shared_ptr<PressedJoint>>(m, "Pressed", "All contacts of a joint at given poses.")
+      .def(
+          "contact",
+          [](const std::shared_ptr<PressedJoint>& p, const std::string& name) {
+            return PressedView{p, find_contact(p->joint->prepared.joint, name)};
+          },
+          py::arg("name") = "", "The contact of this name; without a name: the only one.")
+      .def_property_readonly(
+          "contacts",
+          [](const std::shared_ptr<PressedJoint>& p) {
+            py::list all;
+            for (std::size_t c = 0; c < p->pressed.contacts.size(); ++c) all.append(PressedView{p, c});
+            return all;
+          },
+          "One PressedContact per contact of the joint.")
+      .def_property_readonly(
+          "on_body",
+          [](const PressedJoint& p) {
+            py::dict all;
+            for (std::size_t b = 0; b < p.pressed.on_body.size(); ++b) {
+              const Vector6& w = p.pressed.on_body[b];
+              all[text(p.joint->prepared.joint.bodies[b].name)] =
+                  py::make_tuple(vector3(w.head<3>()), vector3(w.tail<3>()));
+            }
+            return all;
+          },
+          "Per body (force, moment) of all contacts, about its current centre of mass, global.")
+      .def_property_readonly(
+          "poses",
+          [](const PressedJoint& p) {
+            py::dict all;
+            const std::vector<Body>& bodies = p.joint->prepared.joint.bodies;
+            for (std::size_t b = 0; b < bodies.size(); ++b)
+              all[text(bodies[b].name)] = matrix_of(p.poses[b], bodies[b].center_of_mass);
+            return all;
+          },
+          "Per body its pose, (4, 4).");
+}
+
+}  // namespace
+
+void bind_prepared(py::module_& m) {
+  bind_joint(m);
+  bind_pressed(m);
+  m.def("prepare", &prepare_joint);
+}
+
+}  // namespace dea::python

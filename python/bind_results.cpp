@@ -1,0 +1,365 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/results/existing_plot.h>
+#include <febiodea/io/results/plot_file.h>
+#include <febiodea/io/vtu/write_vtu.h>
+#include <febiodea/python/bind.h>
+#include <febiodea/python/errors.h>
+#include <febiodea/python/plain.h>
+#include <febiodea/python/views.h>
+#include <febiodea/python/work.h>
+#include <febiodea/views/data/run_csv.h>
+#include <febiodea/views/page/write_page.h>
+#include <febiodea/views/run_model.h>
+#include <febiodea/views/text/remarks.h>
+#include <febiodea/views/text/run_text.h>
+
+namespace dea::python {
+
+namespace {
+
+using Result_ = std::shared_ptr<Analysed>;
+
+const JointModel& model_of(const Analysed& a) { return a.recognised->recognition.model; }
+
+std::vector<double> times_of(const Analysed& a) {
+  std::vector<double> times;
+  for (const StateResult& s : a.analysis.states) times.push_back(s.when.time);
+  return times;
+}
+
+void write_plot_file(const Result_& a, const std::string& path, bool compress, bool overwrite) {
+  run_work([a, path, compress, overwrite](Work&) {
+    const std::string why = overwrite ? "" : why_kept(path, model_of(*a), times_of(*a));
+    if (!why.empty()) throw WriteError(fmt::format("{}: {}; overwrite=True replaces it", path, why));
+    write_xplt(path, make_plot_file(model_of(*a), a->analysis, compress));
+  });
+}
+
+void write_vtu_folder(const Result_& a, const std::string& folder) {
+  run_work([a, folder](Work&) { write_vtu(folder, make_plot_file(model_of(*a), a->analysis)); });
+}
+
+void write_report(const Result_& a, const std::string& path) {
+  require_page_name("report", path);
+  run_work([a, path](Work&) {
+    const std::string& model = model_of(*a).files.front();
+    write_run_page(path, a->recognised->recognition, a->analysis, make_plot_file(model_of(*a), a->analysis), model,
+                   model, {"febiodea.analyse", model}, {{"the model", model}, {"report", path}});
+  });
+}
+
+Json result_json(const Analysed& a) {
+  return run_json(model_of(a), a.recognised->recognition.settings, a.analysis, a.timings);
+}
+
+py::list states_of(const Result_& a) {
+  py::list all;
+  for (std::size_t s = 0; s < a->analysis.states.size(); ++s) all.append(view_of(a, s));
+  return all;
+}
+
+void bind_result(py::module_& m) {
+  py::class_<Analysed, Result_>(m, "Result", "All states of an analysis.\n\nMade by analyse.")
+      .def_property_readonly(
+          "recognition", [](const Analysed& a) { return std::const_pointer_cast<Recognised>(a.recognised); },
+          "What was analysed.")
+      .def_property_readonly("states", &states_of, "Its states in order of time.")
+      .def_property_readonly(
+          "solved", [](const Analysed& a) { return all_solved(a.analysis); }, "Every state is a solution.")
+      .def_property_readonly(
+          "findings", [](const Analysed& a) { return texts(run_remarks(model_of(a), a.analysis, python_wording())); },
+          "What was concluded, left out or is doubtful, a line each.")
+      .def(
+          "to_dict", [](const Analysed& a) { return plain(result_json(a)); },
+          "What `dea run --json` writes, as a dictionary.")
+      .def(
+          "to_json", [](const Analysed& a) { return text(json_text(result_json(a))); }, "What `dea run --json` writes.")
+      .def(
+          "facets_csv", [](const Analysed& a) { return text(facets_csv(model_of(a), a.analysis)); },
+          "What `dea run --facets-csv` writes: a line per state, contact, side and facet.")
+      .def("__str__", [](const Analysed& a) { return text(run_text(model_of(a), a.analysis, false)); })
+      .def("__repr__",
+           [](const Analysed& a) {
+             return text(fmt::format("<febiodea.Result of {}: {} states{}>", model_of(a).files.front(),
+                                     a.analysis.states.size(), all_solved(a.analysis) ? "" : ", not all solved"));
+           })
+      .def("_write_xplt", &write_plot_file)
+      .def("_write_vtu", &write_vtu_folder)
+      .def("_report", &write_report);
+}
+
+py::dict poses_of(const StateView& v) {
+  py::dict all;
+  for (const int b : reported_bodies(*v.joint))
+    all[text(v.joint->bodies[at(b)].name)] =
+        matrix_of(v.state->equilibrium.poses[at(b)], v.joint->bodies[at(b)].center_of_mass);
+  return all;
+}
+
+py::dict reactions_of(const StateView& v) {
+  py::dict all;
+  for (const int b : reported_bodies(*v.joint)) {
+    const Vector6& r = v.state->equilibrium.reaction[at(b)];
+    all[text(v.joint->bodies[at(b)].name)] = py::make_tuple(vector3(r.head<3>()), vector3(r.tail<3>()));
+  }
+  return all;
+}
+
+Json statistics_of(const StateView& v) { return state_json(v.model(), *v.joint, *v.state); }
+
+py::object headline_of(const Headline& h) {
+  return py::module_::import("febiodea._tables").attr("Headline")(h.p99, h.mean, h.area, h.peak, h.above);
+}
+
+void bind_state(py::module_& m) {
+  py::class_<StateView>(m, "State", "One state: poses, forces, contacts.")
+      .def_property_readonly(
+          "time", [](const StateView& v) { return v.state->when.time; }, "The model's time.")
+      .def_property_readonly(
+          "step", [](const StateView& v) { return v.state->when.step + 1; }, "Step of the model, from 1 on.")
+      .def_property_readonly(
+          "outcome", [](const StateView& v) { return name(v.state->equilibrium.outcome); },
+          "\"Balanced\", \"Prescribed\", ... (docs/theory.md)")
+      .def_property_readonly(
+          "solved", [](const StateView& v) { return solved(v.state->equilibrium.outcome); }, "It is a solution.")
+      .def_property_readonly(
+          "message", [](const StateView& v) { return text(outcome_text(v.state->equilibrium, python_wording())); },
+          "The sentence behind the outcome.")
+      .def_property_readonly(
+          "iterations", [](const StateView& v) { return v.state->equilibrium.iterations; }, "Newton steps.")
+      .def_property_readonly("poses", &poses_of,
+                             "Per body its pose, (4, 4): x = R X + t, the identity is where the file has it. Global.")
+      .def_property_readonly("reactions", &reactions_of,
+                             "Per body (force, moment) by what loads and holds it, about its current centre of mass.")
+      .def_property_readonly(
+          "displacements", [](const StateView& v) { return look(v.state->displacements, v.owner); },
+          "(nodes, 3) of all nodes of the model, cartilage compressed.")
+      .def_property_readonly(
+          "statistics", [](const StateView& v) { return plain(statistics_of(v)); },
+          "All numbers of the state by their names in JSON.")
+      .def_property_readonly(
+          "contacts",
+          [](const StateView& v) {
+            py::list all;
+            for (std::size_t c = 0; c < v.joint->contacts.size(); ++c) all.append(ContactView{v, c});
+            return all;
+          },
+          "Its contacts, in the order of the model.")
+      .def(
+          "contact",
+          [](const StateView& v, const std::string& name) {
+            return ContactView{v, find_contact(*v.joint, name)};
+          },
+          py::arg("name") = "", "The contact of this name; without a name: the only one.")
+      .def("__repr__", [](const StateView& v) {
+        return text(
+            fmt::format("<febiodea.State at time {}: {}>", v.state->when.time, name(v.state->equilibrium.outcome)));
+      });
+}
+
+SideView source_side(const ContactView& v) { return {v, v.pair().source}; }
+SideView target_side(const ContactView& v) { return {v, 1 - v.pair().source}; }
+
+py::str body_of(const SideView& v) { return text(v.of.in.joint->bodies[at(v.layer().body)].name); }
+
+void bind_contact(py::module_& m) {
+  py::class_<ContactView>(m, "Contact",
+                          "One contact in one state. Its springs stand on the source and press the target.")
+      .def_property_readonly(
+          "name", [](const ContactView& v) { return text(v.pair().name); }, "Of the contact.")
+      .def_property_readonly(
+          "source", [](const ContactView& v) { return source_side(v); }, "The side with the springs.")
+      .def_property_readonly(
+          "target", [](const ContactView& v) { return target_side(v); }, "The other side.")
+      .def_property_readonly(
+          "springs",
+          [](const ContactView& v) {
+            return SpringsView{v.in.owner, &(*v.in.springs)[v.index]};
+          },
+          "Its springs: arrays, one entry per spring.")
+      .def_property_readonly(
+          "facets", [](const ContactView& v) { return FacetsView{source_side(v)}; },
+          "Facets of the source's surface: arrays.")
+      .def_property_readonly(
+          "nodes", [](const ContactView& v) { return NodesView{source_side(v)}; },
+          "Nodes of the source's articular surface: arrays.")
+      .def_property_readonly(
+          "headline", [](const ContactView& v) { return headline_of(v.statistics().headline); },
+          "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).")
+      .def_property_readonly(
+          "compartments",
+          [](const ContactView& v) {
+            py::list all;
+            for (std::size_t i = 0; i < v.statistics().compartments.size(); ++i) all.append(CompartmentView{v, i});
+            return all;
+          },
+          "The pieces of its surface, such as a tibia's plateaus; []: it is one piece.")
+      .def_property_readonly(
+          "force", [](const ContactView& v) { return vector3(v.statistics().force); }, "(3,) on the target, global.")
+      .def_property_readonly(
+          "moment", [](const ContactView& v) { return vector3(v.statistics().moment); },
+          "(3,) on the target, about its current centre of mass.")
+      .def_property_readonly(
+          "center_of_pressure", [](const ContactView& v) { return vector3(v.statistics().center_of_pressure); },
+          "(3,) current; NaN: no pressure.")
+      .def_property_readonly(
+          "statistics",
+          [](const ContactView& v) {
+            return plain(
+                contact_json(v.in.model(), *v.in.joint, v.pair(), v.statistics(), v.in.state->fields[v.index]));
+          },
+          "All numbers of the contact by their names in JSON.")
+      .def("__repr__", [](const ContactView& v) {
+        return text(fmt::format("<febiodea.Contact {}: p99 {:.4g}, area {:.4g}>", v.pair().name,
+                                v.statistics().headline.p99, v.statistics().headline.area));
+      });
+}
+
+void bind_side(py::module_& m) {
+  py::class_<SideView>(m, "Side", "One side of a contact: a surface and the body it moves with.")
+      .def_property_readonly("body", &body_of, "Name of its body.")
+      .def_property_readonly(
+          "surface", [](const SideView& v) { return text(v.of.in.model().surfaces[at(v.layer().surface)].name); },
+          "Name of its surface.")
+      .def_property_readonly(
+          "facets", [](const SideView& v) { return FacetsView{v}; }, "Its facets: arrays.")
+      .def_property_readonly(
+          "nodes", [](const SideView& v) { return NodesView{v}; }, "Its nodes: arrays.")
+      .def_property_readonly(
+          "force", [](const SideView& v) { return vector3(v.fields().force); }, "(3,) of the contact on this side.");
+  py::class_<CompartmentView>(m, "Compartment", "What one piece of a contact's surface carries.")
+      .def_property_readonly(
+          "name", [](const CompartmentView& v) { return text(compartment_names(v.of.pair())[v.index]); }, "Its name.")
+      .def_property_readonly(
+          "headline", [](const CompartmentView& v) { return headline_of(v.load().headline); },
+          "p99, mean, area, peak of its share.")
+      .def_property_readonly(
+          "force", [](const CompartmentView& v) { return vector3(v.load().force); }, "(3,) on the target, global.")
+      .def_property_readonly(
+          "center_of_pressure", [](const CompartmentView& v) { return vector3(v.load().center_of_pressure); },
+          "(3,) of its springs, current; NaN: it carries nothing.");
+}
+
+/// A column of springs: a member of SpringStates.
+template <class Values>
+void add_column(py::class_<SpringsView>& to, const char* name, Values SpringStates::*values, const char* help) {
+  to.def_property_readonly(
+      name, [values](const SpringsView& v) { return look(v.states->*values, v.owner); }, help);
+}
+
+void bind_springs(py::module_& m) {
+  py::class_<SpringsView> springs(
+      m, "Springs",
+      "Springs of a contact at one pose, one entry each: current configuration, global frame, the model's units.");
+  add_column(springs, "pressure", &SpringStates::pressure, "(springs,) >= 0.");
+  add_column(springs, "area", &SpringStates::area, "(springs,) that the pressure acts on.");
+  add_column(springs, "strain", &SpringStates::strain, "(springs,) the larger of both layers' strains.");
+  add_column(springs, "strain_source", &SpringStates::strain_source, "(springs,) of the source's layer.");
+  add_column(springs, "strain_target", &SpringStates::strain_target, "(springs,) of the target's layer.");
+  add_column(springs, "overlap", &SpringStates::overlap, "(springs,) of both surfaces, >= 0.");
+  add_column(springs, "gap", &SpringStates::gap, "(springs,) > 0 apart, < 0 overlap; infinity: the ray met nothing.");
+  add_column(springs, "coverage", &SpringStates::coverage,
+             "(springs,) share of the foot that lies over the target, 0 to 1.");
+  add_column(springs, "foot", &SpringStates::foot, "(springs, 3) where each stands.");
+  add_column(springs, "direction", &SpringStates::direction, "(springs, 3) unit vector towards the target.");
+  add_column(springs, "end", &SpringStates::end, "(springs, 3) where its ray meets the target.");
+  add_column(springs, "thickness_source", &SpringStates::t_source, "(springs,) of the source's layer.");
+  add_column(springs, "thickness_target", &SpringStates::t_target, "(springs,) of the target's layer.");
+  add_column(springs, "too_deep", &SpringStates::too_deep, "(springs,) flag: deeper than both layers are thick.");
+  springs.def("__len__", [](const SpringsView& v) { return v.states->size(); });
+}
+
+const SurfaceMesh& mesh_of(const SideView& v) { return v.layer().articular; }
+
+std::vector<Vector3d> facet_centers_of(const SideView& v) {
+  const SurfaceMesh& mesh = mesh_of(v);
+  std::vector<Vector3d> centers(at(mesh.facets), Vector3d::Zero());
+  for (int t = 0; t < mesh.size(); ++t) centers[at(mesh.facet[at(t)])] += mesh.areas[at(t)] * mesh.centroid(t);
+  for (std::size_t f = 0; f < centers.size(); ++f) {
+    const double area = v.map().facet_area[f];
+    centers[f] = area > 0 ? Vector3d(centers[f] / area) : Vector3d::Constant(kNaN);
+  }
+  return centers;
+}
+
+void bind_facets(py::module_& m) {
+  py::class_<FacetsView> facets(m, "Facets", "Facets of one side's surface in one state, in the model's order.");
+  for (const FacetField& field : facet_fields()) {  // a new one appears by itself
+    const auto values = field.values;
+    facets.def_property_readonly(
+        field.column, [values](const FacetsView& v) { return look(v.of.fields().*values, v.of.of.in.owner); },
+        (std::string("(facets,) ") + field.name + ".").c_str());
+  }
+  facets
+      .def_property_readonly(
+          "area", [](const FacetsView& v) { return look(v.of.map().facet_area, v.of.of.in.owner); },
+          "(facets,) reference; 0: left out.")
+      .def_property_readonly(
+          "center", [](const FacetsView& v) { return kept(facet_centers_of(v.of)); },
+          "(facets, 3) centroid, reference; NaN: left out.")
+      .def_property_readonly(
+          "nodes",
+          [](const FacetsView& v) {
+            const Surface& s = v.of.of.in.model().surfaces[at(v.of.layer().surface)];
+            return padded(s.begin, s.nodes);
+          },
+          "(facets, most nodes) rows of Model.points, filled up with -1.")
+      .def("__len__", [](const FacetsView& v) { return mesh_of(v.of).facets; });
+}
+
+std::vector<double> node_strain(const SideView& v) {
+  const SideFields& f = v.fields();
+  std::vector<double> strain;
+  for (std::size_t i = 0; i < f.vertex_shortening.size(); ++i)
+    strain.push_back(f.vertex_thickness[i] > 0 ? f.vertex_shortening[i] / f.vertex_thickness[i] : kNaN);
+  return strain;
+}
+
+void bind_nodes(py::module_& m) {
+  const auto owner = [](const NodesView& v) { return v.of.of.in.owner; };
+  py::class_<NodesView>(m, "Nodes", "Nodes of one side's articular surface in one state.")
+      .def_property_readonly(
+          "index", [owner](const NodesView& v) { return look(mesh_of(v.of).model_nodes, owner(v)); },
+          "(nodes,) rows of Model.points.")
+      .def_property_readonly(
+          "point", [owner](const NodesView& v) { return look(mesh_of(v.of).vertices, owner(v)); },
+          "(nodes, 3) reference positions.")
+      .def_property_readonly(
+          "triangles", [owner](const NodesView& v) { return look(mesh_of(v.of).triangles, owner(v)); },
+          "(triangles, 3) the surface as triangles of these nodes, seen from outside counter-clockwise.")
+      .def_property_readonly(
+          "area", [owner](const NodesView& v) { return look(mesh_of(v.of).vertex_areas, owner(v)); },
+          "(nodes,) a third of each triangle around it, reference.")
+      .def_property_readonly(
+          "pressure", [owner](const NodesView& v) { return look(v.of.fields().vertex_pressure, owner(v)); },
+          "(nodes,) area-weighted mean of the facets around.")
+      .def_property_readonly(
+          "thickness", [owner](const NodesView& v) { return look(v.of.fields().vertex_thickness, owner(v)); },
+          "(nodes,) of the cartilage.")
+      .def_property_readonly(
+          "shortening", [owner](const NodesView& v) { return look(v.of.fields().vertex_shortening, owner(v)); },
+          "(nodes,) of the cartilage, >= 0.")
+      .def_property_readonly(
+          "strain", [](const NodesView& v) { return kept(node_strain(v.of)); },
+          "(nodes,) shortening over thickness; NaN: no cartilage.")
+      .def("__len__", [](const NodesView& v) { return mesh_of(v.of).vertices.size(); });
+}
+
+}  // namespace
+
+void bind_results(py::module_& m) {
+  bind_springs(m);
+  bind_facets(m);
+  bind_nodes(m);
+  bind_side(m);
+  bind_contact(m);
+  bind_state(m);
+  bind_result(m);
+}
+
+}  // namespace dea::python

@@ -1,0 +1,318 @@
+#include <pybind11/stl.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <febiodea/base/names.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/equilibrium/times.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/io/tables/read_tables.h>
+#include <febiodea/io/xplt/xplt.h>
+#include <febiodea/python/bind.h>
+#include <febiodea/python/errors.h>
+#include <febiodea/python/plain.h>
+#include <febiodea/python/views.h>
+#include <febiodea/python/work.h>
+#include <febiodea/run/check.h>
+#include <febiodea/views/data/info_json.h>
+#include <febiodea/views/memory.h>
+#include <febiodea/views/run_model.h>
+#include <febiodea/views/text/info_text.h>
+#include <febiodea/views/text/remarks.h>
+
+namespace dea::python {
+
+namespace {
+
+std::string keyword_of(const SettingOption& option) {
+  std::string keyword = option.name;
+  std::replace(keyword.begin(), keyword.end(), '-', '_');
+  return keyword;
+}
+
+const SettingOption& option_of(const std::string& keyword) {
+  std::vector<std::string> keywords;
+  for (const SettingOption& option : setting_options()) {
+    keywords.push_back(keyword_of(option));
+    if (keywords.back() == keyword) return option;
+  }
+  throw UsageError(Fault{.place = keyword,
+                         .found = fmt::format("found no setting of this name{},", did_you_mean(keyword, keywords)),
+                         .expected = fmt::format("expected one of {}", name_list(keywords, keyword, keywords.size()))});
+}
+
+/// The rows of the table of settings, for febiodea/_settings.py and for help.
+py::list options_of_python() {
+  py::list all;
+  for (const SettingOption& o : setting_options()) {
+    py::dict row;
+    row["keyword"] = keyword_of(o);
+    row["key"] = o.key == nullptr ? py::object(py::none()) : py::object(py::str(o.key));
+    row["value"] = o.value;
+    row["repeatable"] = o.repeatable;
+    row["without_key"] = o.per_surface != nullptr;
+    row["places"] = o.places;
+    row["group"] = o.group;
+    row["help"] = o.help;
+    all.append(row);
+  }
+  return all;
+}
+
+SaidSettings make_settings(const std::string& file, const py::list& values) {
+  SaidSettings said{file.empty() ? Settings{} : read_settings_file(file).settings, file, {}};
+  said.settings = with_values(std::move(said.settings), values);
+  for (const py::handle value : values)
+    said.values.push_back(value.cast<std::tuple<std::string, std::string, std::string>>());
+  return said;
+}
+
+std::shared_ptr<ReadModel> read_model(const std::string& path) {
+  return result_of<ReadModel>([path](Work&) {
+    const double start = seconds();
+    const auto read = std::make_shared<ReadModel>();
+    read->model = read_feb(path);
+    read->seconds = seconds() - start;
+    return read;
+  });
+}
+
+std::shared_ptr<Recognised> recognise_model(const std::shared_ptr<const ReadModel>& read, const SaidSettings& said) {
+  return result_of<Recognised>([read, said](Work&) {
+    const auto r = std::make_shared<Recognised>();
+    JointModel model = read->model;
+    r->read = read;
+    r->said = said;
+    r->given = said.settings;
+    settle_units(model, r->given);
+    read_tables(model, r->given);
+    r->recognition = recognise(std::move(model), r->given);
+    return r;
+  });
+}
+
+std::string recognised_text(const std::shared_ptr<Recognised>& r) {
+  return *result_of<std::string>([r](Work&) {
+    return std::make_shared<std::string>(info_text(r->recognition.model, r->given, check_joint(r->recognition)));
+  });
+}
+
+Json recognised_json(const std::shared_ptr<Recognised>& r) {
+  return *result_of<Json>([r](Work&) {
+    return std::make_shared<Json>(info_json(r->recognition.model, r->given, check_joint(r->recognition)));
+  });
+}
+
+VtkCells cells_of(const JointModel& model) {
+  VtkCells cells;
+  for (const Domain& domain : model.domains) append_cells(cells, xplt_element_type(domain.shape), domain.nodes);
+  return cells;
+}
+
+/// Everything an analysis tells goes to the thread that waits; springs of the states that are kept stay.
+AnalysisOptions options_of(const States& states, Work& work, std::vector<std::vector<SpringStates>>& springs) {
+  AnalysisOptions options;
+  options.times = states.times;
+  options.keep_state = states.wanted;
+  options.equilibrium.stop = &work.stop;
+  options.activity = [&work](const Activity& a) {
+    const bool state = a.stage == Activity::Stage::State;
+    work.tell({.stage = state                               ? "state"
+                        : a.stage == Activity::Stage::Joint ? "joint"
+                                                            : "springs",
+               .state = state ? a.index + 1 : 0,
+               .states = a.count,
+               .iterations = a.search.iterations,
+               .residual = a.search.residual});
+  };
+  options.progress = [&work, &states, &springs](const StateResult& s, std::size_t index, std::size_t count) {
+    if (states.wanted.empty() || states.wanted[index]) springs.push_back(s.equilibrium.springs);
+    work.tell({.stage = "state",
+               .state = index + 1,
+               .states = count,
+               .iterations = s.equilibrium.iterations,
+               .residual = s.equilibrium.history.empty() ? kNaN : s.equilibrium.history.back(),
+               .outcome = name(s.equilibrium.outcome),
+               .time = s.when.time});
+  };
+  return options;
+}
+
+std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& recognised, const RunOptions& asked,
+                                   Work& work) {
+  const double start = seconds();
+  const Recognition& recognition = recognised->recognition;
+  throw_if_any(recognition.faults);
+  spring_cost_note(recognition, python_wording());
+  const States states = wanted_states(recognition, asked);
+  const auto a = std::make_shared<Analysed>();
+  a->recognised = recognised;
+  a->analysis = analyse(recognition, options_of(states, work, a->springs));
+  note_states(recognition.model, asked, states, a->analysis.joint.findings);
+  a->timings = {recognised->read->seconds, a->analysis.seconds_joint, a->analysis.seconds_solve, 0.0,
+                recognised->read->seconds + recognition.seconds + seconds() - start};
+  return a;
+}
+
+void bind_model(py::module_& m) {
+  py::class_<ReadModel, std::shared_ptr<ReadModel>>(
+      m, "Model",
+      "A FEBio model that was read: what it says, no conclusions.\n\n"
+      "Frame: global. Units: the model's own, throughout. Made by read_feb.")
+      .def_property_readonly(
+          "files", [](const ReadModel& r) { return texts(r.model.files); },
+          "Its files as they were named: the model, then what it includes.")
+      .def_property_readonly(
+          "version", [](const ReadModel& r) { return text(r.model.version); }, "Of the format: \"4.0\".")
+      .def_property_readonly(
+          "units", [](const ReadModel& r) { return text(r.model.units); },
+          "FEBio's name of its system of units; \"\": it names none.")
+      .def_property_readonly(
+          "points", [](const std::shared_ptr<ReadModel>& r) { return look(r->model.nodes, r); },
+          "(nodes, 3) reference positions, the model's length.")
+      .def_property_readonly(
+          "node_ids", [](const std::shared_ptr<ReadModel>& r) { return look(r->model.node_ids, r); },
+          "(nodes,) numbers of the nodes in the file.")
+      .def_property_readonly(
+          "cells", [](const ReadModel& r) { return kept(cells_of(r.model).cells); },
+          "All elements one after the other as pyvista takes them: number of nodes, nodes in VTK's order.")
+      .def_property_readonly(
+          "cell_types", [](const ReadModel& r) { return kept(cells_of(r.model).types); },
+          "(elements,) VTK's number of each element's type.")
+      .def_property_readonly(
+          "surfaces",
+          [](const ReadModel& r) {
+            std::vector<std::string> names;
+            for (const Surface& s : r.model.surfaces) names.push_back(s.name);
+            return texts(names);
+          },
+          "Names of its surfaces.")
+      .def_property_readonly(
+          "materials",
+          [](const ReadModel& r) {
+            std::vector<std::string> names;
+            for (const Material& s : r.model.materials) names.push_back(s.name);
+            return texts(names);
+          },
+          "Names of its materials.")
+      .def("__repr__", [](const ReadModel& r) {
+        return text(fmt::format("<febiodea.Model {}: {} nodes, {} contacts>", r.model.files.front(),
+                                r.model.nodes.size(), r.model.contacts.size()));
+      });
+}
+
+void bind_recognition(py::module_& m) {
+  py::class_<Recognised, std::shared_ptr<Recognised>>(
+      m, "Recognition", "What joint a model was taken for. print() shows it as `dea info` does.\n\nMade by recognise.")
+      .def_property_readonly(
+          "model", [](const Recognised& r) { return std::const_pointer_cast<ReadModel>(r.read); },
+          "The model it was made from.")
+      .def_property_readonly(
+          "bodies", [](const Recognised& r) { return py::cast(body_names(r.recognition.joint)); },
+          "Names of the rigid bodies.")
+      .def_property_readonly(
+          "contacts", [](const Recognised& r) { return py::cast(contact_names(r.recognition.joint)); },
+          "Names of the contacts.")
+      .def_property_readonly(
+          "solvable", [](const Recognised& r) { return r.recognition.recognised && r.recognition.faults.empty(); },
+          "No fault is known: it can be analysed.")
+      .def_property_readonly(
+          "faults", [](const Recognised& r) { return faults_as_errors(r.recognition.faults); },
+          "Why it cannot be analysed, as exceptions that were not raised; the most basic first.")
+      .def_property_readonly(
+          "findings",
+          [](const Recognised& r) {
+            return texts(r.recognition.recognised
+                             ? model_remarks(r.recognition.model, r.recognition.joint, python_wording())
+                             : std::vector<std::string>());
+          },
+          "What was concluded, left out or is doubtful, a line each.")
+      .def_property_readonly(
+          "settings", [](const Recognised& r) { return plain(settings_json(r.recognition.settings)); },
+          "All settings by their names in JSON, as they were used.")
+      .def_property_readonly(
+          "times",
+          [](const Recognised& r) {
+            std::vector<double> times;
+            for (const TimePoint& p : model_times(r.recognition.model, true)) times.push_back(p.time);
+            return times;
+          },
+          "Times of the model's states; about 1000 of them where there are very many.")
+      .def("_said", [](const Recognised& r) { return py::make_tuple(r.said.file, r.said.values); })
+      .def(
+          "info", [](const std::shared_ptr<Recognised>& r) { return plain(recognised_json(r)); },
+          "What `dea info --json` writes, as a dictionary.")
+      .def("__str__", [](const std::shared_ptr<Recognised>& r) { return text(recognised_text(r)); })
+      .def("__repr__", [](const Recognised& r) {
+        const Joint& joint = r.recognition.joint;
+        return text(fmt::format("<febiodea.Recognition of {}: {} bodies, {} contacts{}>",
+                                r.recognition.model.files.front(), joint.bodies.size(), joint.contacts.size(),
+                                r.recognition.faults.empty() ? "" : ", refused"));
+      });
+}
+
+void bind_progress(py::module_& m) {
+  py::class_<Progress>(m, "Progress", "What a callback `progress` is told while an analysis is under way.")
+      .def_property_readonly(
+          "stage", [](const Progress& p) { return p.stage; }, "\"joint\", \"springs\" or \"state\".")
+      .def_readonly("state", &Progress::state, "Number of the state, from 1 on; 0: none yet.")
+      .def_readonly("states", &Progress::states, "How many states there will be.")
+      .def_readonly("iterations", &Progress::iterations, "Newton steps in this state.")
+      .def_readonly("residual", &Progress::residual, "Unbalanced over applied force; NaN: not known yet.")
+      .def_property_readonly(
+          "outcome", [](const Progress& p) { return p.outcome; }, "How a state ended; \"\": it is being solved.")
+      .def_readonly("time", &Progress::time, "The model's time of a state that ended; else NaN.");
+}
+
+}  // namespace
+
+Settings with_values(Settings settings, const py::handle& values) {
+  std::vector<SettingValue> all;
+  for (const py::handle item : values) {
+    const auto [keyword, key, value] = item.cast<std::tuple<std::string, std::string, std::string>>();
+    const SettingOption& option = option_of(keyword);
+    all.push_back({&option, key, value, python_wording()(NamedSetting{option.name, key, value})});
+    if (!key.empty() && option.key == nullptr)
+      throw UsageError(Fault{.place = keyword,
+                             .found = fmt::format("found a value for \"{}\",", key),
+                             .expected = "expected one value for the whole joint"});
+    if (key.empty() && option.key != nullptr && option.per_surface == nullptr)
+      throw UsageError(Fault{.place = all.back().where,
+                             .found = fmt::format("found no {} that it is for,", option.key),
+                             .expected = fmt::format("expected {}={{\"{}\": ...}}", keyword, key_form(option))});
+  }
+  lay_over(settings, all);
+  return settings;
+}
+
+std::shared_ptr<Analysed> analyse_joint(const std::shared_ptr<const Recognised>& recognised, const std::string& states,
+                                        const std::string& times_from, const py::object& progress) {
+  RunOptions asked;
+  asked.outputs.states = states;
+  asked.states_option = python_wording()(NamedSetting{"states", "", states});
+  asked.times_from = times_from;
+  return result_of<Analysed>([recognised, asked](Work& work) { return analysed(recognised, asked, work); }, progress);
+}
+
+void bind_stages(py::module_& m) {
+  bind_progress(m);
+  bind_model(m);
+  bind_recognition(m);
+  py::class_<SaidSettings>(m, "NativeSettings").def("as_dict", [](const SaidSettings& s) {
+    return plain(settings_json(s.settings));
+  });
+  m.def("setting_options", &options_of_python);
+  m.def("make_settings", &make_settings);
+  m.def("read_feb", &read_model);
+  m.def("recognise",
+        [](const std::shared_ptr<ReadModel>& read, const SaidSettings& s) { return recognise_model(read, s); });
+  m.def("analyse", [](const std::shared_ptr<Recognised>& r, const std::string& states, const std::string& times_from,
+                      const py::object& progress) { return analyse_joint(r, states, times_from, progress); });
+}
+
+}  // namespace dea::python

@@ -1,0 +1,155 @@
+"""Discrete element analysis of joint contact on FEBio models.
+
+    import febiodea
+    model = febiodea.read_feb("hip.feb")
+    recognition = febiodea.recognise(model, law="layer")     # print(recognition): what it was taken for
+    result = febiodea.analyse(recognition)
+    contact = result.states[-1].contact()
+    contact.springs.pressure                                 # numpy, one entry per spring
+    contact.headline.p99
+
+For many loads and poses of one joint: prepare, Prepared.solve, Prepared.press. For results of any program: read_xplt.
+
+Frame: global. Units: the model's own, throughout. Arrays look into the module's memory and cannot be written to; copy
+what is to be changed.
+"""
+import atexit as _atexit
+import os as _os
+import sys as _sys
+
+from . import _febiodea, _models, _settings, _tables
+from ._errors import Error, InputError, UsageError, WriteError
+from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, PlotField, PlotFile, PlotState, PlotSurface, Prepared,
+                        Pressed, PressedContact, Progress, Recognition, Result, Side, Springs, State, __version__,
+                        distribution, pattern_difference, percentile)
+from ._maps import picture, plot
+from ._settings import Settings, settings_help
+from ._tables import Headline
+
+__all__ = ["read_feb", "recognise", "analyse", "prepare", "read_xplt", "picture", "plot", "distribution", "percentile",
+           "pattern_difference", "settings_help", "Settings", "Model", "Recognition", "Result",
+           "State", "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
+           "PressedContact", "PlotFile", "PlotState", "PlotSurface", "PlotField", "Progress", "Error", "InputError", "UsageError", "WriteError"]
+
+
+@_atexit.register
+def _end():
+    # After an interrupt nobody waits: the process is about to end by that signal.
+    if getattr(_sys, "last_type", None) is not KeyboardInterrupt:
+        _febiodea.end_all_work()
+
+
+def read_feb(path):
+    """Reads a FEBio model (.feb, versions 1.2 to 4.0) with all that it includes. Raises InputError."""
+    return _febiodea.read_feb(_os.fspath(path))
+
+
+def recognise(model, settings=None, **keywords):
+    """What joint a model describes, with every reason for which it could not be solved (Recognition.faults).
+
+    model: a Model, or the path of one. settings: Settings, or the path of a settings file. keywords: settings one by
+    one, before those of `settings`: law="linear", thickness={"tibial_cartilage": 1.8},
+    rotate=[("pelvis", (0, 1, 0), 10)]; settings_help() lists them. Raises UsageError, InputError.
+    """
+    if not isinstance(model, Model):
+        model = read_feb(model)
+    if isinstance(settings, Settings):
+        settings = Settings(settings.file, **{**settings.keywords, **keywords}) if keywords else settings
+    else:
+        settings = Settings(settings, **keywords)
+    return _febiodea.recognise(model, settings._native)
+
+
+def _states_text(states):
+    if states is None or isinstance(states, str):
+        return states or ""
+    return ",".join(repr(float(t)) for t in (states if hasattr(states, "__iter__") else [states]))
+
+
+def analyse(recognition, states=None, *, times_from=None, progress=None):
+    """Solves the states of a model, one after the other, each from the one before.
+
+    states: "all", "last", times [0.5, 1.0], or a text "0.5:1,last"; None: all, about 1000 where there are more than
+    10000. times_from: a plot file whose times to take. progress: called with a Progress at each step.
+    The process's other threads go on; Ctrl-C ends it. Raises InputError (the recognition has faults), UsageError.
+    """
+    return _febiodea.analyse(recognition, _states_text(states), _os.fspath(times_from or ""), progress)
+
+
+def prepare(recognition):
+    """Places the springs and factorises the layers once, for any number of loads and poses. Raises InputError."""
+    return _febiodea.prepare(recognition)
+
+
+def read_xplt(path, *, partial=False):
+    """Reads a plot file of any program, compressed or not. One that is cut off is refused; partial: its complete states are
+    read. Raises InputError."""
+    return _febiodea.read_xplt(_os.fspath(path), partial)
+
+
+def _solve(self, body=None, force=None, moment=None, about=None, rotate=None, move=None, rotate_about=None, free=None,
+           start=None, progress=None):
+    """The pose at which one load case balances: conditions at the end of the model's last step, but for what is said here.
+
+    body, force, moment: what replaces all that the model puts on this body; (x, y, z), global; the force acts at
+    `about`, (x, y, z) of the reference or "sphere-center" (None: the centre of mass), the moment is about it.
+    rotate, move, rotate_about, free: as in recognise, over what was said there. start: where free motions begin, a state
+    or {"BODY": 4 x 4 array}; None: where the bodies are placed. What is held stays where rotate and move place it. The
+    same call gives the same bits. Answers a State.
+    """
+    keywords = {"rotate_about": rotate_about, "rotate": rotate, "move": move, "free": free}
+    if about is not None and body is None:
+        raise UsageError("about: found no body that it is of, expected body=\"BODY\" beside it", "about",
+                         "found no body that it is of", "expected body=\"BODY\" beside it")
+    if body is not None and not (about is None or (isinstance(about, str) and about == "com")):
+        keywords["load_at"] = {body: about}
+    return self._solve(body or "", force, moment, _settings.values(keywords), start, progress)
+
+
+Prepared.solve = _solve
+Prepared.solve.__name__ = "solve"
+
+
+def _table(self):
+    return _tables.rows(self.states)
+
+
+_table.__doc__ = _tables.rows.__doc__
+
+
+def _to_pandas(self):
+    """table() as a pandas.DataFrame. Raises ImportError where pandas is not installed."""
+    try:
+        import pandas
+    except ImportError as missing:
+        raise ImportError("to_pandas needs pandas, which is not installed: install it, or use table()") from missing
+    return pandas.DataFrame(self.table())
+
+
+def _write_xplt(self, path, *, compress=False, overwrite=False):
+    """Writes FEBio's plot file, complete or not at all. One that is there already is replaced if it is febiodea's own, of
+    the same mesh and with no other states; overwrite: whatever it is. Raises WriteError."""
+    self._write_xplt(_os.fspath(path), compress, overwrite)
+
+
+def _write_vtu(self, folder):
+    """Writes files for ParaView into a folder (docs/vtk.md). Raises WriteError."""
+    self._write_vtu(_os.fspath(folder))
+
+
+def _report(self, path):
+    """Writes the results as one HTML page (docs/report.md). Raises WriteError."""
+    self._report(_os.fspath(path))
+
+
+def _add(owner, **methods):
+    for name, method in methods.items():
+        method.__name__ = name
+        method.__qualname__ = f"{owner.__name__}.{name}"
+        setattr(owner, name, method)
+
+
+_add(Result, table=_table, to_pandas=_to_pandas, write_xplt=_write_xplt, write_vtu=_write_vtu, report=_report,
+     _repr_html_=lambda self: _tables.html_of(self))
+_add(Model, __reduce__=_models.reduce_model)
+_add(Recognition, __reduce__=_models.reduce_recognition)

@@ -1,0 +1,70 @@
+"""Results as rows and small values."""
+import html
+import math
+from typing import NamedTuple
+
+
+class Headline(NamedTuple):
+    """The one set of numbers that a pressure map is summed up by (docs/theory.md, 6.1).
+
+    Of the nodes above the pressure `above`, weighted by their areas; NaN, and area 0: there are none.
+    """
+    p99: float
+    mean: float
+    area: float
+    peak: float
+    above: float
+
+
+def _flat(row, name, value):
+    if isinstance(value, dict):
+        for key, one in value.items():
+            _flat(row, f"{name}_{key}", one)
+    elif isinstance(value, list):
+        if len(value) == 3 and not any(isinstance(one, (dict, list, str)) for one in value):
+            for axis, one in zip("xyz", value):
+                row[f"{name}_{axis}"] = math.nan if one is None else one
+    else:
+        row[name] = math.nan if value is None else value
+
+
+def rows(states):
+    """A dictionary per state and contact: `time`, `step`, `outcome`, `contact`, then the contact's numbers by their names
+    in JSON; vectors as three columns, the headline as `headline_...`."""
+    all_rows = []
+    for state in states:
+        for contact in state.contacts:
+            row = {"time": state.time, "step": state.step, "outcome": state.outcome, "contact": contact.name}
+            for name, value in contact.statistics.items():
+                if name not in ("name", "compartments"):
+                    _flat(row, name, value)
+            all_rows.append(row)
+    return all_rows
+
+
+def _cell(value):
+    return html.escape(f"{value:.4g}" if isinstance(value, float) else str(value))
+
+
+def html_table(states, most=20):
+    """The headline numbers as a small table; of very many states the last ones."""
+    heads = ["time", "contact", "outcome", "p99", "mean", "area", "peak"]
+    lines = ["<table><tr>" + "".join(f"<th>{head}</th>" for head in heads) + "</tr>"]
+    for state in states[-most:]:
+        for contact in state.contacts:
+            h = contact.headline
+            cells = [state.time, contact.name, state.outcome, h.p99, h.mean, h.area, h.peak]
+            lines.append("<tr>" + "".join(f"<td>{_cell(cell)}</td>" for cell in cells) + "</tr>")
+    if len(states) > most:
+        lines.append(f"<tr><td colspan='7'>the last {most} of {len(states)} states</td></tr>")
+    return "\n".join(lines) + "</table>"
+
+
+def html_of(result):
+    """The table, and the map of the last state."""
+    from . import _errors, _maps
+    try:
+        drawn = _maps.picture(result, width=90).decode()
+    except _errors.Error:  # nothing is pressed, no surface to be shown: the table says so
+        return html_table(result.states)
+    return html_table(result.states) + drawn[drawn.index("<svg"):]

@@ -1,0 +1,78 @@
+// febiodea/python/plain.h – values of ours as plain ones of Python: texts, JSON, arrays, poses.
+//
+// An array is a look at memory of ours, which it keeps alive, and cannot be written to; what is worked out for the
+// question is an array of its own.
+#pragma once
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <array>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/geometry/pose.h>
+#include <febiodea/model/joint_model.h>
+#include <febiodea/views/data/json.h>
+
+namespace dea::python {
+
+namespace py = pybind11;
+
+/// Whatever holds the memory.
+using Owner = std::shared_ptr<const void>;
+
+/// Bytes that are no UTF-8 become U+FFFD.
+py::str text(const std::string& words);
+py::list texts(const std::vector<std::string>& lines);
+/// null becomes None.
+py::object plain(const Json& json);
+
+/// Of `rows` times `columns` numbers (columns 0: one dimension).
+py::array look(const py::dtype& type, std::size_t rows, std::size_t columns, const void* data, const Owner& owner);
+
+template <class Number>
+requires std::is_arithmetic_v<Number> py::array look(const std::vector<Number>& values, const Owner& owner) {
+  // a flag of ours is a char of 0 or 1
+  const py::dtype type = std::is_same_v<Number, char> ? py::dtype("?") : py::dtype::of<Number>();
+  return look(type, values.size(), 0, values.data(), owner);
+}
+template <class Number, std::size_t columns>
+py::array look(const std::vector<std::array<Number, columns>>& values, const Owner& owner) {
+  return look(py::dtype::of<Number>(), values.size(), columns, values.data(), owner);
+}
+inline py::array look(const std::vector<Vector3d>& values, const Owner& owner) {
+  static_assert(sizeof(Vector3d) == 3 * sizeof(double));
+  return look(py::dtype::of<double>(), values.size(), 3, values.data(), owner);
+}
+
+/// The array itself keeps what is given.
+template <class Values>
+py::array kept(Values values) {
+  const auto owner = std::make_shared<const Values>(std::move(values));
+  return look(*owner, owner);
+}
+
+py::array vector3(const Vector3d& v);
+py::array matrix6(const Eigen::Matrix<double, 6, 6>& m);
+
+/// 4 x 4, x = R X + t: the identity leaves a body where the file has it. `center`: reference centre of mass.
+py::array matrix_of(const Pose& pose, const Vector3d& center);
+/// Throws UsageError, with `where` for its place: not 4 x 4, no rotation, not finite.
+Pose pose_of(const py::handle& matrix, const Vector3d& center, const std::string& where);
+
+/// Facets or cells with different numbers of nodes as rows, filled up with -1.
+py::array padded(const std::vector<int>& begin, const std::vector<int>& nodes);
+
+/// One after the other as VTK has them: number of nodes, nodes in VTK's order; and the type of each.
+struct VtkCells {
+  std::vector<std::int64_t> cells;
+  std::vector<std::uint8_t> types;
+};
+/// `element_type`: code of the plot file's format. Appended to `to`.
+void append_cells(VtkCells& to, int element_type, const std::vector<int>& nodes);
+void append_facets(VtkCells& to, const std::vector<int>& begin, const std::vector<int>& nodes);
+
+}  // namespace dea::python

@@ -1,0 +1,62 @@
+// febiodea/python/stages.h – what Python holds of each stage. Each keeps what it was made from alive, and never
+// changes.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <febiodea/run/analysis.h>
+#include <febiodea/run/prepared.h>
+#include <febiodea/views/data/run_json.h>
+
+namespace dea::python {
+
+/// A model that was read.
+struct ReadModel {
+  JointModel model;
+  double seconds = 0.0;  ///< spent on it
+};
+
+/// Settings, and how they were said: enough to say them again.
+struct SaidSettings {
+  Settings settings;
+  std::string file;                                                       ///< settings file; empty: none
+  std::vector<std::tuple<std::string, std::string, std::string>> values;  ///< over it: keyword, key, text
+};
+
+struct Recognised {
+  std::shared_ptr<const ReadModel> read;
+  SaidSettings said;
+  Settings given;           ///< the same with the rows of their tables
+  Recognition recognition;  ///< its settings have the names that were found
+};
+
+struct Analysed {
+  std::shared_ptr<const Recognised> recognised;
+  Analysis analysis;
+  std::vector<std::vector<SpringStates>> springs;  ///< per state that was kept, one per contact
+  Timings timings;
+};
+
+struct PreparedJoint {
+  std::shared_ptr<const Recognised> recognised;
+  Prepared prepared;
+  FieldMaps maps;
+};
+
+/// A load case that was solved.
+struct SolvedLoad {
+  std::shared_ptr<const PreparedJoint> joint;
+  StateResult state;
+};
+
+/// All contacts at given poses.
+struct PressedJoint {
+  std::shared_ptr<const PreparedJoint> joint;
+  std::vector<Pose> poses;
+  Pressed pressed;
+};
+
+}  // namespace dea::python

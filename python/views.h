@@ -1,0 +1,67 @@
+// febiodea/python/views.h – places within results, for Python: each looks into memory that its owner keeps alive.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/python/plain.h>
+#include <febiodea/python/stages.h>
+
+namespace dea::python {
+
+struct StateView {
+  Owner owner;
+  const Recognised* recognised = nullptr;
+  const Joint* joint = nullptr;
+  const SpringBeds* beds = nullptr;
+  const FieldMaps* maps = nullptr;
+  const StateResult* state = nullptr;
+  const std::vector<SpringStates>* springs = nullptr;  ///< one per contact
+  const JointModel& model() const { return recognised->recognition.model; }
+};
+StateView view_of(const std::shared_ptr<const Analysed>& analysed, std::size_t state);
+StateView view_of(const std::shared_ptr<const SolvedLoad>& solved);
+
+struct ContactView {
+  StateView in;
+  std::size_t index = 0;
+  const ContactPair& pair() const { return in.joint->contacts[index]; }
+  const ContactStatistics& statistics() const { return in.state->statistics[index]; }
+};
+
+/// One side of a contact in a state.
+struct SideView {
+  ContactView of;
+  int side = 0;  ///< 0 primary, 1 secondary
+  const Layer& layer() const { return of.pair().layers[side]; }
+  const SideFields& fields() const { return of.in.state->fields[of.index].sides[side]; }
+  const FieldMaps::LayerMap& map() const { return of.in.maps->contacts[of.index].layers[side]; }
+};
+struct FacetsView {
+  SideView of;
+};
+struct NodesView {
+  SideView of;
+};
+
+/// Springs of a contact, of a state or of a press.
+struct SpringsView {
+  Owner owner;
+  const SpringStates* states = nullptr;
+};
+
+/// A part of a contact's surface.
+struct CompartmentView {
+  ContactView of;
+  std::size_t index = 0;
+  const CompartmentLoad& load() const { return of.statistics().compartments[index]; }
+};
+
+/// Names of a joint's bodies and contacts.
+std::vector<std::string> body_names(const Joint& joint);
+std::vector<std::string> contact_names(const Joint& joint);
+
+/// The one that is named; an empty name: the only one. Throws UsageError, with those there are.
+std::size_t find_contact(const Joint& joint, const std::string& name);
+std::size_t find_named_body(const Joint& joint, const std::string& name);
+
+}  // namespace dea::python
