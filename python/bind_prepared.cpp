@@ -117,7 +117,7 @@ LoadCase load_case_of(const PreparedJoint& joint, const Settings& settings, cons
     return make_load_case(model, joint.prepared.joint, settings, static_cast<int>(model.steps.size()) - 1,
                           step_starts(model).back());
   check_rows(model, joint.prepared.joint, settings);
-  return make_row_case(model, joint.prepared.joint, settings, static_cast<int>(row_count(settings)) - 1, placed);
+  return make_row_case(model, joint.prepared.joint, settings, static_cast<int>(row_count(settings)) - 1, placed, placed);
 }
 
 /// A start says where free dofs begin; what is held stays where the settings place it, whatever state the start is
