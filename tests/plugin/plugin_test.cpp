@@ -70,7 +70,7 @@ void expect_the_same(const fs::path& folder, const std::string& model, const std
   const Finished task = febio(folder, model, "dea", "task.xml");
   const Finished cli = run_program(
       folder,
-      {DEA_PROGRAM, "run", model, "-o", "cli.xplt", "--json", "cli.json", "--csv", "cli.csv", "--settings", "cli.xml"},
+      {DEA_PROGRAM, "run", model, "-o", "cli.xplt", "--json", "cli.json", "--csv", "cli.csv", "--settings", "cli.xml", "--overwrite"},
       300);
   ASSERT_EQ(cli.code == 0, task.code == 0) << cli.err << task.out;
   ASSERT_TRUE(fs::exists(folder / "task.json")) << task.out << task.err;
