@@ -151,8 +151,9 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
                "Compare this surface only, A=B where its names differ; may be repeated [those in all files that have "
                "pressure in at least one]");
   add_once(*c, "--at", a.at, "TIME", "Comparison", "Compare the states at this time [the last state of each file]");
-  add_repeated(*c, "--threshold", a.thresholds, "PRESSURE", "Comparison",
-               "Also Dice, and in --details, JSON and CSV all numbers above this pressure; may be repeated [0.1 and 0.5]");
+  add_repeated(
+      *c, "--threshold", a.thresholds, "PRESSURE", "Comparison",
+      "Also Dice, and in --details, JSON and CSV all numbers above this pressure; may be repeated [0.1 and 0.5]");
   add_once(*c, "--areas", a.areas, "reference|deformed", "Comparison",
            "Facet areas of the mesh, or with nodes moved by each file's own displacement [reference]");
   add_once(*c, "--dose-above", a.dose_above, "PRESSURE", "Comparison",

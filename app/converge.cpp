@@ -57,8 +57,9 @@ int converge_command(const ConvergeArguments& a) {
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
   if (!settings.loads.file.empty() || !settings.motion.file.empty())
-    throw UsageError("converge: found a table of loads or motion, expected none: it divides the springs of the model's own "
-                     "last state");
+    throw UsageError(
+        "converge: found a table of loads or motion, expected none: it divides the springs of the model's own "
+        "last state");
   for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
   read_thickness(settings);
   Progress progress(progress_style(a.quiet, a.verbose));

@@ -9,8 +9,8 @@
 #include <febiodea/base/time_text.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
-#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/febio_wording.h>
 #include <febiodea/plugin/read_fe_model.h>

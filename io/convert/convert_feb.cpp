@@ -10,8 +10,8 @@
 #include <febiodea/base/error.h>
 #include <febiodea/io/convert/conversion_plan.h>
 #include <febiodea/io/convert/edit_feb.h>
-#include <febiodea/joint/placing.h>
 #include <febiodea/io/convert/write_feb.h>
+#include <febiodea/joint/placing.h>
 #include <febiodea/joint/surface_names.h>
 
 namespace dea {

@@ -11,8 +11,8 @@
 namespace dea {
 
 struct Conversion {
-  std::string text;            ///< of the new file, version 4.0
-  bool edited = true;          ///< the model's own text with a few elements changed; false: written anew
+  std::string text;               ///< of the new file, version 4.0
+  bool edited = true;             ///< the model's own text with a few elements changed; false: written anew
   std::vector<Sentence> changes;  ///< a line each
   std::vector<Sentence> notes;    ///< what the user should know
 };

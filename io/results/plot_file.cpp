@@ -270,8 +270,8 @@ std::vector<double> left_out_facets(const Surface& s, const Layer& layer) {
 }
 
 /// Forces and places of rigid bodies, per domain of their materials; `first`: index of "rigid force".
-void add_rigid_bodies(const std::vector<int>& material_of_domain, const Joint& joint, const Equilibrium& e, std::size_t first,
-                      XpltState& state) {
+void add_rigid_bodies(const std::vector<int>& material_of_domain, const Joint& joint, const Equilibrium& e,
+                      std::size_t first, XpltState& state) {
   for (std::size_t d = 0; d < material_of_domain.size(); ++d) {
     const int b = material_of_domain[d] < 0 ? -1 : joint.body_of(material_of_domain[d]);
     if (b < 0) continue;

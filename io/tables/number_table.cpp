@@ -62,7 +62,8 @@ void check_names(const NumberTable& table, int line) {
   for (const std::string& name : table.names) {
     if (name.empty()) throw table_fault(table.path, line, "found a column without a name, expected a name for each");
     if (!seen.insert(lower_case(name)).second)
-      throw table_fault(table.path, line, fmt::format("found two columns named {}, expected different names", febio::quote(name)));
+      throw table_fault(table.path, line,
+                        fmt::format("found two columns named {}, expected different names", febio::quote(name)));
   }
   const bool numbers = std::all_of(table.names.begin(), table.names.end(), [](const std::string& name) {
     try {
@@ -77,15 +78,17 @@ void check_names(const NumberTable& table, int line) {
 
 std::vector<double> numbers_of(const NumberTable& table, const std::vector<std::string>& words, int line) {
   if (words.size() != table.names.size())
-    throw table_fault(table.path, line, fmt::format("found {} values, expected {}: one for each name in the line of names",
-                                              words.size(), table.names.size()));
+    throw table_fault(table.path, line,
+                      fmt::format("found {} values, expected {}: one for each name in the line of names", words.size(),
+                                  table.names.size()));
   std::vector<double> row;
   for (std::size_t i = 0; i < words.size(); ++i) {
     try {
       row.push_back(parse_number(words[i]));
     } catch (const BadValue&) {
-      throw table_fault(table.path, line, fmt::format("column {}: found {}, expected a number with a decimal point",
-                                                febio::quote(table.names[i]), febio::quote(words[i])));
+      throw table_fault(table.path, line,
+                        fmt::format("column {}: found {}, expected a number with a decimal point",
+                                    febio::quote(table.names[i]), febio::quote(words[i])));
     }
   }
   return row;
@@ -130,12 +133,15 @@ NumberTable read_table(const std::string& path) {
     table.rows.push_back(numbers_of(table, words_of_line(line, separator), number));
     table.lines.push_back(number);
   }
-  if (header) throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
+  if (header)
+    throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
   if (table.names.empty()) throw table_fault(path, number, "found no line, expected the names of the columns and rows");
-  if (table.rows.empty()) throw table_fault(path, number, "found no row, expected at least one below the names of the columns");
+  if (table.rows.empty())
+    throw table_fault(path, number, "found no row, expected at least one below the names of the columns");
   if (!said_rows.empty() && said_rows != std::to_string(table.rows.size()))
-    throw table_fault(path, number, fmt::format("found {} rows, expected the {} that nRows says: is the file cut off?",
-                                                table.rows.size(), said_rows));
+    throw table_fault(path, number,
+                      fmt::format("found {} rows, expected the {} that nRows says: is the file cut off?",
+                                  table.rows.size(), said_rows));
   return table;
 }
 

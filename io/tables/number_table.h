@@ -7,18 +7,18 @@ namespace dea {
 
 struct NumberTable {
   std::string path;
-  bool opensim = false;             ///< .sto or .mot: has a header that ends in "endheader"
-  bool degrees = false;             ///< its header says inDegrees=yes
-  std::vector<std::string> names;   ///< of the columns, without white space around them
+  bool opensim = false;                   ///< .sto or .mot: has a header that ends in "endheader"
+  bool degrees = false;                   ///< its header says inDegrees=yes
+  std::vector<std::string> names;         ///< of the columns, without white space around them
   std::vector<std::vector<double>> rows;  ///< as many numbers each as there are names
-  std::vector<int> lines;           ///< of the rows in the file, 1-based
+  std::vector<int> lines;                 ///< of the rows in the file, 1-based
 
   int find(const std::string& name) const;  ///< column of this name, whatever its letters' case; -1: none
 };
 
-/// CSV: a line of names, then a line of numbers per row, separated by commas, semicolons, tabs or spaces; lines that begin
-/// with '#' and empty ones are passed over. OpenSim: what stands before "endheader", then the same with white space.
-/// Throws InputError ("loads.csv:12: found ..., expected ...").
+/// CSV: a line of names, then a line of numbers per row, separated by commas, semicolons, tabs or spaces; lines that
+/// begin with '#' and empty ones are passed over. OpenSim: what stands before "endheader", then the same with white
+/// space. Throws InputError ("loads.csv:12: found ..., expected ...").
 NumberTable read_table(const std::string& path);
 
 }  // namespace dea

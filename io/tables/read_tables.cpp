@@ -17,7 +17,7 @@
 #include <febiodea/base/time_text.h>
 #include <febiodea/io/febio/febio_text.h>
 #include <febiodea/io/files/unit_names.h>
-#include <febiodea/io/tables/number_table.h>
+#include <febiodea/io/tables/table_columns.h>
 
 namespace dea {
 
@@ -43,8 +43,8 @@ std::optional<double> size_of(const Unit (&units)[n], const std::string& name) {
 }
 
 /// The model's system; nullopt: nobody names one of FEBio's.
-std::optional<UnitNames> model_system(const JointModel& model, const Settings& settings) {
-  const UnitNames units = unit_names(settings.units.empty() ? model.units : settings.units);
+std::optional<UnitNames> model_system(const JointModel& model) {
+  const UnitNames units = unit_names(model.units);
   return units.metres > 0 ? std::optional(units) : std::nullopt;
 }
 
@@ -60,174 +60,18 @@ Scale scale_of(const char* setting, const std::string& units, const Unit (&first
                const std::optional<UnitNames>& model, bool is_force) {
   const std::size_t dash = units.find('-');
   const std::optional<double> a = size_of(first, units.substr(0, dash));
-  const std::optional<double> b =
-      dash == std::string::npos ? std::nullopt : size_of(kLengths, units.substr(dash + 1));
+  const std::optional<double> b = dash == std::string::npos ? std::nullopt : size_of(kLengths, units.substr(dash + 1));
   if (!a || !b) throw wrong_setting(setting, units, "these are no units that are known;", expected);
   const UnitNames system = model.value_or(unit_names("mm-N-s"));
-  return {is_force ? *a / system.newtons : *a, *b / system.metres,
-          fmt::format("in {}, the model {} {}", units, model ? "in" : "names no units and is taken as in", system.system)};
-}
-
-// ---- columns -------------------------------------------------------------------------------------------------------
-
-std::string named_columns(const NumberTable& table, const std::string& word = "") { return name_list(table.names, word); }
-
-/// "Fx [N]" is "fx".
-std::string bare_name(const std::string& name) {
-  return lower_case(trimmed(name.substr(0, name.find_first_of("[("))));
-}
-
-bool ends_in(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-/// Columns whose names are one of these or end in "_" and one of these.
-std::vector<int> like(const NumberTable& table, const std::vector<std::string>& words) {
-  std::vector<int> found;
-  for (std::size_t i = 0; i < table.names.size(); ++i)
-    for (const std::string& word : words)
-      if (bare_name(table.names[i]) == word || ends_in(bare_name(table.names[i]), "_" + word)) {
-        found.push_back(static_cast<int>(i));
-        break;
-      }
-  return found;
-}
-
-int time_column(const NumberTable& table) {
-  for (std::size_t i = 0; i < table.names.size(); ++i) {
-    const std::string name = bare_name(table.names[i]);
-    if (name == "time" || name == "t" || name == "percent" || name.find("cycle") != name.npos || name == "%")
-      return static_cast<int>(i);
-  }
-  return -1;
-}
-
-/// Three columns by the words for their x, y, z; all -1: none of them is there.
-std::array<int, 3> vector_columns(const NumberTable& table, const char* setting, const char* what,
-                                  const std::array<std::vector<std::string>, 3>& words) {
-  std::array<int, 3> columns = {-1, -1, -1};
-  int none = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::vector<int> found = like(table, words[k]);
-    if (found.size() > 1)
-      throw InputError(Fault{.place = table.path,
-                             .found = say("found {} columns that may be the {}'s {}: {};", found.size(), what,
-                                          std::string(1, "xyz"[k]),
-                                          name_list({table.names[at(found[0])], table.names[at(found[1])]})),
-                             .expected = say("name them with {}", NamedSetting{setting})});
-    if (found.empty())
-      ++none;
-    else
-      columns[k] = found[0];
-  }
-  if (none == 1 || none == 2)
-    throw InputError(Fault{.place = table.path,
-                           .found = say("found not all three columns of the {} among {};", what, named_columns(table)),
-                           .expected = say("name the columns with {}", NamedSetting{setting})});
-  return columns;
-}
-
-/// Three or six columns by the names given.
-std::vector<int> given_columns(const NumberTable& table, const char* setting, const std::string& names) {
-  std::vector<int> columns;
-  for (const std::string& name : split_at_commas(names)) {
-    columns.push_back(table.find(name));
-    if (columns.back() < 0)
-      throw wrong_setting(setting, names, say("{} has no column {}{};", table.path, febio::quote(name), did_you_mean(name, table.names)),
-                  say("it has {}", named_columns(table, name)));
-  }
-  for (std::size_t k = 1; k < columns.size(); ++k)
-    if (std::find(columns.begin(), columns.begin() + static_cast<long>(k), columns[k]) != columns.begin() + static_cast<long>(k))
-      throw wrong_setting(setting, names, say("column {} stands twice;", febio::quote(table.names[at(columns[k])])),
-                          "name each once");
-  if (columns.size() != 3 && columns.size() != 6)
-    throw wrong_setting(setting, names, say("these are {} columns;", columns.size()), "name three, or six");
-  return columns;
-}
-
-/// What a column's name says in brackets: "Fx [N]" "n", "mx (N m)" "nm"; empty: nothing.
-std::string unit_in_name(const std::string& name) {
-  const std::size_t open = name.find_first_of("[("), close = name.find_last_of("])");
-  if (open == name.npos || close == name.npos || close < open) return "";
-  std::string unit;
-  for (char c : lower_case(name.substr(open + 1, close - open - 1)))
-    if (std::string(" -*.").find(c) == std::string::npos) unit += c;
-  for (const auto& [word, meant] : std::map<std::string, std::string>{
-           {"degree", "deg"}, {"degrees", "deg"}, {"°", "deg"}, {"radian", "rad"}, {"radians", "rad"}, {"µm", "um"}})
-    if (unit == word) return meant;
-  return unit;
-}
-
-/// Columns whose names say units other than those they are taken in. `expected`: "n", "nm"; empty: nobody knows.
-void refuse_other_units(const NumberTable& table, const std::vector<int>& columns, std::size_t first,
-                        const std::string& expected, const std::vector<std::string>& known, const Sentence& remedy) {
-  for (std::size_t k = first; k < std::min(columns.size(), first + 3) && !expected.empty(); ++k) {
-    const std::string& name = table.names[at(columns[k])];
-    const std::string unit = unit_in_name(name);
-    if (unit == expected || std::find(known.begin(), known.end(), unit) == known.end()) continue;
-    throw InputError(Fault{.place = table.path,
-                           .found = say("column {} is taken in {}, and its name says otherwise;", febio::quote(name), expected),
-                           .expected = remedy});
-  }
-}
-
-const std::vector<std::string> kForceWords = {"n", "kn", "mn", "nn", "%bw", "bw", "%"}, kLengthWords = {"m", "cm", "mm", "um"},
-                               kAngleWords = {"deg", "rad"};
-
-/// "nm", "nmm", ...
-std::vector<std::string> moment_words() {
-  std::vector<std::string> words;
-  for (const std::string& force : kForceWords)
-    for (const std::string& length : kLengthWords) words.push_back(force + length);
-  return words;
-}
-
-/// Before and behind the dash of "N-m", or of the model's system; empty: nobody knows.
-std::array<std::string, 2> units_taken(const std::string& units, const std::string& first, const std::string& length) {
-  const std::size_t dash = units.find('-');
-  if (dash != units.npos) return {lower_case(units.substr(0, dash)), lower_case(units.substr(dash + 1))};
-  return {lower_case(first), lower_case(length)};
-}
-
-/// Rising times of the rows; without a column of times: 1, 2, 3, ...
-std::vector<double> times_of(const NumberTable& table) {
-  const int column = time_column(table);
-  std::vector<double> times;
-  for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    times.push_back(column < 0 ? static_cast<double>(r + 1) : table.rows[r][at(column)]);
-    if (r > 0 && !(times[r] > times[r - 1]))
-      throw InputError(fmt::format("{}:{}: found time {} after {}, expected times that rise from row to row", table.path,
-                                   table.lines[r], time_text(times[r]), time_text(times[r - 1])));
-  }
-  return times;
-}
-
-std::string column_names(const NumberTable& table, const std::vector<int>& columns) {
-  std::string names;
-  for (int c : columns) names += (names.empty() ? "" : ", ") + table.names[at(c)];
-  return names;
-}
-
-std::string rows_in_words(const NumberTable& table, const std::vector<int>& columns, const std::vector<double>& times) {
-  const int time = time_column(table);
-  return fmt::format("{}: {} rows, {} {} to {}, columns {}", table.path, table.rows.size(),
-                     time < 0 ? "numbered" : fmt::format("{}", table.names[at(time)]), time_text(times.front()),
-                     time_text(times.back()),
-                     column_names(table, columns));
-}
-
-std::vector<Vector6> values_of(const NumberTable& table, const std::vector<int>& columns) {
-  std::vector<Vector6> values(table.rows.size(), Vector6::Zero());
-  for (std::size_t r = 0; r < table.rows.size(); ++r)
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      values[r][static_cast<Eigen::Index>(k)] = table.rows[r][at(columns[k])];
-  return values;
+  return {
+      is_force ? *a / system.newtons : *a, *b / system.metres,
+      fmt::format("in {}, the model {} {}", units, model ? "in" : "names no units and is taken as in", system.system)};
 }
 
 void need_body(const char* file_setting, const std::string& file, const char* body_setting, const std::string& body) {
   if (!file.empty() && body.empty())
     throw wrong_setting(file_setting, file, "no body is named on which its rows act;",
-                say("name it with {}", NamedSetting{body_setting, "", "BODY"}));
+                        say("name it with {}", NamedSetting{body_setting, "", "BODY"}));
 }
 
 /// A table's settings without the table.
@@ -275,8 +119,13 @@ std::vector<int> load_columns(const NumberTable& table, const std::string& given
     std::array<std::vector<std::string>, 3> all;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::string axis(1, "xyz"[k]);
-      all[k] = {letter + axis, std::string(letter) + "_" + axis, std::string(word) + "_" + axis, word + axis,
-                std::string(other) + "_" + axis, other + axis, std::string(word) + "_v" + axis};
+      all[k] = {letter + axis,
+                std::string(letter) + "_" + axis,
+                std::string(word) + "_" + axis,
+                word + axis,
+                std::string(other) + "_" + axis,
+                other + axis,
+                std::string(word) + "_v" + axis};
     }
     return all;
   };
@@ -302,9 +151,9 @@ std::vector<int> load_columns(const NumberTable& table, const std::string& given
   return columns;
 }
 
-void read_loads(const JointModel& model, const Settings& settings, LoadTable& loads) {
+void read_loads(const JointModel& model, LoadTable& loads) {
   const NumberTable table = read_table(loads.file);
-  const std::optional<UnitNames> system = model_system(model, settings);
+  const std::optional<UnitNames> system = model_system(model);
   std::string units = loads.units;
   if (units.empty() && table.opensim) {
     need_model_units(table, system, "N and N m", {"load-units", "", "N-m"});
@@ -312,8 +161,8 @@ void read_loads(const JointModel& model, const Settings& settings, LoadTable& lo
   }
   Scale scale;
   if (!units.empty())
-    scale = scale_of("load-units", units, kForces, "FORCE-LENGTH of N, kN, mN, nN and m, cm, mm, um, such as N-m", system,
-                     true);
+    scale = scale_of("load-units", units, kForces, "FORCE-LENGTH of N, kN, mN, nN and m, cm, mm, um, such as N-m",
+                     system, true);
   const std::vector<int> columns = load_columns(table, loads.columns);
   const std::array<std::string, 2> taken =
       units_taken(units, system ? system->force : "", system ? system->length : "");
@@ -321,7 +170,7 @@ void read_loads(const JointModel& model, const Settings& settings, LoadTable& lo
                               NamedSetting{"body-weight", "", "FORCE"});
   const std::string force_unit = loads.body_weight ? "%bw" : taken[0].empty() ? "?" : taken[0];
   const std::vector<std::string> of_weight = {"%bw", "bw"};
-  refuse_other_units(table, columns, 0, force_unit, force_unit == "?" ? of_weight : kForceWords, remedy);
+  refuse_other_units(table, columns, 0, force_unit, force_unit == "?" ? of_weight : force_words(), remedy);
   if (!taken[1].empty()) refuse_other_units(table, columns, 3, force_unit + taken[1], moment_words(), remedy);
   loads.time = times_of(table);
   loads.load = values_of(table, columns);
@@ -332,12 +181,13 @@ void read_loads(const JointModel& model, const Settings& settings, LoadTable& lo
     load.head<3>() *= force;
     load.tail<3>() *= moment;
   }
-  loads.words = fmt::format("{} {}", rows_in_words(table, columns, loads.time),
-                            loads.body_weight ? fmt::format("in % of {:g}{}", *loads.body_weight,
-                                                            columns.size() <= 3 ? ""
-                                                            : units.empty()     ? ", moments times the model's length"
-                                                                : fmt::format(", moments times length {}", scale.words))
-                                              : scale.words);
+  loads.words = fmt::format("{} {}", table_in_words(table, columns, loads.time),
+                            loads.body_weight
+                                ? fmt::format("in % of {:g}{}", *loads.body_weight,
+                                              columns.size() <= 3 ? ""
+                                              : units.empty()     ? ", moments times the model's length"
+                                                              : fmt::format(", moments times length {}", scale.words))
+                                : scale.words);
   const std::vector<int> points = like(table, {"px", "py", "pz"});
   if (!points.empty())
     loads.words += fmt::format("; where the force acts ({}) is not read from it", column_names(table, points));
@@ -345,13 +195,12 @@ void read_loads(const JointModel& model, const Settings& settings, LoadTable& lo
 
 // ---- motion --------------------------------------------------------------------------------------------------------
 
-/// Rotation vector of angles about x, y and z, taken in the order of `sequence`, each about the axis that the ones before
-/// have turned.
+/// Rotation vector of angles about x, y and z, taken in the order of `sequence`, each about the axis that the ones
+/// before have turned.
 Eigen::Vector3d rotation_vector(const std::string& sequence, const Eigen::Vector3d& angles) {
   const auto turn_about = [&](int axis) { return Eigen::AngleAxisd(angles[axis], Eigen::Vector3d::Unit(axis)); };
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-  for (int k = 0; k < 3; ++k)
-    q = q * Eigen::Quaterniond(turn_about(sequence[at(k)] - 'x'));
+  for (int k = 0; k < 3; ++k) q = q * Eigen::Quaterniond(turn_about(sequence[at(k)] - 'x'));
   const Eigen::AngleAxisd turn(q);
   return turn.angle() * turn.axis();
 }
@@ -378,31 +227,32 @@ std::vector<int> motion_columns(const NumberTable& table, const MotionTable& mot
   return columns;
 }
 
-void read_motion(const JointModel& model, const Settings& settings, MotionTable& motion) {
+void read_motion(const JointModel& model, MotionTable& motion) {
   const NumberTable table = read_table(motion.file);
-  const std::optional<UnitNames> system = model_system(model, settings);
+  const std::optional<UnitNames> system = model_system(model);
   const std::vector<int> columns = motion_columns(table, motion);
   motion.turns = columns.size() == 6;
   if (motion.turns && motion.rotation.empty())
     throw wrong_setting("motion", motion.file, "its rows have rotations, and nobody says what their three numbers are;",
-                say("say {} for a rotation vector, or the sequence of three angles: {}",
-                    NamedSetting{"motion-rotation", "", "vector"}, NamedSetting{"motion-rotation", "", "zxy"}));
+                        say("say {} for a rotation vector, or the sequence of three angles: {}",
+                            NamedSetting{"motion-rotation", "", "vector"}, NamedSetting{"motion-rotation", "", "zxy"}));
   std::string units = motion.units;
   if (units.empty() && table.opensim) {
     need_model_units(table, system, "m", {"motion-units", "", "deg-m"});
     units = table.degrees ? "deg-m" : "rad-m";
   }
   if (units.empty() && motion.turns)
-    throw wrong_setting("motion", motion.file, "its rows have rotations, and nobody says whether in degrees or radians;",
-                say("say {}", NamedSetting{"motion-units", "", "deg-mm"}));
+    throw wrong_setting("motion", motion.file,
+                        "its rows have rotations, and nobody says whether in degrees or radians;",
+                        say("say {}", NamedSetting{"motion-units", "", "deg-mm"}));
   Scale scale;
   if (!units.empty())
-    scale = scale_of("motion-units", units, kAngles, "ANGLE-LENGTH of deg, rad and m, cm, mm, um, such as deg-mm", system,
-                     false);
+    scale = scale_of("motion-units", units, kAngles, "ANGLE-LENGTH of deg, rad and m, cm, mm, um, such as deg-mm",
+                     system, false);
   const std::array<std::string, 2> taken = units_taken(units, "", system ? system->length : "");
   const Sentence remedy = say("say what they are in with {}", NamedSetting{"motion-units", "", "deg-m"});
-  refuse_other_units(table, columns, 0, taken[1], kLengthWords, remedy);
-  refuse_other_units(table, columns, 3, taken[0], kAngleWords, remedy);
+  refuse_other_units(table, columns, 0, taken[1], length_words(), remedy);
+  refuse_other_units(table, columns, 3, taken[0], angle_words(), remedy);
   motion.time = times_of(table);
   motion.motion = values_of(table, columns);
   for (Vector6& row : motion.motion) {
@@ -410,7 +260,7 @@ void read_motion(const JointModel& model, const Settings& settings, MotionTable&
     row.tail<3>() *= scale.first;
     if (motion.turns && motion.rotation != "vector") row.tail<3>() = rotation_vector(motion.rotation, row.tail<3>());
   }
-  motion.words = fmt::format("{} {}", rows_in_words(table, columns, motion.time), scale.words);
+  motion.words = fmt::format("{} {}", table_in_words(table, columns, motion.time), scale.words);
 }
 
 // ---- thickness -----------------------------------------------------------------------------------------------------
@@ -437,8 +287,8 @@ void read_node_thickness(NodeThickness& thickness) {
     const int node = static_cast<int>(number);
     const auto [entry, is_new] = thickness.at_node.insert({node, value});
     if (!is_new && entry->second != value)
-      refuse(fmt::format("found thickness {:g} of node {}, and {:g} in line {}, expected one for each node", value, node,
-                         entry->second, line_of[node]));
+      refuse(fmt::format("found thickness {:g} of node {}, and {:g} in line {}, expected one for each node", value,
+                         node, entry->second, line_of[node]));
     line_of.insert({node, table.lines[r]});
   }
 }
@@ -478,12 +328,11 @@ void settle_units(JointModel& model, const Settings& settings) {
 }
 
 void read_tables(const JointModel& model, Settings& settings) {
-  check_units(model, settings);
   refuse_idle(settings);
   need_body("loads", settings.loads.file, "load-body", settings.loads.body);
   need_body("motion", settings.motion.file, "motion-body", settings.motion.body);
-  if (!settings.loads.file.empty()) read_loads(model, settings, settings.loads);
-  if (!settings.motion.file.empty()) read_motion(model, settings, settings.motion);
+  if (!settings.loads.file.empty()) read_loads(model, settings.loads);
+  if (!settings.motion.file.empty()) read_motion(model, settings.motion);
   read_thickness(settings);
 }
 

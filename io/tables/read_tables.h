@@ -13,14 +13,13 @@ namespace dea {
 void settle_units(JointModel& model, const Settings& settings);
 
 /// Fills the rows of settings.loads and settings.motion from their files; nothing where there are none. Units: from the
-/// table's to the model's, as settings.units or else the model names it. OpenSim's tables are in N, m, and N m; a table
-/// that names no units and for which none are given is in the model's. Throws InputError (a file's fault, with its line)
-/// and UsageError (settings that do not fit together).
-/// Thicknesses: as read_thickness.
+/// table's to the model's, as model.units names it (settle_units first). OpenSim's tables are in N, m, and N m; a table
+/// that names no units and for which none are given is in the model's. Throws InputError (a file's fault, with its
+/// line) and UsageError (settings that do not fit together). Thicknesses: as read_thickness.
 void read_tables(const JointModel& model, Settings& settings);
 
-/// Fills settings.thickness_from from its files: columns "node", numbers of the model's nodes, and "thickness", >= 0, in
-/// the model's length; other columns are passed over. Throws InputError (a file's fault, with its line).
+/// Fills settings.thickness_from from its files: columns "node", numbers of the model's nodes, and "thickness", >= 0,
+/// in the model's length; other columns are passed over. Throws InputError (a file's fault, with its line).
 void read_thickness(Settings& settings);
 
 /// The files that the settings name to be read, so that no output takes their place.

@@ -723,8 +723,7 @@ void XpltWriter::add(const XpltState& state) {
 
 void XpltWriter::finish() {
   errno = 0;
-  if (states_ != nullptr && std::fflush(states_) != 0)
-    throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
+  if (states_ != nullptr && std::fflush(states_) != 0) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
   replace_file(path_, [&](std::FILE* stream) {
     return put_all(stream, bytes_) && (states_ == nullptr || copy_all(states_, stream));
   });

@@ -146,8 +146,8 @@ std::string xplt_bytes(const XpltFile& file);
 void write_xplt(const std::string& path, const XpltFile& file);
 
 /// A plot file that is written state by state, so that memory holds one at a time. States lie in a file without a name,
-/// beside `path`, until finish brings all to `path` as write_xplt does: whoever ends before leaves nothing behind, killed
-/// or not.
+/// beside `path`, until finish brings all to `path` as write_xplt does: whoever ends before leaves nothing behind,
+/// killed or not.
 class XpltWriter {
  public:
   /// `head`: header, dictionary and one mesh; its states are left out. Throws as write_xplt.

@@ -1,5 +1,5 @@
-// febiodea/base/decompositions.h – matrices taken apart, by Eigen. Compiled once, in one file: each decomposition costs the
-// compiler more than all else in a file that uses it.
+// febiodea/base/decompositions.h – matrices taken apart, by Eigen. Compiled once, in one file: each decomposition costs
+// the compiler more than all else in a file that uses it.
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -13,8 +13,9 @@ Eigen::MatrixXd orthonormal_columns(const Eigen::MatrixXd& m);
 /// Householder's whole Q (n x n): its first k columns span those of m (n x k), the others what is orthogonal to them.
 Eigen::MatrixXd orthogonal_basis(const Eigen::MatrixXd& m);
 
-/// Householder's QR with pivoting by columns: m P = Q R, Q square (n x n), R as m (n x k) with zeros below its diagonal.
-/// order[i]: the column of m that became column i of m P. rank: values of R's diagonal above `threshold` times its largest.
+/// Householder's QR with pivoting by columns: m P = Q R, Q square (n x n), R as m (n x k) with zeros below its
+/// diagonal. order[i]: the column of m that became column i of m P. rank: values of R's diagonal above `threshold`
+/// times its largest.
 struct PivotedQr {
   Eigen::MatrixXd Q, R;
   Eigen::VectorXi order;
@@ -22,7 +23,8 @@ struct PivotedQr {
 };
 PivotedQr pivoted_qr(const Eigen::MatrixXd& m, double threshold);
 
-/// m = U diag(sigma) V^T, sigma falling, by Jacobi's rotations: exact also in the small ones; 6 ms for 60 columns, 0.2 s for 200.
+/// m = U diag(sigma) V^T, sigma falling, by Jacobi's rotations: exact also in the small ones; 6 ms for 60 columns, 0.2
+/// s for 200.
 struct SingularValues {
   Eigen::VectorXd sigma;
   Eigen::MatrixXd U, V;
@@ -66,14 +68,15 @@ class SparseLuFactors {
   std::unique_ptr<Factors> factors_;
 };
 
-/// L D L^T of a symmetric sparse matrix S less a shift of its diagonal; S needs not be definite. One pattern for all shifts.
+/// L D L^T of a symmetric sparse matrix S less a shift of its diagonal; S needs not be definite. One pattern for all
+/// shifts.
 class ShiftedFactors {
  public:
   explicit ShiftedFactors(const Eigen::SparseMatrix<double>& S);
   ~ShiftedFactors();
 
-  /// Factorises S - shift. By Sylvester's law as many pivots are negative as eigenvalues lie below the shift: that number, or
-  /// -1 where there are no factors.
+  /// Factorises S - shift. By Sylvester's law as many pivots are negative as eigenvalues lie below the shift: that
+  /// number, or -1 where there are no factors.
   int eigenvalues_below(double shift);
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;  ///< (S - last shift) x = b
 

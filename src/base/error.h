@@ -36,8 +36,8 @@ struct UsageError : std::runtime_error {
 };
 /// The value of a setting, and what is wrong with it.
 inline UsageError wrong_setting(const char* setting, const std::string& value, Sentence found, Sentence expected) {
-  return UsageError(Fault{
-      .given = NamedSetting{setting, "", value}, .found = std::move(found), .expected = std::move(expected)});
+  return UsageError(
+      Fault{.given = NamedSetting{setting, "", value}, .found = std::move(found), .expected = std::move(expected)});
 }
 
 /// The output cannot be written (exit code 4).

@@ -367,7 +367,8 @@ Tangent tangent_of(const ConnectorGroups& all, const std::vector<ConnectorRow>& 
     for (Eigen::Index i = 0; i < n; ++i) r[i] = unbalanced[g.free[static_cast<std::size_t>(i)]];
     const MatrixXd R = qr.R.topRows(rank);
     const VectorXd rhs = -(Q.leftCols(rank).transpose() * r);
-    const VectorXd x = rank == m ? solve_upper(R, rhs) : VectorXd(R.transpose() * solve_regular(R * R.transpose(), rhs));
+    const VectorXd x =
+        rank == m ? solve_upper(R, rhs) : VectorXd(R.transpose() * solve_regular(R * R.transpose(), rhs));
     for (Eigen::Index i = 0; i < m; ++i) {
       const int row = mine.rows[static_cast<std::size_t>(qr.order[i])];
       result.multipliers[row] = x[i] * (rows[at(row)].dof < 3 ? 1.0 : all.length);
@@ -453,7 +454,8 @@ std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint
   double size = 0.0;
   for (const Body& body : joint.bodies) size = std::max(size, body.center_of_mass.norm());
   for (const Connector& c : joint.connectors) {
-    const Vector6 motion = connector_motion(joint, c, start), before = connector_motion(joint, c, reference_poses(joint));
+    const Vector6 motion = connector_motion(joint, c, start),
+                  before = connector_motion(joint, c, reference_poses(joint));
     const double length = size + c.point.norm();
     for (int k = 0; k < kDofs; ++k) {
       const double gap = std::abs(motion[k] - before[k]);
@@ -461,7 +463,8 @@ std::vector<Fault> broken_connectors(const JointModel& model, const Joint& joint
       faults.push_back(make_fault(
           model, c.origin,
           say("joint \"{}\" {} its two bodies, and as these are placed they are {:.3g}{} apart {} its axis {};", c.name,
-              c.motion[at(k)] == RigidJoint::Motion::Held ? "holds together" : "says how to move", gap, k < 3 ? "" : " rad", k < 3 ? "along" : "about", k % 3 + 1),
+              c.motion[at(k)] == RigidJoint::Motion::Held ? "holds together" : "says how to move", gap,
+              k < 3 ? "" : " rad", k < 3 ? "along" : "about", k % 3 + 1),
           "place both bodies alike, or only along the motion that the joint leaves free"));
       break;
     }

@@ -86,8 +86,8 @@ void explain(const Problem& problem, const std::vector<Pose>& started, Solution&
   }
 }
 
-/// Newton's steps seek a balance that is unstable as well, as of a body on one of the two contacts that are to carry it,
-/// and go against the load then. The same search along the load, with half of the patience: most have no balance.
+/// Newton's steps seek a balance that is unstable as well, as of a body on one of the two contacts that are to carry
+/// it, and go against the load then. The same search along the load, with half of the patience: most have no balance.
 std::optional<Solution> followed(Problem& problem, const std::vector<Pose>& poses, EquilibriumOptions options,
                                  int iterations) {
   options.patience = options.patience / 2;

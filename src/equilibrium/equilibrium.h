@@ -4,10 +4,10 @@
 #include <vector>
 
 #include <febiodea/equilibrium/body_forces.h>
-#include <febiodea/joint/placing.h>
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/equilibrium/search.h>
 #include <febiodea/equilibrium/spring_beds.h>
+#include <febiodea/joint/placing.h>
 
 namespace dea {
 

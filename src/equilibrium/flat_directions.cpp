@@ -111,8 +111,8 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
   return s;
 }
 
-/// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness. `downhill`:
-/// along those of negative stiffness the load is followed, where Newton's step would go against it.
+/// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness.
+/// `downhill`: along those of negative stiffness the load is followed, where Newton's step would go against it.
 void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, bool downhill,
                  Directions& d) {
   if (stiff.cols() == 0) return;

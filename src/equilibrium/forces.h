@@ -43,8 +43,8 @@ struct Problem {
   std::vector<PressMemory>& memory;       ///< per contact: where searches for pressures start
   int casts = 0;                          ///< poses tried
   double tolerance = kPressureTolerance;  ///< of the layers' pressures at the next poses
-  bool downhill = false;                  ///< follow the load where a balance would be unstable, not Newton's step to it
-  std::string undefined;                  ///< why a step was refused, if a ligament's force had no value where it led
+  bool downhill = false;  ///< follow the load where a balance would be unstable, not Newton's step to it
+  std::string undefined;  ///< why a step was refused, if a ligament's force had no value where it led
   ConnectorGroups connectors;
   SearchStatus status = {};
   const std::function<void(const SearchStatus&)>* watch = nullptr;

@@ -11,9 +11,9 @@
 #include <febiodea/base/rotations.h>
 #include <febiodea/base/say.h>
 #include <febiodea/base/time_text.h>
+#include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/given_values.h>
 #include <febiodea/joint/placing.h>
-#include <febiodea/equilibrium/times.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea {
@@ -33,9 +33,10 @@ struct Instant {
 double finite_value(const Instant& now, const Scaled& scaled, Origin origin) {
   const double v = value(now.model, scaled, now.time);
   if (std::isfinite(v)) return v;
-  throw fault_at(now.model, origin,
-                 fmt::format("its value at time {} is no finite number (load curve {}): mend the curve's points",
-                             time_text(now.time), scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
+  throw fault_at(
+      now.model, origin,
+      fmt::format("its value at time {} is no finite number (load curve {}): mend the curve's points",
+                  time_text(now.time), scaled.controller >= 0 ? now.model.controllers[at(scaled.controller)].id : 0));
 }
 
 Vector3d finite_vector(const Instant& now, const Vector3d& v, int controller, Origin origin) {
@@ -332,7 +333,7 @@ LoadCase model_load_case(const Instant& now, const Replaced& replaced, const std
   LoadCase c;
   c.time = now.time;
   c.step = now.step;
-  if (!now.settings.placements.empty()) c.start = starting_poses(now.model, joint, now.settings);
+  c.start = starting_poses(now.model, joint, now.settings);
   c.bodies.resize(joint.bodies.size());
   set_connections(now, c);
   set_motions(now, c);
@@ -391,7 +392,7 @@ void set_row_motion(const Instant& now, int row, LoadCase& c) {
   if (table.time.empty()) return;
   const int b = now.joint.find_body(now.model, table.body);
   const Vector3d& center = now.joint.bodies[at(b)].center_of_mass;
-  const Pose begin = c.start.empty() ? Pose{center} : c.start[at(b)];
+  const Pose& begin = c.start[at(b)];
   BodyConditions& body = c.bodies[at(b)];
   const int moved = table.turns ? kDofs : 3;  // of the others the model says what holds
   for (int k = 0; k < moved; ++k) {
@@ -422,7 +423,7 @@ std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case
   std::vector<Pose> poses = now;
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
     const BodyConditions& c = load_case.bodies[b];
-    const Pose begin = load_case.start.empty() ? Pose{joint.bodies[b].center_of_mass} : load_case.start[b];
+    const Pose& begin = load_case.start[b];
     for (int k = 0; k < 3; ++k) {
       if (c.dofs[at(k)] != DofState::Prescribed) continue;
       poses[b].center[k] = (c.relative[at(k)] ? step_start[b].center[k] : begin.center[k]) + c.value[k];

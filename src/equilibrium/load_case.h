@@ -38,7 +38,7 @@ struct BodyConditions {
 struct LoadCase {
   double time = 0.0;
   int step = 0;
-  std::vector<Pose> start;  ///< where each body begins, and given motions count from; empty: the reference
+  std::vector<Pose> start;                                 ///< where each body begins, and given motions count from
   std::vector<BodyConditions> bodies;                      ///< one per body of the joint
   std::vector<char> contact_active;                        ///< one per contact
   std::vector<char> ligament_active;                       ///< one per ligament
@@ -65,11 +65,11 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
 std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case, const std::vector<Pose>& now,
                                    const std::vector<Pose>& step_start);
 
-/// A row of settings.loads and settings.motion: conditions at the end of the model's last step, but for what the row says.
-/// Its force and moment replace all that the model puts on that body; its pose takes the place of what the model says of
-/// those dofs. `now`: current poses, for a frame whose body is held where it is; `step_start`: as in prescribed_poses,
-/// for one that is moved. Throws UsageError where that body is free to turn and not the loaded one: its axes would turn
-/// while balance is sought.
+/// A row of settings.loads and settings.motion: conditions at the end of the model's last step, but for what the row
+/// says. Its force and moment replace all that the model puts on that body; its pose takes the place of what the model
+/// says of those dofs. `now`: current poses, for a frame whose body is held where it is; `step_start`: as in
+/// prescribed_poses, for one that is moved. Throws UsageError where that body is free to turn and not the loaded one:
+/// its axes would turn while balance is sought.
 LoadCase make_row_case(const JointModel& model, const Joint& joint, const Settings& settings, int row,
                        const std::vector<Pose>& now, const std::vector<Pose>& step_start,
                        const std::vector<Vector6>* reaction = nullptr);

@@ -25,6 +25,12 @@ void refuse_ground(const Joint& joint, const JointModel& model, const char* sett
 bool loads_given(const Settings& s) { return !s.loads.time.empty(); }
 bool motion_given(const Settings& s) { return !s.motion.time.empty(); }
 
+/// The first row from the starting poses. Throws where a frame of the table cannot be followed.
+LoadCase first_row(const JointModel& model, const Joint& joint, const Settings& s) {
+  const std::vector<Pose> start = starting_poses(model, joint, s);
+  return make_row_case(model, joint, s, 0, start, start);
+}
+
 }  // namespace
 
 void check_rows(const JointModel& model, const Joint& joint, const Settings& s) {
@@ -49,13 +55,13 @@ void check_rows(const JointModel& model, const Joint& joint, const Settings& s) 
     for (std::size_t r = 0; same && r < a.size(); ++r)
       same = std::abs(a[r] - b[r]) <= 1e-6 * std::max({std::abs(a.front()), std::abs(a.back()), 1e-300});
     if (!same)
-      throw wrong_setting("motion", s.motion.file,
-                  say("its rows ({}, {} to {}) are not at the times of the loads' ({}, {} to {});", b.size(),
-                      time_text(b.front()), time_text(b.back()), a.size(), time_text(a.front()), time_text(a.back())),
-                  "give both tables the same times");
+      throw wrong_setting(
+          "motion", s.motion.file,
+          say("its rows ({}, {} to {}) are not at the times of the loads' ({}, {} to {});", b.size(),
+              time_text(b.front()), time_text(b.back()), a.size(), time_text(a.front()), time_text(a.back())),
+          "give both tables the same times");
   }
-  const std::vector<Pose> start = starting_poses(model, joint, s);
-  if (row_count(s) > 0) make_row_case(model, joint, s, 0, start, start);  // a frame that cannot be followed
+  if (row_count(s) > 0) first_row(model, joint, s);
 }
 
 std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint, const Settings& s) {
@@ -63,43 +69,44 @@ std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint,
   const char* before = s.skip_steps ? "from the starting poses, without the model's steps"
                                     : "after the model's steps, whose ends are solved on the way";
   if (loads_given(s)) {
-    const std::vector<Pose> begin = starting_poses(model, joint, s);
-    const LoadCase first = make_row_case(model, joint, s, 0, begin, begin);
+    const LoadCase first = first_row(model, joint, s);
     const std::size_t b = at(joint.find_body(model, s.loads.body));
     const BodyConditions& body = first.bodies[b];
-    const Eigen::Matrix3d turned = prescribed_poses(joint, first, begin, begin)[b].rotation;
+    const Eigen::Matrix3d turned = prescribed_poses(joint, first, first.start, first.start)[b].rotation;
     const Vector3d force = body.dead.head<3>() + turned * body.follower.head<3>(),
                    moment = body.dead.tail<3>() + turned * body.follower.tail<3>(),
                    point = joint.bodies[b].center_of_mass + body.arm;
-    words.push_back(say("loads of {}, on body \"{}\", {}", s.loads.words.empty() ? "a table" : s.loads.words, s.loads.body,
-                        before));
-    words.push_back(say("its first row in global axes: force ({:.6g}, {:.6g}, {:.6g}), moment ({:.6g}, {:.6g}, {:.6g}), at "
-                        "({:.6g}, {:.6g}, {:.6g}) of the body's reference position{}{}",
-                        force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(), point.x(), point.y(),
-                        point.z(), s.load_at.count(s.loads.body) ? "" : ", its centre of mass",
-                        s.loads.frame.kind == TableFrame::Kind::Body
-                            ? fmt::format("; axes of body \"{}\" where it starts", s.loads.frame.body)
-                            : ""));
+    words.push_back(say("loads of {}, on body \"{}\", {}", s.loads.words.empty() ? "a table" : s.loads.words,
+                        s.loads.body, before));
+    words.push_back(
+        say("its first row in global axes: force ({:.6g}, {:.6g}, {:.6g}), moment ({:.6g}, {:.6g}, {:.6g}), at "
+            "({:.6g}, {:.6g}, {:.6g}) of the body's reference position{}{}",
+            force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(), point.x(), point.y(), point.z(),
+            s.load_at.count(s.loads.body) ? "" : ", its centre of mass",
+            s.loads.frame.kind == TableFrame::Kind::Body
+                ? fmt::format("; axes of body \"{}\" where it starts", s.loads.frame.body)
+                : ""));
     int free = 0;
     for (DofState d : body.dofs) free += d == DofState::Free;
     if (free == 0)
-      words.push_back(say("body \"{}\" is not free to move at the end of the last step: the table's loads have no effect",
-                          s.loads.body));
+      words.push_back(
+          say("body \"{}\" is not free to move at the end of the last step: the table's loads have no effect",
+              s.loads.body));
   }
   if (motion_given(s))
-    words.push_back(say("motion of {}, of body \"{}\"{}{}, {}", s.motion.words.empty() ? "a table" : s.motion.words,
-                        s.motion.body,
-                        !s.motion.turns ? ", translations alone"
-                        : s.motion.rotation == "vector"
-                            ? ", rotation vectors"
-                            : fmt::format(", angles about x, y and z in the order {}", s.motion.rotation),
-                        !s.motion.turns                             ? ""
-                        : s.rotate_about.count(s.motion.body) > 0 ? ", about the point it is turned about"
-                                                                    : ", about its centre of mass",
-                        before));
+    words.push_back(say(
+        "motion of {}, of body \"{}\"{}{}, {}", s.motion.words.empty() ? "a table" : s.motion.words, s.motion.body,
+        !s.motion.turns                 ? ", translations alone"
+        : s.motion.rotation == "vector" ? ", rotation vectors"
+                                        : fmt::format(", angles about x, y and z in the order {}", s.motion.rotation),
+        !s.motion.turns                           ? ""
+        : s.rotate_about.count(s.motion.body) > 0 ? ", about the point it is turned about"
+                                                  : ", about its centre of mass",
+        before));
   if (row_count(s) == 0 && s.skip_steps)
-    words.push_back(say("the model's steps are not walked through: what holds at time {} starts from the starting poses",
-                        time_text(step_starts(model).back())));
+    words.push_back(
+        say("the model's steps are not walked through: what holds at time {} starts from the starting poses",
+            time_text(step_starts(model).back())));
   return words;
 }
 
@@ -120,9 +127,10 @@ std::vector<Sentence> seating_steps(const JointModel& model, const Joint& joint,
         let_go = let_go || (driven && ends.back().bodies[b].dofs[k] == DofState::Free);
       }
       if (moved && let_go) {
-        words.push_back(say("step {} moves body \"{}\", and the last step lets it go: if it only seats the bones, as finite "
-                            "elements need, {} starts the last step without it",
-                            step + 1, joint.bodies[b].name, NamedSetting{"skip-steps"}));
+        words.push_back(
+            say("step {} moves body \"{}\", and the last step lets it go: if it only seats the bones, as finite "
+                "elements need, {} starts the last step without it",
+                step + 1, joint.bodies[b].name, NamedSetting{"skip-steps"}));
         return words;
       }
     }

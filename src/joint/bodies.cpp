@@ -1,8 +1,8 @@
 #include <febiodea/joint/bodies.h>
 
 #include <algorithm>
-#include <numeric>
 
+#include <febiodea/base/disjoint_sets.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
@@ -12,14 +12,6 @@
 namespace dea {
 
 namespace {
-
-int find_root(std::vector<int>& parent, int i) {
-  while (parent[at(i)] != i) {
-    parent[at(i)] = parent[at(parent[at(i)])];
-    i = parent[at(i)];
-  }
-  return i;
-}
 
 /// Area, centroid of a shell element's middle surface, and its mean thickness.
 void add_shell_mass(const JointModel& model, const Domain& domain, int element, double density, double* mass,
@@ -42,12 +34,7 @@ void add_shell_mass(const JointModel& model, const Domain& domain, int element, 
 /// Per rigid material, the first one of its body: bodies share nodes, and a bone that the user takes as rigid and whose
 /// nodes the model gives to a rigid body is part of that body.
 std::vector<int> first_materials(const JointModel& model, const std::vector<char>& rigid) {
-  std::vector<int> parent(model.materials.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto join = [&](int m, int n) {
-    const int a = find_root(parent, m), b = find_root(parent, n);
-    parent[at(std::max(a, b))] = std::min(a, b);
-  };
+  DisjointSets sets(model.materials.size());
   std::vector<int> node_material(model.nodes.size(), -1);
   for (const Domain& domain : model.domains) {
     if (domain.material < 0 || !rigid[at(domain.material)] || is_line(domain.shape)) continue;
@@ -56,14 +43,15 @@ std::vector<int> first_materials(const JointModel& model, const std::vector<char
       if (first < 0)
         first = domain.material;
       else
-        join(first, domain.material);
+        sets.join(first, domain.material);
     }
   }
   for (const RigidNodes& set : model.rigid_nodes)
     for (int node : set.nodes)
-      if (const int m = node_material[at(node)]; m >= 0 && !model.materials[at(m)].rigid) join(m, set.material);
-  for (std::size_t m = 0; m < parent.size(); ++m) parent[m] = find_root(parent, static_cast<int>(m));
-  return parent;
+      if (const int m = node_material[at(node)]; m >= 0 && !model.materials[at(m)].rigid) sets.join(m, set.material);
+  std::vector<int> first(model.materials.size());
+  for (std::size_t m = 0; m < first.size(); ++m) first[m] = sets.root(static_cast<int>(m));
+  return first;
 }
 
 /// Masses and centres of mass.

@@ -7,6 +7,7 @@
 #include <set>
 #include <unordered_map>
 
+#include <febiodea/base/disjoint_sets.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
 #include <febiodea/geometry/coincident.h>
@@ -20,24 +21,19 @@ constexpr double kLeastShare = 0.01;  // of the surface: a smaller piece is no c
 
 /// Per triangle the piece it belongs to, counted from 0 in the order of the first triangles.
 std::vector<int> pieces_of(const SurfaceMesh& mesh) {
-  std::vector<int> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int i) {
-    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-    return i;
-  };
+  DisjointSets sets(mesh.vertices.size());
   for (const std::array<int, 3>& t : mesh.triangles)
-    for (int k = 1; k < 3; ++k) parent[at(root(t[at(k)]))] = root(t[0]);
+    for (int k = 1; k < 3; ++k) sets.join(t[0], t[at(k)]);
   std::unordered_map<int, int> number;
   std::vector<int> piece;
   for (const std::array<int, 3>& t : mesh.triangles)
-    piece.push_back(number.try_emplace(root(t[0]), static_cast<int>(number.size())).first->second);
+    piece.push_back(number.try_emplace(sets.root(t[0]), static_cast<int>(number.size())).first->second);
   return piece;
 }
 
 /// By the model's part under each; empty: they do not tell them apart.
-std::vector<std::string> names_of_parts(const JointModel& model, const CarriedSurface& carried,
-                                        const SurfaceMesh& mesh, const std::vector<int>& of_triangle, int count) {
+std::vector<std::string> names_of_parts(const JointModel& model, const CarriedSurface& carried, const SurfaceMesh& mesh,
+                                        const std::vector<int>& of_triangle, int count) {
   std::vector<std::string> names(at(count));
   for (int t = 0; t < mesh.size(); ++t) {
     if (of_triangle[at(t)] >= count) continue;
@@ -140,7 +136,8 @@ std::optional<Fault> touching_parts(const ContactSide& in, const Layer& layer) {
     touch = gap_beside(in.parts, mesh, *region) < tolerance;
   if (!touch) return std::nullopt;
   const std::vector<int>& ids = in.parts.model.node_ids;
-  const std::string where = pair ? fmt::format(", as nodes {} and {} do", ids[at((*pair)[0])], ids[at((*pair)[1])]) : "";
+  const std::string where =
+      pair ? fmt::format(", as nodes {} and {} do", ids[at((*pair)[0])], ids[at((*pair)[1])]) : "";
   return refusal_of(in,
                     say("lies on {} deformable parts that touch{}, but share no nodes: they slide past each other, and "
                         "nothing that is squeezed flows from one to the other;",

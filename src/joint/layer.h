@@ -61,8 +61,8 @@ struct Layer {
   std::vector<BareRimEdge> bare_rim;        ///< of a bare surface
   std::vector<HalfHeldPlane> half_held;     ///< of a layer
   Compartments compartments;
-  std::vector<Sentence> notes;              ///< what the user should know of it, a sentence each
-  LayerFace face;                           ///< of a layer whose springs stand on the articular surface; else empty
+  std::vector<Sentence> notes;  ///< what the user should know of it, a sentence each
+  LayerFace face;               ///< of a layer whose springs stand on the articular surface; else empty
 
   /// The surface thickness and springs live on.
   const SurfaceMesh& spring_surface() const { return springs_at == SpringsAt::Bone ? bone : articular; }

@@ -9,6 +9,7 @@
 #include <map>
 #include <unordered_map>
 
+#include <febiodea/base/disjoint_sets.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/model/element_faces.h>
@@ -128,26 +129,6 @@ bool smooth(const JointModel& model, const std::vector<std::vector<int>>& facets
   return turn_cosine(model, facets, a, b) > kCos40;
 }
 
-/// Disjoint sets of facets.
-struct Patches {
-  std::vector<int> parent;
-  explicit Patches(std::size_t n) : parent(n) {
-    for (std::size_t i = 0; i < n; ++i) parent[i] = static_cast<int>(i);
-  }
-  int root(int i) {
-    while (parent[at(i)] != i) {
-      parent[at(i)] = parent[at(parent[at(i)])];
-      i = parent[at(i)];
-    }
-    return i;
-  }
-  void join(int a, int b) {
-    a = root(a);
-    b = root(b);
-    parent[at(std::max(a, b))] = std::min(a, b);
-  }
-};
-
 std::vector<std::vector<int>> all_facets(const FacetList& list) {
   std::vector<std::vector<int>> facets;
   for (int f = 0; f < list.size(); ++f) facets.push_back(facet_nodes(list, f));
@@ -234,7 +215,7 @@ void open_feather_facets(const JointModel& model, const FacetList& selected, Lay
   if (both.empty()) return;
   std::vector<std::vector<int>> facets;
   for (int f : both) facets.push_back(facet_nodes(boundary.faces, f));
-  Patches patches(both.size());
+  DisjointSets patches(both.size());
   const std::vector<FacetEdge> edges = facet_edges(facets);
   for_each_place(edges, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first + 1; i < last; ++i)
@@ -297,7 +278,7 @@ void find_side_walls(const JointModel& model, const SurfaceMesh& bone, LayerBoun
     const LineHit hit = caster.nearest_facing(shapes[f].center, -shapes[f].normal, 0.0, 0.0, 2.0 * deepest, kCos45);
     turned[f] = hit.point.triangle < 0 || hit.distance <= 0.0;
   });
-  Patches patches(facets.size());
+  DisjointSets patches(facets.size());
   const std::vector<FacetEdge> edges = facet_edges(facets);
   for_each_place(edges, [&](std::size_t first, std::size_t last) {
     int before = -1;
@@ -318,7 +299,7 @@ void find_side_walls(const JointModel& model, const SurfaceMesh& bone, LayerBoun
 
 void find_side_walls(const JointModel& model, const FacetList& selected, LayerBoundary& boundary) {
   const std::vector<std::vector<int>> facets = all_facets(boundary.faces);
-  Patches patches(facets.size());
+  DisjointSets patches(facets.size());
   const std::vector<FacetEdge> edges = facet_edges(facets);
   const auto open = [&](int f) { return boundary.kinds[at(f)] == FaceKind::Open; };
   for_each_place(edges, [&](std::size_t first, std::size_t last) {

@@ -45,10 +45,9 @@ Fault held_by_several(const ContactSide& in, const Support& support, const std::
     return !in.parts.bodies.bodies[at(h.first)].moved_by.empty();
   });
   if (support.regions.size() > 1 && moved == 0)
-    return refusal_of(in, say("the {} parts of its layer are held by {} bodies ({});", support.regions.size(),
-                              holders.size(), list),
-                      say("divide it into one surface per body, or choose one with {}",
-                          setting_of(in, "attach", "BODY")));
+    return refusal_of(
+        in, say("the {} parts of its layer are held by {} bodies ({});", support.regions.size(), holders.size(), list),
+        say("divide it into one surface per body, or choose one with {}", setting_of(in, "attach", "BODY")));
   return refusal_of(in,
                     say("its layer is held by {} bodies ({}){};", holders.size(), list,
                         moved > 0 ? ", and moved nodes move otherwise than the rest, so it is not bonded to one "

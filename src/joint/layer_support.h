@@ -28,7 +28,8 @@ struct Attachment {
   std::string by;  ///< the rule that found it, as a sentence
   std::optional<Fault> fault;
 };
-/// As the user says, or what bears the facets, or what holds all their parts. Throws UsageError for a body there is not.
+/// As the user says, or what bears the facets, or what holds all their parts. Throws UsageError for a body there is
+/// not.
 Attachment find_attachment(const ContactSide& in, const Support& support);
 
 /// The elements of the layer's parts.

@@ -120,8 +120,7 @@ SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, cons
 }
 
 /// Finds what the layer is bonded to: boundary and bone surface of the draft.
-void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::set<int>& regions,
-               LayerDraft& draft) {
+void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::set<int>& regions, LayerDraft& draft) {
   const ModelParts& parts = in.parts;
   const JointModel& model = parts.model;
   const std::string name = said_of(parts.settings.bone, in.surface.name);

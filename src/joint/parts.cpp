@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <febiodea/base/disjoint_sets.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
 #include <febiodea/joint/given_layer.h>
@@ -13,32 +14,22 @@ namespace {
 
 std::vector<int> find_regions(const ModelParts& parts) {
   const JointModel& model = parts.model;
-  std::vector<int> parent(model.nodes.size(), -1);
-  const auto root = [&](int i) {
-    while (parent[at(i)] != i) {
-      parent[at(i)] = parent[at(parent[at(i)])];
-      i = parent[at(i)];
-    }
-    return i;
-  };
+  DisjointSets sets(model.nodes.size());
+  std::vector<char> of_layer(model.nodes.size(), 0);
   for (const Domain& d : model.domains) {
     if (!deformable(parts, d)) continue;
     const int n = nodes_per_element(d.shape);
     for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
       const int* nodes = d.nodes.data() + e * at(n);
-      for (int k = 0; k < n; ++k)
-        if (parent[at(nodes[k])] < 0) parent[at(nodes[k])] = nodes[k];
-      int a = root(nodes[0]);
-      for (int k = 1; k < n; ++k) {
-        const int b = root(nodes[k]);
-        parent[at(std::max(a, b))] = std::min(a, b);
-        a = std::min(a, b);
+      for (int k = 0; k < n; ++k) {
+        of_layer[at(nodes[k])] = 1;
+        sets.join(nodes[0], nodes[k]);
       }
     }
   }
   std::vector<int> region(model.nodes.size(), -1);
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
-    if (parent[i] >= 0) region[i] = root(static_cast<int>(i));
+    if (of_layer[i]) region[i] = sets.root(static_cast<int>(i));
   return region;
 }
 

@@ -59,8 +59,9 @@ Turn turn_of(const Joint& joint, int body, const TurnPoint& about, const std::st
       break;
   }
   const SphereFit sphere = articular_sphere(joint, body, name);
-  return {sphere.center, fmt::format("the centre of its articular surface's sphere (radius {:.4g}, rms distance {:.2g}),",
-                                     sphere.radius, sphere.rms)};
+  return {sphere.center,
+          fmt::format("the centre of its articular surface's sphere (radius {:.4g}, rms distance {:.2g}),",
+                      sphere.radius, sphere.rms)};
 }
 
 int placed_body(const JointModel& model, const Joint& joint, const Placement& p) {
@@ -74,7 +75,8 @@ int placed_body(const JointModel& model, const Joint& joint, const Placement& p)
 
 /// Each placement in turn. `done(placement, turn, point)`: after one, with the place about which it turned.
 template <class Done>
-std::vector<Pose> place_bodies(const JointModel& model, const Joint& joint, const Settings& settings, const Done& done) {
+std::vector<Pose> place_bodies(const JointModel& model, const Joint& joint, const Settings& settings,
+                               const Done& done) {
   std::vector<Pose> poses = reference_poses(joint);
   for (const Placement& p : settings.placements) {
     const int body = placed_body(model, joint, p);
@@ -118,9 +120,10 @@ std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& 
     if (p.kind == Placement::Kind::Move)
       words.push_back(say("body \"{}\" is moved by ({:g}, {:g}, {:g}) before it starts", p.body, v.x(), v.y(), v.z()));
     else
-      words.push_back(say("body \"{}\" is turned by {:g} degrees about ({:g}, {:g}, {:g}) before it starts, through {} "
-                          "({:.6g}, {:.6g}, {:.6g})",
-                          p.body, p.degrees, v.x(), v.y(), v.z(), turn.name, point.x(), point.y(), point.z()));
+      words.push_back(
+          say("body \"{}\" is turned by {:g} degrees about ({:g}, {:g}, {:g}) before it starts, through {} "
+              "({:.6g}, {:.6g}, {:.6g})",
+              p.body, p.degrees, v.x(), v.y(), v.z(), turn.name, point.x(), point.y(), point.z()));
   });
   return words;
 }

@@ -13,8 +13,8 @@ namespace dea {
 std::vector<Pose> reference_poses(const Joint& joint);
 
 /// Starting pose of each body: its reference pose, then settings.placements in their order. What is attached to a body
-/// goes along; nothing is recognised again. Throws UsageError for a body that is not there or never moves, and where the
-/// sphere about whose centre a body is to be turned says little: settings.rotate_about has to name the point then.
+/// goes along; nothing is recognised again. Throws UsageError for a body that is not there or never moves, and where
+/// the sphere about whose centre a body is to be turned says little: settings.rotate_about has to name the point then.
 std::vector<Pose> starting_poses(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// Reference coordinates of the point about which settings turn a body. `name`: of the body, for faults. Throws as

@@ -322,7 +322,7 @@ struct Step {
 struct Remark {
   std::string what;
   int count = 1;
-  Origin origin;            ///< first occurrence
+  Origin origin;         ///< first occurrence
   Sentence advice = {};  ///< what to do about it, for what is unsupported; empty: take it out
 };
 

@@ -80,9 +80,9 @@ struct LoadTable {
   std::string body;     ///< on which they act, at settings.load_at; the model's own loads on it are replaced
   std::string columns;  ///< names of three or six columns, separated by commas: force, moment; empty: found by name
   TableFrame frame;
-  std::optional<double> body_weight;  ///< columns are in % of it; the table's force
-  std::string units;                  ///< of the table, FORCE-LENGTH: "N-m"; empty: the model's
-  std::vector<double> time;           ///< one per row, rising
+  std::optional<double> body_weight;              ///< columns are in % of it; the table's force
+  std::string units;                              ///< of the table, FORCE-LENGTH: "N-m"; empty: the model's
+  std::vector<double> time;                       ///< one per row, rising
   std::vector<Eigen::Matrix<double, 6, 1>> load;  ///< one per row: force, moment; the model's units, the table's frame
   std::string words;                              ///< how the file was taken
 };
@@ -92,12 +92,12 @@ struct LoadTable {
 struct MotionTable {
   std::string file;
   std::string body;
-  std::string columns;                                 ///< names of three or six columns: translation, rotation
-  std::string rotation;                                ///< "vector", or the sequence of three angles: "xyz", "zxy", ...
-  std::string units;                                   ///< ANGLE-LENGTH: "deg-m"; empty: radians, the model's length
-  std::vector<double> time;                            ///< one per row, rising
-  std::vector<Eigen::Matrix<double, 6, 1>> motion;     ///< one per row
-  bool turns = false;                                  ///< rotations are given, not translations alone
+  std::string columns;                              ///< names of three or six columns: translation, rotation
+  std::string rotation;                             ///< "vector", or the sequence of three angles: "xyz", "zxy", ...
+  std::string units;                                ///< ANGLE-LENGTH: "deg-m"; empty: radians, the model's length
+  std::vector<double> time;                         ///< one per row, rising
+  std::vector<Eigen::Matrix<double, 6, 1>> motion;  ///< one per row
+  bool turns = false;                               ///< rotations are given, not translations alone
   std::string words;
 };
 
@@ -117,26 +117,27 @@ struct Settings {
   std::optional<Facets> facets;               ///< empty: what the contact says, or curved
   std::optional<int> refine;       ///< each spring triangle is divided into refine^2, >= 1; empty: the contact's, or 1
   std::vector<std::string> rigid;  ///< deformable materials to take as rigid
-  std::map<std::string, std::string> attach;        ///< surface -> body it belongs to ("ground" for the ground)
-  std::map<std::string, std::string> bone;          ///< articular surface -> surface that is its bone surface
-  std::vector<std::string> keep_facets;             ///< surfaces of which no facet is left out as side wall or bonded
-  std::map<std::string, double> thickness;          ///< surface -> constant thickness; "" = all surfaces
-  std::map<std::string, NodeThickness> thickness_from;  ///< surface -> thickness per node; not together with `thickness`
+  std::map<std::string, std::string> attach;  ///< surface -> body it belongs to ("ground" for the ground)
+  std::map<std::string, std::string> bone;    ///< articular surface -> surface that is its bone surface
+  std::vector<std::string> keep_facets;       ///< surfaces of which no facet is left out as side wall or bonded
+  std::map<std::string, double> thickness;    ///< surface -> constant thickness; "" = all surfaces
+  std::map<std::string, NodeThickness>
+      thickness_from;                               ///< surface -> thickness per node; not together with `thickness`
   std::map<std::string, double> thickness_scale;    ///< surface -> factor on its thickness, > 0; "" = all
   std::map<std::string, double> E;                  ///< surface -> Young's modulus; "" = all
   std::map<std::string, double> nu;                 ///< surface -> Poisson's ratio; "" = all
   std::map<std::string, std::array<bool, 6>> free;  ///< body -> dofs left free (all others held), in all steps
   std::map<std::string, Eigen::Vector3d>
       force;  ///< body -> force replacing the model's rigid forces, scaled 0..1 over the last step
-  std::map<std::string, LoadPoint> load_at;  ///< body -> where its force acts
-  std::vector<Placement> placements;         ///< act in this order
+  std::map<std::string, LoadPoint> load_at;       ///< body -> where its force acts
+  std::vector<Placement> placements;              ///< act in this order
   std::map<std::string, TurnPoint> rotate_about;  ///< body -> what it is turned about
   std::map<std::string, double> set_values;  ///< "NAME.PARAMETER" -> number in place of the model's (given_values.h)
   LoadTable loads;
   MotionTable motion;
   bool skip_steps = false;  ///< the model's steps are not walked through: what holds at their end starts from rest
   std::string units;        ///< FEBio's name of the model's system of units, where the model names none
-  bool squash = true;                        ///< show the cartilage compressed; false: rigid with its bone
+  bool squash = true;       ///< show the cartilage compressed; false: rigid with its bone
 };
 
 /// Rows of tables, each a state. Both tables have the same times where both are there.

@@ -136,7 +136,8 @@ std::string parse_rotation(Text text) {
   std::string axes = word;
   std::sort(axes.begin(), axes.end());
   if (axes != "xyz")
-    throw bad_value(text, "vector, or the order in which the angles about x, y and z are taken, such as zxy", {"vector"});
+    throw bad_value(text, "vector, or the order in which the angles about x, y and z are taken, such as zxy",
+                    {"vector"});
   return word;
 }
 
@@ -300,10 +301,13 @@ std::vector<SettingOption> cartilage_options() {
       {"thickness-from", "surface", false, "FILE", nullptr, kCartilage,
        "Cartilage thickness at each node of a contact surface: CSV with columns node (its number in the model) and "
        "thickness; may be repeated [measured]",
-       [](S& s, Text key, Text text) { s.thickness_from[key] = {text, {}}; },
+       [](S& s, Text key, Text text) {
+         s.thickness_from[key] = {text, {}};
+       },
        [](const S& s) { return by_name(s.thickness_from); }},
       {"thickness-scale", "surface", false, "NUMBER", "FACTOR", kCartilage,
-       "Cartilage thickness, measured or given, times this; articular surfaces stay where they are; may be repeated [1]",
+       "Cartilage thickness, measured or given, times this; articular surfaces stay where they are; may be repeated "
+       "[1]",
        [](S& s, Text key, Text text) { s.thickness_scale[key] = parse_positive(text); },
        [](const S& s) { return by_name(s.thickness_scale); }, &S::thickness_scale},
       {"E", "surface", false, "NUMBER", "MODULUS", kCartilage,
@@ -377,7 +381,8 @@ std::vector<SettingOption> table_options() {
   using S = Settings;
   return {
       {"loads", nullptr, false, "FILE", nullptr, kTables,
-       "Forces and moments on one body, a row a state: CSV with a line of names, or OpenSim's .sto, .mot; they take the "
+       "Forces and moments on one body, a row a state: CSV with a line of names, or OpenSim's .sto, .mot; they take "
+       "the "
        "place of all that the model puts on that body, at the end of its last step",
        [](S& s, Text, Text text) { s.loads.file = text; }, [](const S& s) { return word_or_nothing(s.loads.file); }},
       {"load-body", nullptr, false, "BODY", nullptr, kTables,
@@ -388,7 +393,8 @@ std::vector<SettingOption> table_options() {
        [](S& s, Text, Text text) { s.loads.columns = text; },
        [](const S& s) { return word_or_nothing(s.loads.columns); }},
       {"load-frame", nullptr, false, "global|BODY|x,y,z/x,y,z/x,y,z", nullptr, kTables,
-       "Axes of the table: global; a body's (the global ones in its reference position, turning with it); three axes in "
+       "Axes of the table: global; a body's (the global ones in its reference position, turning with it); three axes "
+       "in "
        "global directions [global]",
        [](S& s, Text, Text text) { s.loads.frame = parse_frame(text); },
        [](const S& s) { return frame_of(s.loads.frame); }},
@@ -400,23 +406,26 @@ std::vector<SettingOption> table_options() {
        [](S& s, Text, Text text) { s.loads.body_weight = parse_positive(text); },
        [](const S& s) { return number_or_nothing(s.loads.body_weight); }},
       {"motion", nullptr, false, "FILE", nullptr, kTables,
-       "Poses of one body, a row a state: columns tx, ty, tz and, if it turns, rx, ry, rz, from its starting pose, global "
+       "Poses of one body, a row a state: columns tx, ty, tz and, if it turns, rx, ry, rz, from its starting pose, "
+       "global "
        "axes; they prescribe these dofs",
        [](S& s, Text, Text text) { s.motion.file = text; }, [](const S& s) { return word_or_nothing(s.motion.file); }},
       {"motion-body", nullptr, false, "BODY", nullptr, kTables,
        "The body that is moved; it turns about its centre of mass, or the point of rotate-about",
        [](S& s, Text, Text text) { s.motion.body = text; }, [](const S& s) { return word_or_nothing(s.motion.body); }},
-      {"motion-columns", nullptr, false, "TX,TY,TZ[,RX,RY,RZ]", nullptr, kTables, "Names of the columns [found by name]",
-       [](S& s, Text, Text text) { s.motion.columns = text; },
+      {"motion-columns", nullptr, false, "TX,TY,TZ[,RX,RY,RZ]", nullptr, kTables,
+       "Names of the columns [found by name]", [](S& s, Text, Text text) { s.motion.columns = text; },
        [](const S& s) { return word_or_nothing(s.motion.columns); }},
       {"motion-rotation", nullptr, false, "vector|xyz|zxy|...", nullptr, kTables,
-       "What the three rotations are: a rotation vector, or angles about x, y and z, taken in this order, each about the "
+       "What the three rotations are: a rotation vector, or angles about x, y and z, taken in this order, each about "
+       "the "
        "body's axis as the ones before have turned it",
        [](S& s, Text, Text text) { s.motion.rotation = parse_rotation(text); },
        [](const S& s) { return word_or_nothing(s.motion.rotation); }},
       {"motion-units", nullptr, false, "ANGLE-LENGTH", nullptr, kTables,
        "Units of the table: deg-mm, rad-m, ... [needed where it turns; OpenSim's: as it says, m]",
-       [](S& s, Text, Text text) { s.motion.units = text; }, [](const S& s) { return word_or_nothing(s.motion.units); }},
+       [](S& s, Text, Text text) { s.motion.units = text; },
+       [](const S& s) { return word_or_nothing(s.motion.units); }},
   };
 }
 
@@ -433,8 +442,8 @@ void leave_thickness_to(Settings& settings, const SettingValue& v) {
 const std::vector<SettingOption>& setting_options() {
   static const std::vector<SettingOption> options = [] {
     std::vector<SettingOption> all;
-    for (const auto& part :
-         {joint_options(), spring_options(), recognition_options(), cartilage_options(), placing_options(), load_options(), table_options()})
+    for (const auto& part : {joint_options(), spring_options(), recognition_options(), cartilage_options(),
+                             placing_options(), load_options(), table_options()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();

@@ -30,8 +30,8 @@ std::vector<int> compartments_of_facets(const Joint& joint, const ContactPair& p
   const Pose& pose = e.poses[at(source.body)];
   for (int f = 0; f < surface.facets(); ++f)
     if (of_facet[at(f)] < 0)
-      of_facet[at(f)] = nearest(pose.center + pose.rotation * (surface.facet_centers[at(f)] -
-                                                               joint.bodies[at(source.body)].center_of_mass));
+      of_facet[at(f)] = nearest(
+          pose.center + pose.rotation * (surface.facet_centers[at(f)] - joint.bodies[at(source.body)].center_of_mass));
   return of_facet;
 }
 
@@ -67,9 +67,7 @@ std::vector<CompartmentLoad> compartment_loads(const Joint& joint, const SpringB
   for (int i = 0; i < s.size(); ++i) {
     const double f = s.pressure[at(i)] * s.area[at(i)];
     if (!(f > 0)) continue;
-    const int triangle = !on_articular           ? -1
-                         : side == pair.source ? springs.surface_triangle[at(i)]
-                                               : s.triangle[at(i)];
+    const int triangle = !on_articular ? -1 : side == pair.source ? springs.surface_triangle[at(i)] : s.triangle[at(i)];
     const int c = triangle >= 0 ? layer.compartments.of_triangle[at(triangle)] : nearest(s.foot[at(i)]);
     loads[at(c)].force += f * s.direction[at(i)];
     moment[at(c)] += f * s.foot[at(i)];

@@ -10,7 +10,7 @@ namespace dea {
 
 /// Of one compartment. NaN: undefined, it carries nothing.
 struct CompartmentLoad {
-  Headline headline;  ///< of its share of the surface with springs, above the threshold of the whole
+  Headline headline;                  ///< of its share of the surface with springs, above the threshold of the whole
   Vector3d force = Vector3d::Zero();  ///< on the target, global axes; over all compartments it adds up to the contact's
   Vector3d center_of_pressure = Vector3d::Constant(kNaN);  ///< of its springs, current
 };

@@ -39,8 +39,8 @@ struct ContactStatistics {
   Vector3d force = Vector3d::Zero();   ///< of the contact on the target
   Vector3d moment = Vector3d::Zero();  ///< the same, about the target's current centre of mass
   double largest_strain = 0.0;
-  PressedRim pressed_rim[2];      ///< of bare surfaces: primary, secondary
-  double complementarity = kNaN;  ///< Law::Layer: residual of (L4) over the largest pressure
+  PressedRim pressed_rim[2];                  ///< of bare surfaces: primary, secondary
+  double complementarity = kNaN;              ///< Law::Layer: residual of (L4) over the largest pressure
   std::vector<CompartmentLoad> compartments;  ///< one per compartment_names of the contact
 };
 

@@ -51,7 +51,8 @@ std::vector<Convergence> converge(const JointModel& model, Settings settings, do
                                   const std::function<void(const Activity&)>& activity, const StopFlag* stop) {
   std::vector<Convergence> result;
   AnalysisOptions options;
-  options.times = settings.skip_steps ? row_states(model, settings, parse_states("all"), "").times : model_times(model, true);
+  options.times =
+      settings.skip_steps ? row_states(model, settings, parse_states("all"), "").times : model_times(model, true);
   options.keep_state.assign(options.times.size(), 0);  // only the last is looked at
   options.keep_state.back() = 1;
   options.activity = activity;

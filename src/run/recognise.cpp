@@ -11,10 +11,10 @@
 #include <febiodea/base/say.h>
 #include <febiodea/equilibrium/connectors.h>
 #include <febiodea/equilibrium/load_case.h>
-#include <febiodea/joint/placing.h>
 #include <febiodea/equilibrium/rows.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/bodies.h>
+#include <febiodea/joint/placing.h>
 #include <febiodea/joint/surface_names.h>
 #include <febiodea/model/load_curve.h>
 
@@ -95,7 +95,8 @@ Recognition recognise(JointModel given, Settings settings, bool all_states) {
     if (r.recognised) r.joint = std::move(found.joint);
   }
   if (r.recognised && !r.settings.placements.empty()) {
-    for (Sentence& words : placements_in_words(model, r.joint, r.settings)) r.joint.findings.push_back(std::move(words));
+    for (Sentence& words : placements_in_words(model, r.joint, r.settings))
+      r.joint.findings.push_back(std::move(words));
     for (const Fault& fault : broken_connectors(model, r.joint, starting_poses(model, r.joint, r.settings)))
       add(r.faults, fault);
   }

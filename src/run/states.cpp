@@ -67,7 +67,8 @@ StatesAsked parse_states(const std::string& text) {
         asked.ranges.push_back({parse_number(word.substr(0, colon)), parse_number(word.substr(colon + 1))});
     } catch (const BadValue&) {
       const bool alone = word == text;  // "all" stands alone
-      throw bad_value(word, expected, alone ? std::vector<std::string>{"all", "last"} : std::vector<std::string>{"last"});
+      throw bad_value(word, expected,
+                      alone ? std::vector<std::string>{"all", "last"} : std::vector<std::string>{"last"});
     }
     if (!asked.ranges.empty() && asked.ranges.back()[0] > asked.ranges.back()[1])
       throw bad_value(text, "a range that rises, t1:t2");
@@ -152,8 +153,8 @@ States choose_states(const JointModel& model, std::vector<TimePoint> times, cons
   const double end = step_starts(model).back();
   for (double t : chosen) {
     if (!(t >= 0 && t <= end * (1 + 1e-6)))
-      throw UsageError(
-          fmt::format("{}: found time {}, expected times from 0 to {}, those of the model", option, time_text(t), time_text(end)));
+      throw UsageError(fmt::format("{}: found time {}, expected times from 0 to {}, those of the model", option,
+                                   time_text(t), time_text(end)));
     insert_time(model, times, std::min(t, end), end);
   }
   States states{std::move(times), {}};

@@ -82,8 +82,8 @@ TEST(Plausibility, StrainsAboveOneHalfAreTold) {
   EXPECT_FALSE(has(result_remarks(model, analyse(model, test::linear())), "pressed together"));
 }
 
-// A plate presses 128 springs alike: 116 of them carry nine tenths. With one node of it 0.5 lower than the rest, which hardly
-// touches, the few facets around that node carry it all.
+// A plate presses 128 springs alike: 116 of them carry nine tenths. With one node of it 0.5 lower than the rest, which
+// hardly touches, the few facets around that node carry it all.
 TEST(Plausibility, AForceOnAHandfulOfSpringsIsTold) {
   JointModel model = test::flat_plates(8, 10, 2, 0.0);
   test::fix(model, 2, {true, true, false, true, true, true});

@@ -203,7 +203,8 @@ TEST(SettingsXml, OutputFilesAndStates) {
   EXPECT_EQ(read.outputs.vtu, "folder");
   EXPECT_EQ(read.outputs.states, "0.5, 1");
   EXPECT_EQ(read.settings.law, Law::Logarithmic);
-  EXPECT_EQ(fault("<states>some</states>"), ":2: <states>: found \"some\", expected all, last, times t1,t2,... or ranges t1:t2");
+  EXPECT_EQ(fault("<states>some</states>"),
+            ":2: <states>: found \"some\", expected all, last, times t1,t2,... or ranges t1:t2");
   EXPECT_EQ(fault("<json/>"), ":2: <json>: found nothing, expected a file name");
   EXPECT_EQ(fault("<report>a.html</report>\n<report>a.html</report>"),
             ":3: <report>: found a second one, expected it once");

@@ -9,8 +9,8 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
-#include <febiodea/io/tables/number_table.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/io/tables/number_table.h>
 #include <febiodea/model/settings_table.h>
 
 namespace dea {
@@ -43,7 +43,9 @@ std::string refusal(const std::string& path) {
 }
 
 TEST(Tables, CsvInTheModelsUnits) {
-  for (const char* text : {"time,fx,fy,fz\n0,1,2,3\n0.5,4,5,6\n", "\xef\xbb\xbf" "Time [s];Fx [N];Fy;Fz\r\n0;1;2;3\r\n0.5;4;5;6\r\n",
+  for (const char* text : {"time,fx,fy,fz\n0,1,2,3\n0.5,4,5,6\n",
+                           "\xef\xbb\xbf"
+                           "Time [s];Fx [N];Fy;Fz\r\n0;1;2;3\r\n0.5;4;5;6\r\n",
                            "# gait\n\ntime\tForce_X\tforce_y\tforce_z\n0\t1\t2\t3\n0.5\t4\t5\t6"}) {
     const LoadTable loads = loads_of(file("loads.csv", text)).loads;
     ASSERT_EQ(loads.time, (std::vector<double>{0, 0.5})) << text;
@@ -112,7 +114,8 @@ TEST(Tables, AnglesAreAboutTheAxesTheyAreNamedFor) {
 TEST(Tables, DegreesMayBeWrittenWithSpaces) {
   for (const char* line : {"inDegrees=yes", "inDegrees = yes", "InDegrees =Yes"}) {
     Settings settings;
-    settings.motion.file = file("p.mot", std::string(line) + "\nendheader\ntime\ttx\tty\ttz\trx\try\trz\n0\t0\t0\t0\t90\t0\t0\n");
+    settings.motion.file =
+        file("p.mot", std::string(line) + "\nendheader\ntime\ttx\tty\ttz\trx\try\trz\n0\t0\t0\t0\t90\t0\t0\n");
     settings.motion.body = "femur";
     settings.motion.rotation = "xyz";
     JointModel model;
@@ -128,8 +131,8 @@ TEST(Tables, SettingsOfATableWithoutItAreRefused) {
     find_setting_option(option)->set(settings, "", value);
     EXPECT_THROW(read_tables({}, settings), UsageError) << option;
   };
-  for (const char* option : {"load-body", "load-columns", "load-units", "load-frame", "motion-body", "motion-columns",
-                             "motion-units"})
+  for (const char* option :
+       {"load-body", "load-columns", "load-units", "load-frame", "motion-body", "motion-columns", "motion-units"})
     refused(option, "a");
   refused("load-frame", "1,0,0/0,1,0/0,0,1");
   refused("body-weight", "800");
@@ -181,8 +184,9 @@ TEST(Tables, UnitsInNamesOfColumnsMustBeThoseTaken) {
 TEST(Tables, OneLoadsColumnsAndWholeFiles) {
   const std::string names = "time,hip_fx,hip_fy,hip_fz,knee_mx,knee_my,knee_mz\n0,1,2,3,4,5,6\n";
   EXPECT_NE(refusal(file("a.csv", names)).find("the force is that of hip, the moment that of knee"), std::string::npos);
-  EXPECT_NE(refusal(file("a.sto", "nRows=5\nendheader\ntime\tfx\tfy\tfz\n0\t1\t2\t3\n")).find("found 1 rows, expected the 5"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(file("a.sto", "nRows=5\nendheader\ntime\tfx\tfy\tfz\n0\t1\t2\t3\n")).find("found 1 rows, expected the 5"),
+      std::string::npos);
   const Settings s = loads_of(file("p.csv", "time,fx,fy,fz,px,py,pz\n0,1,2,3,4,5,6\n"));
   EXPECT_NE(s.loads.words.find("where the force acts (px, py, pz) is not read from it"), std::string::npos);
   Settings twice;
@@ -206,8 +210,9 @@ TEST(Tables, RefusedWithTheirLine) {
             ":1: found no row, expected at least one below the names of the columns");
   EXPECT_EQ(refusal(file("a.csv", "")), ":0: found no line, expected the names of the columns and rows");
   EXPECT_EQ(refusal(file("a.csv", "time,fx,fx\n")), ":1: found two columns named \"fx\", expected different names");
-  EXPECT_NE(refusal(file("a.csv", "time,a_fx,b_fx,fy,fz\n0,1,2,3,4\n")).find("found 2 columns that may be the force's x"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(file("a.csv", "time,a_fx,b_fx,fy,fz\n0,1,2,3,4\n")).find("found 2 columns that may be the force's x"),
+      std::string::npos);
   EXPECT_NE(refusal(file("a.sto", "time\tfx\n0\t1\n")).find("found no line \"endheader\""), std::string::npos);
   EXPECT_EQ(refusal("nowhere.csv"), ": found no readable file, expected a table");
 }

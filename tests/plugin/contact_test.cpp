@@ -104,8 +104,8 @@ void expect_the_same_equilibrium(const fs::path& folder, const std::string& mode
   convert(folder, model, "converted.feb", options);
   const Finished f = solve(folder, "converted.feb");
   ASSERT_EQ(f.code, 0) << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
-  std::vector<std::string> words = {DEA_PROGRAM, "run",          model,            "-o",
-                                    "run.xplt",  "--times-from", "converted.xplt", "--overwrite"};
+  std::vector<std::string> words = {DEA_PROGRAM,      "run",        model, "-o", "run.xplt", "--times-from",
+                                    "converted.xplt", "--overwrite"};
   words.insert(words.end(), options.begin(), options.end());
   ASSERT_EQ(run_program(folder, words, 60).code, 0);
   const Agreement a = compare(folder / "converted.xplt", folder / "run.xplt");

@@ -68,10 +68,10 @@ void expect_the_same(const fs::path& folder, const std::string& model, const std
             settings + "</febiodea_settings>");
   write(folder / "cli.xml", "<febiodea_settings version=\"1\">" + settings + "</febiodea_settings>");
   const Finished task = febio(folder, model, "dea", "task.xml");
-  const Finished cli = run_program(
-      folder,
-      {DEA_PROGRAM, "run", model, "-o", "cli.xplt", "--json", "cli.json", "--csv", "cli.csv", "--settings", "cli.xml", "--overwrite"},
-      300);
+  const Finished cli = run_program(folder,
+                                   {DEA_PROGRAM, "run", model, "-o", "cli.xplt", "--json", "cli.json", "--csv",
+                                    "cli.csv", "--settings", "cli.xml", "--overwrite"},
+                                   300);
   ASSERT_EQ(cli.code == 0, task.code == 0) << cli.err << task.out;
   ASSERT_TRUE(fs::exists(folder / "task.json")) << task.out << task.err;
   const Json a = Json::parse(file_text(folder / "task.json")), b = Json::parse(file_text(folder / "cli.json"));

@@ -398,8 +398,7 @@ TEST(ReportPage, SlopeOfAMultiple) {
 }
 
 TEST(ReportPage, FramesPairTimes) {
-  const PageData data =
-      compare_page(test::awkward_results(), {}, compare_files(test::awkward_results(), {}), {"dea"});
+  const PageData data = compare_page(test::awkward_results(), {}, compare_files(test::awkward_results(), {}), {"dea"});
   ASSERT_EQ(data.frames.size(), 4u);  // the second result has no state at 0.75
   EXPECT_EQ(data.frames[3].states, (std::vector<int>{4, 3, 4}));
   EXPECT_EQ(data.frame, 3);

@@ -129,7 +129,8 @@ TEST(Compartments, AreNamedByPartsElseBySidesElseByNumbers) {
   EXPECT_EQ(names_of(pads({{"same", {20, 0, 0}}, {"same", {-20, 1, 0}}})), (Names{"+x", "-x"}));
   EXPECT_EQ(names_of(pads({{"same", {0, -20, 0}}, {"same", {0, 20, 0}}})), (Names{"-y", "+y"}));
   EXPECT_EQ(names_of(pads({{"same", {-20, -20, 0}}, {"same", {20, 20, 0}}})), (Names{"1", "2"}));
-  EXPECT_EQ(names_of(pads({{"same", {-20, 0, 0}}, {"same", {20, 0, 0}}, {"same", {0, 30, 0}}})), (Names{"1", "2", "3"}));
+  EXPECT_EQ(names_of(pads({{"same", {-20, 0, 0}}, {"same", {20, 0, 0}}, {"same", {0, 30, 0}}})),
+            (Names{"1", "2", "3"}));
   EXPECT_EQ(names_of(pads({{"a", {-20, 0, 0}}, {"b", {20, 0, 0}}, {"c", {0, 30, 0}, 0.5}})), (Names{"a", "b", "rest"}));
   EXPECT_EQ(names_of(pads({{"a", {0, 0, 0}}})), Names());
 }

@@ -8,6 +8,7 @@
 #include <febiodea/equilibrium/body_forces.h>
 #include <febiodea/equilibrium/connectors.h>
 #include <febiodea/equilibrium/singular_parts.h>
+#include <febiodea/joint/placing.h>
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
@@ -41,6 +42,7 @@ struct Scene {
       }
       poses.push_back(pose);
     }
+    load_case.start = reference_poses(joint);
     load_case.bodies.resize(4);
     load_case.bodies[3].dofs.fill(DofState::Held);
   }
@@ -478,14 +480,7 @@ TEST(Joints, LoopOfHingesHasRedundantConditions) {
   join(model, left, top, shift + Vector3d(0, 0, 20), held_but({4}));
   join(model, right, top, shift + Vector3d(30, 0, 20), held_but({4}));
   test::force(model, top, {12, 0, -5});
-  RigidSpring spring;
-  spring.name = "spring";
-  spring.material_a = top;
-  spring.material_b = 1;
-  spring.insertion_a = shift + Vector3d(0, 0, 20);
-  spring.insertion_b = shift + Vector3d(-40, 0, 20);
-  spring.k = 3;
-  model.rigid_springs.push_back(spring);
+  test::add_rigid_spring(model, top, shift + Vector3d(0, 0, 20), 1, shift + Vector3d(-40, 0, 20), 3);
   const StateResult state = last_state(model);
   expect_balanced(state, 12);
   // the top moves along a circle of radius 20: t from upright; forces along the motion balance
@@ -622,14 +617,8 @@ TEST(Loads, FollowersTurnWithTheBody) {
   JointModel model = test::flat_plates(4, kSize, kThick, 1.0);
   test::fix(model, 2, {false, false, false, true, true, true});
   for (int k = 0; k < 3; ++k) test::prescribe(model, 2, 3 + k, k == 2 ? test::kPi / 2 : 0.0);
-  for (int k = 0; k < 3; ++k) {
-    RigidSpring s;  // tethers to the base along each axis, far away
-    s.material_a = 2;
-    s.material_b = 1;
-    s.insertion_b = 1e6 * Vector3d::Unit(k);
-    s.k = 10;
-    model.rigid_springs.push_back(s);
-  }
+  for (int k = 0; k < 3; ++k)  // tethers to the base along each axis, far away
+    test::add_rigid_spring(model, 2, Vector3d::Zero(), 1, 1e6 * Vector3d::Unit(k), 10);
   RigidFollower f;
   f.material = 2;
   f.value = {8, 0, 0};

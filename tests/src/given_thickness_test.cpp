@@ -170,7 +170,8 @@ TEST(ThicknessScale, Refusals) {
   s = {};
   s.thickness_scale["layr"] = 0.8;
   EXPECT_EQ(refusal(model, s),
-            "thickness-scale of \"layr\": the model has no surface of this name (did you mean \"layer\"?); it has \"layer\", \"plate\"");
+            "thickness-scale of \"layr\": the model has no surface of this name (did you mean \"layer\"?); it has "
+            "\"layer\", \"plate\"");
 }
 
 // A file that says what is measured changes nothing.
@@ -283,7 +284,8 @@ TEST(ThicknessFrom, Refusals) {
   s = {};
   s.thickness_from["layr"].file = "said.csv";
   EXPECT_EQ(refusal(model, s),
-            "thickness-from of \"layr\": the model has no surface of this name (did you mean \"layer\"?); it has \"layer\", \"plate\"");
+            "thickness-from of \"layr\": the model has no surface of this name (did you mean \"layer\"?); it has "
+            "\"layer\", \"plate\"");
 }
 
 }  // namespace

@@ -25,16 +25,10 @@ JointModel lifted_plate(double load, int states = 1) {
 
 /// A spring along z from the base to the plate, 40 long.
 RigidSpring& add_spring(JointModel& model, double k, double free_length) {
-  RigidSpring s;
+  RigidSpring& s = test::add_rigid_spring(model, 1, {0, 0, -30}, 2, {0, 0, 10}, k);
   s.name = "ACL";
-  s.material_a = 1;
-  s.material_b = 2;
-  s.insertion_a = {0, 0, -30};
-  s.insertion_b = {0, 0, 10};
-  s.k = k;
   s.free_length = free_length;
-  model.rigid_springs.push_back(s);
-  return model.rigid_springs.back();
+  return s;
 }
 
 /// Springs between the four corners of the base's bone and of the plate above them, all alike: 7 long.

@@ -82,7 +82,8 @@ TEST(Placing, IsTheModelTurnedByHand) {
 // The model with its bodies placed, as dea convert writes it, is the placed one.
 TEST(Placing, AModelWrittenPlacedIsTheSame) {
   JointModel model = slanted();
-  test::add_rigid_spring(model, 1, {30, 0, 0}, 2, {10, 0, -5}, 40);  // as long as in the reference, before all is placed
+  test::add_rigid_spring(model, 1, {30, 0, 0}, 2, {10, 0, -5},
+                         40);  // as long as in the reference, before all is placed
   Settings settings;
   settings.placements = {turned("ball", {0, 1, 0}, 12), moved("socket", {0.1, 0, -0.1})};
   const StateResult placed = last_state(model, settings);
@@ -115,7 +116,8 @@ TEST(Placing, IsPartOfTheDisplacement) {
     }
 }
 
-// A ball about the centre of its concentric socket: only its own pose changes. Its facets move, so not to the last digit.
+// A ball about the centre of its concentric socket: only its own pose changes. Its facets move, so not to the last
+// digit.
 TEST(Placing, ABallTurnedInItsSocketChangesNothingElse) {
   const JointModel model = test::concentric_spheres(32, 2000.0);
   Settings settings;

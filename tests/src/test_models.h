@@ -161,30 +161,29 @@ inline void prescribe(JointModel& model, int material, int dof, double value) {
 }
 
 /// A spring between points of two rigid materials.
-inline RigidSpring& add_rigid_spring(JointModel& model, int a, const Vector3d& on_a, int b, const Vector3d& on_b, double k) {
-  RigidSpring s;
+inline RigidSpring& add_rigid_spring(JointModel& model, int a, const Vector3d& on_a, int b, const Vector3d& on_b,
+                                     double k) {
+  RigidSpring& s = model.rigid_springs.emplace_back();
   s.name = "ligament";
   s.material_a = a;
   s.material_b = b;
   s.insertion_a = on_a;
   s.insertion_b = on_b;
   s.k = k;
-  model.rigid_springs.push_back(s);
-  return model.rigid_springs.back();
+  return s;
 }
 
 /// A force along the line between points of two rigid materials.
 inline RigidAxialForce& add_muscle(JointModel& model, int a, const Vector3d& on_a, int b, const Vector3d& on_b,
                                    double force) {
-  RigidAxialForce muscle;
+  RigidAxialForce& muscle = model.rigid_axial_forces.emplace_back();
   muscle.name = "muscle";
   muscle.material_a = a;
   muscle.material_b = b;
   muscle.point_a = on_a;
   muscle.point_b = on_b;
   muscle.force = {force, 0};
-  model.rigid_axial_forces.push_back(muscle);
-  return model.rigid_axial_forces.back();
+  return muscle;
 }
 
 /// A model with one step from 0 to 1 in `states` states and a ramp as controller 0.

@@ -115,8 +115,8 @@ std::vector<Column<CompartmentRow>> compartment_columns() {
       {"outcome", [](R r) { return std::string(name(r.contact.state.equilibrium.outcome)); }},
   };
   for (const HeadlineNumber& number : kHeadlineNumbers)
-    columns.push_back({std::string("headline_") + number.name,
-                       [=](R r) { return csv_number(r.load().headline.*number.value); }});
+    columns.push_back(
+        {std::string("headline_") + number.name, [=](R r) { return csv_number(r.load().headline.*number.value); }});
   columns.push_back({"headline_above", [](R r) { return csv_number(r.load().headline.above); }});
   add_vector(columns, "force_", [](R r) { return r.load().force; });
   add_vector(columns, "center_of_pressure_", [](R r) { return r.load().center_of_pressure; });

@@ -10,7 +10,8 @@ namespace dea {
 /// line's last cell alone.
 std::string run_csv(const Analysis& analysis, const std::string& warnings);
 
-/// One line per wanted state, contact and compartment, under a line of names; contacts of surfaces in one piece have none.
+/// One line per wanted state, contact and compartment, under a line of names; contacts of surfaces in one piece have
+/// none.
 std::string compartments_csv(const Analysis& analysis);
 
 /// One line per wanted state, contact, side (primary, secondary) and facet of its surface, under a line of names.

@@ -38,9 +38,9 @@ std::string odd_in_units(const std::string& surface, const Layer& layer, double 
 /// The same where the model names no units.
 std::string odd_together(const std::string& surface, const Layer& layer, double size, const Wording& wording) {
   const double E = layer.elasticity.E;
-  const char* as_if = E >= kLeastInPascals && size >= kLeastInMillimetres     ? "E in Pa and lengths in mm"
-                      : E <= kMostInMegapascals && size <= kMostInMetres ? "E in MPa and lengths in m"
-                                                                         : nullptr;
+  const char* as_if = E >= kLeastInPascals && size >= kLeastInMillimetres ? "E in Pa and lengths in mm"
+                      : E <= kMostInMegapascals && size <= kMostInMetres  ? "E in MPa and lengths in m"
+                                                                          : nullptr;
   if (as_if == nullptr) return "";
   return fmt::format(
       "surface \"{}\": E = {:g} on a surface of size {:.3g} looks as if {}: forces would come out wrong by a million; "
@@ -85,8 +85,8 @@ std::vector<std::string> implausible_numbers(const JointModel& model, const Join
       if (layer.rigid || layer.articular.size() == 0) continue;
       const std::string& surface = model.surfaces[at(layer.surface)].name;
       const double size = surface_extent(layer.articular).radius_of_gyration;
-      const std::string odd = units.metres > 0 ? odd_in_units(surface, layer, size, units)
-                                                : odd_together(surface, layer, size, wording);
+      const std::string odd =
+          units.metres > 0 ? odd_in_units(surface, layer, size, units) : odd_together(surface, layer, size, wording);
       if (!odd_units) add(odd);
       odd_units = odd_units || !odd.empty();
       add(thick_on_its_radius(surface, layer));

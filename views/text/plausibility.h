@@ -8,8 +8,8 @@
 
 namespace dea {
 
-/// "warning: ..." lines, each once; empty: nothing is odd. Where the model names its system of units (or the user does),
-/// moduli and sizes are judged in it; else by how they go together.
+/// "warning: ..." lines, each once; empty: nothing is odd. Where the model names its system of units (or the user
+/// does), moduli and sizes are judged in it; else by how they go together.
 std::vector<std::string> implausible_numbers(const JointModel& model, const Joint& joint, const Wording& wording);
 
 }  // namespace dea

@@ -307,12 +307,13 @@ void add_crowded_force(const ContactPair& pair, const StateResult& state, std::s
   constexpr int kHandful = 8;
   const ContactStatistics& s = state.statistics[contact];
   if (s.springs_active < 20 || s.springs_most >= kHandful) return;  // fewer: add_few_springs
-  add_once(lines,
-           fmt::format("warning: contact \"{}\": at time {} {} of {} springs carry nine tenths of the force, too few for a "
-                       "pressure map: facets stand out of their surface, or they are long against the contact; look at "
-                       "the mesh, or divide them with {}",
-                       pair.name, time_text(state.when.time), s.springs_most, s.springs_active,
-                       wording({"refine", "", std::to_string(2 * pair.refine)})));
+  add_once(
+      lines,
+      fmt::format("warning: contact \"{}\": at time {} {} of {} springs carry nine tenths of the force, too few for a "
+                  "pressure map: facets stand out of their surface, or they are long against the contact; look at "
+                  "the mesh, or divide them with {}",
+                  pair.name, time_text(state.when.time), s.springs_most, s.springs_active,
+                  wording({"refine", "", std::to_string(2 * pair.refine)})));
 }
 
 /// Cartilage pressed together by more than half, in any state.
@@ -323,10 +324,10 @@ void add_large_strains(const Analysis& analysis, std::size_t contact, Lines& lin
   for (const StateResult& state : analysis.states)
     if (solved(state.equilibrium.outcome) && strain(state) > (worst ? strain(*worst) : kLarge)) worst = &state;
   if (worst == nullptr) return;
-  add_once(lines, fmt::format("warning: contact \"{}\": at time {} cartilage is pressed together by {:.0f}% of its "
-                              "thickness: check load, modulus, thickness and units if that is not meant",
-                              analysis.joint.contacts[contact].name, time_text(worst->when.time),
-                              100 * strain(*worst)));
+  add_once(lines,
+           fmt::format("warning: contact \"{}\": at time {} cartilage is pressed together by {:.0f}% of its "
+                       "thickness: check load, modulus, thickness and units if that is not meant",
+                       analysis.joint.contacts[contact].name, time_text(worst->when.time), 100 * strain(*worst)));
 }
 
 /// Maps that do not carry the whole force.

@@ -1,0 +1,29 @@
+// febiodea/base/disjoint_sets.h – things 0 .. n-1 joined into sets.
+#pragma once
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+struct DisjointSets {
+  std::vector<int> parent;
+
+  explicit DisjointSets(std::size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
+
+  /// The least member of the set that `i` is in.
+  int root(int i) {
+    while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
+    return i;
+  }
+
+  void join(int a, int b) {
+    a = root(a);
+    b = root(b);
+    parent[at(std::max(a, b))] = std::min(a, b);
+  }
+};
+
+}  // namespace dea
