@@ -1,0 +1,58 @@
+// febiodea/study/case.h – what a solved case leaves: numbers, not meshes.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/equilibrium/equilibrium.h>
+#include <febiodea/results/statistics.h>
+
+namespace dea {
+
+/// Of a contact: names as `dea run` prints them.
+struct CaseContact {
+  std::string name, source, target;
+  std::vector<std::string> parts;  ///< compartments; empty: the surface is in one piece
+};
+
+/// Nodal pressures of the surface with springs, for maps; in single precision, as plot files hold them.
+struct CaseField {
+  std::vector<float> pressure;  ///< per vertex of the case's surface of this contact
+};
+
+struct CaseState {
+  double time = 0.0;
+  Outcome outcome = Outcome::NotConverged;
+  std::string message;  ///< the numbers behind the outcome
+  int iterations = 0;
+  double residual_force = 0.0, residual_moment = 0.0;  ///< NaN: nothing free
+  std::vector<ContactStatistics> statistics;           ///< one per contact
+  std::vector<Pose> poses;                             ///< one per body
+  std::vector<Vector6> reactions;                      ///< one per body (Equilibrium::reaction)
+  std::vector<CaseField> fields;                       ///< one per contact, where they are kept
+};
+
+/// A surface that pressures stand on, in the reference configuration, the model's frame.
+struct CaseSurface {
+  std::string name;
+  std::vector<Vector3d> vertices;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+struct CaseResult {
+  std::size_t number = 0;  ///< from 1
+  enum class Outcome {
+    Solved,   ///< every state that was asked for is a solution
+    Failed,   ///< some state is none
+    Refused   ///< `message`: why it could not be read or begun
+  };
+  Outcome outcome = Outcome::Refused;
+  std::string message;  ///< one line; empty when solved
+  std::vector<std::string> warnings;
+  std::vector<CaseContact> contacts;
+  std::vector<std::string> bodies;     ///< names; the ground among them
+  std::vector<CaseSurface> surfaces;   ///< one per contact, where fields are kept: of this model's first case only
+  std::vector<CaseState> states;
+  double seconds = 0.0;
+};
+
+}  // namespace dea
