@@ -6,7 +6,7 @@ import pathlib
 import re
 import sys
 
-FLOORS = ["base", "model", "geometry", "joint", "springs", "equilibrium", "results", "run", "io", "views", "app"]
+FLOORS = ["base", "model", "geometry", "joint", "springs", "equilibrium", "results", "run", "study", "io", "views", "app"]
 ASIDE = ["plugin", "python"]  # beside the program, on the same floors
 source = pathlib.Path(sys.argv[1])
 
@@ -28,6 +28,8 @@ for file in files:
     text = file.read_text()
     if re.search(r'^#include "', text, re.M):
         faults.append(f"{name(file)}: an include in quotes; write <febiodea/...> in full")
+    if re.search(r"^#include <sqlite3\.h>", text, re.M) and not name(file).startswith("io/study/"):
+        faults.append(f"{name(file)} includes sqlite3.h: only io/study does, which is a library by itself")
     for other in re.findall(r"^#include <febiodea/([^>]+)>", text, re.M):
         if "/" not in other:
             continue  # version.h

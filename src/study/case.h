@@ -41,16 +41,16 @@ struct CaseSurface {
 struct CaseResult {
   std::size_t number = 0;  ///< from 1
   enum class Outcome {
-    Solved,   ///< every state that was asked for is a solution
-    Failed,   ///< some state is none
-    Refused   ///< `message`: why it could not be read or begun
+    Solved,  ///< every state that was asked for is a solution
+    Failed,  ///< some state is none
+    Refused  ///< `message`: why it could not be read or begun
   };
   Outcome outcome = Outcome::Refused;
   std::string message;  ///< one line; empty when solved
   std::vector<std::string> warnings;
   std::vector<CaseContact> contacts;
-  std::vector<std::string> bodies;     ///< names; the ground among them
-  std::vector<CaseSurface> surfaces;   ///< one per contact, where fields are kept: of this model's first case only
+  std::vector<std::string> bodies;    ///< names; the ground among them
+  std::vector<CaseSurface> surfaces;  ///< one per contact, where fields are kept: of this model's first case only
   std::vector<CaseState> states;
   double seconds = 0.0;
 };

@@ -1,5 +1,7 @@
 // febiodea/study/plan.h – a study: which models are solved with which options, as cases in order.
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,9 +11,9 @@ namespace dea {
 
 /// One option of `dea run` that differs from case to case: "tilt: rotate pelvis=0,1,0,{-20:20:5}".
 struct Factor {
-  std::string name;           ///< of its column in cases, CSV, Python and pages: "tilt"
-  std::string option;         ///< without dashes: "rotate"
-  std::string before, after;  ///< the option's text around the value: "pelvis=0,1,0,", ""
+  std::string name;                 ///< of its column in cases, CSV, Python and pages: "tilt"
+  std::string option;               ///< without dashes: "rotate"
+  std::string before, after;        ///< the option's text around the value: "pelvis=0,1,0,", ""
   std::vector<std::string> values;  ///< of {START:STOP:STEP} or {a|b|c}; empty: `spread`, or from a table of cases ({})
   Spread spread;                    ///< of {uniform(8,16)} and its like; kind None: not sampled
 };
@@ -34,7 +36,8 @@ struct Plan {
   std::vector<PlanOption> options;  ///< of every case, in the order of the line: placements act in it
   std::vector<Factor> factors;
   std::vector<PlannedCase> cases;  ///< number of a case: its index + 1. Models are the slowest to change, then the
-                                   ///< factors in their order
+                                   ///< factors with values of their own, in their order, then rows of a table or points
+                                   ///< of a sample. Where a table names the models: its rows first
 };
 
 /// The option of a case as it stands on the line: name and whole text.
@@ -43,5 +46,46 @@ struct CaseOption {
 };
 /// All options of a case, in the order of the line.
 std::vector<CaseOption> options_of(const Plan& plan, const PlannedCase& c);
+
+/// More cases than this are refused.
+inline constexpr std::int64_t kMostCases = 10'000'000;
+/// More factors than this are refused: each is a column.
+inline constexpr std::size_t kMostFactors = 500;
+
+/// "NAME: OPTION VALUE" or "NAME: OPTION=VALUE", with one {...} in VALUE. The numbers of a range are decimal and exact,
+/// both ends belong to it. Throws BadValue: it is none, the option is no setting, a range has no end or too many
+/// values.
+Factor parse_factor(const std::string& text);
+
+/// Cases as a table, every cell as text.
+struct CaseTable {
+  std::string path;
+  int names_line = 1;              ///< of the file, 1-based
+  std::vector<std::string> names;  ///< of factors, or "model"
+  std::vector<std::vector<std::string>> rows;
+  std::vector<int> lines;  ///< of the rows
+};
+
+/// Points drawn for all factors with a spread together.
+struct Sampling {
+  Design design = Design::Sobol;
+  int count = 0;
+  std::uint64_t seed = 1;
+};
+/// "sobol", "latin" or "saltelli". Throws BadValue.
+Design parse_design(const std::string& text);
+
+/// What a plan is made of.
+struct PlanRequest {
+  std::vector<std::string> models;
+  std::vector<PlanOption> options;
+  std::vector<Factor> factors;
+  std::optional<CaseTable> table;
+  std::optional<Sampling> sampling;
+};
+/// Every model with every combination of the factors' values, and of these with each row of the table or point of the
+/// sample. A sampled value has 12 significant digits, so that computers whose logarithms differ in the last one agree.
+/// Throws UsageError (what does not fit together, too many cases) and InputError (the table).
+Plan make_plan(PlanRequest request);
 
 }  // namespace dea

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/results/contact_numbers.h>
 #include <febiodea/views/data/csv.h>
 
 namespace dea {
@@ -52,7 +53,6 @@ struct ContactRow {
 
 std::vector<Column<ContactRow>> contact_columns() {
   using R = const ContactRow&;
-  using S = ContactStatistics;
   const auto body = [](R r, const Layer& layer) { return csv_word(r.joint.bodies[at(layer.body)].name); };
   std::vector<Column<ContactRow>> columns = {
       {"time", [](R r) { return csv_number(r.state.when.time); }},
@@ -63,38 +63,14 @@ std::vector<Column<ContactRow>> contact_columns() {
       {"residual_moment", [](R r) { return csv_number(r.state.equilibrium.residual_moment); }},
       {"source", [=](R r) { return body(r, r.pair().source_layer()); }},
       {"target", [=](R r) { return body(r, r.pair().target_layer()); }},
-      {"springs", [](R r) { return std::to_string(r.statistics().springs); }},
-      {"springs_hit", [](R r) { return std::to_string(r.statistics().springs_hit); }},
-      {"springs_active", [](R r) { return std::to_string(r.statistics().springs_active); }},
   };
-  const auto add_number = [&](const char* name, double S::*number) {
-    columns.push_back({name, [=](R r) { return csv_number(r.statistics().*number); }});
-  };
-  add_number("peak_pressure", &S::peak);
-  add_number("p99_pressure", &S::p99);
-  add_number("mean_pressure", &S::mean);
-  add_number("median_pressure", &S::median);
-  add_number("p5_pressure", &S::p5);
-  add_number("p25_pressure", &S::p25);
-  add_number("p75_pressure", &S::p75);
-  add_number("p95_pressure", &S::p95);
-  add_number("contact_area", &S::contact_area);
-  add_number("facet_peak_pressure", &S::facet_peak);
-  add_number("nodal_peak_pressure", &S::nodal_peak);
-  add_number("nodal_mean_pressure", &S::nodal_mean);
-  add_number("nodal_median_pressure", &S::nodal_median);
-  add_number("facet_contact_area", &S::facet_contact_area);
-  add_vector(columns, "center_of_pressure_", [](R r) { return r.statistics().center_of_pressure; });
-  add_vector(columns, "force_", [](R r) { return r.statistics().force; });
-  add_vector(columns, "moment_", [](R r) { return r.statistics().moment; });
-  add_number("largest_strain", &S::largest_strain);
+  for (const NamedNumber<ContactStatistics>& n : spring_numbers())
+    columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.statistics())); }});
   const auto factor = [](R r, int side) { return csv_number(r.state.fields[r.contact].sides[side].resultant_factor); };
   columns.push_back({"source_resultant_factor", [=](R r) { return factor(r, r.pair().source); }});
   columns.push_back({"target_resultant_factor", [=](R r) { return factor(r, 1 - r.pair().source); }});
-  for (const HeadlineNumber& number : kHeadlineNumbers)
-    columns.push_back({std::string("headline_") + number.name,
-                       [=](R r) { return csv_number(r.statistics().headline.*number.value); }});
-  columns.push_back({"headline_above", [](R r) { return csv_number(r.statistics().headline.above); }});
+  for (const NamedNumber<Headline>& n : headline_columns())
+    columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.statistics().headline)); }});
   columns.push_back({"warnings", [](R r) { return csv_word(r.warnings); }});
   return columns;
 }
@@ -114,12 +90,8 @@ std::vector<Column<CompartmentRow>> compartment_columns() {
       {"compartment", [](R r) { return csv_word(compartment_names(r.contact.pair())[r.compartment]); }},
       {"outcome", [](R r) { return std::string(name(r.contact.state.equilibrium.outcome)); }},
   };
-  for (const HeadlineNumber& number : kHeadlineNumbers)
-    columns.push_back(
-        {std::string("headline_") + number.name, [=](R r) { return csv_number(r.load().headline.*number.value); }});
-  columns.push_back({"headline_above", [](R r) { return csv_number(r.load().headline.above); }});
-  add_vector(columns, "force_", [](R r) { return r.load().force; });
-  add_vector(columns, "center_of_pressure_", [](R r) { return r.load().center_of_pressure; });
+  for (const NamedNumber<CompartmentLoad>& n : compartment_numbers())
+    columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.load())); }});
   return columns;
 }
 

@@ -1,0 +1,30 @@
+// febiodea/results/contact_numbers.h – the numbers of a contact by their names: CSV, a study's file and Python share
+// these, in this order.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <febiodea/results/statistics.h>
+
+namespace dea {
+
+/// A number with its name; a vector is three of them: "force_x", "force_y", "force_z".
+template <class Of>
+struct NamedNumber {
+  std::string name;
+  std::function<double(const Of&)> value;  ///< NaN: undefined
+  bool count = false;                      ///< a whole number
+};
+
+/// Of springs and facets: "springs" to "largest_strain".
+const std::vector<NamedNumber<ContactStatistics>>& spring_numbers();
+/// "headline_p99", ..., "headline_above".
+const std::vector<NamedNumber<Headline>>& headline_columns();
+
+/// spring_numbers, then those of the headline.
+const std::vector<NamedNumber<ContactStatistics>>& contact_numbers();
+/// Those of the headline, then "force_x", ..., "center_of_pressure_z".
+const std::vector<NamedNumber<CompartmentLoad>>& compartment_numbers();
+
+}  // namespace dea
