@@ -23,18 +23,32 @@ namespace {
 
 std::string reason(int error) { return std::generic_category().message(error); }
 
-/// All bytes to an open file, which is closed. 0 or the error.
-int write_and_close(int file, const std::string& text) {
-  int error = 0;
-  for (std::size_t done = 0; done < text.size() && error == 0;) {
+/// All bytes to an open file. 0 or the error.
+int write_all(int file, const std::string& text) {
+  for (std::size_t done = 0; done < text.size();) {
     const ssize_t n = ::write(file, text.data() + done, text.size() - done);
     if (n > 0)
       done += static_cast<std::size_t>(n);
     else if (n < 0 && errno != EINTR)
-      error = errno;
+      return errno;
   }
-  if (::close(file) != 0 && error == 0) error = errno;
-  return error;
+  return 0;
+}
+
+using Pieces = std::function<void(const std::function<void(const std::string& piece)>& put)>;
+
+/// All pieces to an open file, which is closed. `path`: as the user calls it.
+void write_and_close(int file, const std::string& path, const Pieces& write) {
+  try {
+    write([&](const std::string& piece) {
+      const int why = write_all(file, piece);
+      if (why != 0) throw WriteError(fmt::format("{}: {}", path, reason(why)));
+    });
+  } catch (...) {
+    ::close(file);
+    throw;
+  }
+  if (::close(file) != 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
 }
 
 /// The temporary file of write_text, for remove_unfinished; nullptr: none.
@@ -90,8 +104,12 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
 }
 
 void write_text(const std::string& path, const std::string& text) {
+  write_pieces(path, [&](const std::function<void(const std::string&)>& put) { put(text); });
+}
+
+void write_pieces(const std::string& path, const Pieces& write) {
   if (path == "-") {
-    print(text);
+    write(print);
     return;
   }
   std::error_code error;
@@ -100,22 +118,24 @@ void write_text(const std::string& path, const std::string& text) {
   const fs::file_status status = fs::status(target, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) {  // a device or a pipe cannot be replaced by renaming
     const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
-    const int why = file < 0 ? errno : write_and_close(file, text);
-    if (why != 0) throw WriteError(fmt::format("{}: {}", path, reason(why)));
+    if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
+    write_and_close(file, path, write);
     return;
   }
   const fs::path temporary = target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), ::getpid());
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
   unfinished = temporary.c_str();
-  int why = write_and_close(file, text);
-  if (why == 0) {
+  try {
+    write_and_close(file, path, write);
     fs::rename(temporary, target, error);
-    why = error ? error.value() : 0;
+    if (error) throw WriteError(fmt::format("{}: {}", path, reason(error.value())));
+  } catch (...) {
+    fs::remove(temporary, error);
+    unfinished = nullptr;
+    throw;
   }
-  if (why != 0) fs::remove(temporary, error);
   unfinished = nullptr;
-  if (why != 0) throw WriteError(fmt::format("{}: {}", path, reason(why)));
 }
 
 void remove_unfinished() {

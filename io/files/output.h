@@ -1,5 +1,6 @@
 // febiodea/io/files/output.h – where results go: files that are complete or not there, standard output that is checked.
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
 
 /// Writes a whole text: "-" to standard output; a file by way of a temporary one beside it. Throws WriteError.
 void write_text(const std::string& path, const std::string& text);
+/// The same of a text that comes in pieces: `write` calls `put` with each. What `write` throws leaves nothing behind.
+void write_pieces(const std::string& path,
+                  const std::function<void(const std::function<void(const std::string& piece)>& put)>& write);
 
 /// Takes away what write_text has begun and not finished. For signal handlers, before they end the program.
 void remove_unfinished();

@@ -1,8 +1,7 @@
 // febiodea/io/study/study_file.h – a study's results in one SQLite file (docs/studies.md says what is in it).
 #pragma once
-#include <map>
+#include <array>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -13,10 +12,60 @@ namespace dea {
 
 /// What makes two runs the same study.
 struct StudyIdentity {
-  std::string version;                        ///< of the program, with its commit
-  std::vector<std::string> options;           ///< what the cases depend on, one text each, as the user would write it
+  std::string version;               ///< of the program, with its commit
+  std::vector<std::string> options;  ///< what the cases depend on, one text each, as the user would write it
   std::vector<std::array<std::string, 2>> inputs;  ///< path as given, digest of its content
   int shard = 1, shards = 1;
 };
 
-class StudyFile;  // see the functions below; closes its file at its end
+/// The cases of one shard: `first` .. `last` - 1, indices in plan.cases. Neighbours stay together, for they share the
+/// work on their joint.
+struct ShardCases {
+  std::size_t first = 0, last = 0;
+};
+ShardCases shard_cases(std::size_t cases, int shard, int shards);
+
+/// What a file has of a case.
+enum class CaseThere : char { Missing, Solved, Failed, Refused };
+
+/// "solved", "failed", "refused".
+const char* name(CaseResult::Outcome outcome);
+
+/// Size and CRC-32 of a file's bytes: they notice a file that was edited, which is all that is asked of them (nobody
+/// forges the inputs of a study), and zlib is linked anyway. Throws InputError.
+std::string file_digest(const std::string& path);
+
+/// Is there a file, with something in it?
+bool has_content(const std::string& path);
+
+/// Writes the results of cases as they come. Each is in the file whole or not at all.
+class StudyWriter {
+ public:
+  /// Goes on with a file that is there (study_difference has found none), else makes it. `plan` outlives the writer.
+  /// Throws WriteError, InputError.
+  StudyWriter(const std::string& path, const Plan& plan, const StudyIdentity& identity);
+  ~StudyWriter();
+  StudyWriter(StudyWriter&&) = delete;
+
+  /// Per case of the plan.
+  const std::vector<CaseThere>& there() const;
+  /// Takes a result; one that the file has of this case is replaced. Results are written together, every half second.
+  /// Throws WriteError: what was written before stays.
+  void add(CaseResult&& result);
+  /// Writes what is left. To be called at the end, also of a study that was stopped.
+  void finish();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// A new file with all that these files hold. `missing`: cases that none of them has, as ranges: "120, 340-399"; empty:
+/// it is complete. Throws InputError: they are not of one study, or two have the same case; WriteError.
+struct MergedStudies {
+  std::size_t cases = 0, failed = 0;  ///< in the new file; failed: also those that were refused
+  std::string missing;
+};
+MergedStudies merge_studies(const std::vector<std::string>& paths, const std::string& output);
+
+}  // namespace dea

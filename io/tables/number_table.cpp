@@ -2,85 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
-#include <fstream>
-#include <set>
-#include <sstream>
-
-#include <febiodea/base/error.h>
-#include <febiodea/base/names.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/io/febio/febio_text.h>
+#include <febiodea/io/tables/text_table.h>
 
 namespace dea {
 
 namespace {
 
-InputError table_fault(const std::string& path, int line, const std::string& text) {
-  return InputError(fmt::format("{}:{}: {}", path, line, text));
-}
-
-/// What separates the words of a file: the first of these that its line of names holds, else white space.
-char separator_of(const std::string& names) {
-  for (char c : {'\t', ';', ','})
-    if (names.find(c) != std::string::npos) return c;
-  return ' ';
-}
-
-std::vector<std::string> words_of_line(const std::string& line, char separator) {
-  std::vector<std::string> words;
-  if (separator == ' ') {
-    std::istringstream in(line);
-    for (std::string word; in >> word;) words.push_back(word);
-    return words;
-  }
-  for (const std::string& text : split(line, separator)) {
-    const std::string word = trimmed(text);
-    const bool in_quotes = word.size() > 1 && word.front() == '"' && word.back() == '"';
-    words.push_back(in_quotes ? word.substr(1, word.size() - 2) : word);
-  }
-  while (!words.empty() && words.back().empty()) words.pop_back();  // a separator at the end of the line
-  return words;
-}
-
-std::string text_of(const std::string& path) {
-  std::error_code error;
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream bytes;
-  const bool readable = in && !std::filesystem::is_directory(path, error);
-  if (readable) bytes << in.rdbuf();
-  if (!readable || in.bad()) throw InputError(fmt::format("{}: found no readable file, expected a table", path));
-  std::string text = bytes.str();
-  if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);  // a byte order mark
-  return text;
-}
-
-void check_names(const NumberTable& table, int line) {
-  std::set<std::string> seen;
-  for (const std::string& name : table.names) {
-    if (name.empty()) throw table_fault(table.path, line, "found a column without a name, expected a name for each");
-    if (!seen.insert(lower_case(name)).second)
-      throw table_fault(table.path, line,
-                        fmt::format("found two columns named {}, expected different names", febio::quote(name)));
-  }
-  const bool numbers = std::all_of(table.names.begin(), table.names.end(), [](const std::string& name) {
-    try {
-      parse_number(name);
-      return true;
-    } catch (const BadValue&) {
-      return false;
-    }
-  });
-  if (numbers) throw table_fault(table.path, line, "found numbers, expected the names of the columns");
-}
-
-std::vector<double> numbers_of(const NumberTable& table, const std::vector<std::string>& words, int line) {
-  if (words.size() != table.names.size())
-    throw table_fault(table.path, line,
-                      fmt::format("found {} values, expected {}: one for each name in the line of names", words.size(),
-                                  table.names.size()));
+std::vector<double> numbers_of(const TextTable& table, const std::vector<std::string>& words, int line) {
   std::vector<double> row;
   for (std::size_t i = 0; i < words.size(); ++i) {
     try {
@@ -103,45 +33,12 @@ int NumberTable::find(const std::string& name) const {
 }
 
 NumberTable read_table(const std::string& path) {
-  NumberTable table;
-  table.path = path;
-  std::istringstream in(text_of(path));
-  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
-  table.opensim = extension == ".sto" || extension == ".mot";
-  bool header = table.opensim;
-  char separator = ',';
-  int number = 0;
-  std::string said_rows;
-  for (std::string line; std::getline(in, line);) {
-    ++number;
-    line = trimmed(line);
-    if (header) {
-      std::string word = lower_case(line);
-      word.erase(std::remove_if(word.begin(), word.end(), [](unsigned char c) { return std::isspace(c); }), word.end());
-      if (word.rfind("indegrees=", 0) == 0) table.degrees = word.substr(10) == "yes";
-      if (word.rfind("nrows=", 0) == 0) said_rows = word.substr(6);
-      header = word != "endheader";
-      continue;
-    }
-    if (line.empty() || line.front() == '#') continue;
-    if (table.names.empty()) {
-      separator = table.opensim ? ' ' : separator_of(line);
-      table.names = words_of_line(line, separator);
-      check_names(table, number);
-      continue;
-    }
-    table.rows.push_back(numbers_of(table, words_of_line(line, separator), number));
-    table.lines.push_back(number);
-  }
-  if (header)
-    throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
-  if (table.names.empty()) throw table_fault(path, number, "found no line, expected the names of the columns and rows");
-  if (table.rows.empty())
-    throw table_fault(path, number, "found no row, expected at least one below the names of the columns");
-  if (!said_rows.empty() && said_rows != std::to_string(table.rows.size()))
-    throw table_fault(path, number,
-                      fmt::format("found {} rows, expected the {} that nRows says: is the file cut off?",
-                                  table.rows.size(), said_rows));
+  TextTable text = read_text_table(path);
+  if (text.names.front().empty())
+    throw table_fault(path, text.names_line, "found a column without a name, expected a name for each");
+  NumberTable table{text.path, text.opensim, text.degrees, text.names, {}, text.lines};
+  for (std::size_t i = 0; i < text.rows.size(); ++i)
+    table.rows.push_back(numbers_of(text, text.rows[i], text.lines[i]));
   return table;
 }
 

@@ -43,9 +43,7 @@ std::string unit_in_name(const std::string& name) {
 
 std::string named_columns(const NumberTable& table, const std::string& word) { return name_list(table.names, word); }
 
-std::string bare_name(const std::string& name) {
-  return lower_case(trimmed(name.substr(0, name.find_first_of("[("))));
-}
+std::string bare_name(const std::string& name) { return lower_case(trimmed(name.substr(0, name.find_first_of("[(")))); }
 
 bool ends_in(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
@@ -69,11 +67,11 @@ std::array<int, 3> vector_columns(const NumberTable& table, const char* setting,
   for (std::size_t k = 0; k < 3; ++k) {
     const std::vector<int> found = like(table, words[k]);
     if (found.size() > 1)
-      throw InputError(Fault{.place = table.path,
-                             .found = say("found {} columns that may be the {}'s {}: {};", found.size(), what,
-                                          std::string(1, "xyz"[k]),
-                                          name_list({table.names[at(found[0])], table.names[at(found[1])]})),
-                             .expected = say("name them with {}", NamedSetting{setting})});
+      throw InputError(Fault{
+          .place = table.path,
+          .found = say("found {} columns that may be the {}'s {}: {};", found.size(), what, std::string(1, "xyz"[k]),
+                       name_list({table.names[at(found[0])], table.names[at(found[1])]})),
+          .expected = say("name them with {}", NamedSetting{setting})});
     if (found.empty())
       ++none;
     else
@@ -91,11 +89,14 @@ std::vector<int> given_columns(const NumberTable& table, const char* setting, co
   for (const std::string& name : split_at_commas(names)) {
     columns.push_back(table.find(name));
     if (columns.back() < 0)
-      throw wrong_setting(setting, names, say("{} has no column {}{};", table.path, febio::quote(name), did_you_mean(name, table.names)),
-                  say("it has {}", named_columns(table, name)));
+      throw wrong_setting(
+          setting, names,
+          say("{} has no column {}{};", table.path, febio::quote(name), did_you_mean(name, table.names)),
+          say("it has {}", named_columns(table, name)));
   }
   for (std::size_t k = 1; k < columns.size(); ++k)
-    if (std::find(columns.begin(), columns.begin() + static_cast<long>(k), columns[k]) != columns.begin() + static_cast<long>(k))
+    if (std::find(columns.begin(), columns.begin() + static_cast<long>(k), columns[k]) !=
+        columns.begin() + static_cast<long>(k))
       throw wrong_setting(setting, names, say("column {} stands twice;", febio::quote(table.names[at(columns[k])])),
                           "name each once");
   if (columns.size() != 3 && columns.size() != 6)
@@ -109,9 +110,10 @@ void refuse_other_units(const NumberTable& table, const std::vector<int>& column
     const std::string& name = table.names[at(columns[k])];
     const std::string unit = unit_in_name(name);
     if (unit == expected || std::find(known.begin(), known.end(), unit) == known.end()) continue;
-    throw InputError(Fault{.place = table.path,
-                           .found = say("column {} is taken in {}, and its name says otherwise;", febio::quote(name), expected),
-                           .expected = remedy});
+    throw InputError(
+        Fault{.place = table.path,
+              .found = say("column {} is taken in {}, and its name says otherwise;", febio::quote(name), expected),
+              .expected = remedy});
   }
 }
 
@@ -138,8 +140,8 @@ std::vector<double> times_of(const NumberTable& table) {
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
     times.push_back(column < 0 ? static_cast<double>(r + 1) : table.rows[r][at(column)]);
     if (r > 0 && !(times[r] > times[r - 1]))
-      throw InputError(fmt::format("{}:{}: found time {} after {}, expected times that rise from row to row", table.path,
-                                   table.lines[r], time_text(times[r]), time_text(times[r - 1])));
+      throw InputError(fmt::format("{}:{}: found time {} after {}, expected times that rise from row to row",
+                                   table.path, table.lines[r], time_text(times[r]), time_text(times[r - 1])));
   }
   return times;
 }
@@ -150,12 +152,12 @@ std::string column_names(const NumberTable& table, const std::vector<int>& colum
   return names;
 }
 
-std::string table_in_words(const NumberTable& table, const std::vector<int>& columns, const std::vector<double>& times) {
+std::string table_in_words(const NumberTable& table, const std::vector<int>& columns,
+                           const std::vector<double>& times) {
   const int time = time_column(table);
   return fmt::format("{}: {} rows, {} {} to {}, columns {}", table.path, table.rows.size(),
                      time < 0 ? "numbered" : fmt::format("{}", table.names[at(time)]), time_text(times.front()),
-                     time_text(times.back()),
-                     column_names(table, columns));
+                     time_text(times.back()), column_names(table, columns));
 }
 
 std::vector<Eigen::Matrix<double, 6, 1>> values_of(const NumberTable& table, const std::vector<int>& columns) {

@@ -1,4 +1,5 @@
-// febiodea/io/tables/table_columns.h – which columns of a table are a vector, what unit their names say, and their numbers.
+// febiodea/io/tables/table_columns.h – which columns of a table are a vector, what unit their names say, and their
+// numbers.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -26,8 +27,8 @@ std::vector<int> like(const NumberTable& table, const std::vector<std::string>& 
 std::array<int, 3> vector_columns(const NumberTable& table, const char* setting, const char* what,
                                   const std::array<std::vector<std::string>, 3>& words);
 
-/// Three or six columns by the names given, "Fx,Fy,Fz". UsageError: a name that is not there or stands twice, or another
-/// count.
+/// Three or six columns by the names given, "Fx,Fy,Fz". UsageError: a name that is not there or stands twice, or
+/// another count.
 std::vector<int> given_columns(const NumberTable& table, const char* setting, const std::string& names);
 
 /// InputError: a column, of the three from `first` on, whose name says a unit of `known` other than `expected` ("n",

@@ -3,7 +3,6 @@
 // The viewers' reader copies by sizes it computes itself and indexes without looking: one wrong length and it
 // crashes or shows noise. So everything it relies on is checked here before the first byte is written.
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <atomic>
 #include <bit>
@@ -20,6 +19,7 @@
 #include <utility>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/files/packed_bytes.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/io/xplt/xplt_format.h>
 
@@ -527,18 +527,6 @@ void put_state(Chunks& out, const XpltFile& file, const XpltState& state) {
   end(out);
 }
 
-// A top-level chunk as its own zlib stream, with zlib's default effort as in FEBio.
-std::string packed(const std::string& bytes) {
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  std::string result(size, '\0');
-  const int code =
-      compress2(reinterpret_cast<Bytef*>(result.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION);
-  if (code != Z_OK) throw WriteError("not enough memory to compress the plot file");
-  result.resize(size);
-  return result;
-}
-
 // ----------------------------------------------------------------------------------------------- disk
 
 std::string cause_of(int error) { return error == 0 ? "write error" : std::generic_category().message(error); }
@@ -587,7 +575,7 @@ std::string xplt_bytes(const XpltFile& file) {
   put_mesh(out, file.meshes.front());
 
   // From here on each chunk may be compressed; the root and the first mesh never are.
-  const auto finish = [&](Chunks& chunk) { out.bytes += file.compressed ? packed(chunk.bytes) : chunk.bytes; };
+  const auto finish = [&](Chunks& chunk) { out.bytes += file.compressed ? packed_bytes(chunk.bytes) : chunk.bytes; };
   std::size_t mesh = 0;
   const auto advance_to = [&](std::size_t target) {
     while (mesh < target) {
@@ -717,7 +705,7 @@ void XpltWriter::add(const XpltState& state) {
   put(of_file(path_, [&] {
     Chunks chunk;
     put_state(chunk, head_, state);
-    return head_.compressed ? packed(chunk.bytes) : std::move(chunk.bytes);
+    return head_.compressed ? packed_bytes(chunk.bytes) : std::move(chunk.bytes);
   }));
 }
 

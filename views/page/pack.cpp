@@ -1,7 +1,5 @@
 #include <febiodea/views/page/pack.h>
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,6 +7,7 @@
 #include <stdexcept>
 
 #include <febiodea/io/files/encoded_text.h>
+#include <febiodea/io/files/packed_bytes.h>
 
 namespace dea {
 
@@ -16,16 +15,6 @@ namespace {
 
 constexpr std::uint16_t kUndefined = 65535;
 constexpr double kSteps = 65534.0;
-
-std::string deflated(const std::string& bytes) {
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  std::string out(size, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                static_cast<uLong>(bytes.size()), 6) != Z_OK)
-    throw std::logic_error("zlib refused to compress");
-  out.resize(size);
-  return out;
-}
 
 template <typename Word>
 PackedArray pack(const std::vector<Word>& words, bool delta) {
@@ -41,7 +30,7 @@ PackedArray pack(const std::vector<Word>& words, bool delta) {
     for (std::size_t k = 0; k < sizeof(Word); ++k)
       planes[k * words.size() + i] = static_cast<char>(word >> (8 * k) & 0xffu);
   }
-  packed.base64 = base64(deflated(planes));
+  packed.base64 = base64(packed_bytes(planes));
   return packed;
 }
 

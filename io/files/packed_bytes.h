@@ -1,0 +1,14 @@
+// febiodea/io/files/packed_bytes.h – bytes as a zlib stream.
+#pragma once
+#include <optional>
+#include <string>
+
+namespace dea {
+
+/// With zlib's default effort.
+std::string packed_bytes(const std::string& bytes);
+
+/// The bytes again; nothing: the stream is damaged.
+std::optional<std::string> unpacked_bytes(const std::string& stream);
+
+}  // namespace dea

@@ -1,0 +1,169 @@
+#include <febiodea/io/study/database.h>
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <cmath>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include <febiodea/base/error.h>
+
+namespace dea {
+
+namespace {
+
+constexpr int kPatience = 10000;  // ms
+
+int opened(const std::string& path, int flags, sqlite3** handle) {
+  sqlite3_close(*handle);
+  *handle = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), handle, flags | SQLITE_OPEN_EXRESCODE, nullptr);
+  if (code != SQLITE_OK) return code;
+  sqlite3_busy_timeout(*handle, kPatience);
+  // what is wrong with the file shows when it is read
+  return sqlite3_exec(*handle, "PRAGMA foreign_keys=ON; PRAGMA user_version; SELECT count(*) FROM sqlite_master",
+                      nullptr, nullptr, nullptr);
+}
+
+std::string reason(sqlite3* handle, int code) {
+  const int kind = code & 0xff, system = handle != nullptr ? sqlite3_system_errno(handle) : 0;
+  if (kind == SQLITE_NOTADB) return "found no SQLite database";
+  if (kind == SQLITE_CORRUPT) return "found a damaged database";
+  if ((kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN) && system != 0) return std::generic_category().message(system);
+  return handle != nullptr ? sqlite3_errmsg(handle) : sqlite3_errstr(code);
+}
+
+}  // namespace
+
+Database::Database(const std::string& path, For what) : path_(path), what_(what) {
+  const int write = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  int code = opened(path, what == For::Writing ? write : SQLITE_OPEN_READONLY, &handle_);
+  // a program that was killed while it wrote: what it had begun is taken back, which is writing
+  if (what == For::Reading && (code == SQLITE_READONLY_ROLLBACK || code == SQLITE_READONLY_RECOVERY ||
+                               code == SQLITE_READONLY_CANTLOCK || code == SQLITE_CANTOPEN))
+    code = opened(path, SQLITE_OPEN_READWRITE, &handle_);
+  try {
+    if (code != SQLITE_OK) fail(code);
+    if (what == For::Reading) execute("PRAGMA query_only=ON");
+  } catch (...) {
+    sqlite3_close(handle_);
+    throw;
+  }
+}
+
+Database::~Database() { sqlite3_close(handle_); }
+
+void Database::fail(int code) const {
+  const std::string text = reason(handle_, code);
+  const int kind = code & 0xff;
+  if (kind == SQLITE_BUSY || kind == SQLITE_LOCKED)
+    throw DatabaseBusy(
+        fmt::format("{}: another program keeps it from being {}", path_, what_ == For::Writing ? "written" : "read"));
+  if (what_ == For::Writing && kind != SQLITE_NOTADB && kind != SQLITE_CORRUPT)
+    throw WriteError(fmt::format("{}: {}", path_, text));
+  throw InputError(fmt::format("{}: {}, expected a study's file (dea study -o FILE.db)", path_, text));
+}
+
+void Database::execute(const std::string& sql) {
+  const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
+  if (code != SQLITE_OK) fail(code);
+}
+
+void Database::wait_for_others(int milliseconds) { sqlite3_busy_timeout(handle_, milliseconds); }
+
+Statement::Statement(const Database& database, const std::string& sql) : database_(database) {
+  check(sqlite3_prepare_v2(database.handle(), sql.c_str(), -1, &statement_, nullptr));
+}
+
+Statement::~Statement() { sqlite3_finalize(statement_); }
+
+Statement::Statement(Statement&& other) noexcept
+    : database_(other.database_), statement_(std::exchange(other.statement_, nullptr)), next_(other.next_) {}
+
+void Statement::check(int code) {
+  if (code != SQLITE_OK) database_.fail(code);
+}
+
+Statement& Statement::bind(double value) {
+  check(std::isfinite(value) ? sqlite3_bind_double(statement_, next_, value) : sqlite3_bind_null(statement_, next_));
+  ++next_;
+  return *this;
+}
+
+Statement& Statement::bind(std::int64_t value) {
+  check(sqlite3_bind_int64(statement_, next_++, value));
+  return *this;
+}
+
+Statement& Statement::bind(const std::string& text) {
+  check(sqlite3_bind_text(statement_, next_++, text.c_str(), static_cast<int>(text.size()), SQLITE_TRANSIENT));
+  return *this;
+}
+
+Statement& Statement::bind_bytes(const std::string& bytes) {
+  check(sqlite3_bind_blob64(statement_, next_++, bytes.data(), bytes.size(), SQLITE_TRANSIENT));
+  return *this;
+}
+
+Statement& Statement::bind_null() {
+  check(sqlite3_bind_null(statement_, next_++));
+  return *this;
+}
+
+Statement& Statement::bind(const Statement& from, int column) {
+  check(sqlite3_bind_value(statement_, next_++, sqlite3_column_value(from.statement_, column)));
+  return *this;
+}
+
+bool Statement::step() {
+  const int code = sqlite3_step(statement_);
+  if (code != SQLITE_ROW && code != SQLITE_DONE) {
+    sqlite3_reset(statement_);
+    next_ = 1;
+    database_.fail(code);
+  }
+  return code == SQLITE_ROW;
+}
+
+void Statement::run() {
+  while (step()) {
+  }
+  reset();
+}
+
+void Statement::reset() {
+  sqlite3_reset(statement_);
+  next_ = 1;
+}
+
+int Statement::columns() const { return sqlite3_column_count(statement_); }
+std::string Statement::name(int column) const { return sqlite3_column_name(statement_, column); }
+bool Statement::is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+bool Statement::is_number(int column) const {
+  const int type = sqlite3_column_type(statement_, column);
+  return type == SQLITE_FLOAT || type == SQLITE_INTEGER;
+}
+std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(statement_, column); }
+double Statement::number(int column) const {
+  return is_null(column) ? std::numeric_limits<double>::quiet_NaN() : sqlite3_column_double(statement_, column);
+}
+std::string Statement::text(int column) const {
+  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+  return text == nullptr ? std::string()
+                         : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)));
+}
+std::string Statement::bytes(int column) const {
+  const auto* bytes = static_cast<const char*>(sqlite3_column_blob(statement_, column));
+  return bytes == nullptr ? std::string()
+                          : std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)));
+}
+
+std::string quoted_name(const std::string& name) {
+  std::string quoted(1, '"');
+  for (const char c : name) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
+}  // namespace dea

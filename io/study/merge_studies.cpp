@@ -1,0 +1,104 @@
+// Shards become one file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/study/database.h>
+#include <febiodea/io/study/read_study.h>
+#include <febiodea/io/study/study_file.h>
+#include <febiodea/io/study/study_schema.h>
+
+namespace dea {
+
+namespace {
+
+/// The same study but for the shard; and no shard twice.
+void check_heads(const std::vector<StudyHead>& heads) {
+  std::map<int, std::string> shards;
+  for (const StudyHead& head : heads) {
+    StudyIdentity first = heads.front().identity;
+    first.shard = head.identity.shard;
+    const std::string difference = study_difference(head, first);
+    if (!difference.empty())
+      throw InputError(fmt::format("{}: is of another study than {}: {}", head.path, heads.front().path, difference));
+    const auto [other, is_new] = shards.insert({head.identity.shard, head.path});
+    if (!is_new)
+      throw InputError(fmt::format("{}: is shard {} of {}, as {} is; expected each shard once", head.path,
+                                   head.identity.shard, head.identity.shards, other->second));
+  }
+}
+
+/// Rows of a table as they are.
+void copy_table(const Database& from, const Database& to, const std::string& table) {
+  Statement rows(from, fmt::format("SELECT * FROM {}", table));
+  std::string marks = "?";
+  for (int i = 1; i < rows.columns(); ++i) marks += ",?";
+  // a surface is in every shard
+  Statement insert(to,
+                   fmt::format("INSERT {} INTO {} VALUES ({})", table == "surfaces" ? "OR IGNORE" : "", table, marks));
+  while (rows.step()) {
+    for (int i = 0; i < rows.columns(); ++i) insert.bind(rows, i);
+    insert.run();
+  }
+}
+
+/// Of the study as a whole, the same in every shard.
+bool describes(const std::string& table) {
+  return table == "study" || table == "options" || table == "inputs" || table == "factors" || table == "models";
+}
+
+void copy_all(const std::vector<StudyHead>& heads, Database& to) {
+  to.execute("BEGIN IMMEDIATE");
+  make_study_tables(to, heads.front().factors);
+  for (const StudyHead& head : heads) {
+    const Database from(head.path, Database::For::Reading);
+    for (const std::string& table : study_tables())
+      if (&head == &heads.front() || !describes(table)) copy_table(from, to, table);
+  }
+  to.execute("UPDATE study SET value = '1' WHERE key IN ('shard', 'shards'); COMMIT");
+}
+
+std::string missing_cases(const std::string& path, std::size_t planned) {
+  std::string text;
+  std::size_t next = 1;
+  const auto skip_to = [&](std::size_t number) {
+    if (number > next)
+      text += (text.empty() ? "" : ", ") +
+              (number - next == 1 ? std::to_string(next) : fmt::format("{}-{}", next, number - 1));
+    next = number + 1;
+  };
+  const Database d(path, Database::For::Reading);
+  for (Statement rows(d, "SELECT case_id FROM cases ORDER BY case_id"); rows.step();)
+    skip_to(static_cast<std::size_t>(rows.integer(0)));
+  skip_to(planned + 1);
+  constexpr std::size_t kMost = 200;
+  if (text.size() > kMost) text = text.substr(0, text.rfind(',', kMost)) + ", ...";
+  return text;
+}
+
+}  // namespace
+
+MergedStudies merge_studies(const std::vector<std::string>& paths, const std::string& output) {
+  std::vector<StudyHead> heads;
+  for (const std::string& path : paths) heads.push_back(read_study_head(path));
+  check_heads(heads);
+  std::sort(heads.begin(), heads.end(),
+            [](const StudyHead& a, const StudyHead& b) { return a.identity.shard < b.identity.shard; });
+  try {
+    Database to(output, Database::For::Writing);
+    copy_all(heads, to);
+  } catch (const std::exception& fault) {
+    std::error_code error;
+    std::filesystem::remove(output, error);
+    if (dynamic_cast<const DatabaseBusy*>(&fault) != nullptr)
+      throw InputError(fmt::format("{}; try again when it has ended", fault.what()));
+    throw;
+  }
+  const StudyCounts counts = count_cases(output);
+  return {counts.all(), counts.failed + counts.refused, missing_cases(output, heads.front().planned)};
+}
+
+}  // namespace dea

@@ -1,0 +1,70 @@
+// febiodea/io/study/read_study.h – a study's file as others left it, also while another program adds cases to it.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <febiodea/io/study/study_file.h>
+
+namespace dea {
+
+/// What a study's file says of itself.
+struct StudyHead {
+  std::string path;
+  StudyIdentity identity;
+  std::vector<std::string> models;
+  std::vector<Factor> factors;  ///< without their values
+  std::size_t planned = 0;      ///< cases of the whole study, all shards
+};
+
+/// Is it a SQLite file, whatever is in it?
+bool is_database(const std::string& path);
+
+/// Throws InputError: it cannot be read, is no study, or is of another version than this program's.
+StudyHead read_study_head(const std::string& path);
+
+/// What differs, in words that follow on "PATH: "; empty: it is the same study.
+std::string study_difference(const StudyHead& there, const StudyIdentity& wanted);
+
+struct StudyCounts {
+  std::size_t solved = 0, failed = 0, refused = 0;
+  std::size_t all() const { return solved + failed + refused; }
+};
+StudyCounts count_cases(const std::string& path);
+
+/// A case as the file has it.
+struct StudyCase {
+  std::size_t number = 0;
+  int model = 0;  ///< index
+  CaseResult::Outcome outcome = CaseResult::Outcome::Refused;
+  std::string message;
+  double seconds = 0.0;
+  std::vector<std::string> values;  ///< one per factor
+};
+/// In their order. `only_failed`: those that are not solved.
+std::vector<StudyCase> read_cases(const std::string& path, bool only_failed = false, std::size_t most = SIZE_MAX);
+
+/// Columns of the view `results` by their names: one row per case, state and contact, in this order. NaN: NULL.
+struct StudyColumns {
+  std::vector<std::int64_t> case_id, state, contact_id;
+  std::vector<std::string> contact;
+  std::vector<std::vector<double>> numbers;  ///< one per name
+};
+/// Throws InputError: there is no such column.
+StudyColumns read_columns(const std::string& path, const std::vector<std::string>& names);
+
+/// All rows of the view `results` in the order of cases, states and contacts; the names of its columns first. A cell
+/// that is NULL is empty, a number is the shortest text that reads back as the same.
+void read_results(const std::string& path, const std::function<void(const std::vector<std::string>& cells)>& row);
+
+/// Pressure at the vertices of a contact's surface, as far as the file keeps it; empty: it does not.
+std::vector<float> read_pressure(const std::string& path, std::size_t case_number, int state, int contact_id);
+/// The surfaces of a model.
+struct StudySurface {
+  std::string contact, source;
+  CaseSurface surface;
+};
+std::vector<StudySurface> read_surfaces(const std::string& path, int model);
+
+}  // namespace dea

@@ -1,0 +1,165 @@
+#include <febiodea/io/study/study_schema.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/results/contact_numbers.h>
+
+namespace dea {
+
+namespace {
+
+template <class Of>
+std::string number_columns(const std::vector<NamedNumber<Of>>& numbers) {
+  std::string text;
+  for (const NamedNumber<Of>& n : numbers)
+    text += fmt::format("  {} {},\n", quoted_name(n.name), n.count ? "INTEGER" : "REAL");
+  return text;
+}
+
+template <class Of>
+std::string number_names(const std::vector<NamedNumber<Of>>& numbers) {
+  std::string text;
+  for (const NamedNumber<Of>& n : numbers) text += fmt::format("t.{}, ", quoted_name(n.name));
+  return text;
+}
+
+std::string vector_columns(const std::string& name) {
+  return fmt::format("  {0}_x REAL, {0}_y REAL, {0}_z REAL,\n", name);
+}
+
+// What a row of `kState` belongs to goes with it.
+constexpr const char* kCase = "  case_id INTEGER NOT NULL REFERENCES cases ON DELETE CASCADE,\n";
+constexpr const char* kState = "  case_id INTEGER NOT NULL,\n  state INTEGER NOT NULL,\n";
+constexpr const char* kOfState = "  FOREIGN KEY (case_id, state) REFERENCES states ON DELETE CASCADE";
+
+std::string head_tables(const std::vector<Factor>& factors) {
+  std::string columns;
+  for (const Factor& f : factors) columns += fmt::format(",\n  {} NUMERIC", quoted_name(f.name));
+  return fmt::format(R"(
+CREATE TABLE study (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE options (number INTEGER PRIMARY KEY, text TEXT NOT NULL);
+CREATE TABLE inputs (number INTEGER PRIMARY KEY, path TEXT NOT NULL, digest TEXT NOT NULL);
+CREATE TABLE factors (number INTEGER PRIMARY KEY, name TEXT NOT NULL, option TEXT NOT NULL, text TEXT NOT NULL,
+  spread TEXT, a REAL, b REAL);
+CREATE TABLE models (model_id INTEGER PRIMARY KEY, path TEXT NOT NULL);
+CREATE TABLE cases (
+  case_id INTEGER PRIMARY KEY,
+  model_id INTEGER NOT NULL REFERENCES models,
+  case_outcome TEXT NOT NULL,
+  case_message TEXT,
+  seconds REAL NOT NULL{});
+CREATE TABLE warnings (
+{}  number INTEGER NOT NULL,
+  text TEXT NOT NULL,
+  PRIMARY KEY (case_id, number)) WITHOUT ROWID;
+)",
+                     columns, kCase);
+}
+
+std::string result_tables() {
+  return fmt::format(R"(
+CREATE TABLE states (
+{case_}  state INTEGER NOT NULL,
+  time REAL NOT NULL,
+  outcome TEXT NOT NULL,
+  message TEXT,
+  iterations INTEGER NOT NULL,
+  residual_force REAL,
+  residual_moment REAL,
+  PRIMARY KEY (case_id, state)) WITHOUT ROWID;
+CREATE TABLE statistics (
+{state}  contact_id INTEGER NOT NULL,
+  contact TEXT NOT NULL,
+  source TEXT NOT NULL,
+  target TEXT NOT NULL,
+{contact_numbers}  PRIMARY KEY (case_id, state, contact_id),
+{of_state}) WITHOUT ROWID;
+CREATE TABLE parts (
+{state}  contact_id INTEGER NOT NULL,
+  part_id INTEGER NOT NULL,
+  contact TEXT NOT NULL,
+  part TEXT NOT NULL,
+{part_numbers}  PRIMARY KEY (case_id, state, contact_id, part_id),
+{of_state}) WITHOUT ROWID;
+CREATE TABLE poses (
+{state}  body_id INTEGER NOT NULL,
+  body TEXT NOT NULL,
+{center}{rotation}{force}{moment}  PRIMARY KEY (case_id, state, body_id),
+{of_state}) WITHOUT ROWID;
+CREATE TABLE surfaces (
+  model_id INTEGER NOT NULL REFERENCES models,
+  contact TEXT NOT NULL,
+  source TEXT NOT NULL,
+  surface TEXT NOT NULL,
+  vertices BLOB NOT NULL,
+  triangles BLOB NOT NULL,
+  PRIMARY KEY (model_id, contact, source));
+CREATE TABLE fields (
+{state}  contact_id INTEGER NOT NULL,
+  pressure BLOB NOT NULL,
+  PRIMARY KEY (case_id, state, contact_id),
+{of_state});
+)",
+                     fmt::arg("case_", kCase), fmt::arg("state", kState), fmt::arg("of_state", kOfState),
+                     fmt::arg("contact_numbers", number_columns(contact_numbers())),
+                     fmt::arg("part_numbers", number_columns(compartment_numbers())),
+                     fmt::arg("center", vector_columns("center")), fmt::arg("rotation", vector_columns("rotation")),
+                     fmt::arg("force", vector_columns("force")), fmt::arg("moment", vector_columns("moment")));
+}
+
+std::string views(const std::vector<Factor>& factors) {
+  std::string names;
+  for (const Factor& f : factors) names += fmt::format("c.{}, ", quoted_name(f.name));
+  return fmt::format(R"(
+CREATE VIEW results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, c.case_message, s.state, s.time,
+  t.contact_id, t.contact, t.source, t.target, s.outcome, s.message, s.iterations, s.residual_force, s.residual_moment,
+  {contact_numbers}
+  (SELECT group_concat(w.text, '; ') FROM warnings w WHERE w.case_id = c.case_id) AS warnings, c.seconds
+  FROM cases c JOIN models m ON m.model_id = c.model_id LEFT JOIN states s ON s.case_id = c.case_id
+  LEFT JOIN statistics t ON t.case_id = s.case_id AND t.state = s.state;
+CREATE VIEW part_results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, s.state, s.time,
+  t.contact_id, t.contact, t.part_id, t.part, {part_numbers}s.outcome
+  FROM cases c JOIN models m ON m.model_id = c.model_id JOIN states s ON s.case_id = c.case_id
+  JOIN parts t ON t.case_id = s.case_id AND t.state = s.state;
+)",
+                     fmt::arg("factors", names), fmt::arg("contact_numbers", number_names(contact_numbers())),
+                     fmt::arg("part_numbers", number_names(compartment_numbers())));
+}
+
+}  // namespace
+
+const std::vector<std::string>& study_tables() {
+  static const std::vector<std::string> tables = {"study", "options",  "inputs", "factors",    "models",
+                                                  "cases", "warnings", "states", "statistics", "parts",
+                                                  "poses", "surfaces", "fields"};
+  return tables;
+}
+
+void make_study_tables(Database& database, const std::vector<Factor>& factors) {
+  database.execute(head_tables(factors));
+  database.execute(result_tables());
+  database.execute(views(factors));
+  database.execute(
+      fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kStudyApplication, kStudyVersion));
+}
+
+void check_factor_names(const std::vector<Factor>& factors) {
+  Database none(":memory:", Database::For::Writing);
+  make_study_tables(none, {});
+  std::set<std::string> taken;
+  for (const char* table : {"cases", "results", "part_results"}) {
+    const Statement columns(none, fmt::format("SELECT * FROM {}", table));
+    for (int i = 0; i < columns.columns(); ++i) taken.insert(lower_case(columns.name(i)));
+  }
+  for (const Factor& f : factors)
+    if (taken.count(lower_case(f.name)) > 0)
+      throw UsageError(
+          fmt::format("found a factor named \"{}\", expected another name: results have a column of this one", f.name));
+}
+
+}  // namespace dea

@@ -1,0 +1,25 @@
+// febiodea/io/study/study_schema.h – the tables of a study's file (docs/studies.md says what is in them).
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/io/study/database.h>
+#include <febiodea/study/plan.h>
+
+namespace dea {
+
+/// "DEAS": what `file` and SQLite call the application_id.
+inline constexpr int kStudyApplication = 0x44454153;
+/// The number in "dea.study/1", and the database's user_version. Later programs only add tables and columns to it.
+inline constexpr int kStudyVersion = 1;
+
+/// In the order in which rows may be added, the ones that others refer to first.
+const std::vector<std::string>& study_tables();
+
+/// Makes all tables and views. A factor is a column of `cases` and of the views.
+void make_study_tables(Database& database, const std::vector<Factor>& factors);
+
+/// UsageError: a factor has the name of a column that is there anyway.
+void check_factor_names(const std::vector<Factor>& factors);
+
+}  // namespace dea

@@ -1,0 +1,169 @@
+#include <febiodea/io/tables/text_table.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <febiodea/base/parse.h>
+#include <febiodea/io/febio/febio_text.h>
+
+namespace dea {
+
+namespace {
+
+/// What separates the words of a file: the first of these that its line of names holds, else white space.
+char separator_of(const std::string& names) {
+  for (char c : {'\t', ';', ','})
+    if (names.find(c) != std::string::npos) return c;
+  return ' ';
+}
+
+/// The words between separators (' ': any white space); one in quotes is not a separator.
+std::vector<std::string> split_outside_quotes(const std::string& line, char separator) {
+  std::vector<std::string> words(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    const bool separates = separator == ' ' ? std::isspace(static_cast<unsigned char>(c)) != 0 : c == separator;
+    if (separates && !quoted)
+      words.emplace_back();
+    else
+      words.back() += c;
+  }
+  if (separator == ' ') std::erase(words, "");
+  return words;
+}
+
+/// Without the quotes around it; a doubled quote inside is one.
+std::string unquoted(const std::string& word) {
+  if (word.size() < 2 || word.front() != '"' || word.back() != '"') return word;
+  std::string inside;
+  for (std::size_t i = 1; i + 1 < word.size(); ++i) {
+    inside += word[i];
+    if (word[i] == '"' && word[i + 1] == '"' && i + 2 < word.size()) ++i;
+  }
+  return inside;
+}
+
+std::vector<std::string> words_of_line(const std::string& line, char separator) {
+  std::vector<std::string> words;
+  for (const std::string& text : split_outside_quotes(line, separator)) words.push_back(unquoted(trimmed(text)));
+  while (!words.empty() && words.back().empty()) words.pop_back();  // a separator at the end of the line
+  return words;
+}
+
+std::string text_of(const std::string& path) {
+  std::error_code error;
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream bytes;
+  const bool readable = in && !std::filesystem::is_directory(path, error);
+  if (readable) bytes << in.rdbuf();
+  if (!readable || in.bad()) throw InputError(fmt::format("{}: found no readable file, expected a table", path));
+  std::string text = bytes.str();
+  if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);  // a byte order mark
+  return text;
+}
+
+void check_names(const TextTable& table) {
+  std::set<std::string> seen;
+  for (const std::string& name : table.names) {
+    const bool first = &name == &table.names.front();  // rows' own names
+    if (name.empty() && !first)
+      throw table_fault(table.path, table.names_line, "found a column without a name, expected a name for each");
+    if (!seen.insert(lower_case(name)).second)
+      throw table_fault(table.path, table.names_line,
+                        fmt::format("found two columns named {}, expected different names", febio::quote(name)));
+  }
+  const bool numbers = std::all_of(table.names.begin(), table.names.end(), [](const std::string& name) {
+    try {
+      parse_number(name);
+      return true;
+    } catch (const BadValue&) {
+      return false;
+    }
+  });
+  if (numbers) throw table_fault(table.path, table.names_line, "found numbers, expected the names of the columns");
+}
+
+/// A word for each name.
+std::vector<std::string> cells_of(const TextTable& table, std::vector<std::string> words, int line) {
+  if (words.size() != table.names.size())
+    throw table_fault(table.path, line,
+                      fmt::format("found {} values, expected {}: one for each name in the line of names", words.size(),
+                                  table.names.size()));
+  return words;
+}
+
+}  // namespace
+
+InputError table_fault(const std::string& path, int line, const std::string& text) {
+  return InputError(fmt::format("{}:{}: {}", path, line, text));
+}
+
+TextTable read_text_table(const std::string& path) {
+  TextTable table;
+  table.path = path;
+  std::istringstream in(text_of(path));
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  table.opensim = extension == ".sto" || extension == ".mot";
+  bool header = table.opensim;
+  char separator = ',';
+  int number = 0;
+  std::string said_rows;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    line = trimmed(line);
+    if (header) {
+      std::string word = lower_case(line);
+      word.erase(std::remove_if(word.begin(), word.end(), [](unsigned char c) { return std::isspace(c); }), word.end());
+      if (word.rfind("indegrees=", 0) == 0) table.degrees = word.substr(10) == "yes";
+      if (word.rfind("nrows=", 0) == 0) said_rows = word.substr(6);
+      header = word != "endheader";
+      continue;
+    }
+    if (line.empty() || line.front() == '#') continue;
+    if (table.names.empty()) {
+      separator = table.opensim ? ' ' : separator_of(line);
+      table.names = words_of_line(line, separator);
+      table.names_line = number;
+      check_names(table);
+      continue;
+    }
+    table.rows.push_back(cells_of(table, words_of_line(line, separator), number));
+    table.lines.push_back(number);
+  }
+  if (header)
+    throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
+  if (table.names.empty()) throw table_fault(path, number, "found no line, expected the names of the columns and rows");
+  if (table.rows.empty())
+    throw table_fault(path, number, "found no row, expected at least one below the names of the columns");
+  if (!said_rows.empty() && said_rows != std::to_string(table.rows.size()))
+    throw table_fault(path, number,
+                      fmt::format("found {} rows, expected the {} that nRows says: is the file cut off?",
+                                  table.rows.size(), said_rows));
+  return table;
+}
+
+CaseTable read_case_table(const std::string& path) {
+  const TextTable table = read_text_table(path);
+  CaseTable cases{table.path, table.names_line, {}, {}, table.lines};
+  const std::set<std::string> passed_over = {"", "%eval_id", "eval_id", "interface"};
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    if (passed_over.count(lower_case(table.names[i])) > 0) continue;
+    columns.push_back(i);
+    cases.names.push_back(table.names[i]);
+  }
+  for (const std::vector<std::string>& row : table.rows) {
+    cases.rows.emplace_back();
+    for (const std::size_t i : columns) cases.rows.back().push_back(row[i]);
+  }
+  return cases;
+}
+
+}  // namespace dea

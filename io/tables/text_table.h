@@ -1,0 +1,33 @@
+// febiodea/io/tables/text_table.h – cells in columns with names: CSV, and OpenSim's .sto and .mot.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/base/error.h>
+#include <febiodea/study/plan.h>
+
+namespace dea {
+
+struct TextTable {
+  std::string path;
+  bool opensim = false;                        ///< .sto or .mot: has a header that ends in "endheader"
+  bool degrees = false;                        ///< its header says inDegrees=yes
+  int names_line = 0;                          ///< of the file, 1-based
+  std::vector<std::string> names;              ///< of the columns, without white space around them
+  std::vector<std::vector<std::string>> rows;  ///< as many cells each as there are names, not in quotes any more
+  std::vector<int> lines;                      ///< of the rows in the file, 1-based
+};
+
+/// CSV: a line of names, then a line of cells per row, separated by commas, semicolons, tabs or spaces; lines that
+/// begin with '#' and empty ones are passed over. OpenSim: what stands before "endheader", then the same with white
+/// space. Throws InputError ("loads.csv:12: found ..., expected ...").
+TextTable read_text_table(const std::string& path);
+
+/// A table of cases, without the columns that R, pandas and Dakota put before the factors: rows' own names or numbers.
+/// Throws InputError.
+CaseTable read_case_table(const std::string& path);
+
+/// "loads.csv:12: ..."
+InputError table_fault(const std::string& path, int line, const std::string& text);
+
+}  // namespace dea
