@@ -25,6 +25,16 @@ struct RunArguments {
 CLI::App* add_run(CLI::App& app, RunArguments& arguments);
 int run(const RunArguments& arguments);
 
+struct StudyArguments {
+  std::vector<std::string> files;  ///< models, or a study
+  SettingsArguments settings;      ///< `values` and `order` have "vary" and "factor" too
+  std::string cases, sample, count, seed, states, again, shard, output, csv, threads;
+  std::vector<std::string> keep;
+  bool merge = false, dry_run = false, overwrite = false, quiet = false, verbose = false;
+};
+CLI::App* add_study(CLI::App& app, StudyArguments& arguments);
+int study(const StudyArguments& arguments);
+
 struct InfoArguments {
   std::string model, output, json;
   bool overwrite = false;

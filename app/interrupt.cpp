@@ -57,8 +57,9 @@ void now_under_way(UnderWay what) {
 const StopFlag* stop_flag() { return &stop; }
 
 const char* stopped_line() {
-  return under_way == UnderWay::Writing ? "dea: stopped before all files were written"
-                                        : "dea: stopped, nothing was written";
+  const UnderWay what = under_way;
+  if (what == UnderWay::Cases) return "dea: stopped; cases that are done are in the file, the same command goes on";
+  return what == UnderWay::Writing ? "dea: stopped before all files were written" : "dea: stopped, nothing was written";
 }
 
 int stopped_code() { return 128 + received; }

@@ -8,6 +8,7 @@ namespace dea {
 enum class UnderWay {
   NothingToLose,  ///< reading, recognising, placing springs: the program ends at once
   Search,         ///< the stop flag is set, and looked at again and again
+  Cases,          ///< the stop flag is set, and looked at; cases that are done are in the study's file
   Writing         ///< the stop flag is set, and looked at between files
 };
 

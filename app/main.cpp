@@ -23,6 +23,8 @@ refused; 4 output cannot be written; 70 a fault of the program; 130 stopped by C
 
 Examples:
   dea run hip.feb                    pressure in every state, written beside the model as hip_dea.xplt
+  dea study hip.feb --vary "E: E={8|12|16}" -o plan.db
+                                     thousands of cases into one file
   dea info hip.feb                   what is recognised in the model, without solving
   dea converge hip.feb               how many springs the result needs
   dea convert hip.feb                the same joint for FEBio with the plugin, as hip_dea.feb
@@ -107,6 +109,7 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", version_text(), "Version, commit and libraries");
   app.require_subcommand(1);
   RunArguments run_arguments;
+  StudyArguments study_arguments;
   InfoArguments info_arguments;
   ConvergeArguments converge_arguments;
   ConvertArguments convert_arguments;
@@ -115,6 +118,7 @@ int parse_and_run(int argc, char** argv) {
   PluginBuildArguments plugin_build_arguments;
   run_arguments.words = compare_arguments.words = {argv, argv + argc};
   const CLI::App* run_command = add_run(app, run_arguments);
+  const CLI::App* study_app = add_study(app, study_arguments);
   const CLI::App* info_command = add_info(app, info_arguments);
   const CLI::App* converge_app = add_converge(app, converge_arguments);
   const CLI::App* convert_app = add_convert(app, convert_arguments);
@@ -147,6 +151,7 @@ int parse_and_run(int argc, char** argv) {
   }
 
   if (run_command->parsed()) return run(run_arguments);
+  if (study_app->parsed()) return study(study_arguments);
   if (info_command->parsed()) return info(info_arguments);
   if (converge_app->parsed()) return converge_command(converge_arguments);
   if (convert_app->parsed()) return convert(convert_arguments);

@@ -61,22 +61,35 @@ void copy_all(const std::vector<StudyHead>& heads, Database& to) {
   to.execute("UPDATE study SET value = '1' WHERE key IN ('shard', 'shards'); COMMIT");
 }
 
-std::string missing_cases(const std::string& path, std::size_t planned) {
+/// Numbers from 1 to `last` that `next` (rising; 0: no more) leaves out: "120, 340-399".
+template <class Next>
+std::string missing_numbers(std::size_t last, Next next) {
   std::string text;
-  std::size_t next = 1;
-  const auto skip_to = [&](std::size_t number) {
-    if (number > next)
+  std::size_t expected = 1;
+  for (;;) {
+    const std::size_t number = next(), found = number == 0 ? last + 1 : number;
+    if (found > expected)
       text += (text.empty() ? "" : ", ") +
-              (number - next == 1 ? std::to_string(next) : fmt::format("{}-{}", next, number - 1));
-    next = number + 1;
-  };
-  const Database d(path, Database::For::Reading);
-  for (Statement rows(d, "SELECT case_id FROM cases ORDER BY case_id"); rows.step();)
-    skip_to(static_cast<std::size_t>(rows.integer(0)));
-  skip_to(planned + 1);
+              (found - expected == 1 ? std::to_string(expected) : fmt::format("{}-{}", expected, found - 1));
+    expected = found + 1;
+    if (number == 0) break;
+  }
   constexpr std::size_t kMost = 200;
   if (text.size() > kMost) text = text.substr(0, text.rfind(',', kMost)) + ", ...";
   return text;
+}
+
+std::string missing_cases(const std::string& path, std::size_t planned) {
+  const Database d(path, Database::For::Reading);
+  Statement rows(d, "SELECT case_id FROM cases ORDER BY case_id");
+  return missing_numbers(planned, [&] { return rows.step() ? static_cast<std::size_t>(rows.integer(0)) : 0; });
+}
+
+std::string missing_shards(const std::vector<StudyHead>& heads) {
+  std::size_t next = 0;
+  return missing_numbers(static_cast<std::size_t>(heads.front().identity.shards), [&] {
+    return next < heads.size() ? static_cast<std::size_t>(heads[next++].identity.shard) : 0;
+  });
 }
 
 }  // namespace
@@ -98,7 +111,8 @@ MergedStudies merge_studies(const std::vector<std::string>& paths, const std::st
     throw;
   }
   const StudyCounts counts = count_cases(output);
-  return {counts.all(), counts.failed + counts.refused, missing_cases(output, heads.front().planned)};
+  return {counts.all(), counts.failed + counts.refused, missing_cases(output, heads.front().planned),
+          missing_shards(heads)};
 }
 
 }  // namespace dea

@@ -60,11 +60,11 @@ class StudyWriter {
   std::unique_ptr<Parts> parts_;
 };
 
-/// A new file with all that these files hold. `missing`: cases that none of them has, as ranges: "120, 340-399"; empty:
-/// it is complete. Throws InputError: they are not of one study, or two have the same case; WriteError.
+/// A new file with all that these files hold. What none of them has: cases as ranges, "120, 340-399", and shards;
+/// empty: nothing. Throws InputError: they are not of one study, or two have the same case; WriteError.
 struct MergedStudies {
   std::size_t cases = 0, failed = 0;  ///< in the new file; failed: also those that were refused
-  std::string missing;
+  std::string missing, missing_shards;
 };
 MergedStudies merge_studies(const std::vector<std::string>& paths, const std::string& output);
 
