@@ -89,6 +89,9 @@ struct Work {
   std::atomic<std::size_t> next{0};
   std::mutex mutex;          // of what follows
   std::exception_ptr fault;  // ends the study
+
+  Work(const Plan& p, const std::vector<std::size_t>& c, const StudyOptions& o)
+      : plan(p), cases(c), options(o), joints(o.memory) {}
 };
 
 RunOptions states_asked(const StudyOptions& options) {
@@ -186,7 +189,7 @@ void solve_cases(Work& work) {
 void run_study(const Plan& plan, const std::vector<std::size_t>& cases, const StudyOptions& options) {
   // each case on one thread: what is gained within one is lost between them
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  Work work{.plan = plan, .cases = cases, .options = options, .of_file = {}, .joints = ReadyJoints(options.memory)};
+  Work work(plan, cases, options);
   if (!options.settings_file.empty()) work.of_file = read_settings_file(options.settings_file).settings;
   std::vector<std::thread> others;
   for (int t = 1; t < std::min(options.workers, static_cast<int>(cases.size())); ++t)
