@@ -149,7 +149,7 @@ std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& reco
   const Recognition& recognition = recognised->recognition;
   throw_if_any(recognition.faults);
   spring_cost_note(recognition, python_wording());
-  const States states = wanted_states(recognition, asked);
+  const States states = wanted_states(recognition.model, recognition.settings, asked);
   const auto a = std::make_shared<Analysed>();
   a->recognised = recognised;
   a->analysis = analyse(recognition, options_of(states, work, a->springs));

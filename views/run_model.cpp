@@ -83,10 +83,8 @@ std::vector<double> times_to_write(const States& states) {
 
 /// The warnings alone, one after the other: "...; ...".
 std::string warnings_of(const JointModel& model, const Analysis& analysis) {
-  const std::string start = "warning: ";
   std::string all;
-  for (const std::string& line : run_remarks(model, analysis))
-    if (line.rfind(start, 0) == 0) all += (all.empty() ? "" : "; ") + line.substr(start.size());
+  for (const std::string& warning : warnings_in(run_remarks(model, analysis))) all += (all.empty() ? "" : "; ") + warning;
   return all;
 }
 
@@ -103,9 +101,7 @@ void write_others(const JointModel& model, const Settings& settings, const RunOp
 
 }  // namespace
 
-States wanted_states(const Recognition& recognition, const RunOptions& options) {
-  const JointModel& model = recognition.model;
-  const Settings& settings = recognition.settings;
+States wanted_states(const JointModel& model, const Settings& settings, const RunOptions& options) {
   const std::string &states = options.outputs.states, &option = options.states_option, &times_from = options.times_from;
   const StatesAsked asked = asked_states(states, option);
   if (row_count(settings) > 0 || settings.skip_steps) {
@@ -161,7 +157,7 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   const OutputSettings& outputs = options.outputs;
   States states;
   try {
-    states = wanted_states(recognition, options);
+    states = wanted_states(model, recognition.settings, options);
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }

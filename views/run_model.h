@@ -38,7 +38,7 @@ struct RunResult {
 RunResult run_model(const Recognition& recognition, const RunOptions& options);
 
 /// The states that `options` ask for, and those on the way to them. Throws UsageError, InputError.
-States wanted_states(const Recognition& recognition, const RunOptions& options);
+States wanted_states(const JointModel& model, const Settings& settings, const RunOptions& options);
 /// Adds to `findings` what the user should know of the states that are solved.
 void note_states(const JointModel& model, const RunOptions& options, const States& states,
                  std::vector<Sentence>& findings);

@@ -18,13 +18,12 @@ void check_surface(const JointModel& model, NamedSetting given, const std::strin
   throw UsageError(Fault{.given = std::move(given), .found = no_such_name("surface", name, surface_names(model))});
 }
 
-void check_body(const ModelParts& parts, NamedSetting given, const std::string& name) {
-  const std::vector<Body>& bodies = parts.bodies.bodies;
-  if (body_by_name(parts.model, bodies, name) >= 0) return;
+void check_body(const JointModel& model, const std::vector<Body>& bodies, NamedSetting given, const std::string& name) {
+  if (body_by_name(model, bodies, name) >= 0) return;
   throw UsageError(Fault{.given = std::move(given), .found = no_such_name("rigid body", name, body_names(bodies))});
 }
 
-/// Settings name surfaces and bodies of the model.
+/// Settings name surfaces of the model.
 void check_names(const ModelParts& parts) {
   const JointModel& model = parts.model;
   const Settings& settings = parts.settings;
@@ -43,25 +42,6 @@ void check_names(const ModelParts& parts) {
   }
   for (const auto& e : settings.E) check_surface(model, {"E", e.first}, e.first);
   for (const auto& e : settings.nu) check_surface(model, {"nu", e.first}, e.first);
-  for (const auto& e : settings.free) {
-    check_body(parts, {"free", e.first}, e.first);
-    if (parts.bodies.bodies[at(body_by_name(model, parts.bodies.bodies, e.first))].ground)
-      throw UsageError(Fault{
-          .given = NamedSetting{"free", e.first}, .found = "the ground never moves;", .expected = "name a rigid body"});
-  }
-  for (const auto& e : settings.force) check_body(parts, {"force", e.first}, e.first);
-  for (const auto& e : settings.load_at) check_body(parts, {"load-at", e.first}, e.first);
-  for (const Placement& p : settings.placements)
-    check_body(parts, {p.kind == Placement::Kind::Rotate ? "rotate" : "move", p.body}, p.body);
-  for (const auto& e : settings.rotate_about) check_body(parts, {"rotate-about", e.first}, e.first);
-  const auto check_word = [&](const char* setting, const std::string& name) {
-    if (!name.empty()) check_body(parts, {setting, "", name}, name);
-  };
-  check_word("load-body", settings.loads.body);
-  check_word("load-frame", settings.loads.frame.body);
-  check_word("motion-body", settings.motion.body);
-  check_given_values(parts);
-  if (!settings.source.empty()) check_body(parts, {"source", "", settings.source}, settings.source);
 }
 
 /// What was taken otherwise than the model says.
@@ -150,9 +130,35 @@ Fault no_sliding_contact(const JointModel& model) {
   return make_fault(model, others.first, "no sliding contact in the model;", expected);
 }
 
+void check_body_names(const JointModel& model, const std::vector<Body>& bodies, const Settings& settings) {
+  const auto check = [&](const char* setting, const std::string& name) {
+    check_body(model, bodies, {setting, name}, name);
+  };
+  const auto check_value = [&](const char* setting, const std::string& name) {
+    if (!name.empty()) check_body(model, bodies, {setting, "", name}, name);
+  };
+  for (const auto& e : settings.free) {
+    check("free", e.first);
+    if (bodies[at(body_by_name(model, bodies, e.first))].ground)
+      throw UsageError(Fault{
+          .given = NamedSetting{"free", e.first}, .found = "the ground never moves;", .expected = "name a rigid body"});
+  }
+  for (const auto& e : settings.force) check("force", e.first);
+  for (const auto& e : settings.load_at) check("load-at", e.first);
+  for (const Placement& p : settings.placements)
+    check(p.kind == Placement::Kind::Rotate ? "rotate" : "move", p.body);
+  for (const auto& e : settings.rotate_about) check("rotate-about", e.first);
+  check_value("load-body", settings.loads.body);
+  check_value("load-frame", settings.loads.frame.body);
+  check_value("motion-body", settings.motion.body);
+  check_value("source", settings.source);
+}
+
 JointFound find_joint(const JointModel& model, const Settings& settings) {
   const ModelParts parts = find_parts(model, settings);
   check_names(parts);
+  check_body_names(model, parts.bodies.bodies, settings);
+  check_given_values(parts);
   JointFound found;
   Joint& joint = found.joint;
   joint.bodies = parts.bodies.bodies;

@@ -38,6 +38,9 @@ struct JointFound {
 /// nothing in the model.
 JointFound find_joint(const JointModel& model, const Settings& settings);
 
+/// UsageError: a setting names a body that is not among these.
+void check_body_names(const JointModel& model, const std::vector<Body>& bodies, const Settings& settings);
+
 /// The joint alone. Throws InputError where there are faults.
 Joint make_joint(const JointModel& model, const Settings& settings);
 

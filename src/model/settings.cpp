@@ -4,6 +4,18 @@
 
 namespace dea {
 
+Settings joint_settings(Settings s) {
+  s.free.clear();
+  s.force.clear();
+  s.load_at.clear();
+  s.placements.clear();
+  s.rotate_about.clear();
+  s.loads = {};
+  s.motion = {};
+  s.skip_steps = false;
+  return s;
+}
+
 const char* name(SpringsAt springs_at) { return word_of(springs_at, {"articular", "bone"}); }
 
 const char* name(Facets facets) { return word_of(facets, {"curved", "flat"}); }

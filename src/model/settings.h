@@ -140,6 +140,9 @@ struct Settings {
   bool squash = true;       ///< show the cartilage compressed; false: rigid with its bone
 };
 
+/// The same settings without those that place, load and move bodies or choose states: what a joint is recognised from.
+Settings joint_settings(Settings settings);
+
 /// Rows of tables, each a state. Both tables have the same times where both are there.
 inline std::size_t row_count(const Settings& s) { return std::max(s.loads.time.size(), s.motion.time.size()); }
 inline double row_time(const Settings& s, std::size_t row) {

@@ -51,12 +51,11 @@ void end_state(Walk& walk, const Equilibrium& e, const EquilibriumOptions& optio
     walk.search.patience = std::max(std::min(kLeastPatience, walk.search.patience), walk.search.patience / 3);
 }
 
-LoadCase load_case_of(const Recognition& recognition, const Prepared& prepared, const TimePoint& when,
-                      const Walk& walk) {
-  return when.row >= 0 ? make_row_case(recognition.model, prepared.joint, recognition.settings, when.row,
-                                       walk.start.poses, walk.start.step_poses, &walk.step_reaction)
-                       : make_load_case(recognition.model, prepared.joint, recognition.settings, when.step, when.time,
-                                        &walk.step_reaction);
+LoadCase load_case_of(const JointModel& model, const Settings& settings, const Prepared& prepared,
+                      const TimePoint& when, const Walk& walk) {
+  return when.row >= 0 ? make_row_case(model, prepared.joint, settings, when.row, walk.start.poses,
+                                       walk.start.step_poses, &walk.step_reaction)
+                       : make_load_case(model, prepared.joint, settings, when.step, when.time, &walk.step_reaction);
 }
 
 /// `reference`: the reference configuration is not solved.
@@ -73,12 +72,25 @@ std::vector<char> free_to_turn(const LoadCase& load_case) {
   return free;
 }
 
-void add_fields(const Recognition& recognition, const Prepared& prepared, const FieldMaps& maps, StateResult& state) {
+void add_fields(const Prepared& prepared, const FieldMaps& maps, StateResult& state) {
   const Equilibrium& e = state.equilibrium;
   state.fields = contact_fields(prepared.joint, prepared.beds, maps, e);
   state.statistics = contact_statistics(prepared.joint, prepared.beds, maps, e, state.fields);
-  state.displacements =
-      node_displacements(recognition.model, prepared.joint, maps, e, state.fields, recognition.settings.squash);
+}
+
+bool begins_in_last_step(const JointModel& model, const TimePoint& when) {
+  return when.step + 1 == static_cast<int>(model.steps.size());
+}
+
+/// What is held stays where the settings place it, and a body that is placed starts there.
+void begin_from(const Begin& begin, const Joint& joint, const LoadCase& load_case, Walk& walk) {
+  const std::vector<Pose> reference = reference_poses(joint);
+  std::vector<Pose>& poses = walk.start.poses;
+  for (std::size_t b = 0; b < poses.size(); ++b) {
+    if (poses[b].center != reference[b].center || poses[b].rotation != reference[b].rotation) continue;
+    poses[b] = free_part(load_case.bodies[b], poses[b], begin.poses[b]);
+  }
+  walk.memory = begin.memory;
 }
 
 /// What is as large as the mesh goes.
@@ -138,61 +150,69 @@ Analysis analyse(const JointModel& model, const Settings& settings, const Analys
   return analyse(recognise(model, settings), options);
 }
 
-Analysis analyse(const Recognition& recognition, const AnalysisOptions& options) {
-  throw_if_any(recognition.faults);
-  const JointModel& model = recognition.model;
-  double clock = now();
-  Activity activity;
-  const auto tell = [&](Activity::Stage stage) {
-    activity.stage = stage;
-    if (options.activity) options.activity(activity);
-  };
-  tell(Activity::Stage::Springs);
-  Prepared prepared = prepare(recognition, options.equilibrium.stop);
+SolvedStates solve_states(const JointModel& model, const Settings& settings, const Prepared& prepared,
+                          const FieldMaps& maps, const AnalysisOptions& options) {
   const Joint& joint = prepared.joint;
-  FieldMaps maps = make_field_maps(model, joint);
-  Analysis analysis;
-  analysis.seconds_joint = recognition.seconds + now() - clock;
-
-  clock = now();
   const std::vector<TimePoint> times = options.times.empty() ? model_times(model) : options.times;
   const std::vector<Vector6> no_reaction(joint.bodies.size(), Vector6::Zero());
-  Walk walk{at_start(recognition), no_reaction, no_reaction, {}, options.equilibrium};
+  SolvedStates solved;
+  solved.start = starting_poses(model, joint, settings);
+  Walk walk{{solved.start, solved.start}, no_reaction, no_reaction, {}, options.equilibrium};
+  Activity activity{Activity::Stage::State, 0, times.size(), {}};
   if (options.activity) {
     walk.search.watch = [&](const SearchStatus& status) {
       if (options.equilibrium.watch) options.equilibrium.watch(status);
       activity.search = status;
-      tell(Activity::Stage::State);
+      options.activity(activity);
     };
   }
-  activity.count = times.size();
-  analysis.start = walk.start.poses;
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (times[i].step != walk.step) begin_step(walk, times[i].step, options.equilibrium);
     activity.index = i;
     activity.search = {};
-    tell(Activity::Stage::State);
+    if (options.activity) options.activity(activity);
     StateResult state;
     state.when = times[i];
     const bool reference = i == 0 && times[i].time <= 0.0 && times[i].row < 0;
-    const LoadCase load_case = load_case_of(recognition, prepared, times[i], walk);
+    const LoadCase load_case = load_case_of(model, settings, prepared, times[i], walk);
+    if (i == 0 && !reference && options.begin != nullptr && begins_in_last_step(model, times[i]))
+      begin_from(*options.begin, joint, load_case, walk);
     state.equilibrium = solve_state(prepared, load_case, reference, walk);
     end_state(walk, state.equilibrium, options.equilibrium);
     refuse_zero_thickness(model, joint, prepared.beds, state.equilibrium);
     end_if_stopped(options.equilibrium.stop);
     const bool keep = options.keep_state.empty() || options.keep_state[i];
-    if (keep) add_fields(recognition, prepared, maps, state);
-    if (keep) analysis.free_to_turn = free_to_turn(load_case);
+    if (keep) add_fields(prepared, maps, state);
+    if (keep && options.displacements)
+      state.displacements =
+          node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);
+    if (keep) solved.free_to_turn = free_to_turn(load_case);
     if (options.progress) options.progress(state, i, times.size());
     state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported
     if (!keep) continue;
-    if (!options.keep_fields && !analysis.states.empty()) drop_fields(analysis.states.back());
-    analysis.states.push_back(std::move(state));
+    if (!options.keep_fields && !solved.states.empty()) drop_fields(solved.states.back());
+    solved.states.push_back(std::move(state));
   }
+  return solved;
+}
+
+Analysis analyse(const Recognition& recognition, const AnalysisOptions& given) {
+  throw_if_any(recognition.faults);
+  const JointModel& model = recognition.model;
+  double clock = now();
+  if (given.activity) given.activity({Activity::Stage::Springs, 0, 0, {}});
+  Prepared prepared = prepare(recognition, given.equilibrium.stop);
+  Analysis analysis;
+  analysis.maps = make_field_maps(model, prepared.joint);
+  analysis.seconds_joint = recognition.seconds + now() - clock;
+
+  clock = now();
+  AnalysisOptions options = given;
+  if (options.times.empty()) options.times = model_times(model);
+  static_cast<SolvedStates&>(analysis) = solve_states(model, recognition.settings, prepared, analysis.maps, options);
   analysis.joint = std::move(prepared.joint);
   analysis.beds = std::move(prepared.beds);
-  analysis.maps = std::move(maps);
-  note_idle_forces(recognition, times.back(), analysis.joint);
+  note_idle_forces(recognition, options.times.back(), analysis.joint);
   analysis.seconds_solve = now() - clock;
   return analysis;
 }

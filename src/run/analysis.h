@@ -23,13 +23,17 @@ struct StateResult {
   std::vector<Vector3d> displacements;        ///< one per model node
 };
 
-struct Analysis {
-  Joint joint;
-  SpringBeds beds;  ///< that were used, for whoever looks at more poses
-  FieldMaps maps;
+/// What was solved of one joint under one set of loads.
+struct SolvedStates {
   std::vector<StateResult> states;  ///< those that were kept, in order of time
   std::vector<Pose> start;          ///< per body: where it began
   std::vector<char> free_to_turn;   ///< per body: about some axis, in the last state that was kept
+};
+
+struct Analysis : SolvedStates {
+  Joint joint;
+  SpringBeds beds;  ///< that were used, for whoever looks at more poses
+  FieldMaps maps;
   double seconds_joint = 0.0;       ///< recognition and springs
   double seconds_solve = 0.0;       ///< equilibria and fields
 };
@@ -46,6 +50,12 @@ struct Activity {
   SearchStatus search;
 };
 
+/// A solution from which the search for another may start.
+struct Begin {
+  std::vector<Pose> poses;          ///< one per body
+  std::vector<PressMemory> memory;  ///< one per contact
+};
+
 struct AnalysisOptions {
   std::vector<TimePoint> times;  ///< states to solve in order; empty: model_times(model)
   std::vector<char> keep_state;  ///< per time: its result with its fields; empty: all
@@ -55,7 +65,16 @@ struct AnalysisOptions {
       progress;                                   ///< after every state; may be empty
   std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
   EquilibriumOptions equilibrium;
+  bool displacements = true;     ///< StateResult::displacements are wanted
+  const Begin* begin = nullptr;  ///< not owned: from where the first state is searched, if that belongs to the last step
+                                 ///< and is not the reference; its free dofs count, of bodies that are not placed
 };
+
+/// The states of options.times, each started from the one before. `prepared`: of `model` and joint_settings(settings);
+/// `settings` have passed check_loading. InputError: a fault that is met while solving. Stopped:
+/// options.equilibrium.stop was set. Pure: several threads may solve one joint at a time.
+SolvedStates solve_states(const JointModel& model, const Settings& settings, const Prepared& prepared,
+                          const FieldMaps& maps, const AnalysisOptions& options);
 
 /// Cartilage of no thickness cannot be compressed: InputError where such surfaces meet in this state, not a division.
 void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e);

@@ -1,5 +1,6 @@
 #include <febiodea/run/prepared.h>
 
+#include <algorithm>
 #include <utility>
 
 #include <febiodea/base/numbers.h>
@@ -12,6 +13,14 @@ Prepared prepare(const Recognition& recognition, const StopFlag* stop) {
   return {recognition.joint, make_spring_beds(recognition.joint, stop)};
 }
 
+Prepared prepare(Recognition&& recognition, const StopFlag* stop) {
+  throw_if_any(recognition.faults);
+  Prepared prepared;
+  prepared.joint = std::move(recognition.joint);
+  prepared.beds = make_spring_beds(prepared.joint, stop);
+  return prepared;
+}
+
 Start at_rest(const Prepared& prepared) {
   const std::vector<Pose> poses = reference_poses(prepared.joint);
   return {poses, poses};
@@ -20,6 +29,14 @@ Start at_rest(const Prepared& prepared) {
 Start at_start(const Recognition& r) {
   const std::vector<Pose> poses = starting_poses(r.model, r.joint, r.settings);
   return {poses, poses};
+}
+
+Pose free_part(const BodyConditions& body, const Pose& placed, const Pose& free) {
+  Pose pose = placed;
+  for (int k = 0; k < 3; ++k)
+    if (body.dofs[at(k)] == DofState::Free) pose.center(k) = free.center(k);
+  if (std::count(body.dofs.begin() + 3, body.dofs.end(), DofState::Free) > 0) pose.rotation = free.rotation;
+  return pose;
 }
 
 Equilibrium solve(const Prepared& prepared, const LoadCase& load_case, const Start& start,

@@ -22,6 +22,7 @@ struct Prepared {
 /// Places the springs of every contact and factorises its layers. InputError: the recognition has faults. Stopped:
 /// `stop` was set (looked at between contacts).
 Prepared prepare(const Recognition& recognition, const StopFlag* stop = nullptr);
+Prepared prepare(Recognition&& recognition, const StopFlag* stop = nullptr);  ///< takes the joint out of it
 
 /// Where a solution starts, one pose per body of the joint each.
 struct Start {
@@ -32,6 +33,9 @@ struct Start {
 Start at_rest(const Prepared& prepared);
 /// All bodies where settings.placements put them.
 Start at_start(const Recognition& recognition);
+
+/// `placed`, but in the dofs that are free to move `free`.
+Pose free_part(const BodyConditions& body, const Pose& placed, const Pose& free);
 
 /// The pose at which one load case balances (E1), searched from `start`; a motion that is given in full is followed
 /// without a search. A load that cannot be carried is an outcome. `memory`: where searches for pressures start, and

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -30,6 +31,15 @@ void add(std::vector<Fault>& faults, const Fault& fault) {
 void add(std::vector<Fault>& faults, const InputError& error) {
   add(faults, error.fault);
   for (const Fault& other : error.others) add(faults, other);
+}
+
+template <class Step>
+void try_to(std::vector<Fault>& faults, const Step& step) {
+  try {
+    step();
+  } catch (const InputError& error) {
+    add(faults, error);
+  }
 }
 
 /// No rigid body, where only a material taken as rigid could give one; nothing, if there is one, or nodes that are
@@ -66,19 +76,35 @@ Fault unsupported_fault(const JointModel& model, const Remark& r) {
 
 void refuse_unsupported(const JointModel& model) { throw_if_any(unsupported_faults(model)); }
 
+Loading check_loading(const JointModel& model, const Joint& joint, const Settings& settings) {
+  Loading loading;
+  const auto tell = [&](std::vector<Sentence> words) {
+    std::move(words.begin(), words.end(), std::back_inserter(loading.findings));
+  };
+  if (!settings.placements.empty()) {
+    tell(placements_in_words(model, joint, settings));
+    for (const Fault& fault : broken_connectors(model, joint, starting_poses(model, joint, settings)))
+      add(loading.faults, fault);
+  }
+  // the value of a controller that cannot be evaluated is asked for by no one
+  if (controllers_have_values(model)) {
+    const std::vector<double> starts = step_starts(model);
+    for (int s = 0; s < static_cast<int>(model.steps.size()); ++s)
+      try_to(loading.faults, [&] { make_load_case(model, joint, settings, s, starts[at(s) + 1]); });
+  }
+  if (!loading.faults.empty()) return loading;
+  check_rows(model, joint, settings);
+  tell(rows_in_words(model, joint, settings));
+  tell(seating_steps(model, joint, settings));
+  return loading;
+}
+
 Recognition recognise(JointModel given, Settings settings, bool all_states) {
   const auto start = std::chrono::steady_clock::now();
   Recognition r;
   r.model = std::move(given);
   r.settings = std::move(settings);
   const JointModel& model = r.model;
-  const auto try_to = [&](const auto& step) {
-    try {
-      step();
-    } catch (const InputError& error) {
-      add(r.faults, error);
-    }
-  };
   const bool sliding = std::any_of(model.contacts.begin(), model.contacts.end(),
                                    [](const Contact& c) { return c.kind == Contact::Kind::Sliding; });
   if (!sliding) add(r.faults, no_sliding_contact(model));
@@ -94,24 +120,12 @@ Recognition recognise(JointModel given, Settings settings, bool all_states) {
     r.recognised = found.faults.empty();
     if (r.recognised) r.joint = std::move(found.joint);
   }
-  if (r.recognised && !r.settings.placements.empty()) {
-    for (Sentence& words : placements_in_words(model, r.joint, r.settings))
-      r.joint.findings.push_back(std::move(words));
-    for (const Fault& fault : broken_connectors(model, r.joint, starting_poses(model, r.joint, r.settings)))
-      add(r.faults, fault);
+  if (r.recognised) {
+    Loading loading = check_loading(model, r.joint, r.settings);
+    for (const Fault& fault : loading.faults) add(r.faults, fault);
+    for (Sentence& words : loading.findings) r.joint.findings.push_back(std::move(words));
   }
-  // the value of a controller that cannot be evaluated is asked for by no one
-  if (r.recognised && controllers_have_values(model)) {
-    const std::vector<double> starts = step_starts(model);
-    for (int s = 0; s < static_cast<int>(model.steps.size()); ++s)
-      try_to([&] { make_load_case(model, r.joint, r.settings, s, starts[at(s) + 1]); });
-  }
-  if (r.recognised && r.faults.empty()) {
-    check_rows(model, r.joint, r.settings);
-    for (Sentence& words : rows_in_words(model, r.joint, r.settings)) r.joint.findings.push_back(std::move(words));
-    for (Sentence& words : seating_steps(model, r.joint, r.settings)) r.joint.findings.push_back(std::move(words));
-  }
-  if (row_count(r.settings) == 0) try_to([&] { model_times(model, !all_states); });
+  if (row_count(r.settings) == 0) try_to(r.faults, [&] { model_times(model, !all_states); });
   r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return r;
 }

@@ -26,6 +26,15 @@ struct Recognition {
 /// Throws UsageError for settings that name nothing in the model.
 Recognition recognise(JointModel model, Settings settings = {}, bool all_states = false);
 
+/// What settings that place, load and move the bodies make of a joint that is there.
+struct Loading {
+  std::vector<Fault> faults;       ///< as Recognition::faults
+  std::vector<Sentence> findings;  ///< how they were taken
+};
+/// `joint`: recognised from `model` and joint_settings(settings), whose bodies they name (check_body_names). Throws
+/// UsageError for settings that contradict each other.
+Loading check_loading(const JointModel& model, const Joint& joint, const Settings& settings);
+
 /// Refuses a model that holds something which changes the mechanics and is not supported (InputError at its place).
 void refuse_unsupported(const JointModel& model);
 

@@ -33,8 +33,8 @@ void add_state(std::vector<StateRun>& runs, const std::string& what, std::size_t
   }
 }
 
-std::string run_line(const Analysis& analysis, const StateRun& run) {
-  const auto time = [&](std::size_t i) { return time_text(analysis.states[i].when.time); };
+std::string run_line(const SolvedStates& result, const StateRun& run) {
+  const auto time = [&](std::size_t i) { return time_text(result.states[i].when.time); };
   if (run.first == run.last) return fmt::format("warning: time {}: {}: {}", time(run.last), run.what, run.detail);
   return fmt::format("warning: times {} to {} ({} states): {}; at time {}: {}", time(run.first), time(run.last),
                      run.last - run.first + 1, run.what, time(run.last), run.detail);
@@ -204,21 +204,21 @@ namespace {
 using Lines = std::vector<std::string>;
 
 /// States that are no solution or stand on the brink, neighbours together.
-void add_outcomes(const Analysis& analysis, const Wording& wording, Lines& lines) {
+void add_outcomes(const SolvedStates& result, const Wording& wording, Lines& lines) {
   std::vector<StateRun> runs;
-  for (std::size_t i = 0; i < analysis.states.size(); ++i) {
-    const Equilibrium& e = analysis.states[i].equilibrium;
+  for (std::size_t i = 0; i < result.states.size(); ++i) {
+    const Equilibrium& e = result.states[i].equilibrium;
     if (!solved(e.outcome)) add_state(runs, fmt::format("{}", name(e.outcome)), i, outcome_text(e, wording));
     if (solved(e.outcome) && e.least_stiffness < 0)
       add_state(runs, "the balance is unstable", i, fmt::format("least stiffness {:.3g}", e.least_stiffness));
   }
-  for (const StateRun& run : runs) lines.push_back(run_line(analysis, run));
+  for (const StateRun& run : runs) lines.push_back(run_line(result, run));
 }
 
-void add_held_motions(const Analysis& analysis, Lines& lines) {
+void add_held_motions(const SolvedStates& result, Lines& lines) {
   int count = 0;
   const StateResult* last = nullptr;  // the axes turn a little from state to state: those of the last one stand for all
-  for (const StateResult& state : analysis.states) {
+  for (const StateResult& state : result.states) {
     if (state.equilibrium.held.empty()) continue;
     ++count;
     last = &state;
@@ -228,18 +228,18 @@ void add_held_motions(const Analysis& analysis, Lines& lines) {
   for (const std::string& held : last->equilibrium.held) directions += (directions.empty() ? "" : ", ") + held;
   add_once(lines,
            fmt::format("note: in {} of {} states motions were held that nothing resists or loads; at time {}: {}",
-                       count, analysis.states.size(), time_text(last->when.time), directions));
+                       count, result.states.size(), time_text(last->when.time), directions));
 }
 
 /// Bodies that have turned far although nobody wants them to.
-void add_large_turns(const JointModel& model, const Analysis& analysis, const Wording& wording, Lines& lines) {
-  const Joint& joint = analysis.joint;
-  const Equilibrium& e = analysis.states.back().equilibrium;
+void add_large_turns(const JointModel& model, const Joint& joint, const SolvedStates& result, const Wording& wording,
+                     Lines& lines) {
+  const Equilibrium& e = result.states.back().equilibrium;
   if (!solved(e.outcome) || e.outcome == Outcome::Prescribed) return;
   const double prescribed = prescribed_turn(model, joint, e);
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
-    if (!analysis.free_to_turn[b]) continue;
-    const Eigen::AngleAxisd turn(e.poses[b].rotation * analysis.start[b].rotation.transpose());
+    if (!result.free_to_turn[b]) continue;
+    const Eigen::AngleAxisd turn(e.poses[b].rotation * result.start[b].rotation.transpose());
     const double degrees = turn.angle() * kDegreesPerRadian;
     if (degrees > 20.0 + prescribed)
       add_once(
@@ -265,20 +265,20 @@ bool parted(const Joint& joint, const StateResult& state) {
 }
 
 /// Surfaces that do not touch, at the end or ever.
-void add_no_contact(const Analysis& analysis, const Wording& wording, Lines& lines) {
+void add_no_contact(const Joint& joint, const SolvedStates& result, const Wording& wording, Lines& lines) {
   const auto touches = [](const StateResult& state) {
     return std::any_of(state.statistics.begin(), state.statistics.end(),
                        [](const ContactStatistics& s) { return s.springs_active > 0; });
   };
-  const StateResult& last = analysis.states.back();
-  if (parted(analysis.joint, last))
+  const StateResult& last = result.states.back();
+  if (parted(joint, last))
     add_once(lines,
              fmt::format(
                  "warning: at time {} nothing loads a free body{}: there is no contact to look at; give a load with {}",
                  time_text(last.when.time), touches(last) ? ", and the surfaces have parted" : " and nothing touches",
                  wording({.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true})));
   if (last.equilibrium.outcome == Outcome::Prescribed &&
-      std::none_of(analysis.states.begin(), analysis.states.end(), touches))
+      std::none_of(result.states.begin(), result.states.end(), touches))
     add_once(lines,
              "warning: the surfaces touch in no state: the motions that are prescribed bring them nowhere together");
 }
@@ -317,17 +317,17 @@ void add_crowded_force(const ContactPair& pair, const StateResult& state, std::s
 }
 
 /// Cartilage pressed together by more than half, in any state.
-void add_large_strains(const Analysis& analysis, std::size_t contact, Lines& lines) {
+void add_large_strains(const ContactPair& pair, const SolvedStates& result, std::size_t contact, Lines& lines) {
   constexpr double kLarge = 0.5;
   const StateResult* worst = nullptr;
   const auto strain = [&](const StateResult& s) { return s.statistics[contact].largest_strain; };
-  for (const StateResult& state : analysis.states)
+  for (const StateResult& state : result.states)
     if (solved(state.equilibrium.outcome) && strain(state) > (worst ? strain(*worst) : kLarge)) worst = &state;
   if (worst == nullptr) return;
   add_once(lines,
            fmt::format("warning: contact \"{}\": at time {} cartilage is pressed together by {:.0f}% of its "
                        "thickness: check load, modulus, thickness and units if that is not meant",
-                       analysis.joint.contacts[contact].name, time_text(worst->when.time), 100 * strain(*worst)));
+                       pair.name, time_text(worst->when.time), 100 * strain(*worst)));
 }
 
 /// Maps that do not carry the whole force.
@@ -409,6 +409,14 @@ void add_pressed_ends(const JointModel& model, const ContactPair& pair, const St
 
 }  // namespace
 
+std::vector<std::string> warnings_in(const std::vector<std::string>& lines) {
+  const std::string start = "warning: ";
+  std::vector<std::string> warnings;
+  for (const std::string& line : lines)
+    if (line.rfind(start, 0) == 0) warnings.push_back(line.substr(start.size()));
+  return warnings;
+}
+
 std::string outcome_text(const Equilibrium& e, const Wording& wording) {
   return e.message + (e.advice.empty() ? "" : " " + worded(e.advice, wording));
 }
@@ -426,26 +434,30 @@ std::vector<std::string> no_solution_lines(const Analysis& analysis, const Wordi
   return lines;
 }
 
-std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis, const Wording& wording) {
+std::vector<std::string> result_remarks(const JointModel& model, const Joint& joint, const SolvedStates& result,
+                                        const Wording& wording) {
   std::vector<std::string> lines;
-  if (analysis.states.empty()) return lines;
-  add_outcomes(analysis, wording, lines);
-  add_held_motions(analysis, lines);
-  const Joint& joint = analysis.joint;
-  const StateResult& last = analysis.states.back();  // stands for all: turns and factors change slowly
-  add_large_turns(model, analysis, wording, lines);
-  add_no_contact(analysis, wording, lines);
+  if (result.states.empty()) return lines;
+  add_outcomes(result, wording, lines);
+  add_held_motions(result, lines);
+  const StateResult& last = result.states.back();  // stands for all: turns and factors change slowly
+  add_large_turns(model, joint, result, wording, lines);
+  add_no_contact(joint, result, wording, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    if (parted(analysis.joint, last)) continue;
+    if (parted(joint, last)) continue;
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_crowded_force(joint.contacts[c], last, c, wording, lines);
-    add_large_strains(analysis, c, lines);
+    add_large_strains(joint.contacts[c], result, c, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
     add_pressed_rims(model, joint.contacts[c], last, c, lines);
     add_doubtful_pressure(model, joint.contacts[c], last, c, wording, lines);
   }
   return lines;
+}
+
+std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis, const Wording& wording) {
+  return result_remarks(model, analysis.joint, analysis, wording);
 }
 
 std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis, const Wording& wording) {

@@ -13,11 +13,16 @@ namespace dea {
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint,
                                        const Wording& wording = command_line_wording());
 /// Of the states that were solved.
+std::vector<std::string> result_remarks(const JointModel& model, const Joint& joint, const SolvedStates& result,
+                                        const Wording& wording = command_line_wording());
 std::vector<std::string> result_remarks(const JointModel& model, const Analysis& analysis,
                                         const Wording& wording = command_line_wording());
 /// Both.
 std::vector<std::string> run_remarks(const JointModel& model, const Analysis& analysis,
                                      const Wording& wording = command_line_wording());
+
+/// The warnings among these lines, without "warning: ".
+std::vector<std::string> warnings_in(const std::vector<std::string>& lines);
 
 /// The states that are no solution, a line each, and how many they are; none: nothing.
 std::vector<std::string> no_solution_lines(const Analysis& analysis, const Wording& wording = command_line_wording());

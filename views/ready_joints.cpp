@@ -1,0 +1,134 @@
+#include <febiodea/views/ready_joints.h>
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <utility>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/tables/read_tables.h>
+#include <febiodea/model/settings_table.h>
+#include <febiodea/run/cost.h>
+#include <febiodea/run/states.h>
+#include <febiodea/views/text/remarks.h>
+
+namespace dea {
+
+namespace {
+
+std::string text_of(const SettingItem& item) {
+  struct {
+    std::string operator()(std::monostate) const { return ""; }
+    std::string operator()(bool b) const { return b ? "true" : "false"; }
+    std::string operator()(int i) const { return std::to_string(i); }
+    std::string operator()(double x) const { return fmt::format("{}", x); }
+    std::string operator()(const std::string& s) const { return s; }
+    std::string operator()(const std::vector<std::string>& list) const {
+      std::string all;
+      for (const std::string& s : list) all += s + '\x1f';
+      return all;
+    }
+    std::string operator()(const Eigen::Vector3d& v) const { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
+  } words;
+  return std::visit(words, item);
+}
+
+/// Different where any setting of the joint differs.
+std::string key_of(const std::string& path, const Settings& joint) {
+  std::string key = path;
+  for (const SettingOption& option : setting_options()) {
+    key += '\x1e';
+    const SettingContent content = option.content(joint);
+    if (const SettingItem* item = std::get_if<SettingItem>(&content)) {
+      key += text_of(*item);
+      continue;
+    }
+    for (const auto& entry : std::get<std::map<std::string, SettingItem>>(content))
+      key += entry.first + '\x1d' + text_of(entry.second) + '\x1d';
+  }
+  return key;
+}
+
+/// The end of the model's last step, from the reference; nothing where that is no solution.
+std::optional<Begin> solve_begin(const ReadyJoint& ready, Settings settings, const StopFlag* stop) {
+  settings.skip_steps = true;
+  EquilibriumOptions options;
+  options.stop = stop;
+  try {
+    const TimePoint end = row_states(ready.model, settings, parse_states("last"), "").times.back();
+    const LoadCase loads = make_load_case(ready.model, ready.prepared.joint, settings, end.step, end.time);
+    Begin begin;
+    const Equilibrium e = solve(ready.prepared, loads, at_rest(ready.prepared), options, &begin.memory);
+    if (!solved(e.outcome)) return std::nullopt;
+    begin.poses = e.poses;
+    return begin;
+  } catch (const InputError&) {  // a case's own loads may still be possible
+    return std::nullopt;
+  }
+}
+
+std::shared_ptr<const ReadyJoint> make_ready(const std::string& path, Settings settings, const StopFlag* stop) {
+  JointModel read = read_feb(path);
+  settle_units(read, settings);
+  read_thickness(settings);
+  Recognition recognition = recognise(std::move(read), settings);
+  throw_if_any(recognition.faults);
+  const auto ready = std::make_shared<ReadyJoint>();
+  ready->warnings = warnings_in(model_remarks(recognition.model, recognition.joint));
+  ready->bytes = spring_cost(recognition.joint).bytes;
+  ready->prepared = prepare(std::move(recognition), stop);
+  ready->model = std::move(recognition.model);
+  ready->maps = make_field_maps(ready->model, ready->prepared.joint);
+  ready->begin = solve_begin(*ready, settings, stop);
+  return ready;
+}
+
+}  // namespace
+
+std::shared_ptr<const ReadyJoint> ReadyJoints::get(const std::string& path, const Settings& settings,
+                                                   const StopFlag* stop) {
+  const Settings own = joint_settings(settings);
+  const std::string key = key_of(path, own);
+  std::promise<std::shared_ptr<const ReadyJoint>> promise;
+  Made made;
+  bool mine = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    Entry& entry = entries_[key];
+    mine = !entry.made.valid();
+    if (mine) entry.made = promise.get_future().share();
+    entry.used = ++clock_;
+    made = entry.made;
+  }
+  if (!mine) return made.get();
+  try {
+    promise.set_value(make_ready(path, own, stop));
+  } catch (...) {
+    promise.set_exception(std::current_exception());
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  try {
+    entries_[key].bytes = made.get()->bytes;
+  } catch (...) {
+    entries_[key].bytes = 1.0;  // the fault is all there is to keep
+  }
+  drop_old(key);
+  return made.get();
+}
+
+void ReadyJoints::drop_old(const std::string& but) {
+  double all = 0.0;
+  for (const auto& entry : entries_) all += entry.second.bytes;
+  while (all > most_) {
+    auto oldest = entries_.end();
+    for (auto it = entries_.begin(); it != entries_.end(); ++it)
+      if (it->first != but && it->second.bytes > 0.0 && (oldest == entries_.end() || it->second.used < oldest->second.used))
+        oldest = it;
+    if (oldest == entries_.end()) return;
+    all -= oldest->second.bytes;
+    entries_.erase(oldest);
+  }
+}
+
+}  // namespace dea

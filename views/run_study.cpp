@@ -1,0 +1,202 @@
+#include <febiodea/views/run_study.h>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/results/plot_file.h>
+#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/io/tables/read_tables.h>
+#include <febiodea/views/ready_joints.h>
+#include <febiodea/views/run_model.h>
+#include <febiodea/views/text/remarks.h>
+
+namespace dea {
+
+namespace {
+
+/// The settings of a case, as if its options stood on the line of `dea run`.
+Settings case_settings(const Plan& plan, const PlannedCase& c, const Settings& of_file) {
+  Settings settings = of_file;
+  std::vector<SettingValue> values;
+  for (const CaseOption& option : options_of(plan, c)) {
+    const SettingOption* known = find_setting_option(option.name);
+    if (known == nullptr) throw UsageError(fmt::format("--{}: there is no such option", option.name));
+    values.push_back(split_key(*known, option.text));
+  }
+  lay_over(settings, values);
+  return settings;
+}
+
+std::vector<std::string> warnings_of(const ReadyJoint& joint, const SolvedStates& states) {
+  std::vector<std::string> all = joint.warnings;
+  for (std::string& line : warnings_in(result_remarks(joint.model, joint.prepared.joint, states)))
+    all.push_back(std::move(line));
+  return all;
+}
+
+CaseState case_state(const ReadyJoint& joint, StateResult&& state, bool keep_fields) {
+  CaseState out;
+  out.time = state.when.time;
+  out.outcome = state.equilibrium.outcome;
+  out.message = outcome_text(state.equilibrium);
+  out.iterations = state.equilibrium.iterations;
+  out.residual_force = state.equilibrium.residual_force;
+  out.residual_moment = state.equilibrium.residual_moment;
+  out.statistics = std::move(state.statistics);
+  out.poses = std::move(state.equilibrium.poses);
+  out.reactions = std::move(state.equilibrium.reaction);
+  for (std::size_t c = 0; keep_fields && c < state.fields.size(); ++c) {
+    const std::vector<double>& p = state.fields[c].sides[joint.prepared.joint.contacts[c].source].vertex_pressure;
+    out.fields.push_back({std::vector<float>(p.begin(), p.end())});
+  }
+  return out;
+}
+
+/// Names and, where fields are kept, the surfaces that they stand on.
+void describe(const ReadyJoint& ready, bool with_surfaces, CaseResult& result) {
+  const Joint& joint = ready.prepared.joint;
+  for (const Body& body : joint.bodies) result.bodies.push_back(body.name);
+  for (const ContactPair& pair : joint.contacts) {
+    const auto body = [&](const Layer& layer) { return joint.bodies[at(layer.body)].name; };
+    result.contacts.push_back(
+        {pair.name, body(pair.source_layer()), body(pair.target_layer()), compartment_names(pair)});
+    if (!with_surfaces) continue;
+    const Layer& source = pair.source_layer();
+    result.surfaces.push_back({ready.model.surfaces[at(source.surface)].name, source.articular.vertices,
+                               source.articular.triangles});
+  }
+}
+
+/// What several threads share while cases are solved.
+struct Work {
+  const Plan& plan;
+  const std::vector<std::size_t>& cases;
+  const StudyOptions& options;
+  Settings of_file;
+  ReadyJoints joints;
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;          // of what follows
+  std::exception_ptr fault;  // ends the study
+
+  Work(const Plan& p, const std::vector<std::size_t>& c, const StudyOptions& o)
+      : plan(p), cases(c), options(o), joints(o.memory) {}
+};
+
+RunOptions states_asked(const StudyOptions& options) {
+  RunOptions asked;
+  asked.outputs.states = options.states;
+  asked.states_option = "--states " + options.states;
+  return asked;
+}
+
+void write_plot(const std::string& path, const ReadyJoint& ready, const SolvedStates& solved) {
+  const PlotHead head = plot_head(ready.model, ready.prepared.joint, true);
+  XpltWriter file(path, head.file);
+  for (const StateResult& state : solved.states)
+    file.add(plot_state(ready.model, ready.prepared.joint, head, state));
+  file.finish();
+}
+
+void solve(Work& work, const PlannedCase& c, CaseResult& result) {
+  const StudyOptions& options = work.options;
+  Settings settings = case_settings(work.plan, c, work.of_file);
+  const std::shared_ptr<const ReadyJoint> ready = work.joints.get(work.plan.models[at(c.model)], settings, options.stop);
+  const Joint& joint = ready->prepared.joint;
+  read_tables(ready->model, settings);
+  check_body_names(ready->model, joint.bodies, settings);
+  throw_if_any(check_loading(ready->model, joint, settings).faults);
+  const States states = wanted_states(ready->model, settings, states_asked(options));
+  AnalysisOptions solving;
+  solving.times = states.times;
+  solving.keep_state = states.wanted;
+  solving.keep_fields = options.keep_fields || !options.plot_folder.empty();
+  solving.displacements = !options.plot_folder.empty();
+  solving.equilibrium.stop = options.stop;
+  solving.begin = ready->begin ? &*ready->begin : nullptr;
+  SolvedStates solved_states = solve_states(ready->model, settings, ready->prepared, ready->maps, solving);
+  result.warnings = warnings_of(*ready, solved_states);
+  if (!options.plot_folder.empty())
+    write_plot((std::filesystem::path(options.plot_folder) / fmt::format("{:06}.xplt", result.number)).string(), *ready,
+               solved_states);
+  describe(*ready, options.keep_fields, result);
+  result.outcome = CaseResult::Outcome::Solved;
+  for (StateResult& state : solved_states.states) {
+    result.states.push_back(case_state(*ready, std::move(state), options.keep_fields));
+    const CaseState& last = result.states.back();
+    if (solved(last.outcome) || result.outcome == CaseResult::Outcome::Failed) continue;
+    result.outcome = CaseResult::Outcome::Failed;
+    result.message = fmt::format("time {:g}: {}: {}", last.time, name(last.outcome), last.message);
+  }
+}
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+CaseResult solve_case(Work& work, std::size_t index) {
+  const auto start = std::chrono::steady_clock::now();
+  CaseResult result;
+  result.number = index + 1;
+  try {
+    solve(work, work.plan.cases[index], result);
+  } catch (const BadValue& e) {
+    result.message = one_line(e.what());
+  } catch (const UsageError& e) {
+    result.message = one_line(line(e.fault, command_line_wording()));
+  } catch (const InputError& e) {
+    result.message = one_line(line(e.fault, command_line_wording()));
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+/// One thread's share: whatever case is next.
+void solve_cases(Work& work) {
+  const auto ended = [&work] {
+    const std::lock_guard<std::mutex> lock(work.mutex);
+    return work.fault != nullptr;
+  };
+  try {
+    while (!ended()) {
+      const std::size_t i = work.next++;
+      if (i >= work.cases.size()) return;
+      end_if_stopped(work.options.stop);
+      CaseResult result = solve_case(work, work.cases[i]);
+      const std::lock_guard<std::mutex> lock(work.mutex);
+      if (!work.fault) work.options.done(std::move(result));
+    }
+  } catch (...) {
+    const std::lock_guard<std::mutex> lock(work.mutex);
+    if (!work.fault) work.fault = std::current_exception();
+  }
+}
+
+}  // namespace
+
+void run_study(const Plan& plan, const std::vector<std::size_t>& cases, const StudyOptions& options) {
+  // each case on one thread: what is gained within one is lost between them
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  Work work(plan, cases, options);
+  if (!options.settings_file.empty()) work.of_file = read_settings_file(options.settings_file).settings;
+  std::vector<std::thread> others;
+  for (int t = 1; t < std::min(options.workers, static_cast<int>(cases.size())); ++t)
+    others.emplace_back([&work] { solve_cases(work); });
+  solve_cases(work);
+  for (std::thread& thread : others) thread.join();
+  if (work.fault) std::rethrow_exception(work.fault);
+}
+
+}  // namespace dea
