@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <cerrno>
 #include <cmath>
 #include <limits>
 #include <system_error>
@@ -27,8 +28,11 @@ int opened(const std::string& path, int flags, sqlite3** handle) {
                       nullptr, nullptr, nullptr);
 }
 
-std::string reason(sqlite3* handle, int code) {
-  const int kind = code & 0xff, system = handle != nullptr ? sqlite3_system_errno(handle) : 0;
+/// `left`: errno after the call; SQLite does not always keep it.
+std::string reason(sqlite3* handle, int code, int left) {
+  const int kind = code & 0xff, kept = handle != nullptr ? sqlite3_system_errno(handle) : 0;
+  const bool of_writing = left == EFBIG || left == ENOSPC || left == EDQUOT || left == EIO;
+  const int system = kept != 0 ? kept : of_writing ? left : 0;
   if (kind == SQLITE_NOTADB) return "found no SQLite database";
   if (kind == SQLITE_CORRUPT) return "found a damaged database";
   if ((kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN) && system != 0) return std::generic_category().message(system);
@@ -56,7 +60,7 @@ Database::Database(const std::string& path, For what) : path_(path), what_(what)
 Database::~Database() { sqlite3_close(handle_); }
 
 void Database::fail(int code) const {
-  const std::string text = reason(handle_, code);
+  const std::string text = reason(handle_, code, errno);
   const int kind = code & 0xff;
   if (kind == SQLITE_BUSY || kind == SQLITE_LOCKED)
     throw DatabaseBusy(

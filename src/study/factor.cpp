@@ -178,7 +178,8 @@ Factor parse_factor(const std::string& text) {
   if (rest.rfind("--", 0) == 0) rest.erase(0, 2);
   const std::size_t end = std::min(rest.find_first_of("= \t{"), rest.size());
   factor.option = factor_option(rest.substr(0, end)).name;
-  rest = rest[end] == '{' ? "" : trimmed(rest.substr(end + 1));
+  const bool brace = end < rest.size() && rest[end] == '{';
+  rest = trimmed(rest.substr(std::min(rest.size(), brace ? end : end + 1)));
   const std::size_t from = rest.find('{'), to = rest.find('}');
   if (from == rest.npos || to == rest.npos || to < from || rest.find('{', from + 1) != rest.npos ||
       rest.find('}', to + 1) != rest.npos)

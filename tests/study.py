@@ -1,0 +1,430 @@
+"""`dea study` as users and scripts see it: python3 study.py DEA MAKE_SAMPLES [TEST ...].
+
+Small models, many cases: going on after SIGKILL, shards, threads, the order of options, failed cases, a full disk, reading
+while it runs, and what a user may do wrong. DEA_LONG_TESTS=1: 2000 cases are killed again and again."""
+import csv
+import io
+import os
+import pathlib
+import random
+import resource
+import signal
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+
+dea, make_samples = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
+LONG = os.environ.get("DEA_LONG_TESTS", "") not in ("", "0")
+CLEAN = {k: v for k, v in os.environ.items() if not k.startswith(("SLURM_", "OMPI_", "PMI_"))}
+kit = pathlib.Path(tempfile.mkdtemp(prefix="dea_study_"))
+LAW = ["--law", "linear", "--facets", "flat"]
+
+
+def small_model():
+    """A ball in its socket: a case takes some milliseconds."""
+    subprocess.run([make_samples, "--spheres", "4", kit / "ball.feb"], check=True)
+    return (kit / "ball.feb").read_text()
+
+
+BALL = small_model()
+
+
+class Folder:
+    """A folder with the model, in which commands are run."""
+
+    def __init__(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.path = pathlib.Path(self.temporary.name)
+        self.write("ball.feb", BALL)
+
+    def write(self, name, text):
+        (self.path / name).write_text(text)
+
+    def start(self, *words, **more):
+        environment = {**CLEAN, **more.pop("env", {})}
+        return subprocess.Popen([dea, "study", *words], cwd=self.path, env=environment, text=True,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+
+    def run(self, *words, code=0, **more):
+        done = self.start(*words, **more)
+        out, err = done.communicate(timeout=600)
+        assert done.returncode == code, f"{words}: exit code {done.returncode}, expected {code}\n{out}{err}"
+        assert "nan" not in out.lower().replace("nano", ""), out
+        return out, err
+
+    def fault(self, *words, code, **more):
+        """The one line on standard error."""
+        out, err = self.run(*words, "-q", code=code, **more)
+        assert err.count("\n") == 1 and out == "", f"{words}: expected one line\n{out}{err}"
+        return err
+
+    def query(self, file, sql):
+        with sqlite3.connect(f"file:{self.path / file}?mode=ro", uri=True) as connection:
+            return connection.execute(sql).fetchall()
+
+    def results(self, file):
+        """Rows of the CSV without their seconds."""
+        out, _ = self.run(file, "--csv", "-", "-q", code=0)
+        return without_seconds(out)
+
+
+def without_seconds(text):
+    rows = list(csv.reader(io.StringIO(text)))
+    last = rows[0].index("seconds")
+    return [row[:last] + row[last + 1:] for row in rows]
+
+
+def many(count):
+    return ["ball.feb", *LAW, "--vary", f"E: E={{1:{count}:1}}", "--states", "last"]
+
+
+def expect(text, *parts):
+    for part in parts:
+        assert part in text, f"expected: {part}\nfound: {text}"
+
+
+# ---------------------------------------------------------------------------------------------- results
+
+
+def test_cases_are_those_of_dea_run(f):
+    f.run("ball.feb", *LAW, "--vary", "E: E={8|12.5}", "--vary", "m: move ball=0,0,{0:-0.02:-0.01}", "--csv", "all.csv",
+          "-o", "plan.db")
+    rows = list(csv.DictReader((f.path / "all.csv").open()))
+    assert [(r["case_id"], r["E"], r["m"]) for r in rows if r["state"] == "1"] == [
+        ("1", "8", "0"), ("2", "8", "-0.01"), ("3", "8", "-0.02"),
+        ("4", "12.5", "0"), ("5", "12.5", "-0.01"), ("6", "12.5", "-0.02")]
+    run = subprocess.run([dea, "run", "ball.feb", *LAW, "--E", "12.5", "--move", "ball=0,0,-0.01", "--no-xplt", "-q",
+                          "--csv", "-"], cwd=f.path, capture_output=True, text=True)
+    single = list(csv.DictReader(io.StringIO(run.stdout)))
+    mine = [r for r in rows if r["case_id"] == "5"]
+    assert len(single) == len(mine) > 1
+    shared = [name for name in single[0] if name in mine[0] and name != "warnings"]
+    assert len(shared) >= 40, shared
+    for a, b in zip(single, mine):
+        for name in shared:
+            assert a[name] == b[name], f"{name}: dea run {a[name]}, dea study {b[name]}"
+
+
+def test_options_act_in_the_order_of_the_line(f):
+    vary, turn = ["--vary", "a: rotate ball=0,1,0,{30|60}"], ["--rotate", "ball=1,0,0,40"]
+    start, end = ["ball.feb", *LAW, "--rotate-about", "ball=com"], ["--states", "last"]
+    peaks = []
+    for name, order, single in [("first.db", [*vary, *turn], ["--rotate", "ball=0,1,0,60", *turn]),
+                                ("last.db", [*turn, *vary], [*turn, "--rotate", "ball=0,1,0,60"])]:
+        f.run(*start, *order, *end, "-o", name)
+        run = subprocess.run([dea, "run", *start, *single, *end, "--no-xplt", "-q", "--csv", "-"], cwd=f.path,
+                             capture_output=True, text=True, check=True).stdout
+        peaks.append(dict(zip(*f.results(name)[::2]))["peak_pressure"])
+        assert peaks[-1] == next(csv.DictReader(io.StringIO(run)))["peak_pressure"]
+    assert peaks[0] != peaks[1]
+
+
+def test_the_same_bits_for_one_and_two_threads(f):
+    line = ["ball.feb", "--vary", "E: E={8:20:2}", "--vary", "m: move ball=0,0,{0|-0.01|0.01}", "--states", "last"]
+    f.run(*line, "--threads", "1", "-o", "one.db")
+    f.run(*line, "--threads", "2", "-o", "two.db")
+    assert f.results("one.db") == f.results("two.db")
+
+
+def test_rows_of_a_table_of_loads_are_states(f):
+    f.write("walk.csv", "time,fx,fy,fz\n0,0,0,500\n1,0,0,1000\n2,5,0,1500\n")
+    f.run("ball.feb", *LAW, "--vary", "E: E={8|9}", "--loads", "walk.csv", "--load-body", "ball", "-o", "plan.db")
+    assert f.query("plan.db", "SELECT case_id, time FROM states") == [(c, t) for c in (1, 2) for t in (0.0, 1.0, 2.0)]
+    assert f.query("plan.db", "SELECT path FROM inputs") == [("ball.feb",), ("walk.csv",)]
+    f.write("walk.csv", "time,fx,fy,fz\n0,0,0,600\n")
+    expect(f.fault("ball.feb", *LAW, "--vary", "E: E={8|9}", "--loads", "walk.csv", "--load-body", "ball", "-o", "plan.db",
+                   code=3), "plan.db: walk.csv has changed since; --overwrite begins anew, -o FILE.db makes another")
+
+
+def test_tables_of_cases_and_samples(f):
+    f.write("two.feb", BALL)
+    f.write("cases.csv", "model,E,nu\ntwo.feb,8,0.4\nball.feb,9,0.45\n")
+    both = ["--factor", "E: E={}", "--factor", "nu: nu={}"]
+    f.run(*LAW, *both, "--cases", "cases.csv", "--states", "last", "-o", "table.db")
+    assert f.query("table.db", "SELECT model, E, nu FROM results") == [("two.feb", 8, 0.4), ("ball.feb", 9, 0.45)]
+    drawn = ["ball.feb", *LAW, "--factor", "E: E={uniform(8,16)}", "--factor", "nu: nu={normal(0.4,0.01)}", "--sample",
+             "saltelli", "--count", "4", "--states", "last"]
+    f.run(*drawn, "-o", "sample.db")
+    assert f.query("sample.db", "SELECT count(*), min(E) >= 8, max(E) < 16 FROM cases") == [(16, 1, 1)]
+    f.run(*drawn, "--seed", "1", "-o", "seed.db")
+    assert f.query("sample.db", "SELECT E, nu FROM cases") == f.query("seed.db", "SELECT E, nu FROM cases")
+    assert f.query("sample.db", "SELECT name, spread, a, b FROM factors") == [
+        ("E", "uniform", 8.0, 16.0), ("nu", "normal", 0.4, 0.01)]
+
+
+def test_fields_and_plot_files_are_kept(f):
+    import array
+    import zlib
+    f.run("ball.feb", *LAW, "--vary", "E: E={8|9}", "--states", "last", "--keep", "fields", "--keep", "xplt", "-o", "plan.db")
+    (vertices, triangles), = f.query("plan.db", "SELECT vertices, triangles FROM surfaces")
+    points = len(array.array("d", zlib.decompress(vertices))) // 3
+    assert max(array.array("i", zlib.decompress(triangles))) == points - 1
+    for blob, peak in f.query("plan.db", "SELECT pressure, headline_peak FROM fields JOIN statistics "
+                                         "USING (case_id, state, contact_id)"):
+        pressures = array.array("f", zlib.decompress(blob))
+        assert len(pressures) == points and abs(max(pressures) - peak) < 0.5 * peak
+    files = sorted(p.name for p in (f.path / "plan_xplt").iterdir())
+    assert files == ["000001.xplt", "000002.xplt"]
+    subprocess.run([dea, "compare", "plan_xplt/000001.xplt", "plan_xplt/000002.xplt", "-q"], cwd=f.path, check=True)
+
+
+# ---------------------------------------------------------------------------------------------- going on
+
+
+def kill_and_go_on(f, line, most_kills, pause):
+    """Kills the study at random moments until it ends by itself; how often."""
+    random.seed(20)
+    kills = 0
+    while True:
+        study = f.start(*line, "-o", "killed.db", "-q")
+        try:
+            if kills < most_kills:
+                study.wait(timeout=random.uniform(0.05, pause))
+            out, err = study.communicate(timeout=600)
+            assert study.returncode == 0, err
+            return kills
+        except subprocess.TimeoutExpired:
+            study.send_signal(signal.SIGKILL)
+            study.communicate()
+            kills += 1
+            f.query("killed.db", "SELECT 1") if (f.path / "killed.db").exists() else None
+
+
+def test_goes_on_after_it_was_killed(f):
+    line, count = (many(2000), 2000) if LONG else (many(150), 150)
+    f.run(*line, "-o", "whole.db", "-q")
+    kills = kill_and_go_on(f, line, 60 if LONG else 8, 3.0 if LONG else 0.8)
+    assert kills >= 3, f"only {kills} kills"
+    assert f.query("killed.db", "SELECT count(*), min(case_id), max(case_id) FROM cases") == [(count, 1, count)]
+    assert f.query("killed.db", "PRAGMA integrity_check") == [("ok",)]
+    assert f.query("killed.db", "SELECT count(*) FROM pragma_foreign_key_check") == [(0,)]
+    assert f.results("killed.db") == f.results("whole.db")
+    assert not [p for p in f.path.iterdir() if p.name.endswith(("-journal", ".tmp"))]
+    _, err = f.run(*line, "-o", "killed.db")
+    expect(err, f"killed.db: all {count} cases are there already")
+
+
+def test_ctrl_c_keeps_what_is_done(f):
+    line = many(4000)
+    study = f.start(*line, "-v", "-o", "plan.db")
+    done = [study.stderr.readline() for _ in range(40)]
+    assert done[-1].startswith("case "), done
+    study.send_signal(signal.SIGINT)
+    _, err = study.communicate(timeout=60)
+    assert study.returncode == 130, study.returncode
+    expect(err.splitlines()[-1], "dea: stopped; cases that are done are in the file, the same command goes on")
+    shown = len(done) + sum(line.startswith("case ") for line in err.splitlines())
+    kept = f.query("plan.db", "SELECT count(*) FROM cases")[0][0]
+    assert kept >= shown - 1 >= 38, (kept, shown)
+    assert not (f.path / ".plan.db.lock").exists()
+
+
+def test_failed_cases_are_rows_and_are_solved_again(f):
+    f.write("bad.feb", "<febio_spec")
+    line = ["ball.feb", "bad.feb", *LAW, "--vary", "E: E={8|9}", "--states", "last", "-o", "plan.db"]
+    _, err = f.run(*line, code=1)
+    expect(err.splitlines()[-1], "plan.db: 2 of 4 cases no solution (0 failed, 2 refused), first case 3: bad.feb, E=8, bad.feb")
+    rows = f.query("plan.db", "SELECT case_id, case_outcome, case_message, headline_p99 IS NULL FROM results")
+    assert [r[1] for r in rows] == ["solved", "solved", "refused", "refused"] and rows[2][3] == 1
+    expect(rows[2][2], "bad.feb")
+    _, err = f.run(*line, code=1)
+    expect(err, "all 4 cases are there already", "2 of 4 cases no solution")
+    first = f.query("plan.db", "SELECT seconds FROM cases WHERE case_id = 1")
+    _, err = f.run(*line, "--again", "failed", "-v", code=1)
+    assert [l.split(":")[0] for l in err.splitlines() if l.startswith("case ")] in (["case 3", "case 4"],
+                                                                                   ["case 4", "case 3"]), err
+    assert f.query("plan.db", "SELECT seconds FROM cases WHERE case_id = 1") == first
+    assert f.query("plan.db", "SELECT count(*) FROM cases") == [(4,)]
+
+
+def test_is_read_while_it_runs(f):
+    study = f.start(*many(3000), "-o", "plan.db", "-q")
+    seen, end = set(), time.monotonic() + 60
+    while len(seen) < 3 and time.monotonic() < end and study.poll() is None:
+        time.sleep(0.3)
+        if not (f.path / "plan.db").exists():
+            continue
+        reading = f.start("plan.db", "--csv", "-", "-q")
+        out, err = reading.communicate(timeout=60)
+        if reading.returncode == 0:
+            seen.add(out.count("\n"))
+    study.send_signal(signal.SIGINT)
+    _, err = study.communicate()
+    assert study.returncode == 130 and len(seen) >= 3, (seen, err)
+
+
+def test_a_second_one_is_refused(f):
+    study = f.start(*many(3000), "-v", "-o", "plan.db")
+    study.stderr.readline()
+    expect(f.fault(*many(3000), "-o", "plan.db", code=4), f"another run (process {study.pid}) is at work on it")
+    study.send_signal(signal.SIGINT)
+    study.communicate()
+
+
+def test_a_full_disk(f):
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+
+    err = f.fault(*many(2000), "-o", "plan.db", code=4, preexec_fn=limit)
+    expect(err, "dea: cannot write plan.db: File too large")
+    count = f.query("plan.db", "SELECT count(*) FROM cases")[0][0]
+    assert 0 < count < 2000, count
+    assert f.query("plan.db", "PRAGMA integrity_check") == [("ok",)]
+    assert f.query("plan.db", f"SELECT count(*) FROM statistics") == [(count,)]
+
+
+def test_what_differs_is_named(f):
+    f.run(*many(2), "-o", "plan.db")
+    end = "; --overwrite begins anew, -o FILE.db makes another"
+    expect(f.fault(*many(3), "-o", "plan.db", code=3),
+           "plan.db: it was made with --vary 'E: E={1:2:1}', not --vary 'E: E={1:3:1}'" + end)
+    expect(f.fault(*many(2), "--nu", "0.3", "-o", "plan.db", code=3), "plan.db: it was made without --nu 0.3" + end)
+    f.write("ball.feb", BALL.replace("11.85", "11.86", 1))
+    expect(f.fault(*many(2), "-o", "plan.db", code=3), "plan.db: ball.feb has changed since" + end)
+    f.run(*many(2), "-o", "plan.db", "--overwrite")
+    with sqlite3.connect(f.path / "plan.db") as connection:
+        connection.execute("UPDATE study SET value = '0.0 (old)' WHERE key = 'version'")
+    expect(f.fault(*many(2), "-o", "plan.db", code=3), "plan.db: it was made by dea 0.0 (old), this is dea " ,  end)
+    f.write("note.db", "nothing of the kind " * 500)
+    expect(f.fault(*many(2), "-o", "note.db", code=3), "note.db: found no SQLite database", end)
+    assert (f.path / "note.db").read_text().startswith("nothing")
+
+
+def test_an_included_file_that_changes_is_noticed(f):
+    start, end = BALL.index("<Material>"), BALL.index("</Material>") + len("</Material>")
+    f.write("ball.feb", BALL[:start] + '<Include>material.feb</Include>' + BALL[end:])
+    material = '<?xml version="1.0"?>\n<febio_spec version="4.0">' + BALL[start:end] + "</febio_spec>"
+    f.write("material.feb", material)
+    f.run(*many(2), "-o", "plan.db")
+    f.write("material.feb", material.replace("11.85", "11.86", 1))
+    expect(f.fault(*many(2), "-o", "plan.db", code=3), "plan.db: material.feb has changed since")
+
+
+# ---------------------------------------------------------------------------------------------- shards
+
+
+def test_shards_merged_are_the_whole(f):
+    line = many(10)
+    f.run(*line, "-o", "whole.db")
+    for i in (1, 2, 3):
+        f.run(*line, "--shard", f"{i}/3", "-o", "plan.db", "-q")
+    names = [f"plan.{i}-of-3.db" for i in (1, 2, 3)]
+    assert [f.query(n, "SELECT count(*) FROM cases")[0][0] for n in names] == [3, 3, 4]
+    _, err = f.run("--merge", *reversed(names), "-o", "all.db")
+    expect(err, "all.db: 10 cases of 3 files")
+    assert f.results("all.db") == f.results("whole.db")
+    expect(f.fault("--merge", *names, "-o", "all.db", code=4), "is there already; --overwrite replaces it")
+    _, err = f.run("--merge", names[0], names[2], "-o", "part.db", code=1)
+    expect(err, "missing are shards 2, cases 4-6")
+    f.run(*line, "-o", "part.db")
+    assert f.results("part.db") == f.results("whole.db")
+    f.run(*many(11), "--shard", "2/3", "-o", "other.db", "-q")
+    expect(f.fault("--merge", names[0], "other.2-of-3.db", "-o", "x.db", code=3), "is of another study than plan.1-of-3.db")
+    expect(f.fault("--merge", names[0], names[0], "-o", "x.db", code=3), "expected each shard once")
+    expect(f.fault("--merge", names[0], "missing.db", "-o", "x.db", code=3), "missing.db: found no readable file")
+    assert not (f.path / "x.db").exists()
+
+
+def test_shards_by_the_environment(f):
+    cases = [({"SLURM_ARRAY_TASK_ID": "7", "SLURM_ARRAY_TASK_MIN": "5", "SLURM_ARRAY_TASK_MAX": "9",
+               "SLURM_ARRAY_TASK_STEP": "2", "SLURM_ARRAY_TASK_COUNT": "3", "SLURM_PROCID": "0"}, "2-of-3"),
+             ({"SLURM_PROCID": "1", "SLURM_STEP_NUM_TASKS": "4"}, "2-of-4"),
+             ({"OMPI_COMM_WORLD_RANK": "0", "OMPI_COMM_WORLD_SIZE": "2"}, "1-of-2"),
+             ({"PMI_RANK": "2", "PMI_SIZE": "3"}, "3-of-3"),
+             ({"SLURM_ARRAY_TASK_ID": "1", "SLURM_ARRAY_TASK_MIN": "0", "SLURM_ARRAY_TASK_MAX": "1",
+               "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_PROCID": "0", "SLURM_STEP_NUM_TASKS": "2"}, "3-of-4")]
+    for environment, shard in cases:
+        f.run(*many(4), "--shard", "auto", "-o", "plan.db", "-q", env=environment)
+        assert (f.path / f"plan.{shard}.db").exists(), (environment, list(f.path.iterdir()))
+    expect(f.fault(*many(4), "--shard", "auto", "-o", "plan.db", code=2), "found none of SLURM_ARRAY_TASK_ID")
+    gaps = {"SLURM_ARRAY_TASK_ID": "5", "SLURM_ARRAY_TASK_MIN": "1", "SLURM_ARRAY_TASK_MAX": "9",
+            "SLURM_ARRAY_TASK_COUNT": "3"}
+    expect(f.fault(*many(4), "--shard", "auto", "-o", "plan.db", code=2, env=gaps), "expected an array without gaps")
+
+
+# ---------------------------------------------------------------------------------------------- the rest
+
+
+def test_a_dry_run_counts_and_estimates(f):
+    out, _ = f.run("ball.feb", *LAW, "--vary", "E: E={10:1009:1}", "--vary", "nu: nu={0.4|0.45}", "--states", "last", "--dry-run")
+    expect(out, "2000 cases: 1 model, E 1000 values, nu 2 values\nabout ", "s each (median of 6)")
+    assert sorted(p.name for p in f.path.iterdir()) == ["ball.feb"]
+
+
+def test_what_a_user_may_do_wrong(f):
+    f.write("cases.csv", "E,tlit\n8,1\n")
+    f.write("empty.csv", "E\n8\n\n9\nNaN\n")
+    f.write("words.csv", "E\n8\neight\n")
+    f.write("short.csv", "E,nu\n8,0.4\n9\n")
+    f.write("old.db", "")
+    with sqlite3.connect(f.path / "other.db") as connection:
+        connection.execute("CREATE TABLE a (b)")
+    vary, db = ["ball.feb", "--vary"], ["-o", "plan.db"]
+    table = ["ball.feb", "--factor", "E: E={}", *db, "--cases"]
+    for words, code, *parts in [
+            ([*vary, "E: E={8|9}"], 2, "found no -o"),
+            ([*vary, "E: E={8|9}", "-o", "-"], 2, "cannot go to standard output"),
+            ([*vary, "E: E={8|9}", "-o", "ball.feb"], 2, "expected .db"),
+            ([*vary, "E: E={8|9}", "-o", "no/plan.db"], 4, "there is no folder no"),
+            ([*vary, "e E={8|9}", *db], 2, "--vary e E={8|9}: found", "NAME: OPTION VALUE"),
+            ([*vary, "a: rotat ball=0,1,0,{1|2}", *db], 2, "did you mean \"rotate\"?"),
+            ([*vary, "a: rotate ball=0,1,{1|2}", *db], 2, "an axis and an angle"),
+            ([*vary, "a: E={8|nine}", *db], 2, "--vary a: E={8|nine}: value nine: found \"nine\""),
+            ([*vary, "a: E={0:5:0}", *db], 2, "a step that is not 0"),
+            ([*vary, "a: E={5:1:1}", *db], 2, "a step of the other sign"),
+            ([*vary, "a: E={1:1000000000:1}", *db], 2, "found 1000000000 values"),
+            ([*vary, "a: E={1:10000:1}", "--vary", "b: nu={1:10000:1}", *db], 2, "found 100000000 cases"),
+            ([*vary, "a: E={1|2}", "--vary", "a: nu={0.1|0.2}", *db], 2, "two factors named \"a\""),
+            ([*vary, "outcome: E={1|2}", *db], 2, "results have a column of this one"),
+            ([*vary, "a: E={1|2}", "--E", "8", *db], 2, "given twice"),
+            (["ball.feb", "--factor", "a: E={}", *db], 2, "factor \"a\": found {} in its option"),
+            ([*table, "cases.csv"], 3, "cases.csv:1: found column \"tlit\""),
+            ([*table, "empty.csv"], 3, "empty.csv:5: column \"E\": found \"NaN\", expected a value"),
+            ([*table, "words.csv"], 3, "words.csv:3: column \"E\": found \"eight\""),
+            ([*table, "short.csv"], 3, "short.csv:3: found 1 values, expected 2"),
+            ([*table, "none.csv"], 3, "none.csv: found no readable file"),
+            ([*table, "cases.csv", "--sample", "sobol", "--count", "4"], 2, "expected one of them"),
+            ([*vary, "a: E={uniform(1,2)}", *db], 2, "found a spread"),
+            ([*vary, "a: E={uniform(1,2)}", "--sample", "sobol", *db], 2, "found no --count"),
+            ([*vary, "a: E={uniform(1,2)}", "--sample", "sobl", "--count", "4", *db], 2, "did you mean \"sobol\"?"),
+            ([*vary, "a: E={uniform(1,2)}", "--sample", "saltelli", "--count", "4", *db], 2, "found one factor"),
+            ([*vary, "a: E={8|9}", "--sample", "sobol", "--count", "4", *db], 2, "found no factor with a spread"),
+            ([*vary, "a: E={8|9}", "--count", "4", *db], 2, "--count 4: found no --sample"),
+            ([*vary, "a: E={8|9}", "--seed", "4", *db], 2, "--seed 4: found no --sample"),
+            ([*vary, "a: E={uniform(-2,2)}", "--sample", "sobol", "--count", "9", *db], 2, "expected a number > 0"),
+            ([*vary, "a: E={8|9}", "--keep", "field", *db], 2, "did you mean \"fields\"?"),
+            ([*vary, "a: E={8|9}", "--again", "all", *db], 2, "expected failed"),
+            ([*vary, "a: E={8|9}", "--shard", "5/4", *db], 2, "--shard 5/4: found \"5\""),
+            ([*vary, "a: E={8|9}", "--shard", "2", *db], 2, "expected I/N"),
+            ([*vary, "a: E={8|9}", "--states", "lst", *db], 2, "--states lst"),
+            ([*vary, "a: E={8|9}", "--threads", "0", *db], 2, "--threads 0"),
+            (["none.feb", *db], 3, "none.feb: found no readable file"),
+            ([*db], 2, "found no model"),
+            (["other.db"], 3, "other.db: found a database of another program"),
+            (["old.db"], 3, "old.db: found a database of another program"),
+            (["missing.db"], 3, "missing.db: found no readable file"),
+            (["other.db", "--E", "8"], 2, "found --E beside a study that is read"),
+            (["--merge", *db], 2, "--merge: found no file"),
+            (["--merge", "other.db", *db], 3, "another program"),
+    ]:
+        expect(f.fault(*words, code=code), *parts)
+        assert not (f.path / "plan.db").exists(), words
+
+
+tests = [(name, test) for name, test in sorted(globals().items()) if name.startswith("test_")]
+failed = 0
+for name, test in tests:
+    if sys.argv[3:] and not any(word in name for word in sys.argv[3:]):
+        continue
+    began = time.monotonic()
+    try:
+        test(Folder())
+        print(f"passed  {name[5:]} ({time.monotonic() - began:.1f} s)", flush=True)
+    except (AssertionError, subprocess.SubprocessError, sqlite3.Error, KeyError, IndexError, ValueError, OSError) as fault:
+        failed += 1
+        print(f"FAILED  {name[5:]}: {type(fault).__name__}: {fault}", flush=True)
+(kit / "ball.feb").unlink()
+kit.rmdir()
+sys.exit(failed > 0)
