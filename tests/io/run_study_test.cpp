@@ -6,6 +6,7 @@
 #include <map>
 
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/run/analysis.h>
 #include <febiodea/run/states.h>
 #include <febiodea/views/run_study.h>
 
