@@ -123,7 +123,8 @@ void ReadyJoints::drop_old(const std::string& but) {
   while (all > most_) {
     auto oldest = entries_.end();
     for (auto it = entries_.begin(); it != entries_.end(); ++it)
-      if (it->first != but && it->second.bytes > 0.0 && (oldest == entries_.end() || it->second.used < oldest->second.used))
+      if (it->first != but && it->second.bytes > 0.0 &&
+          (oldest == entries_.end() || it->second.used < oldest->second.used))
         oldest = it;
     if (oldest == entries_.end()) return;
     all -= oldest->second.bytes;

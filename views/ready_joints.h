@@ -1,5 +1,5 @@
-// febiodea/views/ready_joints.h – joints read, recognised and factorised once, for all cases that differ only in how they are
-// placed, loaded and moved.
+// febiodea/views/ready_joints.h – joints read, recognised and factorised once, for all cases that differ only in how
+// they are placed, loaded and moved.
 #pragma once
 #include <cstdint>
 #include <future>
@@ -24,14 +24,15 @@ struct ReadyJoint {
   double bytes = 0.0;                 ///< of memory: an estimate
 };
 
-/// The joints that were used last, as many as fit. Several threads may ask at a time; a joint that two want is made once.
+/// The joints that were used last, as many as fit. Several threads may ask at a time; a joint that two want is made
+/// once.
 class ReadyJoints {
  public:
   /// `bytes`: of all joints together; one is always kept.
   explicit ReadyJoints(double bytes) : most_(bytes) {}
 
-  /// The joint of a model file under joint_settings(settings). Throws as read_feb and recognise do, each time that it is
-  /// asked for, and Stopped.
+  /// The joint of a model file under joint_settings(settings). Throws as read_feb and recognise do, each time that it
+  /// is asked for, and Stopped.
   std::shared_ptr<const ReadyJoint> get(const std::string& path, const Settings& settings, const StopFlag* stop);
 
  private:

@@ -84,7 +84,8 @@ std::vector<double> times_to_write(const States& states) {
 /// The warnings alone, one after the other: "...; ...".
 std::string warnings_of(const JointModel& model, const Analysis& analysis) {
   std::string all;
-  for (const std::string& warning : warnings_in(run_remarks(model, analysis))) all += (all.empty() ? "" : "; ") + warning;
+  for (const std::string& warning : warnings_in(run_remarks(model, analysis)))
+    all += (all.empty() ? "" : "; ") + warning;
   return all;
 }
 

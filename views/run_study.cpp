@@ -74,8 +74,8 @@ void describe(const ReadyJoint& ready, bool with_surfaces, CaseResult& result) {
         {pair.name, body(pair.source_layer()), body(pair.target_layer()), compartment_names(pair)});
     if (!with_surfaces) continue;
     const Layer& source = pair.source_layer();
-    result.surfaces.push_back({ready.model.surfaces[at(source.surface)].name, source.articular.vertices,
-                               source.articular.triangles});
+    result.surfaces.push_back(
+        {ready.model.surfaces[at(source.surface)].name, source.articular.vertices, source.articular.triangles});
   }
 }
 
@@ -104,15 +104,15 @@ RunOptions states_asked(const StudyOptions& options) {
 void write_plot(const std::string& path, const ReadyJoint& ready, const SolvedStates& solved) {
   const PlotHead head = plot_head(ready.model, ready.prepared.joint, true);
   XpltWriter file(path, head.file);
-  for (const StateResult& state : solved.states)
-    file.add(plot_state(ready.model, ready.prepared.joint, head, state));
+  for (const StateResult& state : solved.states) file.add(plot_state(ready.model, ready.prepared.joint, head, state));
   file.finish();
 }
 
 void solve(Work& work, const PlannedCase& c, CaseResult& result) {
   const StudyOptions& options = work.options;
   Settings settings = case_settings(work.plan, c, work.of_file);
-  const std::shared_ptr<const ReadyJoint> ready = work.joints.get(work.plan.models[at(c.model)], settings, options.stop);
+  const std::shared_ptr<const ReadyJoint> ready =
+      work.joints.get(work.plan.models[at(c.model)], settings, options.stop);
   const Joint& joint = ready->prepared.joint;
   read_tables(ready->model, settings);
   check_body_names(ready->model, joint.bodies, settings);

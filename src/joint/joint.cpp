@@ -145,8 +145,7 @@ void check_body_names(const JointModel& model, const std::vector<Body>& bodies, 
   }
   for (const auto& e : settings.force) check("force", e.first);
   for (const auto& e : settings.load_at) check("load-at", e.first);
-  for (const Placement& p : settings.placements)
-    check(p.kind == Placement::Kind::Rotate ? "rotate" : "move", p.body);
+  for (const Placement& p : settings.placements) check(p.kind == Placement::Kind::Rotate ? "rotate" : "move", p.body);
   for (const auto& e : settings.rotate_about) check("rotate-about", e.first);
   check_value("load-body", settings.loads.body);
   check_value("load-frame", settings.loads.frame.body);

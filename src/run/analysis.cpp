@@ -184,8 +184,7 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     const bool keep = options.keep_state.empty() || options.keep_state[i];
     if (keep) add_fields(prepared, maps, state);
     if (keep && options.displacements)
-      state.displacements =
-          node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);
+      state.displacements = node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);
     if (keep) solved.free_to_turn = free_to_turn(load_case);
     if (options.progress) options.progress(state, i, times.size());
     state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported

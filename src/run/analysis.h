@@ -34,8 +34,8 @@ struct Analysis : SolvedStates {
   Joint joint;
   SpringBeds beds;  ///< that were used, for whoever looks at more poses
   FieldMaps maps;
-  double seconds_joint = 0.0;       ///< recognition and springs
-  double seconds_solve = 0.0;       ///< equilibria and fields
+  double seconds_joint = 0.0;  ///< recognition and springs
+  double seconds_solve = 0.0;  ///< equilibria and fields
 };
 
 /// What an analysis is at, told when it begins; of a state also before each pose that is tried.
@@ -66,8 +66,8 @@ struct AnalysisOptions {
   std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
   EquilibriumOptions equilibrium;
   bool displacements = true;     ///< StateResult::displacements are wanted
-  const Begin* begin = nullptr;  ///< not owned: from where the first state is searched, if that belongs to the last step
-                                 ///< and is not the reference; its free dofs count, of bodies that are not placed
+  const Begin* begin = nullptr;  ///< not owned: from where the first state is searched, if that belongs to the last
+                                 ///< step and is not the reference; its free dofs count, of bodies that are not placed
 };
 
 /// The states of options.times, each started from the one before. `prepared`: of `model` and joint_settings(settings);

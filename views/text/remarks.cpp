@@ -324,10 +324,9 @@ void add_large_strains(const ContactPair& pair, const SolvedStates& result, std:
   for (const StateResult& state : result.states)
     if (solved(state.equilibrium.outcome) && strain(state) > (worst ? strain(*worst) : kLarge)) worst = &state;
   if (worst == nullptr) return;
-  add_once(lines,
-           fmt::format("warning: contact \"{}\": at time {} cartilage is pressed together by {:.0f}% of its "
-                       "thickness: check load, modulus, thickness and units if that is not meant",
-                       pair.name, time_text(worst->when.time), 100 * strain(*worst)));
+  add_once(lines, fmt::format("warning: contact \"{}\": at time {} cartilage is pressed together by {:.0f}% of its "
+                              "thickness: check load, modulus, thickness and units if that is not meant",
+                              pair.name, time_text(worst->when.time), 100 * strain(*worst)));
 }
 
 /// Maps that do not carry the whole force.
