@@ -23,8 +23,7 @@ refused; 4 output cannot be written; 70 a fault of the program; 130 stopped by C
 
 Examples:
   dea run hip.feb                    pressure in every state, written beside the model as hip_dea.xplt
-  dea study hip.feb --vary "E: E={8|12|16}" -o plan.db
-                                     thousands of cases into one file
+  dea study hip.feb --vary "E: E={8|12}" -o plan.db  thousands of cases into one file
   dea info hip.feb                   what is recognised in the model, without solving
   dea converge hip.feb               how many springs the result needs
   dea convert hip.feb                the same joint for FEBio with the plugin, as hip_dea.feb

@@ -15,7 +15,7 @@ import tempfile
 import time
 
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "plugin-build")
+COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "plugin-build")
 
 # Commands that are not run: what they hold, and why.
 SKIPPED = {"plugin-build": "needs an installed FEBio"}
@@ -48,6 +48,9 @@ FILES = {
     # results in which a surface has different names
     "a.feb": HIP + " acetabular_articulating->socket", "b.feb": HIP + " acetabular_articulating->acetabulum",
     "a.xplt": "dea run a.feb -o a.xplt", "b.xplt": "dea run b.feb -o b.xplt --law linear",
+    "cases.csv": "stiffness,poisson\n8,0.4\n12,0.45\n",
+    "plan.db": "dea study hip.feb --vary 'E: E={8|12}' --states last -o plan.db",
+    **{f"plan.{i}-of-4.db": f"dea study hip.feb --vary 'E: E={{8:14:2}}' --states last --shard {i}/4 -o plan.db" for i in range(1, 5)},
     "walk.csv": "time,fx,fy,fz\n0,30,-20,150\n1,54,-33,229\n",  # % of body weight
     "gait.sto": "gait\nversion=1\nnRows=2\nnColumns=4\ninDegrees=no\nendheader\n"
                 "time\thip_fx\thip_fy\thip_fz\n0\t240\t-160\t1200\n1\t432\t-262\t1834\n",
@@ -98,12 +101,14 @@ def in_help(command):
 
 
 def outputs_of(command):
-    return re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--vtu|>) ([^\s-]\S*)", command)
+    names = re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--vtu|>) ([^\s-]\S*)", command)
+    shard = re.search(r"--shard (\d+)/(\d+)", command)
+    return [re.sub(r"\.db$", ".{}-of-{}.db".format(*shard.groups()), name) for name in names] if shard else names
 
 
 def inputs_of(command):
     words = shlex.split(command.partition(">")[0].partition("&&")[0])
-    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml)$", word)]
+    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml|db)$", word)]
     return sorted(set(found) - set(outputs_of(command)))
 
 

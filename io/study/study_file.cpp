@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <filesystem>
@@ -24,7 +25,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kBatch = 0.5;          ///< between two times of writing [s]
-constexpr int kWait = 2000;             ///< for who reads the file; then the batch grows [ms]
+constexpr double kLongestPause = 10.0;  ///< the same on slow disks [s]
+constexpr int kWait = 100;              ///< for who reads the file; then the batch grows [ms]
 constexpr double kLongestWait = 600.0;  ///< after which that is a fault [s]
 static_assert(std::endian::native == std::endian::little, "blobs are little endian");
 
@@ -232,6 +234,7 @@ struct StudyWriter::Parts {
   std::vector<CaseThere> there;
   std::vector<CaseResult> waiting;
   double written = 0.0;   ///< when something was written last [s]
+  double pause = kBatch;  ///< until the next time: where writing is slow, it shall not take most of the time [s]
   double busy_since = 0;  ///< when somebody began to keep us from it; 0: nobody does
 
   Parts(const std::string& path, const Plan& p, const StudyIdentity& identity)
@@ -244,6 +247,7 @@ struct StudyWriter::Parts {
 
   /// All that waits, at once. False: another program reads the file.
   bool write() {
+    const double start = seconds();
     try {
       database.execute("BEGIN IMMEDIATE");
       for (const CaseResult& result : waiting) {
@@ -264,6 +268,7 @@ struct StudyWriter::Parts {
                                                                                  : CaseThere::Refused;
     waiting.clear();
     written = seconds();
+    pause = std::clamp(5 * (written - start), kBatch, kLongestPause);
     busy_since = 0.0;
     return true;
   }
@@ -301,7 +306,7 @@ const std::vector<CaseThere>& StudyWriter::there() const { return parts_->there;
 
 void StudyWriter::add(CaseResult&& result) {
   parts_->waiting.push_back(std::move(result));
-  if (seconds() - parts_->written >= kBatch && !parts_->write()) parts_->wait_or_fail();
+  if (seconds() - parts_->written >= parts_->pause && !parts_->write()) parts_->wait_or_fail();
 }
 
 void StudyWriter::finish() {
