@@ -571,7 +571,7 @@ int solve_study(const StudyArguments& a) {
 std::vector<std::size_t> a_few(std::size_t count) {
   std::set<std::size_t> few;
   for (const std::size_t i : {std::size_t{0}, count / 2, count - 1}) {
-    few.insert(i > 0 ? i - 1 : i);
+    few.insert(i > 0 ? i - 1 : std::min(i + 1, count - 1));
     few.insert(i);
   }
   return {few.begin(), few.end()};
