@@ -675,6 +675,25 @@ std::string chain(int n) {
   return feb.file("Ten bones in a row, nine contacts.", pairs);
 }
 
+/// A made-up cycle of walking for the hip of 800 N, n + 1 instants: the force on the femur has the shape that is
+/// published for walking, two peaks of 2.4 and 2.1 body weights at 16 and 46 % of the cycle, a valley between them and
+/// a third to six tenths of a body weight in swing; its direction swings by 18 degrees during stance, and back.
+std::string gait(int n) {
+  constexpr double kWeight = 800, kDegree = 3.14159265358979323846 / 180;
+  std::string text = "cycle [%],fx [N],fy [N],fz [N]\n";
+  for (int i = 0; i <= n; ++i) {
+    const double s = static_cast<double>(i) / n;
+    const auto hump = [&](double height, double at, double width) {
+      return height * std::exp(-std::pow((s - at) / width, 2));
+    };
+    const double fz =
+        kWeight * (0.3 + hump(2.0, 0.16, 0.07) + hump(0.6, 0.31, 0.12) + hump(1.7, 0.46, 0.09) + hump(0.3, 0.88, 0.07));
+    const double angle = kDegree * (-12 + 18 * (s < 0.6 ? s / 0.6 : (1 - s) / 0.4));
+    text += fmt::format("{:.1f},{:.1f},{:.1f},{:.1f}\n", 100 * s, 0.235 * fz, std::tan(angle) * fz, fz);
+  }
+  return text;
+}
+
 // ---------------------------------------------------------------------------------------------------------------------
 
 void write(const std::string& path, const std::string& bytes) {
@@ -699,6 +718,7 @@ constexpr Sample kSamples[] = {
     {"--ligament", "ligament/ligament.feb", 48, ligament},
     {"--knee", "knee/knee.feb", 16, knee},
     {"--chain", "chain/chain.feb", 12, chain},
+    {"--gait", "osteotomy/gait.csv", 12, gait},
 };
 
 int run(const std::vector<std::string>& arguments) {
@@ -717,7 +737,7 @@ int run(const std::vector<std::string>& arguments) {
   }
   throw std::runtime_error(
       "usage: make_samples SAMPLES_DIR, or make_samples --spheres|--twisted-spheres|"
-      "--two-layer-spheres|--sphere-on-flat|--plateaus|--ligament|--knee|--chain N out.feb");
+      "--two-layer-spheres|--sphere-on-flat|--plateaus|--ligament|--knee|--chain|--gait N out");
 }
 
 }  // namespace
