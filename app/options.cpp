@@ -150,19 +150,9 @@ std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads) {
                                                static_cast<std::size_t>(n));
 }
 
-namespace {
-
-/// `parse` of a text; what it refuses becomes a fault of this option.
-template <class Parse>
-auto argument(const char* option, const std::string& text, Parse parse) {
-  try {
-    return parse(text);
-  } catch (const BadValue& e) {
-    throw UsageError(fmt::format("--{} {}: {}", option, text, e.what()));
-  }
+UsageError wrong_argument(const std::string& option, const std::string& text, const BadValue& why) {
+  return UsageError(fmt::format("--{} {}: {}", option, text, why.what()));
 }
-
-}  // namespace
 
 int count_argument(const char* option, const std::string& text, int least, int most) {
   return argument(option, text, [&](const std::string& t) { return parse_count(t, least, most); });

@@ -10,6 +10,7 @@
 
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/settings/output_options.h>
 #include <febiodea/model/settings.h>
 #include <febiodea/run/analysis.h>
@@ -54,6 +55,17 @@ std::vector<NamedPath> input_files(const std::string& model, const SettingsArgum
 /// Holds for as long as the result lives; empty `threads`: all cores.
 std::unique_ptr<tbb::global_control> limit_threads(const std::string& threads);
 
+/// "--OPTION VALUE: found ..., expected ..."
+UsageError wrong_argument(const std::string& option, const std::string& text, const BadValue& why);
+/// `parse` of a text; the BadValue that it throws becomes a fault of this option.
+template <class Parse>
+auto argument(const std::string& option, const std::string& text, Parse parse) {
+  try {
+    return parse(text);
+  } catch (const BadValue& why) {
+    throw wrong_argument(option, text, why);
+  }
+}
 /// Values of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
 int count_argument(const char* option, const std::string& text, int least, int most);
 double number_argument(const char* option, const std::string& text);

@@ -26,13 +26,13 @@ void write_error(const std::string& text) {
   std::fflush(stderr);
 }
 
+}  // namespace
+
 std::string duration(double s) {
   if (s < 60) return fmt::format("{:.0f} s", std::max(1.0, std::ceil(s)));
   const int minutes = static_cast<int>(std::ceil(s / 60));
   return minutes < 60 ? fmt::format("{} min", minutes) : fmt::format("{} h {} min", minutes / 60, minutes % 60);
 }
-
-}  // namespace
 
 ProgressStyle progress_style(bool quiet, bool verbose) {
   if (quiet) return ProgressStyle::Quiet;

@@ -15,6 +15,9 @@ enum class ProgressStyle { Quiet, Bar, Lines, Every };
 /// What -q and -v and the place of standard error ask for.
 ProgressStyle progress_style(bool quiet, bool verbose);
 
+/// "48 s", "2 min", "3 h 20 min".
+std::string duration(double seconds);
+
 /// Shows what is being done and how far it has come. Nothing in the first half second (Bar) or two seconds (Lines) of a
 /// command, and no more often than every tenth of a second or two seconds after. What takes long gets its seconds
 /// counted (by a thread), so that it can be told from what has died. Whatever ends the command, clear() or the end of

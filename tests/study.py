@@ -241,6 +241,14 @@ def test_failed_cases_are_rows_and_are_solved_again(f):
     assert f.query("plan.db", "SELECT count(*) FROM cases") == [(4,)]
 
 
+def test_a_misspelt_name_is_mended_without_overwrite(f):
+    line = ["ball.feb", *LAW, "--states", "last", "-o", "plan.db", "--vary"]
+    _, err = f.run(*line, "a: move bal=0,0,{0|0.01}", code=1)
+    expect(err, "2 of 2 cases no solution (0 failed, 2 refused)", "did you mean \"ball\"?")
+    f.run(*line, "a: move ball=0,0,{0|0.01}")
+    assert f.query("plan.db", "SELECT DISTINCT case_outcome FROM cases") == [("solved",)]
+
+
 def test_is_read_while_it_runs(f):
     study = f.start(*many(3000), "-o", "plan.db", "-q")
     seen, end = set(), time.monotonic() + 60
