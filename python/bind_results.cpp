@@ -75,12 +75,14 @@ void bind_result(py::module_& m) {
           "findings", [](const Analysed& a) { return texts(run_remarks(model_of(a), a.analysis, python_wording())); },
           "What was concluded, left out or is doubtful, a line each.")
       .def(
-          "to_dict", [](const Analysed& a) { return plain(result_json(a)); },
+          "to_dict", [](const Analysed& a) { return plain(unlocked([&] { return result_json(a); })); },
           "What `dea run --json` writes, as a dictionary.")
       .def(
-          "to_json", [](const Analysed& a) { return text(json_text(result_json(a))); }, "What `dea run --json` writes.")
+          "to_json", [](const Analysed& a) { return text(unlocked([&] { return json_text(result_json(a)); })); },
+          "What `dea run --json` writes.")
       .def(
-          "facets_csv", [](const Analysed& a) { return text(facets_csv(model_of(a), a.analysis)); },
+          "facets_csv",
+          [](const Analysed& a) { return text(unlocked([&] { return facets_csv(model_of(a), a.analysis); })); },
           "What `dea run --facets-csv` writes: a line per state, contact, side and facet.")
       .def("__str__", [](const Analysed& a) { return text(run_text(model_of(a), a.analysis, false)); })
       .def("__repr__",
@@ -111,10 +113,6 @@ py::dict reactions_of(const StateView& v) {
 }
 
 Json statistics_of(const StateView& v) { return state_json(v.model(), *v.joint, *v.state); }
-
-py::object headline_of(const Headline& h) {
-  return py::module_::import("febiodea._tables").attr("Headline")(h.p99, h.mean, h.area, h.peak, h.above);
-}
 
 void bind_state(py::module_& m) {
   py::class_<StateView>(m, "State", "One state: poses, forces, contacts.")
@@ -189,7 +187,7 @@ void bind_contact(py::module_& m) {
           "nodes", [](const ContactView& v) { return NodesView{source_side(v)}; },
           "Nodes of the source's articular surface: arrays.")
       .def_property_readonly(
-          "headline", [](const ContactView& v) { return headline_of(v.statistics().headline); },
+          "headline", [](const ContactView& v) { return headline_tuple(v.statistics().headline); },
           "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).")
       .def_property_readonly(
           "compartments",
@@ -236,7 +234,7 @@ void bind_side(py::module_& m) {
       .def_property_readonly(
           "name", [](const CompartmentView& v) { return text(compartment_names(v.of.pair())[v.index]); }, "Its name.")
       .def_property_readonly(
-          "headline", [](const CompartmentView& v) { return headline_of(v.load().headline); },
+          "headline", [](const CompartmentView& v) { return headline_tuple(v.load().headline); },
           "p99, mean, area, peak of its share.")
       .def_property_readonly(
           "force", [](const CompartmentView& v) { return vector3(v.load().force); }, "(3,) on the target, global.")

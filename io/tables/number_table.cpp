@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -19,7 +20,7 @@ namespace dea {
 namespace {
 
 InputError table_fault(const std::string& path, int line, const std::string& text) {
-  return InputError(fmt::format("{}:{}: {}", path, line, text));
+  return InputError(line > 0 ? fmt::format("{}:{}: {}", path, line, text) : fmt::format("{}: {}", path, text));
 }
 
 /// What separates the words of a file: the first of these that its line of names holds, else white space.
@@ -91,6 +92,11 @@ std::vector<double> numbers_of(const NumberTable& table, const std::vector<std::
   return row;
 }
 
+void need_rows(const NumberTable& table, int line) {
+  if (table.rows.empty())
+    throw table_fault(table.path, line, "found no row, expected at least one below the names of the columns");
+}
+
 }  // namespace
 
 int NumberTable::find(const std::string& name) const {
@@ -132,10 +138,31 @@ NumberTable read_table(const std::string& path) {
   }
   if (header) throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
   if (table.names.empty()) throw table_fault(path, number, "found no line, expected the names of the columns and rows");
-  if (table.rows.empty()) throw table_fault(path, number, "found no row, expected at least one below the names of the columns");
+  need_rows(table, number);
   if (!said_rows.empty() && said_rows != std::to_string(table.rows.size()))
     throw table_fault(path, number, fmt::format("found {} rows, expected the {} that nRows says: is the file cut off?",
                                                 table.rows.size(), said_rows));
+  return table;
+}
+
+NumberTable make_table(const std::string& path, const std::vector<std::string>& names,
+                       const std::vector<std::vector<double>>& rows) {
+  NumberTable table;
+  table.path = path;
+  for (const std::string& name : names) table.names.push_back(trimmed(name));
+  check_names(table, 0);
+  for (const std::vector<double>& row : rows) {
+    const int line = static_cast<int>(table.rows.size()) + 1;
+    if (row.size() != names.size())
+      throw table_fault(path, line, fmt::format("found {} values, expected {}: one for each name", row.size(), names.size()));
+    for (std::size_t i = 0; i < row.size(); ++i)
+      if (!std::isfinite(row[i]))
+        throw table_fault(path, line, fmt::format("column {}: found {}, expected a finite number",
+                                                  febio::quote(table.names[i]), row[i]));
+    table.rows.push_back(row);
+    table.lines.push_back(line);
+  }
+  need_rows(table, 0);
   return table;
 }
 
