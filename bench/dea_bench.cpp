@@ -338,9 +338,11 @@ void reading(int n, const std::filesystem::path& folder) {
 
 /// Presses a joint at the solution of its last step: as many times as each line of standard input says, and answers a
 /// line with the seconds of it and the contacts' normal force, so that a script can take turns with other callers.
-void serve_presses(const std::string& feb) {
+void serve_presses(const std::string& feb, Law law) {
   const JointModel model = read_feb(feb);
-  const Recognition recognition = recognise(model, Settings{});
+  Settings settings;
+  settings.law = law;
+  const Recognition recognition = recognise(model, settings);
   const Prepared joint = prepare(recognition);
   const int last = static_cast<int>(model.steps.size()) - 1;
   const LoadCase loads =
@@ -378,9 +380,9 @@ struct TemporaryFolder {
 
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured, in a file too
-  if (argc == 3 && std::string(argv[1]) == "press") {
+  if (argc == 4 && std::string(argv[1]) == "press") {
     try {
-      serve_presses(argv[2]);
+      serve_presses(argv[2], std::string(argv[3]) == name(Law::Linear) ? Law::Linear : Law::Layer);
     } catch (const std::exception& fault) {
       fmt::print(stderr, "dea_bench: {}\n", fault.what());
       return 1;
@@ -397,7 +399,7 @@ int main(int argc, char** argv) {
       std::find(known.begin(), known.end(), what) == known.end()) {
     fmt::print(
         stderr,
-        "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]|bodies [N...]|press MODEL]    springs, laws: "
+        "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]|bodies [N...]|press MODEL LAW]    springs, laws: "
         "N x N facets, 2 N^2 springs\n");
     return 2;
   }

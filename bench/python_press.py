@@ -21,8 +21,8 @@ def seconds(work, count):
 class Native:
     """dea_bench, waiting for how often it is to press."""
 
-    def __init__(self, build, model):
-        self.process = subprocess.Popen([build / "bench" / "dea_bench", "press", model], stdin=subprocess.PIPE,
+    def __init__(self, build, model, law):
+        self.process = subprocess.Popen([build / "bench" / "dea_bench", "press", model, law], stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE, text=True)
         self.springs = int(self.process.stdout.readline())
         self.force = None
@@ -39,11 +39,11 @@ class Native:
         self.process.wait()
 
 
-def measure(build, model, rounds):
+def measure(build, model, law, rounds):
     import febiodea
-    joint = febiodea.prepare(febiodea.recognise(model))
+    joint = febiodea.prepare(febiodea.recognise(model, law=law))
     poses = joint.press(joint.solve()).poses
-    native = Native(build, model)
+    native = Native(build, model, law)
 
     def press():
         return joint.press(poses)
@@ -61,7 +61,7 @@ def measure(build, model, rounds):
         sys.exit(f"{model}: forces {force} and {native.force}: not the same work")
     native.end()
     ratios = [a / b for a, b in zip(ours, theirs)]
-    print(f"{pathlib.Path(model).name:20} {native.springs:8} {1 / min(theirs):9.1f} {1 / min(ours):9.1f} "
+    print(f"{pathlib.Path(model).name:20} {law:7} {native.springs:8} {1 / min(theirs):9.1f} {1 / min(ours):9.1f} "
           f"{100 * (min(ours) / min(theirs) - 1):8.1f} {100 * (statistics.median(ratios) - 1):8.1f}", flush=True)
 
 
@@ -72,9 +72,10 @@ def main():
     parser.add_argument("--rounds", type=int, default=40)
     asked = parser.parse_args()
     sys.path.insert(0, str(asked.build / "python"))
-    print(f"{'model':20} {'springs':>8} {'C++ /s':>9} {'Python /s':>9} {'least %':>8} {'median %':>8}")
+    print(f"{'model':20} {'law':7} {'springs':>8} {'C++ /s':>9} {'Python /s':>9} {'least %':>8} {'median %':>8}")
     for model in asked.models:
-        measure(asked.build, model, asked.rounds)
+        for law in ("linear", "layer"):
+            measure(asked.build, model, law, asked.rounds)
 
 
 if __name__ == "__main__":

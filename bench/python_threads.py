@@ -12,10 +12,10 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 
-def serve(model):
+def serve(model, law):
     """Answers each line "analyse|press THREADS COUNT": that many threads have done so many calls each."""
     import febiodea
-    recognition = febiodea.recognise(model)
+    recognition = febiodea.recognise(model, law=law)
     joint = febiodea.prepare(recognition)
     poses = joint.press(joint.solve()).poses
     works = {"analyse": lambda: febiodea.analyse(recognition), "press": lambda: joint.press(poses)}
@@ -45,8 +45,8 @@ def seconds(servers, name, threads, count):
     return time.perf_counter() - start
 
 
-def measure(build, model, rounds):
-    servers = [subprocess.Popen([sys.executable, __file__, "--serve", "--build", build, model], stdin=subprocess.PIPE,
+def measure(build, model, law, rounds):
+    servers = [subprocess.Popen([sys.executable, __file__, "--serve", law, "--build", build, model], stdin=subprocess.PIPE,
                                 stdout=subprocess.PIPE, text=True) for _ in range(3)]
     for server in servers:
         if server.stdout.readline() != "ready\n":
@@ -63,7 +63,7 @@ def measure(build, model, rounds):
                 times, who, how_many = turns[(place + k) % 3]
                 times.append(seconds(who, name, how_many, count))
         shares = [p / t for p, t in zip(processes, threads)]
-        print(f"{pathlib.Path(model).name:20} {name:8} {count / min(alone):9.1f} {2 * count / min(processes):10.1f} "
+        print(f"{pathlib.Path(model).name:20} {law:7} {name:8} {count / min(alone):9.1f} {2 * count / min(processes):10.1f} "
               f"{2 * count / min(threads):9.1f} {min(processes) / min(threads):7.3f} {statistics.median(shares):7.3f}", flush=True)
     for server in servers:
         server.stdin.close()
@@ -75,15 +75,16 @@ def main():
     parser.add_argument("models", nargs="+")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build" / "release")
     parser.add_argument("--rounds", type=int, default=15)
-    parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--serve", metavar="LAW", help=argparse.SUPPRESS)
     asked = parser.parse_args()
     sys.path.insert(0, str(asked.build / "python"))
     if asked.serve:
-        serve(asked.models[0])
+        serve(asked.models[0], asked.serve)
         return
-    print(f"{'model':20} {'calls':8} {'alone /s':>9} {'2 proc. /s':>10} {'2 thr. /s':>9} {'least':>7} {'median':>7}")
+    print(f"{'model':20} {'law':7} {'calls':8} {'alone /s':>9} {'2 proc. /s':>10} {'2 thr. /s':>9} {'least':>7} {'median':>7}")
     for model in asked.models:
-        measure(asked.build, model, asked.rounds)
+        for law in ("linear", "layer"):
+            measure(asked.build, model, law, asked.rounds)
 
 
 if __name__ == "__main__":

@@ -26,6 +26,8 @@ struct AskedMap {
   bool smooth = false, unrolled = false;
 };
 
+using File = std::shared_ptr<ResultFile>;
+
 /// A result as the file that it would be written to.
 std::shared_ptr<ResultFile> file_of(const std::shared_ptr<Analysed>& a) {
   return result_of<ResultFile>([a](Work&) {
@@ -34,8 +36,13 @@ std::shared_ptr<ResultFile> file_of(const std::shared_ptr<Analysed>& a) {
   });
 }
 
-std::shared_ptr<MapFigure> figure_of(const std::shared_ptr<ResultFile>& file, const AskedMap& asked) {
-  return result_of<MapFigure>([file, asked](Work&) {
+/// Of several files side by side, with one scale; `labels`: what they are called, one each, or none.
+std::shared_ptr<MapFigure> figure_of(const std::vector<File>& files, const std::vector<std::string>& labels,
+                                     const AskedMap& asked) {
+  return result_of<MapFigure>([files, labels, asked](Work&) {
+    std::vector<ResultFile> shown;
+    for (const File& file : files) shown.push_back(*file);
+    for (std::size_t i = 0; i < labels.size(); ++i) shown[i].label = labels[i];
     MapOptions options;
     options.field = asked.field;
     if (!asked.surface.empty()) options.surfaces = {asked.surface};
@@ -43,7 +50,7 @@ std::shared_ptr<MapFigure> figure_of(const std::shared_ptr<ResultFile>& file, co
     options.states_option = python_wording()(NamedSetting{"states", "", asked.states});
     options.smooth = asked.smooth;
     options.unrolled = asked.unrolled;
-    return std::make_shared<MapFigure>(make_map_figure({*file}, nullptr, options));
+    return std::make_shared<MapFigure>(make_map_figure(shown, nullptr, options));
   });
 }
 
@@ -53,8 +60,9 @@ struct AskedPicture {
   double width = 0.0, dpi = 0.0;
 };
 
-py::bytes picture_of(const std::shared_ptr<ResultFile>& file, const AskedPicture& look, const AskedMap& asked) {
-  const std::shared_ptr<MapFigure> figure = figure_of(file, asked);
+py::bytes picture_of(const std::vector<File>& files, const std::vector<std::string>& labels, const AskedPicture& look,
+                     const AskedMap& asked) {
+  const std::shared_ptr<MapFigure> figure = figure_of(files, labels, asked);
   return *result_of<std::string>([figure, look](Work&) {
     PictureOptions options;
     options.format = look.format == "svg"   ? PictureFormat::Svg
@@ -156,14 +164,14 @@ py::dict figure_dict(const std::shared_ptr<MapFigure>& figure) {
 
 void bind_map(py::module_& m) {
   m.def("plot_file_of", &file_of);
-  m.def("picture", [](const std::shared_ptr<ResultFile>& file, const std::string& path, const std::string& format,
-                      double width, double dpi, const std::string& field, const std::string& surface,
-                      const std::string& states, bool smooth, bool unrolled) {
-    return picture_of(file, {path, format, width, dpi}, {field, surface, states, smooth, unrolled});
+  m.def("picture", [](const std::vector<File>& files, const std::vector<std::string>& labels, const std::string& path,
+                      const std::string& format, double width, double dpi, const std::string& field,
+                      const std::string& surface, const std::string& states, bool smooth, bool unrolled) {
+    return picture_of(files, labels, {path, format, width, dpi}, {field, surface, states, smooth, unrolled});
   });
-  m.def("map_of", [](const std::shared_ptr<ResultFile>& file, const std::string& field, const std::string& surface,
-                     const std::string& states, bool smooth, bool unrolled) {
-    return figure_dict(figure_of(file, {field, surface, states, smooth, unrolled}));
+  m.def("map_of", [](const File& file, const std::string& field, const std::string& surface, const std::string& states,
+                     bool smooth, bool unrolled) {
+    return figure_dict(figure_of({file}, {}, {field, surface, states, smooth, unrolled}));
   });
 }
 

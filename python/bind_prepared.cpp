@@ -203,13 +203,26 @@ StateView solve_joint(const Joint_& joint, const std::string& body, const py::ob
   return view_of(solved);
 }
 
+/// A press that is over before Ctrl-C could be felt: the way to another thread and back would be a good part of it.
+bool is_quick(const Prepared& prepared) {
+  constexpr int kSprings = 50000;  // independent ones: about 50 ms
+  int springs = 0;
+  for (const SpringBed& bed : prepared.beds.beds) {
+    if (bed.layers) return false;
+    springs += bed.springs.size();
+  }
+  return springs <= kSprings;
+}
+
 std::shared_ptr<PressedJoint> press_joint(const Joint_& joint, const py::object& poses) {
   const std::vector<Pose> all = with_poses(*joint, reference_poses(joint->prepared.joint), poses, "pose");
-  return result_of<PressedJoint>([joint, all](Work& work) {
+  const auto pressed = [joint, all](const StopFlag* stop) {
     PressOptions options;
-    options.stop = &work.stop;
+    options.stop = stop;
     return std::make_shared<PressedJoint>(PressedJoint{joint, all, press(joint->prepared, all, options)});
-  });
+  };
+  if (is_quick(joint->prepared)) return unlocked([&] { return pressed(nullptr); });
+  return result_of<PressedJoint>([pressed](Work& work) { return pressed(&work.stop); });
 }
 
 struct PressedView {

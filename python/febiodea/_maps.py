@@ -20,11 +20,22 @@ def _within(value, keyword, least, most):
     raise usage_fault(keyword, f"found {value!r}", f"expected a number from {least} to {most}")
 
 
-def picture(source, path=None, *, format=None, field="contact pressure", surface="", states="last", smooth=False,
+def _files(source, labels):
+    """Of one source or several; their names on the picture, none or one each."""
+    sources = list(source) if isinstance(source, (list, tuple)) else [source]
+    if not sources:
+        raise usage_fault("source", "found nothing", "expected a Result, a PlotFile, or a list of them")
+    names = [] if labels is None else [labels] if isinstance(labels, str) else [str(label) for label in labels]
+    if names and len(names) != len(sources):
+        raise usage_fault("labels", f"found {len(names)}", f"expected {len(sources)}, one per source")
+    return [_file(one) for one in sources], names
+
+
+def picture(source, path=None, *, labels=None, format=None, field="contact pressure", surface="", states="last", smooth=False,
             unrolled=False, width=None, dpi=200.0):
     """The map that `dea plot` draws, as bytes of a PNG, SVG or PDF; path: it is written there, its ending says which.
 
-    source: a Result or a PlotFile. states: as in analyse. width: mm, None: by the number of panels. dpi: of a PNG.
+    source: a Result or a PlotFile, or a list of them: side by side, with one scale. labels: their names on it. states: as in analyse. width: mm, None: by the number of panels. dpi: of a PNG.
     Without path and format: SVG. Raises InputError (no such field or surface), UsageError, WriteError.
     """
     if format is None:
@@ -32,7 +43,7 @@ def picture(source, path=None, *, format=None, field="contact pressure", surface
     if format not in ("png", "svg", "pdf"):
         raise usage_fault("format", f'found "{format}"', "expected png, svg or pdf")
     wide = 0.0 if width is None else _within(width, "width", 20, 2000)
-    return _febiodea.picture(_file(source), os.fsencode(path or b""), format, wide, _within(dpi, "dpi", 20, 2400), field,
+    return _febiodea.picture(*_files(source, labels), os.fsencode(path or b""), format, wide, _within(dpi, "dpi", 20, 2400), field,
                              surface, states_text(states), smooth, unrolled)
 
 

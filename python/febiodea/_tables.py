@@ -16,6 +16,9 @@ class Headline(NamedTuple):
     peak: float
     above: float
 
+    def __str__(self):
+        return f"p99 {self.p99:.4g}, mean {self.mean:.4g}, area {self.area:.4g}, peak {self.peak:.4g}"
+
 
 def _flat(row, name, value):
     if isinstance(value, dict):

