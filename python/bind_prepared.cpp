@@ -287,7 +287,11 @@ void bind_pressed_contact(py::module_& m) {
           "stiffness", [](const PressedView& v) { return matrix6(-v.contact().derivative); },
           "(6, 6) minus `derivative`: what resists the motion.")
       .def_property_readonly(
-          "normal_force", [](const PressedView& v) { return v.contact().normal_force; }, "Sum of pressure times area.");
+          "normal_force", [](const PressedView& v) { return v.contact().normal_force; }, "Sum of pressure times area.")
+      .def("__repr__", [](const PressedView& v) {
+        return text(fmt::format("<febiodea.PressedContact {}: normal force {:.4g}>",
+                                v.of->joint->prepared.joint.contacts[v.index].name, v.contact().normal_force));
+      });
 }
 
 void bind_pressed(py::module_& m) {
@@ -328,7 +332,11 @@ void bind_pressed(py::module_& m) {
               all[text(bodies[b].name)] = matrix_of(p.poses[b], bodies[b].center_of_mass);
             return all;
           },
-          "Per body its pose, (4, 4).");
+          "Per body its pose, (4, 4).")
+      .def("__repr__", [](const PressedJoint& p) {
+        return fmt::format("<febiodea.Pressed: {} contact{}>", p.pressed.contacts.size(),
+                           p.pressed.contacts.size() == 1 ? "" : "s");
+      });
 }
 
 }  // namespace

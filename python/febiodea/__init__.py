@@ -54,9 +54,11 @@ def recognise(model, settings=None, **keywords):
     rotate=[("pelvis", (0, 1, 0), 10)]; settings_help() lists them, help(Settings) has those that take tables and turns.
     Raises UsageError, InputError.
     """
+    _need(model, (Model, str, bytes, _os.PathLike), "model", "a Model, or the path of one")
+    _need(settings, (Settings, str, bytes, _os.PathLike, type(None)), "settings", "Settings, or the path of a settings file")
     if not isinstance(model, Model):
         model = read_feb(model)
-    if settings is None or not isinstance(settings, Settings):
+    if not isinstance(settings, Settings):
         settings = Settings(settings)
     return _febiodea.recognise(model, _settings.laid_over(settings._native, keywords) if keywords else settings._native)
 
@@ -154,3 +156,6 @@ _add(Model, __reduce__=_models.reduce_model)
 _add(Recognition, __reduce__=_models.reduce_recognition)
 for _owner in (Model, PlotState, PlotSurface):
     _owner.cell_blocks = property(_cells.cell_blocks)
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = "febiodea"  # as users know it, in messages and pickles
