@@ -397,10 +397,10 @@ int main(int argc, char** argv) {
   const bool bad_size = std::any_of(sizes.begin(), sizes.end(), [](int n) { return n < 1; });
   if (bad_size || (!sizes.empty() && std::find(of_sizes.begin(), of_sizes.end(), what) == of_sizes.end()) ||
       std::find(known.begin(), known.end(), what) == known.end()) {
-    fmt::print(
-        stderr,
-        "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]|bodies [N...]|press MODEL LAW]    springs, laws: "
-        "N x N facets, 2 N^2 springs\n");
+    fmt::print(stderr,
+               "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]|bodies [N...]|press MODEL LAW]    "
+               "springs, laws: "
+               "N x N facets, 2 N^2 springs\n");
     return 2;
   }
   try {

@@ -64,7 +64,8 @@ def measure(build, model, law, rounds):
                 times.append(seconds(who, name, how_many, count))
         shares = [p / t for p, t in zip(processes, threads)]
         print(f"{pathlib.Path(model).name:20} {law:7} {name:8} {count / min(alone):9.1f} {2 * count / min(processes):10.1f} "
-              f"{2 * count / min(threads):9.1f} {min(processes) / min(threads):7.3f} {statistics.median(shares):7.3f}", flush=True)
+              f"{2 * count / min(threads):9.1f} {min(processes) / min(threads):7.3f} {statistics.median(shares):7.3f}",
+              flush=True)
     for server in servers:
         server.stdin.close()
         server.wait()

@@ -30,7 +30,8 @@ from ._tables import Headline
 __all__ = ["read_feb", "recognise", "analyse", "prepare", "read_xplt", "picture", "plot", "distribution", "percentile",
            "pattern_difference", "settings_help", "Settings", "Model", "Recognition", "Result",
            "State", "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
-           "PressedContact", "PlotFile", "PlotState", "PlotSurface", "PlotField", "Progress", "Error", "InputError", "UsageError", "WriteError"]
+           "PressedContact", "PlotFile", "PlotState", "PlotSurface", "PlotField", "Progress", "Error", "InputError",
+           "UsageError", "WriteError"]
 
 
 @_atexit.register

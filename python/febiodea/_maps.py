@@ -35,16 +35,17 @@ def picture(source, path=None, *, labels=None, format=None, field="contact press
             unrolled=False, width=None, dpi=200.0):
     """The map that `dea plot` draws, as bytes of a PNG, SVG or PDF; path: it is written there, its ending says which.
 
-    source: a Result or a PlotFile, or a list of them: side by side, with one scale. labels: their names on it. states: as in analyse. width: mm, None: by the number of panels. dpi: of a PNG.
-    Without path and format: SVG. Raises InputError (no such field or surface), UsageError, WriteError.
+    source: a Result or a PlotFile, or a list of them: side by side, with one scale. labels: their names on it. states: as
+    in analyse. width: mm, None: by the number of panels. dpi: of a PNG. Without path and format: SVG. Raises InputError (no such field or surface), UsageError, WriteError.
     """
     if format is None:
         format = os.path.splitext(os.fsdecode(path))[1][1:].lower() if path is not None else "svg"
     if format not in ("png", "svg", "pdf"):
         raise usage_fault("format", f'found "{format}"', "expected png, svg or pdf")
     wide = 0.0 if width is None else _within(width, "width", 20, 2000)
-    return _febiodea.picture(*_files(source, labels), os.fsencode(path or b""), format, wide, _within(dpi, "dpi", 20, 2400), field,
-                             surface, states_text(states), smooth, unrolled)
+    fine = _within(dpi, "dpi", 20, 2400)
+    return _febiodea.picture(*_files(source, labels), os.fsencode(path or b""), format, wide, fine, field, surface,
+                             states_text(states), smooth, unrolled)
 
 
 def _fill(axes, figure, panel, layer, shown, colours, norm):

@@ -91,7 +91,8 @@ def test_the_optimiser_finds_the_least(in_hip):
     joint = febiodea.prepare(febiodea.recognise(in_hip / "hip_walking.feb", law="linear"))
     plain = {degrees: joint.solve(rotate=[("pelvis", (0, 1, 0), degrees)]).contact().headline.p99
              for degrees in range(-10, 26, 2)}
-    assert -9 < best < 24 and least < now and least <= min(plain.values()) * 1.005  # maps of facets are not quite smooth in the angle
+    # maps of facets are not quite smooth in the angle
+    assert -9 < best < 24 and least < now and least <= min(plain.values()) * 1.005
     assert abs(best - min(plain, key=plain.get)) <= 2.2
 
 

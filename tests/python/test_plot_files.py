@@ -198,7 +198,8 @@ def test_plot_is_the_picture_on_axes(file, dea, tmp_path, smooth):
     assert febiodea.plot(file, axes, smooth=smooth) is axes
     figure.canvas.draw()
     if smooth:  # contours of matplotlib
-        shown = [c for c in axes.collections if isinstance(c, collections.PathCollection) and any(len(p.vertices) for p in c.get_paths())]
+        shown = [c for c in axes.collections
+                 if isinstance(c, collections.PathCollection) and any(len(p.vertices) for p in c.get_paths())]
     else:
         shown = [c for c in axes.collections if isinstance(c, collections.PolyCollection) and c.get_array() is not None]
     colours = {tuple(round(x * 255) for x in one[:3]) for c in shown for one in c.get_facecolor()}
