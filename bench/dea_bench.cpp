@@ -19,10 +19,12 @@
 #include <thread>
 #include <vector>
 
+#include <febiodea/equilibrium/times.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/run/prepared.h>
 #include <febiodea/springs/press.h>
 #include "src/test_models.h"
 
@@ -332,6 +334,36 @@ void reading(int n, const std::filesystem::path& folder) {
   fmt::print(" {:8.1f} {:10.2f}\n", 1e-6 * peak, peak / size);
 }
 
+// ---- presses, for python_press.py --------------------------------------------------------------------------------
+
+/// Presses a joint at the solution of its last step: as many times as each line of standard input says, and answers a
+/// line with the seconds of it and the contacts' normal force, so that a script can take turns with other callers.
+void serve_presses(const std::string& feb, Law law) {
+  const JointModel model = read_feb(feb);
+  Settings settings;
+  settings.law = law;
+  const Recognition recognition = recognise(model, settings);
+  const Prepared joint = prepare(recognition);
+  const int last = static_cast<int>(model.steps.size()) - 1;
+  const LoadCase loads =
+      make_load_case(recognition.model, joint.joint, recognition.settings, last, step_starts(model).back());
+  const Equilibrium balance = solve(joint, loads, at_start(recognition));
+  int springs = 0;
+  for (const SpringBed& bed : joint.beds.beds) springs += bed.springs.size();
+  fmt::print("{}\n", springs);
+  for (int count = 0; std::scanf("%d", &count) == 1;) {
+    double force = 0.0;
+    const double seconds = seconds_of([&] {
+      for (int i = 0; i < count; ++i) {
+        const Pressed pressed = press(joint, balance.poses);
+        force = 0.0;
+        for (const PressedSprings& contact : pressed.contacts) force += contact.normal_force;
+      }
+    });
+    fmt::print("{:.9g} {:.17g}\n", seconds, force);
+  }
+}
+
 /// A folder for the files of this run, removed at its end.
 struct TemporaryFolder {
   std::filesystem::path path = std::filesystem::temp_directory_path() / fmt::format("dea_bench_{}", getpid());
@@ -347,6 +379,16 @@ struct TemporaryFolder {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured, in a file too
+  if (argc == 4 && std::string(argv[1]) == "press") {
+    try {
+      serve_presses(argv[2], std::string(argv[3]) == name(Law::Linear) ? Law::Linear : Law::Layer);
+    } catch (const std::exception& fault) {
+      fmt::print(stderr, "dea_bench: {}\n", fault.what());
+      return 1;
+    }
+    return 0;
+  }
   const std::string what = argc > 1 ? argv[1] : "all";
   const std::vector<std::string> known = {"all", "springs", "laws", "bodies", "hip", "read", "smoke"};
   const std::vector<std::string> of_sizes = {"springs", "laws", "bodies"};
@@ -356,11 +398,11 @@ int main(int argc, char** argv) {
   if (bad_size || (!sizes.empty() && std::find(of_sizes.begin(), of_sizes.end(), what) == of_sizes.end()) ||
       std::find(known.begin(), known.end(), what) == known.end()) {
     fmt::print(stderr,
-               "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]|bodies [N...]]    springs, laws: N x N "
-               "facets, 2 N^2 springs\n");
+               "usage: dea_bench [all|hip|read|smoke|springs [N...]|laws [N...]|bodies [N...]|press MODEL LAW]    "
+               "springs, laws: "
+               "N x N facets, 2 N^2 springs\n");
     return 2;
   }
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a line is seen when it is measured, in a file too
   try {
     const TemporaryFolder folder;
     const std::string hip = DEA_SAMPLES_DIR "/hip/hip_walking.feb";

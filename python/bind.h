@@ -16,12 +16,7 @@ void bind_prepared(py::module_& m);   ///< Prepared, Pressed
 void bind_plot_file(py::module_& m);  ///< PlotFile, numbers of maps
 void bind_map(py::module_& m);        ///< pictures
 
-/// Settings laid over others; `values`: a list of (name, key, text), as febiodea/_settings.py makes them. Throws
-/// UsageError.
-Settings with_values(Settings settings, const py::handle& values);
-
-/// `analyse` of Python.
-std::shared_ptr<Analysed> analyse_joint(const std::shared_ptr<const Recognised>& recognised, const std::string& states,
-                                        const std::string& times_from, const py::object& progress);
+/// Settings laid over others, as febiodea/_settings.py makes them. Throws UsageError.
+Settings with_values(Settings settings, const SaidValues& values);
 
 }  // namespace dea::python

@@ -1,7 +1,10 @@
 #include <pybind11/stl.h>
 
+#include <array>
+#include <optional>
 #include <utility>
 
+#include <febiodea/io/files/output.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/results/result_file.h>
 #include <febiodea/python/bind.h>
@@ -10,6 +13,8 @@
 #include <febiodea/python/work.h>
 #include <febiodea/views/map/draw_map.h>
 #include <febiodea/views/map/map_figure.h>
+#include <febiodea/views/map/map_paint.h>
+#include <febiodea/views/map/map_scale.h>
 
 namespace dea::python {
 
@@ -21,18 +26,23 @@ struct AskedMap {
   bool smooth = false, unrolled = false;
 };
 
+using File = std::shared_ptr<ResultFile>;
+
 /// A result as the file that it would be written to.
 std::shared_ptr<ResultFile> file_of(const std::shared_ptr<Analysed>& a) {
-  const JointModel& model = a->recognised->recognition.model;
-  const std::string& path = model.files.front();
-  return result_of<ResultFile>([a, path](Work&) {
-    return std::make_shared<ResultFile>(
-        ResultFile{path, "dea", make_plot_file(a->recognised->recognition.model, a->analysis)});
+  return result_of<ResultFile>([a](Work&) {
+    const JointModel& model = a->recognised->recognition.model;
+    return std::make_shared<ResultFile>(ResultFile{model.files.front(), "dea", make_plot_file(model, a->analysis)});
   });
 }
 
-std::shared_ptr<MapFigure> figure_of(const std::shared_ptr<ResultFile>& file, const AskedMap& asked) {
-  return result_of<MapFigure>([file, asked](Work&) {
+/// Of several files side by side, with one scale; `labels`: what they are called, one each, or none.
+std::shared_ptr<MapFigure> figure_of(const std::vector<File>& files, const std::vector<std::string>& labels,
+                                     const AskedMap& asked) {
+  return result_of<MapFigure>([files, labels, asked](Work&) {
+    std::vector<ResultFile> shown;
+    for (const File& file : files) shown.push_back(*file);
+    for (std::size_t i = 0; i < labels.size(); ++i) shown[i].label = labels[i];
     MapOptions options;
     options.field = asked.field;
     if (!asked.surface.empty()) options.surfaces = {asked.surface};
@@ -40,35 +50,92 @@ std::shared_ptr<MapFigure> figure_of(const std::shared_ptr<ResultFile>& file, co
     options.states_option = python_wording()(NamedSetting{"states", "", asked.states});
     options.smooth = asked.smooth;
     options.unrolled = asked.unrolled;
-    return std::make_shared<MapFigure>(make_map_figure({*file}, nullptr, options));
+    return std::make_shared<MapFigure>(make_map_figure(shown, nullptr, options));
   });
 }
 
-py::bytes picture_of(const std::shared_ptr<ResultFile>& file, const std::string& format, double width, double dpi,
+/// What a picture is to look like, as Python says it.
+struct AskedPicture {
+  std::string path, format;  ///< path empty: it is not written
+  double width = 0.0, dpi = 0.0;
+};
+
+py::bytes picture_of(const std::vector<File>& files, const std::vector<std::string>& labels, const AskedPicture& look,
                      const AskedMap& asked) {
-  const std::shared_ptr<MapFigure> figure = figure_of(file, asked);
-  PictureOptions options;
-  options.format = format == "svg" ? PictureFormat::Svg : format == "pdf" ? PictureFormat::Pdf : PictureFormat::Png;
-  options.width = width;
-  options.dpi = dpi;
-  return *result_of<std::string>(
-      [figure, options](Work&) { return std::make_shared<std::string>(picture(*figure, options)); });
+  const std::shared_ptr<MapFigure> figure = figure_of(files, labels, asked);
+  return *result_of<std::string>([figure, look](Work&) {
+    PictureOptions options;
+    options.format = look.format == "svg"   ? PictureFormat::Svg
+                     : look.format == "pdf" ? PictureFormat::Pdf
+                                            : PictureFormat::Png;
+    options.width = look.width;
+    options.dpi = look.dpi;
+    const auto drawn = std::make_shared<std::string>(picture(*figure, options));
+    if (!look.path.empty()) write_text(look.path, *drawn);
+    return drawn;
+  });
+}
+
+py::tuple colour_tuple(const Rgb& c) { return py::make_tuple(c.r, c.g, c.b); }
+
+/// A line that is closed ends where it begins.
+py::list lines_of(const std::vector<Polyline>& lines) {
+  py::list all;
+  for (const Polyline& line : lines) {
+    std::vector<std::array<double, 2>> points;
+    for (const Vector2d& x : line.points) points.push_back({x.x(), x.y()});
+    if (line.closed && !points.empty()) points.push_back(points.front());
+    all.append(kept(std::move(points)));
+  }
+  return all;
+}
+
+/// The layers of a panel, those behind first.
+py::list layers_of(const std::shared_ptr<MapFigure>& figure, const MapPanel& panel) {
+  const MapSurface& surface = figure->surfaces[at(panel.surface)];
+  py::list all;
+  for (int layer = 0; layer < surface.projection.layers; ++layer) {
+    const PanelMasks masks = panel_masks(*figure, panel, layer);
+    py::dict one;
+    one["rim"] = lines_of(rim(surface.mesh, surface.projection, masks.all));
+    one["all"] = kept(masks.all);
+    one["away"] = kept(masks.away);
+    one["valued"] = kept(masks.valued);
+    one["interpolated"] = kept(masks.interpolated);
+    all.append(one);
+  }
+  return all;
+}
+
+py::object place_of(const std::optional<Vector2d>& place) {
+  return place ? py::object(py::make_tuple(place->x(), place->y())) : py::object(py::none());
 }
 
 py::dict panel_dict(const std::shared_ptr<MapFigure>& figure, const MapPanel& panel) {
   const MapSurface& surface = figure->surfaces[at(panel.surface)];
-  py::array_t<double> points({static_cast<py::ssize_t>(surface.projection.points.size()), py::ssize_t{2}});
-  auto to = points.mutable_unchecked<2>();
-  for (py::ssize_t i = 0; i < points.shape(0); ++i)
-    for (int k = 0; k < 2; ++k) to(i, k) = surface.projection.points[at(i)](k);
+  std::vector<std::array<double, 2>> points;
+  for (const Vector2d& x : surface.projection.points) points.push_back({x.x(), x.y()});
   py::dict all;
-  all["title"] = text(panel.title + panel.when);
-  all["points"] = points;
+  all["title"] = text(panel.title);
+  all["points"] = kept(std::move(points));
   all["triangles"] = look(surface.mesh.triangles, figure);
   all["facet"] = look(surface.mesh.facet, figure);
-  all["layer"] = look(surface.projection.layer, figure);
+  all["layers"] = layers_of(figure, panel);
   all["facets"] = look(panel.facets, figure);
   all["nodes"] = look(panel.points, figure);
+  all["edge"] = panel.edge;
+  all["peak"] = place_of(panel.peak);
+  all["center_of_pressure"] = place_of(panel.center_of_pressure);
+  return all;
+}
+
+/// Lines of equal value: the value, and the colour that is seen on it.
+py::list contours_of(const MapFigure& figure) {
+  py::list all;
+  for (const double level : figure.contours) {
+    const bool white = white_line(colour(figure.map, (level - figure.low) / (figure.high - figure.low)));
+    all.append(py::make_tuple(level, white ? "white" : "black"));
+  }
   return all;
 }
 
@@ -76,16 +143,20 @@ py::dict figure_dict(const std::shared_ptr<MapFigure>& figure) {
   py::dict all;
   py::list panels, colours;
   for (const MapPanel& panel : figure->panels) panels.append(panel_dict(figure, panel));
-  for (const auto& c : colour_table(figure->map))
-    colours.append(py::make_tuple(c[0] / 255.0, c[1] / 255.0, c[2] / 255.0));
+  for (int b = 0; b < kBands; ++b) colours.append(colour_tuple(band_colour(figure->map, b)));
+  const Paper white = paper(false, figure->map);
   all["panels"] = panels;
   all["colours"] = colours;
+  all["nothing"] = colour_tuple(white.nothing);
+  all["turned_away"] = colour_tuple(white.turned_away);
+  all["line"] = colour_tuple(white.line);
+  all["contours"] = contours_of(*figure);
+  all["empty"] = figure->empty;
   all["low"] = figure->low;
   all["high"] = figure->high;
   all["ticks"] = figure->ticks;
   all["smooth"] = figure->smooth;
   all["quantity"] = text(figure->quantity + (figure->unit.empty() ? "" : " [" + figure->unit + "]"));
-  all["remarks"] = texts(figure->remarks);
   return all;
 }
 
@@ -93,14 +164,14 @@ py::dict figure_dict(const std::shared_ptr<MapFigure>& figure) {
 
 void bind_map(py::module_& m) {
   m.def("plot_file_of", &file_of);
-  m.def("picture", [](const std::shared_ptr<ResultFile>& file, const std::string& format, double width, double dpi,
-                      const std::string& field, const std::string& surface, const std::string& states, bool smooth,
-                      bool unrolled) {
-    return picture_of(file, format, width, dpi, {field, surface, states, smooth, unrolled});
+  m.def("picture", [](const std::vector<File>& files, const std::vector<std::string>& labels, const std::string& path,
+                      const std::string& format, double width, double dpi, const std::string& field,
+                      const std::string& surface, const std::string& states, bool smooth, bool unrolled) {
+    return picture_of(files, labels, {path, format, width, dpi}, {field, surface, states, smooth, unrolled});
   });
-  m.def("map_of", [](const std::shared_ptr<ResultFile>& file, const std::string& field, const std::string& surface,
-                     const std::string& states, bool smooth, bool unrolled) {
-    return figure_dict(figure_of(file, {field, surface, states, smooth, unrolled}));
+  m.def("map_of", [](const File& file, const std::string& field, const std::string& surface, const std::string& states,
+                     bool smooth, bool unrolled) {
+    return figure_dict(figure_of({file}, {}, {field, surface, states, smooth, unrolled}));
   });
 }
 

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include <febiodea/base/names.h>
@@ -11,6 +13,7 @@
 #include <febiodea/io/results/result_file.h>
 #include <febiodea/python/bind.h>
 #include <febiodea/python/plain.h>
+#include <febiodea/python/views.h>
 #include <febiodea/python/work.h>
 #include <febiodea/results/comparison.h>
 #include <febiodea/results/headline.h>
@@ -63,6 +66,12 @@ const char* word_of_type(XpltType type) {
 }
 const char* word_of_format(XpltFormat format) { return word_of(format, {"node", "item", "mult", "region"}); }
 
+/// FEBio gives domains of rigid bodies no name, but that of their part.
+std::string domain_name(const XpltMesh& mesh, const XpltDomain& domain) {
+  const std::size_t part = static_cast<std::size_t>(domain.part);
+  return domain.name.empty() && part >= 1 && part <= mesh.parts.size() ? mesh.parts[part - 1] : domain.name;
+}
+
 std::string region_name(const FieldView& f) {
   const std::size_t region = at(f.where().region);
   const XpltMesh& mesh = f.in.mesh();
@@ -70,7 +79,7 @@ std::string region_name(const FieldView& f) {
   const auto named = [&](const auto& list) { return region <= list.size() ? list[region - 1].name : std::string(); };
   switch (f.what().group) {
     case XpltGroup::Domain:
-      return named(mesh.domains);
+      return region <= mesh.domains.size() ? domain_name(mesh, mesh.domains[region - 1]) : "";
     case XpltGroup::Surface:
       return named(mesh.surfaces);
     case XpltGroup::Edge:
@@ -105,29 +114,33 @@ std::vector<std::string> names_of(const List& list) {
   return names;
 }
 
-std::size_t find_name_in(const char* what, const std::string& name, const std::vector<std::string>& names) {
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == name) return i;
-  throw UsageError(Fault{.place = what,
-                         .found = fmt::format("found \"{}\"{},", name, did_you_mean(name, names)),
-                         .expected = fmt::format("expected one of {}", name_list(names, name))});
+PlotSurfaceView surface_of(const PlotStateView& s, const std::string& name) {
+  const int index = static_cast<int>(find_name("surface", name, names_of(s.mesh().surfaces)));
+  return {s, index,
+          unlocked([&] { return std::make_shared<const ResultSurface>(result_surface(*s.file, s.state, index)); })};
 }
 
-PlotSurfaceView surface_of(const PlotStateView& s, const std::string& name) {
-  const int index = static_cast<int>(find_name_in("surface", name, names_of(s.mesh().surfaces)));
-  return {s, index, std::make_shared<const ResultSurface>(result_surface(*s.file, s.state, index))};
+/// Fields of a group that have values in this state, of one region (0: of any), and are of the kind that is asked for.
+template <class Kind>
+std::vector<std::string> fields_there(const PlotStateView& s, XpltGroup group, int region, const Kind& is_of_kind) {
+  std::vector<std::string> names;
+  for (std::size_t v = 0; v < s.values().variables.size(); ++v) {
+    const XpltVariable& variable = s.file->xplt.variables[v];
+    const auto& regions = s.values().variables[v];
+    if (variable.group == group && is_of_kind(variable) &&
+        std::any_of(regions.begin(), regions.end(),
+                    [&](const XpltRegion& r) { return region == 0 || r.region == region; }))
+      names.push_back(utf8(variable.name));
+  }
+  return names;
 }
 
 std::vector<double> facet_field(const PlotSurfaceView& v, const std::string& field) {
-  std::vector<double> values = facet_values(*v.in.file, v.in.state, v.index, field, true);
-  if (!values.empty()) return values;
-  std::vector<std::string> names;
-  for (const XpltVariable& variable : v.in.file->xplt.variables)
-    if (variable.group == XpltGroup::Surface) names.push_back(utf8(variable.name));
-  throw UsageError(Fault{.place = "field",
-                         .found = fmt::format("found no \"{}\" on surface \"{}\" in this state{},", field,
-                                              v.surface->name, did_you_mean(field, names)),
-                         .expected = fmt::format("expected one of {}", name_list(names, field))});
+  const auto scalar_per_facet = [](const XpltVariable& variable) {
+    return variable.type == XpltType::Float && variable.format != XpltFormat::Region;
+  };
+  find_name("field", field, fields_there(v.in, XpltGroup::Surface, v.index + 1, scalar_per_facet));
+  return facet_values(*v.in.file, v.in.state, v.index, field, true);
 }
 
 py::array floats_as_points(const std::vector<float>& values, const File& file) {
@@ -147,10 +160,6 @@ py::dict distribution_dict(const Distribution& d) {
       {"p25", d.p25},   {"median", d.median}, {"p75", d.p75}, {"p95", d.p95},   {"p99_unweighted", d.p99_unweighted}};
   for (const auto& number : numbers) all[number.first] = number.second;
   return all;
-}
-
-py::object headline_tuple(const Headline& h) {
-  return py::module_::import("febiodea._tables").attr("Headline")(h.p99, h.mean, h.area, h.peak, h.above);
 }
 
 void bind_field(py::module_& m) {
@@ -197,10 +206,21 @@ void add_surface_values(py::class_<PlotSurfaceView>& surface) {
       .def(
           "nodal",
           [](const PlotSurfaceView& v, const std::string& field) {
-            return kept(nodal_average(*v.surface, facet_field(v, field)));
+            return kept(unlocked([&] { return nodal_average(*v.surface, facet_field(v, field)); }));
           },
           py::arg("field"),
           "(vertices,) a scalar field: the area-weighted mean of the facets around each of `points`.");
+}
+
+void need_same_size(std::size_t expected, std::size_t found, const char* place, const char* each) {
+  if (expected != found)
+    throw UsageError(Fault{.place = place,
+                           .found = fmt::format("found {} values,", found),
+                           .expected = fmt::format("expected {}, one per {}", expected, each)});
+}
+
+auto measured(const PlotSurfaceView& v, const std::string& field) {
+  return unlocked([&] { return measure(*v.surface, {facet_field(v, field), {}}, {0.0}); });
 }
 
 void add_surface_numbers(py::class_<PlotSurfaceView>& surface) {
@@ -208,41 +228,38 @@ void add_surface_numbers(py::class_<PlotSurfaceView>& surface) {
       .def(
           "headline",
           [](const PlotSurfaceView& v, const std::string& field) {
-            return headline_tuple(headline(*v.surface, facet_field(v, field)));
+            return headline_tuple(unlocked([&] { return headline(*v.surface, facet_field(v, field)); }));
           },
           py::arg("field") = "contact pressure", "p99, mean, area, peak as every command prints them.")
       .def(
           "distribution",
           [](const PlotSurfaceView& v, const std::string& field, double above, bool nodal) {
-            const std::vector<double> values = facet_field(v, field);
-            return distribution_dict(
-                nodal ? distribution(nodal_average(*v.surface, values), nodal_areas(*v.surface), above)
-                      : distribution(values, v.surface->facet_areas, above));
+            return distribution_dict(unlocked([&] {
+              const std::vector<double> values = facet_field(v, field);
+              return nodal ? distribution(nodal_average(*v.surface, values), nodal_areas(*v.surface), above)
+                           : distribution(values, v.surface->facet_areas, above);
+            }));
           },
           py::arg("field") = "contact pressure", py::arg("above") = 0.0, py::arg("nodal") = true,
           "How the values above a threshold are distributed, as `dea compare --details` has it: of nodal averages or "
           "facets.")
       .def(
           "resultant",
-          [](const PlotSurfaceView& v, const std::string& field) {
-            return vector3(measure(*v.surface, {facet_field(v, field), {}}, {0.0}).resultant);
-          },
+          [](const PlotSurfaceView& v, const std::string& field) { return vector3(measured(v, field).resultant); },
           py::arg("field") = "contact pressure", "(3,) sum of value, area and normal over the facets.")
       .def(
           "center_of_pressure",
           [](const PlotSurfaceView& v, const std::string& field) {
-            return vector3(measure(*v.surface, {facet_field(v, field), {}}, {0.0}).center_of_pressure);
+            return vector3(measured(v, field).center_of_pressure);
           },
           py::arg("field") = "contact pressure", "(3,) reference; NaN: no pressure.")
       .def(
           "carry_from",
-          [](const PlotSurfaceView& v, const PlotSurfaceView& other, const std::vector<double>& values) {
-            if (values.size() != other.surface->mesh.vertices.size())
-              throw UsageError(Fault{.place = "values",
-                                     .found = fmt::format("found {} values,", values.size()),
-                                     .expected = fmt::format("expected one for each of {} points of the other surface",
-                                                             other.surface->mesh.vertices.size())});
-            return kept(carry_values(match_nodes(*v.surface, *other.surface), *other.surface, values));
+          [](const PlotSurfaceView& v, const PlotSurfaceView& other, const py::object& values) {
+            const std::vector<double> numbers = numbers_of(values, "values");
+            need_same_size(other.surface->mesh.vertices.size(), numbers.size(), "values", "point of the other surface");
+            return kept(unlocked(
+                [&] { return carry_values(match_nodes(*v.surface, *other.surface), *other.surface, numbers); }));
           },
           py::arg("other"), py::arg("values"),
           "(vertices,) nodal values of another surface at this one's `points`; NaN: it does not cover them.")
@@ -302,8 +319,13 @@ void bind_plot_state(py::module_& m) {
           "cell_types", [](const PlotStateView& s) { return kept(cells_of_mesh(s.mesh()).types); },
           "(elements,) VTK's number of each element's type.")
       .def_property_readonly(
-          "domains", [](const PlotStateView& s) { return names_of(s.mesh().domains); },
-          "Their names, in the order of `cells`.")
+          "domains",
+          [](const PlotStateView& s) {
+            py::list all;
+            for (const XpltDomain& domain : s.mesh().domains) all.append(text(domain_name(s.mesh(), domain)));
+            return all;
+          },
+          "Their names, in the order of `cells`; of one without a name that of its part.")
       .def_property_readonly(
           "surfaces", [](const PlotStateView& s) { return names_of(s.mesh().surfaces); }, "Names of the surfaces.")
       .def_property_readonly(
@@ -321,12 +343,8 @@ void bind_plot_state(py::module_& m) {
       .def(
           "nodal",
           [](const PlotStateView& s, const std::string& field) {
-            const int v = find_variable(s.file->xplt, XpltGroup::Nodal, field);
-            std::vector<std::string> names;
-            for (const XpltVariable& variable : s.file->xplt.variables)
-              if (variable.group == XpltGroup::Nodal) names.push_back(utf8(variable.name));
-            if (v < 0 || s.values().variables[at(v)].empty()) find_name_in("field", v < 0 ? field : "", names);
-            return values_of(FieldView{s, at(v), 0});
+            find_name("field", field, fields_there(s, XpltGroup::Nodal, 0, [](const XpltVariable&) { return true; }));
+            return values_of(FieldView{s, at(find_variable(s.file->xplt, XpltGroup::Nodal, field)), 0});
           },
           py::arg("field"), "(nodes,) or (nodes, components) a nodal field such as \"displacement\".")
       .def("__repr__",
@@ -365,50 +383,70 @@ void bind_file(py::module_& m) {
       });
 }
 
-void need_same_size(std::size_t a, std::size_t b, const char* what) {
-  if (a != b)
-    throw UsageError(Fault{.place = what,
-                           .found = fmt::format("found {} of them,", b),
-                           .expected = fmt::format("expected {}, one per value", a)});
+/// Numbers of Python, each finite and, where `least` says so, not below it.
+std::vector<double> finite_numbers(const py::object& given, const char* place, double least) {
+  const std::vector<double> numbers = numbers_of(given, place);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (!std::isfinite(numbers[i]) || numbers[i] < least)
+      throw UsageError(Fault{.place = fmt::format("{}[{}]", place, i),
+                             .found = fmt::format("found {},", numbers[i]),
+                             .expected = std::isfinite(least) ? fmt::format("expected a finite number >= {}", least)
+                                                              : std::string("expected a finite number")});
+  return numbers;
+}
+
+py::dict distribution_of(const py::object& values, const py::object& areas, double above) {
+  const std::vector<double> all = numbers_of(values, "values"), shares = finite_numbers(areas, "areas", 0);
+  need_same_size(all.size(), shares.size(), "areas", "value");
+  return distribution_dict(unlocked([&] { return distribution(all, shares, above); }));
+}
+
+double percentile_of(const py::object& values, const py::object& weights, double fraction) {
+  const std::vector<double> all = finite_numbers(values, "values", -std::numeric_limits<double>::infinity()),
+                            shares = finite_numbers(weights, "weights", 0);
+  need_same_size(all.size(), shares.size(), "weights", "value");
+  if (!(fraction >= 0 && fraction <= 1))
+    throw UsageError(Fault{
+        .place = "fraction", .found = fmt::format("found {},", fraction), .expected = "expected a number from 0 to 1"});
+  std::vector<double> counted, their_weights;  // a value without a weight is none
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!(shares[i] > 0)) continue;
+    counted.push_back(all[i]);
+    their_weights.push_back(shares[i]);
+  }
+  return unlocked([&] { return weighted_percentile(counted, their_weights, fraction); });
+}
+
+py::dict pattern_difference_of(const py::object& a, const py::object& b, const py::object& areas, double above) {
+  std::vector<double> ours = numbers_of(a, "a");
+  const std::vector<double> theirs = numbers_of(b, "b"), shares = finite_numbers(areas, "areas", 0);
+  need_same_size(ours.size(), theirs.size(), "b", "value of a");
+  need_same_size(ours.size(), shares.size(), "areas", "value");
+  for (std::size_t i = 0; i < ours.size(); ++i)
+    if (std::isnan(theirs[i])) ours[i] = kNaN;
+  const PatternDifference d = unlocked([&] { return pattern_difference(ours, theirs, shares, {above}); });
+  py::dict all;
+  const std::pair<const char*, double> numbers[] = {{"correlation", d.correlation},
+                                                    {"rms", d.rms},
+                                                    {"mean", d.mean},
+                                                    {"largest", d.largest},
+                                                    {"dice", d.dice.front()}};
+  for (const auto& number : numbers) all[number.first] = number.second;
+  return all;
 }
 
 void bind_numbers(py::module_& m) {
   m.def(
-      "distribution",
-      [](const std::vector<double>& values, const std::vector<double>& areas, double above) {
-        need_same_size(values.size(), areas.size(), "areas");
-        return distribution_dict(distribution(values, areas, above));
-      },
-      py::arg("values"), py::arg("areas"), py::arg("above") = 0.0,
-      "How values above a threshold are distributed, weighted by areas: a dictionary with area, peak, p99, mean, p5, "
-      "...");
-  m.def(
-      "percentile",
-      [](const std::vector<double>& values, const std::vector<double>& weights, double fraction) {
-        need_same_size(values.size(), weights.size(), "weights");
-        return weighted_percentile(values, weights, fraction);
-      },
-      py::arg("values"), py::arg("weights"), py::arg("fraction"),
-      "Percentile of weighted values; fraction 0 to 1. NaN: no values.");
-  m.def(
-      "pattern_difference",
-      [](const std::vector<double>& a, const std::vector<double>& b, const std::vector<double>& areas, double above) {
-        need_same_size(a.size(), b.size(), "b");
-        need_same_size(a.size(), areas.size(), "areas");
-        const PatternDifference d = pattern_difference(a, b, areas, {above});
-        py::dict all;
-        const std::pair<const char*, double> numbers[] = {{"correlation", d.correlation},
-                                                          {"rms", d.rms},
-                                                          {"mean", d.mean},
-                                                          {"largest", d.largest},
-                                                          {"dice", d.dice.front()}};
-        for (const auto& number : numbers) all[number.first] = number.second;
-        return all;
-      },
-      py::arg("a"), py::arg("b"), py::arg("areas"), py::arg("above") = 0.0,
-      "How the pattern a differs from b, over nodes where either is above 0: correlation, rms, mean, largest, and dice "
-      "of\n"
-      "what lies above the threshold. NaN in a: left out.");
+      "distribution", &distribution_of, py::arg("values"), py::arg("areas"), py::arg("above") = 0.0,
+      "How values above a threshold are distributed, weighted by areas: a dictionary with area, peak, p99, mean, p5,\n"
+      "... NaN among the values: left out. Raises UsageError.");
+  m.def("percentile", &percentile_of, py::arg("values"), py::arg("weights"), py::arg("fraction"),
+        "Percentile of weighted values; fraction 0 to 1. NaN: no value has a weight. Raises UsageError.");
+  m.def("pattern_difference", &pattern_difference_of, py::arg("a"), py::arg("b"), py::arg("areas"),
+        py::arg("above") = 0.0,
+        "How the pattern a differs from b, over nodes where either is above 0: correlation, rms, mean, largest, and "
+        "dice\n"
+        "of what lies above the threshold. NaN in a or b: left out. Raises UsageError.");
 }
 
 }  // namespace

@@ -55,7 +55,9 @@ std::vector<Pose> with_poses(const PreparedJoint& joint, std::vector<Pose> poses
     }
     return poses;
   }
-  if (!py::isinstance<py::sequence>(given) && !py::isinstance<py::array>(given))
+  const bool is_list = py::isinstance<py::list>(given) || py::isinstance<py::tuple>(given) ||
+                       (py::isinstance<py::array>(given) && given.cast<py::array>().ndim() > 0);
+  if (!is_list)
     throw UsageError(
         Fault{.place = where,
               .found = "found no poses,",
@@ -79,7 +81,7 @@ struct GivenLoad {
 
 Vector3d three_numbers(const py::object& given, const char* where) {
   if (given.is_none()) return Vector3d::Zero();
-  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(given);
+  const auto array = DoubleArray::ensure(given);
   if (!array) PyErr_Clear();
   if (!array || array.ndim() != 1 || array.shape(0) != 3)
     throw UsageError(Fault{.place = where, .found = "found no three numbers,", .expected = "expected (x, y, z)"});
@@ -90,23 +92,27 @@ Vector3d three_numbers(const py::object& given, const char* where) {
   return v;
 }
 
-/// The settings of a load case: those of the recognition, with the load as a table of one row.
-Settings settings_with(const PreparedJoint& joint, const py::list& values, const GivenLoad& given) {
-  for (const py::handle value : values) {  // others would make another joint
-    const std::string keyword = value.cast<py::tuple>()[0].cast<std::string>();
-    if (keyword != "rotate" && keyword != "rotate_about" && keyword != "move" && keyword != "free" &&
-        keyword != "load_at")
-      throw UsageError(Fault{.place = keyword,
-                             .found = "found a setting of the joint itself,",
-                             .expected = "expected rotate, rotate_about, move or free; recognise takes the others"});
-  }
-  Settings settings = with_values(joint.recognised->recognition.settings, values);
+/// The settings of a load case: those of the recognition, with the load as a table of one row. Of a table of motion the
+/// last row stays, as it does without a load.
+Settings settings_with(const PreparedJoint& joint, const SaidValues& values, const GivenLoad& given) {
+  const Recognition& r = joint.recognised->recognition;
+  Settings settings = with_values(r.settings, values);
   if (given.body.empty()) return settings;
+  if (!settings.loads.time.empty() && settings.loads.body != given.body)
+    throw UsageError(
+        Fault{.place = "body",
+              .found = fmt::format("found \"{}\", and a table of loads on \"{}\",", given.body, settings.loads.body),
+              .expected = "expected the table's body, or a recognition without the table"});
+  double time = step_starts(r.model).back();
+  if (!settings.motion.time.empty()) {
+    time = settings.motion.time.back();
+    settings.motion.time = {time};
+    settings.motion.motion = {settings.motion.motion.back()};
+  }
   settings.force.erase(given.body);
-  settings.motion = {};
   settings.loads = {};
   settings.loads.body = given.body;
-  settings.loads.time = {step_starts(joint.recognised->recognition.model).back()};
+  settings.loads.time = {time};
   settings.loads.load = {given.load};
   return settings;
 }
@@ -117,7 +123,8 @@ LoadCase load_case_of(const PreparedJoint& joint, const Settings& settings, cons
     return make_load_case(model, joint.prepared.joint, settings, static_cast<int>(model.steps.size()) - 1,
                           step_starts(model).back());
   check_rows(model, joint.prepared.joint, settings);
-  return make_row_case(model, joint.prepared.joint, settings, static_cast<int>(row_count(settings)) - 1, placed, placed);
+  return make_row_case(model, joint.prepared.joint, settings, static_cast<int>(row_count(settings)) - 1, placed,
+                       placed);
 }
 
 /// A start says where free dofs begin; what is held stays where the settings place it, whatever state the start is
@@ -162,15 +169,26 @@ std::shared_ptr<SolvedLoad> solved_load(const Joint_& joint, const LoadCase& loa
   return solved;
 }
 
-StateView solve_joint(const Joint_& joint, const std::string& body, const py::object& force, const py::object& moment,
-                      const py::list& values, const py::object& start, const py::object& progress) {
+GivenLoad given_load(const PreparedJoint& joint, const std::string& body, const py::object& force,
+                     const py::object& moment) {
   GivenLoad given;
   given.load << three_numbers(force, "force"), three_numbers(moment, "moment");
-  if (!body.empty()) given.body = joint->prepared.joint.bodies[body_at(*joint, body)].name;
-  if (body.empty() && !(force.is_none() && moment.is_none()))
+  const bool loaded = !force.is_none() || !moment.is_none();
+  if (!body.empty()) given.body = joint.prepared.joint.bodies[body_at(joint, body)].name;
+  if (body.empty() && loaded)
     throw UsageError(Fault{.place = force.is_none() ? "moment" : "force",
                            .found = "found no body that it acts on,",
                            .expected = "expected body=\"BODY\" beside it"});
+  if (!body.empty() && !loaded)
+    throw UsageError(Fault{.place = "body",
+                           .found = fmt::format("found \"{}\" without a load,", body),
+                           .expected = "expected force=(x, y, z), moment=(x, y, z) or both beside it"});
+  return given;
+}
+
+StateView solve_joint(const Joint_& joint, const std::string& body, const py::object& force, const py::object& moment,
+                      const SaidValues& values, const py::object& start, const py::object& progress) {
+  const GivenLoad given = given_load(*joint, body, force, moment);
   const Settings settings = settings_with(*joint, values, given);
   const std::vector<Pose> placed =
       starting_poses(joint->recognised->recognition.model, joint->prepared.joint, settings);
@@ -185,13 +203,26 @@ StateView solve_joint(const Joint_& joint, const std::string& body, const py::ob
   return view_of(solved);
 }
 
+/// A press that is over before Ctrl-C could be felt: the way to another thread and back would be a good part of it.
+bool is_quick(const Prepared& prepared) {
+  constexpr int kSprings = 50000;  // independent ones: about 50 ms
+  int springs = 0;
+  for (const SpringBed& bed : prepared.beds.beds) {
+    if (bed.layers) return false;
+    springs += bed.springs.size();
+  }
+  return springs <= kSprings;
+}
+
 std::shared_ptr<PressedJoint> press_joint(const Joint_& joint, const py::object& poses) {
   const std::vector<Pose> all = with_poses(*joint, reference_poses(joint->prepared.joint), poses, "pose");
-  return result_of<PressedJoint>([joint, all](Work& work) {
+  const auto pressed = [joint, all](const StopFlag* stop) {
     PressOptions options;
-    options.stop = &work.stop;
+    options.stop = stop;
     return std::make_shared<PressedJoint>(PressedJoint{joint, all, press(joint->prepared, all, options)});
-  });
+  };
+  if (is_quick(joint->prepared)) return unlocked([&] { return pressed(nullptr); });
+  return result_of<PressedJoint>([pressed](Work& work) { return pressed(&work.stop); });
 }
 
 struct PressedView {
@@ -218,7 +249,7 @@ void bind_joint(py::module_& m) {
            "All contacts at given poses, without a search for the poses.\n\n"
            "pose: {\"BODY\": 4 x 4 array, ...}, bodies that are not named stay where the file has them; or an array\n"
            "(bodies, 4, 4); or a state. x = R X + t: the identity leaves a body where the file has it. Global frame,\n"
-           "the model's units. Answers a Pressed.")
+           "the model's units. Answers a Pressed. Raises UsageError.")
       .def("__repr__", [](const PreparedJoint& j) {
         return text(fmt::format("<febiodea.Prepared: {} bodies, {} contacts>", j.prepared.joint.bodies.size(),
                                 j.prepared.joint.contacts.size()));
@@ -256,7 +287,11 @@ void bind_pressed_contact(py::module_& m) {
           "stiffness", [](const PressedView& v) { return matrix6(-v.contact().derivative); },
           "(6, 6) minus `derivative`: what resists the motion.")
       .def_property_readonly(
-          "normal_force", [](const PressedView& v) { return v.contact().normal_force; }, "Sum of pressure times area.");
+          "normal_force", [](const PressedView& v) { return v.contact().normal_force; }, "Sum of pressure times area.")
+      .def("__repr__", [](const PressedView& v) {
+        return text(fmt::format("<febiodea.PressedContact {}: normal force {:.4g}>",
+                                v.of->joint->prepared.joint.contacts[v.index].name, v.contact().normal_force));
+      });
 }
 
 void bind_pressed(py::module_& m) {
@@ -297,7 +332,11 @@ void bind_pressed(py::module_& m) {
               all[text(bodies[b].name)] = matrix_of(p.poses[b], bodies[b].center_of_mass);
             return all;
           },
-          "Per body its pose, (4, 4).");
+          "Per body its pose, (4, 4).")
+      .def("__repr__", [](const PressedJoint& p) {
+        return fmt::format("<febiodea.Pressed: {} contact{}>", p.pressed.contacts.size(),
+                           p.pressed.contacts.size() == 1 ? "" : "s");
+      });
 }
 
 }  // namespace

@@ -75,12 +75,14 @@ void bind_result(py::module_& m) {
           "findings", [](const Analysed& a) { return texts(run_remarks(model_of(a), a.analysis, python_wording())); },
           "What was concluded, left out or is doubtful, a line each.")
       .def(
-          "to_dict", [](const Analysed& a) { return plain(result_json(a)); },
+          "to_dict", [](const Analysed& a) { return plain(unlocked([&] { return result_json(a); })); },
           "What `dea run --json` writes, as a dictionary.")
       .def(
-          "to_json", [](const Analysed& a) { return text(json_text(result_json(a))); }, "What `dea run --json` writes.")
+          "to_json", [](const Analysed& a) { return text(unlocked([&] { return json_text(result_json(a)); })); },
+          "What `dea run --json` writes.")
       .def(
-          "facets_csv", [](const Analysed& a) { return text(facets_csv(model_of(a), a.analysis)); },
+          "facets_csv",
+          [](const Analysed& a) { return text(unlocked([&] { return facets_csv(model_of(a), a.analysis); })); },
           "What `dea run --facets-csv` writes: a line per state, contact, side and facet.")
       .def("__str__", [](const Analysed& a) { return text(run_text(model_of(a), a.analysis, false)); })
       .def("__repr__",
@@ -111,10 +113,6 @@ py::dict reactions_of(const StateView& v) {
 }
 
 Json statistics_of(const StateView& v) { return state_json(v.model(), *v.joint, *v.state); }
-
-py::object headline_of(const Headline& h) {
-  return py::module_::import("febiodea._tables").attr("Headline")(h.p99, h.mean, h.area, h.peak, h.above);
-}
 
 void bind_state(py::module_& m) {
   py::class_<StateView>(m, "State", "One state: poses, forces, contacts.")
@@ -189,7 +187,7 @@ void bind_contact(py::module_& m) {
           "nodes", [](const ContactView& v) { return NodesView{source_side(v)}; },
           "Nodes of the source's articular surface: arrays.")
       .def_property_readonly(
-          "headline", [](const ContactView& v) { return headline_of(v.statistics().headline); },
+          "headline", [](const ContactView& v) { return headline_tuple(v.statistics().headline); },
           "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).")
       .def_property_readonly(
           "compartments",
@@ -231,18 +229,27 @@ void bind_side(py::module_& m) {
       .def_property_readonly(
           "nodes", [](const SideView& v) { return NodesView{v}; }, "Its nodes: arrays.")
       .def_property_readonly(
-          "force", [](const SideView& v) { return vector3(v.fields().force); }, "(3,) of the contact on this side.");
+          "force", [](const SideView& v) { return vector3(v.fields().force); }, "(3,) of the contact on this side.")
+      .def("__repr__", [](const SideView& v) {
+        return text(fmt::format("<febiodea.Side {} of body {}>", v.of.in.model().surfaces[at(v.layer().surface)].name,
+                                v.of.in.joint->bodies[at(v.layer().body)].name));
+      });
   py::class_<CompartmentView>(m, "Compartment", "What one piece of a contact's surface carries.")
       .def_property_readonly(
           "name", [](const CompartmentView& v) { return text(compartment_names(v.of.pair())[v.index]); }, "Its name.")
       .def_property_readonly(
-          "headline", [](const CompartmentView& v) { return headline_of(v.load().headline); },
+          "headline", [](const CompartmentView& v) { return headline_tuple(v.load().headline); },
           "p99, mean, area, peak of its share.")
       .def_property_readonly(
           "force", [](const CompartmentView& v) { return vector3(v.load().force); }, "(3,) on the target, global.")
       .def_property_readonly(
           "center_of_pressure", [](const CompartmentView& v) { return vector3(v.load().center_of_pressure); },
-          "(3,) of its springs, current; NaN: it carries nothing.");
+          "(3,) of its springs, current; NaN: it carries nothing.")
+      .def("__repr__", [](const CompartmentView& v) {
+        return text(fmt::format("<febiodea.Compartment {}: p99 {:.4g}, area {:.4g}>",
+                                compartment_names(v.of.pair())[v.index], v.load().headline.p99,
+                                v.load().headline.area));
+      });
 }
 
 /// A column of springs: a member of SpringStates.
@@ -271,7 +278,9 @@ void bind_springs(py::module_& m) {
   add_column(springs, "thickness_source", &SpringStates::t_source, "(springs,) of the source's layer.");
   add_column(springs, "thickness_target", &SpringStates::t_target, "(springs,) of the target's layer.");
   add_column(springs, "too_deep", &SpringStates::too_deep, "(springs,) flag: deeper than both layers are thick.");
-  springs.def("__len__", [](const SpringsView& v) { return v.states->size(); });
+  springs.def("__len__", [](const SpringsView& v) { return v.states->size(); })
+      .def("__repr__",
+           [](const SpringsView& v) { return fmt::format("<febiodea.Springs: {} of them>", v.states->size()); });
 }
 
 const SurfaceMesh& mesh_of(const SideView& v) { return v.layer().articular; }
@@ -309,7 +318,9 @@ void bind_facets(py::module_& m) {
             return padded(s.begin, s.nodes);
           },
           "(facets, most nodes) rows of Model.points, filled up with -1.")
-      .def("__len__", [](const FacetsView& v) { return mesh_of(v.of).facets; });
+      .def("__len__", [](const FacetsView& v) { return mesh_of(v.of).facets; })
+      .def("__repr__",
+           [](const FacetsView& v) { return fmt::format("<febiodea.Facets: {} of them>", mesh_of(v.of).facets); });
 }
 
 std::vector<double> node_strain(const SideView& v) {
@@ -347,7 +358,10 @@ void bind_nodes(py::module_& m) {
       .def_property_readonly(
           "strain", [](const NodesView& v) { return kept(node_strain(v.of)); },
           "(nodes,) shortening over thickness; NaN: no cartilage.")
-      .def("__len__", [](const NodesView& v) { return mesh_of(v.of).vertices.size(); });
+      .def("__len__", [](const NodesView& v) { return mesh_of(v.of).vertices.size(); })
+      .def("__repr__", [](const NodesView& v) {
+        return fmt::format("<febiodea.Nodes: {} of them>", mesh_of(v.of).vertices.size());
+      });
 }
 
 }  // namespace

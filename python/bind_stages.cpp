@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <filesystem>
+#include <map>
 #include <utility>
 
 #include <febiodea/base/names.h>
@@ -64,12 +68,53 @@ py::list options_of_python() {
   return all;
 }
 
-SaidSettings make_settings(const std::string& file, const py::list& values) {
-  SaidSettings said{file.empty() ? Settings{} : read_settings_file(file).settings, file, {}};
+/// A table that Python gives: names of its columns, (rows, columns) numbers.
+NumberTable table_of(const std::string& path, const std::vector<std::string>& names, const DoubleArray& numbers) {
+  std::vector<std::vector<double>> rows;
+  for (py::ssize_t r = 0; r < numbers.shape(0); ++r)
+    rows.emplace_back(numbers.data(r, 0), numbers.data(r, 0) + numbers.shape(1));
+  return make_table(path, names, rows);
+}
+
+/// And back.
+py::tuple table_tuple(const NumberTable& table) {
+  py::array_t<double> numbers({table.rows.size(), table.names.size()});
+  for (std::size_t r = 0; r < table.rows.size(); ++r)
+    std::copy(table.rows[r].begin(), table.rows[r].end(), numbers.mutable_data(static_cast<py::ssize_t>(r), 0));
+  return py::make_tuple(table.names, numbers);
+}
+
+using TableOfPython = std::pair<std::vector<std::string>, DoubleArray>;
+
+/// `said` with a layer of values over it, and tables that these name.
+SaidSettings laid_over(SaidSettings said, const SaidValues& values,
+                       const std::map<std::string, TableOfPython>& tables) {
   said.settings = with_values(std::move(said.settings), values);
-  for (const py::handle value : values)
-    said.values.push_back(value.cast<std::tuple<std::string, std::string, std::string>>());
+  said.layers.push_back(values);
+  for (const auto& [path, table] : tables) said.tables[path] = table_of(path, table.first, table.second);
   return said;
+}
+
+SaidSettings file_settings(const std::string& file) {
+  return {file.empty() ? Settings{} : read_settings_file(file).settings, file, {}, {}};
+}
+
+/// File, layers and tables: enough for `laid_over` to make them again.
+py::tuple said_again(const SaidSettings& said) {
+  py::dict tables;
+  for (const auto& entry : said.tables) tables[text(entry.first)] = table_tuple(entry.second);
+  return py::make_tuple(py::bytes(said.file), said.layers, tables);
+}
+
+std::vector<FileThen> files_now(const std::vector<std::string>& paths) {
+  std::vector<FileThen> files;
+  for (const std::string& path : paths) {
+    struct stat now = {};
+    const std::string whole = std::filesystem::absolute(path).string();
+    if (::stat(whole.c_str(), &now) == 0)
+      files.push_back({whole, now.st_size, std::int64_t{now.st_mtim.tv_sec} * 1000000000 + now.st_mtim.tv_nsec});
+  }
+  return files;
 }
 
 std::shared_ptr<ReadModel> read_model(const std::string& path) {
@@ -77,6 +122,7 @@ std::shared_ptr<ReadModel> read_model(const std::string& path) {
     const double start = seconds();
     const auto read = std::make_shared<ReadModel>();
     read->model = read_feb(path);
+    read->files = files_now(read->model.files);
     read->seconds = seconds() - start;
     return read;
   });
@@ -90,7 +136,7 @@ std::shared_ptr<Recognised> recognise_model(const std::shared_ptr<const ReadMode
     r->said = said;
     r->given = said.settings;
     settle_units(model, r->given);
-    read_tables(model, r->given);
+    read_tables(model, r->given, said.tables);
     r->recognition = recognise(std::move(model), r->given);
     return r;
   });
@@ -159,6 +205,15 @@ std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& reco
   return a;
 }
 
+std::shared_ptr<Analysed> analyse_joint(const std::shared_ptr<Recognised>& recognised, const std::string& states,
+                                        const std::string& times_from, const py::object& progress) {
+  RunOptions asked;
+  asked.outputs.states = states;
+  asked.states_option = python_wording()(NamedSetting{"states", "", states});
+  asked.times_from = times_from;
+  return result_of<Analysed>([recognised, asked](Work& work) { return analysed(recognised, asked, work); }, progress);
+}
+
 void bind_model(py::module_& m) {
   py::class_<ReadModel, std::shared_ptr<ReadModel>>(
       m, "Model",
@@ -180,7 +235,7 @@ void bind_model(py::module_& m) {
           "(nodes,) numbers of the nodes in the file.")
       .def_property_readonly(
           "cells", [](const ReadModel& r) { return kept(cells_of(r.model).cells); },
-          "All elements one after the other as pyvista takes them: number of nodes, nodes in VTK's order.")
+          "All elements one after the other as pyvista takes them: number of nodes, rows of `points` in VTK's order.")
       .def_property_readonly(
           "cell_types", [](const ReadModel& r) { return kept(cells_of(r.model).types); },
           "(elements,) VTK's number of each element's type.")
@@ -200,6 +255,12 @@ void bind_model(py::module_& m) {
             return texts(names);
           },
           "Names of its materials.")
+      .def("_files",
+           [](const ReadModel& r) {
+             py::list all;
+             for (const FileThen& f : r.files) all.append(py::make_tuple(py::bytes(f.path), f.bytes, f.written));
+             return all;
+           })
       .def("__repr__", [](const ReadModel& r) {
         return text(fmt::format("<febiodea.Model {}: {} nodes, {} contacts>", r.model.files.front(),
                                 r.model.nodes.size(), r.model.contacts.size()));
@@ -243,7 +304,7 @@ void bind_recognition(py::module_& m) {
             return times;
           },
           "Times of the model's states; about 1000 of them where there are very many.")
-      .def("_said", [](const Recognised& r) { return py::make_tuple(r.said.file, r.said.values); })
+      .def("_said", [](const Recognised& r) { return said_again(r.said); })
       .def(
           "info", [](const std::shared_ptr<Recognised>& r) { return plain(recognised_json(r)); },
           "What `dea info --json` writes, as a dictionary.")
@@ -271,10 +332,9 @@ void bind_progress(py::module_& m) {
 
 }  // namespace
 
-Settings with_values(Settings settings, const py::handle& values) {
+Settings with_values(Settings settings, const SaidValues& values) {
   std::vector<SettingValue> all;
-  for (const py::handle item : values) {
-    const auto [keyword, key, value] = item.cast<std::tuple<std::string, std::string, std::string>>();
+  for (const auto& [keyword, key, value] : values) {
     const SettingOption& option = option_of(keyword);
     all.push_back({&option, key, value, python_wording()(NamedSetting{option.name, key, value})});
     if (!key.empty() && option.key == nullptr)
@@ -290,29 +350,20 @@ Settings with_values(Settings settings, const py::handle& values) {
   return settings;
 }
 
-std::shared_ptr<Analysed> analyse_joint(const std::shared_ptr<const Recognised>& recognised, const std::string& states,
-                                        const std::string& times_from, const py::object& progress) {
-  RunOptions asked;
-  asked.outputs.states = states;
-  asked.states_option = python_wording()(NamedSetting{"states", "", states});
-  asked.times_from = times_from;
-  return result_of<Analysed>([recognised, asked](Work& work) { return analysed(recognised, asked, work); }, progress);
-}
-
 void bind_stages(py::module_& m) {
   bind_progress(m);
   bind_model(m);
   bind_recognition(m);
-  py::class_<SaidSettings>(m, "NativeSettings").def("as_dict", [](const SaidSettings& s) {
-    return plain(settings_json(s.settings));
-  });
+  py::class_<SaidSettings>(m, "NativeSettings")
+      .def("as_dict", [](const SaidSettings& s) { return plain(settings_json(s.settings)); })
+      .def("said", &said_again);
   m.def("setting_options", &options_of_python);
-  m.def("make_settings", &make_settings);
+  m.def("file_settings", &file_settings);
+  m.def("laid_over", &laid_over);
   m.def("read_feb", &read_model);
   m.def("recognise",
         [](const std::shared_ptr<ReadModel>& read, const SaidSettings& s) { return recognise_model(read, s); });
-  m.def("analyse", [](const std::shared_ptr<Recognised>& r, const std::string& states, const std::string& times_from,
-                      const py::object& progress) { return analyse_joint(r, states, times_from, progress); });
+  m.def("analyse", &analyse_joint);
 }
 
 }  // namespace dea::python

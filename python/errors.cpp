@@ -129,7 +129,7 @@ void translate(std::exception_ptr thrown) {
 
 Wording python_wording() { return keyword_words; }
 
-void register_errors() { py::register_exception_translator(translate); }
+void register_errors() { py::register_local_exception_translator(translate); }
 
 py::list faults_as_errors(const std::vector<Fault>& faults) {
   py::list all;

@@ -12,6 +12,15 @@
 
 namespace dea::python {
 
+std::vector<double> numbers_of(const py::object& given, const char* place) {
+  const auto array = DoubleArray::ensure(given);
+  if (!array) PyErr_Clear();
+  if (!array || array.ndim() != 1)
+    throw UsageError(Fault{
+        .place = place, .found = "found no numbers of one dimension,", .expected = "expected a list or an array"});
+  return {array.data(), array.data() + array.size()};
+}
+
 py::str text(const std::string& words) { return py::str(utf8(words)); }
 
 py::list texts(const std::vector<std::string>& lines) {
@@ -81,7 +90,7 @@ Pose pose_of(const py::handle& matrix, const Vector3d& center, const std::string
                            .found = "found " + found + ",",
                            .expected = "expected a 4 x 4 array: a rotation, a translation, and 0 0 0 1 below"});
   };
-  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(matrix);
+  const auto array = DoubleArray::ensure(matrix);
   if (!array) {
     PyErr_Clear();
     refuse("no array of numbers");
@@ -101,6 +110,10 @@ Pose pose_of(const py::handle& matrix, const Vector3d& center, const std::string
     refuse("upper left 3 x 3 numbers that are no rotation");
   pose.center = pose.rotation * center + m.topRightCorner<3, 1>();
   return pose;
+}
+
+py::object headline_tuple(const Headline& h) {
+  return py::module_::import("febiodea._tables").attr("Headline")(h.p99, h.mean, h.area, h.peak, h.above);
 }
 
 py::array padded(const std::vector<int>& begin, const std::vector<int>& nodes) {

@@ -15,6 +15,7 @@
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/geometry/pose.h>
 #include <febiodea/model/joint_model.h>
+#include <febiodea/results/headline.h>
 #include <febiodea/views/data/json.h>
 
 namespace dea::python {
@@ -23,6 +24,11 @@ namespace py = pybind11;
 
 /// Whatever holds the memory.
 using Owner = std::shared_ptr<const void>;
+
+/// An array of Python, copied to doubles where it is not of them.
+using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+/// Numbers of an array or sequence of one dimension. Throws UsageError: it is none, with `place` for its place.
+std::vector<double> numbers_of(const py::object& given, const char* place);
 
 /// Bytes that are no UTF-8 become U+FFFD.
 py::str text(const std::string& words);
@@ -62,6 +68,9 @@ py::array matrix6(const Eigen::Matrix<double, 6, 6>& m);
 py::array matrix_of(const Pose& pose, const Vector3d& center);
 /// Throws UsageError, with `where` for its place: not 4 x 4, no rotation, not finite.
 Pose pose_of(const py::handle& matrix, const Vector3d& center, const std::string& where);
+
+/// febiodea.Headline
+py::object headline_tuple(const Headline& headline);
 
 /// Facets or cells with different numbers of nodes as rows, filled up with -1.
 py::array padded(const std::vector<int>& begin, const std::vector<int>& nodes);

@@ -1,29 +1,41 @@
 // febiodea/python/stages.h – what Python holds of each stage. Each keeps what it was made from alive, and never
 // changes.
 #pragma once
-#include <filesystem>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <tuple>
 #include <vector>
 
+#include <febiodea/io/tables/read_tables.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/run/prepared.h>
 #include <febiodea/views/data/run_json.h>
 
 namespace dea::python {
 
+/// A file as it was when it was read.
+struct FileThen {
+  std::string path;                     ///< absolute
+  std::int64_t bytes = 0, written = 0;  ///< size, and time of the last change [ns]
+};
+
 /// A model that was read.
 struct ReadModel {
   JointModel model;
+  std::vector<FileThen> files;
   double seconds = 0.0;  ///< spent on it
 };
+
+/// Settings that were said together: keyword, key, text.
+using SaidValues = std::vector<std::tuple<std::string, std::string, std::string>>;
 
 /// Settings, and how they were said: enough to say them again.
 struct SaidSettings {
   Settings settings;
-  std::string file;                                                       ///< settings file; empty: none
-  std::vector<std::tuple<std::string, std::string, std::string>> values;  ///< over it: keyword, key, text
+  std::string file;                ///< settings file; empty: none
+  std::vector<SaidValues> layers;  ///< over it, each over those before
+  GivenTables tables;              ///< that `settings` name in place of files
 };
 
 struct Recognised {

@@ -36,8 +36,6 @@ std::vector<std::string> contact_names(const Joint& joint) {
   return names;
 }
 
-namespace {
-
 std::size_t find_name(const char* what, const std::string& name, const std::vector<std::string>& names) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
@@ -47,8 +45,6 @@ std::size_t find_name(const char* what, const std::string& name, const std::vect
             .found = name.empty() ? "found no name," : fmt::format("found \"{}\"{},", name, did_you_mean(name, names)),
             .expected = fmt::format("expected one of {}", name_list(names, name))});
 }
-
-}  // namespace
 
 std::size_t find_contact(const Joint& joint, const std::string& name) {
   return find_name("contact", name, contact_names(joint));

@@ -60,6 +60,10 @@ struct CompartmentView {
 std::vector<std::string> body_names(const Joint& joint);
 std::vector<std::string> contact_names(const Joint& joint);
 
+/// Place of a name; an empty one: the only place there is. Throws UsageError with `what` for its place, and the names
+/// there are.
+std::size_t find_name(const char* what, const std::string& name, const std::vector<std::string>& names);
+
 /// The one that is named; an empty name: the only one. Throws UsageError, with those there are.
 std::size_t find_contact(const Joint& joint, const std::string& name);
 std::size_t find_named_body(const Joint& joint, const std::string& name);

@@ -56,6 +56,13 @@ std::shared_ptr<Result> result_of(const std::function<std::shared_ptr<Result>(Wo
   return *slot;
 }
 
+/// Short work that touches nothing of Python's: other threads go on meanwhile.
+template <class Short>
+auto unlocked(const Short& work) {
+  const py::gil_scoped_release released;
+  return work();
+}
+
 /// Tells all work that is under way to end, and waits for it: before the process takes its libraries down.
 void end_all_work();
 

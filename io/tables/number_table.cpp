@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include <febiodea/base/parse.h>
 #include <febiodea/io/febio/febio_text.h>
 #include <febiodea/io/tables/text_table.h>
@@ -34,11 +36,33 @@ int NumberTable::find(const std::string& name) const {
 
 NumberTable read_table(const std::string& path) {
   TextTable text = read_text_table(path);
-  if (text.names.front().empty())
-    throw table_fault(path, text.names_line, "found a column without a name, expected a name for each");
+  check_column_names(path, text.names_line, text.names);
   NumberTable table{text.path, text.opensim, text.degrees, text.names, {}, text.lines};
   for (std::size_t i = 0; i < text.rows.size(); ++i)
     table.rows.push_back(numbers_of(text, text.rows[i], text.lines[i]));
+  return table;
+}
+
+NumberTable make_table(const std::string& path, const std::vector<std::string>& names,
+                       const std::vector<std::vector<double>>& rows) {
+  NumberTable table;
+  table.path = path;
+  for (const std::string& name : names) table.names.push_back(trimmed(name));
+  check_column_names(path, 0, table.names);
+  for (const std::vector<double>& row : rows) {
+    const int line = static_cast<int>(table.rows.size()) + 1;
+    if (row.size() != names.size())
+      throw table_fault(path, line,
+                        fmt::format("found {} values, expected {}: one for each name", row.size(), names.size()));
+    for (std::size_t i = 0; i < row.size(); ++i)
+      if (!std::isfinite(row[i]))
+        throw table_fault(
+            path, line,
+            fmt::format("column {}: found {}, expected a finite number", febio::quote(table.names[i]), row[i]));
+    table.rows.push_back(row);
+    table.lines.push_back(line);
+  }
+  if (rows.empty()) throw table_fault(path, 0, kNoRow);
   return table;
 }
 

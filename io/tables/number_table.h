@@ -21,4 +21,9 @@ struct NumberTable {
 /// space. Throws InputError ("loads.csv:12: found ..., expected ...").
 NumberTable read_table(const std::string& path);
 
+/// The same of numbers in memory; `path` is what messages call it, and a row's line its number from 1 on. Throws
+/// InputError.
+NumberTable make_table(const std::string& path, const std::vector<std::string>& names,
+                       const std::vector<std::vector<double>>& rows);
+
 }  // namespace dea

@@ -151,8 +151,13 @@ std::vector<int> load_columns(const NumberTable& table, const std::string& given
   return columns;
 }
 
-void read_loads(const JointModel& model, LoadTable& loads) {
-  const NumberTable table = read_table(loads.file);
+NumberTable table_of(const std::string& file, const GivenTables& given) {
+  const auto found = given.find(file);
+  return found == given.end() ? read_table(file) : found->second;
+}
+
+void read_loads(const JointModel& model, const GivenTables& given, LoadTable& loads) {
+  const NumberTable table = table_of(loads.file, given);
   const std::optional<UnitNames> system = model_system(model);
   std::string units = loads.units;
   if (units.empty() && table.opensim) {
@@ -227,8 +232,8 @@ std::vector<int> motion_columns(const NumberTable& table, const MotionTable& mot
   return columns;
 }
 
-void read_motion(const JointModel& model, MotionTable& motion) {
-  const NumberTable table = read_table(motion.file);
+void read_motion(const JointModel& model, const GivenTables& given, MotionTable& motion) {
+  const NumberTable table = table_of(motion.file, given);
   const std::optional<UnitNames> system = model_system(model);
   const std::vector<int> columns = motion_columns(table, motion);
   motion.turns = columns.size() == 6;
@@ -273,8 +278,8 @@ int column_called(const NumberTable& table, const char* name) {
                          .expected = "name the columns node and thickness in the first line"});
 }
 
-void read_node_thickness(NodeThickness& thickness) {
-  const NumberTable table = read_table(thickness.file);
+void read_node_thickness(const GivenTables& given, NodeThickness& thickness) {
+  const NumberTable table = table_of(thickness.file, given);
   const int node_column = column_called(table, "node"), column = column_called(table, "thickness");
   std::map<int, int> line_of;  // by node
   thickness.at_node.clear();
@@ -307,8 +312,8 @@ void check_units(const JointModel& model, const Settings& settings) {
 
 }  // namespace
 
-void read_thickness(Settings& settings) {
-  for (auto& entry : settings.thickness_from) read_node_thickness(entry.second);
+void read_thickness(Settings& settings, const GivenTables& given) {
+  for (auto& entry : settings.thickness_from) read_node_thickness(given, entry.second);
 }
 
 std::vector<NamedPath> table_files(const Settings& settings) {
@@ -327,13 +332,13 @@ void settle_units(JointModel& model, const Settings& settings) {
   if (model.units.empty()) model.units = settings.units;
 }
 
-void read_tables(const JointModel& model, Settings& settings) {
+void read_tables(const JointModel& model, Settings& settings, const GivenTables& given) {
   refuse_idle(settings);
   need_body("loads", settings.loads.file, "load-body", settings.loads.body);
   need_body("motion", settings.motion.file, "motion-body", settings.motion.body);
-  if (!settings.loads.file.empty()) read_loads(model, settings.loads);
-  if (!settings.motion.file.empty()) read_motion(model, settings.motion);
-  read_thickness(settings);
+  if (!settings.loads.file.empty()) read_loads(model, given, settings.loads);
+  if (!settings.motion.file.empty()) read_motion(model, given, settings.motion);
+  read_thickness(settings, given);
 }
 
 }  // namespace dea

@@ -1,8 +1,11 @@
 // febiodea/io/tables/read_tables.h – loads, motions and thicknesses from the files that settings name.
 #pragma once
+#include <map>
+#include <string>
 #include <vector>
 
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/tables/number_table.h>
 #include <febiodea/model/joint_model.h>
 #include <febiodea/model/settings.h>
 
@@ -12,15 +15,19 @@ namespace dea {
 /// UsageError: it names another, or settings.units is none of FEBio's.
 void settle_units(JointModel& model, const Settings& settings);
 
-/// Fills the rows of settings.loads and settings.motion from their files; nothing where there are none. Units: from the
-/// table's to the model's, as model.units names it (settle_units first). OpenSim's tables are in N, m, and N m; a table
-/// that names no units and for which none are given is in the model's. Throws InputError (a file's fault, with its
-/// line) and UsageError (settings that do not fit together). Thicknesses: as read_thickness.
-void read_tables(const JointModel& model, Settings& settings);
+/// Tables that are in memory, by what settings have for their file.
+using GivenTables = std::map<std::string, NumberTable>;
 
-/// Fills settings.thickness_from from its files: columns "node", numbers of the model's nodes, and "thickness", >= 0,
-/// in the model's length; other columns are passed over. Throws InputError (a file's fault, with its line).
-void read_thickness(Settings& settings);
+/// Fills the rows of settings.loads and settings.motion from their files, or from `given`; nothing where there are
+/// none. Units: from the table's to the model's, as model.units names it (settle_units first). OpenSim's tables are in
+/// N, m, and N m; a table that names no units and for which none are given is in the model's. Throws InputError (a
+/// file's fault, with its line) and UsageError (settings that do not fit together). Thicknesses: as read_thickness.
+void read_tables(const JointModel& model, Settings& settings, const GivenTables& given = {});
+
+/// Fills settings.thickness_from from its files, or from `given`: columns "node", numbers of the model's nodes, and
+/// "thickness", >= 0, in the model's length; other columns are passed over. Throws InputError (a file's fault, with its
+/// line).
+void read_thickness(Settings& settings, const GivenTables& given = {});
 
 /// The files that the settings name to be read, so that no output takes their place.
 std::vector<NamedPath> table_files(const Settings& settings);

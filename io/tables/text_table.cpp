@@ -69,27 +69,6 @@ std::string text_of(const std::string& path) {
   return text;
 }
 
-void check_names(const TextTable& table) {
-  std::set<std::string> seen;
-  for (const std::string& name : table.names) {
-    const bool first = &name == &table.names.front();  // rows' own names
-    if (name.empty() && !first)
-      throw table_fault(table.path, table.names_line, "found a column without a name, expected a name for each");
-    if (!seen.insert(lower_case(name)).second)
-      throw table_fault(table.path, table.names_line,
-                        fmt::format("found two columns named {}, expected different names", febio::quote(name)));
-  }
-  const bool numbers = std::all_of(table.names.begin(), table.names.end(), [](const std::string& name) {
-    try {
-      parse_number(name);
-      return true;
-    } catch (const BadValue&) {
-      return false;
-    }
-  });
-  if (numbers) throw table_fault(table.path, table.names_line, "found numbers, expected the names of the columns");
-}
-
 /// A word for each name.
 std::vector<std::string> cells_of(const TextTable& table, std::vector<std::string> words, int line) {
   if (words.size() != table.names.size())
@@ -102,7 +81,26 @@ std::vector<std::string> cells_of(const TextTable& table, std::vector<std::strin
 }  // namespace
 
 InputError table_fault(const std::string& path, int line, const std::string& text) {
-  return InputError(fmt::format("{}:{}: {}", path, line, text));
+  return InputError(line > 0 ? fmt::format("{}:{}: {}", path, line, text) : fmt::format("{}: {}", path, text));
+}
+
+void check_column_names(const std::string& path, int line, const std::vector<std::string>& names) {
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (name.empty()) throw table_fault(path, line, "found a column without a name, expected a name for each");
+    if (!seen.insert(lower_case(name)).second)
+      throw table_fault(path, line,
+                        fmt::format("found two columns named {}, expected different names", febio::quote(name)));
+  }
+  const bool numbers = std::all_of(names.begin(), names.end(), [](const std::string& name) {
+    try {
+      parse_number(name);
+      return true;
+    } catch (const BadValue&) {
+      return false;
+    }
+  });
+  if (numbers) throw table_fault(path, line, "found numbers, expected the names of the columns");
 }
 
 TextTable read_text_table(const std::string& path) {
@@ -131,7 +129,8 @@ TextTable read_text_table(const std::string& path) {
       separator = table.opensim ? ' ' : separator_of(line);
       table.names = words_of_line(line, separator);
       table.names_line = number;
-      check_names(table);
+      const bool rows_have_names = table.names.front().empty();
+      check_column_names(path, number, {table.names.begin() + (rows_have_names ? 1 : 0), table.names.end()});
       continue;
     }
     table.rows.push_back(cells_of(table, words_of_line(line, separator), number));
@@ -140,8 +139,7 @@ TextTable read_text_table(const std::string& path) {
   if (header)
     throw table_fault(path, number, "found no line \"endheader\", expected one before the names of the columns");
   if (table.names.empty()) throw table_fault(path, number, "found no line, expected the names of the columns and rows");
-  if (table.rows.empty())
-    throw table_fault(path, number, "found no row, expected at least one below the names of the columns");
+  if (table.rows.empty()) throw table_fault(path, number, kNoRow);
   if (!said_rows.empty() && said_rows != std::to_string(table.rows.size()))
     throw table_fault(path, number,
                       fmt::format("found {} rows, expected the {} that nRows says: is the file cut off?",

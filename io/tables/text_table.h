@@ -27,7 +27,12 @@ TextTable read_text_table(const std::string& path);
 /// Throws InputError.
 CaseTable read_case_table(const std::string& path);
 
-/// "loads.csv:12: ..."
+/// All of them there, different, and not all numbers, or InputError.
+void check_column_names(const std::string& path, int line, const std::vector<std::string>& names);
+
+inline constexpr const char* kNoRow = "found no row, expected at least one below the names of the columns";
+
+/// "loads.csv:12: ..."; line 0: "loads.csv: ..."
 InputError table_fault(const std::string& path, int line, const std::string& text);
 
 }  // namespace dea

@@ -1,6 +1,7 @@
 """What `pip install ./python` calls (PEP 517): CMake builds the module, and what it installs becomes a wheel.
 
-FEBIODEA_BUILD names the build folder (build/python otherwise), such as build/release to use what is built there.
+FEBIODEA_BUILD names the build folder, from the clone's root on (build/python otherwise), such as build/release to use what
+is built there.
 """
 import base64
 import hashlib
@@ -33,25 +34,41 @@ def _tag():
 
 def _build(folder):
     """The package's files in `folder`."""
-    build = pathlib.Path(os.environ.get("FEBIODEA_BUILD") or ROOT / "build" / "python")
+    build = ROOT / (os.environ.get("FEBIODEA_BUILD") or "build/python")
     run = lambda *words: subprocess.run([str(w) for w in words], check=True)  # noqa: E731
-    run("cmake", "-S", ROOT, "-B", build, f"-DPython_EXECUTABLE={sys.executable}",
-        *([] if (build / "CMakeCache.txt").exists() else ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF", "-DDEA_BENCH=OFF"]))
+    if not (build / "CMakeCache.txt").exists():  # another's build stays as it was configured
+        run("cmake", "-S", ROOT, "-B", build, f"-DPython_EXECUTABLE={sys.executable}", "-DCMAKE_BUILD_TYPE=Release",
+            "-DBUILD_TESTING=OFF", "-DDEA_BENCH=OFF")
     targets = subprocess.run(["cmake", "--build", build, "--target", "help"], check=True, capture_output=True, text=True)
     if "febiodea_python" not in targets.stdout:
         sys.exit("febiodea: pybind11 or Python's headers were not found (Debian: apt-get install pybind11-dev python3-dev)")
     run("cmake", "--build", build, "--target", "febiodea_python", "--parallel", os.cpu_count() or 1)
     run("cmake", "--install", build, "--component", "python", "--prefix", folder)
-    return next(pathlib.Path(folder).rglob("febiodea"))
+    package = next(pathlib.Path(folder).rglob("febiodea"))
+    if not list(package.glob(f"_febiodea{sysconfig.get_config_var('EXT_SUFFIX')}")):
+        sys.exit(f"febiodea: {build} is built for another Python than {sys.executable}, expected the same; without "
+                 "FEBIODEA_BUILD it is built anew (and remove build/python if it is that one)")
+    return package
+
+
+def _info():
+    return f"febiodea-{_version()}.dist-info"
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Without it pip would build twice."""
+    folder = pathlib.Path(metadata_directory) / _info()
+    folder.mkdir()
+    (folder / "METADATA").write_text(_metadata())
+    return folder.name
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    name = f"febiodea-{_version()}"
-    wheel = f"{name}-{_tag()}.whl"
+    wheel = f"febiodea-{_version()}-{_tag()}.whl"
     with tempfile.TemporaryDirectory() as folder:
         package = _build(folder)
         files = {f"febiodea/{p.name}": p.read_bytes() for p in sorted(package.iterdir())}
-    info = f"{name}.dist-info"
+    info = _info()
     files[f"{info}/METADATA"] = _metadata().encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: febiodea\nRoot-Is-Purelib: false\nTag: {_tag()}\n".encode()
     record = ""

@@ -30,3 +30,23 @@ class UsageError(Error, ValueError):
 
 class WriteError(Error):
     """An output cannot be written."""
+
+
+def _line(place, found, expected):
+    return f"{place}: {found}, {expected}", place, found, expected
+
+
+def usage_fault(place, found, expected):
+    """A UsageError of the module's Python part."""
+    return UsageError(*_line(place, found, expected))
+
+
+def input_fault(place, found, expected):
+    """An InputError of the module's Python part."""
+    return InputError(*_line(place, found, expected))
+
+
+def need(value, types, place, expected):
+    """Refuses a value of another type; `expected`: what it must be, and how it is made."""
+    if not isinstance(value, types):
+        raise usage_fault(place, f"found a value of type {type(value).__name__}", f"expected {expected}")

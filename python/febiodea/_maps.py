@@ -2,58 +2,112 @@
 import os
 
 from . import _febiodea
-from ._errors import UsageError
+from ._errors import need, usage_fault
+from ._states import states_text
 
 
 def _file(source):
+    need(source, (_febiodea.Result, _febiodea.PlotFile), "source", "a Result or a PlotFile")
     return source if isinstance(source, _febiodea.PlotFile) else _febiodea.plot_file_of(source)
 
 
-def picture(source, path=None, *, format=None, field="contact pressure", surface="", states="last", smooth=False,
-            unrolled=False, width=0.0, dpi=200.0):
+def _within(value, keyword, least, most):
+    try:
+        if least <= float(value) <= most:
+            return float(value)
+    except (TypeError, ValueError):
+        pass
+    raise usage_fault(keyword, f"found {value!r}", f"expected a number from {least} to {most}")
+
+
+def _files(source, labels):
+    """Of one source or several; their names on the picture, none or one each."""
+    sources = list(source) if isinstance(source, (list, tuple)) else [source]
+    if not sources:
+        raise usage_fault("source", "found nothing", "expected a Result, a PlotFile, or a list of them")
+    names = [] if labels is None else [labels] if isinstance(labels, str) else [str(label) for label in labels]
+    if names and len(names) != len(sources):
+        raise usage_fault("labels", f"found {len(names)}", f"expected {len(sources)}, one per source")
+    return [_file(one) for one in sources], names
+
+
+def picture(source, path=None, *, labels=None, format=None, field="contact pressure", surface="", states="last", smooth=False,
+            unrolled=False, width=None, dpi=200.0):
     """The map that `dea plot` draws, as bytes of a PNG, SVG or PDF; path: it is written there, its ending says which.
 
-    source: a Result or a PlotFile. states: "last", "all", or times "0.5,1". width: mm, 0: by the number of panels.
-    Raises InputError (no such field or surface), UsageError, OSError.
+    source: a Result or a PlotFile, or a list of them: side by side, with one scale. labels: their names on it. states: as
+    in analyse. width: mm, None: by the number of panels. dpi: of a PNG. Without path and format: SVG. Raises InputError (no such field or surface), UsageError, WriteError.
     """
     if format is None:
-        format = os.path.splitext(os.fspath(path))[1][1:].lower() if path is not None else "svg"
+        format = os.path.splitext(os.fsdecode(path))[1][1:].lower() if path is not None else "svg"
     if format not in ("png", "svg", "pdf"):
-        raise UsageError(f'format: found "{format}", expected png, svg or pdf', "format", f'found "{format}"',
-                         "expected png, svg or pdf")
-    drawn = _febiodea.picture(_file(source), format, width, dpi, field, surface, states, smooth, unrolled)
-    if path is not None:
-        with open(path, "wb") as f:
-            f.write(drawn)
-    return drawn
+        raise usage_fault("format", f'found "{format}"', "expected png, svg or pdf")
+    wide = 0.0 if width is None else _within(width, "width", 20, 2000)
+    fine = _within(dpi, "dpi", 20, 2400)
+    return _febiodea.picture(*_files(source, labels), os.fsencode(path or b""), format, wide, fine, field, surface,
+                             states_text(states), smooth, unrolled)
+
+
+def _fill(axes, figure, panel, layer, shown, colours, norm):
+    """The values of one layer: bands of one colour each, as in the picture."""
+    from matplotlib import collections, tri
+    points, triangles = panel["points"], panel["triangles"]
+    if not figure["smooth"]:
+        axes.add_collection(collections.PolyCollection(points[triangles[shown]], array=panel["facets"][panel["facet"][shown]],
+                                                       cmap=colours, norm=norm, edgecolors="face", linewidths=0.2))
+    if not layer["interpolated"].any():
+        return
+    net = tri.Triangulation(points[:, 0], points[:, 1], triangles, mask=~layer["interpolated"])
+    if figure["smooth"]:
+        count = colours.N
+        bands = [figure["low"] + (figure["high"] - figure["low"]) * k / count for k in range(count + 1)]
+        start = max(panel["edge"], bands[0])
+        levels = [start] + [level for level in bands if level > start]
+        if len(levels) > 1:
+            axes.tricontourf(net, panel["nodes"], levels=levels, antialiased=False, extend="max",
+                             colors=[*colours.colors[count + 1 - len(levels):], colours.colors[-1]])
+    for level, line in figure["contours"]:
+        if level >= panel["edge"] and (panel["nodes"][triangles[layer["interpolated"]]] > level).any():
+            axes.tricontour(net, panel["nodes"], levels=[level], colors=[line], alpha=0.75, linewidths=0.8)
+
+
+def _draw(axes, figure, panel, colours, norm):
+    from matplotlib import collections
+    points, triangles = panel["points"], panel["triangles"]
+    for layer in panel["layers"]:  # those behind first
+        for name, colour in (("all", figure["nothing"]), ("away", figure["turned_away"])):
+            axes.add_collection(collections.PolyCollection(points[triangles[layer[name]]], facecolors=[colour],
+                                                           edgecolors="face", linewidths=0.2))
+        if not figure["empty"]:
+            _fill(axes, figure, panel, layer, layer["valued"], colours, norm)
+        axes.add_collection(collections.LineCollection(layer["rim"], colors=[figure["line"]], linewidths=0.8))
+    for name, marker in (("center_of_pressure", "+"), ("peak", "v")):
+        if panel[name] is not None:
+            axes.plot(*panel[name], marker, color="black", markerfacecolor="none", markersize=8, gid=name)
 
 
 def plot(source, axes=None, *, field="contact pressure", surface="", state="last", smooth=False, unrolled=False):
-    """One panel of that map on matplotlib's axes: same projection, colours and scale. Answers the axes.
+    """One panel of that map on matplotlib's axes: same projection, colours, scale and marks (v: peak, +: centre of
+    pressure). Answers the axes.
 
-    Lengths are the model's. Raises ImportError where matplotlib is not installed.
+    state: "last" or a time. Lengths are the model's. Raises InputError and UsageError as picture does, ImportError where
+    matplotlib is not installed.
     """
     try:
-        from matplotlib import collections, colors, pyplot
+        from matplotlib import cm, colors, pyplot
     except ImportError as missing:
         raise ImportError("plot needs matplotlib, which is not installed: install it, or use picture()") from missing
-    figure = _febiodea.map_of(_file(source), field, surface, state, smooth, unrolled)
-    panel = figure["panels"][-1]
+    figure = _febiodea.map_of(_file(source), field, surface, states_text(state), smooth, unrolled)
+    if len(figure["panels"]) != 1:
+        raise usage_fault("state", f"found {len(figure['panels'])} panels", 'expected one: "last" or a time')
+    panel = figure["panels"][0]
     axes = axes if axes is not None else pyplot.gca()
-    scale = colors.Normalize(figure["low"], figure["high"])
-    colours = colors.ListedColormap(figure["colours"])
-    for layer in range(int(panel["layer"].max(initial=-1)) + 1):  # those behind first
-        shown = panel["layer"] == layer
-        corners = panel["points"][panel["triangles"][shown]]
-        values = (panel["nodes"][panel["triangles"][shown]].mean(axis=1) if smooth
-                  else panel["facets"][panel["facet"][shown]])
-        drawn = collections.PolyCollection(corners, array=values, cmap=colours, norm=scale, edgecolors="face",
-                                           linewidths=0.2)
-        axes.add_collection(drawn)
+    norm, colours = colors.Normalize(figure["low"], figure["high"]), colors.ListedColormap(figure["colours"])
+    _draw(axes, figure, panel, colours, norm)
     axes.autoscale_view()
     axes.set_aspect("equal")
     axes.set_axis_off()
     axes.set_title(panel["title"])
-    bar = axes.figure.colorbar(drawn, ax=axes, ticks=figure["ticks"])
-    bar.set_label(figure["quantity"])
+    if not figure["empty"]:
+        axes.figure.colorbar(cm.ScalarMappable(norm, colours), ax=axes, ticks=figure["ticks"], label=figure["quantity"])
     return axes

@@ -1,4 +1,5 @@
 """Results as rows and small values."""
+import base64
 import html
 import math
 from typing import NamedTuple
@@ -15,6 +16,9 @@ class Headline(NamedTuple):
     peak: float
     above: float
 
+    def __str__(self):
+        return f"p99 {self.p99:.4g}, mean {self.mean:.4g}, area {self.area:.4g}, peak {self.peak:.4g}"
+
 
 def _flat(row, name, value):
     if isinstance(value, dict):
@@ -30,7 +34,8 @@ def _flat(row, name, value):
 
 def rows(states):
     """A dictionary per state and contact: `time`, `step`, `outcome`, `contact`, then the contact's numbers by their names
-    in JSON; vectors as three columns, the headline as `headline_...`."""
+    in JSON (docs/results.md); vectors as three columns, the headline as `headline_...`; what is null there is NaN. Other
+    lists are in Contact.statistics alone."""
     all_rows = []
     for state in states:
         for contact in state.contacts:
@@ -64,7 +69,8 @@ def html_of(result):
     """The table, and the map of the last state."""
     from . import _errors, _maps
     try:
-        drawn = _maps.picture(result, width=90).decode()
+        drawn = base64.b64encode(_maps.picture(result, width=90)).decode()
     except _errors.Error:  # nothing is pressed, no surface to be shown: the table says so
         return html_table(result.states)
-    return html_table(result.states) + drawn[drawn.index("<svg"):]
+    # a picture of its own: letters of several drawings in one notebook would have the same names
+    return f'{html_table(result.states)}\n<img alt="the map of the last state" src="data:image/svg+xml;base64,{drawn}">'

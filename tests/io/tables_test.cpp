@@ -54,6 +54,30 @@ TEST(Tables, CsvInTheModelsUnits) {
   }
 }
 
+TEST(Tables, InMemoryAsFromAFile) {
+  const std::string path = file("memory.csv", "time,fx,fy,fz\n0,1,2,3\n0.5,4,5,6\n");
+  Settings settings;
+  settings.loads.file = "table of loads";  // no such file
+  settings.loads.body = "femur";
+  read_tables({}, settings,
+              {{"table of loads", make_table("table of loads", {"time", " fx", "fy", "fz"}, {{0, 1, 2, 3}, {0.5, 4, 5, 6}})}});
+  const LoadTable expected = loads_of(path).loads;
+  EXPECT_EQ(settings.loads.time, expected.time);
+  EXPECT_EQ(settings.loads.load, expected.load);
+  const auto refused = [](const std::vector<std::string>& names, const std::vector<std::vector<double>>& rows) {
+    try {
+      make_table("table", names, rows);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused({"fx", "FX"}, {{1, 2}}), "table: found two columns named \"FX\", expected different names");
+  EXPECT_EQ(refused({"fx"}, {{1}, {std::nan("")}}), "table:2: column \"fx\": found nan, expected a finite number");
+  EXPECT_EQ(refused({"fx"}, {{1, 2}}), "table:1: found 2 values, expected 1: one for each name");
+  EXPECT_EQ(refused({"fx"}, {}), "table: found no row, expected at least one below the names of the columns");
+}
+
 // 2 N and 3 N m in a model of mm and N: 2 and 3000; in SI: 2 and 3.
 TEST(Tables, OpenSimIsInNewtonsAndMetres) {
   const std::string path = file("gait.sto",
@@ -208,7 +232,7 @@ TEST(Tables, RefusedWithTheirLine) {
   EXPECT_EQ(refusal(file("a.csv", "0,1,2,3\n")), ":1: found numbers, expected the names of the columns");
   EXPECT_EQ(refusal(file("a.csv", "time,fx,fy,fz\n")),
             ":1: found no row, expected at least one below the names of the columns");
-  EXPECT_EQ(refusal(file("a.csv", "")), ":0: found no line, expected the names of the columns and rows");
+  EXPECT_EQ(refusal(file("a.csv", "")), ": found no line, expected the names of the columns and rows");
   EXPECT_EQ(refusal(file("a.csv", "time,fx,fx\n")), ":1: found two columns named \"fx\", expected different names");
   EXPECT_NE(
       refusal(file("a.csv", "time,a_fx,b_fx,fy,fz\n0,1,2,3,4\n")).find("found 2 columns that may be the force's x"),

@@ -1,5 +1,6 @@
 """Long use: memory, threads, Ctrl-C."""
 import gc
+import multiprocessing
 import os
 import resource
 import signal
@@ -9,6 +10,7 @@ import threading
 import time
 
 import numpy as np
+import pytest
 
 import febiodea
 
@@ -136,6 +138,17 @@ def test_interrupt_ends_an_analysis_within_a_second(samples):
 def test_a_program_that_catches_the_interrupt_ends_in_order(samples):
     raised, _, code, out, err = interrupt(str(samples / "hip/hip_walking.feb"), "springs", "go on")
     assert raised < 1 and code == 0 and "went on" in out and err == ""
+
+
+def pool_of_processes(hip):
+    return febiodea.analyse(hip, "last").states[-1].contact().headline
+
+
+@pytest.mark.parametrize("how", ["fork", "spawn"])
+def test_processes_of_a_pool(hip, hip_result, how):
+    expected = hip_result.states[-1].contact().headline
+    with multiprocessing.get_context(how).Pool(2) as pool:
+        assert pool.map(pool_of_processes, [hip, hip, hip]) == [expected] * 3
 
 
 def test_a_forked_process_works_on_its_own(small):

@@ -1,6 +1,8 @@
 """Plot files of whatever program."""
+import base64
 import importlib.util
 import json
+import re
 
 import numpy as np
 import pytest
@@ -101,29 +103,122 @@ def test_statistics_on_paper():
     numbers = febiodea.distribution([1.0, 2.0, 3.0, 0.0], [1.0, 1.0, 2.0, 5.0], 0.5)
     assert (numbers["area"], numbers["peak"], numbers["mean"]) == (4, 3, 9 / 4)
     assert febiodea.percentile([3, 1, 2], [1, 1, 1], 0.5) == 2
+    assert febiodea.percentile(np.array([3, 1, 2, 9]), np.array([1, 1, 1, 0]), 0.5) == 2  # no weight: not there
     pattern = febiodea.pattern_difference([1, 2, 0], [0, 1, -0.0], [1, 1, 1], 0.5)
     assert (pattern["mean"], pattern["rms"], pattern["largest"]) == (1, 1, 1)
     assert pattern["dice"] == pytest.approx(2 / 3)
-    with pytest.raises(febiodea.UsageError):
-        febiodea.distribution([1.0], [1.0, 2.0])
+    for with_nan in (([1, 2, 0, np.nan], [0, 1, 0, 1]), ([1, 2, 0, 1], [0, 1, 0, np.nan])):
+        assert febiodea.pattern_difference(*with_nan, [1, 1, 1, 1], 0.5) == pattern
+
+
+@pytest.mark.parametrize("call, place", [
+    (lambda: febiodea.distribution([1.0], [1.0, 2.0]), "areas"),
+    (lambda: febiodea.distribution([1.0], [-1.0]), "areas[0]"),
+    (lambda: febiodea.distribution([[1.0]], [1.0]), "values"),
+    (lambda: febiodea.distribution("many", [1.0]), "values"),
+    (lambda: febiodea.percentile([1, np.nan], [1, 1], 0.5), "values[1]"),
+    (lambda: febiodea.percentile([1], [1], 99), "fraction"),
+    (lambda: febiodea.pattern_difference([1], [1, 2], [1]), "b"),
+])
+def test_statistics_of_what_has_none(call, place):
+    with pytest.raises(febiodea.UsageError) as caught:
+        call()
+    assert caught.value.place == place and caught.value.found and caught.value.expected
+
+
+def test_fields_of_another_kind(file):
+    surface = file.states[-1].surface("femoral_articulating")
+    names = {field.name: field for field in surface.fields}
+    others = [name for name, field in names.items() if field.type != "float" or field.format == "region"]
+    assert others
+    for name in others:
+        with pytest.raises(febiodea.UsageError) as caught:
+            surface.facet(name)
+        assert '"contact pressure"' in caught.value.expected and f'"{name}"' not in caught.value.expected
+    with pytest.raises(febiodea.UsageError, match="expected 2809, one per point of the other surface"):
+        surface.carry_from(surface, [1.0])
+
+
+def test_domains_without_a_name_have_that_of_their_part(file):
+    state = file.states[-1]
+    assert state.domains and all(state.domains)
+    assert {f.region for f in state.fields if f.group == "domain"} <= set(state.domains)
 
 
 def test_pictures_are_those_of_dea_plot(file, hip_result, dea, tmp_path):
     dea("plot", file.path, "-o", "hip.svg", "--label", "hip", cwd=tmp_path)
-    assert febiodea.picture(file, tmp_path / "python.svg") == (tmp_path / "hip.svg").read_bytes()
+    drawn = (tmp_path / "hip.svg").read_bytes()
+    assert febiodea.picture(file, tmp_path / "python.svg") == drawn == (tmp_path / "python.svg").read_bytes()
     assert febiodea.picture(hip_result, format="png")[:4] == b"\x89PNG"
-    assert "<svg" in hip_result._repr_html_()
-    with pytest.raises(febiodea.UsageError, match="png, svg or pdf"):
-        febiodea.picture(file, tmp_path / "hip.jpg")
+    for keywords, place in (({"path": tmp_path / "hip.jpg"}, "format"), ({"width": -1}, "width"), ({"dpi": "fine"}, "dpi"),
+                            ({"source": "hip.xplt"}, "source"), ({"states": []}, "states")):
+        with pytest.raises(febiodea.UsageError) as caught:
+            febiodea.picture(**{"source": file, **keywords})
+        assert caught.value.place == place
+    with pytest.raises(febiodea.WriteError):
+        febiodea.picture(file, tmp_path / "no" / "hip.svg")
 
 
-def test_plot(file):
+def test_a_notebook_shows_table_and_map(hip_result):
+    page = hip_result._repr_html_()
+    drawn = re.search('src="data:image/svg\\+xml;base64,([^"]+)"', page).group(1)
+    assert b"<svg" in base64.b64decode(drawn)
+    assert page.count("<tr>") == 2 and "id=" not in page  # no names that another result in the same notebook has too
+
+
+def band_fills(svg):
+    """Colours of the map's values, and the outline of its surface: from the fill that says "no contact" to the first stroke."""
+    fills, outline = [], None
+    for style, path in re.findall(r'<path style="([^"]*)" d="([^"]*)"', svg):
+        numbers = re.search(r"fill:rgb\(([\d.]+)%,([\d.]+)%,([\d.]+)%\)", style)
+        if outline is not None and ("fill:none" in style or numbers is None):
+            return fills, outline
+        if numbers is None:  # a letter
+            continue
+        colour = tuple(round(float(x) * 2.55) for x in numbers.groups())
+        if outline is not None:
+            fills.append(colour)
+        elif len(set(colour[:2])) == 1 and colour[0] < 250:  # the first grey area
+            outline = np.array(re.findall(r"(-?[\d.]+) (-?[\d.]+)", path), float)
+    raise AssertionError("no map in the picture")
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+def test_plot_is_the_picture_on_axes(file, dea, tmp_path, smooth):
     if importlib.util.find_spec("matplotlib") is None:
         with pytest.raises(ImportError, match="needs matplotlib"):
             febiodea.plot(file)
-        return
+        pytest.skip("no matplotlib")
     import matplotlib
-    matplotlib.use("svg")
-    axes = febiodea.plot(file)
-    values = axes.collections[0].get_array()
-    assert np.nanmax(values) <= axes.collections[0].norm.vmax
+    matplotlib.use("agg")
+    from matplotlib import collections, pyplot
+    dea("plot", file.path, "-o", "hip.svg", *(["--smooth"] if smooth else []), cwd=tmp_path)
+    fills, outline = band_fills((tmp_path / "hip.svg").read_text())
+    figure, axes = pyplot.subplots()
+    assert febiodea.plot(file, axes, smooth=smooth) is axes
+    figure.canvas.draw()
+    if smooth:  # contours of matplotlib
+        shown = [c for c in axes.collections
+                 if isinstance(c, collections.PathCollection) and any(len(p.vertices) for p in c.get_paths())]
+    else:
+        shown = [c for c in axes.collections if isinstance(c, collections.PolyCollection) and c.get_array() is not None]
+    colours = {tuple(round(x * 255) for x in one[:3]) for c in shown for one in c.get_facecolor()}
+    assert len(colours) > 50 and colours == set(fills)
+    # the same outline, but for scale and place: up is down on paper
+    rim = np.vstack([line for c in axes.collections if isinstance(c, collections.LineCollection) for line in c.get_segments()
+                     if len(line) > 20])
+    scale = (np.ptp(outline, axis=0) / np.ptp(rim, axis=0))
+    assert scale[0] == pytest.approx(scale[1], rel=5e-4)  # places on paper are rounded
+    on_paper = np.column_stack([rim[:, 0] - rim[:, 0].min(), rim[:, 1].max() - rim[:, 1]]) * scale + outline.min(axis=0)
+    away = np.linalg.norm(outline[:, None] - on_paper[None], axis=2).min(axis=1)
+    assert away.max() < 0.15  # pixels, of which the map is some hundreds wide
+    (bar,) = [other for other in figure.axes if other is not axes]
+    assert bar.get_ylabel().startswith("contact pressure")
+    pyplot.close(figure)
+
+
+def test_plot_of_two_states(hip):
+    pytest.importorskip("matplotlib")
+    with pytest.raises(febiodea.UsageError, match="found 2 panels") as caught:
+        febiodea.plot(febiodea.analyse(hip, [1, 2]), state="1,2")
+    assert caught.value.place == "state"

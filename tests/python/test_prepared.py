@@ -146,6 +146,8 @@ def test_the_derivative_is_that_of_differences(hip, law, tolerance):
     ({"femur": np.full((4, 4), np.nan)}, "not finite"),
     ({"femr": np.eye(4)}, 'did you mean "femur"'),
     ({"femur": "here"}, "no array"),
+    ("here", "no poses"),
+    (np.array(1.0), "no poses"),
     (np.zeros((2, 4, 4)), "2 poses"),
     (5, "no poses"),
 ])
@@ -159,7 +161,7 @@ def test_poses_that_are_none(joint, pose, found):
     ({"force": (1, 2, 3)}, "force"), ({"moment": (1, 2, 3)}, "moment"), ({"about": (1, 2, 3)}, "about"),
     ({"body": "femr", "force": (0, 0, 1)}, "body"), ({"body": "femur", "force": (0, 1)}, "force"),
     ({"body": "femur", "force": (0, 0, np.inf)}, "force"), ({"rotate": [("femr", (0, 1, 0), 1)]}, "rotate"),
-    ({"start": "there"}, "start"),
+    ({"start": "there"}, "start"), ({"body": "femur"}, "body"), ({"body": "femur", "about": "sphere-center"}, "body"),
 ])
 def test_loads_that_are_none(joint, keywords, place):
     with pytest.raises(febiodea.UsageError) as caught:

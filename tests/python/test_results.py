@@ -96,13 +96,3 @@ def test_table_and_pandas(hip_result):
     else:
         assert hip_result.to_pandas().iloc[-1]["headline_p99"] == row["headline_p99"]
     assert f"{row['headline_p99']:.4g}" in hip_result._repr_html_()
-
-
-def test_cells_are_whole(models):
-    model = models("hip/hip_walking.feb")
-    cells, types = model.cells, model.cell_types
-    place = count = 0
-    while place < len(cells):
-        place += 1 + cells[place]
-        count += 1
-    assert place == len(cells) and count == len(types) and set(types) <= {10, 12, 13, 9, 5}

@@ -126,6 +126,18 @@ def test_a_recognition_keeps_its_faults(samples, tmp_path):
         assert len(caught.value.others) == len(recognition.faults) - 1
 
 
+@pytest.mark.parametrize("call, place", [
+    (lambda hip: febiodea.recognise(hip), "model"), (lambda hip: febiodea.recognise(hip.model, 5), "settings"),
+    (lambda hip: febiodea.analyse("hip.feb"), "recognition"), (lambda hip: febiodea.prepare(hip.model), "recognition"),
+    (lambda hip: febiodea.analyse(hip, []), "states"), (lambda hip: febiodea.analyse(hip, ["a"]), "states"),
+    (lambda hip: febiodea.plot(hip), "source"),
+])
+def test_arguments_of_another_type(hip, call, place):
+    with pytest.raises(febiodea.UsageError) as caught:
+        call(hip)
+    assert caught.value.place == place and caught.value.expected and "\n" not in str(caught.value)
+
+
 def test_states(hip):
     assert [s.time for s in febiodea.analyse(hip, [1, 2]).states] == [1, 2]
     with pytest.raises(febiodea.UsageError) as caught:

@@ -16,6 +16,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/files/encoded_text.h>
+#include <febiodea/views/map/map_paint.h>
 #include <febiodea/views/map/map_scale.h>
 
 namespace dea {
@@ -23,23 +24,10 @@ namespace dea {
 namespace {
 
 constexpr double kMillimetre = 96.0 / 25.4;  // lengths on paper are in pixels of 1/96 inch, as in SVG
-constexpr int kBands = 128;                  // steps of colour: below what the eye tells apart
 constexpr double kText = 15.0, kBold = 15.5, kTitle = 18.0;
 constexpr double kMargin = 16.0, kGap = 22.0, kBarWidth = 17.0, kBarLine = 18.0;
 constexpr double kLegendLine = 24.0, kAxesRoom = 92.0;
 constexpr double kMostPixels = 20000.0;
-
-struct Paper {
-  Rgb background, text, faint, line, nothing, turned_away;
-};
-
-Paper paper(bool dark, ColourMap map) {
-  const auto grey = [](double x) { return Rgb{x, x, x + 0.012}; };
-  const double nothing =
-      dark ? (map == ColourMap::Diverging ? 0.24 : 0.36) : (map == ColourMap::Diverging ? 0.72 : 0.89);
-  if (dark) return {{0.051, 0.067, 0.09}, grey(0.92), grey(0.66), grey(0.75), grey(nothing), grey(nothing - 0.1)};
-  return {{1, 1, 1}, grey(0.08), grey(0.35), grey(0.3), grey(nothing), grey(nothing - 0.12)};
-}
 
 class Pen {
  public:
@@ -123,13 +111,6 @@ void fill(Pen& pen, const Placing& place, const std::vector<Polyline>& outline, 
   cairo_fill(pen.get());
 }
 
-int band(const MapFigure& figure, double value) {
-  const double f = (value - figure.low) / (figure.high - figure.low);
-  return std::clamp(static_cast<int>(std::floor(f * kBands)), 0, kBands - 1);
-}
-
-Rgb band_colour(const MapFigure& figure, int band) { return colour(figure.map, (band + 0.5) / kBands); }
-
 /// Every band is drawn over those below it, so that no light shines through between them.
 void fill_values(Pen& pen, const Placing& place, const MapFigure& figure, const MapPanel& panel,
                  const TriangleMask& valued) {
@@ -149,7 +130,7 @@ void fill_values(Pen& pen, const Placing& place, const MapFigure& figure, const 
       const double level = std::max(start, figure.low + (figure.high - figure.low) * b / kBands);
       const double from = b == band(figure, start) ? start : level;
       // The line between two bands can hardly be seen, the edge of contact can.
-      fill(pen, place, region_above(s.mesh, s.projection, valued, panel.points, from), band_colour(figure, b),
+      fill(pen, place, region_above(s.mesh, s.projection, valued, panel.points, from), band_colour(figure.map, b),
            from == start ? 0.0 : 0.2);
     }
     return;
@@ -165,7 +146,7 @@ void fill_values(Pen& pen, const Placing& place, const MapFigure& figure, const 
   for (int b : present) {
     TriangleMask in(bands.size());
     for (std::size_t t = 0; t < bands.size(); ++t) in[t] = bands[t] >= b;
-    fill(pen, place, outline(s.mesh, s.projection, in), band_colour(figure, b));
+    fill(pen, place, outline(s.mesh, s.projection, in), band_colour(figure.map, b));
   }
 }
 
@@ -334,23 +315,14 @@ void draw_panel(Pen& pen, const Placing& place, const MapFigure& figure, const M
                 double marks) {
   const MapSurface& s = figure.surfaces[at(panel.surface)];
   for (int layer = 0; layer < s.projection.layers; ++layer) {
-    const TriangleMask all = layer_triangles(s.mesh, s.projection, layer);
-    TriangleMask away(all.size()), valued(all.size()), interpolated(all.size());
-    for (std::size_t t = 0; t < all.size(); ++t) {
-      away[t] = all[t] && s.projection.back[t];
-      const auto& v = s.mesh.triangles[t];
-      const bool seen = all[t] && !away[t];
-      interpolated[t] =
-          seen && std::all_of(v.begin(), v.end(), [&](int i) { return std::isfinite(panel.points[at(i)]); });
-      valued[t] = figure.smooth ? interpolated[t] : seen && std::isfinite(panel.facets[at(s.mesh.facet[t])]);
-    }
-    fill(pen, place, outline(s.mesh, s.projection, all), paper.nothing);
-    fill(pen, place, outline(s.mesh, s.projection, away), paper.turned_away);
+    const PanelMasks masks = panel_masks(figure, panel, layer);
+    fill(pen, place, outline(s.mesh, s.projection, masks.all), paper.nothing);
+    fill(pen, place, outline(s.mesh, s.projection, masks.away), paper.turned_away);
     if (!figure.empty) {
-      fill_values(pen, place, figure, panel, valued);
-      draw_contours(pen, place, figure, panel, interpolated);
+      fill_values(pen, place, figure, panel, masks.valued);
+      draw_contours(pen, place, figure, panel, masks.interpolated);
     }
-    trace(pen, place, rim(s.mesh, s.projection, all));
+    trace(pen, place, rim(s.mesh, s.projection, masks.all));
     pen.use(paper.line);
     pen.stroke(1.0);
   }
@@ -433,7 +405,7 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
               double bottom) {
   const double each = height / kBands;
   for (int b = 0; b < kBands; ++b) {  // each reaches down to the end, so that there are no seams
-    pen.use(band_colour(figure, kBands - 1 - b));
+    pen.use(band_colour(figure.map, kBands - 1 - b));
     pen.rectangle(x, y + b * each, kBarWidth, height - b * each);
   }
   for (double level : figure.contours) {
@@ -452,8 +424,8 @@ void draw_bar(Pen& pen, const MapFigure& figure, const Paper& paper, double x, d
     pen.use(c);
     cairo_fill(pen.get());
   };
-  if (figure.beyond_high) arrow(y, y - 12, band_colour(figure, kBands - 1));
-  if (figure.beyond_low) arrow(y + height, y + height + 12, band_colour(figure, 0));
+  if (figure.beyond_high) arrow(y, y - 12, band_colour(figure.map, kBands - 1));
+  if (figure.beyond_low) arrow(y + height, y + height + 12, band_colour(figure.map, 0));
   pen.font(kText);
   double widest = 0.0;
   const double step = figure.ticks.size() > 1 ? figure.ticks[1] - figure.ticks[0] : 1.0;
