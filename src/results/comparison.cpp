@@ -148,9 +148,7 @@ Distribution distribution(const std::vector<double>& values, const std::vector<d
   d.peak = *std::max_element(v.begin(), v.end());
   set_percentiles(d, v, w);
   std::sort(v.begin(), v.end());
-  const double rank = 0.99 * static_cast<double>(v.size() - 1);
-  const std::size_t low = static_cast<std::size_t>(rank), high = std::min(low + 1, v.size() - 1);
-  d.p99_unweighted = v[low] + (rank - static_cast<double>(low)) * (v[high] - v[low]);
+  d.p99_unweighted = percentile_of_sorted(v, 0.99);
   return d;
 }
 
@@ -314,8 +312,8 @@ SurfaceFrame surface_frame(const ResultSurface& s) {
   return frame;
 }
 
-std::array<FacetMask, 3> thirds(const ResultSurface& s, const SurfaceFrame& frame, const Vector3d& up,
-                                const Vector3d& anterior) {
+std::vector<int> third_of(const std::vector<Vector3d>& points, const SurfaceFrame& frame, const Vector3d& up,
+                          const Vector3d& anterior) {
   Vector3d top = up - up.dot(frame.axis) * frame.axis, front = anterior - anterior.dot(frame.axis) * frame.axis;
   const double top_length = top.norm();
   if (!(top_length > 1e-6 * up.norm()))
@@ -326,14 +324,22 @@ std::array<FacetMask, 3> thirds(const ResultSurface& s, const SurfaceFrame& fram
     throw UsageError("up and anterior span no plane across the surface's axis");
   front.normalize();
   std::vector<double> angle;
-  for (const Vector3d& x : s.facet_centers)
+  for (const Vector3d& x : points)
     angle.push_back(std::atan2((x - frame.center).dot(front), (x - frame.center).dot(top)));
   std::vector<int> order(angle.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return angle[at(a)] > angle[at(b)]; });
+  std::vector<int> third(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) third[at(order[i])] = static_cast<int>(3 * i / order.size());
+  return third;
+}
+
+std::array<FacetMask, 3> thirds(const ResultSurface& s, const SurfaceFrame& frame, const Vector3d& up,
+                                const Vector3d& anterior) {
+  const std::vector<int> third = third_of(s.facet_centers, frame, up, anterior);
   std::array<FacetMask, 3> masks;
-  for (FacetMask& mask : masks) mask.assign(order.size(), 0);
-  for (std::size_t i = 0; i < order.size(); ++i) masks[3 * i / order.size()][at(order[i])] = 1;
+  for (FacetMask& mask : masks) mask.assign(third.size(), 0);
+  for (std::size_t f = 0; f < third.size(); ++f) masks[at(third[f])][f] = 1;
   return masks;
 }
 

@@ -121,9 +121,12 @@ struct SurfaceFrame {
 };
 SurfaceFrame surface_frame(const ResultSurface& surface);
 
-/// Anterior, superior and posterior third of a socket as in Abraham et al. (2013): facets sorted by their angle about
-/// the axis, from below by way of the front, the top and the back to below again, cut into three of equally many.
-/// Throws UsageError when up and anterior span no plane across the axis.
+/// Anterior (0), superior (1) and posterior (2) third of a socket as in Abraham et al. (2013): points sorted by their
+/// angle about the axis, from below by way of the front, the top and the back to below again, cut into three of equally
+/// many. Throws UsageError when up and anterior span no plane across the axis.
+std::vector<int> third_of(const std::vector<Vector3d>& points, const SurfaceFrame& frame, const Vector3d& up,
+                          const Vector3d& anterior);
+/// The same of a surface's facets, by their centres.
 std::array<FacetMask, 3> thirds(const ResultSurface& surface, const SurfaceFrame& frame, const Vector3d& up,
                                 const Vector3d& anterior);
 

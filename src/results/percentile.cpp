@@ -32,4 +32,11 @@ double weighted_percentile(const std::vector<double>& values, const std::vector<
   return values[order.back()];
 }
 
+double percentile_of_sorted(const std::vector<double>& sorted, double fraction) {
+  if (sorted.empty()) return kNaN;
+  const double rank = fraction * static_cast<double>(sorted.size() - 1);
+  const std::size_t low = static_cast<std::size_t>(rank), high = std::min(low + 1, sorted.size() - 1);
+  return sorted[low] + (rank - static_cast<double>(low)) * (sorted[high] - sorted[low]);
+}
+
 }  // namespace dea

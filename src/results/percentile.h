@@ -1,4 +1,4 @@
-// febiodea/results/percentile.h – percentiles by area or force.
+// febiodea/results/percentile.h – percentiles by area or force, or of values that count once.
 #pragma once
 #include <vector>
 
@@ -7,6 +7,11 @@ namespace dea {
 /// Percentile of values weighted by `weights` (> 0): each sorted value stands at the middle of its share of the weight,
 /// between them linear, beyond the first and last constant. Equal weights: the usual median. NaN for no values.
 double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction);
+
+/// Percentile of values in rising order, every value counting once: linear between the ranks 0 .. n - 1, which is type
+/// 7 of Hyndman and Fan (1996, 10.1080/00031305.1996.10473566) and what numpy does. `fraction` in [0, 1]. NaN for no
+/// values.
+double percentile_of_sorted(const std::vector<double>& sorted, double fraction);
 
 /// Sets p5 to p99 and the median of a distribution, whatever else it tells.
 template <class Distribution>

@@ -1,0 +1,33 @@
+// febiodea/study/mean_map.h – maps of several cases on the same surface: their mean, their spread, two groups compared.
+//
+// A field is one value per place (vertex or facet), a map one field per case. Means over the surface are weighted by
+// area. A map is of whole fields: values that are not finite, fields of different sizes, areas that are negative or all
+// 0, and no field at all are refused (UsageError), so leave failed cases out first.
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+struct MeanMap {
+  std::size_t cases = 0;
+  std::vector<double> mean, standard_deviation;  ///< per place over cases, as in Moments; one case: no deviation, NaN
+  double area_mean = kNaN;                       ///< of `mean` over the surface: sum of A x over sum of A
+  double area_spread = kNaN;                     ///< root of the mean square of `standard_deviation` over the surface
+};
+/// `fields`: cases x places. `areas`: per place.
+MeanMap mean_map(const std::vector<std::vector<double>>& fields, const std::vector<double>& areas);
+
+struct MapDifference {
+  MeanMap first, second;
+  std::vector<double> difference;  ///< per place: mean of the first group less that of the second
+  double area_mean = kNaN;         ///< of it over the surface
+  double area_rms = kNaN;          ///< root of its mean square over the surface
+};
+/// Groups need not have as many cases.
+MapDifference map_difference(const std::vector<std::vector<double>>& first,
+                             const std::vector<std::vector<double>>& second, const std::vector<double>& areas);
+
+}  // namespace dea
