@@ -663,89 +663,105 @@ TEST(StudyStatistics, RegionsOfASocket) {
 
 // ------------------------------------------------------------------------------------------------------ refusals
 
-TEST(StudyStatistics, WhatMakesNoSenseIsRefused) {
+struct Refused {
+  const char* text;
+  std::function<void()> call;
+};
+void expect_refused(const std::vector<Refused>& refused) {
+  for (const Refused& r : refused) EXPECT_EQ(refusal(r.call), r.text);
+}
+
+TEST(StudyStatistics, LinesAndPairsThatMakeNoSenseAreRefused) {
+  expect_refused(
+      {{"a line: 1 values, expected 2",
+        [] {
+          cycle_band({{1, 2}, {1}}, 0, 1);
+        }},
+       {"a band from 0.9 to 0.1, expected fractions 0 <= low <= high <= 1", [] { cycle_band({}, 0.9, 0.1); }},
+       {"a band from nan to 1, expected fractions 0 <= low <= high <= 1", [] { cycle_band({}, kNaN, 1); }},
+       {"a cycle of 1 instants, expected two or more", [] { percent_of_cycle({1}); }},
+       {"time 3 (1) follows 1, expected times that rise",
+        [] {
+          percent_of_cycle({0, 1, 1});
+        }},
+       {"time 2 of 2 is no finite number",
+        [] {
+          percent_of_cycle({0, kNaN});
+        }},
+       {"second of the pairs: 1 values, expected 2", [] {
+          paired_difference({1, 2}, {1});
+        }}});
+}
+
+TEST(StudyStatistics, DesignsThatMakeNoSenseAreRefused) {
+  expect_refused(
+      {{"a factor: 1 values, expected 2",
+        [] {
+          regression({{1}}, {1, 2});
+        }},
+       {"two cases have the value 1 of a factor, expected one of each value",
+        [] {
+          slopes({1, 1}, {1, 2});
+        }},
+       {"value 2 of a factor is nan, expected a finite number",
+        [] {
+          slopes({1, kNaN}, {1, 2});
+        }},
+       {"base case 3 of 2 cases, expected one of them",
+        [] {
+          one_at_a_time({{1, 2}}, {1, 2}, 2);
+        }},
+       {"7 outputs of 2 factors, expected a multiple of 4: rows A, B and one for each factor",
+        [] { sobol_indices(Values(7, 1.0), 2); }},
+       {"0 factors, expected one or more",
+        [] {
+          sobol_indices({1, 2}, 0);
+        }},
+       {"-1 resamples, expected 0 or more", [] { sobol_indices(Values(4, 1.0), 2, {.resamples = -1}); }},
+       {"a level of 1, expected a share between 0 and 1", [] { sobol_indices(Values(4, 1.0), 2, {.level = 1}); }}});
+}
+
+TEST(StudyStatistics, DosesAndMapsThatMakeNoSenseAreRefused) {
+  expect_refused({{"a cycle of 1 states, expected two or more", [] { cycle_dose({0}, {{1}}, 1); }},
+                  {"a state's pressures: 2 values, expected 1",
+                   [] {
+                     cycle_dose({0, 1}, {{1}, {1, 2}}, 1);
+                   }},
+                  {"a threshold of -1, expected a pressure of 0 or more",
+                   [] {
+                     cycle_dose({0, 1}, {{1}, {1}}, -1);
+                   }},
+                  {"years: nan, expected 0 or more",
+                   [] {
+                     chronic_dose({0, 1}, {{1}, {1}}, 1, {1, 1, kNaN});
+                   }},
+                  {"areas: 1 values, expected 2",
+                   [] {
+                     share_above({1, 2}, {1}, 1);
+                   }},
+                  {"an area: -1, expected 0 or more", [] { share_above({1}, {-1}, 1); }},
+                  {"a mean of no field, expected one or more", [] { mean_map({}, {1}); }},
+                  {"a field: 2 values, expected 1",
+                   [] {
+                     mean_map({{1}, {1, 2}}, {1});
+                   }},
+                  {"field 2 has nan at place 1, expected finite numbers: leave the field out",
+                   [] {
+                     mean_map({{1}, {kNaN}}, {1});
+                   }},
+                  {"a surface of area 0, expected more than 0", [] { mean_map({{1}}, {0}); }},
+                  {"an area of nan, expected 0 or more", [] { mean_map({{1}}, {kNaN}); }}});
+}
+
+TEST(StudyStatistics, SectorsThatMakeNoSenseAreRefused) {
   const Vector3d z = Vector3d::UnitZ(), o = Vector3d::Zero();
-  const std::pair<std::string, std::function<void()>> refused[] = {
-      {"a line: 1 values, expected 2",
-       [] {
-         cycle_band({{1, 2}, {1}}, 0, 1);
-       }},
-      {"a band from 0.9 to 0.1, expected fractions 0 <= low <= high <= 1", [] { cycle_band({}, 0.9, 0.1); }},
-      {"a band from nan to 1, expected fractions 0 <= low <= high <= 1", [] { cycle_band({}, kNaN, 1); }},
-      {"a cycle of 1 instants, expected two or more", [] { percent_of_cycle({1}); }},
-      {"time 3 (1) follows 1, expected times that rise",
-       [] {
-         percent_of_cycle({0, 1, 1});
-       }},
-      {"time 2 of 2 is no finite number",
-       [] {
-         percent_of_cycle({0, kNaN});
-       }},
-      {"second of the pairs: 1 values, expected 2",
-       [] {
-         paired_difference({1, 2}, {1});
-       }},
-      {"a factor: 1 values, expected 2",
-       [] {
-         regression({{1}}, {1, 2});
-       }},
-      {"two cases have the value 1 of a factor, expected one of each value",
-       [] {
-         slopes({1, 1}, {1, 2});
-       }},
-      {"value 2 of a factor is nan, expected a finite number",
-       [] {
-         slopes({1, kNaN}, {1, 2});
-       }},
-      {"base case 3 of 2 cases, expected one of them",
-       [] {
-         one_at_a_time({{1, 2}}, {1, 2}, 2);
-       }},
-      {"7 outputs of 2 factors, expected a multiple of 4: rows A, B and one for each factor",
-       [] { sobol_indices(Values(7, 1.0), 2); }},
-      {"0 factors, expected one or more",
-       [] {
-         sobol_indices({1, 2}, 0);
-       }},
-      {"-1 resamples, expected 0 or more", [] { sobol_indices(Values(4, 1.0), 2, {.resamples = -1}); }},
-      {"a level of 1, expected a share between 0 and 1", [] { sobol_indices(Values(4, 1.0), 2, {.level = 1}); }},
-      {"a cycle of 1 states, expected two or more", [] { cycle_dose({0}, {{1}}, 1); }},
-      {"a state's pressures: 2 values, expected 1",
-       [] {
-         cycle_dose({0, 1}, {{1}, {1, 2}}, 1);
-       }},
-      {"a threshold of -1, expected a pressure of 0 or more",
-       [] {
-         cycle_dose({0, 1}, {{1}, {1}}, -1);
-       }},
-      {"years: nan, expected 0 or more",
-       [] {
-         chronic_dose({0, 1}, {{1}, {1}}, 1, {1, 1, kNaN});
-       }},
-      {"areas: 1 values, expected 2",
-       [] {
-         share_above({1, 2}, {1}, 1);
-       }},
-      {"an area: -1, expected 0 or more", [] { share_above({1}, {-1}, 1); }},
-      {"a mean of no field, expected one or more", [] { mean_map({}, {1}); }},
-      {"a field: 2 values, expected 1",
-       [] {
-         mean_map({{1}, {1, 2}}, {1});
-       }},
-      {"field 2 has nan at place 1, expected finite numbers: leave the field out",
-       [] {
-         mean_map({{1}, {kNaN}}, {1});
-       }},
-      {"a surface of area 0, expected more than 0", [] { mean_map({{1}}, {0}); }},
-      {"an area of nan, expected 0 or more", [] { mean_map({{1}}, {kNaN}); }},
-      {"0 sectors, expected one or more", [&] { sectors({}, o, z, Vector3d::UnitX(), 0); }},
-      {"the axis of the sectors has no direction", [&] { sectors({}, o, o, z, 4); }},
-      {"the start of the sectors points along their axis, expected a direction across it",
-       [&] { sectors({}, o, z, 2 * z, 4); }},
-      {"point 1 of 1 is nowhere (NaN)", [&] {
-         sectors({{kNaN, 0, 0}}, o, z, Vector3d::UnitX(), 4);
-       }}};
-  for (const auto& [text, call] : refused) EXPECT_EQ(refusal(call), text);
+  expect_refused({{"0 sectors, expected one or more", [&] { sectors({}, o, z, Vector3d::UnitX(), 0); }},
+                  {"the axis of the sectors has no direction", [&] { sectors({}, o, o, z, 4); }},
+                  {"the start of the sectors points along their axis, expected a direction across it",
+                   [&] { sectors({}, o, z, 2 * z, 4); }},
+                  {"point 1 of 1 is nowhere (NaN)", [&] {
+                     sectors({{kNaN, 0, 0}}, o, z, Vector3d::UnitX(), 4);
+                   }}});
 }
 
 }  // namespace
