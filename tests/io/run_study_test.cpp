@@ -119,7 +119,7 @@ TEST(RunStudy, FieldsAndTheirSurface) {
   const std::vector<float>& pressure = results[0].states[0].fields[0].pressure;
   ASSERT_EQ(pressure.size(), surface.vertices.size());
   // the force that the field carries along the surface's normals, third of each triangle's area to a vertex
-  double p_area = 0, area = 0;
+  double p_area = 0;
   for (const auto& t : surface.triangles) {
     const double a =
         0.5 *
@@ -128,7 +128,6 @@ TEST(RunStudy, FieldsAndTheirSurface) {
             .norm();
     for (int v : t) {
       if (pressure[static_cast<std::size_t>(v)] <= 0) continue;
-      area += a / 3;
       p_area += a / 3 * static_cast<double>(pressure[static_cast<std::size_t>(v)]);
     }
   }
