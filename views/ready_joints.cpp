@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/stop.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/model/settings_table.h>
@@ -110,6 +111,9 @@ std::shared_ptr<const ReadyJoint> ReadyJoints::get(const std::string& path, cons
   const std::lock_guard<std::mutex> lock(mutex_);
   try {
     entries_[key].bytes = made.get()->bytes;
+  } catch (const Stopped&) {
+    entries_.erase(key);  // whoever asks next has it made
+    throw;
   } catch (...) {
     entries_[key].bytes = 1.0;  // the fault is all there is to keep
   }

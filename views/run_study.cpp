@@ -85,13 +85,14 @@ struct Work {
   const std::vector<std::size_t>& cases;
   const StudyOptions& options;
   Settings of_file;
-  ReadyJoints joints;
+  ReadyJoints own_joints;
+  ReadyJoints& joints;
   std::atomic<std::size_t> next{0};
   std::mutex mutex;          // of what follows
   std::exception_ptr fault;  // ends the study
 
   Work(const Plan& p, const std::vector<std::size_t>& c, const StudyOptions& o)
-      : plan(p), cases(c), options(o), joints(o.memory) {}
+      : plan(p), cases(c), options(o), own_joints(o.memory), joints(o.joints != nullptr ? *o.joints : own_joints) {}
 };
 
 RunOptions states_asked(const StudyOptions& options) {

@@ -11,13 +11,16 @@
 
 namespace dea {
 
+class ReadyJoints;
+
 struct StudyOptions {
-  std::string states;         ///< as --states; empty: all
-  std::string settings_file;  ///< as --settings; empty: none
-  int workers = 1;            ///< cases solved at a time
-  double memory = 2e9;        ///< bytes that prepared joints may take together; the least recently used go first
-  bool keep_fields = false;   ///< CaseState::fields, CaseResult::surfaces
-  std::string plot_folder;    ///< a plot file per case goes there; empty: none
+  std::string states;             ///< as --states; empty: all
+  std::string settings_file;      ///< as --settings; empty: none
+  int workers = 1;                ///< cases solved at a time
+  double memory = 2e9;            ///< bytes that prepared joints may take together; the least recently used go first
+  ReadyJoints* joints = nullptr;  ///< kept from one call to the next, with its own limit; nullptr: of this call
+  bool keep_fields = false;       ///< CaseState::fields, CaseResult::surfaces
+  std::string plot_folder;        ///< a plot file per case goes there; empty: none
   const StopFlag* stop = nullptr;
   /// A case is done. Called by one thread at a time, in the order in which cases end.
   std::function<void(CaseResult&&)> done;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <limits>
@@ -57,6 +58,24 @@ Database::Database(const std::string& path, For what) : path_(path), what_(what)
   }
 }
 
+Database::Database(const std::string& name, const std::string& bytes) : path_(name), what_(For::Reading) {
+  const auto size = static_cast<sqlite3_int64>(bytes.size());
+  int code = opened(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, &handle_);
+  try {
+    if (code != SQLITE_OK) fail(code);
+    auto* copy = static_cast<unsigned char*>(sqlite3_malloc64(bytes.size() + 1));
+    if (copy == nullptr) fail(SQLITE_NOMEM);
+    std::copy(bytes.begin(), bytes.end(), copy);
+    // the copy is SQLite's from here on, also where this fails
+    code = sqlite3_deserialize(handle_, "main", copy, size, size, SQLITE_DESERIALIZE_FREEONCLOSE);
+    if (code != SQLITE_OK) fail(code);
+    execute("PRAGMA query_only=ON; SELECT count(*) FROM sqlite_master");
+  } catch (...) {
+    sqlite3_close(handle_);
+    throw;
+  }
+}
+
 Database::~Database() { sqlite3_close(handle_); }
 
 void Database::fail(int code) const {
@@ -73,6 +92,15 @@ void Database::fail(int code) const {
 void Database::execute(const std::string& sql) {
   const int code = sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr);
   if (code != SQLITE_OK) fail(code);
+}
+
+std::string Database::bytes() const {
+  sqlite3_int64 size = 0;
+  unsigned char* all = sqlite3_serialize(handle_, "main", &size, 0);
+  if (all == nullptr) fail(SQLITE_NOMEM);
+  std::string copy(reinterpret_cast<const char*>(all), static_cast<std::size_t>(size));
+  sqlite3_free(all);
+  return copy;
 }
 
 void Database::wait_for_others(int milliseconds) { sqlite3_busy_timeout(handle_, milliseconds); }

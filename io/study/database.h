@@ -22,10 +22,14 @@ class Database {
   enum class For { Reading, Writing };
   /// Writing: it is made if it is not there.
   Database(const std::string& path, For what);
+  /// A database as `bytes` has it, in memory, to be read. `name`: in place of a path.
+  Database(const std::string& name, const std::string& bytes);
   ~Database();
   Database(Database&&) = delete;
 
   void execute(const std::string& sql);
+  /// The whole database, for the constructor that takes bytes.
+  std::string bytes() const;
   /// A fault of the last call, whose result was `code`.
   [[noreturn]] void fail(int code) const;
   /// How long a call waits for other programs.

@@ -31,32 +31,13 @@ void check_heads(const std::vector<StudyHead>& heads) {
   }
 }
 
-/// Rows of a table as they are.
-void copy_table(const Database& from, const Database& to, const std::string& table) {
-  Statement rows(from, fmt::format("SELECT * FROM {}", table));
-  std::string marks = "?";
-  for (int i = 1; i < rows.columns(); ++i) marks += ",?";
-  // a surface is in every shard
-  Statement insert(to,
-                   fmt::format("INSERT {} INTO {} VALUES ({})", table == "surfaces" ? "OR IGNORE" : "", table, marks));
-  while (rows.step()) {
-    for (int i = 0; i < rows.columns(); ++i) insert.bind(rows, i);
-    insert.run();
-  }
-}
-
-/// Of the study as a whole, the same in every shard.
-bool describes(const std::string& table) {
-  return table == "study" || table == "options" || table == "inputs" || table == "factors" || table == "models";
-}
-
 void copy_all(const std::vector<StudyHead>& heads, Database& to) {
   to.execute("BEGIN IMMEDIATE");
   make_study_tables(to, heads.front().factors);
   for (const StudyHead& head : heads) {
     const Database from(head.path, Database::For::Reading);
     for (const std::string& table : study_tables())
-      if (&head == &heads.front() || !describes(table)) copy_table(from, to, table);
+      if (&head == &heads.front() || !describes_study(table)) copy_table(from, to, table);
   }
   to.execute("UPDATE study SET value = '1' WHERE key IN ('shard', 'shards'); COMMIT");
 }

@@ -180,8 +180,10 @@ void make_study(Database& d, const Plan& plan, const StudyIdentity& identity) {
   d.execute("COMMIT");
 }
 
-std::vector<CaseThere> cases_there(const Database& d, std::size_t count) {
-  std::vector<CaseThere> there(count, CaseThere::Missing);
+/// What a database has of the cases, into `there`; their indices.
+std::vector<std::size_t> note_cases(const Database& d, std::vector<CaseThere>& there) {
+  std::vector<std::size_t> indices;
+  const std::size_t count = there.size();
   for (Statement rows(d, "SELECT case_id, case_outcome FROM cases"); rows.step();) {
     const std::int64_t number = rows.integer(0);
     if (number < 1 || number > whole(count))
@@ -190,8 +192,9 @@ std::vector<CaseThere> cases_there(const Database& d, std::size_t count) {
     there[at(number - 1)] = outcome == name(CaseResult::Outcome::Solved)   ? CaseThere::Solved
                             : outcome == name(CaseResult::Outcome::Failed) ? CaseThere::Failed
                                                                            : CaseThere::Refused;
+    indices.push_back(static_cast<std::size_t>(number - 1));
   }
-  return there;
+  return indices;
 }
 
 }  // namespace
@@ -202,6 +205,17 @@ ShardCases shard_cases(std::size_t cases, int shard, int shards) {
   assert(1 <= shard && shard <= shards);
   const auto start = [&](int i) { return cases * static_cast<std::size_t>(i) / static_cast<std::size_t>(shards); };
   return {start(shard - 1), start(shard)};
+}
+
+namespace {
+
+std::string digest_words(uLong sum, std::uint64_t size) { return fmt::format("crc32:{:08x}:{}", sum, size); }
+
+}  // namespace
+
+std::string bytes_digest(const std::string& bytes) {
+  return digest_words(crc32_z(crc32(0L, Z_NULL, 0), reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()),
+                      bytes.size());
 }
 
 std::string file_digest(const std::string& path) {
@@ -218,7 +232,7 @@ std::string file_digest(const std::string& path) {
     }
   }
   if (!in.eof()) throw InputError(fmt::format("{}: found no readable file", path));
-  return fmt::format("crc32:{:08x}:{}", sum, size);
+  return digest_words(sum, size);
 }
 
 bool has_content(const std::string& path) {
@@ -233,7 +247,8 @@ struct StudyWriter::Parts {
   StudyInserts inserts;
   std::vector<CaseThere> there;
   std::vector<CaseResult> waiting;
-  double written = 0.0;   ///< when something was written last [s]
+  std::vector<std::unique_ptr<Database>> batches;  ///< that wait
+  double written = 0.0;                            ///< when something was written last [s]
   double pause = kBatch;  ///< until the next time: where writing is slow, it shall not take most of the time [s]
   double busy_since = 0;  ///< when somebody began to keep us from it; 0: nobody does
 
@@ -245,15 +260,26 @@ struct StudyWriter::Parts {
     return database;
   }
 
+  void insert(const CaseResult& result) {
+    if (there[result.number - 1] != CaseThere::Missing) inserts.remove.bind(whole(result.number)).run();
+    insert_case(inserts, plan, result);
+  }
+
+  void insert(const Database& batch) {
+    std::vector<CaseThere> its(there.size(), CaseThere::Missing);
+    for (const std::size_t i : note_cases(batch, its))
+      if (there[i] != CaseThere::Missing) inserts.remove.bind(whole(i + 1)).run();
+    for (const std::string& table : study_tables())
+      if (!describes_study(table)) copy_table(batch, database, table);
+  }
+
   /// All that waits, at once. False: another program reads the file.
   bool write() {
     const double start = seconds();
     try {
       database.execute("BEGIN IMMEDIATE");
-      for (const CaseResult& result : waiting) {
-        if (there[result.number - 1] != CaseThere::Missing) inserts.remove.bind(whole(result.number)).run();
-        insert_case(inserts, plan, result);
-      }
+      for (const CaseResult& result : waiting) insert(result);
+      for (const auto& batch : batches) insert(*batch);
       database.execute("COMMIT");
     } catch (const DatabaseBusy&) {
       take_back();
@@ -266,11 +292,17 @@ struct StudyWriter::Parts {
       there[result.number - 1] = result.outcome == CaseResult::Outcome::Solved   ? CaseThere::Solved
                                  : result.outcome == CaseResult::Outcome::Failed ? CaseThere::Failed
                                                                                  : CaseThere::Refused;
+    for (const auto& batch : batches) note_cases(*batch, there);
     waiting.clear();
+    batches.clear();
     written = seconds();
     pause = std::clamp(5 * (written - start), kBatch, kLongestPause);
     busy_since = 0.0;
     return true;
+  }
+
+  void write_if_due() {
+    if (seconds() - written >= pause && !write()) wait_or_fail();
   }
 
   void take_back() {
@@ -295,7 +327,8 @@ struct StudyWriter::Parts {
 
 StudyWriter::StudyWriter(const std::string& path, const Plan& plan, const StudyIdentity& identity)
     : parts_(std::make_unique<Parts>(path, plan, identity)) {
-  parts_->there = cases_there(parts_->database, plan.cases.size());
+  parts_->there.assign(plan.cases.size(), CaseThere::Missing);
+  note_cases(parts_->database, parts_->there);
   parts_->database.wait_for_others(kWait);
   parts_->written = seconds();
 }
@@ -306,12 +339,21 @@ const std::vector<CaseThere>& StudyWriter::there() const { return parts_->there;
 
 void StudyWriter::add(CaseResult&& result) {
   parts_->waiting.push_back(std::move(result));
-  if (seconds() - parts_->written >= parts_->pause && !parts_->write()) parts_->wait_or_fail();
+  parts_->write_if_due();
+}
+
+void StudyWriter::add(std::string&& packed) {
+  const std::optional<std::string> bytes = unpacked_bytes(packed);
+  if (!bytes) throw InputError("found a damaged batch of results, expected what another writer has packed");
+  parts_->batches.push_back(std::make_unique<Database>("a batch of results", *bytes));
+  parts_->write_if_due();
 }
 
 void StudyWriter::finish() {
-  while (!parts_->waiting.empty())
+  while (!parts_->waiting.empty() || !parts_->batches.empty())
     if (!parts_->write()) parts_->wait_or_fail();
 }
+
+std::string StudyWriter::packed() const { return packed_bytes(parts_->database.bytes()); }
 
 }  // namespace dea

@@ -35,8 +35,14 @@ const char* name(CaseResult::Outcome outcome);
 /// forges the inputs of a study), and zlib is linked anyway. Throws InputError.
 std::string file_digest(const std::string& path);
 
+/// The same of bytes in memory.
+std::string bytes_digest(const std::string& bytes);
+
 /// Is there a file, with something in it?
 bool has_content(const std::string& path);
+
+/// Where a study's writer keeps its results for somebody else's file: nowhere on disk.
+inline constexpr const char* kInMemory = ":memory:";
 
 /// Writes the results of cases as they come. Each is in the file whole or not at all.
 class StudyWriter {
@@ -52,8 +58,13 @@ class StudyWriter {
   /// Takes a result; one that the file has of this case is replaced. Results are written together, every half second.
   /// Throws WriteError: what was written before stays.
   void add(CaseResult&& result);
+  /// The same of all cases in another writer's packed(), of the same plan.
+  void add(std::string&& packed);
   /// Writes what is left. To be called at the end, also of a study that was stopped.
   void finish();
+  /// All that a writer kInMemory has taken, as bytes for another process: a small study's file as a zlib stream. After
+  /// finish.
+  std::string packed() const;
 
  private:
   struct Parts;

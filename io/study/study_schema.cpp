@@ -148,6 +148,23 @@ void make_study_tables(Database& database, const std::vector<Factor>& factors) {
       fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kStudyApplication, kStudyVersion));
 }
 
+bool describes_study(const std::string& table) {
+  return table == "study" || table == "options" || table == "inputs" || table == "factors" || table == "models";
+}
+
+void copy_table(const Database& from, const Database& to, const std::string& table) {
+  Statement rows(from, fmt::format("SELECT * FROM {}", table));
+  std::string marks = "?";
+  for (int i = 1; i < rows.columns(); ++i) marks += ",?";
+  // a surface is in every file
+  Statement insert(to,
+                   fmt::format("INSERT {} INTO {} VALUES ({})", table == "surfaces" ? "OR IGNORE" : "", table, marks));
+  while (rows.step()) {
+    for (int i = 0; i < rows.columns(); ++i) insert.bind(rows, i);
+    insert.run();
+  }
+}
+
 void check_factor_names(const std::vector<Factor>& factors) {
   Database none(":memory:", Database::For::Writing);
   make_study_tables(none, {});

@@ -19,6 +19,12 @@ const std::vector<std::string>& study_tables();
 /// Makes all tables and views. A factor is a column of `cases` and of the views.
 void make_study_tables(Database& database, const std::vector<Factor>& factors);
 
+/// Is a table of the study as a whole, the same in every shard?
+bool describes_study(const std::string& table);
+
+/// Adds the rows of a table as they are to the same table of another study's file; a surface that it has is left.
+void copy_table(const Database& from, const Database& to, const std::string& table);
+
 /// UsageError: a factor has the name of a column that is there anyway.
 void check_factor_names(const std::vector<Factor>& factors);
 

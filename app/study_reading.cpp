@@ -1,0 +1,132 @@
+// `dea study` where nothing is solved: a study's file read, shards joined.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/app/study_reading.h>
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/io/files/held_outputs.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/study/read_study.h>
+#include <febiodea/io/study/study_file.h>
+#include <febiodea/views/data/csv.h>
+#include <febiodea/views/study_output.h>
+
+namespace dea {
+
+namespace {
+
+void write_csv(const std::string& study, const std::string& path) {
+  write_pieces(path, [&](const std::function<void(const std::string&)>& put) {
+    std::string text;
+    read_results(study, [&](const std::vector<std::string>& cells) {
+      for (std::size_t i = 0; i < cells.size(); ++i) text += (i > 0 ? "," : "") + csv_word(cells[i]);
+      text += '\n';
+      if (text.size() < (1 << 20)) return;
+      put(text);
+      text.clear();
+    });
+    put(text);
+  });
+}
+
+/// The last line where cases are no solution; empty: all are.
+std::string failed_line(const std::string& path, const StudyHead& head) {
+  const StudyCounts counts = count_cases(path);
+  if (counts.failed + counts.refused == 0) return "";
+  const StudyCase first = read_cases(path, true, 1).front();
+  std::string words = head.models.size() > 1 ? head.models[at(first.model)] + ", " : "";
+  for (std::size_t i = 0; i < head.factors.size(); ++i)
+    words += fmt::format("{}={}, ", head.factors[i].name, first.values[i]);
+  return fmt::format(
+      "{}: {} of {} no solution ({} failed, {} refused), first case {}: {}{}; --again failed solves them "
+      "again",
+      path, counts.failed + counts.refused, plural(counts.all(), "case"), counts.failed, counts.refused, first.number,
+      words, first.message);
+}
+
+/// Options that have no place where nothing is solved.
+void refuse_solving_options(const StudyArguments& a, const char* what) {
+  std::string option;
+  if (!a.settings.order.empty()) option = "--" + a.settings.order.front();
+  for (const auto& [name, text] :
+       {std::pair("--cases", &a.cases), std::pair("--sample", &a.sample), std::pair("--count", &a.count),
+        std::pair("--seed", &a.seed), std::pair("--states", &a.states), std::pair("--again", &a.again),
+        std::pair("--shard", &a.shard), std::pair("--settings", &a.settings.file)})
+    if (!text->empty()) option = name;
+  if (!a.keep.empty()) option = "--keep";
+  if (a.dry_run) option = "--dry-run";
+  if (!option.empty()) throw UsageError(fmt::format("found {} beside {}, expected models with it", option, what));
+}
+
+std::string study_text(const StudyHead& head, const StudyCounts& counts) {
+  const ShardCases shard = shard_cases(head.planned, head.identity.shard, head.identity.shards);
+  std::string text = fmt::format("{}: {} of {}: {} solved, {} failed, {} refused; made by dea {}\n", head.path,
+                                 counts.all(), plural(shard.last - shard.first, "case"), counts.solved, counts.failed,
+                                 counts.refused, head.identity.version);
+  if (head.identity.shards > 1)
+    text += fmt::format("shard {} of {} of {} cases\n", head.identity.shard, head.identity.shards, head.planned);
+  constexpr std::size_t kMost = 8;
+  for (std::size_t i = 0; i < std::min(kMost, head.models.size()); ++i) text += "model " + head.models[i] + "\n";
+  if (head.models.size() > kMost) text += fmt::format("and {} more models\n", head.models.size() - kMost);
+  for (const std::string& option : head.identity.options) text += "with " + option + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string plural(std::size_t n, const char* word) { return fmt::format("{} {}{}", n, word, n == 1 ? "" : "s"); }
+
+int end_study(const std::string& path, const StudyArguments& a, const std::string& summary) {
+  const StudyHead head = read_study_head(path);
+  if (!a.csv.empty()) write_csv(path, a.csv);
+  if (!a.quiet) log(summary);
+  const std::string failed = failed_line(path, head);
+  if (!failed.empty()) log(failed);
+  return failed.empty() ? kSolved : kNoSolution;
+}
+
+int read_study(const StudyArguments& a, const std::string& path) {
+  if (a.files.size() > 1)
+    throw UsageError(fmt::format("{}: found a study beside other files, expected it alone, or --merge", path));
+  if (!a.output.empty())
+    throw UsageError(fmt::format("-o {}: found it beside a study that is read, expected --csv", a.output));
+  refuse_solving_options(a, "a study that is read");
+  const StudyHead head = read_study_head(path);
+  std::vector<NamedPath> outputs;
+  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  const HeldOutputs held = claim_outputs({{"the study", path}}, outputs);
+  if (!a.csv.empty())
+    write_csv(path, a.csv);
+  else
+    print(study_text(head, count_cases(path)));
+  const std::string failed = failed_line(path, head);
+  if (!failed.empty()) log(failed);
+  return failed.empty() ? kSolved : kNoSolution;
+}
+
+int merge_shards(const StudyArguments& a) {
+  refuse_solving_options(a, "--merge");
+  if (a.files.empty()) throw UsageError("--merge: found no file, expected those of the shards");
+  check_study_name("-o", a.output);
+  std::vector<NamedPath> inputs, outputs = {{"-o", a.output}};
+  for (const std::string& file : a.files) inputs.push_back({"a shard", file});
+  if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  const HeldOutputs held = claim_outputs(inputs, outputs);
+  if (has_content(a.output) && !a.overwrite)
+    throw WriteError(fmt::format("{}: is there already; --overwrite replaces it, -o FILE.db makes another", a.output));
+  for (const std::string& file : a.files) read_study_head(file);
+  remove_study(a.output);
+  const MergedStudies merged = merge_studies(a.files, a.output);
+  const int code = end_study(
+      a.output, a, fmt::format("{}: {} of {}", a.output, plural(merged.cases, "case"), plural(a.files.size(), "file")));
+  if (merged.missing.empty()) return code;
+  log(fmt::format("{}: missing are {}cases {}; the command of the study without --shard, with -o {}, solves them",
+                  a.output, merged.missing_shards.empty() ? "" : fmt::format("shards {}, ", merged.missing_shards),
+                  merged.missing, a.output));
+  return kNoSolution;
+}
+
+}  // namespace dea

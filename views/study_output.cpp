@@ -1,0 +1,121 @@
+#include <febiodea/views/study_output.h>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/io/study/read_study.h>
+
+namespace dea {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A file that is there is the same study's, or InputError. One of another study of which every case was refused, as
+/// where a name was misspelt, is taken away: nothing is lost.
+void check_existing(const std::string& path, const Plan& plan, const StudyIdentity& identity,
+                    const std::string& remedy) {
+  if (!has_content(path)) return;
+  std::string difference;
+  try {
+    const StudyHead head = read_study_head(path);
+    difference = study_difference(head, identity);
+    if (difference.empty() && head.planned != plan.cases.size())
+      difference = fmt::format("it has {} cases, not {}", head.planned, plan.cases.size());
+  } catch (const InputError& bad) {
+    throw InputError(fmt::format("{}; {}", bad.what(), remedy));
+  }
+  if (difference.empty()) return;
+  const StudyCounts counts = count_cases(path);
+  if (counts.solved + counts.failed > 0) throw InputError(fmt::format("{}: {}; {}", path, difference, remedy));
+  remove_study(path);
+}
+
+std::string plot_folder(const std::string& path) {
+  const fs::path p = path;
+  return (p.parent_path() / (p.stem().string() + "_xplt")).string();
+}
+
+void take_keep(const std::vector<std::string>& keep, const std::string& path, StudyOptions& options) {
+  for (const std::string& word : keep) {
+    if (word == "fields")
+      options.keep_fields = true;
+    else if (word == "xplt")
+      options.plot_folder = plot_folder(path);
+    else
+      parsed("keep", word, [](const std::string& text) -> int {
+        throw bad_value(text, "fields or xplt", {"fields", "xplt"});
+      });
+  }
+}
+
+/// Indices of the cases that are to be solved.
+std::vector<std::size_t> cases_to_solve(const std::vector<CaseThere>& there, const ShardCases& shard, bool again) {
+  std::vector<std::size_t> todo;
+  for (std::size_t i = shard.first; i < shard.last; ++i)
+    if (there[i] == CaseThere::Missing || (again && there[i] != CaseThere::Solved)) todo.push_back(i);
+  return todo;
+}
+
+}  // namespace
+
+void check_study_name(const std::string& option, const std::string& path) {
+  if (path.empty()) throw UsageError(fmt::format("found no {0}, expected the study's file: {0} FILE.db", option));
+  if (path == "-") throw UsageError(fmt::format("{} -: a study cannot go to standard output, give it a name", option));
+  const std::string extension = extension_of(path);
+  if (extension == ".feb" || extension == ".xplt" || extension == ".csv")
+    throw UsageError(fmt::format("{} {}: found the ending of another kind of file, expected .db", option, path));
+}
+
+void remove_study(const std::string& path) {
+  std::error_code error;
+  for (const char* end : {"", "-journal"}) fs::remove(path + end, error);
+  if (fs::exists(path)) throw WriteError(fmt::format("{}: cannot be taken away", path));
+}
+
+OpenStudy open_study(const Study& study, const StudyOutput& output) {
+  check_study_name(output.option, output.path);
+  OpenStudy open;
+  open.path = shard_path(output.path, output.shard);
+  open.options = study.options;
+  take_keep(output.keep, open.path, open.options);
+  StudyIdentity identity = study.identity;
+  identity.shard = output.shard.number;
+  identity.shards = output.shard.of;
+  for (const std::string& keep : output.keep) identity.options.push_back("--keep " + keep);
+  std::vector<NamedPath> outputs = output.others;
+  outputs.insert(outputs.begin(), {output.option, open.path});
+  if (!open.options.plot_folder.empty()) outputs.push_back({"--keep xplt", open.options.plot_folder, true});
+  open.held = std::make_unique<HeldOutputs>(claim_outputs(study.inputs, outputs));
+  if (output.overwrite)
+    remove_study(open.path);
+  else
+    check_existing(open.path, study.plan, identity, output.remedy);
+  if (!open.options.plot_folder.empty()) fs::create_directories(open.options.plot_folder);
+  open.writer = std::make_unique<StudyWriter>(open.path, study.plan, identity);
+  open.cases = shard_cases(study.plan.cases.size(), output.shard.number, output.shard.of);
+  open.todo = cases_to_solve(open.writer->there(), open.cases, output.again);
+  return open;
+}
+
+void solve_study(const Study& study, OpenStudy& open, const std::function<void(const CaseEnd&)>& told) {
+  StudyOptions options = open.options;
+  options.done = [&](CaseResult&& result) {
+    const CaseEnd end{result.number, result.outcome, result.message, result.seconds};
+    open.writer->add(std::move(result));
+    told(end);
+  };
+  try {
+    run_study(study.plan, open.todo, options);
+  } catch (const Stopped&) {
+    open.writer->finish();
+    throw;
+  }
+  open.writer->finish();
+}
+
+}  // namespace dea

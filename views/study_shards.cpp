@@ -1,0 +1,84 @@
+#include <febiodea/views/study_shards.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/base/say.h>
+#include <febiodea/views/study_request.h>
+
+namespace dea {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A whole number that the environment has; -1: none.
+int environment_number(const char* name) {
+  const char* text = std::getenv(name);
+  try {
+    return text == nullptr ? -1 : parse_count(text, 0, std::numeric_limits<int>::max());
+  } catch (const BadValue& bad) {
+    throw UsageError(Fault{.given = said("shard", "auto"), .found = fmt::format("{}: {}", name, bad.what())});
+  }
+}
+
+/// One task among several; none of these variables: {1, 1}.
+Shard task_of_environment() {
+  // SLURM_PROCID is there outside of srun too; the number of tasks of a step is not
+  for (const auto& [rank, size] :
+       {std::pair("SLURM_PROCID", "SLURM_STEP_NUM_TASKS"), std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
+        std::pair("PMI_RANK", "PMI_SIZE")}) {
+    const int i = environment_number(rank), n = environment_number(size);
+    if (i >= 0 && n > 1 && i < n) return {i + 1, n};
+  }
+  return {};
+}
+
+Shard automatic_shard() {
+  const Shard task = task_of_environment();
+  const int id = environment_number("SLURM_ARRAY_TASK_ID"), first = environment_number("SLURM_ARRAY_TASK_MIN"),
+            last = environment_number("SLURM_ARRAY_TASK_MAX"), given = environment_number("SLURM_ARRAY_TASK_STEP"),
+            step = std::max(1, given);
+  if (id < 0 && task.of == 1)
+    throw UsageError(Fault{.given = said("shard", "auto"),
+                           .found = "found none of SLURM_ARRAY_TASK_ID, SLURM_PROCID with SLURM_STEP_NUM_TASKS (srun), "
+                                    "OMPI_COMM_WORLD_RANK, PMI_RANK with their sizes,",
+                           .expected = say("expected {}", NamedSetting{"shard", "", "I/N"})});
+  if (id < 0) return task;
+  const int count = environment_number("SLURM_ARRAY_TASK_COUNT"), place = (id - std::max(0, first)) / step;
+  if (first < 0 || last < id || id < first || (id - first) % step != 0 || count != (last - first) / step + 1)
+    throw UsageError(
+        Fault{.given = said("shard", "auto"),
+              .found = fmt::format("found Slurm's array task {} of {} from {} to {},", id, count, first, last),
+              .expected = say("expected an array without gaps: {}", NamedSetting{"shard", "", "I/N"})});
+  return {place * task.of + task.number, count * task.of};
+}
+
+}  // namespace
+
+Shard shard_of(const std::string& text) {
+  if (text.empty()) return {};
+  if (lower_case(text) == "auto") return automatic_shard();
+  const std::size_t slash = text.find('/');
+  return parsed("shard", text, [&](const std::string&) {
+    if (slash == text.npos) throw bad_value(text, "I/N, such as 2/4, or auto", {"auto"});
+    const int of = parse_count(text.substr(slash + 1), 1, 1'000'000);
+    return Shard{parse_count(text.substr(0, slash), 1, of), of};
+  });
+}
+
+std::string shard_path(const std::string& path, const Shard& shard) {
+  if (shard.of == 1) return path;
+  const fs::path p = path;
+  return (p.parent_path() /
+          fmt::format("{}.{}-of-{}{}", p.stem().string(), shard.number, shard.of, p.extension().string()))
+      .string();
+}
+
+}  // namespace dea
