@@ -36,7 +36,9 @@ void write_csv(const std::string& study, const std::string& path) {
 std::string failed_line(const std::string& path, const StudyHead& head) {
   const StudyCounts counts = count_cases(path);
   if (counts.failed + counts.refused == 0) return "";
-  const StudyCase first = read_cases(path, true, 1).front();
+  const std::vector<StudyCase> cases = read_cases(path, true, 1);
+  if (cases.empty()) return "";  // solved again since
+  const StudyCase& first = cases.front();
   std::string words = head.models.size() > 1 ? head.models[at(first.model)] + ", " : "";
   for (std::size_t i = 0; i < head.factors.size(); ++i)
     words += fmt::format("{}={}, ", head.factors[i].name, first.values[i]);
@@ -118,7 +120,6 @@ int merge_shards(const StudyArguments& a) {
   if (has_content(a.output) && !a.overwrite)
     throw WriteError(fmt::format("{}: is there already; --overwrite replaces it, -o FILE.db makes another", a.output));
   for (const std::string& file : a.files) read_study_head(file);
-  remove_study(a.output);
   const MergedStudies merged = merge_studies(a.files, a.output);
   const int code = end_study(
       a.output, a, fmt::format("{}: {} of {}", a.output, plural(merged.cases, "case"), plural(a.files.size(), "file")));

@@ -12,6 +12,7 @@
 #include <febiodea/model/settings_table.h>
 #include <febiodea/run/cost.h>
 #include <febiodea/run/states.h>
+#include <febiodea/views/memory.h>
 #include <febiodea/views/text/remarks.h>
 
 namespace dea {
@@ -52,7 +53,8 @@ std::string key_of(const std::string& path, const Settings& joint) {
 }
 
 /// The end of the model's last step, from the reference; nothing where that is no solution.
-std::optional<Begin> solve_begin(const ReadyJoint& ready, Settings settings, const StopFlag* stop) {
+std::optional<Begin> solve_begin(const ReadyJoint& ready, const StopFlag* stop) {
+  Settings settings = ready.settings;
   settings.skip_steps = true;
   EquilibriumOptions options;
   options.stop = stop;
@@ -73,19 +75,25 @@ std::shared_ptr<const ReadyJoint> make_ready(const std::string& path, Settings s
   JointModel read = read_feb(path);
   settle_units(read, settings);
   read_thickness(settings);
-  Recognition recognition = recognise(std::move(read), settings);
+  Recognition recognition = recognise_joint(std::move(read), settings);  // its loads are the cases' matter
   throw_if_any(recognition.faults);
+  spring_cost_note(recognition);
   const auto ready = std::make_shared<ReadyJoint>();
   ready->warnings = warnings_in(model_remarks(recognition.model, recognition.joint));
   ready->bytes = spring_cost(recognition.joint).bytes;
   ready->prepared = prepare(std::move(recognition), stop);
   ready->model = std::move(recognition.model);
   ready->maps = make_field_maps(ready->model, ready->prepared.joint);
-  ready->begin = solve_begin(*ready, settings, stop);
+  ready->settings = std::move(settings);
   return ready;
 }
 
 }  // namespace
+
+const Begin* ReadyJoint::begin(const StopFlag* stop) const {
+  std::call_once(begun_, [&] { begin_ = solve_begin(*this, stop); });
+  return begin_ ? &*begin_ : nullptr;
+}
 
 std::shared_ptr<const ReadyJoint> ReadyJoints::get(const std::string& path, const Settings& settings,
                                                    const StopFlag* stop) {

@@ -19,9 +19,17 @@ struct ReadyJoint {
   JointModel model;
   Prepared prepared;
   FieldMaps maps;
-  std::optional<Begin> begin;         ///< at the end of the model's last step, as the file has it; none: not solved
+  Settings settings;                  ///< of the joint
   std::vector<std::string> warnings;  ///< of the model and the joint, without "warning: "
   double bytes = 0.0;                 ///< of memory: an estimate
+
+  /// The end of the model's last step, as the file has it, solved from the reference when it is first asked for;
+  /// nullptr: it is no solution. Stopped: `stop` was set.
+  const Begin* begin(const StopFlag* stop) const;
+
+ private:
+  mutable std::once_flag begun_;
+  mutable std::optional<Begin> begin_;
 };
 
 /// The joints that were used last, as many as fit. Several threads may ask at a time; a joint that two want is made

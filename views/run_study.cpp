@@ -9,6 +9,8 @@
 #include <exception>
 #include <filesystem>
 #include <mutex>
+#include <new>
+#include <system_error>
 #include <thread>
 
 #include <febiodea/base/error.h>
@@ -125,7 +127,8 @@ void solve(Work& work, const PlannedCase& c, CaseResult& result) {
   solving.keep_fields = options.keep_fields || !options.plot_folder.empty();
   solving.displacements = !options.plot_folder.empty();
   solving.equilibrium.stop = options.stop;
-  solving.begin = ready->begin ? &*ready->begin : nullptr;
+  const TimePoint& first = states.times.front();
+  if (first.row >= 0 || first.time > 0.0) solving.begin = ready->begin(options.stop);
   SolvedStates solved_states = solve_states(ready->model, settings, ready->prepared, ready->maps, solving);
   result.warnings = warnings_of(*ready, solved_states);
   if (!options.plot_folder.empty())
@@ -159,6 +162,8 @@ CaseResult solve_case(Work& work, std::size_t index) {
     result.message = one_line(line(e.fault, command_line_wording()));
   } catch (const InputError& e) {
     result.message = one_line(line(e.fault, command_line_wording()));
+  } catch (const std::bad_alloc&) {
+    result.message = "there is not enough memory for it";
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
@@ -193,8 +198,11 @@ void run_study(const Plan& plan, const std::vector<std::size_t>& cases, const St
   Work work(plan, cases, options);
   if (!options.settings_file.empty()) work.of_file = read_settings_file(options.settings_file).settings;
   std::vector<std::thread> others;
-  for (int t = 1; t < std::min(options.workers, static_cast<int>(cases.size())); ++t)
-    others.emplace_back([&work] { solve_cases(work); });
+  try {
+    for (int t = 1; t < std::min(options.workers, static_cast<int>(cases.size())); ++t)
+      others.emplace_back([&work] { solve_cases(work); });
+  } catch (const std::system_error&) {  // no more threads are to be had: those that are there do it
+  }
   solve_cases(work);
   for (std::thread& thread : others) thread.join();
   if (work.fault) std::rethrow_exception(work.fault);

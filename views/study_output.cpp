@@ -7,6 +7,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/io/study/database.h>
 #include <febiodea/io/study/read_study.h>
 
 namespace dea {
@@ -26,6 +27,8 @@ void check_existing(const std::string& path, const Plan& plan, const StudyIdenti
     difference = study_difference(head, identity);
     if (difference.empty() && head.planned != plan.cases.size())
       difference = fmt::format("it has {} cases, not {}", head.planned, plan.cases.size());
+  } catch (const StudyBusy&) {
+    throw;
   } catch (const InputError& bad) {
     throw InputError(fmt::format("{}; {}", bad.what(), remedy));
   }
@@ -53,6 +56,35 @@ void take_keep(const std::vector<std::string>& keep, const std::string& path, St
   }
 }
 
+struct InputChanged : InputError {
+  using InputError::InputError;
+};
+
+/// Notices that a file that the cases are made of is written while they are solved.
+class InputWatch {
+ public:
+  explicit InputWatch(const StudyIdentity& identity) : identity_(identity) {
+    for (const auto& input : identity.inputs) as_read_.push_back(state_of(input[0]));
+  }
+  void check() const {
+    for (std::size_t i = 0; i < as_read_.size(); ++i)
+      if (state_of(identity_.inputs[i][0]) != as_read_[i])
+        throw InputChanged(fmt::format(
+            "{}: found it changed while the study was solved, expected the same file to the end; cases that were "
+            "written before are kept, those since are not",
+            identity_.inputs[i][0]));
+  }
+
+ private:
+  using State = std::pair<std::uintmax_t, fs::file_time_type>;
+  static State state_of(const std::string& path) {
+    std::error_code error;
+    return {fs::file_size(path, error), fs::last_write_time(path, error)};
+  }
+  const StudyIdentity& identity_;
+  std::vector<State> as_read_;
+};
+
 /// Indices of the cases that are to be solved.
 std::vector<std::size_t> cases_to_solve(const std::vector<CaseThere>& there, const ShardCases& shard, bool again) {
   std::vector<std::size_t> todo;
@@ -74,6 +106,11 @@ void check_study_name(const std::string& option, const std::string& path) {
 void remove_study(const std::string& path) {
   std::error_code error;
   for (const char* end : {"", "-journal"}) fs::remove(path + end, error);
+  for (const fs::directory_entry& plot : fs::directory_iterator(plot_folder(path), error)) {
+    const std::string stem = plot.path().stem().string();
+    if (plot.path().extension() == ".xplt" && stem.find_first_not_of("0123456789") == stem.npos)
+      fs::remove(plot.path(), error);
+  }
   if (fs::exists(path)) throw WriteError(fmt::format("{}: cannot be taken away", path));
 }
 
@@ -96,7 +133,11 @@ OpenStudy open_study(const Study& study, const StudyOutput& output) {
   else
     check_existing(open.path, study.plan, identity, output.remedy);
   if (!open.options.plot_folder.empty()) fs::create_directories(open.options.plot_folder);
-  open.writer = std::make_unique<StudyWriter>(open.path, study.plan, identity);
+  try {
+    open.writer = std::make_unique<StudyWriter>(open.path, study.plan, identity);
+  } catch (const DatabaseBusy& busy) {
+    throw StudyBusy(busy.what());
+  }
   open.cases = shard_cases(study.plan.cases.size(), output.shard.number, output.shard.of);
   open.todo = cases_to_solve(open.writer->there(), open.cases, output.again);
   return open;
@@ -109,9 +150,13 @@ void solve_study(const Study& study, OpenStudy& open, const std::function<void(c
     open.writer->add(std::move(result));
     told(end);
   };
+  const InputWatch inputs(study.identity);
+  open.writer->before_writing([&inputs] { inputs.check(); });
   try {
     run_study(study.plan, open.todo, options);
-  } catch (const Stopped&) {
+  } catch (const InputChanged&) {
+    throw;
+  } catch (...) {
     open.writer->finish();
     throw;
   }

@@ -52,11 +52,13 @@ Shard automatic_shard() {
                            .expected = say("expected {}", NamedSetting{"shard", "", "I/N"})});
   if (id < 0) return task;
   const int count = environment_number("SLURM_ARRAY_TASK_COUNT"), place = (id - std::max(0, first)) / step;
-  if (first < 0 || last < id || id < first || (id - first) % step != 0 || count != (last - first) / step + 1)
+  if (first < 0 || first > 1 || last < id || id < first || (id - first) % step != 0 ||
+      count != (last - first) / step + 1)
     throw UsageError(
         Fault{.given = said("shard", "auto"),
               .found = fmt::format("found Slurm's array task {} of {} from {} to {},", id, count, first, last),
-              .expected = say("expected an array without gaps: {}", NamedSetting{"shard", "", "I/N"})});
+              .expected = say("expected an array from 0 or 1 without gaps, or the shard itself: {}",
+                              NamedSetting{"shard", "", "I/N"})});
   return {place * task.of + task.number, count * task.of};
 }
 

@@ -35,7 +35,8 @@ void copy_all(const std::vector<StudyHead>& heads, Database& to) {
   to.execute("BEGIN IMMEDIATE");
   make_study_tables(to, heads.front().factors);
   for (const StudyHead& head : heads) {
-    const Database from(head.path, Database::For::Reading);
+    Database from(head.path, Database::For::Reading);
+    from.execute("BEGIN");  // one state of it, though somebody may be writing
     for (const std::string& table : study_tables())
       if (&head == &heads.front() || !describes_study(table)) copy_table(from, to, table);
   }
@@ -81,12 +82,20 @@ MergedStudies merge_studies(const std::vector<std::string>& paths, const std::st
   check_heads(heads);
   std::sort(heads.begin(), heads.end(),
             [](const StudyHead& a, const StudyHead& b) { return a.identity.shard < b.identity.shard; });
+  // the old file goes when the new one is whole
+  const std::string part = output + ".part";
+  std::error_code error;
+  std::filesystem::remove(part, error);
   try {
-    Database to(output, Database::For::Writing);
-    copy_all(heads, to);
+    {
+      Database to(part, Database::For::Writing);
+      copy_all(heads, to);
+    }
+    std::filesystem::remove(output + "-journal", error);
+    std::filesystem::rename(part, output, error);
+    if (error) throw WriteError(fmt::format("{}: {}", output, error.message()));
   } catch (const std::exception& fault) {
-    std::error_code error;
-    std::filesystem::remove(output, error);
+    for (const char* end : {"", "-journal"}) std::filesystem::remove(part + end, error);
     if (dynamic_cast<const DatabaseBusy*>(&fault) != nullptr)
       throw InputError(fmt::format("{}; try again when it has ended", fault.what()));
     throw;

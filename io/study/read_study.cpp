@@ -48,7 +48,7 @@ auto reading(const std::string& path, Read read) {
     const StudyDatabase database(path);
     return read(database);
   } catch (const DatabaseBusy& busy) {
-    throw InputError(fmt::format("{}; try again", busy.what()));
+    throw StudyBusy(fmt::format("{}; try again", busy.what()));
   }
 }
 

@@ -247,6 +247,7 @@ struct StudyWriter::Parts {
   StudyInserts inserts;
   std::vector<CaseThere> there;
   std::vector<CaseResult> waiting;
+  std::function<void()> before_writing;
   std::vector<std::unique_ptr<Database>> batches;  ///< that wait
   double written = 0.0;                            ///< when something was written last [s]
   double pause = kBatch;  ///< until the next time: where writing is slow, it shall not take most of the time [s]
@@ -275,6 +276,7 @@ struct StudyWriter::Parts {
 
   /// All that waits, at once. False: another program reads the file.
   bool write() {
+    if (before_writing) before_writing();
     const double start = seconds();
     try {
       database.execute("BEGIN IMMEDIATE");
@@ -334,6 +336,8 @@ StudyWriter::StudyWriter(const std::string& path, const Plan& plan, const StudyI
 }
 
 StudyWriter::~StudyWriter() = default;
+
+void StudyWriter::before_writing(std::function<void()> check) { parts_->before_writing = std::move(check); }
 
 const std::vector<CaseThere>& StudyWriter::there() const { return parts_->there; }
 

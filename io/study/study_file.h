@@ -1,6 +1,7 @@
 // febiodea/io/study/study_file.h – a study's results in one SQLite file (docs/studies.md says what is in it).
 #pragma once
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,6 +53,9 @@ class StudyWriter {
   StudyWriter(const std::string& path, const Plan& plan, const StudyIdentity& identity);
   ~StudyWriter();
   StudyWriter(StudyWriter&&) = delete;
+
+  /// Called before each time of writing; what it throws ends the writing, and what waited is not written. May be empty.
+  void before_writing(std::function<void()> check);
 
   /// Per case of the plan.
   const std::vector<CaseThere>& there() const;

@@ -129,7 +129,8 @@ TextTable read_text_table(const std::string& path) {
       separator = table.opensim ? ' ' : separator_of(line);
       table.names = words_of_line(line, separator);
       table.names_line = number;
-      const bool rows_have_names = table.names.front().empty();
+      if (table.names.empty()) table.names.emplace_back();  // separators alone
+      const bool rows_have_names = table.names.size() > 1 && table.names.front().empty();
       check_column_names(path, number, {table.names.begin() + (rows_have_names ? 1 : 0), table.names.end()});
       continue;
     }

@@ -72,15 +72,18 @@ std::vector<char> free_to_turn(const LoadCase& load_case) {
   return free;
 }
 
+bool any_turns(const LoadCase& load_case) {
+  const std::vector<char> free = free_to_turn(load_case);
+  return std::find(free.begin(), free.end(), 1) != free.end();
+}
+
 void add_fields(const Prepared& prepared, const FieldMaps& maps, StateResult& state) {
   const Equilibrium& e = state.equilibrium;
   state.fields = contact_fields(prepared.joint, prepared.beds, maps, e);
   state.statistics = contact_statistics(prepared.joint, prepared.beds, maps, e, state.fields);
 }
 
-bool begins_in_last_step(const JointModel& model, const TimePoint& when) {
-  return when.step + 1 == static_cast<int>(model.steps.size());
-}
+int last_step(const JointModel& model) { return static_cast<int>(model.steps.size()) - 1; }
 
 /// What is held stays where the settings place it, and a body that is placed starts there.
 void begin_from(const Begin& begin, const Joint& joint, const LoadCase& load_case, Walk& walk) {
@@ -91,6 +94,17 @@ void begin_from(const Begin& begin, const Joint& joint, const LoadCase& load_cas
     poses[b] = free_part(load_case.bodies[b], poses[b], begin.poses[b]);
   }
   walk.memory = begin.memory;
+}
+
+/// From `begin`; where that finds no solution, or none that is stable, from where the walk starts.
+Equilibrium solve_from(const Begin& begin, const Prepared& prepared, const LoadCase& load_case, Walk& walk) {
+  const Start start = walk.start;
+  begin_from(begin, prepared.joint, load_case, walk);
+  Equilibrium found = solve_state(prepared, load_case, false, walk);
+  if (solved(found.outcome) && found.least_stiffness > 0) return found;
+  walk.start = start;
+  walk.memory.clear();
+  return solve_state(prepared, load_case, false, walk);
 }
 
 /// What is as large as the mesh goes.
@@ -175,9 +189,10 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     state.when = times[i];
     const bool reference = i == 0 && times[i].time <= 0.0 && times[i].row < 0;
     const LoadCase load_case = load_case_of(model, settings, prepared, times[i], walk);
-    if (i == 0 && !reference && options.begin != nullptr && begins_in_last_step(model, times[i]))
-      begin_from(*options.begin, joint, load_case, walk);
-    state.equilibrium = solve_state(prepared, load_case, reference, walk);
+    if (i == 0 && !reference && options.begin != nullptr && times[i].step == last_step(model) && !any_turns(load_case))
+      state.equilibrium = solve_from(*options.begin, prepared, load_case, walk);
+    else
+      state.equilibrium = solve_state(prepared, load_case, reference, walk);
     end_state(walk, state.equilibrium, options.equilibrium);
     refuse_zero_thickness(model, joint, prepared.beds, state.equilibrium);
     end_if_stopped(options.equilibrium.stop);

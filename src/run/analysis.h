@@ -65,9 +65,12 @@ struct AnalysisOptions {
       progress;                                   ///< after every state; may be empty
   std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
   EquilibriumOptions equilibrium;
-  bool displacements = true;     ///< StateResult::displacements are wanted
-  const Begin* begin = nullptr;  ///< not owned: from where the first state is searched, if that belongs to the last
-                                 ///< step and is not the reference; its free dofs count, of bodies that are not placed
+  bool displacements = true;  ///< StateResult::displacements are wanted
+  /// Not owned: from where the first state is searched, if that belongs to the last step, is not the reference, and no
+  /// body is free to turn (else there may be several balances, and the search's start chooses among them). Its free
+  /// dofs count, of bodies that are not placed. A state that is not solved or not stable from there is searched from
+  /// the starting poses, as without it.
+  const Begin* begin = nullptr;
 };
 
 /// The states of options.times, each started from the one before. `prepared`: of `model` and joint_settings(settings);

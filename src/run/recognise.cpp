@@ -99,7 +99,7 @@ Loading check_loading(const JointModel& model, const Joint& joint, const Setting
   return loading;
 }
 
-Recognition recognise(JointModel given, Settings settings, bool all_states) {
+Recognition recognise_joint(JointModel given, Settings settings) {
   const auto start = std::chrono::steady_clock::now();
   Recognition r;
   r.model = std::move(given);
@@ -120,6 +120,14 @@ Recognition recognise(JointModel given, Settings settings, bool all_states) {
     r.recognised = found.faults.empty();
     if (r.recognised) r.joint = std::move(found.joint);
   }
+  r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return r;
+}
+
+Recognition recognise(JointModel given, Settings settings, bool all_states) {
+  const auto start = std::chrono::steady_clock::now();
+  Recognition r = recognise_joint(std::move(given), std::move(settings));
+  const JointModel& model = r.model;
   if (r.recognised) {
     Loading loading = check_loading(model, r.joint, r.settings);
     for (const Fault& fault : loading.faults) add(r.faults, fault);

@@ -26,6 +26,10 @@ struct Recognition {
 /// Throws UsageError for settings that name nothing in the model.
 Recognition recognise(JointModel model, Settings settings = {}, bool all_states = false);
 
+/// The same but for motions, loads and times: whether they can be followed is not asked, and how they are taken not
+/// told.
+Recognition recognise_joint(JointModel model, Settings settings = {});
+
 /// What settings that place, load and move the bodies make of a joint that is there.
 struct Loading {
   std::vector<Fault> faults;       ///< as Recognition::faults
