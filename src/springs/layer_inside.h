@@ -62,7 +62,7 @@ struct InsideLayer {
   Eigen::MatrixXd gradient;  ///< vertices x 3 (1 + kDepthPowers): of each fraction, along the surface [MPa/mm]
   Eigen::MatrixXd spread;    ///< vertices x 6 (1 + kDepthPowers): xx yy zz xy yz zx of sym grad(t^2 grad q) [MPa]
 };
-/// Six more solutions than one application of the compliance, with the same factors, once per state. The law must have
+/// Seven sparse solutions with the factors that are there, once per state. The law must have
 /// two terms. `pressure`: per foot, >= 0.
 InsideLayer look_inside(const LayerOperator& layer, const InsideShape& shape, const DepthLaws& laws,
                         const LayerFeet& feet, const Eigen::VectorXd& pressure);
