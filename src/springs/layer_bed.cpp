@@ -67,6 +67,10 @@ LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, cons
   return feet;
 }
 
+LayerFeet feet_on_source(const LayerBed& layers, const SpringStates& s) {
+  return covered_feet(*layers.source, layers.whole, Eigen::Map<const Eigen::VectorXd>(s.area.data(), s.size()));
+}
+
 std::shared_ptr<const LayerBed> make_layer_bed(const ContactPair& pair) {
   const Layer &source = pair.source_layer(), &target = pair.target_layer();
   auto layers = std::make_shared<LayerBed>();

@@ -22,6 +22,9 @@ std::shared_ptr<const LayerBed> make_layer_bed(const ContactPair& pair);
 LayerFeet feet_on_target(const SpringBed& bed, const LayerOperator& target, const SpringStates& states,
                          const Pose& source_pose, const Pose& target_pose, double reach);
 
+/// The source's feet at a pose: one that lies over the target only in part carries its pressure on that part.
+LayerFeet feet_on_source(const LayerBed& layers, const SpringStates& states);
+
 /// Fills pressures, strains, `rates` and the target's parts of springs that carry nothing yet; their gaps, overlaps,
 /// feet and areas must be there. `source`, `target`: their poses. `memory`: as in press_springs.
 void press_layers(const LayerBed& layers, const SpringBed& bed, SpringStates& states, const Pose& source,

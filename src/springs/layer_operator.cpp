@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -485,9 +486,12 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
   // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
   // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
   op.onwards.resize(entries);
+  op.beyond.resize(entries);
   for (std::size_t s = 0; s < entries; ++s)
     op.onwards[s] = op.law.square * (parts.mass[s] + 0.5 * std::sqrt(op.law.beta[1]) * parts.open_edge[s]) +
                     op.edge.around * parts.free_edge[s];
+  for (std::size_t s = 0; s < entries; ++s) op.beyond[s] = std::sqrt(op.law.beta[1]) * parts.open_edge[s];
+  op.mass = parts.mass;
   return op;
 }
 
@@ -522,12 +526,17 @@ double gathered(const LayerFeet& feet, int i, const Nodal& q, Eigen::Index c) {
   return sum;
 }
 
-/// q of one term for a load.
-Nodal term_pressure(const LayerOperator& op, const LayerFeet& feet, std::size_t term, Nodal load) {
-  for (const int v : feet.columns[term])
+/// q of one term for a load, at these vertices.
+Nodal solved_term(const LayerOperator& op, const std::vector<int>& columns, std::size_t term, Nodal load) {
+  for (const int v : columns)
     if (op.held[term][at(v)]) load.row(v).setZero();
-  solve(op.factor[term], feet.columns[term], load);
+  solve(op.factor[term], columns, load);
   return load;
+}
+
+/// The same where the feet are.
+Nodal term_pressure(const LayerOperator& op, const LayerFeet& feet, std::size_t term, Nodal load) {
+  return solved_term(op, feet.columns[term], term, std::move(load));
 }
 
 /// z (L7), for the load b p and its q_0.
@@ -600,6 +609,34 @@ Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet,
     return e.strain;
   };
   return flow(layer, feet, pressure, excess, true);
+}
+
+Eigen::MatrixXd fractions(const LayerOperator& op, const LayerFeet& feet, const Eigen::VectorXd& pressure, int powers) {
+  assert(op.law.terms == 2 && pressure.size() == feet.size() && powers >= 1);
+  const Eigen::Index n = op.mesh.nodes();
+  std::vector<int> all(at(n));
+  std::iota(all.begin(), all.end(), 0);
+  const Nodal load = loads(op, feet, pressure), ones = Nodal::Ones(n, 1);
+  Nodal volume = Nodal::Zero(n, 1);
+  add_times(op.pattern, op.mass, all, ones, volume);
+  Eigen::MatrixXd out(n, 2 + powers);
+  for (Eigen::Index v = 0; v < n; ++v) out(v, 0) = volume(v, 0) > 0 ? load(v, 0) / volume(v, 0) : 0.0;
+  out.col(1) = solved_term(op, all, 0, load);
+  out.col(2) = solved_term(op, all, 1, load);
+  // Beyond an edge where the layer goes on q_k decays like a polynomial times exp(-y); what it drives there comes in
+  // over the edge with the terms of 1 - sqrt(1 - x) = x/2 + x^2/8 + x^3/16 + ...
+  for (int k = 2; k <= powers; ++k) {
+    Nodal right_side = Nodal::Zero(n, 1), outside = Nodal::Zero(n, 1);
+    double share = 0.5;
+    for (int j = 1; j < k; ++j) {
+      outside += share * out.col(1 + k - j);
+      share *= (2.0 * j - 1) / (2.0 * j + 2);
+    }
+    add_times(op.pattern, op.mass, all, out.col(k), right_side);
+    add_times(op.pattern, op.beyond, all, outside, right_side);
+    out.col(1 + k) = solved_term(op, all, 1, std::move(right_side));
+  }
+  return out;
 }
 
 double own_compliance(const LayerOperator& layer, const LayerFeet& feet, int foot, const Eigen::VectorXd* softening) {

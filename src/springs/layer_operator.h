@@ -90,6 +90,8 @@ struct LayerOperator {
   std::array<SparseFactor, 2> factor;     ///< of S_0, S_1
   std::array<std::vector<char>, 2> held;  ///< per term and vertex: q = 0
   std::vector<double> onwards;            ///< what of q_1 drives r: square M_t and the edges' parts
+  std::vector<double> mass;               ///< M_t
+  std::vector<double> beyond;             ///< sqrt(beta_1) B of the edges where the layer goes on (`fractions`)
   /// A vertex of a free edge where q_0 = 0 and what flows out stretches the edge (L7).
   struct Outflow {
     int node = -1;
@@ -110,6 +112,13 @@ Eigen::VectorXd large_sinking(const LayerOperator& layer, const LayerFeet& feet,
 /// Of w per pressure of the same foot, what flow has no part in [mm/MPa].
 double own_compliance(const LayerOperator& layer, const LayerFeet& feet, int foot,
                       const Eigen::VectorXd* softening = nullptr);
+
+/// Fractions of a pressure p [MPa, per foot] at all vertices of the layer's mesh, with or without a foot [MPa]:
+///     column 0: p itself, the mean around the vertex;  1: q_0;  1 + k: q_k, k = 1 .. powers,
+///     S_1 q_k = M_t q_(k-1),  q_1 as in (L3)                                                                   (N3)
+/// q_k is 1/(1 + beta_1 s^2)^k of p. The law must have two terms.
+Eigen::MatrixXd fractions(const LayerOperator& layer, const LayerFeet& feet, const Eigen::VectorXd& pressure,
+                          int powers);
 
 /// Adds a foot on these parts, whose areas are scaled to sum up to `area`; none, or no area: a foot that stands on
 /// nothing.

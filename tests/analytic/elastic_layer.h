@@ -22,9 +22,11 @@ inline double flat_layer(double E, double nu, double t, double k) {
 
 /// What a rigid punch with the parabolic profile overlap(r) = depth - r^2/(2R) does to the layers.
 struct PunchResult {
-  double force = 0;   ///< of the sphere; per length, of the cylinder
-  double peak = 0;    ///< pressure in the middle
-  double radius = 0;  ///< of the contact, or half its width
+  double force = 0;              ///< of the sphere; per length, of the cylinder
+  double peak = 0;               ///< pressure in the middle
+  double radius = 0;             ///< of the contact, or half its width
+  double step = 0;               ///< width of the rings (strips)
+  std::vector<double> pressure;  ///< on each in contact, from the middle outwards
 };
 
 /// A parabolic punch on layers with the total compliance w(k), half-space like 2(1-nu^2)/(E k) = c/k for large k. The
@@ -110,6 +112,8 @@ struct ParabolicPunch {
     PunchResult result;
     for (int i = 0; i < low; ++i) result.force += p[i] * (axisymmetric ? kPi * h * h * (2 * i + 1) : 2 * h);
     result.peak = (9 * p[0] - p[1]) / 8;  // even in r
+    result.step = h;
+    result.pressure.assign(p.data(), p.data() + low);
     // where sqrt-like or linear pressure ends, to within the ring: the zero of p between the last two rings' line
     const double slope = p[low - 2] - p[low - 1];
     result.radius = (low - 0.5) * h + (slope > 0 ? std::min(1.0, p[low - 1] / slope) : 0.5) * h;

@@ -1,0 +1,108 @@
+#include <febiodea/results/inside.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/geometry/ray_caster.h>
+#include <febiodea/results/percentile.h>
+
+namespace dea {
+
+InsideMap make_inside_map(const SpringBed& bed) {
+  InsideMap map;
+  map.layers = bed.layers;
+  if (!map.layers) return map;
+  for (const int side : {0, 1}) {
+    const std::optional<LayerOperator>& layer = side == bed.pair.source ? map.layers->source : map.layers->target;
+    if (!layer || layer->law.terms < 2) continue;
+    map.sides[side] = {&*layer, inside_shape(*layer), make_depth_laws(layer->elasticity.nu)};
+  }
+  return map;
+}
+
+InsideContact look_inside(const InsideMap& map, const SpringBed& bed, const SpringStates& states,
+                          const Pose& source_pose, const Pose& target_pose) {
+  InsideContact contact;
+  const Eigen::VectorXd pressure = Eigen::Map<const Eigen::VectorXd>(states.pressure.data(), states.size());
+  const auto look = [&](int side) {
+    const InsideMap::Side& of = map.sides[side];
+    if (of.layer == nullptr) return;
+    LayerFeet feet;
+    if (states.size() > 0)
+      feet = side == bed.pair.source ? feet_on_source(*map.layers, states)
+                                     : feet_on_target(bed, *of.layer, states, source_pose, target_pose,
+                                                      *std::max_element(states.overlap.begin(), states.overlap.end()));
+    contact.sides[side] = look_inside(*of.layer, of.shape, of.laws, feet, pressure);
+  };
+  tbb::parallel_for(0, 2, look);
+  return contact;
+}
+
+std::vector<InsidePlace> inside_places(const Layer& layer, const LayerMesh& mesh, const std::vector<Vector3d>& points) {
+  constexpr double kFar = 1.5;  // of the thickness: bone and face together are further than through the layer
+  const RayCaster face(layer.face.mesh), bone(layer.bone);
+  std::vector<InsidePlace> places(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    const Vector3d& x = points[i];
+    const SurfacePoint above = face.closest(x);
+    const double to_face = (position(layer.face.mesh, above) - x).norm(),
+                 to_bone = (position(layer.bone, bone.closest(x)) - x).norm(), between = to_face + to_bone;
+    const Vector3d foot = position(layer.face.mesh, above);
+    const double through = (position(layer.bone, bone.closest(foot)) - foot).norm();
+    if (!(between > 0) || between > kFar * std::max(through, interpolate(layer.face.mesh, layer.face.thickness, above)))
+      return;
+    places[i] = inside_place(mesh, above.triangle, above.weights, to_bone / between);
+  });
+  return places;
+}
+
+std::vector<InsideState> states_inside(const InsideLayer& inside, const std::vector<InsidePlace>& places,
+                                       StrainMeasure measure) {
+  InsideState none;
+  none.normal = none.shear = Vector3d::Constant(kNaN);
+  none.pressure = kNaN;
+  none.stress = none.strain = Eigen::Matrix3d::Constant(kNaN);
+  std::vector<InsideState> states(places.size(), none);
+  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+    if (places[i].triangle >= 0) states[i] = state_inside(inside, places[i], measure);
+  });
+  return states;
+}
+
+InsideState turned(InsideState state, const Eigen::Matrix3d& rotation) {
+  state.normal = rotation * state.normal;
+  state.shear = rotation * state.shear;
+  state.stress = rotation * state.stress * rotation.transpose();
+  return state;
+}
+
+InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<InsideState>& states) {
+  std::vector<double> shear, first, third, area;
+  for (std::size_t v = 0; v < states.size(); ++v) {
+    if (!(inside.value(static_cast<Eigen::Index>(v), 0) > 0)) continue;
+    const InsideMeasures m = measures(states[v]);
+    shear.push_back(m.max_shear);
+    first.push_back(m.first_strain);
+    third.push_back(m.third_strain);
+    area.push_back(inside.layer->mesh.mesh.vertex_areas[v]);
+  }
+  const auto distribution = [&](const std::vector<double>& values, bool least) {
+    if (values.empty()) return InsideDistribution{kNaN, kNaN, kNaN};
+    InsideDistribution d;
+    d.peak = least ? *std::min_element(values.begin(), values.end()) : *std::max_element(values.begin(), values.end());
+    d.p99 = weighted_percentile(values, area, least ? 0.01 : 0.99);
+    double sum = 0.0, whole = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      sum += area[i] * values[i];
+      whole += area[i];
+    }
+    d.mean = sum / whole;
+    return d;
+  };
+  return {distribution(shear, false), distribution(first, false), distribution(third, true)};
+}
+
+}  // namespace dea
