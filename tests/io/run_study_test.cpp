@@ -88,6 +88,36 @@ TEST(RunStudy, ACaseIsWhatAnalyseMakesOfIt) {
   }
 }
 
+// Free to turn, the head may balance in several poses: the search's start is that of `dea run`, so that its end is, too.
+TEST(RunStudy, FreeToTurnTheStartIsThatOfAnalyse) {
+  Plan plan = turned_sockets({"0"}, {"12"});
+  plan.options.push_back({"law", "linear", -1});
+  plan.options.push_back({"free", "femur=x,y,z,Ru,Rv,Rw", -1});
+  const CaseResult result = solved(plan, {0}).front();
+  Settings settings;
+  settings.skip_steps = true;
+  settings.E[""] = 12;
+  settings.law = Law::Linear;
+  settings.free["femur"].fill(true);
+  const Recognition recognition = recognise(read_feb(kHip), settings);
+  AnalysisOptions options;
+  options.times = row_states(recognition.model, settings, parse_states("last"), "").times;
+  const Analysis analysis = analyse(recognition, options);
+  EXPECT_EQ(result.states.back().statistics[0].headline.p99, analysis.states.back().statistics[0].headline.p99);
+  EXPECT_EQ(result.states.back().iterations, analysis.states.back().equilibrium.iterations);
+}
+
+// What the model's own conditions are refused for is no fault where the case's settings replace them.
+TEST(RunStudy, TheModelsLoadsAreNotAskedForWhereTheCaseHasItsOwn) {
+  JointModel model = read_feb(kHip);
+  EXPECT_TRUE(recognise_joint(model).faults.empty());
+  Settings unknown;
+  unknown.force["femur"] = {0, 0, 1};
+  EXPECT_TRUE(recognise_joint(model, unknown).faults.empty());
+  unknown.force["fmur"] = {0, 0, 1};
+  EXPECT_THROW(recognise_joint(model, unknown), UsageError);
+}
+
 TEST(RunStudy, WhatIsRefusedIsACaseAndTheOthersGoOn) {
   Plan plan = turned_sockets({"0", "x", "5"}, {"12"});
   plan.models.push_back("nowhere.feb");
