@@ -14,6 +14,7 @@ void bind_stages(py::module_& m);     ///< Model, Settings, Recognition, analyse
 void bind_results(py::module_& m);    ///< Result, State, Contact and their numbers
 void bind_prepared(py::module_& m);   ///< Prepared, Pressed
 void bind_plot_file(py::module_& m);  ///< PlotFile, numbers of maps
+void bind_study(py::module_& m);      ///< studies: planned, solved, their files
 void bind_map(py::module_& m);        ///< pictures
 
 /// Settings laid over others, as febiodea/_settings.py makes them. Throws UsageError.

@@ -14,4 +14,5 @@ PYBIND11_MODULE(_febiodea, m) {
   bind_prepared(m);
   bind_plot_file(m);
   bind_map(m);
+  bind_study(m);
 }

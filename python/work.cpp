@@ -12,8 +12,7 @@ namespace dea::python {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr milliseconds kLook{50};    // between looks for Ctrl-C
-constexpr milliseconds kGrace{500};  // for work that was told to end
+constexpr milliseconds kLook{50};  // between looks for Ctrl-C
 
 /// A thread that does one piece of work after the other. Threads are used again, for libraries below keep something for
 /// each that ever was.
@@ -118,11 +117,11 @@ bool listen(const py::object& progress, std::vector<Progress>& told) {
 }
 
 /// Waits a little for the work to end; else it is left to itself.
-void give_up(const std::shared_ptr<Work>& work) {
+void give_up(const std::shared_ptr<Work>& work, milliseconds grace) {
   const py::gil_scoped_release unlocked;
   work->stop = true;
   std::unique_lock<std::mutex> lock(work->mutex);
-  work->changed.wait_for(lock, kGrace, [&] { return work->ended; });
+  work->changed.wait_for(lock, grace, [&] { return work->ended; });
 }
 
 }  // namespace
@@ -134,7 +133,7 @@ void Work::tell(Progress progress) {
   changed.notify_all();
 }
 
-void run_work(const std::function<void(Work&)>& job, const py::object& progress) {
+void run_work(const std::function<void(Work&)>& job, const py::object& progress, milliseconds grace) {
   const auto work = std::make_shared<Work>();
   work->listened_to = !progress.is_none();
   begin_work(work, job);
@@ -149,7 +148,7 @@ void run_work(const std::function<void(Work&)>& job, const py::object& progress)
     }
     if (listen(progress, told)) continue;
     const py::error_already_set raised;
-    give_up(work);
+    give_up(work, grace);
     throw raised;
   }
   if (work->failure) std::rethrow_exception(work->failure);

@@ -2,6 +2,7 @@
 #pragma once
 #include <pybind11/pybind11.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <functional>
@@ -20,8 +21,8 @@ namespace py = pybind11;
 
 /// What a callback is told.
 struct Progress {
-  std::string stage;         ///< "joint", "springs", "state"
-  std::size_t state = 0;     ///< from 1 on; 0: none yet
+  std::string stage;         ///< "joint", "springs", "state"; of studies "case"
+  std::size_t state = 0;     ///< from 1 on; 0: none yet; of studies: cases that are done
   std::size_t states = 0;    ///< of so many
   int iterations = 0;        ///< of the search in this state
   double residual = kNaN;    ///< unbalanced / applied force; NaN: none is known yet
@@ -45,7 +46,9 @@ struct Work {
 /// flag; work that does not see it for half a second (a matrix that is being factorised) is left to itself, ends when
 /// it does, and what it makes is dropped. `job` owns all that it uses, and no Python object. `progress`: a callable, or
 /// None; called in the thread that waits. Throws what `job` throws.
-void run_work(const std::function<void(Work&)>& job, const py::object& progress = py::none());
+/// `grace`: how long work that was told to end is waited for.
+void run_work(const std::function<void(Work&)>& job, const py::object& progress = py::none(),
+              std::chrono::milliseconds grace = std::chrono::milliseconds(500));
 
 /// The same for work with a result.
 template <class Result>

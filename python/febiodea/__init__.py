@@ -9,6 +9,7 @@
     contact.headline.p99
 
 For many loads and poses of one joint: prepare, Prepared.solve, Prepared.press. For results of any program: read_xplt.
+Thousands of cases into one file: Study, Study.run, read_study.
 
 Frame: global. Units: the model's own, throughout. Arrays look into the module's memory and cannot be written to; copy
 what is to be changed.
@@ -25,13 +26,15 @@ from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, PlotField, P
 from ._maps import picture, plot
 from ._settings import Settings, settings_help
 from ._states import states_text as _states_text
+from ._study import Study
+from ._study_results import Factor, StudyResults, StudyState, StudySurface, read_study
 from ._tables import Headline
 
 __all__ = ["read_feb", "recognise", "analyse", "prepare", "read_xplt", "picture", "plot", "distribution", "percentile",
-           "pattern_difference", "settings_help", "Settings", "Model", "Recognition", "Result",
-           "State", "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
-           "PressedContact", "PlotFile", "PlotState", "PlotSurface", "PlotField", "Progress", "Error", "InputError",
-           "UsageError", "WriteError"]
+           "pattern_difference", "read_study", "settings_help", "Settings", "Model", "Recognition", "Result", "State",
+           "Contact", "Side", "Springs", "Facets", "Nodes", "Compartment", "Headline", "Prepared", "Pressed",
+           "PressedContact", "Study", "StudyResults", "StudyState", "StudySurface", "Factor", "PlotFile", "PlotState",
+           "PlotSurface", "PlotField", "Progress", "Error", "InputError", "UsageError", "WriteError"]
 
 
 @_atexit.register

@@ -136,6 +136,42 @@ TEST_F(StudyFile, WhatIsWrittenIsReadAgain) {
             std::string::npos);
 }
 
+/// All results of a file, one text.
+std::string all_results(const std::string& path) {
+  std::string text;
+  read_results(path, [&](const std::vector<std::string>& cells) {
+    for (const std::string& cell : cells) text += cell + "|";
+    text += "\n";
+  });
+  return text;
+}
+
+TEST_F(StudyFile, WhatIsPackedIsAddedToAnother) {
+  const auto packed = [&](const std::vector<CaseResult>& results) {
+    StudyWriter writer(kInMemory, plan, identity());
+    for (CaseResult r : results) writer.add(std::move(r));
+    writer.finish();
+    return writer.packed();
+  };
+  write({result_of(2), result_of(3), refused(5)});
+  const std::string other = (folder.path / "other.db").string();
+  StudyWriter writer(other, plan, identity());
+  writer.add(packed({refused(3), refused(5)}));
+  writer.finish();
+  EXPECT_EQ(writer.there()[2], CaseThere::Refused);
+  writer.add(packed({result_of(2)}));
+  writer.add(packed({result_of(3)}));  // in the place of what was there
+  writer.finish();
+  EXPECT_EQ(writer.there()[2], CaseThere::Solved);
+  EXPECT_EQ(all_results(other), all_results(path));
+  for (const std::string& table : study_tables())
+    EXPECT_EQ(query(other, "SELECT count(*) FROM " + table), query(path, "SELECT count(*) FROM " + table)) << table;
+  EXPECT_EQ(read_pressure(other, 2, 1, 1), read_pressure(path, 2, 1, 1));
+  EXPECT_EQ(read_surfaces(other, 0).at(0).surface.triangles, read_surfaces(path, 0).at(0).surface.triangles);
+  EXPECT_EQ(input_fault([&] { writer.add(std::string("no stream")); }),
+            "found a damaged batch of results, expected what another writer has packed");
+}
+
 TEST_F(StudyFile, OtherProgramsFindItEasy) {
   write({result_of(2)});
   EXPECT_EQ(query(path, "SELECT headline_p99 FROM results WHERE tilt = 1 AND shape = 'layer' AND state = 2"), "7.0");

@@ -66,7 +66,7 @@ def test_readme_of_the_module(root, hip_result):
 
 
 def test_a_turned_socket_from_start_to_end(in_hip, hip_result):
-    code = blocks("docs/python.md")[0]
+    (code,) = [block for block in blocks("docs/python.md") if "abduction.csv" in block]
     run(code, in_hip)
     with open(in_hip / "abduction.csv", newline="") as file:
         rows = {float(row["degrees"]): row for row in csv.DictReader(file)}
@@ -83,7 +83,7 @@ def test_a_turned_socket_from_start_to_end(in_hip, hip_result):
 
 
 def test_the_optimiser_finds_the_least(in_hip):
-    code = blocks("docs/python.md")[1]
+    (code,) = [block for block in blocks("docs/python.md") if "minimize" in block]
     if importlib.util.find_spec("scipy") is None:
         pytest.skip("no SciPy")
     found = re.match(r"(\S+) degrees: p99 (\S+), as the file has it (\S+)$", run(code, in_hip))
@@ -94,6 +94,14 @@ def test_the_optimiser_finds_the_least(in_hip):
     # maps of facets are not quite smooth in the angle
     assert -9 < best < 24 and least < now and least <= min(plain.values()) * 1.005
     assert abs(best - min(plain, key=plain.get)) <= 2.2
+
+
+def test_a_study(in_hip):
+    pytest.importorskip("pandas")
+    (code,) = [block for block in blocks("docs/python.md") if "febiodea.Study(" in block]
+    out = run(code, in_hip).splitlines()
+    assert out[:6] == [f"{k} of 6" for k in range(1, 7)] and len(out) == 13
+    assert febiodea.read_study(in_hip / "plan.db").counts["solved"] == 6
 
 
 def test_febios_result_beside(in_hip, hip_result):

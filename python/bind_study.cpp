@@ -1,0 +1,245 @@
+#include <pybind11/stl.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/study/read_study.h>
+#include <febiodea/python/bind.h>
+#include <febiodea/python/errors.h>
+#include <febiodea/python/plain.h>
+#include <febiodea/python/work.h>
+#include <febiodea/views/ready_joints.h>
+#include <febiodea/views/study_output.h>
+
+namespace dea::python {
+
+namespace {
+
+constexpr std::chrono::milliseconds kGrace{60000};  // what is done is written before Ctrl-C is answered
+
+/// A study that Python holds, and the joints that are ready for its cases.
+struct PlannedStudy {
+  Study study;
+  ReadyJoints joints;
+  explicit PlannedStudy(Study s) : study(std::move(s)), joints(study.options.memory) {}
+};
+using Planned = std::shared_ptr<PlannedStudy>;
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+using Cells = std::pair<std::vector<std::string>, std::vector<std::vector<std::string>>>;
+
+/// As febiodea/_study.py has it: models, options, table of cases (names, rows) or None; texts: cases, sample, count,
+/// seed, states, settings.
+StudyRequest request_of(const std::vector<std::string>& models, const Pairs& options, const std::optional<Cells>& table,
+                        const std::array<std::string, 6>& texts) {
+  StudyRequest r;
+  r.models = models;
+  for (const auto& option : options) r.options.push_back({option.first, option.second});
+  if (table) {
+    std::vector<int> lines(table->second.size());
+    std::iota(lines.begin(), lines.end(), 1);
+    r.table = CaseTable{"cases", 0, table->first, table->second, lines};
+  }
+  r.cases = texts[0];
+  r.sample = texts[1];
+  r.count = texts[2];
+  r.seed = texts[3];
+  r.states = texts[4];
+  r.settings_file = texts[5];
+  return r;
+}
+
+Planned plan_here(const std::vector<std::string>& models, const Pairs& options, const std::optional<Cells>& table,
+                  const std::array<std::string, 6>& texts) {
+  const StudyRequest request = request_of(models, options, table, texts);
+  return result_of<PlannedStudy>([request](Work&) {
+    Study study = plan_study(request);
+    take_digests(study);
+    return std::make_shared<PlannedStudy>(std::move(study));
+  });
+}
+
+/// Version, options, inputs: what other processes compare with.
+using Identity = std::tuple<std::string, std::vector<std::string>, std::vector<std::array<std::string, 2>>>;
+
+Identity identity_of(const PlannedStudy& planned) {
+  const StudyIdentity& i = planned.study.identity;
+  return {i.version, i.options, i.inputs};
+}
+
+/// `memory`: bytes for joints that are ready; 0: half of what is free.
+Planned plan_of_other(const std::vector<std::string>& models, const Pairs& options, const std::optional<Cells>& table,
+                      const std::array<std::string, 6>& texts, const Identity& identity, double memory) {
+  const StudyRequest request = request_of(models, options, table, texts);
+  return result_of<PlannedStudy>([request, identity, memory](Work&) {
+    Study study = plan_study(request);
+    take_identity(study, {std::get<0>(identity), std::get<1>(identity), std::get<2>(identity), 1, 1});
+    if (memory > 0) study.options.memory = memory;
+    return std::make_shared<PlannedStudy>(std::move(study));
+  });
+}
+
+StudyOutput output_of(const std::string& path, const std::vector<std::string>& keep, const std::string& shard,
+                      bool overwrite, bool again) {
+  StudyOutput output;
+  output.option = "path";
+  output.path = path;
+  output.keep = keep;
+  output.shard = shard_of(shard);
+  output.overwrite = overwrite;
+  output.again = again;
+  output.remedy = "overwrite=True begins anew, another path makes another file";
+  return output;
+}
+
+/// A study's file that is being filled.
+struct FilledStudy {
+  Planned planned;
+  OpenStudy open;
+  std::atomic<bool> at_work = false;  ///< some thread solves into it
+  FilledStudy(Planned p, OpenStudy o) : planned(std::move(p)), open(std::move(o)) {}
+};
+using Filled = std::shared_ptr<FilledStudy>;
+
+Filled open_file(const Planned& planned, const StudyOutput& output) {
+  return result_of<FilledStudy>(
+      [planned, output](Work&) { return std::make_shared<FilledStudy>(planned, open_study(planned->study, output)); });
+}
+
+Progress case_progress(std::size_t done, std::size_t total, const std::string& outcome) {
+  return {.stage = "case", .state = done, .states = total, .outcome = outcome};
+}
+
+/// For as long as it lives the file is not closed.
+struct AtWork {
+  FilledStudy& file;
+  explicit AtWork(FilledStudy& f) : file(f) {}
+  AtWork(const AtWork&) = delete;
+  ~AtWork() { file.at_work = false; }
+};
+
+/// Gives the file free, whoever still holds the object; a thread that was left to itself gives it free at its end.
+void close_file(FilledStudy& file) {
+  if (file.at_work) return;
+  file.open.writer.reset();
+  file.open.held.reset();
+}
+
+/// All that the file lacks, by this process.
+void solve_here(const Filled& filled, int workers, const py::object& progress) {
+  filled->at_work = true;
+  run_work(
+      [filled, workers](Work& work) {
+        const AtWork until_the_end(*filled);
+        OpenStudy& open = filled->open;
+        open.options.stop = &work.stop;
+        if (workers > 0) open.options.workers = workers;
+        const std::size_t total = open.cases.last - open.cases.first;
+        std::size_t done = total - open.todo.size();
+        solve_study(filled->planned->study, open,
+                    [&](const CaseEnd& end) { work.tell(case_progress(++done, total, name(end.outcome))); });
+      },
+      progress, kGrace);
+}
+
+/// Some cases solved for somebody else's file.
+struct Batch {
+  std::string packed;
+  std::vector<std::string> outcomes;
+  std::vector<double> seconds;
+};
+
+std::shared_ptr<Batch> solved_batch(const PlannedStudy& planned, ReadyJoints& joints, bool keep_fields,
+                                    const std::vector<std::size_t>& cases, Work& work) {
+  const auto batch = std::make_shared<Batch>();
+  StudyWriter writer(kInMemory, planned.study.plan, planned.study.identity);
+  StudyOptions options = planned.study.options;
+  options.workers = 1;
+  options.keep_fields = keep_fields;
+  options.joints = &joints;
+  options.stop = &work.stop;
+  options.done = [&](CaseResult&& result) {
+    batch->outcomes.emplace_back(name(result.outcome));
+    batch->seconds.push_back(result.seconds);
+    writer.add(std::move(result));
+  };
+  run_study(planned.study.plan, cases, options);
+  writer.finish();
+  batch->packed = writer.packed();
+  return batch;
+}
+
+py::tuple solve_batch(const Planned& planned, bool keep_fields, const std::vector<std::size_t>& cases) {
+  for (const std::size_t i : cases)
+    if (i >= planned->study.plan.cases.size()) throw UsageError("found a case that the study has not");
+  const auto batch = result_of<Batch>([planned, keep_fields, cases](Work& work) {
+    return solved_batch(*planned, planned->joints, keep_fields, cases, work);
+  });
+  return py::make_tuple(py::bytes(batch->packed), batch->outcomes, batch->seconds);
+}
+
+py::tuple case_of(const PlannedStudy& planned, std::size_t index) {
+  const PlannedCase& c = planned.study.plan.cases.at(index);
+  return py::make_tuple(text(planned.study.plan.models[at(c.model)]), texts(c.values));
+}
+
+py::list factor_names(const PlannedStudy& planned) {
+  std::vector<std::string> names;
+  for (const Factor& f : planned.study.plan.factors) names.push_back(f.name);
+  return texts(names);
+}
+
+py::tuple head_of(const std::string& path) {
+  const StudyHead head = unlocked([&] { return read_study_head(path); });
+  py::list factors, inputs;
+  for (const Factor& f : head.factors) {
+    const bool drawn = f.spread.kind != Spread::Kind::None;
+    factors.append(py::make_tuple(text(f.name), text(f.option), text(f.before + "{}" + f.after),
+                                  drawn ? py::object(py::make_tuple(f.spread.a, f.spread.b)) : py::none()));
+  }
+  for (const auto& input : head.identity.inputs) inputs.append(py::make_tuple(text(input[0]), text(input[1])));
+  return py::make_tuple(text(head.identity.version), texts(head.identity.options), inputs, texts(head.models), factors,
+                        head.planned, head.identity.shard, head.identity.shards);
+}
+
+}  // namespace
+
+void bind_study(py::module_& m) {
+  py::class_<PlannedStudy, Planned>(m, "PlannedStudy")
+      .def("__len__", [](const PlannedStudy& p) { return p.study.plan.cases.size(); })
+      .def_property_readonly("factors", &factor_names)
+      .def_property_readonly("models", [](const PlannedStudy& p) { return texts(p.study.plan.models); })
+      .def_property_readonly("identity", &identity_of)
+      .def("case", &case_of)
+      .def("solve", &solve_batch);
+  py::class_<FilledStudy, Filled>(m, "FilledStudy")
+      .def_property_readonly("path", [](const FilledStudy& f) { return text(f.open.path); })
+      .def_property_readonly("count", [](const FilledStudy& f) { return f.open.cases.last - f.open.cases.first; })
+      .def_property_readonly("todo", [](const FilledStudy& f) { return f.open.todo; })
+      .def("solve", &solve_here)
+      .def("add",
+           [](const Filled& f, std::string packed) { unlocked([&] { f->open.writer->add(std::move(packed)); }); })
+      .def("finish", [](const Filled& f) { unlocked([&] { f->open.writer->finish(); }); })
+      .def("close", &close_file);
+  m.def("plan_study", &plan_here);
+  m.def("plan_study_of_other", &plan_of_other);
+  m.def("open_study", [](const Planned& planned, const std::string& path, const std::vector<std::string>& keep,
+                         const std::string& shard, bool overwrite,
+                         bool again) { return open_file(planned, output_of(path, keep, shard, overwrite, again)); });
+  m.def("study_head", &head_of);
+  m.def("case_progress", &case_progress);
+}
+
+}  // namespace dea::python

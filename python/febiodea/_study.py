@@ -1,0 +1,156 @@
+"""Studies: thousands of cases into one file, as `dea study` writes it."""
+import os
+
+from . import _febiodea, _settings
+from ._errors import need, usage_fault
+from ._states import states_text
+from ._study_results import read_study
+
+_PAIRS = 'expected {"NAME": "OPTION VALUE"} or a list of ("NAME", "OPTION VALUE") pairs, such as ("stiffness", "E={8|12}")'
+_CASES = "expected a file, a pandas.DataFrame, or a list of dictionaries with a row a case"
+
+
+def _pairs(vary):
+    """(name, text) of each factor, and of each option between them (name None), in their order."""
+    pairs = list(vary.items()) if isinstance(vary, dict) else vary
+    if not isinstance(pairs, (list, tuple)):
+        raise usage_fault("vary", f"found a {type(vary).__name__}", _PAIRS)
+    for pair in pairs:
+        if not (isinstance(pair, (list, tuple)) and len(pair) == 2 and isinstance(pair[1], str)
+                and isinstance(pair[0], (str, type(None)))):
+            raise usage_fault("vary", f"found {pair!r}", _PAIRS)
+        yield pair
+
+
+def _option(text):
+    """Name and value of "rotate pelvis=0,1,0,10" or "E=8"."""
+    space, equals = text.find(" "), text.find("=")
+    end = min((at for at in (space, equals) if at >= 0), default=len(text))
+    return text[:end], text[end + 1:].strip()
+
+
+def _options(keywords, vary):
+    """All options as `dea study` takes them: settings, then factors and what stands between them."""
+    for name, key, text in _settings.values(keywords):
+        yield name.replace("_", "-"), f"{key}={text}" if key else text
+    for name, text in _pairs(vary):
+        yield _option(text) if name is None else ("vary", f"{name}: {text}")
+
+
+def _cell(value):
+    return value if isinstance(value, str) else _settings._text(value, "cases")
+
+
+def _table(cases):
+    """Names of columns and rows of texts of a table in memory."""
+    if hasattr(cases, "columns") and hasattr(cases, "itertuples"):
+        names = [str(name) for name in cases.columns]
+        rows = cases.itertuples(index=False, name=None)
+    elif isinstance(cases, (list, tuple)) and cases and all(isinstance(row, dict) for row in cases):
+        names = [str(name) for name in cases[0]]
+        for number, row in enumerate(cases, 1):
+            if list(map(str, row)) != names:
+                raise usage_fault(f"cases[{number - 1}]", f"found the columns {', '.join(map(str, row))}",
+                                  f"expected those of the first row: {', '.join(names)}")
+        rows = (row.values() for row in cases)
+    else:
+        raise usage_fault("cases", f"found a {type(cases).__name__}", _CASES)
+    cells = [[_cell(value) for value in row] for row in rows]
+    if not cells:
+        raise usage_fault("cases", "found no row", "expected one or more")
+    return names, cells
+
+
+def _sample(sample):
+    """("sobol", 64) or ("sobol", 64, 1) as texts: design, count, seed."""
+    if sample is None:
+        return ["", "", ""]
+    if not isinstance(sample, (list, tuple)) or len(sample) not in (2, 3) or not isinstance(sample[0], str):
+        raise usage_fault("sample", f"found {sample!r}", 'expected ("sobol", COUNT) or ("sobol", COUNT, SEED)')
+    return ([sample[0]] + [_settings._text(number, "sample") for number in sample[1:]] + [""])[:3]
+
+
+class Study:
+    """Every combination of models and values of factors, to be solved into one file: what `dea study` does.
+
+    models: a path or several. vary: the factors, {"tilt": "rotate pelvis=0,1,0,{-20:20:5}", "stiffness": "E={8|12|16}"},
+    values in braces as in docs/studies.md; or a list of ("tilt", "rotate ...") pairs, in which (None, "rotate ...") is an
+    option without a factor: options act in their order. settings: a settings file, or Settings without tables in memory;
+    keywords: settings of all cases, which act before the factors. cases: the values of factors with {}, a row a case: a
+    file, a pandas.DataFrame or a list of dictionaries. sample: ("sobol", COUNT, SEED), or latin or saltelli: values of
+    factors with a spread. states: those of every case, as in analyse.
+    The models are read, but nothing is solved. len() is the number of cases. Raises UsageError, InputError.
+    """
+
+    def __init__(self, models=(), vary=(), *, cases=None, sample=None, states=None, settings=None, **keywords):
+        need(settings, (str, bytes, os.PathLike, _settings.Settings, type(None)), "settings",
+             "a settings file, or Settings")
+        if isinstance(settings, _settings.Settings):
+            keywords, settings = {**settings.keywords, **keywords}, settings.file
+        _settings.laid_over(_febiodea.file_settings(b""), keywords)  # what is wrong with them, in Python's words
+        for name in ("loads", "motion", "thickness_from"):
+            values = keywords.get(name)
+            if any(not isinstance(one, (str, os.PathLike, type(None)))
+                   for one in (values.values() if name == "thickness_from" and isinstance(values, dict) else [values])):
+                raise usage_fault(name, "found a table in memory", "expected a file, which whoever goes on reads again")
+        named = isinstance(models, (str, os.PathLike))
+        in_file = cases is None or isinstance(cases, (str, os.PathLike))
+        self._request = ([os.fspath(model) for model in ([models] if named else models)], list(_options(keywords, vary)),
+                         None if in_file else _table(cases),
+                         [os.fspath(cases or "") if in_file else "", *_sample(sample), states_text(states),
+                          os.fspath(settings or "")])
+        self._native = _febiodea.plan_study(*self._request)
+
+    def __len__(self):
+        return len(self._native)
+
+    @property
+    def factors(self):
+        """Names of the factors, in their order."""
+        return self._native.factors
+
+    @property
+    def models(self):
+        """Paths of the models, in their order."""
+        return self._native.models
+
+    def case(self, number):
+        """What case `number` (from 1) is: "model", and the text of each factor's value. Raises UsageError."""
+        if not 1 <= number <= len(self):
+            raise usage_fault("number", f"found {number}", f"expected a case from 1 to {len(self)}")
+        model, values = self._native.case(number - 1)
+        return {"model": model, **dict(zip(self.factors, values))}
+
+    def run(self, path, client=None, workers=None, keep=(), again=None, *, overwrite=False, shard=None, progress=None):
+        """Solves the cases that the file lacks, and answers the file as read_study does.
+
+        path: the study's file; one of the same study is gone on with. client: a Client of dask.distributed, whose workers
+        solve; None: this computer. workers: how many cases are solved here at a time, None: as many as there are cores.
+        keep: "fields" (pressures at nodes, in the file), "xplt" (a plot file per case; not with a client), or both. again:
+        "failed" solves cases that are no solution again. overwrite: begins anew. shard: "2/4" or "auto", as --shard.
+        progress: called with a Progress (stage "case") as cases end; what it raises ends the study. Ctrl-C ends it
+        and keeps the cases that are done. Cases that cannot be solved are rows of the file, and raise nothing.
+        Raises InputError (the file is of another study), UsageError, WriteError.
+        """
+        keep = [keep] if isinstance(keep, str) else list(keep)
+        if again not in (None, "failed"):
+            raise usage_fault("again", f"found {again!r}", 'expected "failed" or None')
+        if workers is not None and (client is not None or not isinstance(workers, int) or not 1 <= workers <= 1024):
+            raise usage_fault("workers", f"found {workers!r}" + (" beside a client" if client is not None else ""),
+                              "expected a number from 1 to 1024, without a client")
+        if client is not None and "xplt" in keep:
+            raise usage_fault("keep", 'found "xplt" beside a client, whose workers would write them on their own disks',
+                              'expected "fields", or no client')
+        file = _febiodea.open_study(self._native, os.fspath(path), keep, shard or "", bool(overwrite), again is not None)
+        try:
+            if client is not None:
+                from . import _study_dask
+                _study_dask.solve(client, self, file, "fields" in keep, progress)
+            elif file.todo:
+                file.solve(workers or 0, progress)
+        finally:
+            file.close()
+        return read_study(file.path)
+
+    def __repr__(self):
+        return f"<febiodea.Study of {len(self)} cases: {', '.join(self.factors) or 'no factor'}>"

@@ -1,0 +1,239 @@
+"""A study's file, read: also while somebody adds cases to it."""
+import os
+import pathlib
+import sqlite3
+import zlib
+from typing import NamedTuple, Optional
+
+import numpy
+
+from . import _febiodea
+from ._errors import input_fault, usage_fault
+
+_SHOWN = {"results": "case_id, state, contact_id", "part_results": "case_id, state, contact_id, part_id",
+          "cases": "case_id", "states": "case_id, state", "statistics": "case_id, state, contact_id",
+          "parts": "case_id, state, contact_id, part_id", "poses": "case_id, state, body_id",
+          "warnings": "case_id, number", "factors": "number", "models": "model_id", "inputs": "number",
+          "options": "number"}  # table or view: its order
+
+
+class Factor(NamedTuple):
+    """What differs from case to case.
+
+    name of its column; option of `dea run` without dashes; text of the option, {} for what differs; spread: "uniform",
+    "normal" or "lognormal", and its numbers a and b; None: it is not drawn.
+    """
+    name: str
+    option: str
+    text: str
+    spread: Optional[str]
+    a: Optional[float]
+    b: Optional[float]
+
+
+class StudyState(NamedTuple):
+    """One state of a case.
+
+    time: the model's. outcome, message: as in State. contacts: by name, the numbers of each under the names of `dea run
+    --csv`; what is undefined is NaN. bodies: by name, of each "center" (3,) its current centre of mass, "rotation" (3,) its
+    rotation vector from the reference [rad], "force" (3,) and "moment" (3,) on it, the moment about that centre; global.
+    """
+    case: int
+    state: int
+    time: float
+    outcome: str
+    message: str
+    iterations: int
+    residual_force: float
+    residual_moment: float
+    contacts: dict
+    bodies: dict
+
+
+class StudySurface(NamedTuple):
+    """The surface that fields stand on, in the reference configuration: name, vertices (vertices, 3) in the model's length,
+    triangles (triangles, 3), from 0."""
+    name: str
+    vertices: numpy.ndarray
+    triangles: numpy.ndarray
+
+
+def _number(value):
+    return numpy.nan if value is None else value
+
+
+def _array(stream, kind, columns=None):
+    values = numpy.frombuffer(zlib.decompress(stream), kind)
+    return values if columns is None else values.reshape(-1, columns)
+
+
+class StudyResults:
+    """The file of a study, `dea study`'s or Study.run's. It is only read; each call sees what is there at that time.
+
+    Made by read_study.
+    """
+
+    def __init__(self, path):
+        self._path = os.fspath(path)
+        self._head = _febiodea.study_head(self._path)
+
+    def _rows(self, sql, *values):
+        """Dictionaries."""
+        _febiodea.study_head(self._path)  # what a killed program had begun is taken back
+        address = pathlib.Path(self._path).absolute().as_uri() + "?mode=ro"
+        try:
+            connection = sqlite3.connect(address, uri=True, timeout=10)
+            try:
+                connection.row_factory = sqlite3.Row
+                return [dict(row) for row in connection.execute(sql, values)]
+            finally:
+                connection.close()
+        except sqlite3.Error as fault:
+            raise input_fault(self._path, f"found that it cannot be read: {fault}", "expected a study's file") from None
+
+    @property
+    def path(self):
+        """Of the file."""
+        return self._path
+
+    @property
+    def version(self):
+        """Of the program that made it, with its commit."""
+        return self._head[0]
+
+    @property
+    def options(self):
+        """What the cases depend on, as the program's options, in their order."""
+        return self._head[1]
+
+    @property
+    def inputs(self):
+        """Every file that was read, and its digest."""
+        return self._head[2]
+
+    @property
+    def models(self):
+        """Paths of the models."""
+        return self._head[3]
+
+    @property
+    def factors(self):
+        """The factors, in their order: a list of Factor."""
+        return [Factor(r["name"], r["option"], r["text"], r["spread"], r["a"], r["b"]) for r in self.table("factors")]
+
+    @property
+    def planned(self):
+        """Cases of the whole study, of all shards."""
+        return self._head[5]
+
+    @property
+    def shard(self):
+        """(2, 4): the second of four shards; (1, 1): the whole."""
+        return self._head[6], self._head[7]
+
+    @property
+    def counts(self):
+        """Cases that are there: {"solved": ..., "failed": ..., "refused": ...}."""
+        there = self._rows("SELECT case_outcome, count(*) AS n FROM cases GROUP BY case_outcome")
+        return {"solved": 0, "failed": 0, "refused": 0, **{r["case_outcome"]: r["n"] for r in there}}
+
+    def table(self, name="results"):
+        """A table or view of the file (docs/studies.md) as a list of dictionaries in the order of cases, states and
+        contacts. Raises UsageError, InputError."""
+        if name not in _SHOWN:
+            raise usage_fault("name", f"found {name!r}", f"expected one of {', '.join(_SHOWN)}")
+        return self._rows(f"SELECT * FROM {name} ORDER BY {_SHOWN[name]}")
+
+    def to_pandas(self, name="results"):
+        """table(name) as a pandas.DataFrame: without a name a row per case, state and contact. Raises ImportError where
+        pandas is not installed."""
+        try:
+            import pandas
+        except ImportError as missing:
+            raise ImportError("to_pandas needs pandas, which is not installed: install it, or use table()") from missing
+        return pandas.DataFrame(self.table(name))
+
+    def parts(self):
+        """A row per case, state, contact and compartment, as a pandas.DataFrame: to_pandas("part_results")."""
+        return self.to_pandas("part_results")
+
+    def failed(self):
+        """The cases that are no solution, as dictionaries: case_id, model, case_outcome, case_message, the factors."""
+        names = "".join(', c."' + name.replace('"', '""') + '"' for name, *_ in self._head[4])
+        return self._rows(f"SELECT c.case_id, m.path AS model, c.case_outcome, c.case_message{names} FROM cases c "
+                          "JOIN models m USING (model_id) WHERE c.case_outcome <> 'solved' ORDER BY c.case_id")
+
+    def _case(self, case):
+        found = self._rows("SELECT * FROM cases WHERE case_id = ?", int(case))
+        if not found:
+            raise usage_fault("case", f"found {case}", f"expected a case that is in the file, of 1 to {self.planned}")
+        return found[0]
+
+    def _state(self, case, state):
+        """The row of a state; None: the last one."""
+        row = self._case(case)
+        which = "ORDER BY state DESC LIMIT 1" if state is None else "AND state = ?"
+        found = self._rows(f"SELECT * FROM states WHERE case_id = ? {which}", int(case), *([] if state is None else [int(state)]))
+        if not found:
+            raise usage_fault("state" if row["case_message"] is None or state is not None else "case",
+                              f"found {case if state is None else state}",
+                              f"expected a state of case {case}, which is {row['case_outcome']}")
+        return found[0]
+
+    def state(self, case, state=None):
+        """One state of a case as a StudyState. state: its number, from 1; None: the last. Raises UsageError."""
+        row = self._state(case, state)
+        key = row["case_id"], row["state"]
+        contacts, bodies = {}, {}
+        for r in self._rows("SELECT * FROM statistics WHERE case_id = ? AND state = ? ORDER BY contact_id", *key):
+            contacts[r["contact"]] = {k: v if isinstance(v, str) else _number(v) for k, v in r.items()
+                                      if k not in ("case_id", "state", "contact_id", "contact")}
+        for r in self._rows("SELECT * FROM poses WHERE case_id = ? AND state = ? ORDER BY body_id", *key):
+            bodies[r["body"]] = {name: numpy.array([_number(r[f"{name}_{axis}"]) for axis in "xyz"])
+                                 for name in ("center", "rotation", "force", "moment")}
+        return StudyState(*key, row["time"], row["outcome"], row["message"] or "", row["iterations"],
+                          _number(row["residual_force"]), _number(row["residual_moment"]), contacts, bodies)
+
+    def _contact(self, case, state, contact):
+        names = [(r["contact_id"], r["contact"], r["source"]) for r in self._rows(
+            "SELECT contact_id, contact, source FROM statistics WHERE case_id = ? AND state = ? ORDER BY contact_id", case,
+            state)]
+        found = [one for one in names if one[1] == contact] if contact else names
+        if len(found) == 1:
+            return found[0]
+        raise usage_fault("contact", f"found {contact!r}",
+                          f"expected one of {', '.join(name for _, name, _ in names) or 'none: there is no contact'}")
+
+    def fields(self, case, state=None, contact=None):
+        """Pressures at the vertices of surface(case, contact), as keep="fields" keeps them: (vertices,), single precision.
+        state: None is the last; contact: None is the only one. Raises UsageError."""
+        key = self._state(case, state)
+        number = self._contact(key["case_id"], key["state"], contact)[0]
+        found = self._rows("SELECT pressure FROM fields WHERE case_id = ? AND state = ? AND contact_id = ?",
+                           key["case_id"], key["state"], number)
+        if not found:
+            raise self._no_fields()
+        return _array(found[0]["pressure"], "<f4")
+
+    def surface(self, case, contact=None):
+        """The surface that the fields of a case stand on: a StudySurface. Raises UsageError."""
+        key = self._state(case, None)
+        _, name, source = self._contact(key["case_id"], key["state"], contact)
+        found = self._rows("SELECT * FROM surfaces WHERE model_id = ? AND contact = ? AND source = ?",
+                           self._case(case)["model_id"], name, source)
+        if not found:
+            raise self._no_fields()
+        return StudySurface(found[0]["surface"], _array(found[0]["vertices"], "<f8", 3), _array(found[0]["triangles"], "<i4", 3))
+
+    def _no_fields(self):
+        return usage_fault(self._path, "found no pressures at nodes", 'expected a study that was run with keep="fields"')
+
+    def __repr__(self):
+        counts = self.counts
+        return (f"<febiodea.StudyResults {self._path}: {sum(counts.values())} of {self.planned} cases, "
+                f"{counts['failed']} failed, {counts['refused']} refused>")
+
+
+def read_study(path):
+    """The file of a study, to be read. Raises InputError."""
+    return StudyResults(path)
