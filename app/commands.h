@@ -26,10 +26,13 @@ CLI::App* add_run(CLI::App& app, RunArguments& arguments);
 int run(const RunArguments& arguments);
 
 struct StudyArguments {
+  std::vector<std::string> words;  ///< the command line, for the page
   std::vector<std::string> files;  ///< models, or a study
   SettingsArguments settings;      ///< `values` and `order` have "vary" and "factor" too
   std::string cases, sample, count, seed, states, again, shard, output, csv, threads;
   std::vector<std::string> keep;
+  std::string report, group, pair, regions, up, anterior, axis, center;
+  std::string dose_above, cycles_per_year, years, cycle_seconds;
   bool merge = false, dry_run = false, overwrite = false, quiet = false, verbose = false;
 };
 CLI::App* add_study(CLI::App& app, StudyArguments& arguments);
@@ -62,6 +65,16 @@ struct ConvertArguments {
 };
 CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
 int convert(const ConvertArguments& arguments);
+
+/// Only where CGAL was found (DEA_HAS_BUILD).
+struct BuildArguments {
+  std::vector<std::string> bones, cartilages, uniform, thickness_at, regions, forces, centers;
+  std::string half_gap, units, scale, reach, rim, fade, edge, layers, least, bone_shells, E, nu, penalty, primary;
+  std::string output, json, threads;
+  bool keep_holes = false, quiet = false;
+};
+CLI::App* add_build(CLI::App& app, BuildArguments& arguments);
+int build(const BuildArguments& arguments);
 
 struct PluginBuildArguments {
   std::string febio, output, threads;

@@ -42,7 +42,7 @@ CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")
       ->excludes(q)
       ->group("Output");
-  add_solving_options(*c, a.settings, a.threads, {"refine", "squash"});
+  add_solving_options(*c, a.settings, a.threads, {"refine", "squash", "inside"});
   return c;
 }
 

@@ -37,7 +37,7 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
   add_once(*c, "-o", a.output, "FILE.feb", "Output",
            "Converted model [MODEL without .feb + _dea.feb, beside the model]");
   add_quiet_flag(*c, a.quiet);
-  add_solving_options(*c, a.settings, a.threads, {"squash"});
+  add_solving_options(*c, a.settings, a.threads, {"squash", "inside"});
   return c;
 }
 

@@ -40,7 +40,7 @@ CLI::App* add_info(CLI::App& app, InfoArguments& a) {
            "Plot file with thickness, gap, missed normals, rims, facets left out and springs");
   add_overwrite_flag(*c, a.overwrite);
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the text");
-  add_solving_options(*c, a.settings, a.threads, {"squash"});
+  add_solving_options(*c, a.settings, a.threads, {"squash", "inside"});
   return c;
 }
 

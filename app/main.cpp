@@ -27,7 +27,11 @@ Examples:
   dea info hip.feb                   what is recognised in the model, without solving
   dea converge hip.feb               how many springs the result needs
   dea convert hip.feb                the same joint for FEBio with the plugin, as hip_dea.feb
-  dea plugin-build /opt/febio        the plugin for the FEBio that is installed there
+)"
+#ifdef DEA_HAS_BUILD
+                                "  dea build --help                   surfaces of bones and cartilage become a model\n"
+#endif
+                                R"(  dea plugin-build /opt/febio        the plugin for the FEBio that is installed there
   dea compare hip_dea.xplt hip.xplt  how far that is from FEBio's result
   dea plot hip_dea.xplt              its pressure map as hip_dea.png
   dea run --help                     all options of a command)";
@@ -114,8 +118,11 @@ int parse_and_run(int argc, char** argv) {
   ConvertArguments convert_arguments;
   CompareArguments compare_arguments;
   PlotArguments plot_arguments;
+#ifdef DEA_HAS_BUILD
+  BuildArguments build_arguments;
+#endif
   PluginBuildArguments plugin_build_arguments;
-  run_arguments.words = compare_arguments.words = {argv, argv + argc};
+  run_arguments.words = compare_arguments.words = study_arguments.words = {argv, argv + argc};
   const CLI::App* run_command = add_run(app, run_arguments);
   const CLI::App* study_app = add_study(app, study_arguments);
   const CLI::App* info_command = add_info(app, info_arguments);
@@ -123,6 +130,9 @@ int parse_and_run(int argc, char** argv) {
   const CLI::App* convert_app = add_convert(app, convert_arguments);
   const CLI::App* compare_app = add_compare(app, compare_arguments);
   const CLI::App* plot_app = add_plot(app, plot_arguments);
+#ifdef DEA_HAS_BUILD
+  const CLI::App* build_app = add_build(app, build_arguments);
+#endif
   const CLI::App* plugin_build_app = add_plugin_build(app, plugin_build_arguments);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->get_formatter()->column_width(38);
 
@@ -156,6 +166,9 @@ int parse_and_run(int argc, char** argv) {
   if (convert_app->parsed()) return convert(convert_arguments);
   if (compare_app->parsed()) return compare_command(compare_arguments);
   if (plot_app->parsed()) return plot_command(plot_arguments);
+#ifdef DEA_HAS_BUILD
+  if (build_app->parsed()) return build(build_arguments);
+#endif
   if (plugin_build_app->parsed()) return plugin_build(plugin_build_arguments);
   return kWrongUse;
 }

@@ -160,6 +160,13 @@ int count_argument(const char* option, const std::string& text, int least, int m
 
 double number_argument(const char* option, const std::string& text) { return argument(option, text, parse_number); }
 
+double positive_argument(const char* option, const std::string& text) {
+  const double value = number_argument(option, text);
+  if (!(value > 0))
+    throw UsageError(fmt::format("--{} {}: found \"{}\", expected a number above 0", option, text, text));
+  return value;
+}
+
 Eigen::Vector3d vector_argument(const char* option, const std::string& text) {
   return argument(option, text, parse_vector);
 }

@@ -69,6 +69,7 @@ auto argument(const std::string& option, const std::string& text, Parse parse) {
 /// Values of other options. Throws UsageError: "--OPTION VALUE: found ..., expected ...".
 int count_argument(const char* option, const std::string& text, int least, int most);
 double number_argument(const char* option, const std::string& text);
+double positive_argument(const char* option, const std::string& text);
 Eigen::Vector3d vector_argument(const char* option, const std::string& text);
 
 /// A value that is none of an option's words.

@@ -9,6 +9,7 @@
 #include <febiodea/app/progress.h>
 #include <febiodea/app/study_plan.h>
 #include <febiodea/app/study_reading.h>
+#include <febiodea/app/study_report.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/files/output.h>
@@ -36,7 +37,8 @@ Examples:
   dea study hip.feb --vary "tilt: rotate pelvis=0,1,0,{-20:20:5}" --dry-run
   dea study hip.feb --factor "stiffness: E={}" --factor "poisson: nu={}" --cases cases.csv --states last -o cases.db
   dea study hip.feb --vary "E: E={uniform(8,16)}" --sample sobol --count 4 --states last -o sample.db --csv -
-  dea study plan.db --csv results.csv)";
+  dea study plan.db --csv results.csv
+  dea study plan.db --report plan.html --group E)";
 
 void add_case_options(CLI::App& c, StudyArguments& a) {
   const char* group = "Cases";
@@ -71,6 +73,7 @@ CLI::App* add_study(CLI::App& app, StudyArguments& a) {
   c->add_flag("--overwrite", a.overwrite, "Begin anew where there is a file already [go on with it]")->group("Output");
   CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose, "Print a line per case")->excludes(q)->group("Output");
+  add_study_report_options(*c, a);
   add_solving_options(*c, a.settings, a.threads);
   return c;
 }
@@ -134,9 +137,12 @@ int solve_study(const StudyArguments& a) {
   output.shard = shard_of(a.shard);
   output.overwrite = a.overwrite;
   output.remedy = "--overwrite begins anew, -o FILE.db makes another";
+  study_page_options(a);  // what is wrong with them, before anything is solved
   if (!a.csv.empty()) output.others.push_back({"--csv", a.csv});
+  if (!a.report.empty()) output.others.push_back({"--report", a.report});
   Progress progress(progress_style(a.quiet, a.verbose));
   const Study study = study_of(a, progress);
+  check_study_columns(a, study.plan);
   OpenStudy open = open_study(study, output);
   if (open.todo.empty()) {
     progress.clear();

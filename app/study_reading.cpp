@@ -5,6 +5,7 @@
 
 #include <febiodea/app/commands.h>
 #include <febiodea/app/study_reading.h>
+#include <febiodea/app/study_report.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/files/held_outputs.h>
@@ -84,6 +85,7 @@ std::string plural(std::size_t n, const char* word) { return fmt::format("{} {}{
 int end_study(const std::string& path, const StudyArguments& a, const std::string& summary) {
   const StudyHead head = read_study_head(path);
   if (!a.csv.empty()) write_csv(path, a.csv);
+  write_study_report(a, path);
   if (!a.quiet) log(summary);
   const std::string failed = failed_line(path, head);
   if (!failed.empty()) log(failed);
@@ -94,16 +96,17 @@ int read_study(const StudyArguments& a, const std::string& path) {
   if (a.files.size() > 1)
     throw UsageError(fmt::format("{}: found a study beside other files, expected it alone, or --merge", path));
   if (!a.output.empty())
-    throw UsageError(fmt::format("-o {}: found it beside a study that is read, expected --csv", a.output));
+    throw UsageError(fmt::format("-o {}: found it beside a study that is read, expected --csv or --report", a.output));
   refuse_solving_options(a, "a study that is read");
+  study_page_options(a);
   const StudyHead head = read_study_head(path);
   std::vector<NamedPath> outputs;
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  if (!a.report.empty()) outputs.push_back({"--report", a.report});
   const HeldOutputs held = claim_outputs({{"the study", path}}, outputs);
-  if (!a.csv.empty())
-    write_csv(path, a.csv);
-  else
-    print(study_text(head, count_cases(path)));
+  if (!a.csv.empty()) write_csv(path, a.csv);
+  write_study_report(a, path);
+  if (a.csv.empty() && a.report.empty()) print(study_text(head, count_cases(path)));
   const std::string failed = failed_line(path, head);
   if (!failed.empty()) log(failed);
   return failed.empty() ? kSolved : kNoSolution;
@@ -115,7 +118,9 @@ int merge_shards(const StudyArguments& a) {
   check_study_name("-o", a.output);
   std::vector<NamedPath> inputs, outputs = {{"-o", a.output}};
   for (const std::string& file : a.files) inputs.push_back({"a shard", file});
+  study_page_options(a);
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
+  if (!a.report.empty()) outputs.push_back({"--report", a.report});
   const HeldOutputs held = claim_outputs(inputs, outputs);
   if (has_content(a.output) && !a.overwrite)
     throw WriteError(fmt::format("{}: is there already; --overwrite replaces it, -o FILE.db makes another", a.output));

@@ -17,9 +17,9 @@ class PlotFile:
         top = list(self.chunks((4, len(self.data))))
         self.path, self.root, self.mesh, self.state = path, top[0][1], top[1][1], top[-1][1]
         b, e = self.child(self.mesh, 0x01041000, 0x01041200)
-        reference = [struct.unpack_from("<i3f", self.data, o)[1:] for o in range(b, e, 16)]
+        self.reference = [struct.unpack_from("<i3f", self.data, o)[1:] for o in range(b, e, 16)]
         u = self.values(0x01023000, 0x02020300, "displacement", 0)
-        self.nodes = [tuple(x + u[3 * i + k] for k, x in enumerate(p)) for i, p in enumerate(reference)]
+        self.nodes = [tuple(x + u[3 * i + k] for k, x in enumerate(p)) for i, p in enumerate(self.reference)]
 
     def chunks(self, span):
         at = span[0]
@@ -32,6 +32,9 @@ class PlotFile:
         for wanted in path:
             span = next(s for i, s in self.chunks(span) if i == wanted)
         return span
+
+    def ints(self, span):
+        return struct.unpack_from("<%di" % ((span[1] - span[0]) // 4), self.data, span[0])
 
     def values(self, dictionary, section, name, region):
         names = []

@@ -15,6 +15,7 @@ void bind_results(py::module_& m);    ///< Result, State, Contact and their numb
 void bind_prepared(py::module_& m);   ///< Prepared, Pressed
 void bind_plot_file(py::module_& m);  ///< PlotFile, numbers of maps
 void bind_study(py::module_& m);      ///< studies: planned, solved, their files
+void bind_statistics(py::module_& m);  ///< numbers of many cases, the page of a study
 void bind_map(py::module_& m);        ///< pictures
 
 /// Settings laid over others, as febiodea/_settings.py makes them. Throws UsageError.

@@ -30,7 +30,10 @@ Joint_ prepare_joint(const std::shared_ptr<Recognised>& recognised) {
     const auto joint = std::make_shared<PreparedJoint>();
     joint->recognised = recognised;
     joint->prepared = prepare(recognised->recognition, &work.stop);
-    joint->maps = make_field_maps(recognised->recognition.model, joint->prepared.joint);
+    const Recognition& r = recognised->recognition;
+    joint->maps = make_field_maps(r.model, joint->prepared.joint);
+    if (r.settings.inside)
+      joint->inside = make_inside_maps(r.model, r.settings, joint->prepared.joint, joint->prepared.beds);
     return joint;
   });
 }
@@ -162,8 +165,7 @@ std::shared_ptr<SolvedLoad> solved_load(const Joint_& joint, const LoadCase& loa
   state.when = {load_case.time, load_case.step, -1};
   state.equilibrium = solve(p, load_case, start, options);
   refuse_zero_thickness(r.model, p.joint, p.beds, state.equilibrium);
-  state.fields = contact_fields(p.joint, p.beds, joint->maps, state.equilibrium);
-  state.statistics = contact_statistics(p.joint, p.beds, joint->maps, state.equilibrium, state.fields);
+  add_fields(p, joint->maps, joint->inside ? &*joint->inside : nullptr, state);
   state.displacements =
       node_displacements(r.model, p.joint, joint->maps, state.equilibrium, state.fields, r.settings.squash);
   return solved;

@@ -112,6 +112,22 @@ py::dict reactions_of(const StateView& v) {
   return all;
 }
 
+/// A dictionary per part of deformable solid elements.
+py::list inside_of(const StateView& v) {
+  py::list all;
+  for (const InsideDomain& d : v.state->inside) {
+    const Domain& domain = v.model().domains[at(d.domain)];
+    py::dict part;
+    part["part"] = text(domain.name);
+    part["material"] = text(v.model().materials[at(domain.material)].name);
+    part["element"] = look(domain.element_ids, v.owner);
+    part["stress"] = look(d.stress, v.owner);
+    part["strain"] = look(d.strain, v.owner);
+    all.append(part);
+  }
+  return all;
+}
+
 Json statistics_of(const StateView& v) { return state_json(v.model(), *v.joint, *v.state); }
 
 void bind_state(py::module_& m) {
@@ -137,6 +153,12 @@ void bind_state(py::module_& m) {
       .def_property_readonly(
           "displacements", [](const StateView& v) { return look(v.state->displacements, v.owner); },
           "(nodes, 3) of all nodes of the model, cartilage compressed.")
+      .def_property_readonly(
+          "inside", &inside_of,
+          "With the setting inside: per part of deformable solid elements a dictionary: \"part\", \"material\",\n"
+          "\"element\" (elements,) ids, \"stress\" (elements, 6) Cauchy, global, and \"strain\" (elements, 6) "
+          "Lagrange,\n"
+          "xx yy zz xy yz xz at the centroids, 0 where no contact's cartilage is; []: without.")
       .def_property_readonly(
           "statistics", [](const StateView& v) { return plain(statistics_of(v)); },
           "All numbers of the state by their names in JSON.")
@@ -303,6 +325,18 @@ void bind_facets(py::module_& m) {
     facets.def_property_readonly(
         field.column, [values](const FacetsView& v) { return look(v.of.fields().*values, v.of.of.in.owner); },
         (std::string("(facets,) ") + field.name + ".").c_str());
+  }
+  for (const FacetField& field : inside_facet_fields()) {
+    const auto values = field.values;
+    facets.def_property_readonly(
+        field.column,
+        [values](const FacetsView& v) -> py::object {
+          const std::vector<double>& of = v.of.fields().*values;
+          if (of.empty()) return py::none();
+          return look(of, v.of.of.in.owner);
+        },
+        (std::string("(facets,) ") + field.name + ", with the setting inside; None: without, or no cartilage.")
+            .c_str());
   }
   facets
       .def_property_readonly(

@@ -225,7 +225,7 @@ void bind_study(py::module_& m) {
       .def("case", &case_of)
       .def("solve", &solve_batch);
   py::class_<FilledStudy, Filled>(m, "FilledStudy")
-      .def_property_readonly("path", [](const FilledStudy& f) { return text(f.open.path); })
+      .def_property_readonly("path", [](const FilledStudy& f) { return py::bytes(f.open.path); })
       .def_property_readonly("count", [](const FilledStudy& f) { return f.open.cases.last - f.open.cases.first; })
       .def_property_readonly("todo", [](const FilledStudy& f) { return f.open.todo; })
       .def("solve", &solve_here)

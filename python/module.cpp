@@ -15,4 +15,5 @@ PYBIND11_MODULE(_febiodea, m) {
   bind_plot_file(m);
   bind_map(m);
   bind_study(m);
+  bind_statistics(m);
 }

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -56,6 +57,7 @@ struct PreparedJoint {
   std::shared_ptr<const Recognised> recognised;
   Prepared prepared;
   FieldMaps maps;
+  std::optional<InsideMaps> inside;  ///< where the settings ask for it
 };
 
 /// A load case that was solved.

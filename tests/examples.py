@@ -14,11 +14,15 @@ import sys
 import tempfile
 import time
 
+import stl_shapes
+
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "plugin-build")
+COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build")
 
 # Commands that are not run: what they hold, and why.
 SKIPPED = {"plugin-build": "needs an installed FEBio"}
+if "\n  build " not in subprocess.run([dea, "--help"], capture_output=True, text=True, check=True).stdout:
+    SKIPPED["build"] = "built without CGAL"
 
 HIP, FEBIO = "samples/hip/hip_walking.feb", "samples/hip/hip_walking_febio.xplt"
 # What a user has: a file of the sources, or the command that makes it. "SURFACE->NAME": the same with another name.
@@ -36,6 +40,9 @@ FILES = {
     "own_series.xplt": "dea run own.feb -o own_series.xplt --times-from own.xplt --interface-stiffness 92",
     "hip_walking_dea.xplt": "dea run hip_walking.feb",
     "knee_dea.xplt": "dea run knee.feb --states last",
+    "hip_inside.xplt": "dea run hip_walking.feb --inside -o hip_inside.xplt",
+    # FEBio's with `stress` is not in the sources
+    "hip_stress.xplt": "dea run hip_walking.feb --inside --E 12 -o hip_stress.xplt",
     "hip_dea.feb": "dea convert hip.feb",
     "hip_springs.xplt": "dea run hip.feb -o hip_springs.xplt",  # in its text FEBio with the plugin makes it
     "articular.xplt": "dea run hip.feb -o articular.xplt --states last",
@@ -48,15 +55,21 @@ FILES = {
     # results in which a surface has different names
     "a.feb": HIP + " acetabular_articulating->socket", "b.feb": HIP + " acetabular_articulating->acetabulum",
     "a.xplt": "dea run a.feb -o a.xplt", "b.xplt": "dea run b.feb -o b.xplt --law linear",
+    "gait.csv": "samples/osteotomy/gait.csv",
+    "osteotomy.db": "dea study hip_walking.feb --vary 'tilt: rotate pelvis=0,1,0,{0|10}' --states last -o osteotomy.db",
+    **stl_shapes.SURFACES,
+    "mri_thickness.csv": "x,y,z,thickness\n0,0,19.9,2\n19.9,0,0,1.5\n",
     "cases.csv": "stiffness,poisson\n8,0.4\n12,0.45\n",
     "plan.db": "dea study hip.feb --vary 'E: E={8|12}' --states last -o plan.db",
+    "turned.db": "dea study hip.feb --vary 'tilt: rotate pelvis=0,1,0,{0|5}' --keep fields -o turned.db",
     **{f"plan.{i}-of-4.db": f"dea study hip.feb --vary 'E: E={{8:14:2}}' --states last --shard {i}/4 -o plan.db" for i in range(1, 5)},
     "walk.csv": "time,fx,fy,fz\n0,30,-20,150\n1,54,-33,229\n",  # % of body weight
     "gait.sto": "gait\nversion=1\nnRows=2\nnColumns=4\ninDegrees=no\nendheader\n"
                 "time\thip_fx\thip_fy\thip_fz\n0\t240\t-160\t1200\n1\t432\t-262\t1834\n",
 }
 # What stands for a number.
-NUMBERS = {"ball=0,0,F": "ball=0,0,2000", "--interface-stiffness X": "--interface-stiffness 92"}
+NUMBERS = {"ball=0,0,F": "ball=0,0,2000", "--interface-stiffness X": "--interface-stiffness 92",
+           "{-20:20:5}": "{0|10}"}  # samples/osteotomy has 81 positions of 13 instants
 # Dividing the hip's springs takes a minute: for dea converge its names are those of a smaller model.
 CONVERGE = {name: "samples/sphere_on_flat/sphere_on_flat.feb" for name in ("hip.feb", "own.feb")}
 # Programs that show what dea has written: here they only look whether it is there.
@@ -108,7 +121,7 @@ def outputs_of(command):
 
 def inputs_of(command):
     words = shlex.split(command.partition(">")[0].partition("&&")[0])
-    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml|db)$", word)]
+    found = [name for word in words for name in re.findall(r"[^\s=]+\.(?:feb|xplt|csv|sto|mot|xml|db|stl)$", word)]
     return sorted(set(found) - set(outputs_of(command)))
 
 
@@ -177,7 +190,7 @@ def fault_of(kit, command, places):
 def collect():
     pages = [source / "README.md", *sorted((source / "docs").glob("*.md")), *sorted((source / "samples").rglob("README.md"))]
     found = [example for page in pages for example in in_text(page)]
-    for command in ((), *((c,) for c in COMMANDS)):
+    for command in ((), *((c,) for c in COMMANDS if SKIPPED.get(c) != "built without CGAL")):
         found += in_help(command)
     examples = {}  # the same command in several places is run once
     for where, command, beside, shown in found:
@@ -207,7 +220,8 @@ with concurrent.futures.ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
             faults.append(f"{', '.join(place[0] for place in examples[command])}: {command}\n  {fault.strip()}")
         if "-v" in sys.argv:
             print(f"{seconds:6.1f} s  {command}")
-faults += [f"FILES of tests/examples.py has {name}, and no example needs it" for name in FILES if name not in needed]
+faults += [f"FILES of tests/examples.py has {name}, and no example needs it" for name in FILES if name not in needed
+           and not ("build" in SKIPPED and (name.endswith(".stl") or name == "mri_thickness.csv"))]
 for command, why in skipped.items():
     print(f"skipped, {why}: {command}")
 print("\n".join(faults) or f"{len(to_run)} examples, each does what is said of it")

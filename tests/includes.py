@@ -6,7 +6,7 @@ import pathlib
 import re
 import sys
 
-FLOORS = ["base", "model", "geometry", "joint", "springs", "equilibrium", "results", "run", "study", "io", "views", "app"]
+FLOORS = ["base", "model", "geometry", "build", "joint", "springs", "equilibrium", "results", "run", "study", "io", "views", "app"]
 ASIDE = ["plugin", "python"]  # beside the program, on the same floors
 source = pathlib.Path(sys.argv[1])
 

@@ -4,6 +4,7 @@ Small models, many cases: going on after SIGKILL, shards, threads, the order of 
 while it runs, and what a user may do wrong. DEA_LONG_TESTS=1: 2000 cases are killed again and again."""
 import csv
 import io
+import json
 import os
 import pathlib
 import random
@@ -80,12 +81,70 @@ def many(count):
     return ["ball.feb", *LAW, "--vary", f"E: E={{1:{count}:1}}", "--states", "last"]
 
 
+def turned(count):
+    """As many cases of one joint: quicker."""
+    return ["ball.feb", *LAW, "--vary", f"t: rotate ball=0,1,0,{{1:{count}:1}}", "--states", "last"]
+
+
 def expect(text, *parts):
     for part in parts:
         assert part in text, f"expected: {part}\nfound: {text}"
 
 
 # ---------------------------------------------------------------------------------------------- results
+
+
+def page_data(path):
+    """What the page of --report holds."""
+    start = '<script type="application/json" id="report">'
+    text = path.read_text().partition(start)[2].partition("</script>")[0]
+    return json.loads(text)
+
+
+def test_slopes_are_those_of_dea_run(f):
+    """By E and by thickness, against central differences of single runs."""
+    f.run("ball.feb", "--vary", "E: E={11|12|13}", "--vary", "h: thickness-scale={0.95|1|1.05}", "--states", "last", "--report",
+          "plan.html", "-o", "plan.db")
+    data = page_data(f.path / "plan.html")
+    assert data["influence"]["base"] == 5, data["influence"]["base"]
+    found = {data["columns"][s["column"]]["name"]: s for s in data["influence"]["numbers"][0][0][0]["slopes"]}
+
+    def p99(E, h):
+        run = subprocess.run([dea, "run", "ball.feb", "--E", E, "--thickness-scale", h, "--states", "last", "--no-xplt", "-q",
+                              "--csv", "-"], cwd=f.path, capture_output=True, text=True, check=True)
+        return float(next(csv.DictReader(io.StringIO(run.stdout)))["headline_p99"])
+
+    by_E, by_h = (p99("13", "1") - p99("11", "1")) / 2, (p99("12", "1.05") - p99("12", "0.95")) / 0.1
+    assert abs(by_E) > 1e-3 and abs(by_h) > 1e-2, f"{by_E}, {by_h}: nothing to compare"
+    for name, slope in (("E", by_E), ("h", by_h)):
+        # p99 itself is told to nine digits
+        assert found[name]["kind"] == "central" and abs(found[name]["slope"] / slope - 1) < 1e-5, f"{name}: {found[name]}, {slope}"
+    base = p99("12", "1")
+    assert abs(found["E"]["relative"] - by_E * 12 / base) < 1e-5 * abs(found["E"]["relative"]) + 1e-9
+
+
+def test_pages_and_what_is_wrong_with_them(f):
+    f.run("ball.feb", *LAW, "--vary", "E: E={8|9|10}", "--states", "last", "--keep", "fields", "-o", "plan.db")
+    before = (f.path / "plan.db").read_bytes()
+    out, _ = f.run("plan.db", "--report", "plan.html", "--group", "E", "--regions", "sectors=3", "--up", "1,0,0", "--axis", "0,0,1")
+    assert out == "" and (f.path / "plan.db").read_bytes() == before, "the study's file is only read"
+    assert [p["part"] for p in page_data(f.path / "plan.html")["places"]] == ["", "0 to 120 degrees", "120 to 240 degrees", "240 to 360 degrees"]
+    for words, code, part in [
+            (["--report", "plan.pdf"], 2, "expected a name that ends in .html or .htm"),
+            (["--group", "E"], 2, "--group E: belongs to --report FILE.html"),
+            (["--report", "x.html", "--group", "nu"], 2, '--group nu: found no column "nu"'),
+            (["--report", "x.html", "--pair", "E"], 2, "--pair E: found 3 values of E, expected two: --pair E=A,B"),
+            (["--report", "x.html", "--regions", "sokket"], 2, "expected socket or sectors=N"),
+            (["--report", "x.html", "--regions", "socket", "--up", "0,0,1"], 2, "--regions socket needs --anterior x,y,z"),
+            (["--report", "x.html", "--years", "20"], 2, "--cycles-per-year and --years go together"),
+            (["--report", "x.html", "--dose-above", "-1"], 2, "expected a pressure of 0 or more"),
+            (["--report", "plan.db"], 2, "expected a name that ends in .html or .htm"),
+            (["--report", "none/x.html"], 4, "none")]:
+        expect(f.fault("plan.db", *words, code=code), part)
+        assert not (f.path / "x.html").exists()
+    expect(f.fault("ball.feb", *LAW, "--vary", "E: E={8|9}", "-o", "new.db", "--report", "x.html", "--group", "F", code=2),
+           '--group F: found no factor "F"')
+    assert not (f.path / "new.db").exists(), "nothing is solved"
 
 
 def test_cases_are_those_of_dea_run(f):
@@ -281,6 +340,60 @@ def test_a_full_disk(f):
     assert f.query("plan.db", f"SELECT count(*) FROM statistics") == [(count,)]
 
 
+def test_a_disk_without_room_and_then_with_more(f):
+    """A disk in memory of 400 kB, for this test alone; where nobody may make one, the file's limit above is the test."""
+    line = " ".join(f"'{word}'" for word in map(str, [dea, "study", *turned(1000), "-q", "-o", "disk/plan.db"]))
+    script = (f"mkdir disk && mount -t tmpfs -o size=400k none disk || exit 77\n{line}; echo $?\ncp disk/plan.db full.db\n"
+              f"mount -o remount,size=10m disk && {line}; echo $?\ncp disk/plan.db more.db")
+    done = subprocess.run(["unshare", "--map-root-user", "--mount", "sh", "-c", script], cwd=f.path, env=CLEAN, text=True,
+                          capture_output=True, timeout=600)
+    if done.returncode != 0 and not done.stdout:
+        print("        not tried: " + done.stderr.strip().splitlines()[-1])
+        return
+    assert done.stdout.split() == ["4", "0"], done
+    expect(done.stderr, "dea: cannot write disk/plan.db: database or disk is full\n")
+    count = f.query("full.db", "SELECT count(*) FROM cases")[0][0]
+    # whole batches or none: a fast machine's first one is larger than the disk
+    assert count < 1000 and f.query("full.db", "SELECT count(*) FROM statistics") == [(count,)], count
+    f.run(*turned(1000), "-o", "whole.db", "-q")
+    assert f.results("more.db") == f.results("whole.db")
+
+
+def test_databases_that_are_no_study_any_more(f):
+    f.run(*turned(300), "-q", "-o", "plan.db")
+    whole = (f.path / "plan.db").read_bytes()
+
+    def changed(name, sql):
+        (f.path / name).write_bytes(whole)
+        with sqlite3.connect(f.path / name) as connection:
+            connection.executescript(sql)
+        connection.close()
+    changed("older.db", "PRAGMA user_version = 0")
+    changed("newer.db", "PRAGMA user_version = 2")
+    changed("empty.db", "DELETE FROM study")
+    changed("words.db", "UPDATE study SET value = 'many' WHERE key = 'cases'")
+    (f.path / "half.db").write_bytes(whole[:len(whole) // 2])
+    (f.path / "noise.db").write_bytes(whole[:100] + random.Random(1).randbytes(len(whole) - 100))
+    damaged = bytearray(whole)
+    damaged[len(whole) // 4:len(whole) // 2] = random.Random(1).randbytes(len(whole) // 2 - len(whole) // 4)
+    (f.path / "inside.db").write_bytes(damaged)
+    (f.path / "folder.db").mkdir()
+    for name, words in [("older.db", "found dea.study/0, expected dea.study/1"), ("newer.db", "found dea.study/2, expected dea.study/1"),
+                        ("empty.db", 'found no "version" in table study'), ("words.db", 'found cases = "many"'),
+                        ("half.db", "found a damaged database"), ("noise.db", "found a damaged database"),
+                        ("folder.db", "Is a directory")]:
+        expect(f.fault(name, code=3), f"{name}: {words}")
+        expect(f.fault("--merge", name, "-o", "all.db", code=3), f"{name}: {words}")
+        if name != "folder.db":
+            expect(f.fault(*turned(300), "-o", name, code=3), f"{name}: {words}", "; --overwrite begins anew, -o FILE.db makes another")
+    expect(f.fault("inside.db", "--csv", "x.csv", code=3), "inside.db: found a damaged database")
+    expect(f.fault("--merge", "inside.db", "-o", "all.db", code=3), "inside.db: found a damaged database")
+    assert not (f.path / "x.csv").exists() and not (f.path / "all.db").exists()
+    if os.geteuid() != 0:
+        (f.path / "plan.db").chmod(0)
+        expect(f.fault("plan.db", code=3), "plan.db: ")
+
+
 def test_what_differs_is_named(f):
     f.run(*many(2), "-o", "plan.db")
     end = "; --overwrite begins anew, -o FILE.db makes another"
@@ -342,15 +455,49 @@ def test_shards_by_the_environment(f):
              ({"SLURM_ARRAY_TASK_ID": "1", "SLURM_ARRAY_TASK_MIN": "0", "SLURM_ARRAY_TASK_MAX": "1",
                "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_PROCID": "0", "SLURM_STEP_NUM_TASKS": "2"}, "3-of-4")]
     for environment, shard in cases:
-        f.run(*many(4), "--shard", "auto", "-o", "plan.db", "-q", env=environment)
-        assert (f.path / f"plan.{shard}.db").exists(), (environment, list(f.path.iterdir()))
+        f.run(*many(4), "--shard", "auto", "-o", f"of{shard}.db", "-q", env=environment)
+        assert (f.path / f"of{shard}.{shard}.db").exists(), (environment, list(f.path.iterdir()))
     expect(f.fault(*many(4), "--shard", "auto", "-o", "plan.db", code=2), "found none of SLURM_ARRAY_TASK_ID")
     gaps = {"SLURM_ARRAY_TASK_ID": "5", "SLURM_ARRAY_TASK_MIN": "1", "SLURM_ARRAY_TASK_MAX": "9",
             "SLURM_ARRAY_TASK_COUNT": "3"}
     expect(f.fault(*many(4), "--shard", "auto", "-o", "plan.db", code=2, env=gaps), "without gaps")
     again = {"SLURM_ARRAY_TASK_ID": "3", "SLURM_ARRAY_TASK_MIN": "3", "SLURM_ARRAY_TASK_MAX": "3",
              "SLURM_ARRAY_TASK_COUNT": "1"}  # one task of an array submitted again would be the whole study
-    expect(f.fault(*many(4), "--shard", "auto", "-o", "plan.db", code=2, env=again), "an array from 0 or 1")
+    expect(f.fault(*many(4), "--shard", "auto", "-o", "plan.db", code=2, env=again), "an array without gaps")
+
+
+def array_task(task, first, last):
+    return {"SLURM_ARRAY_TASK_ID": str(task), "SLURM_ARRAY_TASK_MIN": str(first), "SLURM_ARRAY_TASK_MAX": str(last),
+            "SLURM_ARRAY_TASK_COUNT": str(last - first + 1)}
+
+
+def test_arrays_from_any_number_and_parts_of_them_submitted_again(f):
+    auto = [*many(4), "--shard", "auto", "-o", "plan.db"]
+    for task in (5, 6, 8):  # the third is lost
+        f.run(*auto, "-q", env=array_task(task, 5, 8))
+    names = [f"plan.{i}-of-4.db" for i in (1, 2, 4)]
+    assert sorted(p.name for p in f.path.glob("*.db")) == names
+    assert [f.query(n, "SELECT case_id FROM cases") for n in names] == [[(1,)], [(2,)], [(4,)]]
+    # tasks 7 and 8 again would be two halves of the study, not its quarters
+    expect(f.fault(*auto, code=2, env=array_task(7, 7, 8)), "--shard auto: found plan.1-of-4.db, one of 4 shards, where this "
+           "is one of 2, expected the shard of that division: --shard I/4, or another name")
+    assert sorted(p.name for p in f.path.glob("*.db")) == names
+    f.run(*auto[:-3], "3/4", *auto[-2:], "-q", env=array_task(7, 7, 8))
+    assert f.query("plan.3-of-4.db", "SELECT case_id FROM cases") == [(3,)]
+    (f.path / "sub").mkdir()
+    f.run(*auto[:-1], "sub/plan.db", "-q", env=array_task(7, 7, 8))
+    assert (f.path / "sub/plan.1-of-2.db").exists()
+
+
+def test_threads_and_tasks_of_a_slurm_job(f):
+    """Cases that --dry-run counts on are those of this task's processors."""
+    words = ["ball.feb", *LAW, "--vary", "E: E={10:19:1}", "--states", "last", "--dry-run"]
+    cores = len(os.sched_getaffinity(0))
+    for environment, threads in [({"SLURM_CPUS_PER_TASK": "1"}, 1), ({"SLURM_CPUS_PER_TASK": "1000"}, cores),
+                                 ({"SLURM_CPUS_ON_NODE": "2", "SLURM_STEP_TASKS_PER_NODE": "2(x2),1"}, 1),
+                                 ({}, cores)]:
+        out, _ = f.run(*words, env=environment)
+        expect(out, f" with {threads} thread" + ("s" if threads > 1 else ""))
 
 
 # ---------------------------------------------------------------------------------------------- the rest
@@ -366,6 +513,9 @@ def test_what_a_user_may_do_wrong(f):
     f.write("cases.csv", "E,tlit\n8,1\n")
     f.write("empty.csv", "E\n8\n\n9\nNaN\n")
     f.write("words.csv", "E\n8\neight\n")
+    f.write("gap.csv", "E,nu\n,0.4\n")
+    f.write("none_below.csv", "E\n")
+    f.write("first.csv", "E\neight\n8\n")
     f.write("short.csv", "E,nu\n8,0.4\n9\n")
     f.write("old.db", "")
     with sqlite3.connect(f.path / "other.db") as connection:
@@ -392,6 +542,13 @@ def test_what_a_user_may_do_wrong(f):
             ([*table, "cases.csv"], 3, "cases.csv:1: found column \"tlit\""),
             ([*table, "empty.csv"], 3, "empty.csv:5: column \"E\": found \"NaN\", expected a value"),
             ([*table, "words.csv"], 3, "words.csv:3: column \"E\": found \"eight\""),
+            ([*table, "gap.csv", "--factor", "nu: nu={}"], 3, "gap.csv:2: column \"E\": found \"\", expected a value"),
+            ([*table, "none_below.csv"], 3, "found no row, expected at least one"),
+            ([*vary, "a: E={1:2}", *db], 2, "expected START:STOP:STEP in the braces"),
+            ([*vary, "a: E={8|9", *db], 2, "NAME: OPTION VALUE with one {...}"),
+            ([*vary, "a: E={8|}", *db], 2, "expected a value on both sides of each |"),
+            ([*vary, "a: E={unifrm(1,2)}", *db], 2, "did you mean \"uniform\"?"),
+            ([*table, "first.csv"], 3, "first.csv:2: column \"E\": found \"eight\""),
             ([*table, "short.csv"], 3, "short.csv:3: found 1 values, expected 2"),
             ([*table, "none.csv"], 3, "none.csv: found no readable file"),
             ([*table, "cases.csv", "--sample", "sobol", "--count", "4"], 2, "expected one of them"),

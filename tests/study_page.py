@@ -37,7 +37,7 @@ def read_file(path):
 faults = []
 with tempfile.TemporaryDirectory() as folder:
     subprocess.run([make_samples, "--plateaus", "6", f"{folder}/knee.feb"], check=True)
-    subprocess.run([dea, "study", "knee.feb", "--vary", FACTOR + ": E={8|9}", "--law", "linear", "--states", "last", "--keep",
+    subprocess.run([dea, "study", "knee.feb", "--vary", FACTOR + ": E={8|9}", "--inside", "--states", "last", "--keep",
                     "fields", "-q", "-o", "plan.db"], cwd=folder, check=True)
     columns, empty = read_file(f"{folder}/plan.db")
 said = read_page((source / "docs/studies.md").read_text())

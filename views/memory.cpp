@@ -11,6 +11,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
 #include <febiodea/run/cost.h>
+#include <febiodea/views/job_limits.h>
 
 namespace dea {
 
@@ -41,11 +42,10 @@ double free_addresses() {
   return std::max(0.0, static_cast<double>(limit.rlim_cur) - (taken < kInfinity ? taken : 0.0));
 }
 
-/// What the group of processes may still take (containers, batch systems).
-double free_of_group() {
-  const double most = kernel_number("/sys/fs/cgroup/memory.max", "");
-  const double taken = kernel_number("/sys/fs/cgroup/memory.stat", "anon ");
-  return most < kInfinity && taken < kInfinity ? std::max(0.0, most - taken) : kInfinity;
+/// What Slurm's job may still take on this node, where all of it is this process.
+double free_of_job() {
+  const double taken = kernel_number("/proc/self/status", "VmRSS:") * kBytesOfKilobyte;
+  return std::max(0.0, memory_of_job() - (taken < kInfinity ? taken : 0.0));
 }
 
 std::string gigabytes(double bytes) {
@@ -55,8 +55,8 @@ std::string gigabytes(double bytes) {
 }  // namespace
 
 double free_memory() {
-  return std::min(
-      {kernel_number("/proc/meminfo", "MemAvailable:") * kBytesOfKilobyte, free_of_group(), free_addresses()});
+  return std::min({kernel_number("/proc/meminfo", "MemAvailable:") * kBytesOfKilobyte,
+                   free_of_groups("/proc/self/cgroup", "/sys/fs/cgroup"), free_of_job(), free_addresses()});
 }
 
 std::string spring_cost_note(const Recognition& r, const Wording& wording) {

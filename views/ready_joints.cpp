@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
+#include <functional>
 #include <utility>
 
 #include <febiodea/base/error.h>
@@ -18,6 +20,8 @@
 namespace dea {
 
 namespace {
+
+constexpr double kShareOfFree = 0.5;  // the rest is for what solving takes
 
 std::string text_of(const SettingItem& item) {
   struct {
@@ -36,7 +40,7 @@ std::string text_of(const SettingItem& item) {
   return std::visit(words, item);
 }
 
-/// Different where any setting of the joint differs.
+/// Different where any setting differs.
 std::string key_of(const std::string& path, const Settings& joint) {
   std::string key = path;
   for (const SettingOption& option : setting_options()) {
@@ -71,16 +75,20 @@ std::optional<Begin> solve_begin(const ReadyJoint& ready, const StopFlag* stop) 
   }
 }
 
-std::shared_ptr<const ReadyJoint> make_ready(const std::string& path, Settings settings, const StopFlag* stop) {
+/// `make_room`: is told how many bytes the joint will take, before it takes them.
+std::shared_ptr<const ReadyJoint> make_ready(const std::string& path, Settings settings, const StopFlag* stop,
+                                             const std::function<void(double)>& make_room) {
   JointModel read = read_feb(path);
   settle_units(read, settings);
   read_thickness(settings);
   Recognition recognition = recognise_joint(std::move(read), settings);  // its loads are the cases' matter
   throw_if_any(recognition.faults);
+  const double bytes = kept_bytes(recognition.model, recognition.joint);
+  make_room(bytes);
   spring_cost_note(recognition);
   const auto ready = std::make_shared<ReadyJoint>();
   ready->warnings = warnings_in(model_remarks(recognition.model, recognition.joint));
-  ready->bytes = spring_cost(recognition.joint).bytes;
+  ready->bytes = bytes;
   ready->prepared = prepare(std::move(recognition), stop);
   ready->model = std::move(recognition.model);
   ready->maps = make_field_maps(ready->model, ready->prepared.joint);
@@ -90,9 +98,18 @@ std::shared_ptr<const ReadyJoint> make_ready(const std::string& path, Settings s
 
 }  // namespace
 
+std::string joint_key(const std::string& path, const Settings& settings) {
+  return key_of(path, joint_settings(settings));
+}
+
 const Begin* ReadyJoint::begin(const StopFlag* stop) const {
   std::call_once(begun_, [&] { begin_ = solve_begin(*this, stop); });
   return begin_ ? &*begin_ : nullptr;
+}
+
+const InsideMaps& ReadyJoint::inside() const {
+  std::call_once(looked_inside_, [&] { inside_ = make_inside_maps(model, settings, prepared.joint, prepared.beds); });
+  return inside_;
 }
 
 std::shared_ptr<const ReadyJoint> ReadyJoints::get(const std::string& path, const Settings& settings,
@@ -112,32 +129,43 @@ std::shared_ptr<const ReadyJoint> ReadyJoints::get(const std::string& path, cons
   }
   if (!mine) return made.get();
   try {
-    promise.set_value(make_ready(path, own, stop));
+    promise.set_value(make_ready(path, own, stop, [&](double bytes) { make_room(key, bytes); }));
   } catch (...) {
     promise.set_exception(std::current_exception());
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   try {
-    entries_[key].bytes = made.get()->bytes;
+    made.get();
+    entries_[key].ready = true;
   } catch (const Stopped&) {
     entries_.erase(key);  // whoever asks next has it made
     throw;
   } catch (...) {
-    entries_[key].bytes = 1.0;  // the fault is all there is to keep
+    entries_[key].bytes = 0.0;  // the fault is all there is to keep
+    throw;
   }
-  drop_old(key);
   return made.get();
 }
 
-void ReadyJoints::drop_old(const std::string& but) {
-  double all = 0.0;
-  for (const auto& entry : entries_) all += entry.second.bytes;
-  while (all > most_) {
+void ReadyJoints::forget(const std::string& path, const Settings& settings) {
+  const std::string key = joint_key(path, settings);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  entries_.erase(key);
+}
+
+void ReadyJoints::make_room(const std::string& key, double bytes) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  entries_[key].bytes = bytes;
+  double all = 0.0, ready = 0.0;
+  for (const auto& entry : entries_) {
+    all += entry.second.bytes;
+    if (entry.second.ready) ready += entry.second.bytes;
+  }
+  const double most = std::min(most_, kShareOfFree * (free_memory() + ready));  // others may have taken memory since
+  while (all > most) {
     auto oldest = entries_.end();
     for (auto it = entries_.begin(); it != entries_.end(); ++it)
-      if (it->first != but && it->second.bytes > 0.0 &&
-          (oldest == entries_.end() || it->second.used < oldest->second.used))
-        oldest = it;
+      if (it->second.ready && (oldest == entries_.end() || it->second.used < oldest->second.used)) oldest = it;
     if (oldest == entries_.end()) return;
     all -= oldest->second.bytes;
     entries_.erase(oldest);

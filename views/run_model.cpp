@@ -40,7 +40,7 @@ struct GrowingPlot {
   GrowingPlot(const Recognition& r, const States& s, const RunOptions& options)
       : recognition(r),
         states(s),
-        head(plot_head(r.model, r.joint, options.compress)),
+        head(plot_head(r.model, r.joint, options.compress, r.settings.inside)),
         file(options.outputs.output, head.file) {}
   void add(const StateResult& state, std::size_t index) {
     if (!states.wanted[index]) return;

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <system_error>
 #include <thread>
 
@@ -20,6 +21,7 @@
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/io/tables/read_tables.h>
+#include <febiodea/views/joint_uses.h>
 #include <febiodea/views/ready_joints.h>
 #include <febiodea/views/run_model.h>
 #include <febiodea/views/text/remarks.h>
@@ -89,12 +91,15 @@ struct Work {
   Settings of_file;
   ReadyJoints own_joints;
   ReadyJoints& joints;
+  std::optional<JointUses> uses;  // of joints that nobody else will ask for
   std::atomic<std::size_t> next{0};
   std::mutex mutex;          // of what follows
   std::exception_ptr fault;  // ends the study
 
   Work(const Plan& p, const std::vector<std::size_t>& c, const StudyOptions& o)
-      : plan(p), cases(c), options(o), own_joints(o.memory), joints(o.joints != nullptr ? *o.joints : own_joints) {}
+      : plan(p), cases(c), options(o), own_joints(o.memory), joints(o.joints != nullptr ? *o.joints : own_joints) {
+    if (o.joints == nullptr) uses.emplace(p, c);
+  }
 };
 
 RunOptions states_asked(const StudyOptions& options) {
@@ -104,16 +109,15 @@ RunOptions states_asked(const StudyOptions& options) {
   return asked;
 }
 
-void write_plot(const std::string& path, const ReadyJoint& ready, const SolvedStates& solved) {
-  const PlotHead head = plot_head(ready.model, ready.prepared.joint, true);
+void write_plot(const std::string& path, const ReadyJoint& ready, const SolvedStates& solved, bool inside) {
+  const PlotHead head = plot_head(ready.model, ready.prepared.joint, true, inside);
   XpltWriter file(path, head.file);
   for (const StateResult& state : solved.states) file.add(plot_state(ready.model, ready.prepared.joint, head, state));
   file.finish();
 }
 
-void solve(Work& work, const PlannedCase& c, CaseResult& result) {
+void solve(Work& work, const PlannedCase& c, Settings settings, CaseResult& result) {
   const StudyOptions& options = work.options;
-  Settings settings = case_settings(work.plan, c, work.of_file);
   const std::shared_ptr<const ReadyJoint> ready =
       work.joints.get(work.plan.models[at(c.model)], settings, options.stop);
   const Joint& joint = ready->prepared.joint;
@@ -126,6 +130,7 @@ void solve(Work& work, const PlannedCase& c, CaseResult& result) {
   solving.keep_state = states.wanted;
   solving.keep_fields = options.keep_fields || !options.plot_folder.empty();
   solving.displacements = !options.plot_folder.empty();
+  if (settings.inside) solving.inside = &ready->inside();
   solving.equilibrium.stop = options.stop;
   const TimePoint& first = states.times.front();
   if (first.row >= 0 || first.time > 0.0) solving.begin = ready->begin(options.stop);
@@ -133,7 +138,7 @@ void solve(Work& work, const PlannedCase& c, CaseResult& result) {
   result.warnings = warnings_of(*ready, solved_states);
   if (!options.plot_folder.empty())
     write_plot((std::filesystem::path(options.plot_folder) / fmt::format("{:06}.xplt", result.number)).string(), *ready,
-               solved_states);
+               solved_states, settings.inside);
   describe(*ready, options.keep_fields, result);
   result.outcome = CaseResult::Outcome::Solved;
   for (StateResult& state : solved_states.states) {
@@ -150,12 +155,27 @@ std::string one_line(std::string text) {
   return text;
 }
 
+/// At its end the joint of a case is forgotten, if no other case wants it.
+struct LastUse {
+  Work& work;
+  const PlannedCase& c;
+  const Settings& settings;
+  LastUse(Work& w, const PlannedCase& of, const Settings& s) : work(w), c(of), settings(s) {}
+  LastUse(const LastUse&) = delete;
+  ~LastUse() {
+    if (work.uses && work.uses->was_last(c)) work.joints.forget(work.plan.models[at(c.model)], settings);
+  }
+};
+
 CaseResult solve_case(Work& work, std::size_t index) {
   const auto start = std::chrono::steady_clock::now();
   CaseResult result;
   result.number = index + 1;
+  const PlannedCase& c = work.plan.cases[index];
   try {
-    solve(work, work.plan.cases[index], result);
+    const Settings settings = case_settings(work.plan, c, work.of_file);
+    const LastUse last(work, c, settings);
+    solve(work, c, settings, result);
   } catch (const BadValue& e) {
     result.message = one_line(e.what());
   } catch (const UsageError& e) {

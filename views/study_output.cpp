@@ -116,6 +116,7 @@ void remove_study(const std::string& path) {
 
 OpenStudy open_study(const Study& study, const StudyOutput& output) {
   check_study_name(output.option, output.path);
+  if (!output.overwrite) refuse_other_division(output.path, output.shard);
   OpenStudy open;
   open.path = shard_path(output.path, output.shard);
   open.options = study.options;

@@ -21,6 +21,7 @@
 #include <febiodea/io/tables/text_table.h>
 #include <febiodea/run/states.h>
 #include <febiodea/version.h>
+#include <febiodea/views/job_limits.h>
 #include <febiodea/views/memory.h>
 
 namespace dea {
@@ -136,6 +137,8 @@ class ValueCheck {
 
 /// Throws what `dea run` would say of the options before it reads the model. Adds the tables that they name.
 void check_options(Study& study, const Line& line, const std::optional<CaseTable>& table, Settings settings) {
+  ValueCheck check(study.plan, line, table);
+  for (const PlannedCase& c : study.plan.cases) check.check(c);
   try {
     std::vector<SettingValue> values;
     for (const CaseOption& o : options_of(study.plan, study.plan.cases.front()))
@@ -144,8 +147,6 @@ void check_options(Study& study, const Line& line, const std::optional<CaseTable
   } catch (const BadValue& bad) {
     throw UsageError(bad.what());
   }
-  ValueCheck check(study.plan, line, table);
-  for (const PlannedCase& c : study.plan.cases) check.check(c);
   std::vector<NamedPath> files = table_files(settings);
   files.insert(files.end(), check.files.begin(), check.files.end());
   std::set<std::string> known;
@@ -162,10 +163,16 @@ std::vector<std::string> files_of_model(const std::string& model) {
   }
 }
 
-/// Half of what is free is for joints that are ready; the rest for what solving takes.
+/// Half of what is free is for joints that are ready, the rest for what solving takes; other tasks of a batch job that
+/// begin on this node want as much.
 double memory_for_joints() {
-  const double half = 0.5 * free_memory();
+  const double half = 0.5 * free_memory() / tasks_on_node();
   return std::isfinite(half) ? half : StudyOptions{}.memory;
+}
+
+int workers_here() {
+  const int cores = tbb::info::default_concurrency(), given = processors_of_task();
+  return given > 0 ? std::min(cores, given) : cores;
 }
 
 std::string digest_of(const CaseTable& table) {
@@ -209,10 +216,13 @@ Study plan_study(const StudyRequest& r) {
   study.options.states = r.states.empty() ? file.outputs.states : r.states;
   if (!study.options.states.empty()) parsed("states", study.options.states, parse_states);
   study.options.settings_file = r.settings_file;
-  study.options.workers = tbb::info::default_concurrency();
+  study.options.workers = workers_here();
   study.options.memory = memory_for_joints();
   study.identity.version = version_of_program();
   study.identity.options = std::move(line.words);
+  study.identity.inside = file.settings.inside || std::any_of(line.options.begin(), line.options.end(), [](auto& o) {
+                            return o.name == std::string("inside") && lower_case(o.text) != "false";
+                          });
   if (r.table) study.identity.inputs.push_back({kTableInMemory, digest_of(*r.table)});
   return study;
 }

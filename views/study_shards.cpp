@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <regex>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
@@ -35,7 +36,7 @@ Shard task_of_environment() {
        {std::pair("SLURM_PROCID", "SLURM_STEP_NUM_TASKS"), std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
         std::pair("PMI_RANK", "PMI_SIZE")}) {
     const int i = environment_number(rank), n = environment_number(size);
-    if (i >= 0 && n > 1 && i < n) return {i + 1, n};
+    if (i >= 0 && n > 1 && i < n) return {i + 1, n, true};
   }
   return {};
 }
@@ -52,14 +53,14 @@ Shard automatic_shard() {
                            .expected = say("expected {}", NamedSetting{"shard", "", "I/N"})});
   if (id < 0) return task;
   const int count = environment_number("SLURM_ARRAY_TASK_COUNT"), place = (id - std::max(0, first)) / step;
-  if (first < 0 || first > 1 || last < id || id < first || (id - first) % step != 0 ||
-      count != (last - first) / step + 1)
-    throw UsageError(
-        Fault{.given = said("shard", "auto"),
-              .found = fmt::format("found Slurm's array task {} of {} from {} to {},", id, count, first, last),
-              .expected = say("expected an array from 0 or 1 without gaps, or the shard itself: {}",
-                              NamedSetting{"shard", "", "I/N"})});
-  return {place * task.of + task.number, count * task.of};
+  // A task that is submitted again by itself is an array of one, which would be the whole study.
+  const bool alone = count == 1 && id > 1;
+  if (first < 0 || last < id || id < first || (id - first) % step != 0 || count != (last - first) / step + 1 || alone)
+    throw UsageError(Fault{
+        .given = said("shard", "auto"),
+        .found = fmt::format("found task {} of Slurm's array of {} from {} to {},", id, count, first, last),
+        .expected = say("expected an array without gaps, or the shard itself: {}", NamedSetting{"shard", "", "I/N"})});
+  return {place * task.of + task.number, count * task.of, true};
 }
 
 }  // namespace
@@ -73,6 +74,31 @@ Shard shard_of(const std::string& text) {
     const int of = parse_count(text.substr(slash + 1), 1, 1'000'000);
     return Shard{parse_count(text.substr(0, slash), 1, of), of};
   });
+}
+
+void refuse_other_division(const std::string& path, const Shard& shard) {
+  if (!shard.automatic) return;
+  const fs::path p = path, folder = p.has_parent_path() ? p.parent_path() : fs::path(".");
+  const std::regex name("(.*)\\.([0-9]+)-of-([0-9]+)(\\.[^.]*)?");
+  std::error_code error;
+  std::string found, division;
+  for (const fs::directory_entry& file : fs::directory_iterator(folder, error)) {
+    const std::string there = file.path().filename().string();
+    std::smatch parts;
+    if (!std::regex_match(there, parts, name) || parts[1] != p.stem().string() || parts[4] != p.extension().string())
+      continue;
+    if (parts[3] == std::to_string(shard.of)) return;
+    if (found.empty() || there < found) {
+      found = there;
+      division = parts[3];
+    }
+  }
+  if (!found.empty())
+    throw UsageError(
+        Fault{.given = said("shard", "auto"),
+              .found = fmt::format("found {}, one of {} shards, where this is one of {},", found, division, shard.of),
+              .expected = say("expected the shard of that division: {}, or another name",
+                              NamedSetting{"shard", "", "I/" + division})});
 }
 
 std::string shard_path(const std::string& path, const Shard& shard) {

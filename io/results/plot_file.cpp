@@ -40,11 +40,15 @@ int max_nodes(const Surface& s) {
   return most;
 }
 
+bool is_written(const Domain& d) {
+  return d.material >= 0 && !d.element_ids.empty();  // FEBio has no domain without material
+}
+
 /// Domains with a material, element sets of the same elements. Returns the ids of the elements written.
 std::unordered_set<int> add_domains(const JointModel& model, MeshMap& map) {
   std::unordered_set<int> written;
   for (const Domain& d : model.domains) {
-    if (d.material < 0 || d.element_ids.empty()) continue;  // FEBio has no domain without material
+    if (!is_written(d)) continue;
     XpltDomain domain;
     domain.element_type = xplt_element_type(d.shape);
     domain.part = d.material + 1;
@@ -177,7 +181,8 @@ SurfaceField facet_field(const FacetField& field) {
           [values = field.values](const Surface&, const Layer&, const SideFields& f) { return per_facet(f.*values); }};
 }
 
-std::vector<SurfaceField> surface_fields() {
+/// `inside`: also of the inside of layers.
+std::vector<SurfaceField> surface_fields(bool inside) {
   using S = const Surface&;
   using L = const Layer&;
   using F = const SideFields&;
@@ -199,6 +204,8 @@ std::vector<SurfaceField> surface_fields() {
                     [](S s, L l, F f) { return per_slot(s, l, f.vertex_thickness); }});
   fields.push_back({surface(XpltType::Float, XpltFormat::Region, "springs", ""),
                     [](S, L, F f) { return std::vector<float>{f.springs ? 1.0f : 0.0f}; }});
+  if (!inside) return fields;
+  for (const FacetField& field : inside_facet_fields()) fields.push_back(facet_field(field));
   return fields;
 }
 
@@ -291,8 +298,29 @@ void add_surface_fields(const JointModel& model, const std::vector<int>& surface
     if (shown[s].contact < 0 || surface[s] == 0) continue;
     const Layer& layer = joint.contacts[at(shown[s].contact)].layers[shown[s].side];
     const SideFields& side = contacts[at(shown[s].contact)].sides[shown[s].side];
-    for (std::size_t v = 0; v < fields.size(); ++v)
-      state.variables[first + v].push_back({surface[s], fields[v].values(model.surfaces[s], layer, side)});
+    for (std::size_t v = 0; v < fields.size(); ++v) {
+      std::vector<float> values = fields[v].values(model.surfaces[s], layer, side);
+      if (!values.empty()) state.variables[first + v].push_back({surface[s], std::move(values)});  // bare bone: none
+    }
+  }
+}
+
+/// Stress and strain of elements; `first`: index of "stress".
+void add_inside_fields(const JointModel& model, const std::vector<InsideDomain>& inside, std::size_t first,
+                       XpltState& state) {
+  std::vector<int> region;
+  int next = 1;
+  for (const Domain& d : model.domains) region.push_back(is_written(d) ? next++ : 0);
+  const auto add = [&](std::size_t variable, int domain, const std::vector<SymmetricTensor>& tensors) {
+    std::vector<float> values;
+    values.reserve(6 * tensors.size());
+    for (const SymmetricTensor& t : tensors)
+      for (double x : t) values.push_back(number(x));
+    state.variables[variable].push_back({region[at(domain)], std::move(values)});
+  };
+  for (const InsideDomain& d : inside) {
+    add(first, d.domain, d.stress);
+    add(first + 1, d.domain, d.strain);
   }
 }
 
@@ -396,23 +424,29 @@ void add_spring_lines(const JointCheck& check, MeshMap& map) {
 
 }  // namespace
 
-PlotHead plot_head(const JointModel& model, const Joint& joint, bool compressed) {
+PlotHead plot_head(const JointModel& model, const Joint& joint, bool compressed, bool inside) {
   MeshMap map = make_mesh(model);
   for (const Body& body : joint.bodies)
     if (!body.ground) map.mesh.objects.push_back(rigid_body_object(body));
-  PlotHead head{empty_file(model), std::move(map.material_of_domain), std::move(map.surface), map.elements};
+  PlotHead head{empty_file(model), std::move(map.material_of_domain), std::move(map.surface), map.elements, inside};
   head.file.compressed = compressed;
   head.file.variables = {xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement", "L"),
                          xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid force", "F"),
                          xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid torque", "F.L"),
                          xplt_variable(XpltGroup::Domain, XpltType::Vec3, XpltFormat::Region, "rigid position", "L")};
-  for (const SurfaceField& f : surface_fields()) head.file.variables.push_back(f.variable);
+  if (inside) {
+    for (const char* name : {"stress", "Lagrange strain"})
+      head.file.variables.push_back(xplt_variable(XpltGroup::Domain, XpltType::Mat3s, XpltFormat::Item, name,
+                                                  name == std::string("stress") ? "P" : ""));
+  }
+  for (const SurfaceField& f : surface_fields(inside)) head.file.variables.push_back(f.variable);
   head.file.meshes.push_back(std::move(map.mesh));
   return head;
 }
 
 XpltState plot_state(const JointModel& model, const Joint& joint, const PlotHead& head, const StateResult& result) {
-  constexpr std::size_t kRigidForce = 1, kOnSurfaces = 4;  // in the dictionary of plot_head
+  constexpr std::size_t kRigidForce = 1, kStress = 4;  // in the dictionary of plot_head
+  const std::size_t on_surfaces = kStress + (head.inside ? 2 : 0);
   const Equilibrium& e = result.equilibrium;
   XpltState state;
   state.time = number(result.when.time);
@@ -423,14 +457,17 @@ XpltState plot_state(const JointModel& model, const Joint& joint, const PlotHead
   for (const Vector3d& u : result.displacements) append(displacements, u);
   state.variables[0].push_back({0, std::move(displacements)});
   add_rigid_bodies(head.material_of_domain, joint, e, kRigidForce, state);
-  add_surface_fields(model, head.surface, joint, result.fields, surface_fields(), kOnSurfaces, state);
+  add_surface_fields(model, head.surface, joint, result.fields, surface_fields(head.inside), on_surfaces, state);
+  if (head.inside) add_inside_fields(model, result.inside, kStress, state);
   for (std::size_t b = 0; b < joint.bodies.size(); ++b)
     if (!joint.bodies[b].ground) state.objects.push_back(rigid_body_state(e.poses[b], e.reaction[b]));
   return state;
 }
 
 XpltFile make_plot_file(const JointModel& model, const Analysis& analysis, bool compressed) {
-  PlotHead head = plot_head(model, analysis.joint, compressed);
+  const bool inside = std::any_of(analysis.states.begin(), analysis.states.end(),
+                                  [](const StateResult& state) { return !state.inside.empty(); });
+  PlotHead head = plot_head(model, analysis.joint, compressed, inside);
   for (const StateResult& result : analysis.states)
     head.file.states.push_back(plot_state(model, analysis.joint, head, result));
   return std::move(head.file);

@@ -33,7 +33,7 @@ void check_heads(const std::vector<StudyHead>& heads) {
 
 void copy_all(const std::vector<StudyHead>& heads, Database& to) {
   to.execute("BEGIN IMMEDIATE");
-  make_study_tables(to, heads.front().factors);
+  make_study_tables(to, heads.front().factors, heads.front().identity.inside);
   for (const StudyHead& head : heads) {
     Database from(head.path, Database::For::Reading);
     from.execute("BEGIN");  // one state of it, though somebody may be writing

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <fstream>
+#include <optional>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
-#include <febiodea/io/files/packed_bytes.h>
 #include <febiodea/io/study/database.h>
+#include <febiodea/io/study/reading.h>
 #include <febiodea/io/study/study_schema.h>
 
 namespace dea {
@@ -18,45 +18,15 @@ namespace {
 
 constexpr const char* kOrder = "ORDER BY case_id, state, contact_id";
 
-std::int64_t one_number(const Database& d, const std::string& sql) {
-  Statement statement(d, sql);
-  return statement.step() ? statement.integer(0) : 0;
-}
-
-/// Of a database that is a study, and not a later one.
-void check_study(const Database& d) {
-  if (one_number(d, "PRAGMA application_id") != kStudyApplication)
-    throw InputError(fmt::format(
-        "{}: found a database of another program, expected a study's file (dea study -o FILE.db)", d.path()));
-  const std::int64_t version = one_number(d, "PRAGMA user_version");
-  if (version != kStudyVersion)
-    throw InputError(fmt::format("{}: found dea.study/{}, expected dea.study/{}: the program that made it reads it",
-                                 d.path(), version, kStudyVersion));
-}
-
-/// A study, opened to be read. What is not as this program makes it is told by SQLite as a fault of the file.
-struct StudyDatabase : Database {
-  explicit StudyDatabase(const std::string& path) : Database(path, For::Reading) { check_study(*this); }
-};
-
-/// `read` of a study; that another program keeps writing is a fault here.
-template <class Read>
-auto reading(const std::string& path, Read read) {
-  std::error_code error;
-  if (!std::ifstream(path)) throw InputError(fmt::format("{}: found no readable file, expected a study's", path));
-  try {
-    const StudyDatabase database(path);
-    return read(database);
-  } catch (const DatabaseBusy& busy) {
-    throw StudyBusy(fmt::format("{}; try again", busy.what()));
-  }
+std::optional<std::string> said_if(const Database& d, const char* key) {
+  Statement row(d, "SELECT value FROM study WHERE key = ?");
+  row.bind(std::string(key));
+  return row.step() ? std::optional<std::string>(row.text(0)) : std::nullopt;
 }
 
 std::string said(const Database& d, const char* key) {
-  Statement row(d, "SELECT value FROM study WHERE key = ?");
-  row.bind(std::string(key));
-  if (!row.step()) throw InputError(fmt::format("{}: found no \"{}\" in table study, expected one", d.path(), key));
-  return row.text(0);
+  if (const auto text = said_if(d, key)) return *text;
+  throw InputError(fmt::format("{}: found no \"{}\" in table study, expected one", d.path(), key));
 }
 
 int whole_number(const Database& d, const char* key) {
@@ -74,6 +44,7 @@ StudyHead head_of(const Database& d) {
   head.identity.version = said(d, "version");
   head.identity.shard = whole_number(d, "shard");
   head.identity.shards = whole_number(d, "shards");
+  head.identity.inside = said_if(d, "inside") == "1";
   head.planned = static_cast<std::size_t>(std::max(0, whole_number(d, "cases")));
   for (Statement rows(d, "SELECT text FROM options ORDER BY number"); rows.step();)
     head.identity.options.push_back(rows.text(0));
@@ -137,15 +108,6 @@ std::string cell_text(const Statement& row, int column) {
   if (row.is_null(column) || !row.is_number(column)) return row.text(column);
   const double number = row.number(column);
   return fmt::format("{}", number + 0.0);
-}
-
-template <class T>
-std::vector<T> unpacked(const Database& d, const std::string& blob) {
-  const std::optional<std::string> bytes = unpacked_bytes(blob);
-  if (!bytes || bytes->size() % sizeof(T) != 0) throw InputError(fmt::format("{}: found a damaged array", d.path()));
-  std::vector<T> values(bytes->size() / sizeof(T));
-  if (!values.empty()) std::memcpy(values.data(), bytes->data(), bytes->size());
-  return values;
 }
 
 }  // namespace

@@ -5,15 +5,10 @@
 #include <string>
 #include <vector>
 
-#include <febiodea/base/error.h>
+#include <febiodea/io/study/study_busy.h>
 #include <febiodea/io/study/study_file.h>
 
 namespace dea {
-
-/// Another program keeps the file from being read; the same may be tried again.
-struct StudyBusy : InputError {
-  using InputError::InputError;
-};
 
 /// What a study's file says of itself.
 struct StudyHead {

@@ -73,7 +73,7 @@ Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
 
 /// All that is inserted, prepared once.
 struct StudyInserts {
-  Statement remove, one, warning, state, statistics, part, pose, surface, field;
+  Statement remove, one, warning, state, statistics, part, inside, inside_part, pose, surface, field;
   StudyInserts(const Database& d, std::size_t factors)
       : remove(d, "DELETE FROM cases WHERE case_id = ?"),
         one(d, insert_sql("cases", 5 + factors)),
@@ -81,6 +81,8 @@ struct StudyInserts {
         state(d, insert_sql("states", 8)),
         statistics(d, insert_sql("statistics", 6 + contact_numbers().size())),
         part(d, insert_sql("parts", 6 + compartment_numbers().size())),
+        inside(d, insert_sql("inside", 3 + inside_numbers().size())),
+        inside_part(d, insert_sql("inside_parts", 4 + compartment_inside_numbers().size())),
         pose(d, insert_sql("poses", 16)),
         surface(d, insert_sql("surfaces", 6, "INSERT OR IGNORE")),
         field(d, insert_sql("fields", 4)) {}
@@ -95,10 +97,19 @@ void insert_contact(Inserts& in, std::int64_t number, std::int64_t s, std::int64
   in.statistics.bind(number).bind(s).bind(id).bind(contact.name).bind(contact.source).bind(contact.target);
   bind_numbers(in.statistics, contact_numbers(), statistics);
   in.statistics.run();
+  if (statistics.inside[0] || statistics.inside[1]) {
+    in.inside.bind(number).bind(s).bind(id);
+    bind_numbers(in.inside, inside_numbers(), statistics);
+    in.inside.run();
+  }
   for (std::size_t p = 0; p < statistics.compartments.size(); ++p) {
     in.part.bind(number).bind(s).bind(id).bind(whole(p + 1)).bind(contact.name).bind(contact.parts[p]);
     bind_numbers(in.part, compartment_numbers(), statistics.compartments[p]);
     in.part.run();
+    if (!statistics.compartments[p].inside) continue;
+    in.inside_part.bind(number).bind(s).bind(id).bind(whole(p + 1));
+    bind_numbers(in.inside_part, compartment_inside_numbers(), statistics.compartments[p]);
+    in.inside_part.run();
   }
 }
 
@@ -158,7 +169,7 @@ void insert_spread(Statement& to, const Spread& spread) {
 /// All tables but the cases, at once.
 void make_study(Database& d, const Plan& plan, const StudyIdentity& identity) {
   d.execute("BEGIN IMMEDIATE");
-  make_study_tables(d, plan.factors);
+  make_study_tables(d, plan.factors, identity.inside);
   Statement study(d, insert_sql("study", 2)), option(d, insert_sql("options", 2)), input(d, insert_sql("inputs", 3)),
       factor(d, insert_sql("factors", 7)), model(d, insert_sql("models", 2));
   const auto say = [&](const char* key, const std::string& value) { study.bind(std::string(key)).bind(value).run(); };
@@ -167,6 +178,7 @@ void make_study(Database& d, const Plan& plan, const StudyIdentity& identity) {
   say("shard", std::to_string(identity.shard));
   say("shards", std::to_string(identity.shards));
   say("cases", std::to_string(plan.cases.size()));
+  say("inside", identity.inside ? "1" : "0");
   for (std::size_t i = 0; i < identity.options.size(); ++i) option.bind(whole(i + 1)).bind(identity.options[i]).run();
   for (std::size_t i = 0; i < identity.inputs.size(); ++i)
     input.bind(whole(i + 1)).bind(identity.inputs[i][0]).bind(identity.inputs[i][1]).run();

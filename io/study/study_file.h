@@ -17,6 +17,7 @@ struct StudyIdentity {
   std::vector<std::string> options;  ///< what the cases depend on, one text each, as the user would write it
   std::vector<std::array<std::string, 2>> inputs;  ///< path as given, digest of its content
   int shard = 1, shards = 1;
+  bool inside = false;  ///< some case has the inside of its layers: results have its columns
 };
 
 /// The cases of one shard: `first` .. `last` - 1, indices in plan.cases. Neighbours stay together, for they share the

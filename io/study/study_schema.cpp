@@ -22,9 +22,9 @@ std::string number_columns(const std::vector<NamedNumber<Of>>& numbers) {
 }
 
 template <class Of>
-std::string number_names(const std::vector<NamedNumber<Of>>& numbers) {
+std::string number_names(const std::vector<NamedNumber<Of>>& numbers, const char* table = "t") {
   std::string text;
-  for (const NamedNumber<Of>& n : numbers) text += fmt::format("t.{}, ", quoted_name(n.name));
+  for (const NamedNumber<Of>& n : numbers) text += fmt::format("{}.{}, ", table, quoted_name(n.name));
   return text;
 }
 
@@ -86,6 +86,15 @@ CREATE TABLE parts (
   part TEXT NOT NULL,
 {part_numbers}  PRIMARY KEY (case_id, state, contact_id, part_id),
 {of_state}) WITHOUT ROWID;
+CREATE TABLE inside (
+{state}  contact_id INTEGER NOT NULL,
+{inside_numbers}  PRIMARY KEY (case_id, state, contact_id),
+{of_state}) WITHOUT ROWID;
+CREATE TABLE inside_parts (
+{state}  contact_id INTEGER NOT NULL,
+  part_id INTEGER NOT NULL,
+{inside_part_numbers}  PRIMARY KEY (case_id, state, contact_id, part_id),
+{of_state}) WITHOUT ROWID;
 CREATE TABLE poses (
 {state}  body_id INTEGER NOT NULL,
   body TEXT NOT NULL,
@@ -108,42 +117,58 @@ CREATE TABLE fields (
                      fmt::arg("case_", kCase), fmt::arg("state", kState), fmt::arg("of_state", kOfState),
                      fmt::arg("contact_numbers", number_columns(contact_numbers())),
                      fmt::arg("part_numbers", number_columns(compartment_numbers())),
+                     fmt::arg("inside_numbers", number_columns(inside_numbers())),
+                     fmt::arg("inside_part_numbers", number_columns(compartment_inside_numbers())),
                      fmt::arg("center", vector_columns("center")), fmt::arg("rotation", vector_columns("rotation")),
                      fmt::arg("force", vector_columns("force")), fmt::arg("moment", vector_columns("moment")));
 }
 
-std::string views(const std::vector<Factor>& factors) {
+constexpr const char* kInsideOf =
+    "\n  LEFT JOIN inside i ON i.case_id = t.case_id AND i.state = t.state AND i.contact_id = t.contact_id";
+constexpr const char* kInsideOfParts =
+    "\n  LEFT JOIN inside_parts i ON i.case_id = t.case_id AND i.state = t.state AND i.contact_id = t.contact_id AND "
+    "i.part_id = t.part_id";
+
+/// "a, b, " as ", a, b".
+std::string listed_last(const std::string& names) { return ", " + names.substr(0, names.size() - 2); }
+
+std::string views(const std::vector<Factor>& factors, bool inside) {
   std::string names;
   for (const Factor& f : factors) names += fmt::format("c.{}, ", quoted_name(f.name));
-  return fmt::format(R"(
+  return fmt::format(
+      R"(
 CREATE VIEW results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, c.case_message, s.state, s.time,
   t.contact_id, t.contact, t.source, t.target, s.outcome, s.message, s.iterations, s.residual_force, s.residual_moment,
   {contact_numbers}
-  (SELECT group_concat(w.text, '; ') FROM warnings w WHERE w.case_id = c.case_id) AS warnings, c.seconds
+  (SELECT group_concat(w.text, '; ') FROM warnings w WHERE w.case_id = c.case_id) AS warnings, c.seconds{inside}
   FROM cases c JOIN models m ON m.model_id = c.model_id LEFT JOIN states s ON s.case_id = c.case_id
-  LEFT JOIN statistics t ON t.case_id = s.case_id AND t.state = s.state;
+  LEFT JOIN statistics t ON t.case_id = s.case_id AND t.state = s.state{inside_of};
 CREATE VIEW part_results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, s.state, s.time,
-  t.contact_id, t.contact, t.part_id, t.part, {part_numbers}s.outcome
+  t.contact_id, t.contact, t.part_id, t.part, {part_numbers}s.outcome{inside_parts}
   FROM cases c JOIN models m ON m.model_id = c.model_id JOIN states s ON s.case_id = c.case_id
-  JOIN parts t ON t.case_id = s.case_id AND t.state = s.state;
+  JOIN parts t ON t.case_id = s.case_id AND t.state = s.state{inside_of_parts};
 )",
-                     fmt::arg("factors", names), fmt::arg("contact_numbers", number_names(contact_numbers())),
-                     fmt::arg("part_numbers", number_names(compartment_numbers())));
+      fmt::arg("factors", names), fmt::arg("contact_numbers", number_names(contact_numbers())),
+      fmt::arg("part_numbers", number_names(compartment_numbers())),
+      fmt::arg("inside", inside ? listed_last(number_names(inside_numbers(), "i")) : ""),
+      fmt::arg("inside_of", inside ? kInsideOf : ""),
+      fmt::arg("inside_parts", inside ? listed_last(number_names(compartment_inside_numbers(), "i")) : ""),
+      fmt::arg("inside_of_parts", inside ? kInsideOfParts : ""));
 }
 
 }  // namespace
 
 const std::vector<std::string>& study_tables() {
-  static const std::vector<std::string> tables = {"study", "options",  "inputs", "factors",    "models",
-                                                  "cases", "warnings", "states", "statistics", "parts",
-                                                  "poses", "surfaces", "fields"};
+  static const std::vector<std::string> tables = {"study",  "options",      "inputs", "factors",    "models",
+                                                  "cases",  "warnings",     "states", "statistics", "parts",
+                                                  "inside", "inside_parts", "poses",  "surfaces",   "fields"};
   return tables;
 }
 
-void make_study_tables(Database& database, const std::vector<Factor>& factors) {
+void make_study_tables(Database& database, const std::vector<Factor>& factors, bool inside) {
   database.execute(head_tables(factors));
   database.execute(result_tables());
-  database.execute(views(factors));
+  database.execute(views(factors, inside));
   database.execute(
       fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kStudyApplication, kStudyVersion));
 }
@@ -167,7 +192,7 @@ void copy_table(const Database& from, const Database& to, const std::string& tab
 
 void check_factor_names(const std::vector<Factor>& factors) {
   Database none(":memory:", Database::For::Writing);
-  make_study_tables(none, {});
+  make_study_tables(none, {}, true);
   std::set<std::string> taken;
   for (const char* table : {"cases", "results", "part_results"}) {
     const Statement columns(none, fmt::format("SELECT * FROM {}", table));

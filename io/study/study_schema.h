@@ -17,7 +17,8 @@ inline constexpr int kStudyVersion = 1;
 const std::vector<std::string>& study_tables();
 
 /// Makes all tables and views. A factor is a column of `cases` and of the views.
-void make_study_tables(Database& database, const std::vector<Factor>& factors);
+/// `inside`: the views also have what cases tell of the inside of layers.
+void make_study_tables(Database& database, const std::vector<Factor>& factors, bool inside);
 
 /// Is a table of the study as a whole, the same in every shard?
 bool describes_study(const std::string& table);

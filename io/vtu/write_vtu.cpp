@@ -199,6 +199,27 @@ std::vector<float> per_surface(const SurfaceCells& out, const std::vector<XpltRe
   return all;
 }
 
+/// Fields with a value per element; 0 in domains without.
+std::string element_data(const XpltFile& file, const XpltMesh& mesh, const XpltState& state) {
+  std::string data;
+  for (std::size_t v = 0; v < file.variables.size(); ++v) {
+    const XpltVariable& variable = file.variables[v];
+    if (variable.group != XpltGroup::Domain || variable.format != XpltFormat::Item || state.variables[v].empty())
+      continue;
+    const int components = floats_per_value(variable);
+    std::vector<float> all;
+    for (std::size_t d = 0; d < mesh.domains.size(); ++d) {
+      const std::vector<float>* values = values_of(state.variables[v], static_cast<int>(d));
+      if (values != nullptr)
+        all.insert(all.end(), values->begin(), values->end());
+      else
+        all.resize(all.size() + mesh.domains[d].element_ids.size() * at(components), 0.0f);
+    }
+    data += data_array(variable.name, components, all);
+  }
+  return data;
+}
+
 std::string file_name(const char* what, std::size_t state) { return fmt::format("{}_{:04}.vtu", what, state); }
 
 std::string pvd(const XpltFile& file) {
@@ -281,7 +302,7 @@ std::string mesh_vtu(const XpltFile& file, std::size_t index) {
   return document(mesh.node_ids.size(), cells, time_value(state) + text_array("part names", mesh.parts),
                   data_array("Points", 3, mesh.coordinates),
                   nodal_data(file, mesh, state, straight(static_cast<int>(mesh.node_ids.size()))),
-                  data_array("element id", 1, ids) + data_array("part", 1, parts));
+                  element_data(file, mesh, state) + data_array("element id", 1, ids) + data_array("part", 1, parts));
 }
 
 std::string surfaces_vtu(const XpltFile& file, std::size_t index) {

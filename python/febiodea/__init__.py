@@ -9,7 +9,7 @@
     contact.headline.p99
 
 For many loads and poses of one joint: prepare, Prepared.solve, Prepared.press. For results of any program: read_xplt.
-Thousands of cases into one file: Study, Study.run, read_study.
+Thousands of cases into one file: Study, Study.run, read_study; statistics of many cases: febiodea.statistics.
 
 Frame: global. Units: the model's own, throughout. Arrays look into the module's memory and cannot be written to; copy
 what is to be changed.
@@ -18,7 +18,7 @@ import atexit as _atexit
 import os as _os
 import sys as _sys
 
-from . import _cells, _febiodea, _models, _settings, _tables
+from . import _cells, _febiodea, _models, _settings, _tables, statistics
 from ._errors import Error, InputError, UsageError, WriteError, need as _need, usage_fault as _usage_fault
 from ._febiodea import (Compartment, Contact, Facets, Model, Nodes, PlotField, PlotFile, PlotState, PlotSurface, Prepared,
                         Pressed, PressedContact, Progress, Recognition, Result, Side, Springs, State, __version__,

@@ -1,4 +1,5 @@
 """What a user can do wrong, as exceptions. Made by the compiled part."""
+import operator
 
 
 class Error(Exception):
@@ -50,3 +51,11 @@ def need(value, types, place, expected):
     """Refuses a value of another type; `expected`: what it must be, and how it is made."""
     if not isinstance(value, types):
         raise usage_fault(place, f"found a value of type {type(value).__name__}", f"expected {expected}")
+
+
+def whole_number(value, place, expected):
+    """The number, be it numpy's; `expected`: what it must be."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise usage_fault(place, f"found {value!r}", f"expected {expected}") from None

@@ -1,8 +1,9 @@
 """Studies: thousands of cases into one file, as `dea study` writes it."""
+import collections.abc
 import os
 
 from . import _febiodea, _settings
-from ._errors import need, usage_fault
+from ._errors import need, usage_fault, whole_number
 from ._states import states_text
 from ._study_results import read_study
 
@@ -46,8 +47,8 @@ def _table(cases):
     if hasattr(cases, "columns") and hasattr(cases, "itertuples"):
         names = [str(name) for name in cases.columns]
         rows = cases.itertuples(index=False, name=None)
-    elif isinstance(cases, (list, tuple)) and cases and all(isinstance(row, dict) for row in cases):
-        names = [str(name) for name in cases[0]]
+    elif isinstance(cases, (list, tuple)) and all(isinstance(row, dict) for row in cases):
+        names = [str(name) for name in cases[0]] if cases else []
         for number, row in enumerate(cases, 1):
             if list(map(str, row)) != names:
                 raise usage_fault(f"cases[{number - 1}]", f"found the columns {', '.join(map(str, row))}",
@@ -70,6 +71,35 @@ def _sample(sample):
     return ([sample[0]] + [_settings._text(number, "sample") for number in sample[1:]] + [""])[:3]
 
 
+def _paths(models):
+    """As bytes: a name that is no UTF-8 is a name, too."""
+    named = [models] if isinstance(models, (str, bytes, os.PathLike)) else models
+    need(named, collections.abc.Iterable, "models", "a path, or several")
+    found = list(named)
+    for model in found:
+        need(model, (str, bytes, os.PathLike), "models", "a path, or several")
+    return [os.fsencode(model) for model in found]
+
+
+def _check_run(client, workers, keep, again, shard, progress):
+    if again not in (None, "failed"):
+        raise usage_fault("again", f"found {again!r}", 'expected "failed" or None')
+    if client is not None and (not hasattr(client, "submit") or not hasattr(client, "scheduler_info")):
+        raise usage_fault("client", f"found a value of type {type(client).__name__}", "expected a dask.distributed.Client")
+    if client is not None and getattr(client, "asynchronous", False):
+        raise usage_fault("client", "found a Client that is asynchronous", "expected Client(..., asynchronous=False)")
+    if workers is not None and (client is not None or not isinstance(workers, int) or not 1 <= workers <= 1024):
+        raise usage_fault("workers", f"found {workers!r}" + (" beside a client" if client is not None else ""),
+                          "expected a number from 1 to 1024, without a client")
+    for word in keep:
+        need(word, str, "keep", '"fields", "xplt" or both')
+    if client is not None and "xplt" in keep:
+        raise usage_fault("keep", 'found "xplt" beside a client, whose workers would write them on their own disks',
+                          'expected "fields", or no client')
+    need(shard, (str, type(None)), "shard", '"2/4" or "auto"')
+    need(progress, (collections.abc.Callable, type(None)), "progress", "a function of a Progress")
+
+
 class Study:
     """Every combination of models and values of factors, to be solved into one file: what `dea study` does.
 
@@ -79,7 +109,8 @@ class Study:
     keywords: settings of all cases, which act before the factors. cases: the values of factors with {}, a row a case: a
     file, a pandas.DataFrame or a list of dictionaries. sample: ("sobol", COUNT, SEED), or latin or saltelli: values of
     factors with a spread. states: those of every case, as in analyse.
-    The models are read, but nothing is solved. len() is the number of cases. Raises UsageError, InputError.
+    The models are read, but nothing is solved. len() is the number of cases. Pickled, it is what was asked for: whoever
+    reads it reads the models again, at the same paths. Raises UsageError, InputError.
     """
 
     def __init__(self, models=(), vary=(), *, cases=None, sample=None, states=None, settings=None, **keywords):
@@ -93,13 +124,18 @@ class Study:
             if any(not isinstance(one, (str, os.PathLike, type(None)))
                    for one in (values.values() if name == "thickness_from" and isinstance(values, dict) else [values])):
                 raise usage_fault(name, "found a table in memory", "expected a file, which whoever goes on reads again")
-        named = isinstance(models, (str, os.PathLike))
-        in_file = cases is None or isinstance(cases, (str, os.PathLike))
-        self._request = ([os.fspath(model) for model in ([models] if named else models)], list(_options(keywords, vary)),
-                         None if in_file else _table(cases),
-                         [os.fspath(cases or "") if in_file else "", *_sample(sample), states_text(states),
-                          os.fspath(settings or "")])
+        in_file = cases is None or isinstance(cases, (str, bytes, os.PathLike))
+        self._request = (_paths(models), list(_options(keywords, vary)), None if in_file else _table(cases),
+                         [os.fsencode(cases or b"") if in_file else "", *_sample(sample), states_text(states),
+                          os.fsencode(settings or b"")])
         self._native = _febiodea.plan_study(*self._request)
+
+    def __getstate__(self):
+        return self._request
+
+    def __setstate__(self, request):
+        self._request = request
+        self._native = _febiodea.plan_study(*request)
 
     def __len__(self):
         return len(self._native)
@@ -116,6 +152,7 @@ class Study:
 
     def case(self, number):
         """What case `number` (from 1) is: "model", and the text of each factor's value. Raises UsageError."""
+        number = whole_number(number, "number", f"a case from 1 to {len(self)}")
         if not 1 <= number <= len(self):
             raise usage_fault("number", f"found {number}", f"expected a case from 1 to {len(self)}")
         model, values = self._native.case(number - 1)
@@ -132,16 +169,10 @@ class Study:
         and keeps the cases that are done. Cases that cannot be solved are rows of the file, and raise nothing.
         Raises InputError (the file is of another study), UsageError, WriteError.
         """
-        keep = [keep] if isinstance(keep, str) else list(keep)
-        if again not in (None, "failed"):
-            raise usage_fault("again", f"found {again!r}", 'expected "failed" or None')
-        if workers is not None and (client is not None or not isinstance(workers, int) or not 1 <= workers <= 1024):
-            raise usage_fault("workers", f"found {workers!r}" + (" beside a client" if client is not None else ""),
-                              "expected a number from 1 to 1024, without a client")
-        if client is not None and "xplt" in keep:
-            raise usage_fault("keep", 'found "xplt" beside a client, whose workers would write them on their own disks',
-                              'expected "fields", or no client')
-        file = _febiodea.open_study(self._native, os.fspath(path), keep, shard or "", bool(overwrite), again is not None)
+        keep = [keep] if isinstance(keep, str) else list(keep or ())
+        _check_run(client, workers, keep, again, shard, progress)
+        need(path, (str, bytes, os.PathLike), "path", "the study's file")
+        file = _febiodea.open_study(self._native, os.fsencode(path), keep, shard or "", bool(overwrite), again is not None)
         try:
             if client is not None:
                 from . import _study_dask

@@ -15,10 +15,10 @@ _studies, _lock = {}, threading.Lock()  # of this worker process, by digest; the
 
 
 def _memory():
-    """Half of what Dask lets this worker use, for joints that are ready; 0: it sets no limit."""
+    """For the joints of one study that are ready: of all studies half of what Dask lets this worker use; 0: it sets no limit."""
     from distributed import get_worker
     limit = get_worker().memory_manager.memory_limit
-    return 0.5 * limit if limit else 0.0
+    return 0.5 / _MOST_STUDIES * limit if limit else 0.0
 
 
 def _study(digest, planned):
@@ -73,9 +73,13 @@ def _threads(client):
 
 
 def _result(future, piece):
+    from distributed import CancelledError
     from distributed.scheduler import KilledWorker
     try:
         return future.result()
+    except CancelledError as lost:
+        raise Error(f"cases {piece[0] + 1} to {piece[1]}: found that the cluster has dropped them, expected it to stay as it is "
+                    "(Client.restart, a scheduler begun anew); what is done is in the file, and the same call goes on") from lost
     except KilledWorker as lost:
         raise Error(f"cases {piece[0] + 1} to {piece[1]}: found their workers killed again and again, expected more memory "
                     "per worker, or fewer threads; what is done is in the file") from lost

@@ -8,7 +8,7 @@ from typing import NamedTuple, Optional
 import numpy
 
 from . import _febiodea
-from ._errors import input_fault, usage_fault
+from ._errors import input_fault, need, usage_fault, whole_number
 
 _SHOWN = {"results": "case_id, state, contact_id", "part_results": "case_id, state, contact_id, part_id",
           "cases": "case_id", "states": "case_id, state", "statistics": "case_id, state, contact_id",
@@ -74,22 +74,29 @@ class StudyResults:
     """
 
     def __init__(self, path):
-        self._path = os.fspath(path)
-        self._head = _febiodea.study_head(self._path)
+        need(path, (str, bytes, os.PathLike), "path", "a study's file")
+        self._path = os.fsdecode(path)
+        self._head = _febiodea.study_head(os.fsencode(path))
 
-    def _rows(self, sql, *values):
-        """Dictionaries."""
-        _febiodea.study_head(self._path)  # what a killed program had begun is taken back
+    def _read(self, sql, *values):
+        """Names of columns, and rows as tuples."""
+        _febiodea.study_head(os.fsencode(self._path))  # what a killed program had begun is taken back
         address = pathlib.Path(self._path).absolute().as_uri() + "?mode=ro"
         try:
             connection = sqlite3.connect(address, uri=True, timeout=10)
             try:
-                connection.row_factory = sqlite3.Row
-                return [dict(row) for row in connection.execute(sql, values)]
+                connection.text_factory = os.fsdecode  # a path may be no UTF-8
+                found = connection.execute(sql, values)
+                return [column[0] for column in found.description], found.fetchall()
             finally:
                 connection.close()
         except sqlite3.Error as fault:
             raise input_fault(self._path, f"found that it cannot be read: {fault}", "expected a study's file") from None
+
+    def _rows(self, sql, *values):
+        """Dictionaries."""
+        names, rows = self._read(sql, *values)
+        return [dict(zip(names, row)) for row in rows]
 
     @property
     def path(self):
@@ -140,9 +147,12 @@ class StudyResults:
     def table(self, name="results"):
         """A table or view of the file (docs/studies.md) as a list of dictionaries in the order of cases, states and
         contacts. Raises UsageError, InputError."""
+        return self._rows(self._all_of(name))
+
+    def _all_of(self, name):
         if name not in _SHOWN:
             raise usage_fault("name", f"found {name!r}", f"expected one of {', '.join(_SHOWN)}")
-        return self._rows(f"SELECT * FROM {name} ORDER BY {_SHOWN[name]}")
+        return f"SELECT * FROM {name} ORDER BY {_SHOWN[name]}"
 
     def to_pandas(self, name="results"):
         """table(name) as a pandas.DataFrame: without a name a row per case, state and contact. Raises ImportError where
@@ -151,7 +161,8 @@ class StudyResults:
             import pandas
         except ImportError as missing:
             raise ImportError("to_pandas needs pandas, which is not installed: install it, or use table()") from missing
-        return pandas.DataFrame(self.table(name))
+        names, rows = self._read(self._all_of(name))
+        return pandas.DataFrame.from_records(rows, columns=names)  # with its columns, also where no case is done yet
 
     def parts(self):
         """A row per case, state, contact and compartment, as a pandas.DataFrame: to_pandas("part_results")."""
@@ -164,16 +175,19 @@ class StudyResults:
                           "JOIN models m USING (model_id) WHERE c.case_outcome <> 'solved' ORDER BY c.case_id")
 
     def _case(self, case):
-        found = self._rows("SELECT * FROM cases WHERE case_id = ?", int(case))
+        expected = f"a case that is in the file, of 1 to {self.planned}"
+        found = self._rows("SELECT * FROM cases WHERE case_id = ?", whole_number(case, "case", expected))
         if not found:
-            raise usage_fault("case", f"found {case}", f"expected a case that is in the file, of 1 to {self.planned}")
+            raise usage_fault("case", f"found {case}", f"expected {expected}")
         return found[0]
 
     def _state(self, case, state):
         """The row of a state; None: the last one."""
         row = self._case(case)
+        if state is not None:
+            state = whole_number(state, "state", f"a state of case {case}, from 1, or None: the last")
         which = "ORDER BY state DESC LIMIT 1" if state is None else "AND state = ?"
-        found = self._rows(f"SELECT * FROM states WHERE case_id = ? {which}", int(case), *([] if state is None else [int(state)]))
+        found = self._rows(f"SELECT * FROM states WHERE case_id = ? {which}", row["case_id"], *([] if state is None else [state]))
         if not found:
             raise usage_fault("state" if row["case_message"] is None or state is not None else "case",
                               f"found {case if state is None else state}",
@@ -224,6 +238,69 @@ class StudyResults:
         if not found:
             raise self._no_fields()
         return StudySurface(found[0]["surface"], _array(found[0]["vertices"], "<f8", 3), _array(found[0]["triangles"], "<i4", 3))
+
+    # ---- statistics, and the page ----
+
+    def _which(self, number, place, state):
+        """The study's numbers as they are now, and which of them are asked for."""
+        numbers = _febiodea.study_numbers(self._path)
+        names = [name.replace("headline_", "") for name in numbers.statistics]
+        if number not in names:
+            raise usage_fault("number", f"found {number!r}", f"expected one of {', '.join(names)}")
+        places = numbers.places
+        if place is not None and place not in places:
+            raise usage_fault("place", f"found {place!r}", f"expected one of {', '.join(places)}")
+        if state != "largest" and not (isinstance(state, int) and 1 <= state <= numbers.states):
+            raise usage_fault("state", f"found {state!r}", f'expected one from 1 to {numbers.states}, or "largest"')
+        if not places:
+            raise usage_fault(self._path, "found no contact in any case", "expected one")
+        choice = numbers.choices - 1 if state == "largest" else state - 1
+        return numbers, [names.index(number), 0 if place is None else places.index(place), choice]
+
+    def outputs(self, number="p99", place=None, state="largest"):
+        """One number per case: (case numbers, values), NaN where the case has none.
+
+        number: "p99", "mean", "area", "peak" or "force"; place: a contact, or "contact: compartment", None: the first
+        contact; state: from 1, or "largest" of all states. Raises UsageError."""
+        numbers, which = self._which(number, place, state)
+        return numbers.cases, numbers.outputs(which)
+
+    def influence(self, number="p99", place=None, state="largest"):
+        """What the number of `outputs` depends on: "factors" (standardised "coefficient", Spearman's "rho" of each),
+        "r_squared", "slopes" one at a time about a base case, "sobol" where the cases are a Saltelli design, else None."""
+        numbers, which = self._which(number, place, state)
+        return numbers.influence(which)
+
+    def groups(self, column, number="p99", place=None, state="largest"):
+        """Values of a column ("model" or a factor) as groups: "levels", "boxes" (as statistics.box_plot), "differences" of
+        each level but the first from the first (as statistics.difference)."""
+        numbers, which = self._which(number, place, state)
+        return numbers.groups(column, which)
+
+    def pairs(self, column, number="p99", place=None, state="largest"):
+        """Cases that differ in one column alone, "COLUMN" of two values or "COLUMN=A,B": as statistics.pairs, with "levels"
+        and how many cases are "alone"."""
+        numbers, which = self._which(number, place, state)
+        return numbers.pairs(column, which)
+
+    def report(self, path, *, group=None, pair=None, regions=None, up=None, anterior=None, axis=None, center=None,
+               dose_above=None, cycles_per_year=None, years=None, cycle_seconds=None):
+        """Writes the study as one page for any browser, as `dea study FILE.db --report` does with the options of these
+        names; regions: "socket" or a number of sectors. Answers what is thinned on it, a list of sentences.
+        Raises UsageError, InputError, WriteError."""
+        if not os.fspath(path).lower().endswith((".html", ".htm")):
+            raise usage_fault("path", f"found {os.fspath(path)!r}", "expected a name that ends in .html or .htm")
+        if regions is not None and regions != "socket" and not (isinstance(regions, int) and 2 <= regions <= 72):
+            raise usage_fault("regions", f"found {regions!r}", 'expected "socket", or a number of sectors from 2 to 72')
+        if regions is not None and (up is None or (regions == "socket" and anterior is None)):
+            raise usage_fault("regions", "found no directions", "expected up, and for a socket anterior")
+        if (cycles_per_year is None) != (years is None) or (dose_above is None and (years or cycle_seconds)):
+            raise usage_fault("dose_above", "found a history of loading that is not whole",
+                              "expected dose_above, and cycles_per_year with years")
+        return _febiodea.study_report(self._path, os.fspath(path), {
+            "group": group or "", "pair": pair or "", "socket": regions == "socket",
+            "sectors": regions if isinstance(regions, int) else 0, "up": up, "anterior": anterior, "axis": axis, "center": center,
+            "dose_above": dose_above, "cycles_per_year": cycles_per_year, "years": years, "cycle_seconds": cycle_seconds})
 
     def _no_fields(self):
         return usage_fault(self._path, "found no pressures at nodes", 'expected a study that was run with keep="fields"')

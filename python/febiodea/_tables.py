@@ -41,7 +41,7 @@ def rows(states):
         for contact in state.contacts:
             row = {"time": state.time, "step": state.step, "outcome": state.outcome, "contact": contact.name}
             for name, value in contact.statistics.items():
-                if name not in ("name", "compartments"):
+                if name not in ("name", "compartments") and not (name == "inside" and value is None):
                     _flat(row, name, value)
             all_rows.append(row)
     return all_rows

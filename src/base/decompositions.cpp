@@ -51,6 +51,10 @@ VectorXd symmetric_eigenvalues(const MatrixXd& m) {
   return Eigen::SelfAdjointEigenSolver<MatrixXd>(m, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+Eigen::Vector3d symmetric_eigenvalues_3(const Eigen::Matrix3d& m) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect(m, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
 VectorXd solve_upper(const MatrixXd& R, const VectorXd& b) { return R.triangularView<Eigen::Upper>().solve(b); }
 
 VectorXd solve_upper_transposed(const MatrixXd& R, const VectorXd& b) {

@@ -41,6 +41,7 @@ struct Eigenvalues {
 };
 Eigenvalues symmetric_eigen(const Eigen::MatrixXd& m);
 Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& m);
+Eigen::Vector3d symmetric_eigenvalues_3(const Eigen::Matrix3d& m);  ///< in closed form: to 1e-8 of the largest
 
 /// x of R x = b, or of R^T x = b: R square; only its upper triangle is read.
 Eigen::VectorXd solve_upper(const Eigen::MatrixXd& R, const Eigen::VectorXd& b);

@@ -12,7 +12,15 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kRateTolerance = 1e-4;  // the derivative only directs the next step
+/// The derivative directs the next step: a share eta of it that is wrong leaves eta of the residual, so with eta in
+/// proportion to the residual steps still converge by squares (Dembo, Eisenstat and Steihaug 1982, SIAM J Numer Anal
+/// 19:400). `tolerance`: of the pressures, which falls with the square of the residual (tolerance_after). Near balance
+/// it is small enough for motions that little resists, about a centre of mass far from the joint, and for telling
+/// whether balance is stable.
+double rate_tolerance(double tolerance) {
+  constexpr double kFinest = 1e-4, kCoarsest = 1e-2;
+  return std::clamp(std::sqrt(tolerance), kFinest, kCoarsest);
+}
 
 }  // namespace
 
@@ -56,9 +64,9 @@ void press_contacts(Problem& problem, Evaluation& e) {
       e.contact_on_target.push_back(Vector6::Zero());
       continue;
     }
-    PressedContact pressed =
-        press_contact(bed, e.poses, {free_motions(problem, bed), problem.tolerance, kRateTolerance, problem.stop},
-                      &problem.memory[i]);
+    PressedContact pressed = press_contact(
+        bed, e.poses, {free_motions(problem, bed), problem.tolerance, rate_tolerance(problem.tolerance), problem.stop},
+        &problem.memory[i]);
     if (bed.layers) e.tolerance = problem.tolerance;
     const ContactWrench& w = pressed.wrench;
     e.contact.segment<6>(6 * bed.target_body) += w.wrench.head<6>();
@@ -135,8 +143,8 @@ Evaluation evaluate(Problem& problem, std::vector<Pose> poses) {
 }
 
 double tolerance_after(double residual) {
-  constexpr double kCoarsest = 1e-4;
-  return std::clamp(0.01 * residual * std::min(1.0, 10.0 * residual), kPressureTolerance, kCoarsest);
+  constexpr double kCoarsest = 1e-3;
+  return std::clamp(0.01 * residual * std::min(1.0, residual), kPressureTolerance, kCoarsest);
 }
 
 }  // namespace dea

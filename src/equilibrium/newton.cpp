@@ -70,6 +70,15 @@ struct Patience {
 
 constexpr int kMostStride = 8;  // steps that only slide may be so much longer
 
+/// What a search learns of its stiffness. The derivative of the contacts' forces leaves out how the parts of the target
+/// under a foot change as it slides, some thousandths of it; each step tells what was missing along it, for by the
+/// trapezoidal rule  r(x) - r(x + s) = (K(x) + K(x + s))/2 s + E s  up to third order. E: Broyden's least change
+/// (1965, Math Comp 19:577) from step to step.
+struct Secant {
+  VectorXd step = {}, residual = {};      // that led to the iterate, and at the iterate before it; empty: none
+  MatrixXd stiffness = {}, missing = {};  // there, and E
+};
+
 /// A search under way. `cap`: no step moves a surface farther on its partner, half the least thickness.
 struct Search {
   Problem& problem;
@@ -90,6 +99,7 @@ struct Search {
   int full = 0;              // steps in a row that were cut to the cap and taken
   double stride = 1.0;       // of the cap, for steps along which no spring closes by more than the cap
   VectorXd last_drift = {};  // over all dofs
+  Secant secant = {};
 };
 
 /// A direction at the edge of the facets' noise must not change sides for ever.
@@ -101,7 +111,7 @@ Directions directions_at(const Search& s, const VectorXd& r) {
 bool press_more_closely(Search& s) {
   Problem& problem = s.problem;
   const double before = s.e.tolerance;
-  if (!(before > kPressureTolerance && s.size <= 100.0 * before * s.e.load)) return false;
+  if (!(before > kPressureTolerance && s.size <= 30.0 * before * s.e.load)) return false;
   problem.tolerance = tolerance_after(s.e.load > 0 ? s.size / s.e.load : 0.0);
   if (problem.tolerance > 0.1 * before) problem.tolerance = kPressureTolerance;
   s.e = evaluate(problem, std::move(s.e.poses));
@@ -222,8 +232,11 @@ double residual_at(const Search& s, const Evaluation& trial) {
   return r.norm() + lost_force(s.e, trial);
 }
 
-/// A step, shortened until the residual falls. False: it does not, or there are no more poses to be tried.
-bool shortened_step(Search& s, VectorXd step) {
+constexpr double kWholeOnly = 0.6;  // of the least length: no halving
+
+/// A step, shortened until the residual falls, down to `least` of its length. False: it does not, or there are no more
+/// poses to be tried.
+bool shortened_step(Search& s, VectorXd step, double least = 1.0 / 33.0) {
   Problem& problem = s.problem;
   const double motion = surface_motion(problem, s.e, step);
   if (!(motion > 0) || !std::isfinite(motion)) return false;
@@ -235,13 +248,14 @@ bool shortened_step(Search& s, VectorXd step) {
   const bool cut = motion > most;
   if (cut) step *= most / motion;
   const double whole = std::min(motion, most);
-  for (double length = whole; length > std::min(whole, s.cap) / 33.0; length *= 0.5, step *= 0.5) {
+  for (double length = whole; length > least * std::min(whole, s.cap); length *= 0.5, step *= 0.5) {
     if (problem.casts >= s.options.max_casts || problem.casts - s.patient.paid >= 2.0 * s.patient.most) return false;
     auto poses = poses_after(problem, s.e, step);
     if (!poses) continue;
     Evaluation trial = evaluate(problem, std::move(*poses));
     if (!(residual_at(s, trial) < s.size)) continue;
     const bool at_once = length == whole;
+    s.secant.step = step;
     s.full = cut && at_once ? s.full + 1 : 0;
     if (s.full >= 3)
       s.stride = std::min<double>(kMostStride, 2.0 * s.stride);
@@ -251,6 +265,30 @@ bool shortened_step(Search& s, VectorXd step) {
     return true;
   }
   return false;
+}
+
+/// What the last step tells of the stiffness.
+void learn(Search& s) {
+  Secant& secant = s.secant;
+  const MatrixXd K(scaled_stiffness(s.problem, s.e));
+  if (secant.step.size() == K.cols()) {
+    const VectorXd seen = secant.residual - s.r, predicted = 0.5 * (secant.stiffness + K) * secant.step;
+    if (secant.missing.size() == 0) secant.missing = MatrixXd::Zero(K.rows(), K.cols());
+    const VectorXd missing = seen - predicted - secant.missing * secant.step;
+    constexpr double kMost = 0.05;  // a kink, not the stiffness, where more is missing
+    if (missing.norm() < kMost * predicted.norm())
+      secant.missing += missing * secant.step.transpose() / secant.step.squaredNorm();
+  }
+  secant.stiffness = K;
+  secant.residual = s.r;
+  secant.step = VectorXd();
+}
+
+/// Newton's step with what the stiffness lacks.
+VectorXd corrected_step(const Search& s) {
+  const Secant& secant = s.secant;
+  if (secant.missing.size() == 0 || s.d.left_unbalanced.cols() > 0 || s.problem.downhill) return s.d.newton;
+  return solve_regular(secant.stiffness + secant.missing, s.d.residual);
 }
 
 /// Regularised steps turn from Newton's direction towards the force itself.
@@ -282,7 +320,13 @@ bool go_on(Search& s) {
   // the next step is cut short, and not because springs close: balance is far along a motion that little resists
   const double predicted = surface_motion(s.problem, s.e, s.d.newton);
   s.beyond = predicted > s.cap && closing_motion(s.problem, s.e, s.d.newton) < 0.5 * predicted;
-  if (shortened_step(s, s.d.newton) || regularised_step(s)) return true;
+  const VectorXd step = corrected_step(s);
+  if (shortened_step(s, step)) return true;
+  if (step != s.d.newton) {  // what was learned misleads
+    s.secant.missing = MatrixXd();
+    if (shortened_step(s, s.d.newton, kWholeOnly)) return true;
+  }
+  if (regularised_step(s)) return true;
   s.patient.pay(s.problem.casts, s.beyond);
   if (s.patient.out() && !within_one_spring(s.e, s.size)) {
     s.solution.history.pop_back();  // the same iterate again, to be given up
@@ -308,6 +352,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
     s.size = s.d.residual.norm();
     s.most_load = std::max(s.most_load, s.e.load);
     if (press_more_closely(s)) continue;
+    if (s.r.size() <= kDenseUnknowns && !problem.joined()) learn(s);
     s.solution.history.push_back(s.e.load > 0 ? s.size / s.e.load : 0.0);
     problem.status.residual = s.solution.history.back();
     problem.tolerance = tolerance_after(s.solution.history.back());

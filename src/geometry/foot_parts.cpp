@@ -9,60 +9,62 @@ namespace dea {
 
 namespace {
 
-/// The part of a foot that lies over a triangle of a surface, both seen along n: corners in the barycentric
-/// coordinates of the triangle and of the foot.
-struct Overlay {
-  struct Corner {
-    Barycentric surface, foot;
-  };
-  int corners = 0;
-  std::array<Corner, 7> corner;
-  double share = 0.0;  ///< of the foot's area
-};
+using Corners = std::array<Barycentric, 7>;
 
-/// Cuts the foot (a triangle) along the triangle's three edges (Sutherland-Hodgman, in barycentric coordinates).
-Overlay overlay(const std::array<Vector3d, 3>& foot, const Vector3d& n, const SurfaceMesh& surface, int t) {
-  Overlay out;
-  const Vector3d &x0 = surface.corner(t, 0), &x1 = surface.corner(t, 1), &x2 = surface.corner(t, 2);
-  const double twice = (x1 - x0).cross(x2 - x0).dot(n);
-  if (!(twice < 0)) return out;  // faces away
-  const Vector3d slope[3] = {(x1 - x2).cross(n) / twice, (x2 - x0).cross(n) / twice, (x0 - x1).cross(n) / twice};
-  const Vector3d* corner[3] = {&x0, &x1, &x2};
-  out.corners = 3;
+/// Cuts a convex polygon by the half plane where the k-th coordinate is not negative (Sutherland-Hodgman). Returns the
+/// count of corners left.
+int cut_along(const Corners& polygon, int corners, std::size_t k, Corners& left) {
+  int kept = 0;
+  for (int i = 0; i < corners; ++i) {
+    const Barycentric &p = polygon[at(i)], &q = polygon[at(i + 1 < corners ? i + 1 : 0)];
+    const double dp = p[k], dq = q[k];
+    if (dp >= 0) left[at(kept++)] = p;
+    if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
+      const double s = dp / (dp - dq);
+      Barycentric& cut = left[at(kept++)];
+      for (std::size_t j = 0; j < 3; ++j) cut[j] = p[j] + s * (q[j] - p[j]);
+      cut[k] = 0;
+    }
+  }
+  return kept;
+}
+
+/// The part of triangle t under the foot, both seen along n, with its area along n. False: there is none.
+bool cut_out(const std::array<Vector3d, 3>& foot, const Vector3d& n, const SurfaceMesh& surface, int t,
+             SurfacePart& part) {
+  const Vector3d& x0 = surface.corner(t, 0);
+  const Vector3d side1 = surface.corner(t, 1) - x0, side2 = surface.corner(t, 2) - x0;
+  const double twice = side1.cross(side2).dot(n);
+  if (!(twice < 0)) return false;  // faces away
+  const Vector3d slope1 = side2.cross(n) / twice, slope2 = n.cross(side1) / twice;
+  Corners corner;
   for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t k = 0; k < 3; ++k) out.corner[c].surface[k] = 1 + (foot[c] - *corner[k]).dot(slope[k]);
-    out.corner[c].foot = {0, 0, 0};
-    out.corner[c].foot[c] = 1;
+    const Vector3d from = foot[c] - x0;
+    const double s1 = from.dot(slope1), s2 = from.dot(slope2);
+    corner[c] = {1 - s1 - s2, s1, s2};
   }
+  std::array<bool, 3> whole;
   for (std::size_t k = 0; k < 3; ++k) {
-    std::array<Overlay::Corner, 7> kept;
-    int n_kept = 0;
-    for (int i = 0; i < out.corners; ++i) {
-      const Overlay::Corner &p = out.corner[at(i)], &q = out.corner[at((i + 1) % out.corners)];
-      const double dp = p.surface[k], dq = q.surface[k];
-      if (dp >= 0) kept[at(n_kept++)] = p;
-      if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
-        const double s = dp / (dp - dq);
-        Overlay::Corner& cut = kept[at(n_kept++)];
-        for (std::size_t j = 0; j < 3; ++j) {
-          cut.surface[j] = p.surface[j] + s * (q.surface[j] - p.surface[j]);
-          cut.foot[j] = p.foot[j] + s * (q.foot[j] - p.foot[j]);
-        }
-        cut.surface[k] = 0;
-      }
-    }
-    out.corners = n_kept;
-    out.corner = kept;
-    if (n_kept < 3) {
-      out.corners = 0;
-      return out;
-    }
+    if (!(std::max({corner[0][k], corner[1][k], corner[2][k]}) > 0)) return false;  // beside it
+    whole[k] = std::min({corner[0][k], corner[1][k], corner[2][k]}) >= 0;
   }
-  for (int i = 1; i + 1 < out.corners; ++i) {
-    const Barycentric &a = out.corner[0].foot, &b = out.corner[at(i)].foot, &c = out.corner[at(i + 1)].foot;
-    out.share += std::abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+  int corners = 3;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (whole[k]) continue;
+    corners = cut_along(corner, corners, k, part.corner);
+    if (corners < 3) return false;
+    corner = part.corner;
   }
-  return out;
+  double share = 0;  // of the triangle
+  for (int i = 1; i + 1 < corners; ++i) {
+    const Barycentric &a = corner[0], &b = corner[at(i)], &c = corner[at(i + 1)];
+    share += std::abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+  }
+  part.triangle = t;
+  part.corners = corners;
+  part.corner = corner;
+  part.area = -0.5 * share * twice;
+  return true;
 }
 
 }  // namespace
@@ -71,19 +73,15 @@ std::vector<SurfacePart> parts_under_foot(const std::array<Vector3d, 3>& foot, d
                                           const SurfaceMesh& surface, int first, int end) {
   std::vector<SurfacePart> parts;
   std::vector<int> reached = {first};
+  parts.reserve(16);
+  reached.reserve(32);
+  const double scale = area / (0.5 * std::abs((foot[1] - foot[0]).cross(foot[2] - foot[0]).dot(n)));
+  SurfacePart part;
   for (std::size_t next = 0; next < reached.size(); ++next) {
-    const int t = reached[next];
-    const Overlay over = overlay(foot, n, surface, t);
-    if (over.corners == 0) continue;
-    if (over.share > 0) {
-      SurfacePart part;
-      part.triangle = t;
-      part.area = over.share * area;
-      part.corners = over.corners;
-      for (int j = 0; j < over.corners; ++j) part.corner[at(j)] = over.corner[at(j)].surface;
-      parts.push_back(part);
-    }
-    for (const int beside : surface.neighbours[at(t)])
+    if (!cut_out(foot, n, surface, reached[next], part)) continue;
+    part.area *= scale;
+    if (part.area > 0) parts.push_back(part);
+    for (const int beside : surface.neighbours[at(part.triangle)])
       if (beside >= 0 && beside < end && std::find(reached.begin(), reached.end(), beside) == reached.end())
         reached.push_back(beside);
   }

@@ -13,6 +13,7 @@ Settings joint_settings(Settings s) {
   s.loads = {};
   s.motion = {};
   s.skip_steps = false;
+  s.inside = false;
   return s;
 }
 

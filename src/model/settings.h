@@ -138,6 +138,7 @@ struct Settings {
   bool skip_steps = false;  ///< the model's steps are not walked through: what holds at their end starts from rest
   std::string units;        ///< FEBio's name of the model's system of units, where the model names none
   bool squash = true;       ///< show the cartilage compressed; false: rigid with its bone
+  bool inside = false;      ///< stress and strain inside the cartilage, too (Law::Layer of two terms)
 };
 
 /// The same settings without those that place, load and move bodies or choose states: what a joint is recognised from.

@@ -374,6 +374,12 @@ std::vector<SettingOption> load_options() {
       {"squash", nullptr, false, "true|false", nullptr, kOutput, "Show cartilage compressed [default]",
        [](S& s, Text, Text text) { s.squash = parse_switch(text); }, [](const S& s) { return one(s.squash); }, nullptr,
        "Show cartilage rigid with its bone, not compressed"},
+      {"inside", nullptr, false, "true|false", nullptr, kOutput,
+       "Also stress and strain inside the cartilage: of its elements, at the bone, at the surface (law layer); takes "
+       "up "
+       "to half as long again",
+       [](S& s, Text, Text text) { s.inside = parse_switch(text); }, [](const S& s) { return one(s.inside); }, nullptr,
+       "Pressures on the surfaces alone [default]"},
   };
 }
 

@@ -1,10 +1,12 @@
 // febiodea/results/compartment_loads.h – what each compartment of a contact carries.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include <febiodea/equilibrium/equilibrium.h>
 #include <febiodea/results/fields.h>
 #include <febiodea/results/headline.h>
+#include <febiodea/results/inside_numbers.h>
 
 namespace dea {
 
@@ -13,6 +15,7 @@ struct CompartmentLoad {
   Headline headline;                  ///< of its share of the surface with springs, above the threshold of the whole
   Vector3d force = Vector3d::Zero();  ///< on the target, global axes; over all compartments it adds up to the contact's
   Vector3d center_of_pressure = Vector3d::Constant(kNaN);  ///< of its springs, current
+  std::optional<InsideEnds> inside;                        ///< of its layer's share; none: not asked for, or no layer
 };
 
 /// The side of a contact whose compartments its results are told by: the one with springs if it has some, else the

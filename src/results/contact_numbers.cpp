@@ -1,5 +1,7 @@
 #include <febiodea/results/contact_numbers.h>
 
+#include <fmt/format.h>
+
 namespace dea {
 
 namespace {
@@ -53,6 +55,42 @@ const Numbers<ContactStatistics>& spring_numbers() {
     add_vector(numbers, "force_", &S::force);
     add_vector(numbers, "moment_", &S::moment);
     add("largest_strain", &S::largest_strain);
+    return numbers;
+  }();
+  return all;
+}
+
+namespace {
+
+/// All numbers of both ends of a layer. `ends`: of what they are.
+template <class Of, class Ends>
+void add_inside(Numbers<Of>& numbers, const std::string& before, Ends ends) {
+  for (const InsideEnd& end : kInsideEnds)
+    for (const InsideMeasure& measure : kInsideMeasures)
+      for (const InsideNumber& number : kInsideNumbers)
+        numbers.push_back({fmt::format("{}{}_{}_{}", before, end.name, measure.name, number.name), [=](const Of& of) {
+                             const std::optional<InsideEnds>& there = ends(of);
+                             return there ? (*there).*end.value.*measure.value.*number.value : kNaN;
+                           }});
+}
+
+}  // namespace
+
+const Numbers<ContactStatistics>& inside_numbers() {
+  static const Numbers<ContactStatistics> all = [] {
+    Numbers<ContactStatistics> numbers;
+    for (const int side : {0, 1})
+      add_inside(numbers, side == 0 ? "source_" : "target_",
+                 [side](const ContactStatistics& s) -> const std::optional<InsideEnds>& { return s.inside[side]; });
+    return numbers;
+  }();
+  return all;
+}
+
+const Numbers<CompartmentLoad>& compartment_inside_numbers() {
+  static const Numbers<CompartmentLoad> all = [] {
+    Numbers<CompartmentLoad> numbers;
+    add_inside(numbers, "", [](const CompartmentLoad& c) -> const std::optional<InsideEnds>& { return c.inside; });
     return numbers;
   }();
   return all;

@@ -459,6 +459,18 @@ const std::vector<FacetField>& facet_fields() {
   return fields;
 }
 
+const std::vector<FacetField>& inside_facet_fields() {
+  using F = SideFields;
+  static const std::vector<FacetField> fields = {
+      {"max shear stress at the bone", "bone_max_shear_stress", "P", &F::bone_max_shear},
+      {"first principal strain at the bone", "bone_first_principal_strain", "", &F::bone_first_strain},
+      {"third principal strain at the bone", "bone_third_principal_strain", "", &F::bone_third_strain},
+      {"max shear stress at the surface", "surface_max_shear_stress", "P", &F::surface_max_shear},
+      {"first principal strain at the surface", "surface_first_principal_strain", "", &F::surface_first_strain},
+      {"third principal strain at the surface", "surface_third_principal_strain", "", &F::surface_third_strain}};
+  return fields;
+}
+
 std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps,
                                          const Equilibrium& e, const std::vector<ContactFields>& fields, bool squash) {
   std::vector<Vector3d> u(model.nodes.size(), Vector3d::Zero());

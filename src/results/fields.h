@@ -24,6 +24,10 @@ struct SideFields {
   Vector3d force = Vector3d::Zero();      ///< of the contact on this side
   bool springs = false;                   ///< it is this side that they stand on
   double contact_area = 0.0;              ///< of whole facets with pressure > 0, current
+  // per facet, where the inside of the layer was asked for, else empty: max shear stress, first and third principal
+  // strain at the bone and at the articular surface, mean over the facet
+  std::vector<double> bone_max_shear, bone_first_strain, bone_third_strain;
+  std::vector<double> surface_max_shear, surface_first_strain, surface_third_strain;
   double resultant_factor =
       1.0;  ///< |sum of p A n over these facets| / |force|: 1 = the map carries the whole force; NaN without force
 };
@@ -37,6 +41,8 @@ struct FacetField {
   std::vector<double> SideFields::*values;
 };
 const std::vector<FacetField>& facet_fields();
+/// The same of the inside of a layer.
+const std::vector<FacetField>& inside_facet_fields();
 
 struct ContactFields {
   SideFields sides[2];  ///< primary, secondary

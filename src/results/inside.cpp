@@ -26,6 +26,9 @@ InsideMap make_inside_map(const SpringBed& bed) {
 InsideContact look_inside(const InsideMap& map, const SpringBed& bed, const SpringStates& states,
                           const Pose& source_pose, const Pose& target_pose) {
   InsideContact contact;
+  SpringStates pressed = states;  // of the others nobody asks what they would press
+  for (int i = 0; i < pressed.size(); ++i)
+    if (!(pressed.pressure[at(i)] > 0)) pressed.triangle[at(i)] = -1;
   const Eigen::VectorXd pressure = Eigen::Map<const Eigen::VectorXd>(states.pressure.data(), states.size());
   const auto look = [&](int side) {
     const InsideMap::Side& of = map.sides[side];
@@ -33,7 +36,7 @@ InsideContact look_inside(const InsideMap& map, const SpringBed& bed, const Spri
     LayerFeet feet;
     if (states.size() > 0)
       feet = side == bed.pair.source ? feet_on_source(*map.layers, states)
-                                     : feet_on_target(bed, *of.layer, states, source_pose, target_pose,
+                                     : feet_on_target(bed, *of.layer, pressed, source_pose, target_pose,
                                                       *std::max_element(states.overlap.begin(), states.overlap.end()));
     contact.sides[side] = look_inside(*of.layer, of.shape, of.laws, feet, pressure);
   };
@@ -44,16 +47,21 @@ InsideContact look_inside(const InsideMap& map, const SpringBed& bed, const Spri
 std::vector<InsidePlace> inside_places(const Layer& layer, const LayerMesh& mesh, const std::vector<Vector3d>& points) {
   constexpr double kFar = 1.5;  // of the thickness: bone and face together are further than through the layer
   const RayCaster face(layer.face.mesh), bone(layer.bone);
+  const bool no_bone = layer.bone.vertices == layer.articular.vertices;
   std::vector<InsidePlace> places(points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     const Vector3d& x = points[i];
     const SurfacePoint above = face.closest(x);
-    const double to_face = (position(layer.face.mesh, above) - x).norm(),
-                 to_bone = (position(layer.bone, bone.closest(x)) - x).norm(), between = to_face + to_bone;
     const Vector3d foot = position(layer.face.mesh, above);
-    const double through = (position(layer.bone, bone.closest(foot)) - foot).norm();
-    if (!(between > 0) || between > kFar * std::max(through, interpolate(layer.face.mesh, layer.face.thickness, above)))
+    const double to_face = (foot - x).norm(), thickness = interpolate(layer.face.mesh, layer.face.thickness, above);
+    if (no_bone) {
+      if (thickness > 0 && to_face <= kFar * thickness)
+        places[i] = inside_place(mesh, above.triangle, above.weights, std::max(0.0, 1 - to_face / thickness));
       return;
+    }
+    const double to_bone = (position(layer.bone, bone.closest(x)) - x).norm(), between = to_face + to_bone,
+                 through = (position(layer.bone, bone.closest(foot)) - foot).norm();
+    if (!(between > 0) || between > kFar * std::max(through, thickness)) return;
     places[i] = inside_place(mesh, above.triangle, above.weights, to_bone / between);
   });
   return places;
@@ -79,11 +87,13 @@ InsideState turned(InsideState state, const Eigen::Matrix3d& rotation) {
   return state;
 }
 
-InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<InsideState>& states) {
+InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<InsideMeasures>& measured,
+                                   const std::vector<char>& among) {
   std::vector<double> shear, first, third, area;
-  for (std::size_t v = 0; v < states.size(); ++v) {
+  for (std::size_t v = 0; v < measured.size(); ++v) {
+    if (!among.empty() && !among[v]) continue;
     if (!(inside.value(static_cast<Eigen::Index>(v), 0) > 0)) continue;
-    const InsideMeasures m = measures(states[v]);
+    const InsideMeasures& m = measured[v];
     shear.push_back(m.max_shear);
     first.push_back(m.first_strain);
     third.push_back(m.third_strain);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <febiodea/joint/layer.h>
+#include <febiodea/results/inside_numbers.h>
 #include <febiodea/springs/layer_bed.h>
 #include <febiodea/springs/layer_inside.h>
 
@@ -35,8 +36,8 @@ InsideContact look_inside(const InsideMap& map, const SpringBed& bed, const Spri
                           const Pose& source_pose, const Pose& target_pose);
 
 /// Places in a layer of points of its reference configuration, such as its elements' centroids: below the closest point
-/// of its face, at the height that the distances from bone and face tell. Points that lie far beside the face have
-/// triangle -1.
+/// of its face, at the height that the distances from bone and face tell; where the bone is not known, the depth below
+/// the face over the thickness. Points that lie far beside the face have triangle -1.
 std::vector<InsidePlace> inside_places(const Layer& layer, const LayerMesh& mesh, const std::vector<Vector3d>& points);
 
 /// At each place; NaN throughout where a place has no triangle.
@@ -47,17 +48,8 @@ std::vector<InsideState> states_inside(const InsideLayer& inside, const std::vec
 /// the reference.
 InsideState turned(InsideState state, const Eigen::Matrix3d& rotation);
 
-/// Over the columns of a layer that are pressed (p > 0 around the vertex), weighted by their area; NaN without any.
-struct InsideDistribution {
-  double peak = 0.0, p99 = 0.0, mean = 0.0;
-};
-struct InsideStatistics {
-  InsideDistribution max_shear;     ///< [MPa]
-  InsideDistribution first_strain;  ///< greatest principal strain
-  InsideDistribution
-      third_strain;  ///< least principal strain, < 0: its peak is the least value, p99 the first percentile
-};
-/// `states`: of all vertices, at one height (states_at_height).
-InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<InsideState>& states);
+/// `measured`: of all vertices, at one height (states_at_height). `among`: per vertex, whether it counts; empty: all.
+InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<InsideMeasures>& measured,
+                                   const std::vector<char>& among = {});
 
 }  // namespace dea

@@ -1,5 +1,6 @@
 // febiodea/results/statistics.h – the numbers that sum up a contact's results.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include <febiodea/base/numbers.h>
@@ -7,6 +8,7 @@
 #include <febiodea/results/compartment_loads.h>
 #include <febiodea/results/fields.h>
 #include <febiodea/results/headline.h>
+#include <febiodea/results/inside_fields.h>
 
 namespace dea {
 
@@ -42,11 +44,17 @@ struct ContactStatistics {
   PressedRim pressed_rim[2];                  ///< of bare surfaces: primary, secondary
   double complementarity = kNaN;              ///< Law::Layer: residual of (L4) over the largest pressure
   std::vector<CompartmentLoad> compartments;  ///< one per compartment_names of the contact
+  std::optional<InsideEnds> inside[2];        ///< of the layers of source, target; none: not asked for, or no layer
 };
 
 /// One per contact. `fields`: of the same equilibrium.
 std::vector<ContactStatistics> contact_statistics(const Joint& joint, const SpringBeds& beds, const FieldMaps& maps,
                                                   const Equilibrium& e, const std::vector<ContactFields>& fields);
+
+/// Puts what is known of the inside of both layers (primary, secondary) into the fields and statistics of their
+/// contact. Compartments have that of compartment_side's layer.
+void add_inside(const ContactPair& pair, std::array<std::optional<InsideSide>, 2> inside, ContactFields& fields,
+                ContactStatistics& statistics);
 
 /// Where the selection of a layer's facets ends under pressure though the cartilage goes on: length of its rim beside
 /// facets that carry more than `above`. `pressure`: per facet, SideFields::pressure. There the pressure is that of an

@@ -77,12 +77,6 @@ bool any_turns(const LoadCase& load_case) {
   return std::find(free.begin(), free.end(), 1) != free.end();
 }
 
-void add_fields(const Prepared& prepared, const FieldMaps& maps, StateResult& state) {
-  const Equilibrium& e = state.equilibrium;
-  state.fields = contact_fields(prepared.joint, prepared.beds, maps, e);
-  state.statistics = contact_statistics(prepared.joint, prepared.beds, maps, e, state.fields);
-}
-
 int last_step(const JointModel& model) { return static_cast<int>(model.steps.size()) - 1; }
 
 /// What is held stays where the settings place it, and a body that is placed starts there.
@@ -118,6 +112,7 @@ void drop_fields(StateResult& state) {
       numbers.resultant_factor = side.resultant_factor;
       side = std::move(numbers);
     }
+  std::vector<InsideDomain>().swap(state.inside);
   std::vector<Vector3d>().swap(state.displacements);  // "= {}" would keep the memory
 }
 
@@ -135,6 +130,17 @@ void note_idle_forces(const Recognition& recognition, const TimePoint& last, Joi
 }
 
 }  // namespace
+
+void add_fields(const Prepared& prepared, const FieldMaps& maps, const InsideMaps* inside, StateResult& state) {
+  const Equilibrium& e = state.equilibrium;
+  state.fields = contact_fields(prepared.joint, prepared.beds, maps, e);
+  state.statistics = contact_statistics(prepared.joint, prepared.beds, maps, e, state.fields);
+  if (inside == nullptr) return;
+  InsideResults results = inside_results(*inside, prepared.joint, prepared.beds, e);
+  for (std::size_t c = 0; c < results.contacts.size(); ++c)
+    add_inside(prepared.joint.contacts[c], std::move(results.contacts[c]), state.fields[c], state.statistics[c]);
+  state.inside = std::move(results.domains);
+}
 
 void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e) {
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
@@ -197,7 +203,7 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     refuse_zero_thickness(model, joint, prepared.beds, state.equilibrium);
     end_if_stopped(options.equilibrium.stop);
     const bool keep = options.keep_state.empty() || options.keep_state[i];
-    if (keep) add_fields(prepared, maps, state);
+    if (keep) add_fields(prepared, maps, options.inside, state);
     if (keep && options.displacements)
       state.displacements = node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);
     if (keep) solved.free_to_turn = free_to_turn(load_case);
@@ -223,6 +229,13 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& given) {
   clock = now();
   AnalysisOptions options = given;
   if (options.times.empty()) options.times = model_times(model);
+  InsideMaps inside;
+  if (recognition.settings.inside && options.inside == nullptr) {
+    inside = make_inside_maps(model, recognition.settings, prepared.joint, prepared.beds);
+    options.inside = &inside;
+    for (Sentence& words : inside_in_words(model, prepared.joint, inside))
+      prepared.joint.findings.push_back(std::move(words));
+  }
   static_cast<SolvedStates&>(analysis) = solve_states(model, recognition.settings, prepared, analysis.maps, options);
   analysis.joint = std::move(prepared.joint);
   analysis.beds = std::move(prepared.beds);

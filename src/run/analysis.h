@@ -9,6 +9,7 @@
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/joint.h>
 #include <febiodea/results/fields.h>
+#include <febiodea/results/inside_fields.h>
 #include <febiodea/results/statistics.h>
 #include <febiodea/run/prepared.h>
 #include <febiodea/run/recognise.h>
@@ -21,6 +22,7 @@ struct StateResult {
   std::vector<ContactFields> fields;          ///< one per contact
   std::vector<ContactStatistics> statistics;  ///< one per contact
   std::vector<Vector3d> displacements;        ///< one per model node
+  std::vector<InsideDomain> inside;           ///< of deformable solid elements; empty: not asked for
 };
 
 /// What was solved of one joint under one set of loads.
@@ -66,12 +68,18 @@ struct AnalysisOptions {
   std::function<void(const Activity&)> activity;  ///< may be empty; changes nothing
   EquilibriumOptions equilibrium;
   bool displacements = true;  ///< StateResult::displacements are wanted
+  /// Not owned: of the same joint, whose inside is wanted with the fields; nullptr: it is not. `analyse` makes it
+  /// itself where the settings ask for it.
+  const InsideMaps* inside = nullptr;
   /// Not owned: from where the first state is searched, if that belongs to the last step, is not the reference, and no
   /// body is free to turn (else there may be several balances, and the search's start chooses among them). Its free
   /// dofs count, of bodies that are not placed. A state that is not solved or not stable from there is searched from
   /// the starting poses, as without it.
   const Begin* begin = nullptr;
 };
+
+/// Fills fields, statistics and, unless `inside` is null, the inside of a state whose equilibrium has its springs.
+void add_fields(const Prepared& prepared, const FieldMaps& maps, const InsideMaps* inside, StateResult& state);
 
 /// The states of options.times, each started from the one before. `prepared`: of `model` and joint_settings(settings);
 /// `settings` have passed check_loading. InputError: a fault that is met while solving. Stopped:

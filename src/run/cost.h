@@ -14,6 +14,9 @@ struct SpringCost {
 /// With every contact divided `refine` times; 0: each as it is (ContactPair::refine).
 SpringCost spring_cost(const Joint& joint, int refine = 0);
 
+/// Bytes of memory that a joint takes between two solutions (Prepared), with its model: an estimate.
+double kept_bytes(const JointModel& model, const Joint& joint);
+
 /// The largest division of all contacts that fits in so many bytes; 0: none does. At most 1000.
 int largest_refine(const Joint& joint, double bytes);
 

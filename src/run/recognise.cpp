@@ -18,6 +18,7 @@
 #include <febiodea/joint/placing.h>
 #include <febiodea/joint/surface_names.h>
 #include <febiodea/model/load_curve.h>
+#include <febiodea/results/inside_fields.h>
 
 namespace dea {
 
@@ -77,6 +78,7 @@ Fault unsupported_fault(const JointModel& model, const Remark& r) {
 void refuse_unsupported(const JointModel& model) { throw_if_any(unsupported_faults(model)); }
 
 Loading check_loading(const JointModel& model, const Joint& joint, const Settings& settings) {
+  check_inside(joint, settings);
   Loading loading;
   const auto tell = [&](std::vector<Sentence> words) {
     std::move(words.begin(), words.end(), std::back_inserter(loading.findings));

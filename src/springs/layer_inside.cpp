@@ -17,7 +17,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Matrix3d;
-using Eigen::MatrixXd;
 
 constexpr int kFractions = 1 + kDepthPowers;  // without p itself
 constexpr double kMostCurvature = 0.5;        // times t
@@ -71,26 +70,30 @@ void set_shares(const SurfaceMesh& mesh, InsideShape& shape) {
 
 /// Gradient of what is linear in each triangle, at the vertices, along the surface. `values`: vertices x columns;
 /// returns vertices x 3 columns, x y z of each.
-MatrixXd vertex_gradients(const SurfaceMesh& mesh, const InsideShape& shape, const MatrixXd& values) {
-  MatrixXd of_triangles(mesh.size(), 3 * values.cols()), out = MatrixXd::Zero(values.rows(), 3 * values.cols());
-  for (int t = 0; t < mesh.size(); ++t) {
+Nodal vertex_gradients(const SurfaceMesh& mesh, const InsideShape& shape, const Nodal& values) {
+  Nodal of_triangles(mesh.size(), 3 * values.cols()), out = Nodal::Zero(values.rows(), 3 * values.cols());
+  tbb::parallel_for(0, mesh.size(), [&](int t) {
     const auto& corner = mesh.triangles[at(t)];
+    const Vector3d of_corner[3] = {linear_gradient(mesh, t, {1, 0, 0}), linear_gradient(mesh, t, {0, 1, 0}),
+                                   linear_gradient(mesh, t, {0, 0, 1})};
     for (Index c = 0; c < values.cols(); ++c)
       of_triangles.row(t).segment<3>(3 * c) =
-          linear_gradient(mesh, t, {values(corner[0], c), values(corner[1], c), values(corner[2], c)}).transpose();
-  }
-  for (Index v = 0; v < values.rows(); ++v) {
+          (values(corner[0], c) * of_corner[0] + values(corner[1], c) * of_corner[1] +
+           values(corner[2], c) * of_corner[2])
+              .transpose();
+  });
+  tbb::parallel_for(Index{0}, values.rows(), [&](Index v) {
     for (int k = shape.begin[at(v)]; k < shape.begin[at(v) + 1]; ++k)
       out.row(v) += shape.share[at(k)] * of_triangles.row(shape.triangle[at(k)]);
     const Matrix3d P = along_surface(mesh.vertex_normals[at(v)]);
     for (Index c = 0; c < values.cols(); ++c)
       out.row(v).segment<3>(3 * c) = (P * out.row(v).segment<3>(3 * c).transpose()).transpose();
-  }
+  });
   return out;
 }
 
 /// In a plane of symmetry nothing points out of it.
-void stay_in_planes(const std::vector<std::array<Vector3d, 2>>& walls, MatrixXd& vectors) {
+void stay_in_planes(const std::vector<std::array<Vector3d, 2>>& walls, Nodal& vectors) {
   for (Index v = 0; v < vectors.rows(); ++v)
     for (const Vector3d& wall : walls[at(v)]) {
       if (wall.isZero(0.0)) continue;
@@ -118,7 +121,7 @@ std::vector<std::array<Vector3d, 2>> walls_of(const LayerMesh& layer) {
 }
 
 /// Means around the vertices, weighted by the thickness, as the second fraction has them: over about 0.4 t.
-MatrixXd smoothed(const LayerOperator& op, const MatrixXd& values) {
+Nodal smoothed(const LayerOperator& op, const Nodal& values) {
   std::vector<int> all(at(op.mesh.nodes()));
   std::iota(all.begin(), all.end(), 0);
   Nodal with_ones(values.rows(), values.cols() + 1), mean = Nodal::Zero(values.rows(), values.cols() + 1);
@@ -147,7 +150,7 @@ InsidePlace inside_place(const LayerMesh& mesh, int triangle, const Barycentric&
 }
 
 InsideMeasures measures(const InsideState& state) {
-  const Eigen::VectorXd stress = symmetric_eigenvalues(state.stress), strain = symmetric_eigenvalues(state.strain);
+  const Vector3d stress = symmetric_eigenvalues_3(state.stress), strain = symmetric_eigenvalues_3(state.strain);
   return {0.5 * (stress[2] - stress[0]), strain[2], strain[0]};
 }
 
@@ -158,12 +161,12 @@ InsideShape inside_shape(const LayerOperator& layer) {
   InsideShape shape;
   shape.walls = walls_of(layer.mesh);
   set_shares(mesh, shape);
-  MatrixXd rise = vertex_gradients(mesh, shape, Eigen::Map<const Eigen::VectorXd>(layer.mesh.thickness.data(), n));
+  Nodal rise = vertex_gradients(mesh, shape, Eigen::Map<const Eigen::VectorXd>(layer.mesh.thickness.data(), n));
   stay_in_planes(shape.walls, rise);
-  MatrixXd normals(n, 3);
+  Nodal normals(n, 3);
   for (Index v = 0; v < n; ++v) normals.row(v) = mesh.vertex_normals[at(v)].transpose();
-  const MatrixXd turning = vertex_gradients(mesh, shape, normals);
-  MatrixXd packed(n, 6);
+  const Nodal turning = vertex_gradients(mesh, shape, normals);
+  Nodal packed(n, 6);
   for (Index v = 0; v < n; ++v) {
     Matrix3d G;
     for (Index c = 0; c < 3; ++c) G.row(c) = turning.row(v).segment<3>(3 * c);
@@ -187,13 +190,18 @@ InsideLayer look_inside(const LayerOperator& layer, const InsideShape& shape, co
   InsideLayer inside{&layer, &shape, &laws, fractions(layer, feet, pressure, kDepthPowers), {}, {}};
   const SurfaceMesh& mesh = layer.mesh.mesh;
   const Index n = inside.value.rows();
+  if (!(inside.value.col(0).cwiseAbs().maxCoeff() > 0)) {  // nothing is pressed
+    inside.gradient = Nodal::Zero(n, 3 * kFractions);
+    inside.spread = Nodal::Zero(n, 6 * kFractions);
+    return inside;
+  }
   inside.gradient = vertex_gradients(mesh, shape, inside.value.rightCols(kFractions));
   stay_in_planes(shape.walls, inside.gradient);
   const auto squared = Eigen::Map<const Eigen::VectorXd>(layer.mesh.thickness.data(), n).array().square().matrix();
-  const MatrixXd flow = squared.asDiagonal() * inside.gradient;
-  const MatrixXd of_flow = vertex_gradients(mesh, shape, flow);  // x y z of each component of each fraction's flow
+  const Nodal flow = squared.asDiagonal() * inside.gradient;
+  const Nodal of_flow = vertex_gradients(mesh, shape, flow);  // x y z of each component of each fraction's flow
   inside.spread.resize(n, 6 * kFractions);
-  for (Index v = 0; v < n; ++v) {
+  tbb::parallel_for(Index{0}, n, [&](Index v) {
     const Matrix3d P = along_surface(mesh.vertex_normals[at(v)]);
     for (Index f = 0; f < kFractions; ++f) {
       Matrix3d G;
@@ -205,24 +213,26 @@ InsideLayer look_inside(const LayerOperator& layer, const InsideShape& shape, co
       }
       for (Index k = 0; k < 6; ++k) inside.spread(v, 6 * f + k) = H(kRow[k], kColumn[k]);
     }
-  }
+  });
   return inside;
 }
 
 namespace {
 
+template <int size>
+using Row = Eigen::Matrix<double, 1, size>;
+
 /// What of a layer is known at a place, interpolated between the vertices.
 struct Column {
-  Eigen::RowVectorXd value, gradient, spread;
+  Row<2 + kDepthPowers> value = Row<2 + kDepthPowers>::Zero();
+  Row<3 * kFractions> gradient = Row<3 * kFractions>::Zero();
+  Row<6 * kFractions> spread = Row<6 * kFractions>::Zero();
   Vector3d normal = Vector3d::Zero(), rise = Vector3d::Zero();
   Matrix3d curvature = Matrix3d::Zero();
   double thickness = 0.0;
 };
 Column column_at(const InsideLayer& inside, const std::array<int, 3>& vertex, const Barycentric& weights) {
   Column c;
-  c.value.setZero(inside.value.cols());
-  c.gradient.setZero(inside.gradient.cols());
-  c.spread.setZero(inside.spread.cols());
   for (std::size_t k = 0; k < 3; ++k) {
     const double w = weights[k];
     if (w == 0) continue;
@@ -239,21 +249,23 @@ Column column_at(const InsideLayer& inside, const std::array<int, 3>& vertex, co
   return c;
 }
 
-double combined(const DepthFractions& of, const Eigen::RowVectorXd& value) {
+double combined(const DepthFractions& of, const Row<2 + kDepthPowers>& value) {
   double sum = of.local * value[0] + of.first * value[1];
   for (int k = 0; k < kDepthPowers; ++k) sum += of.power[at(k)] * value[2 + k];
   return sum;
 }
 
 /// Sum over the fractions, `each` values of each.
-Eigen::VectorXd combined_each(const DepthFractions& of, const Eigen::RowVectorXd& value, Index each) {
-  Eigen::VectorXd sum = of.first * value.head(each).transpose();
-  for (int k = 0; k < kDepthPowers; ++k) sum += of.power[at(k)] * value.segment((1 + k) * each, each).transpose();
+template <int each>
+Eigen::Matrix<double, each, 1> combined_each(const DepthFractions& of, const Row<each * kFractions>& value) {
+  Eigen::Matrix<double, each, 1> sum = of.first * value.template head<each>().transpose();
+  for (int k = 0; k < kDepthPowers; ++k)
+    sum += of.power[at(k)] * value.template segment<each>((1 + k) * each).transpose();
   return sum;
 }
 
 /// s^2 of p: -t^2 Laplace of a fraction is the fraction before, less itself, over beta.
-double combined_laplace(const DepthFractions& of, const LayerLaw& law, const Eigen::RowVectorXd& value) {
+double combined_laplace(const DepthFractions& of, const LayerLaw& law, const Row<2 + kDepthPowers>& value) {
   double sum = of.first * (value[0] - value[1]) / law.beta[0], before = value[0];
   for (int k = 0; k < kDepthPowers; ++k) {
     sum += of.power[at(k)] * (before - value[2 + k]) / law.beta[1];
@@ -279,10 +291,10 @@ Carried carried(const InsideLayer& inside, const Column& c, double height) {
   out.normal = (c.normal + above * c.rise).normalized();
   const Matrix3d one = Matrix3d::Identity(), P = along_surface(out.normal), flat = along_surface(c.normal);
   const Matrix3d narrower = above * (t * c.curvature + 0.5 * bend * one);
-  const Vector3d gradient = combined_each(law.shear, c.gradient, 3);
+  const Vector3d gradient = combined_each<3>(law.shear, c.gradient);
   out.shear =
       P * (-t * (one - narrower + narrower * narrower / 6).inverse() * gradient + above * open * out.pressure * c.rise);
-  const Eigen::VectorXd packed = combined_each(law.spread, c.spread, 6);
+  const Eigen::Matrix<double, 6, 1> packed = combined_each<6>(law.spread, c.spread);
   const Matrix3d uneven = -flat * symmetric(packed.data()) * flat / mu;
   const double trace = combined_laplace(law.spread, op.law, c.value) / mu;
   const double lever = 2.0 / 3 * (1 + above + above * above) / (1 + above);  // of the shear that spreads, from the top

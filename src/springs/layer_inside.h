@@ -58,9 +58,9 @@ struct InsideLayer {
   const LayerOperator* layer = nullptr;  ///< not owned
   const InsideShape* shape = nullptr;    ///< not owned
   const DepthLaws* laws = nullptr;       ///< not owned; of the layer's nu
-  Eigen::MatrixXd value;                 ///< vertices x (2 + kDepthPowers): p and its fractions (N3) [MPa]
-  Eigen::MatrixXd gradient;  ///< vertices x 3 (1 + kDepthPowers): of each fraction, along the surface [MPa/mm]
-  Eigen::MatrixXd spread;    ///< vertices x 6 (1 + kDepthPowers): xx yy zz xy yz zx of sym grad(t^2 grad q) [MPa]
+  Nodal value;                           ///< vertices x (2 + kDepthPowers): p and its fractions (N3) [MPa]
+  Nodal gradient;  ///< vertices x 3 (1 + kDepthPowers): of each fraction, along the surface [MPa/mm]
+  Nodal spread;    ///< vertices x 6 (1 + kDepthPowers): xx yy zz xy yz zx of sym grad(t^2 grad q) [MPa]
 };
 /// Seven sparse solutions with the factors that are there, once per state. The law must have
 /// two terms. `pressure`: per foot, >= 0.

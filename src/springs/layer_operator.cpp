@@ -286,10 +286,10 @@ void add_foot(LayerFeet& feet, const LayerOperator& of, const std::vector<Surfac
               a / 12 *
               (at_corner[0] * (*p[0])[k] + at_corner[1] * (*p[1])[k] + at_corner[2] * (*p[2])[k] + 3 * mean * all[k]);
         part_volume += a * mean;
-        if (mean > 0)  // nothing beyond the reach, where the distance is not known
-          part_own += a * mean *
-                      (local + edge_own * std::max(0.0, std::exp(-kEdgeDecay * edge / mean) -
-                                                            std::exp(-kEdgeDecay * kEdgeReach)));
+        // nothing beyond the reach, where the distance is not known
+        const double near_edge =
+            edge < kEdgeReach * mean ? std::exp(-kEdgeDecay * edge / mean) - std::exp(-kEdgeDecay * kEdgeReach) : 0.0;
+        part_own += a * mean * (local + edge_own * near_edge);
       }
       for (std::size_t k = 0; k < 3; ++k) {
         std::size_t i = first;
@@ -350,12 +350,8 @@ void set_reach(LayerFeet& feet, const LayerOperator& layer) {
       seen[at(v)] = 1;
     }
   }
-  std::vector<int> in_first = under;
-  for (const LayerOperator::Outflow& out : layer.outflow) {  // what flows out there comes back
-    in_first.push_back(out.node);
-    in_first.insert(in_first.end(), mesh.beside.begin() + mesh.beside_begin[at(out.node)],
-                    mesh.beside.begin() + mesh.beside_begin[at(out.node) + 1]);
-  }
+  std::vector<int> in_first = under;  // what flows out at edges comes back there
+  in_first.insert(in_first.end(), layer.beside_outflow.begin(), layer.beside_outflow.end());
   feet.columns[0] = columns_for(layer.factor[0], in_first);
   feet.columns[1].clear();
   if (layer.law.terms < 2) return;
@@ -450,6 +446,18 @@ std::vector<double> hold_edges(LayerOperator& op) {
   return gained;
 }
 
+std::vector<int> with_neighbours(const LayerMesh& mesh, const std::vector<LayerOperator::Outflow>& outflow) {
+  std::vector<int> nodes;
+  for (const LayerOperator::Outflow& out : outflow) {
+    nodes.push_back(out.node);
+    nodes.insert(nodes.end(), mesh.beside.begin() + mesh.beside_begin[at(out.node)],
+                 mesh.beside.begin() + mesh.beside_begin[at(out.node) + 1]);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
 }  // namespace
 
 LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit) {
@@ -482,6 +490,7 @@ LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, 
     op.factor[k] = factorise(pattern, values);
   }
   if (!op.outflow.empty()) op.unheld = std::move(unheld);
+  op.beside_outflow = with_neighbours(op.mesh, op.outflow);
   if (op.law.terms < 2) return op;
   // Beyond an edge where the layer goes on q_1 has the other half of its square: q decays like exp(-y), and
   // S_1 r = M_t q_1 there is worth sqrt(beta_1)/2 t^2 q at the edge.
@@ -542,9 +551,9 @@ Nodal term_pressure(const LayerOperator& op, const LayerFeet& feet, std::size_t 
 /// z (L7), for the load b p and its q_0.
 Nodal edge_stretch(const LayerOperator& op, const LayerFeet& feet, const Nodal& load, const Nodal& q) {
   Nodal held = Nodal::Zero(q.rows(), q.cols()), z = held, right_side = held;
-  add_times(op.pattern, op.unheld, feet.columns[0], q, held);
+  add_times(op.pattern, op.unheld, op.beside_outflow, q, held);
   for (const LayerOperator::Outflow& v : op.outflow) z.row(v.node) = v.stretch * (load.row(v.node) - held.row(v.node));
-  add_times(op.pattern, op.unheld, feet.columns[0], z, right_side);
+  add_times(op.pattern, op.unheld, op.beside_outflow, z, right_side);
   return z - term_pressure(op, feet, 0, std::move(right_side));  // which holds the edge
 }
 

@@ -98,7 +98,8 @@ struct LayerOperator {
     double stretch = 0.0;  ///< z per rho: e / (beta_0 B)
   };
   std::vector<Outflow> outflow;
-  std::vector<double> unheld;  ///< S_0 as if nothing were held, where there is outflow
+  std::vector<int> beside_outflow;  ///< their vertices and those that share an edge with them, ascending
+  std::vector<double> unheld;       ///< S_0 as if nothing were held, where there is outflow
 };
 LayerOperator make_layer_operator(LayerMesh mesh, const Elasticity& elasticity, LayerFit fit);
 

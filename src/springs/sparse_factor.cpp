@@ -117,6 +117,52 @@ void add_times(const SymmetricPattern& pattern, const std::vector<double>& value
     }
 }
 
+namespace {
+
+/// A column of L: its rows and values, the diagonal first.
+struct Column {
+  const int* row;
+  const double* value;
+  int count;
+};
+
+/// How many columns from j on make a panel: each leads to the next, so that the rows of all are among those of the last
+/// one, and no more than a quarter of what is kept are zeros.
+int panel_width(const std::vector<Column>& columns, const std::vector<int>& parent, int j) {
+  int width = 1, kept = columns[at(j)].count, best = 1;
+  while (width < SparseFactor::kWidest && parent[at(j + width - 1)] == j + width) {
+    const int last = columns[at(j + width)].count;
+    kept += last;
+    ++width;
+    const int stored = width * (width + 1) / 2 + width * (last - 1);
+    if (4 * (stored - kept) <= stored) best = width;
+  }
+  return best;
+}
+
+void add_panel(const std::vector<Column>& columns, int first, int width, SparseFactor& factor) {
+  const Column& last = columns[at(first + width - 1)];
+  SparseFactor::Panel panel{first, width, static_cast<int>(factor.row.size()), last.count - 1,
+                            static_cast<std::ptrdiff_t>(factor.value.size())};
+  factor.row.insert(factor.row.end(), last.row + 1, last.row + last.count);
+  factor.value.resize(factor.value.size() + at(width) * at(width + panel.rows), 0.0);
+  double* value = factor.value.data() + panel.value;
+  for (int c = 0; c < width; ++c) {
+    const Column& column = columns[at(first + c)];
+    int below = 0;  // of the panel's rows
+    for (int s = 0; s < column.count; ++s) {
+      const int own = column.row[s] - first;
+      if (own >= width)
+        while (last.row[1 + below] != column.row[s]) ++below;
+      value[(own < width ? own : width + below) * width + c] = own == c ? 1 / column.value[s] : column.value[s];
+    }
+    factor.panel_of.push_back(static_cast<int>(factor.panels.size()));
+  }
+  factor.panels.push_back(panel);
+}
+
+}  // namespace
+
 SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double>& values) {
   Cholmod c(pattern, &values);
   c.common.method[0].ordering = CHOLMOD_NATURAL;
@@ -132,13 +178,12 @@ SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double
   const int *begin = static_cast<const int*>(c.factor->p), *row = static_cast<const int*>(c.factor->i),
             *count = static_cast<const int*>(c.factor->nz);
   const double* value = static_cast<const double*>(c.factor->x);
+  std::vector<Column> columns;
+  for (int j = 0; j < pattern.size(); ++j) columns.push_back({row + begin[j], value + begin[j], count[j]});
   SparseFactor factor;
-  factor.begin.push_back(0);
-  for (int j = 0; j < pattern.size(); ++j) {
-    factor.row.insert(factor.row.end(), row + begin[j], row + begin[j] + count[j]);
-    factor.value.insert(factor.value.end(), value + begin[j], value + begin[j] + count[j]);
-    factor.begin.push_back(static_cast<int>(factor.row.size()));
-  }
+  for (const Column& column : columns) factor.parent.push_back(column.count > 1 ? column.row[1] : -1);
+  for (int j = 0; j < pattern.size(); j += factor.panels.back().width)
+    add_panel(columns, j, panel_width(columns, factor.parent, j), factor);
   return factor;
 }
 
@@ -146,12 +191,7 @@ std::vector<int> columns_for(const SparseFactor& factor, const std::vector<int>&
   std::vector<char> marked(at(factor.size()), 0);
   std::vector<int> columns;
   for (int j : unknowns)
-    while (!marked[at(j)]) {  // up the elimination tree: a column's first row below the diagonal is its parent
-      marked[at(j)] = 1;
-      const int first = factor.begin[at(j)] + 1;
-      if (first >= factor.begin[at(j) + 1]) break;
-      j = factor.row[at(first)];
-    }
+    for (; j >= 0 && !marked[at(j)]; j = factor.parent[at(j)]) marked[at(j)] = 1;  // up the elimination tree
   for (int j = 0; j < factor.size(); ++j)
     if (marked[at(j)]) columns.push_back(j);
   return columns;
@@ -159,31 +199,70 @@ std::vector<int> columns_for(const SparseFactor& factor, const std::vector<int>&
 
 namespace {
 
-/// Count: columns of b, few enough for the processor's registers.
-template <int Count>
-void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, double* b) {
-  const int* row = L.row.data();
-  const double* value = L.value.data();
-  for (const int j : columns) {
-    const int first = L.begin[at(j)], end = L.begin[at(j) + 1];
-    double x[Count];
-    for (int c = 0; c < Count; ++c)
-      b[static_cast<std::ptrdiff_t>(j) * Count + c] = x[c] =
-          b[static_cast<std::ptrdiff_t>(j) * Count + c] / value[first];
-    for (int s = first + 1; s < end; ++s) {
-      double* y = b + static_cast<std::ptrdiff_t>(row[s]) * Count;
-      for (int c = 0; c < Count; ++c) y[c] -= value[s] * x[c];
+/// Width: of the panel. Count: columns of b. Both few enough for the processor's registers.
+template <int Width, int Count>
+void down(const SparseFactor& L, const SparseFactor::Panel& panel, double* b) {
+  const double* value = L.value.data() + panel.value;
+  double* own = b + static_cast<std::ptrdiff_t>(panel.first) * Count;
+  double x[Width][Count];
+  for (int c = 0; c < Width; ++c, value += Width)
+    for (int k = 0; k < Count; ++k) {
+      double sum = own[c * Count + k];
+      for (int d = 0; d < c; ++d) sum -= value[d] * x[d][k];
+      own[c * Count + k] = x[c][k] = sum * value[c];
+    }
+  const int* row = L.row.data() + panel.row;
+  for (int i = 0; i < panel.rows; ++i, value += Width) {
+    double* y = b + static_cast<std::ptrdiff_t>(row[i]) * Count;
+    for (int k = 0; k < Count; ++k) {
+      double sum = value[0] * x[0][k];
+      for (int c = 1; c < Width; ++c) sum += value[c] * x[c][k];
+      y[k] -= sum;
     }
   }
-  for (auto j = columns.rbegin(); j != columns.rend(); ++j) {
-    const int first = L.begin[at(*j)], end = L.begin[at(*j) + 1];
-    double x[Count];
-    for (int c = 0; c < Count; ++c) x[c] = b[static_cast<std::ptrdiff_t>(*j) * Count + c];
-    for (int s = first + 1; s < end; ++s) {
-      const double* y = b + static_cast<std::ptrdiff_t>(row[s]) * Count;
-      for (int c = 0; c < Count; ++c) x[c] -= value[s] * y[c];
+}
+
+template <int Width, int Count>
+void up(const SparseFactor& L, const SparseFactor::Panel& panel, double* b) {
+  const double *diagonal = L.value.data() + panel.value, *value = diagonal + Width * Width;
+  double* own = b + static_cast<std::ptrdiff_t>(panel.first) * Count;
+  double x[Width][Count];
+  for (int c = 0; c < Width; ++c)
+    for (int k = 0; k < Count; ++k) x[c][k] = own[c * Count + k];
+  const int* row = L.row.data() + panel.row;
+  for (int i = 0; i < panel.rows; ++i, value += Width) {
+    const double* y = b + static_cast<std::ptrdiff_t>(row[i]) * Count;
+    for (int c = 0; c < Width; ++c)
+      for (int k = 0; k < Count; ++k) x[c][k] -= value[c] * y[k];
+  }
+  for (int c = Width - 1; c >= 0; --c)
+    for (int k = 0; k < Count; ++k) {
+      double sum = x[c][k];
+      for (int d = c + 1; d < Width; ++d) sum -= diagonal[d * Width + c] * x[d][k];
+      own[c * Count + k] = x[c][k] = sum * diagonal[c * Width + c];
     }
-    for (int c = 0; c < Count; ++c) b[static_cast<std::ptrdiff_t>(*j) * Count + c] = x[c] / value[first];
+}
+
+template <int Count>
+void solve_in_place(const SparseFactor& L, const std::vector<int>& columns, double* b) {
+  static_assert(SparseFactor::kWidest == 4);
+  constexpr std::array kDown = {down<1, Count>, down<2, Count>, down<3, Count>, down<4, Count>};
+  constexpr std::array kUp = {up<1, Count>, up<2, Count>, up<3, Count>, up<4, Count>};
+  int done = -1;
+  for (const int j : columns) {  // ascending, so those of a panel come one behind the other
+    const int p = L.panel_of[at(j)];
+    if (p == done) continue;
+    done = p;
+    const SparseFactor::Panel& panel = L.panels[at(p)];
+    kDown[at(panel.width - 1)](L, panel, b);
+  }
+  done = -1;
+  for (auto j = columns.rbegin(); j != columns.rend(); ++j) {
+    const int p = L.panel_of[at(*j)];
+    if (p == done) continue;
+    done = p;
+    const SparseFactor::Panel& panel = L.panels[at(p)];
+    kUp[at(panel.width - 1)](L, panel, b);
   }
 }
 

@@ -27,11 +27,23 @@ std::vector<int> sparse_order(const SymmetricPattern& pattern);
 void add_times(const SymmetricPattern& pattern, const std::vector<double>& values, const std::vector<int>& unknowns,
                const Nodal& x, Nodal& product);
 
-/// A = L L^T in the order of the unknowns as they are. A plain value: safe to use side by side.
+/// A = L L^T in the order of the unknowns as they are. Columns that lead to one another are kept side by side in
+/// panels: a row's number is read once for all of a panel. A plain value: safe to use side by side.
 struct SparseFactor {
-  std::vector<int> begin, row;  ///< L by columns, the diagonal first
+  static constexpr int kWidest = 4;  ///< columns of a panel: as many as stay in the processor's registers
+  struct Panel {
+    int first = 0, width = 0;  ///< its columns
+    int row = 0, rows = 0;     ///< its rows below: where they begin in `row`, how many
+    std::ptrdiff_t value = 0;  ///< where its values begin
+  };
+  std::vector<Panel> panels;  ///< ascending
+  std::vector<int> row;
+  /// Of each panel: its columns' own rows, then the rows below, each row `width` numbers. On the diagonal 1/L_jj, above
+  /// it zero; a few zeros stand in rows below that not all of its columns have.
   std::vector<double> value;
-  int size() const { return static_cast<int>(begin.size()) - 1; }
+  std::vector<int> panel_of;  ///< per column
+  std::vector<int> parent;    ///< per column: the first row below the diagonal (the elimination tree); -1: none
+  int size() const { return static_cast<int>(parent.size()); }
 };
 /// Throws std::runtime_error if A is not positive definite.
 SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double>& values);

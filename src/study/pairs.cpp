@@ -88,6 +88,26 @@ BlandAltman bland_altman(const std::vector<double>& first, const std::vector<dou
   return b;
 }
 
+MeanDifference mean_difference(const std::vector<double>& first, const std::vector<double>& second) {
+  const FiniteValues groups[2] = {finite_values(first), finite_values(second)};
+  MeanDifference result;
+  Moments m[2];
+  double variance = 0.0, spread = 0.0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    m[k] = moments(groups[k].values);
+    result.count[k] = m[k].count;
+    result.left_out[k] = groups[k].left_out;
+    const double v = m[k].standard_deviation * m[k].standard_deviation / static_cast<double>(m[k].count);
+    variance += v;
+    spread += v * v / (static_cast<double>(m[k].count) - 1);
+  }
+  result.mean = m[0].mean - m[1].mean;
+  if (!(variance > 0)) return result;
+  result.degrees_of_freedom = variance * variance / spread;
+  result.interval = student_interval(result.mean, std::sqrt(variance), result.degrees_of_freedom);
+  return result;
+}
+
 EffectSize cohen_d(const std::vector<double>& first, const std::vector<double>& second) {
   const FiniteValues groups[2] = {finite_values(first), finite_values(second)};
   EffectSize size;

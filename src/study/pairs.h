@@ -52,6 +52,18 @@ struct BlandAltman {
 };
 BlandAltman bland_altman(const std::vector<double>& first, const std::vector<double>& second);
 
+/// Of the means of two groups, whose variances may differ (Welch 1947, 10.1093/biomet/34.1-2.28): with v_k = s_k^2 /
+/// n_k
+///     standard error      sqrt(v_1 + v_2)
+///     degrees of freedom  (v_1 + v_2)^2 / (v_1^2 / (n_1 - 1) + v_2^2 / (n_2 - 1))
+struct MeanDifference {
+  std::size_t count[2] = {0, 0}, left_out[2] = {0, 0};  ///< of the first and the second list
+  double mean = kNaN;                                   ///< m1 - m2
+  double degrees_of_freedom = kNaN;
+  Interval interval;  ///< Student's; none where a group has fewer than two values, or neither varies
+};
+MeanDifference mean_difference(const std::vector<double>& first, const std::vector<double>& second);
+
 /// A difference of means over a standard deviation: no unit.
 struct EffectSize {
   std::size_t count[2] = {0, 0}, left_out[2] = {0, 0};  ///< of the first and the second list

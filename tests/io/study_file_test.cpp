@@ -52,7 +52,7 @@ CaseResult result_of(std::size_t number, int states = 2) {
     statistics.springs = 100 + s;
     statistics.headline = {0.1, 5.0 + static_cast<double>(number), 2.0, 3.0, kNaN};
     statistics.force = {1.0 / 3.0, -2, 3};
-    statistics.compartments = {{{0.1, 7, 8, 9, 10}, {1, 2, 3}, {4, 5, 6}}, {}};
+    statistics.compartments = {{{0.1, 7, 8, 9, 10}, {1, 2, 3}, {4, 5, 6}, {}}, {}};
     state.statistics = {statistics};
     Pose turned;
     turned.rotation = Eigen::AngleAxisd(0.5, Vector3d::UnitZ()).toRotationMatrix();

@@ -1,11 +1,14 @@
 """Studies from Python: the same file as `dea study`'s, going on, Ctrl-C, what is read back, what a user may do wrong; and the
 same cases by workers of dask.distributed, one of them killed."""
+import copy
 import importlib.util
 import os
+import pickle
 import signal
 import sqlite3
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -237,11 +240,88 @@ def test_reading_changes_nothing(ball):
     (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).run("a.feb"), "path a.feb: found the ending of another kind of file"),
     (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).run("a.db", shard="3/2"), 'shard="3/2": found "3"'),
     (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).run("a.db", workers=0), "workers: found 0, expected a number"),
+    (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).run("a.db", client="tcp://here"), "client: found a value of type str, expected"),
+    (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).run("a.db", shard=(1, 2)), "shard: found a value of type tuple"),
+    (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).run("a.db", keep=[3]), "keep: found a value of type int"),
+    (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).run("a.db", progress="x"), "progress: found a value of type str"),
+    (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).run(None), "path: found a value of type NoneType"),
+    (lambda: febiodea.Study("ball.feb", {"a": "E={1|2}"}).case(1.5), "number: found 1.5, expected a case from 1 to 2"),
+    (lambda: febiodea.Study(None, {"a": "E={1|2}"}), "models: found a value of type NoneType"),
+    (lambda: febiodea.Study("ball.feb", {"a": "E={}"}, cases=[]), "cases: found no row"),
+    (lambda: febiodea.Study("ball.feb", {"a": "E={}"}, cases=[{"a": None}]), "cases: found a value of type NoneType"),
+    (lambda: febiodea.read_study(None), "path: found a value of type NoneType"),
 ])
 def test_what_a_user_may_do_wrong(ball, make, match):
     with pytest.raises(febiodea.UsageError, match=match) as fault:
         make()
     assert "\n" not in str(fault.value) and not list(ball.glob("*.db"))
+
+
+@pytest.mark.parametrize("value, found", [(float("nan"), "nan"), (True, "true"), ("eight", "eight")])
+def test_values_of_a_table_in_memory_that_are_none(ball, value, found):
+    for row in (1, 2):  # also the first, of which options of all cases are asked
+        cases = [{"a": 8.0}, {"a": 9.0}]
+        cases[row - 1]["a"] = value
+        with pytest.raises(febiodea.InputError, match=f'cases:{row}: column "a": found "{found}", expected a'):
+            febiodea.Study("ball.feb", {"a": "E={}"}, cases=cases)
+
+
+def test_names_in_other_letters(ball):
+    folder = os.fsencode(ball) + "/Hüfte ?#%20".encode()
+    os.mkdir(folder)
+    for name in ("bäll.feb".encode(), b"b\xff.feb"):
+        with open(folder + b"/" + name, "wb") as file:
+            file.write((ball / "ball.feb").read_bytes())
+        results = febiodea.Study(os.fsdecode(folder + b"/" + name), {"E": "E={8|9}"}, states="last", **LAW).run(
+            folder + b"/" + name + b".db", shard="2/2")
+        assert os.fsencode(results.path) == folder + b"/" + name.replace(b".feb", b".feb.2-of-2") + b".db"
+        assert [row["E"] for row in results.table()] == [9] and results.state(2).case == 2
+        assert febiodea.read_study(os.fsencode(results.path)).counts["solved"] == 1
+
+
+def test_a_study_without_cases_yet_is_a_table_without_rows(ball):
+    pytest.importorskip("pandas")
+    results = febiodea.Study("ball.feb", {"E": "E={8|9}"}, states="last", **LAW).run("plan.db")
+    columns = list(results.to_pandas().columns)
+    with sqlite3.connect("plan.db") as d:
+        for table in ("poses", "parts", "statistics", "states", "warnings", "cases"):
+            d.execute(f"DELETE FROM {table}")
+    d.close()
+    empty = results.to_pandas()
+    assert len(empty) == 0 and list(empty.columns) == columns and "headline_p99" in columns and "E" in columns
+    assert results.table() == [] and results.failed() == [] and sum(results.counts.values()) == 0
+    for wrong, match in [(lambda: results.state(1), "case: found 1, expected a case that is in the file"),
+                         (lambda: results.state(1.0), "case: found 1.0, expected a case"),
+                         (lambda: results.state("one"), "case: found 'one', expected a case")]:
+        with pytest.raises(febiodea.UsageError, match=match):
+            wrong()
+
+
+def test_a_study_is_pickled_as_what_was_asked_for(ball):
+    study = febiodea.Study("ball.feb", {"a": "E={}"}, cases=[{"a": 8.0}, {"a": 9.5}], states="last", **LAW)
+    again = pickle.loads(pickle.dumps(study))
+    assert len(again) == 2 and again.case(2) == study.case(2) == {"model": "ball.feb", "a": "9.5"}
+    study.run("one.db")
+    results = pickle.loads(pickle.dumps(again.run("two.db")))
+    assert content("one.db") == content("two.db") and results.counts["solved"] == 2
+    assert copy.copy(study).run("one.db").counts["solved"] == 2  # of the same study: it is gone on with
+
+
+def test_two_threads_and_one_file(ball):
+    study, ended = febiodea.Study("ball.feb", {"E": "E={1:1000:1}"}, states="last", **LAW), []
+    begun = threading.Event()
+
+    def solve():
+        try:
+            ended.append(study.run("plan.db", workers=1, progress=lambda p: begun.set()).counts["solved"])
+        except febiodea.WriteError as refused:
+            ended.append(str(refused))
+    first = threading.Thread(target=solve)
+    first.start()
+    assert begun.wait(60)
+    solve()
+    first.join()
+    assert "another run" in ended[0] and "is at work on it" in ended[0] and ended[1] == 1000
 
 
 def test_files_that_are_no_study(ball):
@@ -321,6 +401,33 @@ def test_cases_that_fail_by_dask_are_rows_and_again(ball, client):
     again = []
     study.run("dask.db", client=client, again="failed", progress=lambda p: again.append(p.outcome))
     assert again == ["refused"] * 5 and content("dask.db") == content("here.db")
+
+
+def test_a_cluster_that_drops_the_work(ball, client, monkeypatch):
+    study = febiodea.Study(str(ball / "ball.feb"), {"tilt": "rotate ball=0,1,0,{1:400:1}"}, states="last", **LAW)
+
+    given, submit = [], client.submit
+
+    def drop(progress):
+        if progress.state == 20:
+            client.cancel(given)
+    with monkeypatch.context() as spied, pytest.raises(
+            febiodea.Error, match="the cluster has dropped them, .*; what is done is in the file, and the same call goes on"):
+        spied.setattr(client, "submit", lambda *words, **more: given.append(submit(*words, **more)) or given[-1])
+        study.run("dask.db", client=client, progress=drop)
+    assert 20 <= cases_in("dask.db") < 400
+    assert study.run("dask.db", client=client).counts["solved"] == 400
+    study.run("here.db")
+    assert content("dask.db") == content("here.db")
+
+
+def test_memory_of_workers_is_shared_by_all_studies_that_they_keep(client):
+    from febiodea import _study_dask
+    shares = client.run(_study_dask._memory)
+    limits = client.run(lambda dask_worker: dask_worker.memory_manager.memory_limit)
+    assert shares
+    for worker, share in shares.items():
+        assert 0 < share * _study_dask._MOST_STUDIES <= 0.5 * limits[worker]
 
 
 def test_a_model_that_is_another_on_the_workers(ball, client):

@@ -1,6 +1,5 @@
 // The page's writer: what is packed comes back, names stay names, numbers are those of compare, files stay whole.
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -15,6 +14,7 @@
 #include <febiodea/views/map/map_scale.h>
 #include <febiodea/views/page/pack.h>
 #include <febiodea/views/page/write_page.h>
+#include "page_arrays.h"
 #include "program.h"
 #include "synthetic.h"
 
@@ -24,58 +24,7 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-// ---- a reader of packed arrays that shares nothing with the writer ----
-
-std::string from_base64(const std::string& text) {
-  std::string out;
-  unsigned bits = 0;
-  int held = 0;
-  for (char c : text) {
-    if (c == '=') break;
-    unsigned digit = 0;
-    if (c >= 'A' && c <= 'Z')
-      digit = static_cast<unsigned>(c - 'A');
-    else if (c >= 'a' && c <= 'z')
-      digit = static_cast<unsigned>(c - 'a') + 26;
-    else if (c >= '0' && c <= '9')
-      digit = static_cast<unsigned>(c - '0') + 52;
-    else if (c == '+')
-      digit = 62;
-    else if (c == '/')
-      digit = 63;
-    else
-      throw std::runtime_error("not base64");
-    bits = bits << 6 | digit;
-    held += 6;
-    if (held >= 8) {
-      held -= 8;
-      out += static_cast<char>(bits >> held & 0xffu);
-    }
-  }
-  return out;
-}
-
-std::vector<std::uint32_t> words(const std::string& base64, std::size_t count, int bytes, bool delta) {
-  const std::string packed = from_base64(base64);
-  std::string planes(count * static_cast<std::size_t>(bytes), '\0');
-  uLongf size = static_cast<uLongf>(planes.size());
-  if (uncompress(reinterpret_cast<Bytef*>(planes.data()), &size, reinterpret_cast<const Bytef*>(packed.data()),
-                 static_cast<uLong>(packed.size())) != Z_OK ||
-      size != planes.size())
-    throw std::runtime_error("does not inflate to its size");
-  std::vector<std::uint32_t> out;
-  const std::uint32_t mask = bytes == 2 ? 0xffffu : 0xffffffffu;
-  std::uint32_t before = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint32_t word = 0;
-    for (int k = 0; k < bytes; ++k)
-      word |= static_cast<std::uint32_t>(static_cast<unsigned char>(planes[static_cast<std::size_t>(k) * count + i]))
-              << (8 * k);
-    before = delta ? (before + word) & mask : word;
-    out.push_back(before);
-  }
-  return out;
-}
+using test::words;
 
 std::vector<std::uint32_t> words(const PackedArray& a) { return words(a.base64, a.count, a.bytes, a.delta); }
 

@@ -46,13 +46,12 @@ TEST(Inside, StatisticsOnPaper) {
   const SurfaceMesh& mesh = layer.surface();
   const Eigen::Index n = layer.layer.mesh.nodes();
   inside.value = Eigen::MatrixXd::Zero(n, 2 + kDepthPowers);
-  std::vector<InsideState> states(static_cast<std::size_t>(n));
+  std::vector<InsideMeasures> states(static_cast<std::size_t>(n));
   double sum = 0, area = 0, most = 0;
   for (Eigen::Index v = 0; v < n; ++v) {
     const std::size_t i = static_cast<std::size_t>(v);
     const double x = mesh.vertices[i].x();
-    states[i].stress.diagonal() << 0, 1, -x;
-    states[i].strain.diagonal() << 0.01 * x, 0, -0.02 * x;
+    states[i] = {(1 + x) / 2, 0.01 * x, -0.02 * x};
     if (x > 4.5) continue;
     inside.value(v, 0) = 1;
     sum += mesh.vertex_areas[i] * (1 + x) / 2;

@@ -475,7 +475,7 @@ TEST(FootParts, ContinuousInThePose) {
   const SurfaceMesh feet =
       test::grid(6, 6, [](double u, double v) -> Vector3d { return 3 * Vector3d(u - 0.5, v - 0.5, 0); });
   for (const double angle : {0.0, 0.3}) {
-    const test::Underside below{24, 9.6, angle, {}};
+    const test::Underside below{24, 9.6, angle, Vector3d::Zero()};
     const LayerOperator layer =
         make_layer_operator(layer_mesh(below.mesh(), even(1), all(Rim::Continues)), kCartilage, LayerFit::TwoTerms);
     const VectorXd p = at_feet(feet, [](const Vector3d& x) { return std::max(0.0, 1 - x.squaredNorm()); });

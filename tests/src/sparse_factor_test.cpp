@@ -97,13 +97,20 @@ TEST(SparseFactor, IsTheFactor) {
   const Grid grid(8, 5);
   const SparseFactor factor = factorise(grid.pattern, grid.values);
   MatrixXd lower = MatrixXd::Zero(factor.size(), factor.size());
-  for (int j = 0; j < factor.size(); ++j) {
-    const int first = factor.begin[static_cast<std::size_t>(j)], end = factor.begin[static_cast<std::size_t>(j) + 1];
-    ASSERT_LT(first, end);
-    EXPECT_EQ(factor.row[static_cast<std::size_t>(first)], j);
-    for (int s = first; s < end; ++s)
-      lower(factor.row[static_cast<std::size_t>(s)], j) = factor.value[static_cast<std::size_t>(s)];
+  int columns = 0;
+  for (const SparseFactor::Panel& panel : factor.panels) {
+    EXPECT_EQ(panel.first, columns);
+    ASSERT_LE(panel.width, SparseFactor::kWidest);
+    columns += panel.width;
+    const double* value = factor.value.data() + panel.value;
+    for (int i = 0; i < panel.width + panel.rows; ++i)
+      for (int c = 0; c < panel.width; ++c, ++value) {
+        const int row =
+            i < panel.width ? panel.first + i : factor.row[static_cast<std::size_t>(panel.row + i - panel.width)];
+        lower(row, panel.first + c) = i == c ? 1 / *value : *value;
+      }
   }
+  EXPECT_EQ(columns, factor.size());
   EXPECT_TRUE(lower.isLowerTriangular(0.0));
   EXPECT_LT((lower * lower.transpose() - grid.dense).norm(), 1e-14 * grid.dense.norm());
 }
@@ -144,8 +151,8 @@ TEST(SparseFactor, OrderLeavesTheFactorSparse) {
   std::sort(ascending.begin(), ascending.end());
   EXPECT_EQ(ascending, all_of(1600));
   const Grid ordered(40, 40, place);
-  EXPECT_LT(factorise(ordered.pattern, ordered.values).row.size(),
-            factorise(by_rows.pattern, by_rows.values).row.size() / 2);
+  EXPECT_LT(factorise(ordered.pattern, ordered.values).value.size(),
+            factorise(by_rows.pattern, by_rows.values).value.size() / 2);
 }
 
 TEST(SparseFactor, ProductIsThatOfTheMatrix) {

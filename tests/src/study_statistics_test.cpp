@@ -226,6 +226,27 @@ TEST(StudyStatistics, EffectSizesAreScipys) {
   EXPECT_NEAR(cohen_d({1, 2, 3}, {5}).d, -3, 1e-14);  // all spread is that of the first
 }
 
+TEST(StudyStatistics, DifferencesOfGroupsAreWelchs) {
+  const Values a = list(test::kFirst), all = list(test::kSecond), b(all.begin(), all.begin() + 15);
+  const MeanDifference d = mean_difference(a, b);
+  EXPECT_NEAR(d.mean, moments(a).mean - moments(b).mean, 1e-14);
+  const MeanDifference turned = mean_difference(b, a);
+  EXPECT_NEAR(turned.interval.low, -d.interval.high, 1e-13);
+  // {1, 3} and {5, 7}: v = 1 and 1, two degrees of freedom, whose t is algebraic; {1, 3} and {2, 6}: v = 1 and 4
+  const MeanDifference alike = mean_difference({5, 7}, {1, 3});
+  EXPECT_NEAR(alike.degrees_of_freedom, 2, 1e-14);
+  const double t2 = 0.95 * std::sqrt(2 / (1 - 0.95 * 0.95));
+  expect_near({alike.interval.low, alike.interval.high}, {4 - t2 * std::sqrt(2), 4 + t2 * std::sqrt(2)}, 1e-12);
+  EXPECT_NEAR(mean_difference({1, 3}, {2, 6}).degrees_of_freedom, 25.0 / 17, 1e-14);
+  // {1, 3} and {5, 5, 5}: v = 1 and 0, one degree of freedom: Cauchy's
+  const MeanDifference one = mean_difference({1, kNaN, 3}, {5, 5, 5});
+  EXPECT_EQ(one.left_out[0], 1u);
+  EXPECT_NEAR(one.interval.high - one.mean, std::tan(0.475 * kPi), 1e-9);
+  EXPECT_TRUE(std::isnan(mean_difference({1}, {2, 3}).interval.low));
+  EXPECT_TRUE(std::isnan(mean_difference({1, 1}, {2, 2}).interval.low));
+  EXPECT_TRUE(std::isnan(mean_difference({}, {2, 3}).mean));
+}
+
 TEST(StudyStatistics, PairsOfFailedCasesAreLeftOut) {
   const Values a = {1, kNaN, 3, 4, 7}, b = {0, 1, kNaN, 2, 4};
   const PairedDifference d = paired_difference(a, b);

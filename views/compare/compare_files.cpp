@@ -428,6 +428,12 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
     compared.facts.push_back(side.facts);
   }
   const Side& reference = in.sides.back();
+  std::vector<RowsOfFile> rows;
+  for (std::size_t i = 0; i < files.size(); ++i)
+    rows.push_back({&files[i], states[i], in.sides[i].surface, &in.sides[i].values.pressure,
+                    headline(in.sides[i].geometry, in.sides[i].values.pressure).above});
+  if (std::all_of(in.matches.begin(), in.matches.end(), [](const NodeMatch& m) { return m.same_mesh; }))
+    compared.inside = compare_inside(rows);
   SurfaceFrame frame = choose_frame(reference, options, names.back());
   for (const Region& region : make_regions(files, states, in.sides, options, frame))
     compared.regions.push_back(compare_region(in, region, thresholds));

@@ -8,6 +8,7 @@
 #include <febiodea/io/results/result_file.h>
 #include <febiodea/results/comparison.h>
 #include <febiodea/results/headline.h>
+#include <febiodea/views/compare/compare_inside.h>
 
 namespace dea {
 
@@ -70,6 +71,7 @@ struct ComparedSurface {
   std::vector<ComparedRegion> regions;            ///< the whole surface first
   std::vector<std::vector<ProfileBin>> profiles;  ///< one per file; empty: not asked for
   Vector3d axis = Vector3d::Zero(), center = Vector3d::Zero();  ///< of the profiles
+  std::vector<ComparedRow> inside;  ///< rows of elements; empty: not all files have their stress on one mesh
 };
 
 struct ComparedBody {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include <febiodea/base/numbers.h>
@@ -122,6 +123,29 @@ std::vector<Quantity> last_csv_quantities(const ComparedRegion& region) {
   return out;
 }
 
+/// Columns of the rows of elements under a whole surface; none where a region, or a surface without, has them.
+std::vector<Quantity> inside_quantities(const Comparison& c, const ComparedSurface& surface,
+                                        const ComparedRegion& region) {
+  std::vector<Quantity> out;
+  for (const InsideRow which : kInsideRows) {
+    const auto row = std::find_if(surface.inside.begin(), surface.inside.end(),
+                                  [which](const ComparedRow& r) { return r.row == which; });
+    const bool there = row != surface.inside.end() && region.name.empty();
+    for (std::size_t m = 0; m < 3; ++m) {
+      const InsideMeasure& measure = kInsideMeasures[m];
+      const std::string key = fmt::format("inside_{}_{}", name(which), measure.name);
+      for (const InsideNumber& number : kInsideNumbers) {
+        out.push_back({"", fmt::format("{}_{}", key, number.name), std::vector<double>(c.labels.size(), kNaN)});
+        for (std::size_t i = 0; there && i < c.labels.size(); ++i)
+          out.back().values[i] = row->results[i].*measure.value.*number.value;
+      }
+      out.push_back({"", key + "_correlation", std::vector<double>(c.labels.size(), kNaN)});
+      for (std::size_t i = 0; there && i + 1 < c.labels.size(); ++i) out.back().values[i] = row->correlation[i][m];
+    }
+  }
+  return out;
+}
+
 /// Every number of a file about a region, with its column's name.
 std::vector<Quantity> csv_quantities(const Comparison& c, const ComparedSurface& surface,
                                      const ComparedRegion& region) {
@@ -197,6 +221,37 @@ Json profile_json(const Comparison& c, const ComparedSurface& surface) {
   return j;
 }
 
+Json inside_json(const InsideStatistics& s) {
+  Json j;
+  for (const InsideMeasure& measure : kInsideMeasures)
+    for (const InsideNumber& number : kInsideNumbers)
+      j[measure.name][number.name] = json_number(s.*measure.value.*number.value);
+  return j;
+}
+
+Json row_json(const Comparison& c, const ComparedRow& row) {
+  Json j = {{"row", name(row.row)}, {"elements", row.elements}, {"volume", json_number(row.volume)}};
+  j["results"] = Json::array();
+  for (std::size_t i = 0; i < c.labels.size(); ++i) {
+    Json result = {{"label", c.labels[i]}};
+    result.update(inside_json(row.results[i]));
+    j["results"].push_back(std::move(result));
+  }
+  j["differences"] = Json::array();
+  for (std::size_t i = 0; i + 1 < c.labels.size(); ++i) {
+    Json difference = {{"label", c.labels[i]}, {"against", c.labels.back()}};
+    for (std::size_t m = 0; m < 3; ++m) {
+      const InsideMeasure& measure = kInsideMeasures[m];
+      Json& of = difference[measure.name];
+      of["correlation"] = json_number(row.correlation[i][m]);
+      for (const InsideNumber& number : kInsideNumbers)
+        of["percent"][number.name] = json_number(inside_percent(row, i, measure, number));
+    }
+    j["differences"].push_back(std::move(difference));
+  }
+  return j;
+}
+
 Json surface_json(const Comparison& c, const ComparedSurface& surface) {
   Json j;
   j["names"] = surface.names;
@@ -206,6 +261,8 @@ Json surface_json(const Comparison& c, const ComparedSurface& surface) {
   j["regions"] = Json::array();
   for (const ComparedRegion& region : surface.regions) j["regions"].push_back(region_json(c, surface, region));
   if (!surface.profiles.empty()) j["profile"] = profile_json(c, surface);
+  j["inside"] = Json::array();
+  for (const ComparedRow& row : surface.inside) j["inside"].push_back(row_json(c, row));
   return j;
 }
 
@@ -250,10 +307,15 @@ Json compare_json(const Comparison& c) {
 }
 
 std::string compare_csv(const Comparison& c) {
+  const bool inside =
+      std::any_of(c.surfaces.begin(), c.surfaces.end(), [](const ComparedSurface& s) { return !s.inside.empty(); });
   std::string text;
   for (const ComparedSurface& surface : c.surfaces) {
     for (const ComparedRegion& region : surface.regions) {
-      const std::vector<Quantity> quantities = csv_quantities(c, surface, region), last = last_csv_quantities(region);
+      const std::vector<Quantity> quantities = csv_quantities(c, surface, region);
+      std::vector<Quantity> last = last_csv_quantities(region);
+      if (inside)
+        for (Quantity& q : inside_quantities(c, surface, region)) last.push_back(std::move(q));
       if (text.empty()) {
         text = "label,file,time,surface,region";
         for (const Quantity& q : quantities) text += fmt::format(",{}", q.key);

@@ -51,7 +51,16 @@ struct ContactRow {
   const ContactStatistics& statistics() const { return state.statistics[contact]; }
 };
 
-std::vector<Column<ContactRow>> contact_columns() {
+/// Was the inside of the layers asked for?
+bool with_inside(const Analysis& analysis) {
+  for (const StateResult& state : analysis.states)
+    for (const ContactStatistics& s : state.statistics)
+      if (s.inside[0] || s.inside[1]) return true;
+  return false;
+}
+
+/// `inside`: also those of the inside of layers.
+std::vector<Column<ContactRow>> contact_columns(bool inside) {
   using R = const ContactRow&;
   const auto body = [](R r, const Layer& layer) { return csv_word(r.joint.bodies[at(layer.body)].name); };
   std::vector<Column<ContactRow>> columns = {
@@ -72,6 +81,9 @@ std::vector<Column<ContactRow>> contact_columns() {
   for (const NamedNumber<Headline>& n : headline_columns())
     columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.statistics().headline)); }});
   columns.push_back({"warnings", [](R r) { return csv_word(r.warnings); }});
+  if (!inside) return columns;
+  for (const NamedNumber<ContactStatistics>& n : inside_numbers())
+    columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.statistics())); }});
   return columns;
 }
 
@@ -82,7 +94,7 @@ struct CompartmentRow {
   const CompartmentLoad& load() const { return contact.statistics().compartments[compartment]; }
 };
 
-std::vector<Column<CompartmentRow>> compartment_columns() {
+std::vector<Column<CompartmentRow>> compartment_columns(bool inside) {
   using R = const CompartmentRow&;
   std::vector<Column<CompartmentRow>> columns = {
       {"time", [](R r) { return csv_number(r.contact.state.when.time); }},
@@ -91,6 +103,9 @@ std::vector<Column<CompartmentRow>> compartment_columns() {
       {"outcome", [](R r) { return std::string(name(r.contact.state.equilibrium.outcome)); }},
   };
   for (const NamedNumber<CompartmentLoad>& n : compartment_numbers())
+    columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.load())); }});
+  if (!inside) return columns;
+  for (const NamedNumber<CompartmentLoad>& n : compartment_inside_numbers())
     columns.push_back({n.name, [value = n.value](R r) { return csv_number(value(r.load())); }});
   return columns;
 }
@@ -138,7 +153,7 @@ struct FacetRow {
 };
 
 /// After the columns that all facets of a surface share: those of the facet itself.
-std::vector<Column<FacetRow>> facet_columns() {
+std::vector<Column<FacetRow>> facet_columns(bool inside) {
   using R = const FacetRow&;
   std::vector<Column<FacetRow>> columns = {
       {"time,outcome,contact,surface,body", [](R r) { return r.start; }},
@@ -155,13 +170,19 @@ std::vector<Column<FacetRow>> facet_columns() {
     if (values == &SideFields::pressure)
       columns.push_back({"thickness", [](R r) { return csv_number(r.shape.thickness[r.facet]); }});
   }
+  if (!inside) return columns;
+  for (const FacetField& field : inside_facet_fields())
+    columns.push_back({field.column, [values = field.values](R r) {
+                         const std::vector<double>& of = r.fields.*values;
+                         return of.empty() ? std::string() : csv_number(of[r.facet]);
+                       }});
   return columns;
 }
 
 }  // namespace
 
 std::string run_csv(const Analysis& analysis, const std::string& warnings) {
-  const std::vector<Column<ContactRow>> columns = contact_columns();
+  const std::vector<Column<ContactRow>> columns = contact_columns(with_inside(analysis));
   std::string text = header(columns);
   bool first = true;
   for (const StateResult& state : analysis.states)
@@ -171,7 +192,7 @@ std::string run_csv(const Analysis& analysis, const std::string& warnings) {
 }
 
 std::string compartments_csv(const Analysis& analysis) {
-  const std::vector<Column<CompartmentRow>> columns = compartment_columns();
+  const std::vector<Column<CompartmentRow>> columns = compartment_columns(with_inside(analysis));
   std::string text = header(columns);
   for (const StateResult& state : analysis.states)
     for (std::size_t c = 0; c < analysis.joint.contacts.size(); ++c) {
@@ -184,7 +205,7 @@ std::string compartments_csv(const Analysis& analysis) {
 
 std::string facets_csv(const JointModel& model, const Analysis& analysis) {
   const Joint& joint = analysis.joint;
-  const std::vector<Column<FacetRow>> columns = facet_columns();
+  const std::vector<Column<FacetRow>> columns = facet_columns(with_inside(analysis));
   std::string text = header(columns);
   for (const StateResult& state : analysis.states) {
     for (std::size_t c = 0; c < joint.contacts.size(); ++c) {

@@ -61,6 +61,17 @@ Json tensions_json(const Springs& springs, const std::vector<double>& forces) {
   return list;
 }
 
+Json inside_json(const std::optional<InsideEnds>& ends) {
+  if (!ends) return nullptr;
+  Json j;
+  for (const InsideEnd& end : kInsideEnds)
+    for (const InsideMeasure& measure : kInsideMeasures)
+      for (const InsideNumber& number : kInsideNumbers)
+        j[end.name][measure.name][number.name] = json_number((*ends).*end.value.*measure.value.*number.value);
+  j["peak_near_free_edge"] = ends->peak_near_free_edge;
+  return j;
+}
+
 }  // namespace
 
 Json contact_json(const JointModel& model, const Joint& joint, const ContactPair& pair, const ContactStatistics& s,
@@ -104,8 +115,12 @@ Json contact_json(const JointModel& model, const Joint& joint, const ContactPair
     j["compartments"].push_back({{"name", compartment_names(pair)[i]},
                                  {"headline", headline_json(load.headline)},
                                  {"force", json_vector(load.force)},
-                                 {"center_of_pressure", json_vector(load.center_of_pressure)}});
+                                 {"center_of_pressure", json_vector(load.center_of_pressure)},
+                                 {"inside", inside_json(load.inside)}});
   }
+  j["inside"] = nullptr;
+  if (s.inside[0] || s.inside[1])
+    j["inside"] = {{"source", inside_json(s.inside[0])}, {"target", inside_json(s.inside[1])}};
   return j;
 }
 
@@ -157,7 +172,8 @@ Json settings_json(const Settings& settings) {
     std::replace(key.begin(), key.end(), '-', '_');
     j[key] = content_json(option.content(settings));
   };
-  const std::vector<std::string> last = {"facets", "set", "thickness-from", "thickness-scale"};  // in dea.run/1
+  const std::vector<std::string> last = {"facets", "set", "thickness-from", "thickness-scale",
+                                         "inside"};  // in dea.run/1
   for (const SettingOption& option : setting_options()) {
     const std::string name = option.name;
     if (std::find(last.begin(), last.end(), name) == last.end()) add(name);

@@ -12,6 +12,7 @@
 #include <febiodea/base/parse.h>
 #include <febiodea/base/time_text.h>
 #include <febiodea/io/files/unit_names.h>
+#include <febiodea/io/results/inside_rows.h>
 #include <febiodea/results/headline.h>
 #include <febiodea/views/map/map_scale.h>
 #include <febiodea/views/text/table.h>
@@ -34,10 +35,13 @@ std::string number(double x, bool plus = false) {
 
 void require_field(const ResultFile& file, const std::string& field) {
   if (find_variable(file.xplt, XpltGroup::Surface, field) >= 0) return;
+  const std::vector<std::string> of_rows = row_field_names(file);
+  if (std::find(of_rows.begin(), of_rows.end(), field) != of_rows.end()) return;
   std::vector<std::string> scalars;
   for (const XpltVariable& v : file.xplt.variables)
     if (v.group == XpltGroup::Surface && v.type == XpltType::Float && v.format != XpltFormat::Region)
       scalars.push_back(v.name);
+  scalars.insert(scalars.end(), of_rows.begin(), of_rows.end());
   throw InputError(fmt::format("{}: found no surface field \"{}\"{}, expected one of {}", file.path, field,
                                did_you_mean(field, scalars), name_list(scalars, field)));
 }
@@ -95,7 +99,7 @@ double largest_ever(const ResultFile& file, const std::string& surface, const st
   for (int state = 0; state < static_cast<int>(file.xplt.states.size()); ++state) {
     const int index = find_surface(file, state, surface);
     if (index < 0) continue;
-    for (double x : facet_values(file, state, index, field, true))
+    for (double x : shown_values(file, state, index, field, true))
       if (std::isfinite(x)) most = std::max(most, x);
   }
   return most;
@@ -123,7 +127,7 @@ std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, c
           everywhere = false;
           continue;
         }
-        const std::vector<double> values = facet_values(files[i], row[i], surface, field);
+        const std::vector<double> values = shown_values(files[i], row[i], surface, field);
         everywhere = everywhere && !values.empty();
         carried = carried || !values.empty();
         springs = springs || has_springs(files[i], row[i], surface);
@@ -143,7 +147,7 @@ std::vector<std::string> loaded_surfaces(const std::vector<ResultFile>& files, c
 
 MapValues field_values(const ResultFile& file, int state, const ResultSurface& surface, int index,
                        const std::string& field, bool clamped) {
-  std::vector<double> facets = facet_values(file, state, index, field);
+  std::vector<double> facets = shown_values(file, state, index, field);
   if (facets.empty())
     throw InputError(fmt::format("{}: surface \"{}\" has no \"{}\" at time {}", file.path, surface.name, field,
                                  time_text(file.xplt.states[at(state)].time)));
@@ -282,7 +286,7 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
   for (int state = 0; state < static_cast<int>(file.xplt.states.size()); ++state) {
     const int index = find_surface(file, state, name);
     if (index < 0) continue;
-    std::vector<double> facets = facet_values(file, state, index, o.field, true);
+    std::vector<double> facets = shown_values(file, state, index, o.field, true);
     if (facets.empty()) continue;
     if (file.xplt.states[at(state)].mesh != mesh) {
       s = result_surface(file, state, index);
@@ -300,7 +304,7 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
     for (int k = 0; k < static_cast<int>(minus->xplt.states.size()); ++k) {
       if (!same_time(minus->xplt.states[at(k)].time, file.xplt.states[at(state)].time)) continue;
       const int other = find_surface(*minus, k, name);
-      std::vector<double> taken = other < 0 ? std::vector<double>() : facet_values(*minus, k, other, o.field, true);
+      std::vector<double> taken = other < 0 ? std::vector<double>() : shown_values(*minus, k, other, o.field, true);
       if (taken.empty()) continue;
       if (minus->xplt.states[at(k)].mesh != other_mesh || !match) {
         reference = result_surface(*minus, k, other);
@@ -425,8 +429,9 @@ void choose_units(const std::vector<const ResultFile*>& files, const MapOptions&
           fmt::format("{}: found units {}, expected {} as in the files before", file->path, file->xplt.units, system));
   }
   const ResultFile& first = *files.front();
-  std::string dimension = first.xplt.variables[at(find_variable(first.xplt, XpltGroup::Surface, o.field))].units;
-  if (dimension.empty() && is_pressure(o.field)) dimension.assign(1, 'P');
+  const int variable = find_variable(first.xplt, XpltGroup::Surface, o.field);
+  std::string dimension = variable >= 0 ? first.xplt.variables[at(variable)].units : "";
+  if (dimension.empty() && (is_pressure(o.field) || is_stress(o.field))) dimension.assign(1, 'P');
   const UnitNames units = unit_names(system);
   figure.unit = dimension == "P" ? units.pressure : dimension == "L" ? units.length : "";
   figure.length_unit = units.length;

@@ -86,5 +86,7 @@ double area_above(const MapMesh& mesh, const std::vector<double>& values, double
 /// area as the facets with a value above 0 have. Infinite: no point is above 0. Above 0 else. `facets`: per facet of
 /// the surface; `points`: per point of the map.
 double edge_level(const MapMesh& mesh, const std::vector<double>& facets, const std::vector<double>& points);
+/// The same where the area of these facets is known, `wanted`, and not which they are.
+double level_enclosing(const MapMesh& mesh, double wanted, const std::vector<double>& points);
 
 }  // namespace dea

@@ -15,10 +15,12 @@ bool is_pressure(const std::string& field) {
          field.rfind("peak pressure", 0) == 0;
 }
 
+bool is_stress(const std::string& field) { return field.rfind("max shear stress", 0) == 0; }
+
 bool is_difference(const std::string& field) { return field.find("difference") != std::string::npos; }
 
 bool zero_without_contact(const std::string& field) {
-  return is_pressure(field) || is_difference(field) || field.find("overlap") != std::string::npos ||
+  return is_pressure(field) || is_stress(field) || is_difference(field) || field.find("overlap") != std::string::npos ||
          field.find("strain") != std::string::npos;
 }
 

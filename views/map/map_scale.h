@@ -14,6 +14,8 @@ namespace dea {
 
 /// Pressures between surfaces, never below 0; not every field with such a name is one (`pressure gap`).
 bool is_pressure(const std::string& field);
+/// Stress inside the cartilage.
+bool is_stress(const std::string& field);
 /// Fields of `dea compare -o` that are differences.
 bool is_difference(const std::string& field);
 /// Fields that are 0 where there is no contact; in others 0 stands for "none", as plot files have no undefined values.

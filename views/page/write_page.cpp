@@ -5,17 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/time_text.h>
-#include <febiodea/io/files/encoded_text.h>
 #include <febiodea/io/files/output.h>
-#include <febiodea/version.h>
 #include <febiodea/views/data/json.h>
-#include <febiodea/views/map/colour_map.h>
 #include <febiodea/views/page/pack.h>
 #include <febiodea/views/page/page.h>
+#include <febiodea/views/page/page_parts.h>
 #include <febiodea/views/text/info_text.h>
 #include <febiodea/views/text/table.h>
 
@@ -26,41 +23,9 @@ namespace {
 /// So many values are written as they are; more are written in 16 bits.
 constexpr std::size_t kMostExactValues = 1000000;
 
-/// Arrays of the page; the JSON refers to them by number.
-struct Arrays {
-  std::string html;
-  int count = 0;
-
-  Json add(const PackedArray& a) {
-    const int id = count++;
-    html += fmt::format("<script type=\"text/plain\" id=\"array{}\">{}</script>\n", id, a.base64);
-    return {{"id", id}, {"count", a.count}, {"bytes", a.bytes}, {"delta", a.delta}, {"real", a.real}};
-  }
-};
-
-std::vector<float> coordinates(const std::vector<Vector3d>& points) {
-  std::vector<float> out;
-  for (const Vector3d& x : points)
-    for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(x[k]));
-  return out;
-}
-
-Json mesh_json(const ResultSurface& s, const std::vector<std::int32_t>& node_ids, Arrays& arrays) {
-  std::vector<std::int32_t> triangles, facet(s.mesh.facet.begin(), s.mesh.facet.end()),
-      begin(s.begin.begin(), s.begin.end()), corner(s.slot_vertex.begin(), s.slot_vertex.end());
-  for (const auto& t : s.mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
-  return {{"vertices", arrays.add(pack_floats(coordinates(s.mesh.vertices)))},
-          {"nodes", arrays.add(pack_integers(node_ids))},
-          {"triangles", arrays.add(pack_integers(triangles))},
-          {"facet", arrays.add(pack_integers(facet))},
-          {"begin", arrays.add(pack_integers(begin))},
-          {"corner", arrays.add(pack_integers(corner))},
-          {"areas", arrays.add(pack_floats({s.facet_areas.begin(), s.facet_areas.end()}))}};
-}
-
 /// null; or { fixed, ranges: per state [least, most] (null: exact) or null where the state has none, edges: per state
 /// or empty, values: array of the states that have any, one after the other }.
-Json field_json(const std::optional<PageField>& field, bool exact, Arrays& arrays) {
+Json field_json(const std::optional<PageField>& field, bool exact, PageArrays& arrays) {
   if (!field) return nullptr;
   Json j;
   j["fixed"] = field->fixed;
@@ -88,12 +53,6 @@ Json field_json(const std::optional<PageField>& field, bool exact, Arrays& array
   j["exact"] = exact;
   j["values"] = arrays.add(exact ? pack_floats(floats) : pack_codes(all_codes));
   return j;
-}
-
-/// Twelve digits would be the machine's noise.
-Json short_number(double x) {
-  if (!std::isfinite(x)) return nullptr;
-  return Json(std::stod(fmt::format("{:.9g}", x)));
 }
 
 Json time_json(double time) { return json_number(time_meant(time)); }
@@ -125,13 +84,6 @@ Json pattern_json(const std::optional<PagePattern>& p) {
           {"intercept", short_number(p->intercept)}};
 }
 
-template <class List, class Get>
-Json list_json(const List& list, Get get) {
-  Json j = Json::array();
-  for (const auto& item : list) j.push_back(get(item));
-  return j;
-}
-
 /// [low, high, step, least, most]; null: there are no values.
 Json scale_json(const PageScale& s) {
   if (s.range.empty()) return nullptr;
@@ -147,7 +99,7 @@ Json quantity_json(const PageQuantity& q) {
   return {{"field", q.field}, {"pair", {q.a, q.b}}, {"nodes", scales_json(q.nodes)}, {"facets", scales_json(q.facets)}};
 }
 
-Json surface_json(const PageSurface& s, bool exact, Json& meshes, Arrays& arrays) {
+Json surface_json(const PageSurface& s, bool exact, Json& meshes, PageArrays& arrays) {
   Json j;
   j["title"] = s.title;
   j["note"] = s.note;
@@ -192,10 +144,6 @@ Json surface_json(const PageSurface& s, bool exact, Json& meshes, Arrays& arrays
   return j;
 }
 
-Json table_json(const TitledTable& t) {
-  return {{"title", t.title}, {"headings", t.table.headings}, {"left", t.table.left}, {"rows", t.table.rows}};
-}
-
 Json chart_json(const PageChart& c) {
   return {{"title", c.title},
           {"caption", c.caption},
@@ -205,19 +153,6 @@ Json chart_json(const PageChart& c) {
           {"times", list_json(c.times, time_json)},
           {"names", c.names},
           {"values", list_json(c.values, [](const auto& v) { return list_json(v, short_number); })}};
-}
-
-std::string table_hex(ColourMap map) {
-  std::string out;
-  for (const auto& rgb : colour_table(map)) out += fmt::format("{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
-  return out;
-}
-
-/// A letter per colour of the table: w, b: lines on it are white, black.
-std::string table_lines(ColourMap map) {
-  std::string out;
-  for (int i = 0; i < 256; ++i) out += white_line(colour(map, i / 255.0)) ? 'w' : 'b';
-  return out;
 }
 
 std::size_t values_of(const PageData& data) {
@@ -230,19 +165,14 @@ std::size_t values_of(const PageData& data) {
   return n;
 }
 
-Json page_json(const PageData& data, Arrays& arrays) {
+Json page_json(const PageData& data, PageArrays& arrays) {
   const bool exact = values_of(data) <= kMostExactValues;
   Json j;
   j["schema"] = "dea.report/1";
   j["kind"] = data.kind;
   j["title"] = data.title;
-  j["program"] = fmt::format("FEBioDEA {} ({})", kVersion, kCommit);
   j["command"] = data.command;
-  j["units"] = {{"name", data.units.system},
-                {"length", data.units.length},
-                {"force", data.units.force},
-                {"pressure", data.units.pressure},
-                {"area", data.units.area}};
+  add_page_head(data.units, j);
   j["exact"] = exact;
   j["results"] = list_json(data.results, [](const PageResult& r) -> Json {
     return {{"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, time_json)}};
@@ -267,65 +197,15 @@ Json page_json(const PageData& data, Arrays& arrays) {
   j["texts"] = list_json(data.texts, [](const PageText& t) -> Json { return {{"title", t.title}, {"text", t.text}}; });
   j["warnings"] = data.warnings;
   j["headline"] = headline_words();
-  j["steps"] = {{"count", kScaleSteps}, {"multiples", kScaleMultiples}};
-  j["colours"] = {{"sequential", table_hex(ColourMap::Sequential)}, {"diverging", table_hex(ColourMap::Diverging)}};
-  j["lines"] = {{"sequential", table_lines(ColourMap::Sequential)}, {"diverging", table_lines(ColourMap::Diverging)}};
   return j;
-}
-
-/// JSON inside a script element: without '<' nothing can end it or open a comment.
-std::string script_json(const Json& j) {
-  const std::string text = j.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string out;
-  out.reserve(text.size());
-  for (char c : text) {
-    if (c == '<')
-      out += "\\u003c";
-    else
-      out += c;
-  }
-  return out;
 }
 
 }  // namespace
 
 std::string page_html(const PageData& data) {
-  Arrays arrays;
-  const std::string json = script_json(page_json(data, arrays));
-  const std::string title = escaped(utf8(data.title));
-  const std::map<std::string_view, std::string_view> parts = {{"title", title},
-                                                              {"style", page::style()},
-                                                              {"three", page::three()},
-                                                              {"plot", page::plot()},
-                                                              {"data_js", page::data()},
-                                                              {"scene", page::scene()},
-                                                              {"figures", page::figures()},
-                                                              {"main", page::main()},
-                                                              {"licences", page::licences()},
-                                                              {"report", json},
-                                                              {"arrays", arrays.html}};
-  // One pass: what has been put in is not looked through again.
-  const std::string_view frame = page::html();
-  std::string out;
-  out.reserve(frame.size() + arrays.html.size() + json.size() + page::three().size() + page::plot().size() + 200000);
-  for (std::size_t i = 0; i < frame.size();) {
-    const std::size_t mark = frame.find('@', i);
-    const std::size_t end = mark == std::string_view::npos ? mark : frame.find('@', mark + 1);
-    if (end == std::string_view::npos) {
-      out += frame.substr(i);
-      break;
-    }
-    const auto part = parts.find(frame.substr(mark + 1, end - mark - 1));
-    if (part == parts.end()) {
-      out += frame.substr(i, mark + 1 - i);
-      i = mark + 1;
-      continue;
-    }
-    out += frame.substr(i, mark - i);
-    out += part->second;
-    i = end + 1;
-  }
-  return out;
+  PageArrays arrays;
+  const Json json = page_json(data, arrays);
+  return page_text(data.title, json, arrays, {"", std::string(page::main())});
 }
 
 void write_page(const std::string& path, const PageData& data) { write_text(path, page_html(data)); }

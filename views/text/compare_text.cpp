@@ -166,6 +166,35 @@ Table pattern_table(const Comparison& c, const ComparedRegion& region) {
   return patterns;
 }
 
+/// A row of elements under a surface.
+TitledTable inside_table(const Comparison& c, const ComparedRow& row) {
+  const std::size_t n = c.labels.size();
+  const UnitNames units = unit_names(c.units);
+  Table table;
+  table.headings = {""};
+  table.left = "l";
+  for (const std::string& label : c.labels) add_column(table, label);
+  for (const char* what : {"difference", "correlation"})
+    for (std::size_t i = 0; i + 1 < n; ++i) add_column(table, n == 2 ? what : fmt::format("{} {}", what, c.labels[i]));
+  for (std::size_t m = 0; m < 3; ++m) {
+    const InsideMeasure& measure = kInsideMeasures[m];
+    for (const std::size_t k : {1, 2, 0}) {  // p99, mean, peak as everywhere
+      const InsideNumber& number = kInsideNumbers[k];
+      std::vector<std::string> cells = {with_unit(fmt::format("{}, {}", measure.words, number.name), units,
+                                                  measure.stress ? Dimension::Pressure : Dimension::None)};
+      for (std::size_t i = 0; i < n; ++i) cells.push_back(short_number(row.results[i].*measure.value.*number.value));
+      for (std::size_t i = 0; i + 1 < n; ++i) cells.push_back(percent(inside_percent(row, i, measure, number)));
+      for (std::size_t i = 0; i + 1 < n; ++i) {
+        const double r = row.correlation[i][m];
+        cells.push_back(k != 1 ? "" : std::isfinite(r) ? fmt::format("{:.4f}", r) : "-");
+      }
+      table.rows.push_back(std::move(cells));
+    }
+  }
+  return {fmt::format("inside the cartilage, {} elements of the row at the {}, by volume", row.elements, name(row.row)),
+          std::move(table)};
+}
+
 TitledTable profile_table(const Comparison& c, const ComparedSurface& surface) {
   Table table;
   table.headings = {"degrees"};
@@ -241,6 +270,7 @@ void add_surface(const Comparison& c, const ComparedSurface& surface, bool detai
         {fmt::format("surface {}{}", surface_title(surface), rest), region_table(c, surface, region, details)});
     tables.push_back({"", pattern_table(c, region)});
   }
+  for (const ComparedRow& row : surface.inside) tables.push_back(inside_table(c, row));
   const std::string interface = interface_text(c, surface);
   if (!interface.empty()) tables.push_back({interface, {}});
   if (!surface.profiles.empty()) tables.push_back(profile_table(c, surface));

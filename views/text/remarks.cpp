@@ -341,6 +341,20 @@ void add_incomplete_maps(const JointModel& model, const ContactPair& pair, const
   }
 }
 
+/// Layers whose greatest shear is where the law of the inside knows least.
+void add_inside_edges(const Joint& joint, const StateResult& state, std::size_t contact, Lines& lines) {
+  const ContactPair& pair = joint.contacts[contact];
+  for (const int side : {0, 1}) {
+    const std::optional<InsideEnds>& inside = state.statistics[contact].inside[side];
+    if (!inside || !inside->peak_near_free_edge) continue;
+    const Layer& layer = side == 0 ? pair.source_layer() : pair.target_layer();
+    add_once(lines,
+             fmt::format("warning: contact \"{}\": at time {} the greatest shear inside the cartilage of {} is "
+                         "within {:g} thicknesses of its free edge, where it may be a third off (docs/inside.md)",
+                         pair.name, time_text(state.when.time), joint.bodies[at(layer.body)].name, kNearEdge));
+  }
+}
+
 /// Vertices under pressure whose thickness is doubtful.
 void add_doubtful_pressure(const JointModel& model, const ContactPair& pair, const StateResult& state,
                            std::size_t contact, const Wording& wording, Lines& lines) {
@@ -450,6 +464,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
     add_pressed_rims(model, joint.contacts[c], last, c, lines);
+    add_inside_edges(joint, last, c, lines);
     add_doubtful_pressure(model, joint.contacts[c], last, c, wording, lines);
   }
   return lines;

@@ -123,6 +123,38 @@ Table compartments_table(const Joint& joint, const std::vector<StateResult>& sta
   return table;
 }
 
+/// p99, mean and peak of a measure inside a layer.
+std::vector<std::string> inside_cells(const InsideDistribution& of) {
+  return {four_digits(of.p99), four_digits(of.mean), four_digits(of.peak)};
+}
+
+/// A line per state, contact, side and end of its layer; no rows: the inside was not asked for.
+Table inside_table(const Joint& joint, const std::vector<StateResult>& states, const UnitNames& units) {
+  Table table;
+  table.headings = {"time", "contact", "cartilage of", ""};
+  for (const InsideMeasure& measure : kInsideMeasures)
+    for (const char* number : {"p99", "mean", "peak"})
+      table.headings.push_back(with_unit(number == std::string("p99") ? fmt::format("{} p99", measure.words) : number,
+                                         units, measure.stress ? Dimension::Pressure : Dimension::None));
+  table.left = "rlll" + std::string(table.headings.size() - 4, 'r');
+  for (const StateResult& state : states)
+    for (std::size_t c = 0; c < joint.contacts.size(); ++c)
+      for (const int side : {0, 1}) {
+        const std::optional<InsideEnds>& ends = state.statistics[c].inside[side];
+        if (!ends) continue;
+        const ContactPair& pair = joint.contacts[c];
+        const Layer& layer = side == 0 ? pair.source_layer() : pair.target_layer();
+        for (const InsideEnd& end : kInsideEnds) {
+          std::vector<std::string> row = {time_text(state.when.time), pair.name, joint.bodies[at(layer.body)].name,
+                                          end.words};
+          for (const InsideMeasure& measure : kInsideMeasures)
+            for (std::string& cell : inside_cells((*ends).*end.value.*measure.value)) row.push_back(std::move(cell));
+          table.rows.push_back(std::move(row));
+        }
+      }
+  return table;
+}
+
 /// All other numbers of a contact: what they are, and how they are found.
 struct Detail {
   const char* name;
@@ -232,6 +264,9 @@ std::vector<TitledTable> run_tables(const Analysis& analysis, bool details, cons
   std::vector<TitledTable> tables = {{"", contacts_table(joint, analysis.states, units)}};
   if (Table compartments = compartments_table(joint, analysis.states, units); !compartments.rows.empty())
     tables.push_back({"compartments; share: of the sum of their forces", std::move(compartments)});
+  if (Table inside = inside_table(joint, analysis.states, units); !inside.rows.empty())
+    tables.push_back(
+        {"inside the cartilage, where it is pressed; third principal strain: the least", std::move(inside)});
   if (details && !analysis.states.empty()) tables.push_back({"", details_table(joint, analysis.states, units)});
   if (analysis.states.empty()) return tables;
   const StateResult& last = analysis.states.back();

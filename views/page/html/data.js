@@ -175,7 +175,7 @@ const Data = (() => {
     return out;
   }
 
-  return { array, surface, nodalAverage, carried, pointValues };
+  return { array, mesh, mapMesh, surface, nodalAverage, carried, pointValues };
 })();
 
 // Numbers as people write them.

@@ -376,5 +376,7 @@ const Figures = (() => {
     return out;
   }
 
-  return { list, save, saveSvg, savePng, resultStyle, cut, textWidth };
+  // what the figures of studies are made of, too
+  const tools = { svg, svgns, fontFamily, withLegend, base, grid, axis, axisAt, fitted, known, tick, extent, style };
+  return { list, save, saveSvg, savePng, resultStyle, cut, textWidth, tools };
 })();

@@ -45,6 +45,7 @@ class Maps {
     this.zoom = 1;
     this.radius = 1;
     this.drawn = 0;
+    this.flat = false;     // an unrolled surface: it is shifted, never turned
     this.plain = false;    // drawn without the veil, for speed
     this.loading = false;  // the veil
     this.fault = "";
@@ -411,6 +412,18 @@ class Maps {
     c.beginPath(); c.moveTo(bx, by - 3 * k); c.lineTo(bx, by); c.lineTo(bx + bar, by); c.lineTo(bx + bar, by - 3 * k); c.stroke();
     c.fillStyle = ink.soft; c.textAlign = "left"; c.textBaseline = "bottom";
     c.fillText(Format.short(step) + (Report.units.length ? " " + Report.units.length : ""), bx + 1 * k, by - 5 * k);
+    if (!this.flat) this.drawAxes(c, width, height, k, ink);
+    if (panel.message) {
+      c.fillStyle = ink.ink; c.textAlign = "center"; c.textBaseline = "middle";
+      c.font = `${14 * k}px ${getComputedStyle(document.body).fontFamily}`;
+      const w = c.measureText(panel.message).width + 20 * k;
+      c.globalAlpha = 0.9; c.fillStyle = ink.paper; c.fillRect(width / 2 - w / 2, height / 2 - 14 * k, w, 28 * k);
+      c.globalAlpha = 1; c.fillStyle = ink.ink; c.fillText(panel.message, width / 2, height / 2, width - 10 * k);
+    }
+  }
+
+  // Where the axes point.
+  drawAxes(c, width, height, k, ink) {
     const ox = width - 34 * k, oy = height - 32 * k, inverse = this.orientation.clone().invert();
     const axes = [["x", 1, 0, 0], ["y", 0, 1, 0], ["z", 0, 0, 1]].map(([name, ...d]) => [name, new THREE.Vector3(...d).applyQuaternion(inverse)]);
     axes.sort((a, b) => a[1].z - b[1].z);
@@ -423,13 +436,6 @@ class Maps {
       if (flat > 0.25) c.fillText(name, ox + 23 * k * d.x * (0.6 + 0.4 / flat) , oy - 23 * k * d.y * (0.6 + 0.4 / flat));
     }
     c.globalAlpha = 1;
-    if (panel.message) {
-      c.fillStyle = ink.ink; c.textAlign = "center"; c.textBaseline = "middle";
-      c.font = `${14 * k}px ${getComputedStyle(document.body).fontFamily}`;
-      const w = c.measureText(panel.message).width + 20 * k;
-      c.globalAlpha = 0.9; c.fillStyle = ink.paper; c.fillRect(width / 2 - w / 2, height / 2 - 14 * k, w, 28 * k);
-      c.globalAlpha = 1; c.fillStyle = ink.ink; c.fillText(panel.message, width / 2, height / 2, width - 10 * k);
-    }
   }
 
   // ---- picking: triangles under the pointer, nearest to the viewer ----
@@ -491,6 +497,7 @@ class Maps {
 
   // ---- mouse, touch, wheel ----
   turn(dx, dy) {
+    if (this.flat) return;
     this.hurry();
     const q = new THREE.Quaternion();
     this.orientation.multiply(q.setFromAxisAngle(new THREE.Vector3(0, 1, 0), -dx));

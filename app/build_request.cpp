@@ -1,0 +1,303 @@
+#include <febiodea/app/build_request.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/names.h>
+#include <febiodea/build/mend_surface.h>
+#include <febiodea/io/surfaces/read_surface.h>
+#include <febiodea/io/tables/number_table.h>
+
+namespace dea {
+
+namespace {
+
+using Way = CartilageRequest::Way;
+
+/// "femur=2.0", cut at the last '='.
+struct Named {
+  std::string name, value;
+};
+Named named(const char* option, const std::string& text, const char* form) {
+  const std::size_t cut = text.rfind('=');
+  if (cut == std::string::npos || cut == 0 || cut + 1 == text.size())
+    throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, form));
+  return {trimmed(text.substr(0, cut)), trimmed(text.substr(cut + 1))};
+}
+
+std::vector<std::string> bone_names(const BuildRequest& request) {
+  std::vector<std::string> names;
+  for (const BoneRequest& b : request.bones) names.push_back(b.name);
+  return names;
+}
+
+int bone_of(const BuildRequest& request, const char* option, const std::string& name) {
+  const std::vector<std::string> names = bone_names(request);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw UsageError(fmt::format("--{} {}: no bone has this name{}; bones are {}", option, name,
+                                 did_you_mean(name, names), name_list(names)));
+  return static_cast<int>(found - names.begin());
+}
+
+double not_negative(const char* option, const std::string& text) {
+  const double value = number_argument(option, text);
+  if (!(value >= 0)) throw UsageError(fmt::format("--{} {}: found \"{}\", expected 0 or more", option, text, text));
+  return value;
+}
+
+CartilageRequest& add_cartilage(BuildRequest& request, const char* option, const std::string& name, Way way) {
+  const int bone = bone_of(request, option, name);
+  for (const CartilageRequest& c : request.cartilages)
+    if (c.bone == bone)
+      throw UsageError(fmt::format(
+          "--{} {}: found a second cartilage of this bone, expected one (--cartilage, --uniform, --thickness-at)",
+          option, name));
+  CartilageRequest c;
+  c.bone = bone;
+  c.way = way;
+  request.cartilages.push_back(c);
+  return request.cartilages.back();
+}
+
+/// "max=2,min=0.5" for all bones that have no cartilage yet.
+void add_half_gap(const std::string& text, BuildRequest& request) {
+  double most = 0, least = -1;
+  for (const std::string& part : split_at_commas(text)) {
+    const Named n = named("half-gap", part, "max=A,min=B");
+    if (n.name != "max" && n.name != "min")
+      throw UsageError(fmt::format("--half-gap {}: found \"{}\", expected max=A,min=B", text, n.name));
+    (n.name == "max" ? most : least) = positive_argument("half-gap", n.value);
+  }
+  if (!(most > 0) || !(least > 0) || least > most)
+    throw UsageError(fmt::format("--half-gap {}: found \"{}\", expected max=A,min=B with A above B", text, text));
+  bool any = false;
+  for (std::size_t b = 0; b < request.bones.size(); ++b) {
+    const auto own = [&](const CartilageRequest& c) { return c.bone == static_cast<int>(b); };
+    if (std::any_of(request.cartilages.begin(), request.cartilages.end(), own)) continue;
+    CartilageRequest& c = add_cartilage(request, "half-gap", request.bones[b].name, Way::HalfGap);
+    c.most = most;
+    c.least = least;
+    any = true;
+  }
+  if (!any)
+    throw UsageError(fmt::format("--half-gap {}: every bone has its cartilage already, expected one without", text));
+}
+
+GivenRegion region_of(const std::string& text) {
+  GivenRegion region;
+  const bool sphere = text.rfind("sphere:", 0) == 0, plane = text.rfind("plane:", 0) == 0;
+  if (!sphere && !plane) {
+    region.kind = GivenRegion::Kind::Surface;
+    return region;
+  }
+  const std::vector<double> v = argument("region", text.substr(text.find(':') + 1), parse_numbers);
+  if (v.size() != (sphere ? 4U : 6U))
+    throw UsageError(fmt::format("--region {}: found {} numbers, expected {}", text, v.size(),
+                                 sphere ? "sphere:x,y,z,r" : "plane:x,y,z,nx,ny,nz"));
+  region.kind = sphere ? GivenRegion::Kind::Sphere : GivenRegion::Kind::Plane;
+  region.point = {v[0], v[1], v[2]};
+  if (sphere) {
+    region.radius = v[3];
+    if (!(v[3] > 0))
+      throw UsageError(fmt::format("--region {}: found a radius of {}, expected one above 0", text, v[3]));
+  } else {
+    region.normal = {v[3], v[4], v[5]};
+    if (!(region.normal.norm() > 0))
+      throw UsageError(fmt::format("--region {}: found a normal of no length, expected a direction", text));
+    region.normal.normalize();
+  }
+  return region;
+}
+
+void add_loads(const BuildArguments& a, BuildRequest& request) {
+  for (const std::string& text : a.forces) {
+    const Named n = named("force", text, "BODY=x,y,z");
+    BoneRequest& bone = request.bones[at(bone_of(request, "force", n.name))];
+    bone.fixed = false;
+    bone.force = vector_argument("force", n.value);
+  }
+  for (const std::string& text : a.centers) {
+    const Named n = named("center", text, "BODY=x,y,z");
+    request.bones[at(bone_of(request, "center", n.name))].center = vector_argument("center", n.value);
+  }
+  if (a.forces.empty())
+    throw UsageError(
+        "no force is given, expected --force BODY=x,y,z: it presses one bone against the others, which are held");
+  if (std::all_of(request.bones.begin(), request.bones.end(), [](const BoneRequest& b) { return !b.fixed; }))
+    throw UsageError("--force: found one for every bone, expected one bone without, which is held");
+}
+
+void set_mesh(const BuildArguments& a, BuildRequest& request) {
+  if (!a.reach.empty()) request.reach = positive_argument("reach", a.reach);
+  if (!a.rim.empty()) request.rim_length = not_negative("rim", a.rim);
+  if (!a.fade.empty()) request.fade = not_negative("fade", a.fade);
+  if (!a.edge.empty()) request.edge = positive_argument("edge", a.edge);
+  if (!a.least.empty()) request.least_thickness = positive_argument("least", a.least);
+  if (!a.layers.empty()) request.elements_through = count_argument("layers", a.layers, 1, 50);
+  request.fill_holes = !a.keep_holes;
+  request.whole_bones = a.bone_shells != "none";
+  if (!a.bone_shells.empty() && a.bone_shells != "none" && a.bone_shells != "shell")
+    request.most_bone_triangles = static_cast<std::size_t>(count_argument("bones", a.bone_shells, 100, 100000000));
+  if (!a.primary.empty()) {
+    bone_of(request, "primary", a.primary);
+    request.primary = a.primary;
+  }
+}
+
+double scale_of(const BuildArguments& a) {
+  if (!a.scale.empty() && !a.units.empty()) throw UsageError("--scale and --units: found both, expected one of them");
+  if (!a.scale.empty()) return positive_argument("scale", a.scale);
+  if (a.units == "m") return 1000;
+  if (a.units == "cm") return 10;
+  if (a.units.empty() || a.units == "mm") return 1;
+  throw wrong_word("units", a.units, "mm, cm or m", {"mm", "cm", "m"});
+}
+
+/// Bones of a joint are some cm to some dm long.
+std::string refuse_size(const BuildArguments& a, const BuildRequest& request) {
+  double size = 0;
+  for (const BoneRequest& b : request.bones) {
+    const auto box = box_of(b.surface);
+    size = std::max(size, (box[1] - box[0]).maxCoeff());
+  }
+  if (!a.units.empty() || !a.scale.empty()) return "";
+  if (size >= 10 && size <= 2000)
+    return fmt::format("units: mm, by the size of the largest bone, {:.4g} (--units)", size);
+  const char* looks = size < 1.5 ? "m" : size < 10 ? "cm" : "micrometres";
+  throw InputError(
+      fmt::format("found bones no larger than {:.4g}, expected mm, 10 to 2000: these look like {}; {} says what they "
+                  "are, --units mm that "
+                  "they are mm",
+                  size, looks, size < 10 ? fmt::format("--units {}", looks) : std::string("--scale 0.001")));
+}
+
+MendedSurface read_mended(const std::string& path, double scale, const std::string& what,
+                          std::vector<std::string>& findings) {
+  TriangleSurface surface = read_surface(path);
+  for (Eigen::Vector3d& x : surface.points) x *= scale;
+  MendedSurface mended = mend_surface(surface);
+  const std::size_t triangles = mended.surface.triangles.size();
+  if (triangles < 4)
+    throw InputError(path, 0,
+                     fmt::format("found {} triangle{} with area, expected a surface of four or more", triangles,
+                                 triangles == 1 ? "" : "s"));
+  const std::vector<std::string> faults = fault_words(mended.faults);
+  findings.push_back(fmt::format("{}: {}: {} triangles{}{}", what, path, triangles, faults.empty() ? "" : "; ",
+                                 fmt::join(faults, ", ")));
+  return mended;
+}
+
+void read_points(const std::string& path, double scale, CartilageRequest& c) {
+  const NumberTable table = read_table(path);
+  int column[4];
+  const char* names[] = {"x", "y", "z", "thickness"};
+  for (int i = 0; i < 4; ++i) {
+    column[i] = table.find(names[i]);
+    if (column[i] < 0)
+      throw InputError(path, 0, fmt::format("found no column \"{}\", expected x, y, z, thickness", names[i]));
+  }
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    const auto value = [&](int i) { return scale * table.rows[r][at(column[i])]; };
+    if (!(value(3) > 0))
+      throw InputError(path, table.lines[r], fmt::format("found a thickness of {}, expected one above 0", value(3)));
+    c.places.push_back({value(0), value(1), value(2)});
+    c.thickness_there.push_back(value(3));
+  }
+}
+
+}  // namespace
+
+BuildInputs build_inputs(const BuildArguments& a) {
+  BuildInputs inputs;
+  BuildRequest& request = inputs.request;
+  scale_of(a);
+  for (const std::string& text : a.bones) {
+    const Named n = named("bone", text, "NAME=FILE");
+    const std::vector<std::string> names = bone_names(request);
+    if (std::find(names.begin(), names.end(), n.name) != names.end())
+      throw UsageError(fmt::format("--bone {}: found the name \"{}\" twice, expected another", text, n.name));
+    BoneRequest bone;
+    bone.name = n.name;
+    request.bones.push_back(bone);
+    inputs.files.push_back({"--bone", n.value});
+  }
+  if (request.bones.size() < 2)
+    throw UsageError("--bone: found fewer than two, expected --bone NAME=FILE for each bone of the joint");
+  for (const std::string& text : a.cartilages) {
+    const Named n = named("cartilage", text, "NAME=FILE");
+    add_cartilage(request, "cartilage", n.name, Way::Segmented);
+    inputs.files.push_back({"--cartilage", n.value});
+  }
+  for (const std::string& text : a.uniform) {
+    const Named n = named("uniform", text, "NAME=T");
+    add_cartilage(request, "uniform", n.name, Way::Uniform).thickness = positive_argument("uniform", n.value);
+  }
+  for (const std::string& text : a.thickness_at) {
+    const Named n = named("thickness-at", text, "NAME=FILE");
+    add_cartilage(request, "thickness-at", n.name, Way::Points);
+    inputs.files.push_back({"--thickness-at", n.value});
+  }
+  if (!a.half_gap.empty()) add_half_gap(a.half_gap, request);
+  if (request.cartilages.empty())
+    throw UsageError(
+        "no cartilage is given, expected --cartilage, --uniform, --half-gap or --thickness-at for one bone at least");
+  for (const std::string& text : a.regions) {
+    const Named n = named("region", text, "NAME=FILE, NAME=sphere:x,y,z,r or NAME=plane:x,y,z,nx,ny,nz");
+    const int bone = bone_of(request, "region", n.name);
+    const auto own = [&](const CartilageRequest& c) { return c.bone == bone && c.way != Way::Segmented; };
+    const auto c = std::find_if(request.cartilages.begin(), request.cartilages.end(), own);
+    if (c == request.cartilages.end())
+      throw UsageError(
+          fmt::format("--region {}: the bone has no cartilage that is made here, expected --uniform, --half-gap or "
+                      "--thickness-at for it",
+                      text));
+    c->region = region_of(n.value);
+    if (c->region->kind == GivenRegion::Kind::Surface) inputs.files.push_back({"--region", n.value});
+  }
+  add_loads(a, request);
+  set_mesh(a, request);
+  if (!a.E.empty()) inputs.model.E = positive_argument("E", a.E);
+  if (!a.nu.empty()) inputs.model.nu = not_negative("nu", a.nu);
+  if (inputs.model.nu >= 0.5)
+    throw UsageError(fmt::format("--nu {}: found \"{}\", expected a number below 0.5", a.nu, a.nu));
+  if (!a.penalty.empty()) inputs.model.penalty = positive_argument("penalty", a.penalty);
+  return inputs;
+}
+
+std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inputs) {
+  std::vector<std::string> findings;
+  BuildRequest& request = inputs.request;
+  const double scale = scale_of(a);
+  for (std::size_t b = 0; b < request.bones.size(); ++b) {
+    MendedSurface mended = read_mended(named("bone", a.bones[b], "").value, scale, request.bones[b].name, findings);
+    request.bones[b].closed = mended.closed();
+    request.bones[b].surface = std::move(mended.surface);
+  }
+  const std::string units = refuse_size(a, request);
+  if (!units.empty()) findings.push_back(units);
+  const auto cartilage = [&](const std::string& name) -> CartilageRequest& {
+    const int bone = bone_of(request, "cartilage", name);
+    return *std::find_if(request.cartilages.begin(), request.cartilages.end(),
+                         [&](const CartilageRequest& c) { return c.bone == bone; });
+  };
+  for (const std::string& text : a.cartilages) {
+    const Named n = named("cartilage", text, "");
+    cartilage(n.name).outer = read_mended(n.value, scale, n.name + " cartilage", findings).surface;
+  }
+  for (const std::string& text : a.thickness_at) {
+    const Named n = named("thickness-at", text, "");
+    read_points(n.value, scale, cartilage(n.name));
+  }
+  for (const std::string& text : a.regions) {
+    const Named n = named("region", text, "");
+    GivenRegion& region = *cartilage(n.name).region;
+    if (region.kind == GivenRegion::Kind::Surface)
+      region.surface = read_mended(n.value, scale, n.name + " region", findings).surface;
+  }
+  return findings;
+}
+
+}  // namespace dea

@@ -1,0 +1,24 @@
+// febiodea/app/build_request.h – what `dea build` is asked for, from its options and the files they name.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/build/build_joint.h>
+#include <febiodea/io/files/output.h>
+
+namespace dea {
+
+struct BuildInputs {
+  BuildRequest request;
+  BuiltModelSettings model;
+  std::vector<NamedPath> files;
+};
+
+/// All but the surfaces: options that contradict each other or name no bone are refused before anything is read.
+BuildInputs build_inputs(const BuildArguments& arguments);
+
+/// Reads, scales and mends all surfaces into the request. Returns what was found. Throws InputError.
+std::vector<std::string> read_surfaces(const BuildArguments& arguments, BuildInputs& inputs);
+
+}  // namespace dea

@@ -1,0 +1,120 @@
+#include <febiodea/app/study_report.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/views/page/write_page.h>
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kSectors = "sectors=";
+
+Vector3d direction(const char* option, const std::string& text) {
+  const Vector3d v = vector_argument(option, text);
+  if (!(v.norm() > 0))
+    throw UsageError(fmt::format("--{} {}: found \"{}\", expected a direction that is not 0", option, text, text));
+  return v;
+}
+
+StudyRegionOptions region_options(const StudyArguments& a) {
+  StudyRegionOptions o;
+  if (a.regions == "socket")
+    o.socket = true;
+  else if (a.regions.rfind(kSectors, 0) == 0)
+    o.sectors = count_argument("regions", a.regions.substr(std::string(kSectors).size()), 2, 72);
+  else if (!a.regions.empty())
+    throw wrong_word("regions", a.regions, "socket or sectors=N", {"socket", "sectors=6"});
+  if (!a.up.empty()) o.up = direction("up", a.up);
+  if (!a.anterior.empty()) o.anterior = direction("anterior", a.anterior);
+  if (!a.axis.empty()) o.axis = direction("axis", a.axis);
+  if (!a.center.empty()) o.center = vector_argument("center", a.center);
+  if (o.any() && !o.up) throw UsageError("--regions needs --up x,y,z, the direction to the top");
+  if (o.socket && !o.anterior) throw UsageError("--regions socket needs --anterior x,y,z, the direction to the front");
+  if (!o.any() && (o.anterior || o.axis || o.center))
+    throw UsageError("--anterior, --axis and --center belong to --regions");
+  return o;
+}
+
+void read_dose_options(const StudyArguments& a, StudyMapOptions& o) {
+  if (!a.dose_above.empty()) {
+    o.dose_above = number_argument("dose-above", a.dose_above);
+    if (!(*o.dose_above >= 0))
+      throw UsageError(
+          fmt::format("--dose-above {}: found \"{}\", expected a pressure of 0 or more", a.dose_above, a.dose_above));
+  }
+  if (!a.cycles_per_year.empty()) o.cycles_per_year = positive_argument("cycles-per-year", a.cycles_per_year);
+  if (!a.years.empty()) o.years = positive_argument("years", a.years);
+  if (!a.cycle_seconds.empty()) o.cycle_seconds = positive_argument("cycle-seconds", a.cycle_seconds);
+  if (o.cycles_per_year.has_value() != o.years.has_value())
+    throw UsageError("--cycles-per-year and --years go together");
+  if (!o.dose_above && (o.years || o.cycle_seconds))
+    throw UsageError("--cycles-per-year, --years and --cycle-seconds belong to --dose-above");
+}
+
+}  // namespace
+
+void add_study_report_options(CLI::App& c, StudyArguments& a) {
+  const char* group = "Page";
+  add_once(c, "--report", a.report, "FILE.html", group, "Write the study as one page for any browser");
+  add_once(c, "--group", a.group, "COLUMN", group, "A factor, or \"model\", whose values are compared as groups");
+  add_once(c, "--pair", a.pair, "COLUMN[=A,B]", group, "A column of which two values pair cases alike in all others");
+  add_once(c, "--regions", a.regions, "socket|sectors=N", group,
+           "Numbers of regions: six of a socket, or sectors about its axis; of --keep fields");
+  add_once(c, "--up", a.up, "x,y,z", group, "Direction to the top; sectors begin there");
+  add_once(c, "--anterior", a.anterior, "x,y,z", group, "Direction to the front");
+  add_once(c, "--axis", a.axis, "x,y,z", group, "Axis of regions [mean normal of the surface]");
+  add_once(c, "--center", a.center, "x,y,z", group, "Centre of regions [that of the surface's sphere]");
+  add_once(c, "--dose-above", a.dose_above, "P", group,
+           "Exposure over the cycle, and overpressure above this pressure; of --keep fields");
+  add_once(c, "--cycles-per-year", a.cycles_per_year, "N", group, "The dose of years of cycles; with --years");
+  add_once(c, "--years", a.years, "N", group, "How many years");
+  add_once(c, "--cycle-seconds", a.cycle_seconds, "S", group,
+           "How long a cycle takes [from the first state to the last, in seconds]");
+}
+
+StudyPageOptions study_page_options(const StudyArguments& a) {
+  StudyPageOptions o;
+  require_page_name("--report", a.report);
+  o.group = a.group;
+  o.pair = a.pair;
+  o.maps.regions = region_options(a);
+  read_dose_options(a, o.maps);
+  o.words = a.words;
+  if (!a.report.empty()) return o;
+  const std::pair<const char*, const std::string*> belonging[] = {{"--group", &a.group},
+                                                                  {"--pair", &a.pair},
+                                                                  {"--regions", &a.regions},
+                                                                  {"--up", &a.up},
+                                                                  {"--dose-above", &a.dose_above}};
+  for (const auto& [name, text] : belonging)
+    if (!text->empty()) throw UsageError(fmt::format("{} {}: belongs to --report FILE.html", name, *text));
+  return o;
+}
+
+void check_study_columns(const StudyArguments& a, const Plan& plan) {
+  std::vector<std::string> names = {"model"};
+  for (const Factor& f : plan.factors) names.push_back(f.name);
+  for (const auto& [option, text] : {std::pair("--group", &a.group), std::pair("--pair", &a.pair)}) {
+    const std::string name = text->substr(0, text->find('='));
+    const auto same = [&name](const std::string& known) { return lower_case(known) == lower_case(name); };
+    if (!text->empty() && std::none_of(names.begin(), names.end(), same))
+      throw UsageError(fmt::format("{} {}: found no factor \"{}\"{}, expected one of {}", option, *text, name,
+                                   did_you_mean(name, names), name_list(names, name)));
+  }
+}
+
+void write_study_report(const StudyArguments& a, const std::string& study) {
+  if (a.report.empty()) return;
+  const StudyPageSummary summary = write_study_page(a.report, study, study_page_options(a));
+  for (const std::string& note : summary.notes) log(fmt::format("note: {}: {}", a.report, note));
+}
+
+}  // namespace dea

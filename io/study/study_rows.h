@@ -1,0 +1,67 @@
+// febiodea/io/study/study_rows.h – the numbers of a whole study in a few passes over its file: what statistics and
+// pages are made of.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dea {
+
+/// Rows of the table `statistics` and of `parts`; what a page or a statistic over all cases has to read.
+std::size_t count_study_rows(const std::string& path);
+
+/// One state of a case.
+struct StudyState {
+  std::int64_t case_id = 0;  ///< from 1
+  int state = 0;             ///< from 1
+  double time = 0.0;         ///< the model's
+  std::string outcome, message;
+};
+/// In the order of cases and states.
+std::vector<StudyState> read_states(const std::string& path);
+
+/// Where a number was measured: a contact, or one compartment of it.
+struct StudyPlace {
+  int contact_id = 0;
+  std::string contact;
+  std::string part;  ///< empty: the whole contact
+};
+/// Columns that contacts and compartments share ("headline_p99", "force_x", ...), a row per case, state and place.
+struct StudyRows {
+  std::vector<StudyPlace> places;  ///< each contact, its compartments behind it
+  std::vector<std::int64_t> case_id;
+  std::vector<int> state;                    ///< from 1
+  std::vector<int> place;                    ///< index
+  std::vector<std::vector<double>> numbers;  ///< one per name; NaN: NULL
+};
+/// Throws InputError.
+StudyRows read_rows(const std::string& path, const std::vector<std::string>& names);
+
+/// facet_contact_area of a row of `statistics`: what the edge of contact of its map encloses.
+struct StudyContactArea {
+  std::int64_t case_id = 0;
+  int state = 0, contact_id = 0;
+  std::string contact, source;
+  double area = 0.0;
+};
+std::vector<StudyContactArea> read_contact_areas(const std::string& path);
+
+struct StudyWarning {
+  std::int64_t case_id = 0;
+  std::string text;
+};
+std::vector<StudyWarning> read_warnings(const std::string& path);
+
+/// A row of `fields`, without its pressures.
+struct StudyFieldKey {
+  std::int64_t case_id = 0;
+  int state = 0, contact_id = 0;
+};
+/// In the order of cases, states and contacts.
+std::vector<StudyFieldKey> list_fields(const std::string& path);
+/// Pressures at vertices of all fields that `wanted` says, in the same order.
+void read_fields(const std::string& path, const std::function<bool(const StudyFieldKey&)>& wanted,
+                 const std::function<void(const StudyFieldKey&, std::vector<float>&&)>& each);
+
+}  // namespace dea

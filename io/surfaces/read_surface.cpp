@@ -1,0 +1,163 @@
+#include <febiodea/io/surfaces/read_surface.h>
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include <cstdint>
+#include <fstream>
+#include <sstream>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/surfaces/surface_text.h>
+
+namespace dea {
+
+namespace {
+
+constexpr std::size_t kStlHead = 84, kStlTriangle = 50;
+
+std::string content_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream out;
+  if (!in || !(out << in.rdbuf()) || in.bad()) {
+    if (in && in.peek() == std::ifstream::traits_type::eof()) return {};
+    throw InputError(path, 0, "found no file that can be read, expected a triangle surface");
+  }
+  return std::move(out).str();
+}
+
+bool begins(const std::string& content, const char* word) { return content.rfind(word, 0) == 0; }
+
+std::uint32_t stl_count(const std::string& content) {
+  std::uint32_t count = 0;
+  std::memcpy(&count, content.data() + 80, 4);
+  return count;
+}
+
+/// A binary STL may begin with "solid" too: its size tells.
+bool is_binary_stl(const std::string& content) {
+  return content.size() >= kStlHead && content.size() == kStlHead + kStlTriangle * std::size_t{stl_count(content)};
+}
+
+TriangleSurface read_content(const std::string& path, const std::string& content) {
+  SurfaceText text(path, content);
+  const std::string extension = extension_of(path);
+  if (content.empty()) throw InputError(path, 0, "found an empty file, expected a triangle surface");
+  if (is_binary_stl(content)) return read_stl_binary(text);
+  if (begins(content, "ply\n") || begins(content, "ply\r\n")) return read_ply(text);
+  if (begins(content, "# vtk DataFile")) return read_vtk(text);
+  if (begins(content, "<?xml") || begins(content, "<VTKFile")) return read_vtp(path, content);
+  if (extension == ".obj") return read_obj(text);
+  if (begins(content, "solid") && content.find("facet") < 2000) return read_stl_text(text);
+  if (extension == ".stl" && content.size() >= kStlHead && content.find('\0') < kStlHead)
+    throw InputError(
+        path, 0,
+        fmt::format("found {} bytes, expected {} for the {} triangles that this STL file names: it is cut "
+                    "off or damaged",
+                    content.size(), kStlHead + kStlTriangle * std::size_t{stl_count(content)}, stl_count(content)));
+  throw InputError(path, 0, "found no surface that is known, expected STL, OBJ, PLY, VTK (polydata) or VTP");
+}
+
+}  // namespace
+
+TriangleSurface read_surface(const std::string& path) {
+  TriangleSurface surface = read_content(path, content_of(path));
+  if (surface.triangles.empty()) throw InputError(path, 0, "found no triangle, expected a surface");
+  for (std::size_t i = 0; i < surface.points.size(); ++i)
+    if (!surface.points[i].allFinite() || surface.points[i].cwiseAbs().maxCoeff() > 1e15)
+      throw InputError(path, 0,
+                       fmt::format("found a coordinate of point {} that is no number of use, expected finite "
+                                   "ones: the file is damaged",
+                                   i + 1));
+  return surface;
+}
+
+void write_stl(const std::string& path, const TriangleSurface& surface) {
+  std::string bytes(80, ' ');
+  const auto add = [&](const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); };
+  const auto count = static_cast<std::uint32_t>(surface.triangles.size());
+  add(&count, 4);
+  for (const auto& t : surface.triangles) {
+    std::array<Eigen::Vector3d, 4> v;
+    for (std::size_t k = 0; k < 3; ++k) v[k + 1] = surface.points[static_cast<std::size_t>(t[k])];
+    v[0] = (v[2] - v[1]).cross(v[3] - v[1]).normalized();
+    for (const Eigen::Vector3d& x : v) {
+      const Eigen::Vector3f single = x.cast<float>();
+      add(single.data(), 12);
+    }
+    bytes.append(2, '\0');
+  }
+  write_text(path, bytes);
+}
+
+TriangleSurface read_stl_binary(SurfaceText& text) {
+  text.skip_bytes(80, "the head of the STL file");
+  const auto count = text.next_bytes<std::uint32_t>(false, "the number of triangles");
+  TriangleSurface surface;
+  surface.points.reserve(3 * std::size_t{count});
+  for (std::uint32_t i = 0; i < count; ++i) {
+    text.skip_bytes(12, "a triangle");
+    for (int k = 0; k < 3; ++k) {
+      Eigen::Vector3d x;
+      for (int c = 0; c < 3; ++c) x[c] = static_cast<double>(text.next_bytes<float>(false, "a triangle"));
+      surface.points.push_back(x);
+    }
+    text.skip_bytes(2, "a triangle");
+    const int first = static_cast<int>(3 * i);
+    surface.triangles.push_back({first, first + 1, first + 2});
+  }
+  return surface;
+}
+
+TriangleSurface read_stl_text(SurfaceText& text) {
+  TriangleSurface surface;
+  text.next_line();  // solid and its name
+  bool ended = false;
+  for (std::string_view word = text.next_word(); !word.empty(); word = text.next_word()) {
+    if (word == "facet") ended = false;
+    if (word == "endsolid" || word == "solid") {
+      ended = true;
+      text.next_line();
+      continue;
+    }
+    if (word != "vertex") continue;
+    Eigen::Vector3d x;
+    for (int c = 0; c < 3; ++c) x[c] = text.next_number("a coordinate");
+    surface.points.push_back(x);
+    if (surface.points.size() % 3 != 0) continue;
+    const int first = static_cast<int>(surface.points.size()) - 3;
+    surface.triangles.push_back({first, first + 1, first + 2});
+  }
+  if (!ended || surface.points.size() % 3 != 0) text.refuse_end("\"endsolid\"");
+  return surface;
+}
+
+TriangleSurface read_obj(SurfaceText& text) {
+  TriangleSurface surface;
+  std::vector<long long> corners;
+  while (!text.at_end()) {
+    std::istringstream words{std::string(text.next_line())};
+    words.imbue(std::locale::classic());
+    std::string word;
+    words >> word;
+    if (word == "v") {
+      Eigen::Vector3d x;
+      if (!(words >> x.x() >> x.y() >> x.z())) text.refuse_above("expected \"v x y z\" with three numbers");
+      surface.points.push_back(x);
+    } else if (word == "f") {
+      corners.clear();
+      while (words >> word) {
+        char* end = nullptr;
+        const long long corner = std::strtoll(word.c_str(), &end, 10);  // "3/1/2": point, texture, normal
+        if (end == word.c_str() || corner == 0) text.refuse_above("expected \"f 1 2 3\" with numbers of points");
+        corners.push_back(corner > 0 ? corner - 1 : static_cast<long long>(surface.points.size()) + corner);
+      }
+      text.add_polygon(surface, corners);
+    }
+  }
+  return surface;
+}
+
+}  // namespace dea

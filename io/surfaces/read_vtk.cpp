@@ -1,0 +1,208 @@
+// VTK's surfaces: legacy files of polydata, text or big-endian bytes, and VTP as text.
+#include <fmt/format.h>
+#include <tinyxml2.h>
+
+#include <cstdint>
+#include <functional>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/surfaces/surface_text.h>
+
+namespace dea {
+
+namespace {
+
+enum class Type { Float, Double, Int32, Int64 };
+
+Type type_of(SurfaceText& text, std::string_view word) {
+  if (word == "float") return Type::Float;
+  if (word == "double") return Type::Double;
+  if (word == "int" || word == "vtkIdType") return Type::Int32;
+  if (word == "vtktypeint64" || word == "long") return Type::Int64;
+  text.refuse(fmt::format("found the type \"{}\", expected float, double, int or vtktypeint64", word));
+}
+
+double next_value(SurfaceText& text, bool binary, Type type) {
+  const char* what = "a number";
+  if (!binary) return text.next_number(what);
+  switch (type) {
+    case Type::Float:
+      return static_cast<double>(text.next_bytes<float>(true, what));
+    case Type::Double:
+      return text.next_bytes<double>(true, what);
+    case Type::Int32:
+      return text.next_bytes<std::int32_t>(true, what);
+    case Type::Int64:
+      return static_cast<double>(text.next_bytes<std::int64_t>(true, what));
+  }
+  return 0;
+}
+
+long long next_whole(SurfaceText& text, bool binary, Type type) {
+  return binary ? static_cast<long long>(next_value(text, true, type)) : text.next_integer("a point's number");
+}
+
+void end_bytes(SurfaceText& text, bool binary) {
+  if (binary && !text.at_end()) text.next_line();
+}
+
+void read_points(SurfaceText& text, bool binary, TriangleSurface& surface) {
+  const std::size_t count = text.checked_count(text.next_integer("the number of points"), 1, "points");
+  const Type type = type_of(text, text.next_word());
+  text.next_line();
+  for (std::size_t i = 0; i < count; ++i) {
+    Eigen::Vector3d x;
+    for (int c = 0; c < 3; ++c) x[c] = next_value(text, binary, type);
+    surface.points.push_back(x);
+  }
+  end_bytes(text, binary);
+}
+
+/// Offsets and corners by themselves, as files of version 5.1 have them; the count is one more than there are cells.
+void read_cells_51(SurfaceText& text, bool binary, long long offsets, long long corners, TriangleSurface* surface) {
+  std::vector<long long> begin, all;
+  const auto read = [&](const char* name, long long count, std::vector<long long>& values) {
+    if (text.next_word() != name) text.refuse(fmt::format("found another word, expected \"{}\"", name));
+    const Type type = type_of(text, text.next_word());
+    text.next_line();
+    const std::size_t n = text.checked_count(count, 1, "numbers");
+    for (std::size_t i = 0; i < n; ++i) values.push_back(next_whole(text, binary, type));
+    end_bytes(text, binary);
+  };
+  read("OFFSETS", offsets, begin);
+  read("CONNECTIVITY", corners, all);
+  for (std::size_t i = 0; surface != nullptr && i + 1 < begin.size(); ++i) {
+    if (begin[i] < 0 || begin[i + 1] < begin[i] || begin[i + 1] > static_cast<long long>(all.size()))
+      text.refuse(fmt::format("found the offset {}, expected offsets that grow to {}", begin[i + 1], all.size()));
+    text.add_polygon(*surface, {all.begin() + begin[i], all.begin() + begin[i + 1]});
+  }
+}
+
+/// POLYGONS, or cells that are passed over (surface: nullptr).
+void read_cells(SurfaceText& text, bool binary, bool version_5, TriangleSurface* surface) {
+  const long long first = text.next_integer("the number of cells"), second = text.next_integer("the size of the cells");
+  text.next_line();
+  if (version_5) return read_cells_51(text, binary, first, second, surface);
+  const std::size_t cells = text.checked_count(first, 1, "cells");
+  for (std::size_t i = 0; i < cells; ++i) {
+    const std::size_t count = text.checked_count(next_whole(text, binary, Type::Int32), 1, "corners");
+    std::vector<long long> corners;
+    for (std::size_t k = 0; k < count; ++k) corners.push_back(next_whole(text, binary, Type::Int32));
+    if (surface != nullptr) text.add_polygon(*surface, corners);
+  }
+  end_bytes(text, binary);
+}
+
+}  // namespace
+
+TriangleSurface read_vtk(SurfaceText& text) {
+  const bool version_5 = text.next_line().find("Version 5") != std::string_view::npos;
+  text.next_line();  // title
+  const std::string_view coding = text.next_word();
+  if (coding != "ASCII" && coding != "BINARY")
+    text.refuse(fmt::format("found \"{}\", expected ASCII or BINARY", coding));
+  const bool binary = coding == "BINARY";
+  if (text.next_word() != "DATASET" || text.next_word() != "POLYDATA")
+    text.refuse("found another data set, expected \"DATASET POLYDATA\": a surface, not a volume or grid");
+  TriangleSurface surface;
+  for (std::string_view word = text.next_word(); !word.empty(); word = text.next_word()) {
+    if (word == "POINTS") {
+      read_points(text, binary, surface);
+    } else if (word == "POLYGONS") {
+      read_cells(text, binary, version_5, &surface);
+      return surface;
+    } else if (word == "VERTICES" || word == "LINES") {
+      read_cells(text, binary, version_5, nullptr);
+    } else if (word == "METADATA") {
+      while (!text.at_end() && !text.next_line().empty()) {
+      }
+    } else {
+      text.refuse(
+          fmt::format("found \"{}\", expected POINTS and POLYGONS (triangle strips and fields before the "
+                      "polygons are not read: save the surface as STL)",
+                      word.substr(0, 30)));
+    }
+  }
+  return surface;
+}
+
+namespace {
+
+using Xml = tinyxml2::XMLElement;
+
+/// Calls `use` with the text of a <DataArray>, of this name if one is given.
+void with_array(const std::string& path, const Xml* parent, const char* name,
+                const std::function<void(SurfaceText&)>& use) {
+  const Xml* array = parent == nullptr ? nullptr : parent->FirstChildElement("DataArray");
+  while (array != nullptr && name != nullptr && !array->Attribute("Name", name))
+    array = array->NextSiblingElement("DataArray");
+  if (array == nullptr)
+    throw InputError(path, parent == nullptr ? 0 : parent->GetLineNum(),
+                     fmt::format("found no <DataArray> of {}, expected one", name == nullptr ? "points" : name));
+  if (!array->Attribute("format", "ascii"))
+    throw InputError(path, array->GetLineNum(),
+                     "found data as bytes, expected format=\"ascii\": save the surface as text, or as STL or PLY");
+  SurfaceText text(path, array->GetText() == nullptr ? "" : array->GetText());
+  use(text);
+}
+
+std::vector<long long> numbers(const std::string& path, const Xml* parent, const char* name) {
+  std::vector<long long> values;
+  with_array(path, parent, name, [&](SurfaceText& text) {
+    for (;;) {
+      SurfaceText ahead = text;
+      if (ahead.next_word().empty()) return;
+      values.push_back(text.next_integer(name));
+    }
+  });
+  return values;
+}
+
+void read_piece(const std::string& path, const Xml* piece, TriangleSurface& all) {
+  TriangleSurface surface;
+  with_array(path, piece->FirstChildElement("Points"), nullptr, [&](SurfaceText& text) {
+    for (;;) {
+      SurfaceText ahead = text;
+      if (ahead.next_word().empty()) return;
+      Eigen::Vector3d x;
+      for (int c = 0; c < 3; ++c) x[c] = text.next_number("a coordinate");
+      surface.points.push_back(x);
+    }
+  });
+  const Xml* polygons = piece->FirstChildElement("Polys");
+  const std::vector<long long> corners = numbers(path, polygons, "connectivity"),
+                               ends = numbers(path, polygons, "offsets");
+  const SurfaceText place(path, "");
+  long long begin = 0;
+  for (const long long end : ends) {
+    if (end < begin || end > static_cast<long long>(corners.size()))
+      throw InputError(path, polygons->GetLineNum(),
+                       fmt::format("found the offset {}, expected offsets that grow to {}", end, corners.size()));
+    place.add_polygon(surface, {corners.begin() + begin, corners.begin() + end});
+    begin = end;
+  }
+  const int first = static_cast<int>(all.points.size());
+  all.points.insert(all.points.end(), surface.points.begin(), surface.points.end());
+  for (const auto& t : surface.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+}  // namespace
+
+TriangleSurface read_vtp(const std::string& path, std::string_view content) {
+  tinyxml2::XMLDocument document;
+  if (content.find("AppendedData") != std::string_view::npos)
+    throw InputError(path, 0,
+                     "found appended data, expected format=\"ascii\": save the surface as text, or as STL or PLY");
+  if (document.Parse(content.data(), content.size()) != tinyxml2::XML_SUCCESS)
+    throw InputError(path, document.ErrorLineNum(), "found no XML, expected a VTP file");
+  const Xml* root = document.FirstChildElement("VTKFile");
+  const Xml* data = root == nullptr ? nullptr : root->FirstChildElement("PolyData");
+  if (data == nullptr) throw InputError(path, 0, "found XML without <VTKFile> and <PolyData>, expected a VTP surface");
+  TriangleSurface surface;
+  for (const Xml* piece = data->FirstChildElement("Piece"); piece != nullptr;
+       piece = piece->NextSiblingElement("Piece"))
+    read_piece(path, piece, surface);
+  return surface;
+}
+
+}  // namespace dea

@@ -1,0 +1,68 @@
+// febiodea/io/surfaces/surface_text.h – words, numbers and bytes of a surface's file, with the line where they stand.
+#pragma once
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <febiodea/geometry/triangle_surface.h>
+
+namespace dea {
+
+/// Walks over a file's content. Faults are InputErrors with file and line.
+class SurfaceText {
+ public:
+  SurfaceText(const std::string& path, std::string_view content) : path_(path), content_(content) {}
+
+  bool at_end() const { return place_ >= content_.size(); }
+  std::size_t bytes_left() const { return content_.size() - place_; }
+  int line() const { return line_; }
+
+  /// Up to the next end of line, which is passed; without white space at both ends.
+  std::string_view next_line();
+  /// The next word, over ends of lines; empty at the end of the file.
+  std::string_view next_word();
+  /// Each is refused unless the next word is one; `what` is told.
+  double next_number(const char* what);
+  long long next_integer(const char* what);
+
+  /// The next bytes as a number, of the other byte order if `swap`.
+  template <class Number>
+  Number next_bytes(bool swap, const char* what) {
+    unsigned char bytes[sizeof(Number)];
+    if (bytes_left() < sizeof(Number)) refuse_end(what);
+    for (std::size_t i = 0; i < sizeof(Number); ++i)
+      bytes[swap ? sizeof(Number) - 1 - i : i] = static_cast<unsigned char>(content_[place_ + i]);
+    place_ += sizeof(Number);
+    Number value;
+    std::memcpy(&value, bytes, sizeof(Number));
+    return value;
+  }
+  void skip_bytes(std::size_t count, const char* what);
+
+  [[noreturn]] void refuse(const std::string& text) const;
+  /// Of the line that next_line gave.
+  [[noreturn]] void refuse_above(const std::string& expected) const;
+  [[noreturn]] void refuse_end(const char* what) const;
+  /// A count that the rest of the file cannot hold, at `least` bytes each, is refused before memory is asked for it.
+  std::size_t checked_count(long long count, std::size_t least, const char* what) const;
+
+  /// Adds a polygon as triangles from its first corner. Refused: fewer than three corners, a corner that is no point.
+  void add_polygon(TriangleSurface& surface, const std::vector<long long>& corners) const;
+
+ private:
+  std::string path_;
+  std::string_view content_;
+  std::size_t place_ = 0;
+  int line_ = 1;
+};
+
+/// Of each kind; the text stands at the file's begin.
+TriangleSurface read_stl_text(SurfaceText& text);
+TriangleSurface read_stl_binary(SurfaceText& text);
+TriangleSurface read_obj(SurfaceText& text);
+TriangleSurface read_ply(SurfaceText& text);
+TriangleSurface read_vtk(SurfaceText& text);
+TriangleSurface read_vtp(const std::string& path, std::string_view content);
+
+}  // namespace dea

@@ -1,0 +1,477 @@
+#include <febiodea/build/build_joint.h>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
+#include <febiodea/build/clear_overlap.h>
+#include <febiodea/build/mend_surface.h>
+#include <febiodea/build/remesh.h>
+
+namespace dea {
+
+namespace {
+
+using Eigen::Vector3d;
+using Way = CartilageRequest::Way;
+
+/// A bone, ready to be asked.
+struct Bone {
+  TriangleSurface surface;
+  std::vector<Vector3d> normals;
+  RayCaster caster;
+  explicit Bone(TriangleSurface s) : surface(std::move(s)), normals(point_normals(surface)), caster(mesh_of(surface)) {}
+};
+
+/// Normals of the bone at points on it, smoothed over two of its edges: a scan is rough at the scale of its triangles.
+std::vector<Vector3d> directions_at(const Bone& bone, const std::vector<Vector3d>& points) {
+  std::vector<Vector3d> normals = bone.normals;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> component(normals.size());
+    for (std::size_t i = 0; i < normals.size(); ++i) component[i] = normals[i][c];
+    component = smoothed(bone.surface, std::move(component), 2 * mean_edge(bone.surface));
+    for (std::size_t i = 0; i < normals.size(); ++i) normals[i][c] = component[i];
+  }
+  std::vector<Vector3d> directions(points.size(), Vector3d::Zero());
+  const SurfaceMesh& mesh = bone.caster.mesh();
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    const SurfacePoint at_bone = bone.caster.closest(points[i]);
+    const auto& corners = mesh.triangles[at(at_bone.triangle)];
+    for (std::size_t k = 0; k < 3; ++k)
+      directions[i] += at_bone.weights[k] * normals[at(mesh.model_nodes[at(corners[k])])].normalized();
+    directions[i].normalize();
+  });
+  return directions;
+}
+
+TriangleSurface turned(TriangleSurface s) {
+  for (auto& t : s.triangles) std::swap(t[1], t[2]);
+  return s;
+}
+
+double size_of(const TriangleSurface& s) {
+  const auto box = box_of(s);
+  return (box[1] - box[0]).norm();
+}
+
+std::string place_text(const Vector3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
+
+/// Between the points of one and the surface of the other.
+double least_distance(const Bone& a, const Bone& b) {
+  std::vector<double> distances(a.surface.points.size());
+  tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t i) {
+    const Vector3d& x = a.surface.points[i];
+    distances[i] = (position(b.caster.mesh(), b.caster.closest(x)) - x).norm();
+  });
+  return *std::min_element(distances.begin(), distances.end());
+}
+
+/// How many points of a (at most some thousands are asked) face b.
+int facing_points(const Bone& a, const Bone& b, double reach) {
+  std::vector<Vector3d> points, normals;
+  const std::size_t step = 1 + a.surface.points.size() / 5000;
+  for (std::size_t i = 0; i < a.surface.points.size(); i += step) {
+    points.push_back(a.surface.points[i]);
+    normals.push_back(a.normals[i]);
+  }
+  const std::vector<double> gaps = facing_gaps(points, normals, b.caster, reach);
+  return static_cast<int>(std::count_if(gaps.begin(), gaps.end(), [](double g) { return std::isfinite(g); }));
+}
+
+/// Open bones have no inside: the sides that face each other are their outsides.
+void turn_open_bones(const BuildRequest& request, std::vector<Bone>& bones, BuildReport& report) {
+  for (std::size_t a = 0; a < bones.size(); ++a) {
+    if (request.bones[a].closed) continue;
+    const Bone other_side(turned(bones[a].surface));
+    int as_is = 0, other = 0;
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+      if (b == a) continue;
+      const double reach = 3 * least_distance(bones[a], bones[b]) + 0.1 * size_of(bones[b].surface);
+      const auto both = [&](const Bone& x) {
+        int count = facing_points(x, bones[b], reach);
+        if (!request.bones[b].closed) count = std::max(count, facing_points(x, Bone(turned(bones[b].surface)), reach));
+        return count;
+      };
+      as_is += both(bones[a]);
+      other += both(other_side);
+    }
+    if (other <= as_is) continue;
+    bones[a] = other_side;
+    report.findings.push_back(
+        fmt::format("{}: open surface, turned so that it faces the other bone", request.bones[a].name));
+  }
+}
+
+/// Points of one bone within the other.
+void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones) {
+  for (std::size_t a = 0; a < bones.size(); ++a)
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+      if (a == b || !request.bones[b].closed) continue;
+      const auto box = box_of(bones[b].surface);
+      const std::vector<Vector3d>& points = bones[a].surface.points;
+      const RayCaster& caster = bones[b].caster;
+      std::vector<double> depth(points.size(), 0.0);
+      tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+        if ((points[i].array() < box[0].array()).any() || (points[i].array() > box[1].array()).any()) return;
+        const SurfacePoint closest = caster.closest(points[i]);
+        Vector3d normal = Vector3d::Zero();
+        const auto& corners = caster.mesh().triangles[at(closest.triangle)];
+        for (std::size_t k = 0; k < 3; ++k) normal += closest.weights[k] * caster.mesh().vertex_normals[at(corners[k])];
+        const Vector3d away = points[i] - position(caster.mesh(), closest);
+        if (away.dot(normal) < 0) depth[i] = away.norm();
+      });
+      const auto deepest = std::max_element(depth.begin(), depth.end());
+      if (*deepest > 1e-4 * size_of(bones[b].surface))
+        throw InputError(
+            fmt::format("bones \"{}\" and \"{}\" interpenetrate: found a point of the first {:.3g} inside the second, "
+                        "at {}, expected bones apart; "
+                        "segment them anew or move one",
+                        request.bones[a].name, request.bones[b].name, *deepest,
+                        place_text(points[static_cast<std::size_t>(deepest - depth.begin())])));
+    }
+}
+
+double asked_thickness(const CartilageRequest& c) {
+  switch (c.way) {
+    case Way::Uniform:
+      return c.thickness;
+    case Way::HalfGap:
+      return c.most;
+    case Way::Points:
+      return *std::max_element(c.thickness_there.begin(), c.thickness_there.end());
+    case Way::Segmented:
+      break;
+  }
+  return 0.0;
+}
+
+/// Up to which gap the bones' surfaces belong to the joint; 0: nobody asks.
+double reach_of(const BuildRequest& request, BuildReport& report) {
+  if (request.reach) return *request.reach;
+  double most = 0;
+  for (const CartilageRequest& c : request.cartilages) most = std::max(most, asked_thickness(c));
+  if (most == 0) return 0;
+  const double reach = 3 * most;
+  report.findings.push_back(fmt::format(
+      "cartilage where the bones face each other within {:.4g}, 3 times the thickest layer (reach)", reach));
+  return reach;
+}
+
+/// Per point of a bone the least gap to all others.
+std::vector<double> gaps_to_others(const std::vector<Bone>& bones, std::size_t bone,
+                                   const std::vector<Vector3d>& points, const std::vector<Vector3d>& normals,
+                                   double reach) {
+  std::vector<double> gaps(points.size(), kInfinity);
+  for (std::size_t b = 0; b < bones.size(); ++b) {
+    if (b == bone) continue;
+    const std::vector<double> to = facing_gaps(points, normals, bones[b].caster, reach);
+    for (std::size_t i = 0; i < gaps.size(); ++i) gaps[i] = std::min(gaps[i], to[i]);
+  }
+  return gaps;
+}
+
+std::vector<double> thickness_of(const CartilageRequest& c, const BuildRequest& request, const std::vector<Bone>& bones,
+                                 const TriangleSurface& region, double reach) {
+  std::vector<double> thickness(region.points.size(), c.thickness);
+  double least = 0.1 * asked_thickness(c);
+  if (c.way == Way::HalfGap) {
+    least = c.least;
+    thickness =
+        gaps_to_others(bones, at(c.bone), region.points, directions_at(bones[at(c.bone)], region.points), 2 * reach);
+    fill_unknown(region, thickness, 2 * c.most);
+    for (double& t : thickness) t = std::clamp(t / 2, c.least, c.most);
+    thickness = smoothed(region, std::move(thickness), request.rim_length);
+  } else if (c.way == Way::Points) {
+    tbb::parallel_for(std::size_t{0}, thickness.size(), [&](std::size_t i) {
+      double nearest = kInfinity;
+      for (std::size_t p = 0; p < c.places.size(); ++p) {
+        const double distance = (c.places[p] - region.points[i]).squaredNorm();
+        if (distance < nearest) {
+          nearest = distance;
+          thickness[i] = c.thickness_there[p];
+        }
+      }
+    });
+  }
+  const double fade = request.fade.value_or(c.way == Way::HalfGap ? request.rim_length : 0.0);
+  if (fade <= 0) return thickness;
+  const std::vector<double> rim = distances_to_rim(region);
+  for (std::size_t i = 0; i < thickness.size(); ++i) {
+    const double s = std::min(1.0, rim[i] / fade);
+    thickness[i] = std::min(thickness[i], least) + std::max(0.0, thickness[i] - least) * s * s * (3 - 2 * s);
+  }
+  return thickness;
+}
+
+/// The side of a segmented cartilage that looks away from its bone; an open sheet as a whole.
+TriangleSurface outer_side(const BuildRequest& request, const CartilageRequest& c, const Bone& bone,
+                           BuildReport& report) {
+  const std::string& name = request.bones[at(c.bone)].name;
+  TriangleSurface s = c.outer;
+  std::vector<char> outer(s.triangles.size(), 0);
+  std::vector<double> facing(s.triangles.size());
+  double balance = 0, nearest = kInfinity;
+  for (std::size_t t = 0; t < outer.size(); ++t) {
+    const auto& k = s.triangles[t];
+    const Vector3d &a = s.points[at(k[0])], &b = s.points[at(k[1])], &d = s.points[at(k[2])];
+    const Vector3d n = (b - a).cross(d - a), x = (a + b + d) / 3;
+    const SurfacePoint closest = bone.caster.closest(x);
+    nearest = std::min(nearest, (x - position(bone.caster.mesh(), closest)).norm());
+    facing[t] = n.normalized().dot(bone.caster.mesh().normals[at(closest.triangle)]);
+    balance += facing[t] * n.norm();
+  }
+  if (nearest > 0.2 * size_of(s))
+    throw InputError(fmt::format(
+        "cartilage of \"{}\": found it {:.4g} away from the bone where it is nearest, expected it on the bone; "
+        "are both in one frame and unit?",
+        name, nearest));
+  bool closed = true;
+  for (const auto& n : edge_neighbours(s)) closed = closed && n[0] >= 0 && n[1] >= 0 && n[2] >= 0;
+  if (!closed) {
+    if (balance < 0) {
+      s = turned(std::move(s));
+      report.findings.push_back(fmt::format("{}: cartilage surface turned, it looked into the bone", name));
+    }
+    return s;
+  }
+  for (std::size_t t = 0; t < outer.size(); ++t) outer[t] = facing[t] > 0.3;
+  s = mend_surface(part_of(s, outer)).surface;
+  if (s.triangles.empty())
+    throw InputError(
+        fmt::format("cartilage of \"{}\": found a closed surface with no side away from the bone, expected one", name));
+  report.findings.push_back(fmt::format(
+      "{}: closed cartilage surface, its side away from the bone is the articular surface ({} of {} triangles)", name,
+      s.triangles.size(), c.outer.triangles.size()));
+  return s;
+}
+
+/// Each connected part is a layer.
+std::vector<TriangleSurface> parts_of(const TriangleSurface& s) {
+  const std::vector<int> part = connected_parts(s);
+  std::vector<TriangleSurface> parts;
+  for (int p = 0; p <= *std::max_element(part.begin(), part.end()); ++p) {
+    std::vector<char> wanted(part.size());
+    for (std::size_t t = 0; t < part.size(); ++t) wanted[t] = part[t] == p;
+    parts.push_back(part_of(s, wanted));
+  }
+  return parts;
+}
+
+TriangleSurface with_edge(const BuildRequest& request, TriangleSurface s) {
+  if (!request.edge) return s;
+  s = remeshed(s, *request.edge);
+  return part_of(s, std::vector<char>(s.triangles.size(), 1));
+}
+
+BoneRegion region_of(const BuildRequest& request, const CartilageRequest& c, const std::vector<Bone>& bones,
+                     double reach) {
+  RegionOptions options;
+  options.reach = reach;
+  options.rim_length = request.rim_length;
+  options.fill_holes = request.fill_holes;
+  options.given = c.region;
+  const Bone& bone = bones[at(c.bone)];
+  const BoneRegion region = find_region(
+      bone.surface, gaps_to_others(bones, at(c.bone), bone.surface.points, bone.normals, 2 * reach), options);
+  if (region.surface.triangles.empty())
+    throw InputError(fmt::format(
+        "bone \"{}\": found no part of it that faces another bone within {:.4g}, expected one; a larger reach or "
+        "a region says where the cartilage is",
+        request.bones[at(c.bone)].name, reach));
+  return region;
+}
+
+std::string way_words(const CartilageRequest& c) {
+  switch (c.way) {
+    case Way::Segmented:
+      return "segmented";
+    case Way::Uniform:
+      return fmt::format("uniform {:.4g}", c.thickness);
+    case Way::HalfGap:
+      return fmt::format("half the gap, {:.4g} to {:.4g}", c.least, c.most);
+    case Way::Points:
+      return "thickness at points";
+  }
+  return "";
+}
+
+void refuse_inside_out(const BuiltLayer& layer, const LayerReport& said) {
+  if (said.quality.inside_out > 0)
+    throw InputError(
+        fmt::format("{}: found {} prisms that stay inside out near {}, expected sound ones; thinner cartilage, or "
+                    "longer edges, may do",
+                    layer.name, said.quality.inside_out, place_text(said.changes.where)));
+}
+
+/// All layers of one cartilage.
+void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const std::vector<Bone>& bones, double reach,
+                   BuiltJoint& joint, BuildReport& report) {
+  const Bone& bone = bones[at(c.bone)];
+  BoneRegion region;
+  if (c.way == Way::Segmented)
+    region.surface = outer_side(request, c, bone, report);
+  else
+    region = region_of(request, c, bones, reach);
+  const std::vector<TriangleSurface> parts = parts_of(region.surface);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const TriangleSurface surface = with_edge(request, parts[p]);
+    LayerReport said;
+    said.way = way_words(c);
+    said.holes_filled = region.holes_filled;
+    said.parts_left_out = region.parts_left_out;
+    BuiltLayer layer;
+    if (c.way == Way::Segmented) {
+      const Beneath beneath = bone_beneath(surface, bone.caster);
+      double mean = 0;
+      for (const double t : beneath.thickness) mean += t / static_cast<double>(beneath.thickness.size());
+      said.missed = static_cast<int>(std::count(beneath.missed.begin(), beneath.missed.end(), 1));
+      said.under = static_cast<int>(std::count(beneath.under.begin(), beneath.under.end(), 1));
+      layer = layer_under_surface(surface, bone.caster, request.least_thickness.value_or(0.1 * mean),
+                                  request.elements_through, said.changes, said.raised);
+    } else {
+      layer = layer_on_bone(surface, directions_at(bone, surface.points),
+                            thickness_of(c, request, bones, surface, reach), request.elements_through, said.changes);
+    }
+    const std::string& name = request.bones[at(c.bone)].name;
+    layer.name = name + "_cartilage" + (parts.size() > 1 ? fmt::format("_{}", p + 1) : "");
+    layer.body = c.bone;
+    said.quality = sheet_quality(layer, request.elements_through);
+    refuse_inside_out(layer, said);
+    joint.layers.push_back(std::move(layer));
+    report.layers.push_back(said);
+  }
+}
+
+/// Up to which gap articular surfaces face each other.
+double joint_reach(const BuildReport& report, double reach) {
+  for (const LayerReport& l : report.layers) reach = std::max(reach, 3 * l.quality.mean_thickness);
+  return reach;
+}
+
+/// Layers made here give way to each other and to segmented ones.
+void thin_overlaps(const BuildRequest& request, double reach, BuiltJoint& joint, BuildReport& report) {
+  std::vector<char> made;
+  for (const BuiltLayer& l : joint.layers) {
+    const auto own = [&](const CartilageRequest& c) { return c.bone == l.body && c.way != Way::Segmented; };
+    made.push_back(std::any_of(request.cartilages.begin(), request.cartilages.end(), own));
+  }
+  if (std::count(made.begin(), made.end(), 1) == 0) return;
+  const std::vector<Thinned> thinned = clear_overlaps(joint.layers, made, joint_reach(report, reach));
+  for (std::size_t l = 0; l < joint.layers.size(); ++l) {
+    if (thinned[l].vertices == 0) continue;
+    report.findings.push_back(
+        fmt::format("{}: {} of {} points thinned by up to {:.3g}, where it would overlap the other cartilage",
+                    joint.layers[l].name, thinned[l].vertices, joint.layers[l].articular.size(), thinned[l].most));
+    report.layers[l].quality = sheet_quality(joint.layers[l], request.elements_through);
+    refuse_inside_out(joint.layers[l], report.layers[l]);
+  }
+}
+
+void add_contacts(const BuildRequest& request, double reach, BuiltJoint& joint, BuildReport& report) {
+  const double within = joint_reach(report, reach);
+  std::vector<RayCaster> faces;
+  for (const BuiltLayer& l : joint.layers) faces.emplace_back(mesh_of(l.face()));
+  for (std::size_t a = 0; a < joint.layers.size(); ++a)
+    for (std::size_t b = a + 1; b < joint.layers.size(); ++b) {
+      if (joint.layers[a].body == joint.layers[b].body) continue;
+      if (joint.layers[a].bare && joint.layers[b].bare) continue;
+      const auto named = [&](std::size_t l) { return joint.bodies[at(joint.layers[l].body)].name == request.primary; };
+      bool second = report.layers[b].quality.area < report.layers[a].quality.area;
+      if (joint.layers[a].bare != joint.layers[b].bare) second = joint.layers[a].bare;
+      if (!request.primary.empty() && named(a) != named(b)) second = named(b);
+      const std::size_t primary = second ? b : a, secondary = second ? a : b;
+      const std::vector<double> gaps = joint_gaps(joint.layers[primary], faces[secondary], within);
+      const auto facing = std::count_if(gaps.begin(), gaps.end(), [](double g) { return std::isfinite(g); });
+      if (static_cast<double>(facing) < 0.02 * static_cast<double>(gaps.size())) continue;
+      joint.contacts.push_back({fmt::format("{}_on_{}", joint.layers[secondary].name, joint.layers[primary].name),
+                                static_cast<int>(primary), static_cast<int>(secondary)});
+      report.contacts.push_back({*std::min_element(gaps.begin(), gaps.end()),
+                                 static_cast<double>(facing) / static_cast<double>(gaps.size())});
+    }
+}
+
+/// A ball's centre by a sphere, else the middle of its contact surfaces.
+void set_center(const BoneRequest& bone, int body, BuiltJoint& joint, BuildReport& report) {
+  BuiltBody& b = joint.bodies[at(body)];
+  TriangleSurface all;
+  for (const BuiltLayer& l : joint.layers) {
+    if (l.body != body) continue;
+    const int first = static_cast<int>(all.points.size());
+    const auto& points = l.bare ? l.articular : l.bone;
+    all.points.insert(all.points.end(), points.begin(), points.end());
+    for (const auto& t : l.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  const SurfaceMesh mesh = mesh_of(all);
+  const SphereFit fit = fit_sphere(mesh);
+  if (bone.center) {
+    b.center = *bone.center;
+    b.center_words = "as given";
+  } else if (fit.rms < 0.05 * fit.radius && fit.radius < size_of(all)) {
+    b.center = fit.center;
+    b.center_words =
+        fmt::format("of the sphere through its joint surface, radius {:.4g}, rms {:.2g}", fit.radius, fit.rms);
+  } else {
+    b.center = surface_extent(mesh).centroid;
+    b.center_words = "the middle of its joint surface, which is no ball";
+  }
+  report.findings.push_back(fmt::format("{}: centre {}, {}", b.name, place_text(b.center), b.center_words));
+}
+
+}  // namespace
+
+BuiltJoint build_joint(const BuildRequest& request, BuildReport& report) {
+  std::vector<Bone> bones;
+  for (const BoneRequest& b : request.bones) bones.emplace_back(b.surface);
+  const double reach = reach_of(request, report);
+  for (std::size_t a = 0; a < bones.size() && reach > 0; ++a) {
+    double nearest = kInfinity;
+    for (std::size_t b = 0; b < bones.size(); ++b)
+      if (b != a) nearest = std::min(nearest, least_distance(bones[a], bones[b]));
+    if (nearest > reach)
+      throw InputError(
+          fmt::format("bone \"{}\": found the nearest other bone {:.4g} away, expected one within {:.4g}; are the "
+                      "bones in one frame and unit?",
+                      request.bones[a].name, nearest, reach));
+  }
+  turn_open_bones(request, bones, report);
+  refuse_overlap(request, bones);
+  BuiltJoint joint;
+  for (std::size_t b = 0; b < bones.size(); ++b) {
+    const BoneRequest& bone = request.bones[b];
+    BuiltBody body;
+    body.name = bone.name;
+    body.fixed = bone.fixed;
+    body.force = bone.force;
+    joint.bodies.push_back(body);
+    const auto own = [&](const CartilageRequest& c) { return c.bone == static_cast<int>(b); };
+    const auto cartilage = std::find_if(request.cartilages.begin(), request.cartilages.end(), own);
+    if (cartilage != request.cartilages.end()) {
+      add_cartilage(request, *cartilage, bones, reach, joint, report);
+      if (request.whole_bones)
+        joint.bodies[b].shell = request.most_bone_triangles > 0
+                                    ? decimated(bones[b].surface, request.most_bone_triangles)
+                                    : bones[b].surface;
+    } else {
+      BuiltLayer bare{bone.name + "_bone",       static_cast<int>(b), true, bones[b].surface.points, {},
+                      bones[b].surface.triangles};
+      report.layers.push_back({"no cartilage", 0, 0, 0, 0, 0, {}, sheet_quality(bare, 1)});
+      joint.layers.push_back(std::move(bare));
+      report.findings.push_back(fmt::format("{}: no cartilage is given, the bare bone bears", bone.name));
+    }
+    set_center(bone, static_cast<int>(b), joint, report);
+  }
+  thin_overlaps(request, reach, joint, report);
+  add_contacts(request, reach, joint, report);
+  if (joint.contacts.empty())
+    throw InputError(
+        "found no two articular surfaces that face each other, expected a contact; are all surfaces in one frame and "
+        "unit?");
+  return joint;
+}
+
+}  // namespace dea

@@ -1,0 +1,85 @@
+// febiodea/build/build_joint.h – bones' surfaces and what is known of their cartilage become a joint.
+//
+//   BuildReport report;
+//   const BuiltJoint joint = build_joint(request, report);
+//
+// Frame: the scans'. Lengths: theirs, mm as a rule. Nothing here knows a file.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <febiodea/build/built_joint.h>
+#include <febiodea/build/layer_sheet.h>
+#include <febiodea/build/region.h>
+
+namespace dea {
+
+struct BoneRequest {
+  std::string name;
+  TriangleSurface surface;  ///< mended (mend_surface)
+  bool closed = true;
+  std::optional<Eigen::Vector3d> center;  ///< in place of the one that is found
+  bool fixed = true;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+};
+
+struct CartilageRequest {
+  enum class Way {
+    Segmented,  ///< its outer surface: thickness down to the bone
+    Uniform,    ///< one thickness
+    HalfGap,    ///< half the gap between the bones, bounded
+    Points      ///< a thickness at points, the nearest counts
+  };
+  int bone = -1;
+  Way way = Way::Segmented;
+  TriangleSurface outer;  ///< Segmented: mended; an open sheet, or the cartilage's closed surface
+  double thickness = 0.0;
+  double most = 2.0, least = 0.5;       ///< HalfGap
+  std::vector<Eigen::Vector3d> places;  ///< Points
+  std::vector<double> thickness_there;  ///< Points
+  std::optional<GivenRegion> region;    ///< not Segmented
+};
+
+struct BuildRequest {
+  std::vector<BoneRequest> bones;
+  std::vector<CartilageRequest> cartilages;  ///< one per bone at most
+  std::optional<double> reach;  ///< gaps between bones below it belong to a region; empty: 3 times the thickest layer
+  double rim_length = 2.0;      ///< over which rims and thicknesses are smoothed
+  std::optional<double> fade;   ///< width over which layers made here thin out to their least (or a tenth) at the
+                                ///< rim; empty: HalfGap rim_length, others 0
+  bool fill_holes = true;
+  std::optional<double> edge;  ///< remeshed to it; empty: triangles stay
+  int elements_through = 2;
+  std::optional<double> least_thickness;  ///< of segmented layers; empty: a tenth of the mean
+  bool whole_bones = true;                ///< the bones as shells
+  std::string primary;                    ///< bone whose layers are primary; empty: the smaller layer of each contact
+  std::size_t most_bone_triangles = 0;    ///< bones' shells are decimated to it; 0: as they are
+};
+
+struct LayerReport {
+  std::string way;  ///< in words
+  int holes_filled = 0, parts_left_out = 0;
+  int raised = 0;  ///< vertices with less than the least thickness
+  int missed = 0;  ///< thickness to the closest point
+  int under = 0;   ///< vertices inside the bone
+  SheetChanges changes;
+  SheetQuality quality;
+};
+
+struct ContactReport {
+  double least_gap = 0.0;  ///< of the articular surfaces, < 0: they overlap
+  double facing = 0.0;     ///< part of the primary's points that face the secondary
+};
+
+struct BuildReport {
+  std::vector<std::string> findings;  ///< what was concluded, a line each
+  std::vector<LayerReport> layers;    ///< as in BuiltJoint
+  std::vector<ContactReport> contacts;
+};
+
+/// Throws InputError: bones far apart or inside each other, no region, a cartilage surface that is nowhere near its
+/// bone, prisms that cannot be made sound.
+BuiltJoint build_joint(const BuildRequest& request, BuildReport& report);
+
+}  // namespace dea

@@ -1,0 +1,191 @@
+#include <febiodea/build/layer_sheet.h>
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/build/mend_surface.h>
+#include <febiodea/build/region.h>
+
+namespace dea {
+
+namespace {
+
+using Eigen::Vector3d;
+using Triangle = std::array<int, 3>;
+
+/// Least Jacobian at the six corners of a prism, scaled by its edges: 1 for a straight prism on an equilateral
+/// triangle.
+double prism_jacobian(const std::array<Vector3d, 3>& bottom, const std::array<Vector3d, 3>& top) {
+  const double kEquilateral = std::sqrt(3.0) / 2;
+  double least = kInfinity;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3d up = top[k] - bottom[k];
+    for (const auto* face : {&bottom, &top}) {
+      const Vector3d a = (*face)[(k + 1) % 3] - (*face)[k], b = (*face)[(k + 2) % 3] - (*face)[k];
+      const double scale = a.norm() * b.norm() * up.norm() * kEquilateral;
+      least = std::min(least, scale > 0 ? a.cross(b).dot(up) / scale : 0.0);
+    }
+  }
+  return least;
+}
+
+double column_jacobian(const BuiltLayer& layer, const Triangle& t, int elements_through, int element) {
+  std::array<Vector3d, 3> bottom, top;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3d &b = layer.bone[at(t[k])], &a = layer.articular[at(t[k])];
+    bottom[k] = b + (a - b) * element / elements_through;
+    top[k] = b + (a - b) * (element + 1) / elements_through;
+  }
+  return prism_jacobian(bottom, top);
+}
+
+double least_of_column(const BuiltLayer& layer, const Triangle& t, int elements_through) {
+  double least = kInfinity;
+  for (int e = 0; e < elements_through; ++e) least = std::min(least, column_jacobian(layer, t, elements_through, e));
+  return least;
+}
+
+/// Vertices of prisms that are inside out or nearly so, and those next to them.
+std::vector<char> bad_vertices(const BuiltLayer& layer, int elements_through,
+                               const std::vector<std::vector<int>>& neighbours, bool& any) {
+  constexpr double kLeast = 0.02;
+  std::vector<char> bad(layer.bone.size(), 0);
+  any = false;
+  for (const Triangle& t : layer.triangles)
+    if (least_of_column(layer, t, elements_through) < kLeast) {
+      any = true;
+      for (const int v : t) bad[at(v)] = 1;
+    }
+  std::vector<char> grown = bad;
+  for (std::size_t v = 0; v < bad.size(); ++v)
+    for (const int n : neighbours[v]) grown[v] |= bad[at(n)];
+  return grown;
+}
+
+/// The end of the layer that does not move, and the one that does. `recast`: length along a new direction; NaN: as was.
+struct Ends {
+  std::vector<Vector3d>* moving;
+  const std::vector<Vector3d>* fixed;
+  std::function<double(const Vector3d& from, const Vector3d& direction, double length)> recast;
+};
+
+/// Directions of bad vertices become the mean of their neighbours'; from the tenth round on they are shortened too.
+SheetChanges relax(BuiltLayer& layer, int elements_through, const Ends& ends) {
+  const auto neighbours = point_neighbours(layer.face());
+  const std::vector<Vector3d> wanted = *ends.moving;
+  std::vector<Vector3d>& moving = *ends.moving;
+  const std::vector<Vector3d>& fixed = *ends.fixed;
+  SheetChanges changes;
+  for (int round = 0;; ++round) {
+    const std::vector<char> bad = bad_vertices(layer, elements_through, neighbours, changes.sound);
+    changes.sound = !changes.sound;
+    if (changes.sound || round == 40) break;
+    const std::vector<Vector3d> before = moving;
+    for (std::size_t v = 0; v < bad.size(); ++v) {
+      if (!bad[v]) continue;
+      Vector3d direction = (before[v] - fixed[v]).normalized();
+      double length = (before[v] - fixed[v]).norm();
+      for (const int n : neighbours[v]) direction += (before[at(n)] - fixed[at(n)]).normalized();
+      direction.normalize();
+      const double cast = ends.recast ? ends.recast(fixed[v], direction, length) : kNaN;
+      if (std::isfinite(cast) && round < 10) length = cast;
+      if (round >= 10) length *= 0.9;
+      moving[v] = fixed[v] + length * direction;
+    }
+  }
+  for (std::size_t v = 0; v < wanted.size(); ++v) {
+    const Vector3d was = wanted[v] - fixed[v], is = moving[v] - fixed[v];
+    const double turn = std::atan2(was.cross(is).norm(), was.dot(is)), thin = std::abs(1 - is.norm() / was.norm());
+    if (turn > 1e-9) ++changes.turned;
+    if (thin > 1e-9) ++changes.thinned;
+    if (thin > changes.most_thinned || (changes.most_thinned <= 1e-9 && turn > changes.most_turned))
+      changes.where = fixed[v];
+    changes.most_turned = std::max(changes.most_turned, turn);
+    changes.most_thinned = std::max(changes.most_thinned, thin);
+  }
+  return changes;
+}
+
+}  // namespace
+
+SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through) {
+  SheetQuality q;
+  q.area = area_of(layer.face());
+  q.mean_edge = mean_edge(layer.face());
+  if (layer.bare) return q;
+  q.least_jacobian = q.least_thickness = kInfinity;
+  for (const Triangle& t : layer.triangles)
+    for (int e = 0; e < elements_through; ++e) {
+      const double jacobian = column_jacobian(layer, t, elements_through, e);
+      q.least_jacobian = std::min(q.least_jacobian, jacobian);
+      q.mean_jacobian += jacobian / static_cast<double>(layer.triangles.size()) / elements_through;
+      q.inside_out += jacobian <= 0;
+    }
+  const std::vector<double> areas = point_areas(layer.face());
+  for (std::size_t v = 0; v < layer.bone.size(); ++v) {
+    const double thickness = (layer.articular[v] - layer.bone[v]).norm();
+    q.least_thickness = std::min(q.least_thickness, thickness);
+    q.most_thickness = std::max(q.most_thickness, thickness);
+    q.mean_thickness += thickness * areas[v] / q.area;
+  }
+  return q;
+}
+
+BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector3d>& directions,
+                         const std::vector<double>& thickness, int elements_through, SheetChanges& changes) {
+  BuiltLayer layer;
+  layer.triangles = region.triangles;
+  layer.bone = region.points;
+  for (std::size_t v = 0; v < thickness.size(); ++v)
+    layer.articular.push_back(region.points[v] + thickness[v] * directions[v]);
+  changes = relax(layer, elements_through, {&layer.articular, &layer.bone, {}});
+  return layer;
+}
+
+Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
+  constexpr double kCos60 = 0.5;
+  const std::vector<Vector3d> normals = point_normals(articular);
+  const std::size_t n = articular.points.size();
+  Beneath beneath{std::vector<double>(n), std::vector<char>(n, 0), std::vector<char>(n, 0)};
+  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
+    const Vector3d& x = articular.points[v];
+    const LineHit hit = bone.nearest_facing(x, -normals[v], 0.0, 0.0, kInfinity, kCos60);
+    if (hit.point.triangle >= 0 && hit.distance > 0 && bone.within(x, 0.5 * hit.distance).empty()) {
+      beneath.thickness[v] = hit.distance;
+      return;
+    }
+    const SurfacePoint closest = bone.closest(x);
+    const Vector3d away = x - position(bone.mesh(), closest);
+    beneath.missed[v] = 1;
+    beneath.under[v] = away.dot(bone.mesh().normals[at(closest.triangle)]) < 0;
+    beneath.thickness[v] = beneath.under[v] ? 0.0 : away.norm();
+  });
+  return beneath;
+}
+
+BuiltLayer layer_under_surface(const TriangleSurface& articular, const RayCaster& bone, double least,
+                               int elements_through, SheetChanges& changes, int& raised) {
+  const Beneath beneath = bone_beneath(articular, bone);
+  const std::vector<Vector3d> normals = point_normals(articular);
+  BuiltLayer layer;
+  layer.triangles = articular.triangles;
+  layer.articular = articular.points;
+  raised = 0;
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    raised += beneath.thickness[v] < least;
+    layer.bone.push_back(articular.points[v] - std::max(least, beneath.thickness[v]) * normals[v]);
+  }
+  const auto recast = [&](const Vector3d& from, const Vector3d& direction, double length) {
+    const LineHit hit = bone.nearest_facing(from, direction, 0.0, 0.0, 1.5 * length, 0.3);
+    return hit.point.triangle >= 0 && hit.distance > 0.5 * length ? std::max(least, hit.distance) : kNaN;
+  };
+  changes = relax(layer, elements_through, {&layer.bone, &layer.articular, recast});
+  return layer;
+}
+
+}  // namespace dea

@@ -1,0 +1,49 @@
+// febiodea/build/layer_sheet.h – a sheet of prisms between bone and articular surface, none of them inside out.
+#pragma once
+#include <vector>
+
+#include <febiodea/build/built_joint.h>
+#include <febiodea/geometry/ray_caster.h>
+
+namespace dea {
+
+/// What had to give way so that no element is inside out.
+struct SheetChanges {
+  int turned = 0;                                   ///< vertices whose direction through the layer was changed
+  double most_turned = 0.0;                         ///< by how much at most [rad]
+  int thinned = 0;                                  ///< vertices whose thickness was changed
+  double most_thinned = 0.0;                        ///< the least ratio of new to wanted is 1 - this
+  Eigen::Vector3d where = Eigen::Vector3d::Zero();  ///< of the largest change of thickness, else of direction
+  bool sound = true;                                ///< false: some elements are still inside out
+};
+
+/// Quality of the prisms of a sheet divided into `elements_through`.
+struct SheetQuality {
+  double least_jacobian = 0.0;  ///< least over all corners, scaled: 1 for a straight prism on an equilateral triangle
+  double mean_jacobian = 0.0;   ///< mean of each prism's least
+  int inside_out = 0;           ///< prisms with a Jacobian of zero or less at a corner
+  double least_thickness = 0.0, mean_thickness = 0.0, most_thickness = 0.0;
+  double area = 0.0;       ///< of the articular surface
+  double mean_edge = 0.0;  ///< of the articular surface
+};
+SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through);
+
+/// Cartilage of this thickness (per point, > 0) on a part of a bone, along the given directions (unit, out of the
+/// bone): the bone's points stay.
+BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Eigen::Vector3d>& directions,
+                         const std::vector<double>& thickness, int elements_through, SheetChanges& changes);
+
+/// Where the bone lies beneath an articular surface.
+struct Beneath {
+  std::vector<double> thickness;  ///< per point, along minus the normal; where that misses: to the closest point
+  std::vector<char> missed;       ///< per point: the closest point's distance
+  std::vector<char> under;        ///< per point: it lies inside the bone; thickness is 0 there
+};
+Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone);
+
+/// Cartilage between a segmented articular surface, whose points and triangles stay, and the bone beneath it (along the
+/// normals). Thickness below `least` is raised to it, into the bone: `raised` vertices.
+BuiltLayer layer_under_surface(const TriangleSurface& articular, const RayCaster& bone, double least,
+                               int elements_through, SheetChanges& changes, int& raised);
+
+}  // namespace dea

@@ -1,0 +1,59 @@
+// febiodea/build/mend_surface.h – what is wrong with a scanned surface, mended where that is safe.
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include <febiodea/geometry/triangle_surface.h>
+
+namespace dea {
+
+/// Counts of what was found. Mended: the first six. Left: the others.
+struct SurfaceFaults {
+  std::size_t merged_points = 0;     ///< lay at another's place, or within 1e-7 of the surface's size
+  std::size_t unused_points = 0;     ///< of no triangle; left out
+  std::size_t degenerate = 0;        ///< triangles of no area; left out
+  std::size_t duplicate = 0;         ///< triangles on the same three points; left out
+  std::size_t flipped = 0;           ///< triangles turned to agree with their neighbours, the fewer of each part
+  bool turned_inside_out = false;    ///< closed parts whose volume was negative
+  std::size_t islands = 0;           ///< loose parts below 1 % of the area; left out
+  std::size_t island_triangles = 0;  ///< in them
+  std::size_t non_manifold = 0;      ///< edges of three triangles or more; all but two of each are cut loose there
+  std::size_t holes = 0;             ///< closed rims of the surface
+  std::size_t rim_edges = 0;         ///< edges of one triangle
+  std::size_t parts = 0;             ///< connected parts that are left
+  bool not_orientable = false;       ///< a part like a Moebius strip: no outside
+};
+
+struct MendedSurface {
+  TriangleSurface surface;
+  SurfaceFaults faults;
+  bool closed() const { return faults.rim_edges == 0 && faults.non_manifold == 0; }
+};
+
+/// Each point once, triangles with area, parts oriented alike; closed parts outwards, open ones as most of their
+/// triangles were.
+MendedSurface mend_surface(const TriangleSurface& surface);
+
+/// What was found, in words: "3 holes", "12 triangles turned"; empty: nothing.
+std::vector<std::string> fault_words(const SurfaceFaults& faults);
+
+/// Per triangle: which connected part it is of, counted from 0 in the order of their first triangles. Parts join over
+/// edges.
+std::vector<int> connected_parts(const TriangleSurface& surface);
+
+/// Per triangle and edge (k, k + 1): the triangle across; -1: rim, or an edge of three triangles or more.
+std::vector<std::array<int, 3>> edge_neighbours(const TriangleSurface& surface, std::size_t* non_manifold = nullptr);
+
+/// The triangles that are wanted, and their points; `from`, if given, has each point's number in `surface`.
+TriangleSurface part_of(const TriangleSurface& surface, const std::vector<char>& wanted,
+                        std::vector<int>* from = nullptr);
+
+double area_of(const TriangleSurface& surface);
+/// Volume inside, by the divergence theorem; of an open surface only of use for its sign.
+double volume_of(const TriangleSurface& surface);
+/// Corners of the box around it.
+std::array<Eigen::Vector3d, 2> box_of(const TriangleSurface& surface);
+double mean_edge(const TriangleSurface& surface);
+
+}  // namespace dea

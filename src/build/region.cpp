@@ -1,0 +1,298 @@
+#include <febiodea/build/region.h>
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/build/mend_surface.h>
+
+namespace dea {
+
+namespace {
+
+using Triangle = std::array<int, 3>;
+
+/// Distance into the given region, negative outside.
+std::vector<double> depth_in(const TriangleSurface& bone, const GivenRegion& given) {
+  std::vector<double> depth(bone.points.size());
+  if (given.kind == GivenRegion::Kind::Surface) {
+    const SurfaceMesh mesh = mesh_of(given.surface);
+    const RayCaster caster(mesh);
+    const double near = std::max(mean_edge(given.surface), mean_edge(bone));
+    tbb::parallel_for(std::size_t{0}, depth.size(), [&](std::size_t i) {
+      depth[i] = near - (position(mesh, caster.closest(bone.points[i])) - bone.points[i]).norm();
+    });
+    return depth;
+  }
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    const Eigen::Vector3d away = bone.points[i] - given.point;
+    depth[i] = given.kind == GivenRegion::Kind::Sphere ? given.radius - away.norm() : away.dot(given.normal);
+  }
+  return depth;
+}
+
+/// Connected points below zero that are no more than a quarter of what is above, and do not reach the surface's edge,
+/// are raised to `level`. Returns how many such holes there were.
+int fill_holes(const TriangleSurface& s, std::vector<double>& values, double level) {
+  const auto neighbours = point_neighbours(s);
+  const std::vector<double> areas = point_areas(s);
+  const std::vector<char> rim = rim_points(s);
+  double above = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) above += values[i] > 0 ? areas[i] : 0.0;
+  std::vector<char> seen(values.size(), 0);
+  int filled = 0;
+  for (std::size_t first = 0; first < values.size(); ++first) {
+    if (seen[first] || values[first] > 0) continue;
+    std::vector<std::size_t> hole = {first};
+    seen[first] = 1;
+    double area = 0;
+    bool at_rim = false;
+    for (std::size_t i = 0; i < hole.size(); ++i) {
+      area += areas[hole[i]];
+      at_rim = at_rim || rim[hole[i]];
+      for (const int n : neighbours[hole[i]])
+        if (!seen[at(n)] && values[at(n)] <= 0) {
+          seen[at(n)] = 1;
+          hole.push_back(at(n));
+        }
+    }
+    if (at_rim || area > 0.25 * above) continue;
+    for (const std::size_t i : hole) values[i] = level;
+    ++filled;
+  }
+  return filled;
+}
+
+/// A value within a fifth of an edge from where it passes zero: the point moves there.
+void snap_to_zero(TriangleSurface& s, std::vector<double>& values) {
+  constexpr double kNear = 0.2;
+  const auto neighbours = point_neighbours(s);
+  const std::vector<Eigen::Vector3d> points = s.points;
+  const std::vector<double> before = values;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (const int n : neighbours[i]) {
+      if ((before[i] > 0) == (before[at(n)] > 0)) continue;
+      const double fraction = before[i] / (before[i] - before[at(n)]);
+      if (fraction > kNear) continue;
+      sum += points[i] + fraction * (points[at(n)] - points[i]);
+      ++count;
+    }
+    if (count == 0) continue;
+    s.points[i] = sum / count;
+    values[i] = 0;
+  }
+}
+
+}  // namespace
+
+SurfaceMesh mesh_of(const TriangleSurface& surface) {
+  std::vector<int> begin = {0}, nodes;
+  for (const Triangle& t : surface.triangles) {
+    nodes.insert(nodes.end(), t.begin(), t.end());
+    begin.push_back(static_cast<int>(nodes.size()));
+  }
+  return make_surface_mesh(begin, nodes, surface.points);
+}
+
+std::vector<Eigen::Vector3d> point_normals(const TriangleSurface& s) {
+  std::vector<Eigen::Vector3d> normals(s.points.size(), Eigen::Vector3d::Zero());
+  for (const Triangle& t : s.triangles) {
+    const Eigen::Vector3d& a = s.points[at(t[0])];
+    const Eigen::Vector3d n = (s.points[at(t[1])] - a).cross(s.points[at(t[2])] - a);
+    for (const int p : t) normals[at(p)] += n;
+  }
+  for (Eigen::Vector3d& n : normals) n.normalize();
+  return normals;
+}
+
+std::vector<double> facing_gaps(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& normals,
+                                const RayCaster& other, double reach) {
+  constexpr double kCos60 = 0.5;
+  std::vector<double> gaps(points.size(), kInfinity);
+  tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t i) {
+    const LineHit hit = other.nearest_facing(points[i], normals[i], 0.0, 0.0, reach, kCos60);
+    if (hit.point.triangle >= 0 && hit.distance > 0 && other.within(points[i], 0.5 * hit.distance).empty())
+      gaps[i] = hit.distance;
+  });
+  return gaps;
+}
+
+std::vector<std::vector<int>> point_neighbours(const TriangleSurface& s) {
+  std::vector<std::vector<int>> neighbours(s.points.size());
+  for (const Triangle& t : s.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      neighbours[at(t[k])].push_back(t[(k + 1) % 3]);
+      neighbours[at(t[(k + 1) % 3])].push_back(t[k]);
+    }
+  for (std::vector<int>& n : neighbours) {
+    std::sort(n.begin(), n.end());
+    n.erase(std::unique(n.begin(), n.end()), n.end());
+  }
+  return neighbours;
+}
+
+std::vector<double> point_areas(const TriangleSurface& s) {
+  std::vector<double> areas(s.points.size(), 0.0);
+  for (const Triangle& t : s.triangles) {
+    const double area = area_of({{s.points[at(t[0])], s.points[at(t[1])], s.points[at(t[2])]}, {{0, 1, 2}}});
+    for (const int p : t) areas[at(p)] += area / 3;
+  }
+  return areas;
+}
+
+std::vector<char> rim_points(const TriangleSurface& s) {
+  std::vector<char> rim(s.points.size(), 0);
+  const auto neighbours = edge_neighbours(s);
+  for (std::size_t t = 0; t < neighbours.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (neighbours[t][k] < 0) rim[at(s.triangles[t][k])] = rim[at(s.triangles[t][(k + 1) % 3])] = 1;
+  return rim;
+}
+
+std::vector<double> smoothed(const TriangleSurface& s, std::vector<double> values, double length) {
+  const double edge = mean_edge(s);
+  const int steps = static_cast<int>(std::clamp(2 * length * length / (edge * edge), 0.0, 400.0));
+  auto neighbours = point_neighbours(s);
+  const std::vector<char> rim = rim_points(s);
+  for (std::size_t i = 0; i < neighbours.size(); ++i)
+    if (rim[i])
+      neighbours[i].erase(
+          std::remove_if(neighbours[i].begin(), neighbours[i].end(), [&](int n) { return !rim[at(n)]; }),
+          neighbours[i].end());
+  std::vector<double> next = values;
+  for (int step = 0; step < steps; ++step) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      double change = 0;  // a sum of differences: a constant stays exactly what it is
+      for (const int n : neighbours[i]) change += values[at(n)] - values[i];
+      next[i] = values[i] + change / static_cast<double>(neighbours[i].size() + 1);
+    }
+    values.swap(next);
+  }
+  return values;
+}
+
+TriangleSurface cut_at_zero(const TriangleSurface& surface, std::vector<double> values) {
+  TriangleSurface s = surface;
+  snap_to_zero(s, values);
+  std::map<std::array<int, 2>, int> crossing;
+  const auto cross = [&](int a, int b) {
+    const std::array<int, 2> edge = {std::min(a, b), std::max(a, b)};
+    const auto [place, is_new] = crossing.try_emplace(edge, static_cast<int>(s.points.size()));
+    if (is_new) {
+      const double f = values[at(edge[0])] / (values[at(edge[0])] - values[at(edge[1])]);
+      s.points.push_back(s.points[at(edge[0])] + f * (s.points[at(edge[1])] - s.points[at(edge[0])]));
+    }
+    return place->second;
+  };
+  std::vector<Triangle> kept;
+  for (const Triangle& t : surface.triangles) {
+    std::vector<int> polygon;
+    bool inside = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      inside = inside || values[at(a)] > 0;
+      if (values[at(a)] >= 0) polygon.push_back(a);
+      if (values[at(a)] * values[at(b)] < 0) polygon.push_back(cross(a, b));
+    }
+    if (!inside || polygon.size() < 3) continue;
+    if (polygon.size() == 4) {  // the shorter diagonal
+      const auto length = [&](std::size_t i, std::size_t j) {
+        return (s.points[at(polygon[i])] - s.points[at(polygon[j])]).norm();
+      };
+      if (length(1, 3) < length(0, 2)) std::rotate(polygon.begin(), polygon.begin() + 1, polygon.end());
+    }
+    for (std::size_t k = 1; k + 1 < polygon.size(); ++k) kept.push_back({polygon[0], polygon[k], polygon[k + 1]});
+  }
+  s.triangles = std::move(kept);
+  return part_of(s, std::vector<char>(s.triangles.size(), 1));
+}
+
+namespace {
+
+/// Parts that are large enough.
+void leave_small_parts(BoneRegion& region, double least) {
+  if (region.surface.triangles.empty()) return;
+  const std::vector<int> part = connected_parts(region.surface);
+  const auto parts = static_cast<std::size_t>(1 + *std::max_element(part.begin(), part.end()));
+  std::vector<double> area(parts, 0.0);
+  const TriangleSurface& s = region.surface;
+  for (std::size_t t = 0; t < part.size(); ++t) {
+    const Triangle& c = s.triangles[t];
+    area[at(part[t])] += area_of({{s.points[at(c[0])], s.points[at(c[1])], s.points[at(c[2])]}, {{0, 1, 2}}});
+  }
+  const double most = *std::max_element(area.begin(), area.end());
+  std::vector<char> wanted(part.size());
+  for (std::size_t t = 0; t < part.size(); ++t) wanted[t] = area[at(part[t])] >= least * most;
+  for (const double a : area) (a >= least * most ? region.parts : region.parts_left_out) += 1;
+  region.surface = part_of(region.surface, wanted);
+}
+
+}  // namespace
+
+BoneRegion find_region(const TriangleSurface& bone, const std::vector<double>& gaps, const RegionOptions& options) {
+  BoneRegion region;
+  std::vector<double> inside(gaps.size());
+  for (std::size_t i = 0; i < gaps.size(); ++i)
+    inside[i] = std::clamp(options.reach - gaps[i], -options.reach, options.reach);
+  const bool found = !options.given || options.given->kind == GivenRegion::Kind::Plane;
+  if (found) {
+    inside = smoothed(bone, inside, options.rim_length);
+    if (options.fill_holes) {
+      region.holes_filled = fill_holes(bone, inside, 0.05 * options.reach);
+      if (region.holes_filled > 0) inside = smoothed(bone, inside, mean_edge(bone));
+    }
+  }
+  if (options.given) {
+    const std::vector<double> depth = depth_in(bone, *options.given);
+    for (std::size_t i = 0; i < inside.size(); ++i) inside[i] = found ? std::min(inside[i], depth[i]) : depth[i];
+  }
+  region.surface = cut_at_zero(bone, inside);
+  leave_small_parts(region, options.least_part);
+  return region;
+}
+
+void fill_unknown(const TriangleSurface& s, std::vector<double>& values, double none) {
+  const auto neighbours = point_neighbours(s);
+  for (bool changed = true; changed;) {
+    changed = false;
+    const std::vector<double> before = values;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (std::isfinite(before[i])) continue;
+      double sum = 0;
+      int known = 0;
+      for (const int n : neighbours[i])
+        if (std::isfinite(before[at(n)])) {
+          sum += before[at(n)];
+          ++known;
+        }
+      if (known == 0) continue;
+      values[i] = sum / known;
+      changed = true;
+    }
+  }
+  for (double& value : values)
+    if (!std::isfinite(value)) value = none;
+}
+
+std::vector<double> distances_to_rim(const TriangleSurface& s) {
+  const auto neighbours = edge_neighbours(s);
+  std::vector<std::array<int, 2>> rim;
+  for (std::size_t t = 0; t < neighbours.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (neighbours[t][k] < 0) rim.push_back({s.triangles[t][k], s.triangles[t][(k + 1) % 3]});
+  std::vector<double> distances(s.points.size(), kInfinity);
+  tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t i) {
+    for (const auto& edge : rim)
+      distances[i] =
+          std::min(distances[i], distance_to_segment(s.points[i], s.points[at(edge[0])], s.points[at(edge[1])]));
+  });
+  return distances;
+}
+
+}  // namespace dea

@@ -1,0 +1,75 @@
+// febiodea/build/region.h – the part of a bone that bears cartilage: where it faces another bone, with a smooth rim.
+#pragma once
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <febiodea/geometry/ray_caster.h>
+#include <febiodea/geometry/triangle_surface.h>
+
+namespace dea {
+
+/// For rays and closest points; its vertices need not have the points' order.
+SurfaceMesh mesh_of(const TriangleSurface& surface);
+
+/// Per point: the area-weighted mean of the normals around it, unit.
+std::vector<Eigen::Vector3d> point_normals(const TriangleSurface& surface);
+
+/// Per point: distance along its normal to the surface `other`, which faces it there (angle below 60 degrees), nothing
+/// else of `other` lying nearer than half as far; infinite where there is none within `reach`.
+std::vector<double> facing_gaps(const std::vector<Eigen::Vector3d>& points, const std::vector<Eigen::Vector3d>& normals,
+                                const RayCaster& other, double reach);
+
+/// Points at the other ends of each point's edges, each once, ascending.
+std::vector<std::vector<int>> point_neighbours(const TriangleSurface& surface);
+
+/// Of each point, a third of the triangles around it.
+std::vector<double> point_areas(const TriangleSurface& surface);
+
+/// Points on the surface's edge.
+std::vector<char> rim_points(const TriangleSurface& surface);
+
+/// Values per point, smoothed over about this length: each step takes the mean of a point and its neighbours, of a
+/// point on the edge those on the edge. Constants stay as they are, to the last bit.
+std::vector<double> smoothed(const TriangleSurface& surface, std::vector<double> values, double length);
+
+/// How a region is given in place of found.
+struct GivenRegion {
+  enum class Kind { Surface, Sphere, Plane };
+  Kind kind = Kind::Sphere;
+  TriangleSurface surface;                            ///< Surface: points of the bone that lie by it
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< Sphere: centre; Plane: a point of it
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< Plane: towards the region
+  double radius = 0.0;                                ///< Sphere
+};
+
+struct RegionOptions {
+  double reach = 6.0;                ///< gaps below belong to the region
+  double rim_length = 2.0;           ///< over which the rim is smoothed
+  bool fill_holes = true;            ///< those below a quarter of the region's area
+  double least_part = 0.05;          ///< parts smaller than that of the largest are left out
+  std::optional<GivenRegion> given;  ///< Surface, Sphere: in place of what is found; Plane: trims it
+};
+
+/// A region, cut out of a bone along a smooth rim.
+struct BoneRegion {
+  TriangleSurface surface;  ///< oriented as the bone
+  int parts = 0;
+  int parts_left_out = 0;
+  int holes_filled = 0;
+};
+
+/// `gaps`: of the bone's points, as facing_gaps gives them (the least of all other bones).
+BoneRegion find_region(const TriangleSurface& bone, const std::vector<double>& gaps, const RegionOptions& options);
+
+/// What lies where `values` (per point) are above zero; values are linear along edges. Points next to the line move
+/// onto it, so that no slivers arise.
+TriangleSurface cut_at_zero(const TriangleSurface& surface, std::vector<double> values);
+
+/// Values that are not finite become the mean of their finite neighbours', from those outwards; all unknown: `none`.
+void fill_unknown(const TriangleSurface& surface, std::vector<double>& values, double none);
+
+/// Per point the distance to the surface's edge; infinite without one.
+std::vector<double> distances_to_rim(const TriangleSurface& surface);
+
+}  // namespace dea

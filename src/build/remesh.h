@@ -1,0 +1,16 @@
+// febiodea/build/remesh.h – other triangles for the same surface, by CGAL. Compiled by itself: nothing else includes
+// it.
+#pragma once
+#include <cstddef>
+
+#include <febiodea/geometry/triangle_surface.h>
+
+namespace dea {
+
+/// Triangles with edges near this length, on the surface; its rim stays where it is.
+TriangleSurface remeshed(const TriangleSurface& surface, double edge);
+
+/// About this many triangles, by collapsing the edges that change the shape least (Lindstrom and Turk).
+TriangleSurface decimated(const TriangleSurface& surface, std::size_t triangles);
+
+}  // namespace dea

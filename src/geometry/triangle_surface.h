@@ -1,0 +1,15 @@
+// febiodea/geometry/triangle_surface.h – points and triangles, as scans come: nothing is known of them yet.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+namespace dea {
+
+/// Corners counter-clockwise seen from outside, where the surface knows an outside.
+struct TriangleSurface {
+  std::vector<Eigen::Vector3d> points;        ///< length of the file
+  std::vector<std::array<int, 3>> triangles;  ///< indices of points
+};
+
+}  // namespace dea

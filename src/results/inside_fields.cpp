@@ -1,0 +1,356 @@
+#include <febiodea/results/inside_fields.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/say.h>
+#include <febiodea/joint/bodies.h>
+#include <febiodea/model/element_columns.h>
+
+namespace dea {
+
+namespace {
+
+/// Elements that fields are given for, with what is asked of them again and again.
+struct SolidElements {
+  std::vector<int> element_domain;   ///< per element: place in InsideMaps::domains
+  std::vector<Vector3d> centroid;    ///< mean of its volume, reference
+  std::vector<ElementBlock> blocks;  ///< one per domain
+};
+
+SolidElements solid_elements(const JointModel& model, const InsideMaps& maps) {
+  SolidElements solid;
+  for (std::size_t d = 0; d < maps.domains.size(); ++d) {
+    const Domain& domain = model.domains[at(maps.domains[d])];
+    solid.blocks.push_back({domain.shape, &domain.nodes});
+    for (int e = 0; e < solid.blocks.back().size(); ++e) {
+      solid.element_domain.push_back(static_cast<int>(d));
+      solid.centroid.push_back(element_volume(model, domain, e).centroid);
+    }
+  }
+  return solid;
+}
+
+/// The elements all of whose nodes the layer has.
+std::vector<int> elements_of(const JointModel& model, const InsideMaps& maps, const Layer& layer) {
+  std::vector<char> of_layer(model.nodes.size(), 0);
+  for (int node : layer.region_nodes) of_layer[at(node)] = 1;
+  std::vector<int> elements;
+  for (std::size_t d = 0; d < maps.domains.size(); ++d) {
+    const Domain& domain = model.domains[at(maps.domains[d])];
+    const int n = nodes_per_element(domain.shape), count = static_cast<int>(domain.element_ids.size());
+    for (int e = 0; e < count; ++e) {
+      const auto first = domain.nodes.begin() + static_cast<std::ptrdiff_t>(e) * n;
+      if (std::all_of(first, first + n, [&](int node) { return of_layer[at(node)] != 0; }))
+        elements.push_back(maps.first[d] + e);
+    }
+  }
+  return elements;
+}
+
+/// Rows of elements under the articular surface.
+void count_rows(const JointModel& model, const SolidElements& solid, const Layer& layer, InsideElements& of) {
+  const Surface& surface = model.surfaces[at(layer.surface)];
+  const ElementColumns columns = element_columns(solid.blocks, surface.begin, surface.nodes);
+  for (std::size_t f = 0; f < columns.of_facet.size(); ++f) {
+    if (!columns.whole[f]) continue;
+    const int rows = static_cast<int>(columns.of_facet[f].size());
+    of.fewest_rows = of.fewest_rows == 0 ? rows : std::min(of.fewest_rows, rows);
+    of.most_rows = std::max(of.most_rows, rows);
+  }
+}
+
+InsideElements place_elements(const JointModel& model, const InsideMaps& maps, const SolidElements& solid,
+                              const Layer& layer, const LayerMesh& mesh) {
+  InsideElements of;
+  const std::vector<int> elements = elements_of(model, maps, layer);
+  std::vector<Vector3d> centroids;
+  std::set<std::string> names;
+  for (int e : elements) {
+    centroids.push_back(solid.centroid[at(e)]);
+    const int material = model.domains[at(maps.domains[at(solid.element_domain[at(e)])])].material;
+    names.insert(fmt::format("\"{}\"", model.materials[at(material)].name));
+  }
+  for (const std::string& name : names) of.parts += (of.parts.empty() ? "" : ", ") + name;
+  of.all = static_cast<int>(elements.size());
+  const std::vector<InsidePlace> places = inside_places(layer, mesh, centroids);
+  of.lowest = 1;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i].triangle < 0) continue;
+    of.element.push_back(elements[i]);
+    of.places.push_back(places[i]);
+    of.lowest = std::min(of.lowest, places[i].height);
+    of.highest = std::max(of.highest, places[i].height);
+  }
+  count_rows(model, solid, layer, of);
+  return of;
+}
+
+/// How far a point lies beside the place that was found for it, over the thickness there.
+double distance_beside(const LayerMesh& mesh, const InsidePlace& place, const Vector3d& x) {
+  const SurfacePoint point{place.triangle, place.weights};
+  const Vector3d from = x - position(mesh.mesh, point), &n = mesh.mesh.normals[at(place.triangle)];
+  const double thickness = interpolate(mesh.mesh, mesh.thickness, point);
+  return thickness > 0 ? (from - from.dot(n) * n).norm() / thickness : 0.0;
+}
+
+/// An element that lies beside one contact's face and under another's is the other's.
+void leave_to_the_nearest(const SolidElements& solid, InsideMaps& maps) {
+  constexpr double kAlike = 0.05;
+  const auto beside = [&](std::size_t c, int side, std::size_t i) {
+    const InsideElements& of = maps.placed[c][at(side)];
+    return distance_beside(maps.contacts[c].sides[side].layer->mesh, of.places[i], solid.centroid[at(of.element[i])]);
+  };
+  std::vector<double> least(at(maps.elements), kInfinity);
+  for (std::size_t c = 0; c < maps.placed.size(); ++c)
+    for (const int side : {0, 1})
+      for (std::size_t i = 0; i < maps.placed[c][at(side)].element.size(); ++i) {
+        double& best = least[at(maps.placed[c][at(side)].element[i])];
+        best = std::min(best, beside(c, side, i));
+      }
+  for (std::size_t c = 0; c < maps.placed.size(); ++c)
+    for (const int side : {0, 1}) {
+      InsideElements& of = maps.placed[c][at(side)];
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < of.element.size(); ++i) {
+        if (beside(c, side, i) > least[at(of.element[i])] + kAlike) continue;
+        of.element[kept] = of.element[i];
+        of.places[kept++] = of.places[i];
+      }
+      of.element.resize(kept);
+      of.places.resize(kept);
+    }
+}
+
+SymmetricTensor packed(const Eigen::Matrix3d& m) { return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(1, 2), m(0, 2)}; }
+
+/// Means over the facets of what is linear in each triangle of the layer's mesh.
+class FacetMeans {
+ public:
+  FacetMeans(const Layer& layer, const LayerMesh& mesh) : layer_(layer), mesh_(mesh) {}
+  std::vector<double> of(const std::vector<double>& vertex) const {
+    const int parts = mesh_.divide * mesh_.divide;
+    std::vector<double> sum(at(layer_.articular.facets), 0.0), area(sum.size(), 0.0);
+    for (int t = 0; t < mesh_.pressed; ++t) {
+      double mean = 0.0;
+      for (int v : mesh_.mesh.triangles[at(t)]) mean += vertex[at(v)] / 3;
+      const auto facet = at(layer_.articular.facet[at(t / parts)]);
+      sum[facet] += mesh_.mesh.areas[at(t)] * mean;
+      area[facet] += mesh_.mesh.areas[at(t)];
+    }
+    for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = area[f] > 0 ? sum[f] / area[f] : 0.0;
+    return sum;
+  }
+
+ private:
+  const Layer& layer_;
+  const LayerMesh& mesh_;
+};
+
+std::vector<InsideMeasures> measures_at(const InsideLayer& inside, double height) {
+  const std::vector<InsideState> states = states_at_height(inside, height, StrainMeasure::Large);
+  std::vector<InsideMeasures> measured(states.size());
+  tbb::parallel_for(std::size_t{0}, states.size(), [&](std::size_t v) { measured[v] = measures(states[v]); });
+  return measured;
+}
+
+InsideFacets facets_at(const FacetMeans& means, const std::vector<InsideMeasures>& measured) {
+  std::vector<double> shear, first, third;
+  for (const InsideMeasures& m : measured) {
+    shear.push_back(m.max_shear);
+    first.push_back(m.first_strain);
+    third.push_back(m.third_strain);
+  }
+  return {means.of(shear), means.of(first), means.of(third)};
+}
+
+/// Per vertex of the layer's mesh: whether it belongs to compartment `c`.
+std::vector<char> vertices_of_compartment(const Layer& layer, const LayerMesh& mesh, int c) {
+  std::vector<char> among(at(mesh.nodes()), 0);
+  for (int t = 0; t < mesh.pressed; ++t)
+    if (layer.compartments.of_triangle[at(t / (mesh.divide * mesh.divide))] == c)
+      for (int v : mesh.mesh.triangles[at(t)]) among[at(v)] = 1;
+  return among;
+}
+
+/// Where the greatest of these is. `among`: per vertex; empty: all.
+bool peak_near_free_edge(const InsideLayer& inside, const std::vector<InsideMeasures>& bone,
+                         const std::vector<char>& among = {}) {
+  const LayerMesh& mesh = inside.layer->mesh;
+  std::size_t peak = bone.size();
+  for (std::size_t v = 0; v < bone.size(); ++v) {
+    if (!(inside.value(static_cast<Eigen::Index>(v), 0) > 0) || (!among.empty() && !among[v])) continue;
+    if (peak == bone.size() || bone[v].max_shear > bone[peak].max_shear) peak = v;
+  }
+  return peak < bone.size() && mesh.edge_distance[peak] < kNearEdge * mesh.thickness[peak];
+}
+
+InsideSide side_results(const Layer& layer, const InsideLayer& inside) {
+  const LayerMesh& mesh = inside.layer->mesh;
+  const FacetMeans means(layer, mesh);
+  const std::vector<InsideMeasures> bone = measures_at(inside, 0), surface = measures_at(inside, 1);
+  InsideSide side;
+  side.numbers = {inside_statistics(inside, bone), inside_statistics(inside, surface),
+                  peak_near_free_edge(inside, bone)};
+  for (int c = 0; c < layer.compartments.size(); ++c) {
+    const std::vector<char> among = vertices_of_compartment(layer, mesh, c);
+    side.compartments.push_back({inside_statistics(inside, bone, among), inside_statistics(inside, surface, among),
+                                 peak_near_free_edge(inside, bone, among)});
+  }
+  side.bone = facets_at(means, bone);
+  side.surface = facets_at(means, surface);
+  return side;
+}
+
+/// What the elements show so far, and the pressure for which they show it.
+struct ShownElements {
+  std::vector<double> pressure;
+  std::vector<SymmetricTensor> stress, strain;
+  explicit ShownElements(int elements)
+      : pressure(at(elements), -1.0), stress(at(elements), SymmetricTensor{}), strain(stress) {}
+  void show(const InsideElements& of, const std::vector<InsideState>& states, const Eigen::Matrix3d& rotation) {
+    for (std::size_t i = 0; i < of.element.size(); ++i) {
+      const std::size_t e = at(of.element[i]);
+      const InsideState state = turned(states[i], rotation);
+      const double pressed = std::abs(state.pressure);
+      if (!(pressed > pressure[e]) || !state.stress.allFinite() || !state.strain.allFinite()) continue;
+      pressure[e] = pressed;
+      stress[e] = packed(state.stress);
+      strain[e] = packed(state.strain);
+    }
+  }
+};
+
+bool has_inside(const ContactPair& pair) {
+  return pair.law == Law::Layer && pair.layer_fit == LayerFit::TwoTerms &&
+         !(pair.layers[0].rigid && pair.layers[1].rigid);
+}
+
+}  // namespace
+
+void check_inside(const Joint& joint, const Settings& settings) {
+  if (!settings.inside || std::any_of(joint.contacts.begin(), joint.contacts.end(), has_inside)) return;
+  const ContactPair& pair = joint.contacts.front();
+  throw UsageError(
+      Fault{.given = NamedSetting{.setting = "inside", .bare = true},
+            .found = pair.law == Law::Layer
+                         ? say("contact \"{}\": found law layer {},", pair.name,
+                               pair.layer_fit == LayerFit::OneTerm ? "of one term" : "between two bare rigid surfaces")
+                         : say("contact \"{}\": found law {},", pair.name, name(pair.law)),
+            .expected = say("expected {} of two terms and a layer of cartilage: other laws say nothing of the inside",
+                            NamedSetting{"law", "", "layer"})});
+}
+
+InsideMaps make_inside_maps(const JointModel& model, const Settings& settings, const Joint& joint,
+                            const SpringBeds& beds) {
+  InsideMaps maps;
+  const std::vector<char> rigid = rigid_materials(model, settings);
+  for (std::size_t d = 0; d < model.domains.size(); ++d) {
+    const Domain& domain = model.domains[d];
+    if (domain.material < 0 || rigid[at(domain.material)] || element_type(domain.shape).kind != ElementKind::Solid ||
+        domain.element_ids.empty())
+      continue;
+    maps.domains.push_back(static_cast<int>(d));
+    maps.first.push_back(maps.elements);
+    maps.elements += static_cast<int>(domain.element_ids.size());
+  }
+  const SolidElements solid = solid_elements(model, maps);
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    maps.contacts.push_back(make_inside_map(beds.beds[c]));
+    maps.placed.emplace_back();
+    for (const int side : {0, 1}) {
+      const Layer& layer = joint.contacts[c].layers[side];
+      const LayerOperator* of = maps.contacts[c].sides[side].layer;
+      if (of != nullptr && !layer.region_nodes.empty())
+        maps.placed[c][at(side)] = place_elements(model, maps, solid, layer, of->mesh);
+    }
+  }
+  leave_to_the_nearest(solid, maps);
+  return maps;
+}
+
+InsideResults inside_results(const InsideMaps& maps, const Joint& joint, const SpringBeds& beds, const Equilibrium& e) {
+  InsideResults results;
+  ShownElements shown(maps.elements);
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    const SpringBed& bed = beds.beds[c];
+    const InsideContact contact =
+        look_inside(maps.contacts[c], bed, e.springs[c], e.poses[at(bed.source_body)], e.poses[at(bed.target_body)]);
+    results.contacts.emplace_back();
+    for (const int side : {0, 1}) {
+      if (!contact.sides[side]) continue;
+      const InsideLayer& inside = *contact.sides[side];
+      const Layer& layer = joint.contacts[c].layers[side];
+      const InsideElements& of = maps.placed[c][at(side)];
+      results.contacts[c][at(side)] = side_results(layer, inside);
+      shown.show(of, states_inside(inside, of.places, StrainMeasure::Large), e.poses[at(layer.body)].rotation);
+    }
+  }
+  for (std::size_t d = 0; d < maps.domains.size(); ++d) {
+    const std::ptrdiff_t from = maps.first[d], to = d + 1 < maps.first.size() ? maps.first[d + 1] : maps.elements;
+    const auto part = [&](const std::vector<SymmetricTensor>& of) {
+      return std::vector<SymmetricTensor>(of.begin() + from, of.begin() + to);
+    };
+    results.domains.push_back({maps.domains[d], part(shown.stress), part(shown.strain)});
+  }
+  return results;
+}
+
+namespace {
+
+std::string rows_in_words(const InsideElements& of) {
+  if (of.most_rows == 0) return "";
+  if (of.fewest_rows == of.most_rows) return fmt::format(" in {} row{}", of.most_rows, of.most_rows == 1 ? "" : "s");
+  return fmt::format(" in {} to {} rows", of.fewest_rows, of.most_rows);
+}
+
+Sentence side_in_words(const JointModel& model, const ContactPair& pair, const Layer& layer, const InsideElements& of) {
+  const std::string& surface = model.surfaces[at(layer.surface)].name;
+  if (of.all == 0)
+    return say(
+        "inside: contact \"{}\", surface \"{}\": its layer has no deformable elements in the model; stress and "
+        "strain are told on the surface alone",
+        pair.name, surface);
+  const int beside = of.all - static_cast<int>(of.element.size());
+  const std::string rest =
+      beside == 0 ? "" : fmt::format("; {} lie beside it, and show 0 or what another contact does to them", beside);
+  return say(
+      "inside: contact \"{}\", surface \"{}\": {} elements of {}{}, their centroids at {:.2f} to {:.2f} of the "
+      "thickness above the bone{}",
+      pair.name, surface, of.element.size(), of.parts, rows_in_words(of), of.lowest, of.highest, rest);
+}
+
+}  // namespace
+
+std::vector<Sentence> inside_in_words(const JointModel& model, const Joint& joint, const InsideMaps& maps) {
+  std::vector<Sentence> words;
+  std::vector<char> used(at(maps.elements), 0);
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    const ContactPair& pair = joint.contacts[c];
+    if (!has_inside(pair)) {
+      words.push_back(
+          say("inside: contact \"{}\" has not {} of two terms with cartilage: nothing is known of its inside",
+              pair.name, NamedSetting{"law", "", "layer"}));
+      continue;
+    }
+    for (const int side : {0, 1}) {
+      if (pair.layers[side].rigid) continue;
+      words.push_back(side_in_words(model, pair, pair.layers[side], maps.placed[c][at(side)]));
+      for (int e : maps.placed[c][at(side)].element) used[at(e)] = 1;
+    }
+  }
+  const auto unused = std::count(used.begin(), used.end(), 0);
+  if (unused > 0 && unused < maps.elements)
+    words.push_back(
+        say("inside: {} of the model's {} deformable elements lie under no contact: their stress and strain "
+            "are written as 0",
+            unused, maps.elements));
+  return words;
+}
+
+}  // namespace dea

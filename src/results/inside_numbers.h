@@ -1,0 +1,49 @@
+// febiodea/results/inside_numbers.h – the numbers that sum up stress and strain inside a layer. docs/layer_law.md, 8.
+#pragma once
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+/// Over the columns of a layer that are pressed (p > 0 around the vertex), weighted by their area; NaN without any.
+struct InsideDistribution {
+  double peak = kNaN, p99 = kNaN, mean = kNaN;
+};
+/// At one height of a layer.
+struct InsideStatistics {
+  InsideDistribution max_shear;     ///< half the difference of the greatest and the least principal stress [MPa]
+  InsideDistribution first_strain;  ///< greatest principal strain
+  InsideDistribution
+      third_strain;  ///< least principal strain, < 0: its peak is the least value, p99 the first percentile
+};
+/// Where a layer is bonded, and where it is pressed.
+struct InsideEnds {
+  InsideStatistics bone, surface;
+  /// The greatest shear at the bone lies within kNearEdge thicknesses of a free edge, where the law knows least.
+  bool peak_near_free_edge = false;
+};
+inline constexpr double kNearEdge = 2.0;
+
+/// By their names, in the order in which they are shown.
+struct InsideEnd {
+  const char *name, *words;
+  InsideStatistics InsideEnds::*value;
+};
+struct InsideMeasure {
+  const char *name, *words;
+  bool stress;  ///< else a strain
+  InsideDistribution InsideStatistics::*value;
+};
+struct InsideNumber {
+  const char* name;
+  double InsideDistribution::*value;
+};
+inline constexpr InsideEnd kInsideEnds[] = {{"bone", "at the bone", &InsideEnds::bone},
+                                            {"surface", "at the surface", &InsideEnds::surface}};
+inline constexpr InsideMeasure kInsideMeasures[] = {
+    {"max_shear_stress", "max shear stress", true, &InsideStatistics::max_shear},
+    {"first_principal_strain", "first principal strain", false, &InsideStatistics::first_strain},
+    {"third_principal_strain", "third principal strain", false, &InsideStatistics::third_strain}};
+inline constexpr InsideNumber kInsideNumbers[] = {
+    {"peak", &InsideDistribution::peak}, {"p99", &InsideDistribution::p99}, {"mean", &InsideDistribution::mean}};
+
+}  // namespace dea

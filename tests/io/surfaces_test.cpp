@@ -1,0 +1,193 @@
+// Surfaces from files: one shape in every format, and what is refused.
+#include <febiodea/io/surfaces/read_surface.h>
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <febiodea/base/error.h>
+
+namespace dea {
+namespace {
+
+std::string file(const std::string& name, const std::string& text) {
+  const std::string path = (std::filesystem::path(::testing::TempDir()) / name).string();
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+/// Bytes of a number, least first or most first.
+template <class Number>
+std::string bytes(Number value, bool big_endian) {
+  std::string text(sizeof value, '\0');
+  std::memcpy(text.data(), &value, sizeof value);
+  if (big_endian) std::reverse(text.begin(), text.end());
+  return text;
+}
+
+/// Volume by the divergence theorem: of the corner below 1 * 2 * 3 / 6 = 1, whatever order the points have.
+double volume(const TriangleSurface& s) {
+  double sum = 0;
+  for (const auto& t : s.triangles) {
+    const auto x = [&](std::size_t k) { return s.points[static_cast<std::size_t>(t[k])]; };
+    sum += x(0).dot(x(1).cross(x(2))) / 6;
+  }
+  return sum;
+}
+
+/// The corner of a box: points (0,0,0), (1,0,0), (0,2,0), (0,0,3), four triangles outwards.
+constexpr float kPoints[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+constexpr int kTriangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+
+std::string stl_binary() {
+  std::string text(80, 's');
+  text += bytes<std::uint32_t>(4, false);
+  for (const auto& t : kTriangles) {
+    text += std::string(12, '\0');
+    for (const int p : t)
+      for (const float x : kPoints[p]) text += bytes(x, false);
+    text += std::string(2, '\0');
+  }
+  return text;
+}
+
+std::string stl_text() {
+  std::string text = "solid corner\n";
+  for (const auto& t : kTriangles) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const int p : t)
+      text += "vertex " + std::to_string(kPoints[p][0]) + " " + std::to_string(kPoints[p][1]) + " " +
+              std::to_string(kPoints[p][2]) + "\n";
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid corner\n";
+}
+
+std::string ply(const std::string& format) {
+  std::string text = "ply\nformat " + format +
+                     " 1.0\ncomment a corner\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                     "property uchar red\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
+  const bool big = format == "binary_big_endian", binary = format != "ascii";
+  for (const auto& p : kPoints) {
+    for (const float x : p) text += binary ? bytes(x, big) : std::to_string(x) + " ";
+    text += binary ? std::string(1, '\7') : "7\n";
+  }
+  for (const auto& t : kTriangles) {
+    text += binary ? std::string(1, '\3') : "3 ";
+    for (const int p : t) text += binary ? bytes<std::int32_t>(p, big) : std::to_string(p) + " ";
+    if (!binary) text += "\n";
+  }
+  return text;
+}
+
+std::string vtk(bool binary, bool version_5) {
+  std::string text = std::string("# vtk DataFile Version ") + (version_5 ? "5.1" : "3.0") + "\ncorner\n" +
+                     (binary ? "BINARY" : "ASCII") + "\nDATASET POLYDATA\nPOINTS 4 float\n";
+  for (const auto& p : kPoints)
+    for (const float x : p) text += binary ? bytes(x, true) : std::to_string(x) + " ";
+  text += version_5 ? "\nPOLYGONS 5 12\nOFFSETS vtktypeint64\n" : "\nPOLYGONS 4 16\n";
+  if (version_5) {
+    for (std::int64_t i = 0; i <= 12; i += 3) text += binary ? bytes(i, true) : std::to_string(i) + " ";
+    text += "\nCONNECTIVITY vtktypeint64\n";
+  }
+  for (const auto& t : kTriangles) {
+    if (!version_5) text += binary ? bytes<std::int32_t>(3, true) : "3 ";
+    for (const int p : t)
+      text += !binary     ? std::to_string(p) + " "
+              : version_5 ? bytes<std::int64_t>(p, true)
+                          : bytes<std::int32_t>(p, true);
+  }
+  return text + "\n";
+}
+
+constexpr const char* kObj =
+    "# corner\nv 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nvn 0 0 1\nf 1//1 3//1 2//1\nf 1 2 4\nf 1/1/1 4 3\nf -3 -2 -1\n";
+constexpr const char* kVtp =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"4\" NumberOfPolys=\"4\">\n"
+    "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 2 0 0 0 "
+    "3</DataArray></Points>\n"
+    "<Polys><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 2 1 0 1 3 0 3 2 1 2 3</DataArray>\n"
+    "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">3 6 9 "
+    "12</DataArray></Polys></Piece></PolyData></VTKFile>\n";
+
+TEST(Surfaces, OneShapeInEveryFormat) {
+  const std::pair<const char*, std::string> files[] = {{"a.stl", stl_binary()},
+                                                       {"b.stl", stl_text()},
+                                                       {"c.obj", kObj},
+                                                       {"d.ply", ply("ascii")},
+                                                       {"e.ply", ply("binary_little_endian")},
+                                                       {"f.ply", ply("binary_big_endian")},
+                                                       {"g.vtk", vtk(false, false)},
+                                                       {"h.vtk", vtk(true, false)},
+                                                       {"i.vtk", vtk(false, true)},
+                                                       {"j.vtk", vtk(true, true)},
+                                                       {"k.vtp", kVtp}};
+  for (const auto& [name, text] : files) {
+    const TriangleSurface s = read_surface(file(name, text));
+    ASSERT_EQ(s.triangles.size(), 4U) << name;
+    EXPECT_EQ(volume(s), 1.0) << name;  // whole numbers: exact
+  }
+}
+
+TEST(Surfaces, WrittenAndReadAgain) {
+  const TriangleSurface s = read_surface(file("again.obj", kObj));
+  const std::string path = (std::filesystem::path(::testing::TempDir()) / "again.stl").string();
+  write_stl(path, s);
+  const TriangleSurface t = read_surface(path);
+  ASSERT_EQ(t.triangles.size(), s.triangles.size());
+  for (std::size_t i = 0; i < 12; ++i)
+    EXPECT_EQ(t.points[i], s.points[static_cast<std::size_t>(s.triangles[i / 3][i % 3])]);
+}
+
+TEST(Surfaces, PolygonsAreCutIntoTriangles) {
+  const TriangleSurface s = read_surface(file("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"));
+  ASSERT_EQ(s.triangles.size(), 2U);
+  EXPECT_EQ(s.triangles[1], (std::array<int, 3>{0, 2, 3}));
+}
+
+TEST(Surfaces, WhatIsNoSurfaceIsRefusedWithItsPlace) {
+  const std::string cut = stl_binary().substr(0, 200);
+  const std::tuple<const char*, std::string, const char*> cases[] = {
+      {"empty.stl", "", ": found an empty file"},
+      {"text.stl", "Dear colleague,\nplease find attached\n", ": found no surface that is known, expected STL, OBJ"},
+      {"cut.stl", cut, ": found 200 bytes, expected 284 for the 4 triangles"},
+      {"cut_text.stl", stl_text().substr(0, 150), "found the end of the file"},
+      {"letter.obj", "v 0 0 0\nv 1 zero 0\n", ":2: found another line, expected \"v x y z\""},
+      {"far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
+       "found a corner at point 8 (counted from 0), expected one of the 3 points"},
+      {"none.obj", "v 0 0 0\n", ": found no triangle"},
+      {"nan.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\nnan\n",
+       ":6: found \"nan\", expected a number"},
+      {"many.ply", "ply\nformat ascii 1.0\nelement vertex 999999999\nproperty float x\nend_header\n1\n",
+       "found a count of 999999999 elements"},
+      {"grid.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n", ":4: found another data set"},
+      {"bytes.vtp", "<VTKFile><PolyData/><AppendedData/></VTKFile>",
+       ": found appended data, expected format=\"ascii\""},
+  };
+  for (const auto& [name, text, expected] : cases) {
+    const std::string path = file(name, text);
+    try {
+      read_surface(path);
+      ADD_FAILURE() << name << " was read";
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find(expected), std::string::npos) << name << ": " << e.what();
+      EXPECT_EQ(std::string(e.what()).rfind(path, 0), 0U) << e.what();
+    }
+  }
+  EXPECT_THROW(read_surface("no such file.stl"), InputError);
+}
+
+/// A coordinate of infinity as bytes.
+TEST(Surfaces, BytesThatAreNoNumberAreRefused) {
+  std::string text = stl_binary();
+  text.replace(96, 4, bytes(std::numeric_limits<float>::infinity(), false));
+  EXPECT_THROW(read_surface(file("infinite.stl", text)), InputError);
+}
+
+}  // namespace
+}  // namespace dea

@@ -1,0 +1,386 @@
+// The page of a study, without a browser: what stands in its JSON and arrays against answers on paper.
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include <febiodea/base/error.h>
+#include <febiodea/views/study_page/study_page.h>
+#include <febiodea/views/study_page/study_thinning.h>
+#include "made_study.h"
+#include "page_arrays.h"
+#include "program.h"
+
+namespace dea {
+namespace {
+
+using nlohmann::json;
+using test::TemporaryFolder;
+
+struct Page {
+  std::string html;
+  json data;
+
+  std::string between(const std::string& start, const std::string& end) const {
+    const std::size_t a = html.find(start) + start.size();
+    return html.substr(a, html.find(end, a) - a);
+  }
+  std::vector<double> floats(const json& array) const {
+    return test::floats(between("id=\"array" + array["id"].dump() + "\">", "</script>"), array);
+  }
+  std::vector<double> codes(const json& array) const {
+    return test::integers(between("id=\"array" + array["id"].dump() + "\">", "</script>"), array);
+  }
+  std::vector<double> values(int statistic, int place) const {
+    return floats(data["values"][static_cast<std::size_t>(statistic)][static_cast<std::size_t>(place)]);
+  }
+};
+
+struct StudyPage : ::testing::Test {
+  TemporaryFolder folder;
+  std::string path = (folder.path / "plan.db").string(), html = (folder.path / "plan.html").string();
+
+  Page page(const StudyPageOptions& options = {}) {
+    write_study_page(html, path, options);
+    Page p;
+    p.html = test::file_text(html);
+    p.data = json::parse(p.between("<script type=\"application/json\" id=\"report\">", "</script>"));
+    return p;
+  }
+  std::string fault(const StudyPageOptions& options) {
+    try {
+      page(options);
+    } catch (const UsageError& e) {
+      return e.what();
+    }
+    return "no fault";
+  }
+};
+
+/// Cases of one factor x = 1, 2, ...: pressure x times `shape` of the state's number everywhere.
+void write_uniform(const std::string& path, int cases, const std::vector<double>& shape, double duration = 1.0) {
+  const Plan plan = test::grid({fmt::format("x: E={{1:{}:1}}", cases)});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  const CaseSurface on = test::surface();
+  for (int i = 1; i <= cases; ++i) {
+    CaseResult r = test::solved(static_cast<std::size_t>(i), "hip");
+    for (std::size_t k = 0; k < shape.size(); ++k) {
+      r.states.push_back(
+          test::state(duration * static_cast<double>(k) / static_cast<double>(shape.size() - 1), i * shape[k]));
+      r.states.back().fields = {{std::vector<float>(on.vertices.size(), static_cast<float>(i * shape[k]))}};
+    }
+    if (i == 1) r.surfaces = {on};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+}
+
+TEST_F(StudyPage, StatesThatAreNoSolutionAreInNoNumber) {
+  test::write_awkward(path);
+  const Page p = page();
+  EXPECT_EQ(p.data["failures"]["cases"], 2);
+  EXPECT_EQ(p.data["study"]["failed"], 1);
+  EXPECT_EQ(p.data["study"]["refused"], 1);
+  EXPECT_EQ(p.data["failures"]["states"], 1);
+  for (int s = 0; s < 5; ++s)
+    for (double x : p.values(s, 0)) EXPECT_FALSE(x > 1e5) << s;
+  // of the case with a state that is none the others are there, and no largest
+  const std::vector<double> p99 = p.values(0, 0);
+  const std::size_t choices = p.data["choices"].size();
+  ASSERT_EQ(choices, 4u);
+  EXPECT_NEAR(p99[10 * choices], 13, 1e-6);
+  EXPECT_TRUE(std::isnan(p99[10 * choices + 2]));
+  EXPECT_TRUE(std::isnan(p99[10 * choices + 3]));
+  EXPECT_NEAR(p99[9 * choices + 3], 12, 1e-6);
+  EXPECT_EQ(p.data["summary"][0][0][3]["left_out"], 2);
+  EXPECT_EQ(p.data["summary"][0][0][3]["count"], 10);
+  for (const json& f : p.data["maps"]["fields"])
+    if (f["number"] == 11) {
+      EXPECT_EQ(f["entries"].size(), 2u);  // two states, nothing over the cycle
+    }
+}
+
+TEST_F(StudyPage, NamesAreEscaped) {
+  test::write_awkward(path);
+  const Page p = page();
+  const std::string data = p.between("id=\"report\">", "</script>");
+  EXPECT_EQ(data.find('<'), std::string::npos);
+  EXPECT_EQ(p.data["columns"][1]["name"].get<std::string>().substr(0, 12), "</script><b>");
+}
+
+TEST_F(StudyPage, AStateWithoutContactDoesNotHideTheLargest) {
+  const Plan plan = test::grid({"x: E={1|2}"});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 1; i <= 2; ++i) {
+    CaseResult r = test::solved(i, "hip");
+    r.states = {test::state(0, kNaN), test::state(1, 5), test::state(2, 3)};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  const std::vector<double> p99 = page().values(0, 0);
+  EXPECT_TRUE(std::isnan(p99[0]));
+  EXPECT_EQ(p99[3], 5);
+}
+
+TEST_F(StudyPage, IshigamisIndicesAreTheKnownOnes) {
+  test::write_sample(path);
+  const Page p = page();
+  EXPECT_EQ(p.data["influence"]["no_sobol"], "");
+  const json& of = p.data["influence"]["numbers"][0][0][0]["sobol"];
+  const double V = 49.0 / 8 + 0.1 * std::pow(kPi, 4) / 5 + 0.01 * std::pow(kPi, 8) / 18 + 0.5;
+  const double V1 = 0.5 * std::pow(1 + 0.1 * std::pow(kPi, 4) / 5, 2), V2 = 49.0 / 8;
+  const double first[] = {V1 / V, V2 / V, 0}, total[] = {1 - V2 / V, V2 / V, 1 - (V1 + V2) / V};
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(of[k]["first"], first[k], 0.06) << k;  // 512 rows of a Sobol sequence
+    EXPECT_NEAR(of[k]["total"], total[k], 0.06) << k;
+    EXPECT_LT(of[k]["first_interval"][0], first[k]);
+    EXPECT_GT(of[k]["first_interval"][1], first[k]);
+  }
+  EXPECT_TRUE(p.data["influence"]["numbers"][0][0][0]["slopes"].empty());  // points that are drawn have no neighbours
+}
+
+TEST_F(StudyPage, SlopesAndRegressionOfAPlane) {
+  const Plan plan = test::grid({"a: E={1:5:1}", "b: nu={0|1|2}", "c: law={linear|layer}"});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+    CaseResult r = test::solved(i + 1, "hip");
+    r.states = {test::state(0, 10 + 3 * parse_number(plan.cases[i].values[0]) - parse_number(plan.cases[i].values[1]))};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  const Page p = page();
+  const json& of = p.data["influence"]["numbers"][0][0][0];
+  EXPECT_NEAR(of["r_squared"], 1, 1e-9);
+  // variances of 1..5 and 0..2 are 2 and 2/3: shares 18 and 2/3 of 18 + 2/3
+  EXPECT_NEAR(of["factors"][0]["coefficient"], std::sqrt(18 / (18 + 2.0 / 3)), 1e-8);
+  EXPECT_NEAR(of["factors"][1]["coefficient"], -std::sqrt(2.0 / 3 / (18 + 2.0 / 3)), 1e-8);
+  ASSERT_EQ(of["slopes"].size(), 2u);
+  EXPECT_EQ(p.data["influence"]["base"], 15);  // a = 3, b = 1, the first law
+  EXPECT_NEAR(of["slopes"][0]["slope"], 3, 1e-9);
+  EXPECT_NEAR(of["slopes"][1]["slope"], -1, 1e-9);
+  EXPECT_NEAR(of["slopes"][0]["relative"], 3 * 3 / 18.0, 1e-9);
+  EXPECT_EQ(of["slopes"][0]["kind"], "central");
+}
+
+/// Force is what the load gives: to the search's tolerance it is the same in all cases, and no factor moves it.
+/// Pressure differs, and is told as before.
+TEST_F(StudyPage, RoundingIsNoInfluence) {
+  const Plan plan = test::grid({"x: E={1:6:1}"});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 1; i <= plan.cases.size(); ++i) {
+    CaseResult r = test::solved(i, "hip");
+    r.states = {test::state(0, static_cast<double>(i))};
+    r.states[0].statistics[0].force = {0, 0, 1800 + 1e-6 * static_cast<double>(i)};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  StudyPageOptions options;
+  options.group = "x";
+  const Page p = page(options);
+  const json &of = p.data["influence"]["numbers"], &pressure = of[0][0][0], &force = of[4][0][0];
+  EXPECT_NEAR(pressure["r_squared"].get<double>(), 1, 1e-9);
+  EXPECT_TRUE(force["r_squared"].is_null()) << force;
+  EXPECT_TRUE(force["factors"][0]["coefficient"].is_null()) << force;
+  EXPECT_TRUE(force["factors"][0]["rho"].is_null()) << force;
+  EXPECT_EQ(p.data["groups"]["numbers"][4][0][0]["differences"][0]["mean"], 0);
+}
+
+TEST_F(StudyPage, AGridWithoutItsMiddleHasSlopes) {
+  const Plan plan = test::grid({"x: E={1|2|3}", "y: nu={0.1|0.2|0.3}"});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 1; i <= plan.cases.size(); ++i) {
+    if (i == 5) continue;  // not solved yet
+    CaseResult r = test::solved(i, "hip");
+    r.states = {test::state(0, static_cast<double>((i - 1) / 3))};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  const Page p = page();
+  EXPECT_EQ(p.data["influence"]["no_slopes"], "");
+  ASSERT_EQ(p.data["influence"]["numbers"][0][0][0]["slopes"].size(), 2u);
+  EXPECT_NEAR(p.data["influence"]["numbers"][0][0][0]["slopes"][0]["slope"].get<double>(), 1, 1e-6);
+}
+
+TEST_F(StudyPage, ValuesWithCommasMakePairs) {
+  const Plan plan = test::grid({"axis: rotate pelvis={0,1,0,5|1,0,0,5|0,0,1,5}"});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 1; i <= plan.cases.size(); ++i) {
+    CaseResult r = test::solved(i, "hip");
+    r.states = {test::state(0, static_cast<double>(i))};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  StudyPageOptions options;
+  options.pair = "axis=0,1,0,5,0,0,1,5";
+  EXPECT_EQ(page(options).data["pairs"]["cases"], json::parse("[[0, 2]]"));
+  options.pair = "axis=0,1,0,5";
+  EXPECT_NE(fault(options).find("expected two of"), std::string::npos) << fault(options);
+}
+
+TEST_F(StudyPage, PairsAreCasesThatDifferInNothingElse) {
+  const Plan plan = test::grid({"side: E={1|2}", "x: nu={1:4:1}"});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+    if (i == 3) continue;  // 4 of the first side is not there
+    CaseResult r = test::solved(i + 1, "hip");
+    r.states = {test::state(0, (i < 4 ? 10.0 : 20.0) + static_cast<double>(i % 4 * (i < 4 ? 1 : 2)))};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  StudyPageOptions o;
+  o.pair = "side";
+  o.group = "side";
+  const Page p = page(o);
+  EXPECT_EQ(p.data["pairs"]["cases"], json::parse("[[0,3],[1,4],[2,5]]"));  // places of cases 1 .. 3 and 5 .. 7
+  EXPECT_EQ(p.data["pairs"]["alone"], 1);
+  const json& of = p.data["pairs"]["numbers"][0][0][0];  // differences -10, -11, -12
+  EXPECT_NEAR(of["mean"], -11, 1e-9);
+  EXPECT_NEAR(of["sd"], 1, 1e-9);
+  EXPECT_NEAR(of["limits"][0], -11 - 1.959963985, 1e-6);
+  const json& groups = p.data["groups"]["numbers"][0][0][0];
+  EXPECT_NEAR(groups["boxes"][0]["median"], 11, 1e-9);
+  EXPECT_NEAR(groups["differences"][0]["mean"], 23 - 11, 1e-9);  // of 20, 22, 24, 26 and 10, 11, 12
+  o.pair = "side=2,1";
+  EXPECT_NEAR(page(o).data["pairs"]["numbers"][0][0][0]["mean"], 11, 1e-9);
+  const auto with = [](const std::string& pair, const std::string& group) {
+    StudyPageOptions wrong;
+    wrong.pair = pair;
+    wrong.group = group;
+    return wrong;
+  };
+  EXPECT_EQ(fault(with("x", "")), "--pair x: found 4 values of x, expected two: --pair x=A,B");
+  EXPECT_EQ(fault(with("side=1,3", "")), "--pair side=1,3: found no value \"3\" of side, expected two of \"1\", \"2\"");
+  EXPECT_EQ(fault(with("side=1", "")), "--pair side=1: found one value, expected two: side=A,B");
+  EXPECT_EQ(fault(with("", "sise")),
+            "--group sise: found no column \"sise\" that differs from case to case (did you mean \"side\"?); there are "
+            "\"side\", \"x\"");
+}
+
+TEST_F(StudyPage, DoseOfAConstantPressure) {
+  write_uniform(path, 4, {1, 1, 1});
+  StudyPageOptions o;
+  o.maps.dose_above = 2.5;
+  o.maps.cycles_per_year = 2e6;
+  o.maps.years = 20;
+  o.maps.cycle_seconds = 1.1;
+  const Page p = page(o);
+  const double years = 1.1 * 2e6 * 20 / 31557600;
+  const json& cases = p.data["maps"]["dose"]["cases"];
+  ASSERT_EQ(cases.size(), 4u);
+  for (int x = 1; x <= 4; ++x) {
+    const json& of = cases[static_cast<std::size_t>(x - 1)];
+    EXPECT_NEAR(of["largest"], std::max(0.0, x - 2.5) * years, 1e-6);
+    EXPECT_NEAR(of["exposure"], x * years, 1e-6);
+    EXPECT_NEAR(of["shares"][0], x > 2.5 ? 1 : 0, 1e-12);
+  }
+  write_uniform((folder.path / "percent.db").string(), 2, {1, 1}, 100.0);
+  path = (folder.path / "percent.db").string();
+  o.maps.cycle_seconds.reset();
+  EXPECT_NE(fault(o).find("found states over 100 units of time"), std::string::npos) << fault(o);
+  o.maps.cycle_seconds = 1.0;
+  EXPECT_EQ(fault(o), "no fault");
+}
+
+TEST_F(StudyPage, PressuresComeBackAndTheirMeansAreThere) {
+  write_uniform(path, 3, {0.5, 1, 2});
+  const Page p = page();
+  const json& maps = p.data["maps"];
+  ASSERT_EQ(maps["fields"].size(), 3u);
+  const std::size_t nodes = static_cast<std::size_t>(test::kSide * test::kSide);
+  for (const json& f : maps["fields"]) {
+    const double x = f["number"].get<double>();
+    const double expected[] = {0.5 * x, x, 2 * x, 2 * x, x * (0.25 * (0.5 + 1) + 0.25 * (1 + 2))};  // largest, mean
+    const std::vector<double> codes = p.codes(f["values"]);
+    ASSERT_EQ(f["entries"].size(), 5u);
+    ASSERT_EQ(codes.size(), 5 * nodes);
+    for (std::size_t e = 0; e < 5; ++e) {
+      const double least = f["entries"][e][1], most = f["entries"][e][2];
+      EXPECT_NEAR(least + codes[e * nodes] * (most - least) / 65534, expected[e], 1e-5 * expected[e]) << e;
+    }
+  }
+  const json& kinds = p.data["means"]["surfaces"][0];
+  ASSERT_EQ(kinds.size(), 4u);
+  EXPECT_NEAR(kinds[1]["groups"][0]["area_mean"], 2, 1e-6);  // of 1, 2, 3
+  EXPECT_NEAR(kinds[1]["groups"][0]["area_spread"], 1, 1e-6);
+  EXPECT_NEAR(kinds[3]["groups"][0]["area_mean"], 2.25, 1e-6);  // 2 times (0.75 + 1.5) / 2
+}
+
+TEST_F(StudyPage, TheEdgeOfContactEnclosesTheAreaOfTheFacets) {
+  test::write_grid(path, test::grid({"a: E={0|8}", "b: nu={0|1}", "c: move pelvis={1|2},0,0"}), true);
+  const Page p = page();
+  const CaseSurface on = test::surface();
+  std::vector<int> begin = {0}, nodes;
+  for (const auto& t : on.triangles) {
+    nodes.insert(nodes.end(), t.begin(), t.end());
+    begin.push_back(static_cast<int>(nodes.size()));
+  }
+  const MapMesh map = make_map_mesh(make_result_surface("socket", begin, nodes, on.vertices));
+  const json& f = p.data["maps"]["fields"][3];
+  const std::vector<double> codes = p.codes(f["values"]);
+  for (std::size_t e : {0u, 6u, 12u}) {
+    const double least = f["entries"][e][1], most = f["entries"][e][2];
+    std::vector<double> values;
+    for (std::size_t v = 0; v < on.vertices.size(); ++v)
+      values.push_back(least + codes[e * on.vertices.size() + v] * (most - least) / 65534);
+    EXPECT_NEAR(area_above(map, values, f["entries"][e][3]), 400, 0.1) << e;  // facet_contact_area of made_study.h
+  }
+}
+
+TEST_F(StudyPage, RegionsAddUpToTheSurface) {
+  write_uniform(path, 2, {1, 2});
+  StudyPageOptions o;
+  o.maps.regions.sectors = 4;
+  o.maps.regions.up = Vector3d(0, 1, 0);
+  o.maps.regions.axis = Vector3d(0, 0, 1);
+  o.maps.regions.center = Vector3d(0.3, 0.2, 0);  // no vertex on the axis
+  const Page p = page(o);
+  ASSERT_EQ(p.data["places"].size(), 5u);
+  double area = 0.0;
+  for (std::size_t r = 1; r <= 4; ++r) {
+    EXPECT_NEAR(p.values(1, static_cast<int>(r))[2], 2, 1e-6);  // the mean in each: the largest state of case 1
+    area += p.values(2, static_cast<int>(r))[1];
+  }
+  const CaseSurface on = test::surface();
+  double whole = 0.0;
+  for (const auto& t : on.triangles) {
+    const Vector3d a = on.vertices[at(t[0])];
+    whole += 0.5 * (on.vertices[at(t[1])] - a).cross(on.vertices[at(t[2])] - a).norm();
+  }
+  EXPECT_NEAR(area, whole, 1e-4 * whole);
+  o.maps.regions = {};
+  o.maps.regions.socket = true;
+  o.maps.regions.up = Vector3d(0, 1, 0);
+  o.maps.regions.anterior = Vector3d(1, 0, 0);
+  EXPECT_EQ(page(o).data["places"][2]["part"], "anterior lateral");
+}
+
+TEST_F(StudyPage, AThinnedGridIsAGridWithItsEnds) {
+  test::write_grid(path, test::grid({"a: E={1:9:1}", "b: nu={1:5:1}", "c: move pelvis={1|2},0,0"}), false);
+  const StudyNumbers n = read_study_numbers(path);
+  ASSERT_TRUE(n.grid);
+  const std::vector<char> kept =
+      thinned_cases(n, std::vector<char>(n.cases.size(), 1),
+                    [](const std::vector<char>& some) { return std::count(some.begin(), some.end(), 1) <= 20; });
+  std::set<int> levels[3];
+  for (std::size_t c = 0; c < kept.size(); ++c)
+    for (std::size_t k = 0; k < 3 && kept[c] != 0; ++k) levels[k].insert(n.columns[k].level[c]);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(kept.begin(), kept.end(), 1)),
+            levels[0].size() * levels[1].size() * levels[2].size());
+  EXPECT_EQ(*levels[0].begin(), 0);
+  EXPECT_EQ(*levels[0].rbegin(), 8);
+  EXPECT_EQ(levels[2].size(), 2u);
+}
+
+TEST_F(StudyPage, WithoutPressuresThereAreNoDosesAndRegions) {
+  test::write_sample(path);
+  StudyPageOptions o;
+  o.maps.dose_above = 2;
+  EXPECT_EQ(fault(o),
+            "a dose: found no stored pressures in the study, expected one that was solved with pressures at "
+            "nodes kept (fields)");
+  EXPECT_FALSE(std::filesystem::exists(html));
+}
+
+}  // namespace
+}  // namespace dea

@@ -1,0 +1,141 @@
+// tests/src/inside_cases.h – layers on round and sloping bones and with a free end, by finite elements and by the law:
+// for the test of the inside and for the tables of docs/layer_law.md, section 8.
+#pragma once
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include <febiodea/springs/layer_inside.h>
+#include "analytic/inside_elements.h"
+#include "src/layer_meshes.h"
+
+namespace dea::test {
+
+/// Half the difference of the outer eigenvalues, the greatest, the least: by Eigen, not by `measures`.
+inline InsideMeasures eigen_measures(const Eigen::Matrix3d& stress, const Eigen::Matrix3d& strain) {
+  const Eigen::Vector3d s = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stress).eigenvalues(),
+                        e = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(strain).eigenvalues();
+  return {0.5 * (s[2] - s[0]), e[2], e[0]};
+}
+
+/// A layer under a given pressure on its top, as elements and as the law has it. Places by s, along the top.
+struct ElementCase {
+  analytic::InsideElements elements;
+  SurfaceMesh surface;
+  Thickness thickness;
+  RimAt rim = all(Rim::Wall);
+  std::function<double(const Vector3d&)> s;
+  double from = 0, to = 1;  ///< what is compared
+};
+
+/// Greatest errors over the greatest values in reach: pressure and shear on the base, greatest shear, first and third
+/// principal strain at the height j/through.
+inline std::array<double, 5> element_errors(const ElementCase& in, const analytic::SolvedElements& solved, int height) {
+  const FootedLayer layer(layer_mesh(in.surface, in.thickness, in.rim), {in.elements.E, in.elements.nu},
+                          LayerFit::TwoTerms);
+  const InsideShape shape = inside_shape(layer.layer);
+  const DepthLaws laws = make_depth_laws(in.elements.nu);
+  const Eigen::VectorXd p = at_feet(layer.surface(), [&](const Vector3d& x) { return in.elements.pressure(in.s(x)); });
+  const InsideLayer inside = look_inside(layer.layer, shape, laws, layer.feet, p);
+  const double zeta = static_cast<double>(height) / in.elements.through;
+  const std::vector<InsideState> states = states_at_height(inside, zeta, StrainMeasure::Small);
+  const int columns = in.elements.along;
+  std::vector<std::array<double, 5>> rows;
+  std::array<double, 5> worst = {}, most = {};
+  for (int c = 0; c < columns; ++c) {
+    const analytic::StressStrain e = solved.at(c, height);
+    const InsideMeasures m = eigen_measures(e.stress, e.strain);
+    const double s = solved.s(c), d = 1e-4 * in.elements.length;
+    const Eigen::Vector2d along = (in.elements.position(s + d, zeta) - in.elements.position(s - d, zeta)).normalized();
+    const Vector3d n(-along.y(), 0, along.x()), t(along.x(), 0, along.y());
+    rows.push_back({-n.dot(e.stress * n), t.dot(e.stress * n), m.max_shear, m.first_strain, m.third_strain});
+    if (s >= in.from && s <= in.to)
+      for (std::size_t k = 0; k < 5; ++k) most[k] = std::max(most[k], std::abs(rows.back()[k]));
+  }
+  const SurfaceMesh& mesh = layer.surface();
+  for (std::size_t v = 0; v < states.size(); ++v) {
+    const double s = in.s(mesh.vertices[v]), u = s / in.elements.length * columns - 0.5;
+    if (s < in.from || s > in.to || u < 0 || u >= columns - 1) continue;
+    const std::size_t i = static_cast<std::size_t>(u);
+    const InsideMeasures m = measures(states[v]);
+    const double share = u - static_cast<double>(i), shear = (1 - share) * rows[i][1] + share * rows[i + 1][1];
+    const double found[] = {states[v].pressure, std::copysign(states[v].shear.norm(), shear), m.max_shear,
+                            m.first_strain, m.third_strain};
+    for (std::size_t k = 0; k < 5; ++k) {
+      const double value = (1 - share) * rows[i][k] + share * rows[i + 1][k];
+      worst[k] = std::max(worst[k], std::abs(found[k] - value) / most[k]);
+    }
+  }
+  return worst;
+}
+
+inline double bump(double x) { return std::max(0.0, 1 - x * x); }
+
+/// A strip with a flat top, plane strain.
+inline ElementCase strip_case(double nu, double length, const Thickness& thickness,
+                              const std::function<double(double)>& p, bool free_end, int along) {
+  ElementCase in;
+  in.elements.nu = nu;
+  in.elements.position = [=](double s, double zeta) { return Eigen::Vector2d(s, -thickness({s, 0, 0}) * (1 - zeta)); };
+  in.elements.pressure = p;
+  in.elements.length = length;
+  in.elements.mirror_last = !free_end;
+  in.elements.along = along;
+  const int n = along;
+  in.surface = rectangle(n, 2, length, 2 * length / n);
+  in.thickness = thickness;
+  in.rim = [=](const Vector3d& x) { return free_end && x.x() > 0.9999 * length ? Rim::Free : Rim::Wall; };
+  in.s = [](const Vector3d& x) { return x.x(); };
+  in.to = length;
+  return in;
+}
+
+/// A layer of t = 1 on a base that bends: `curvature` of its top, > 0 convex; a cylinder or a sphere.
+inline ElementCase round_case(double nu, double curvature, bool sphere, double wide) {
+  const double length = wide + 3;
+  ElementCase in;
+  in.elements.nu = nu;
+  in.elements.axisymmetric = sphere;
+  const double k = curvature;
+  in.elements.position = [=](double s, double zeta) -> Eigen::Vector2d {
+    const double a = s * k, below = 1 - zeta;
+    if (k == 0) return {s, -below};
+    return {std::sin(a) / k - below * std::sin(a), (std::cos(a) - 1) / k - below * std::cos(a)};
+  };
+  in.elements.pressure = [=](double s) { return bump(s / wide); };
+  in.elements.length = length;
+  in.elements.mirror_last = false;
+  in.elements.along = static_cast<int>(length * 20);
+  const auto top = in.elements.position;
+  if (sphere) {
+    const int n = static_cast<int>(length * 10);
+    in.surface = grid(n, n, [=](double u, double v) -> Vector3d {
+      const double s = length * std::hypot(u, v);
+      const Eigen::Vector2d x = top(s, 1);
+      if (s < 1e-12) return {0, 0, 0};
+      return {x.x() * u / std::hypot(u, v), x.x() * v / std::hypot(u, v), x.y()};
+    });
+    in.rim = [=](const Vector3d& x) { return std::min(x.x(), x.y()) < 1e-9 ? Rim::Wall : Rim::Continues; };
+  } else {
+    const int n = static_cast<int>(length * 20);
+    in.surface = grid(n, 2, [=](double u, double v) -> Vector3d {
+      const Eigen::Vector2d x = top(length * u, 1);
+      return {x.x(), v * 2 * length / n, x.y()};
+    });
+    in.rim = [=](const Vector3d& x) {
+      return x.y() > 1e-9 && x.y() < 1.99 * length / n && x.x() > 1e-9 ? Rim::Continues : Rim::Wall;
+    };
+  }
+  in.thickness = even(1);
+  in.s = [=](const Vector3d& x) {
+    const double r = sphere ? std::hypot(x.x(), x.y()) : x.x();
+    return k == 0 ? r : std::atan2(r * std::abs(k), 1 + x.z() * k) / std::abs(k);
+  };
+  in.to = wide + 1.5;
+  return in;
+}
+
+}  // namespace dea::test

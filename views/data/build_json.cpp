@@ -1,0 +1,72 @@
+#include <febiodea/base/numbers.h>
+#include <febiodea/version.h>
+#include <febiodea/views/data/build_json.h>
+
+namespace dea {
+
+namespace {
+
+Json layer_json(const BuildSummary& s, std::size_t l) {
+  const BuiltLayer& layer = s.joint.layers[l];
+  const LayerReport& r = s.report.layers[l];
+  Json j;
+  j["name"] = layer.name;
+  j["bone"] = s.joint.bodies[at(layer.body)].name;
+  j["way"] = r.way;
+  j["triangles"] = layer.triangles.size();
+  j["area"] = json_number(r.quality.area);
+  j["mean_edge"] = json_number(r.quality.mean_edge);
+  const auto number = [&](double x) { return layer.bare ? Json(nullptr) : json_number(x); };
+  j["thickness_least"] = number(r.quality.least_thickness);
+  j["thickness_mean"] = number(r.quality.mean_thickness);
+  j["thickness_most"] = number(r.quality.most_thickness);
+  j["jacobian_least"] = number(r.quality.least_jacobian);
+  j["jacobian_mean"] = number(r.quality.mean_jacobian);
+  j["points_turned"] = r.changes.turned;
+  j["most_turned"] = json_number(r.changes.most_turned * kDegreesPerRadian);
+  j["points_thinned"] = r.changes.thinned;
+  j["most_thinned"] = json_number(r.changes.most_thinned);
+  j["points_raised"] = r.raised;
+  j["points_missed"] = r.missed;
+  j["points_in_bone"] = r.under;
+  j["holes_filled"] = r.holes_filled;
+  j["parts_left_out"] = r.parts_left_out;
+  return j;
+}
+
+}  // namespace
+
+Json build_json(const BuildSummary& s) {
+  Json j;
+  j["schema"] = "dea.build/1";
+  j["version"] = kVersion;
+  j["model"] = s.output;
+  for (std::size_t b = 0; b < s.joint.bodies.size(); ++b) {
+    const BuiltBody& body = s.joint.bodies[b];
+    Json one;
+    one["name"] = body.name;
+    one["center"] = json_vector(body.center);
+    one["center_from"] = body.center_words;
+    one["held"] = body.fixed;
+    one["force"] = body.fixed ? Json(nullptr) : json_vector(body.force);
+    one["seat"] = body.fixed || !s.balanced ? Json(nullptr) : json_vector(s.seat[b]);
+    j["bones"].push_back(one);
+  }
+  for (std::size_t l = 0; l < s.joint.layers.size(); ++l) j["layers"].push_back(layer_json(s, l));
+  for (std::size_t c = 0; c < s.joint.contacts.size(); ++c) {
+    Json one;
+    one["name"] = s.joint.contacts[c].name;
+    one["primary"] = s.joint.layers[at(s.joint.contacts[c].primary)].name;
+    one["secondary"] = s.joint.layers[at(s.joint.contacts[c].secondary)].name;
+    one["least_gap"] = json_number(s.report.contacts[c].least_gap);
+    one["facing"] = json_number(s.report.contacts[c].facing);
+    j["contacts"].push_back(one);
+  }
+  j["balanced"] = s.balanced;
+  j["balance"] = s.balance;
+  j["headline"] = s.balanced ? headline_json(s.headline) : Json(nullptr);
+  j["findings"] = s.report.findings;
+  return j;
+}
+
+}  // namespace dea

@@ -1,0 +1,121 @@
+#include <febiodea/views/job_limits.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kMegabyte = 1024.0 * 1024.0;
+
+/// The number behind a word at the start of a line of a file; infinity: none, or no number ("max": no limit).
+double number_in(const fs::path& path, const std::string& word) {
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);) {
+    if (line.rfind(word, 0) != 0) continue;
+    try {
+      return std::stod(line.substr(word.size()));
+    } catch (const std::exception&) {
+    }
+  }
+  return kInfinity;
+}
+
+/// Where the kernel says how much memory a group may take, and how much its processes hold: version 2, version 1.
+struct GroupFiles {
+  const char *limit, *held;
+};
+constexpr GroupFiles kUnified{"memory.max", "anon "}, kMemory{"memory.limit_in_bytes", "total_rss "};
+
+/// Of a group and all above it, up to the mount. A group that is not below the mount (of a container) is passed over.
+double free_of_branch(const fs::path& mount, std::string group, const GroupFiles& files) {
+  double least = kInfinity;
+  for (;;) {
+    const fs::path folder = mount / fs::path(group).relative_path();
+    const double most = number_in(folder / files.limit, ""), held = number_in(folder / "memory.stat", files.held);
+    if (std::isfinite(most) && std::isfinite(held)) least = std::min(least, std::max(0.0, most - held));
+    if (group.empty() || group == "/") return least;
+    group = fs::path(group).parent_path().string();
+  }
+}
+
+std::string environment(const char* name) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? "" : text;
+}
+
+/// A whole number >= 0 at the start of a text; -1: none.
+int number_at(const std::string& text) {
+  char* end = nullptr;
+  const long value = std::strtol(text.c_str(), &end, 10);
+  return end == text.c_str() || value < 0 || value > 1'000'000'000 ? -1 : static_cast<int>(value);
+}
+
+/// The entry of a node in Slurm's way of counting, "4(x3),2": four on each of three nodes, two on the last; -1: none.
+int of_node(const std::string& counts, int node) {
+  std::size_t at = 0;
+  while (at < counts.size()) {
+    const std::size_t end = std::min(counts.find(',', at), counts.size());
+    const std::string entry = counts.substr(at, end - at);
+    const std::size_t times = entry.find("(x");
+    const int nodes = times == entry.npos ? 1 : number_at(entry.substr(times + 2));
+    if (nodes < 1) return -1;
+    if (node < nodes) return number_at(entry);
+    node -= nodes;
+    at = end + 1;
+  }
+  return -1;
+}
+
+}  // namespace
+
+double free_of_groups(const std::string& memberships, const std::string& root) {
+  double least = std::min(free_of_branch(root, "", kUnified), free_of_branch(fs::path(root) / "memory", "", kMemory));
+  std::ifstream in(memberships);
+  for (std::string line; std::getline(in, line);) {  // "4:memory:/job_7", version 2: "0::/job_7"
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (first == line.npos || second == line.npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",",
+                      group = line.substr(second + 1);
+    if (controllers == ",,")
+      least = std::min(least, free_of_branch(root, group, kUnified));
+    else if (controllers.find(",memory,") != controllers.npos)
+      least = std::min(least, free_of_branch(fs::path(root) / "memory", group, kMemory));
+  }
+  return least;
+}
+
+double memory_of_job() {
+  const int of_node = number_at(environment("SLURM_MEM_PER_NODE"));  // 0: all that the node has
+  if (of_node > 0) return of_node * kMegabyte;
+  const int of_processor = number_at(environment("SLURM_MEM_PER_CPU")),
+            processors = number_at(environment("SLURM_CPUS_ON_NODE"));
+  return of_processor > 0 && processors > 0 ? kMegabyte * of_processor * processors : kInfinity;
+}
+
+int tasks_on_node() {
+  const int slurm =
+      of_node(environment("SLURM_STEP_TASKS_PER_NODE"), std::max(0, number_at(environment("SLURM_NODEID"))));
+  for (const int tasks :
+       {slurm, number_at(environment("OMPI_COMM_WORLD_LOCAL_SIZE")), number_at(environment("MPI_LOCALNRANKS"))})
+    if (tasks > 0) return tasks;
+  return 1;
+}
+
+int processors_of_task() {
+  const int of_task = number_at(environment("SLURM_CPUS_PER_TASK"));
+  if (of_task > 0) return of_task;
+  const int on_node = number_at(environment("SLURM_CPUS_ON_NODE"));
+  return on_node > 0 ? std::max(1, on_node / tasks_on_node()) : 0;
+}
+
+}  // namespace dea

@@ -1,0 +1,306 @@
+// The page of a study: what is chosen for all figures, sections, tables, saving.
+"use strict";
+
+const Page = (() => {
+  const $ = (id) => document.getElementById(id), columns = Report.columns, one = Report.study;
+  const state = { statistic: 0, place: 0, choice: Math.max(0, Report.choices.length - 1), x: 0, second: -1, third: -1, kind: "map", fixed: [], by: -1, lines: { places: [], values: [] }, dosed: null, theme: "light" };
+  const figures = [];
+  let places = null, ticket = 0;
+
+  // ---- small things ----
+  const plural = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
+  function select(id, label, options, value, change) {
+    const s = make("select", { id, onchange: (e) => change(Number(e.target.value)) });
+    for (const [v, t] of options) s.append(make("option", { value: String(v), text: t, selected: v === value }));
+    return make("label", { id: id + "-label" }, label, s);
+  }
+  const fileName = (id) => `${Report.title} ${id}`.replace(/[^\p{L}\p{N}._-]+/gu, "_").slice(0, 100);
+  function csv(t) {
+    const cell = (x) => { const s = x === null || x === undefined || Number.isNaN(x) ? "" : String(x); return /[",\n\r]/.test(s) ? `"${s.replaceAll('"', '""')}"` : s; };
+    return [t.headings, ...t.rows].map((r) => r.map(cell).join(",")).join("\n") + "\n";
+  }
+  const saveCsv = (t, id) => Figures.save(new Blob([csv(t)], { type: "text/csv" }), fileName(id) + ".csv");
+  const shown = (x) => (typeof x === "number" ? Format.short(x, 5) : x === "" ? "–" : String(x));
+  function table(t, most = 200) {
+    const words = t.headings.map((h, i) => t.rows.some((r) => typeof r[i] === "string" && r[i] !== ""));
+    const cell = (tag, text, i) => make(tag, { text, class: words[i] ? "word" : null });
+    const out = make("div", { class: "scroll" }, make("table", {}, make("thead", {}, make("tr", {}, ...t.headings.map((h, i) => cell("th", h, i)))),
+      make("tbody", {}, ...t.rows.slice(0, most).map((r) => make("tr", {}, ...r.map((x, i) => cell("td", shown(x), i)))))));
+    return t.rows.length > most ? make("div", {}, out, make("p", { class: "count", text: `The first ${most} of ${t.rows.length} rows; CSV has all.` })) : out;
+  }
+  function section(id, title, ...children) {
+    const s = make("section", { id }, make("h2", { text: title }), ...children);
+    $("main").append(s);
+    return s;
+  }
+  const placeOf = (number) => { if (!places) places = new Map([...Study.numbers].map((n, i) => [n, i])); return places.get(number) ?? -1; };
+
+  // ---- head: failures first, then what the study is ----
+  function head() {
+    const units = Report.units.length ? `Units: ${[Report.units.length, Report.units.force, Report.units.pressure].join(", ")}.` : "No units are known: neither --units nor the model, where it is still beside the study, names them.";
+    $("head").append(make("div", { class: "top" },
+      make("div", {}, make("h1", { text: Report.title }), make("p", { class: "sub", text: `A study of ${plural(one.there, "case")} with ${plural(one.states, "state")}${one.models.length > 1 ? ` of ${one.models.length} models` : ""}, by discrete element analysis. ${units}` })),
+      make("div", { class: "controls" }, make("button", { id: "theme", text: "Dark", title: "Light or dark page", onclick: () => setTheme(state.theme === "dark" ? "light" : "dark") }))));
+    failures();
+  }
+  function reasons(list) {
+    return make("ul", {}, ...list.slice(0, 8).map((r) => make("li", { text: `${plural(r.cases, "case")} (${r.which}): ${r.text}` })), list.length > 8 ? make("li", { text: `and ${list.length - 8} more kinds` }) : null);
+  }
+  function failures() {
+    const f = Report.failures, lines = [], missing = one.planned - one.there;
+    if (missing > 0) lines.push(make("p", { text: `${missing} of ${one.planned} cases are not solved yet: this page is of the others.` }));
+    if (f.cases > 0) {
+      lines.push(make("p", { text: `${f.cases} of ${plural(one.there, "case")} ${f.cases === 1 ? "is" : "are"} no solution: ${one.failed} failed, ${one.refused} refused. Their numbers are left out everywhere below, and counted.` }), reasons(f.reasons));
+      if (f.states > 0) lines.push(make("p", { text: `States that are no solution: ${f.states}.` }), reasons(f.outcomes));
+      const t = { headings: f.headings, rows: f.rows };
+      lines.push(make("details", {}, make("summary", { text: "Which cases" }), save(t, "failed"), table(t, 100)));
+    }
+    const warned = f.warnings.reduce((n, w) => n + w.count, 0);
+    if (warned > 0) lines.push(make("p", { text: `${plural(warned, "warning")} of ${plural(f.warnings.length, "kind")}:` }), reasons(f.warnings));
+    for (const note of Report.notes) lines.push(make("p", { text: note.charAt(0).toUpperCase() + note.slice(1) + "." }));
+    $("head").append(lines.length ? make("div", { class: "warnings", id: "failures" }, ...lines) : make("div", { class: "good", id: "failures" }, make("p", { text: `All ${plural(one.there, "case")} are solutions, without a warning.` })));
+  }
+  const save = (t, id) => make("p", { class: "save" }, make("button", { text: "CSV", "data-save": "csv", onclick: () => saveCsv(t, id) }));
+  function facts() {
+    const rows = [];
+    const add = (name, text) => rows.push(make("dt", { text: name }), make("dd", { text }));
+    add("File", `${one.file}, made by dea ${one.version}${one.shard[1] > 1 ? `; shard ${one.shard[0]} of ${one.shard[1]} of ${one.whole} cases` : ""}`);
+    add("Cases", `${one.there} of ${one.planned}: ${one.solved} solved, ${one.failed} failed, ${one.refused} refused; ${Format.short(one.seconds, 3)} s of computing`);
+    add(one.models.length > 1 ? "Models" : "Model", one.models.slice(0, 12).join(", ") + (one.models.length > 12 ? ` and ${one.models.length - 12} more` : ""));
+    for (const f of one.factors) {
+      const c = columns.find((x) => x.name === f.name), fixed = Report.constant.find((x) => x.name === f.name);
+      const values = c ? (c.levels.length > 14 ? `${c.levels.length} values from ${c.levels[0]} to ${c.levels.at(-1)}` : c.levels.join(", ")) : fixed ? `always ${fixed.value}` : "";
+      add(`Factor ${f.name}`, `--${f.option} ${f.text}${f.spread ? `, drawn ${f.spread}` : ""}: ${values}`);
+    }
+    add("States", one.same_times && one.times.length ? `${one.states}: ${one.times.length === 1 ? `time ${one.times[0]}` : one.times.length > 14 ? `times ${one.times[0]} to ${one.times.at(-1)}` : "times " + one.times.join(", ")}` : `up to ${one.states}; their times differ from case to case`);
+    add("Options", one.options.join("  "));
+    add("Numbers", Report.headline + ". p99: 99th percentile. Force: size of the contact's force.");
+    section("study", "The study", make("dl", { class: "facts" }, ...rows), one.inputs.length === 0 ? null : make("details", {}, make("summary", { text: plural(one.inputs.length, "input file") }), table({ headings: ["file", "CRC-32 and size"], rows: one.inputs })));
+  }
+
+  // ---- what is chosen for all figures ----
+  function choose() {
+    const controls = make("div", { class: "controls" }, select("statistic", "Number", Report.statistics.map((s, i) => [i, s.title]), state.statistic, (v) => { state.statistic = v; changed(); }));
+    if (Report.places.length > 1) controls.append(select("place", "Contact or region", Report.places.map((p, i) => [i, p.title]), state.place, (v) => { state.place = v; changed(); }));
+    if (Report.choices.length > 1) controls.append(select("choice", "State", Report.choices.map((c, i) => [i, c]), state.choice, (v) => { state.choice = v; changed(); }));
+    $("main").append(make("div", { class: "choose" }, controls));
+  }
+  function headlines() {
+    section("headlines", "All cases", make("p", { class: "about", id: "headlines-about" }), make("div", { id: "headlines-table" }));
+  }
+  function headlineTable() {
+    const unit = (s) => (Format.unit(s.dimension) ? ` [${Format.unit(s.dimension)}]` : "");
+    return { headings: ["", ...StudyFigures.boxHeadings], rows: Report.statistics.map((s, i) => [s.quantity + unit(s), ...StudyFigures.boxCells(Report.summary[i][state.place][state.choice])]) };
+  }
+  function drawHeadlines() {
+    $("headlines-about").textContent = `${StudyFigures.where(state)}. Left out: cases without a solution or without contact. sd: standard deviation over the cases.`;
+    $("headlines-table").replaceChildren(table(headlineTable()), save(headlineTable(), "all cases"));
+  }
+
+  // ---- figures ----
+  function figureElement(f) {
+    // a mark of a case: the maps turn to it
+    f.plot = make("div", { class: "plot", onclick: (e) => {
+      const said = e.target.querySelector && e.target.querySelector("title"), found = said && /^case (\d+)\b/.exec(said.textContent);
+      if (found && Report.maps && StudyMaps.showCase(Number(found[1]))) $("maps").scrollIntoView({ behavior: "smooth" });
+    } });
+    f.words = make("figcaption", { class: "caption" });
+    f.head = make("h3", { text: f.title(state) });
+    f.rows = make("details", { class: "numbers", ontoggle: () => drawTable(f) }, make("summary", { text: "Table" }));
+    const button = (text, title, click) => make("button", { text, title, "data-save": text.toLowerCase(), onclick: click });
+    f.element = make("figure", { id: "figure-" + f.id, class: f.wide ? "wide" : null }, make("div", { class: "title" }, f.head, make("span", { class: "save" },
+      button("PNG", "Save as PNG", () => Figures.savePng(f, state, fileName(f.id))), button("SVG", "Save as SVG", () => Figures.saveSvg(f, state, fileName(f.id))), button("CSV", "Save the numbers", () => saveCsv(f.table(state), f.id)))), f.plot, f.words, f.rows);
+    figures.push(f);
+    return f.element;
+  }
+  const figureRow = (...list) => make("div", { class: "figures" }, ...list.map(figureElement));
+  function drawTable(f) {
+    if (f.rows.open) f.rows.replaceChildren(f.rows.firstChild, table(f.table(state), 60));
+  }
+  function drawFigure(f) {
+    f.element.hidden = f.when ? !f.when(state) : false;
+    if (f.element.hidden) return;
+    const width = Math.floor(Math.min(f.plot.clientWidth || 600, f.wide ? 1100 : 720));
+    if (width < 60) return;
+    f.head.textContent = f.title(state);
+    try {
+      f.plot.replaceChildren(f.build(state, width, Colours.ink[state.theme]));
+    } catch (error) {  // the other figures are drawn all the same
+      f.plot.replaceChildren(make("p", { class: "fault", text: `This figure could not be drawn: ${error.message}` }));
+      console.error(error);
+    }
+    f.words.textContent = f.caption(state);
+    drawTable(f);
+  }
+  let later = 0;
+  function drawFigures() {
+    clearTimeout(later);
+    const waiting = [];
+    for (const f of figures) {
+      const box = f.element.getBoundingClientRect();
+      if (!f.element.hidden && (box.top > window.innerHeight + 300 || box.bottom < -300)) waiting.push(f);
+      else drawFigure(f);
+    }
+    if (waiting.length) later = setTimeout(() => waiting.forEach(drawFigure), 60);
+  }
+  async function changed() {
+    const mine = ++ticket;
+    await Study.load(state.statistic, state.place);
+    if (Report.bands) state.lines = { places: await Data.array(Report.bands.drawn), values: await Data.array(Report.bands.lines[state.statistic][state.place]) };
+    if (mine !== ticket) return;
+    drawHeadlines();
+    drawInfluence();
+    drawGroups();
+    drawPairs();
+    drawFigures();
+  }
+
+  // ---- response ----
+  function response() {
+    const s = section("response", "Response");
+    if (columns.length) {
+      // numbers with most values first; words are lines and panels
+      const rank = columns.map((c, k) => k).sort((a, b) => columns[b].numeric - columns[a].numeric || columns[b].levels.length - columns[a].levels.length);
+      state.x = rank[0];
+      state.second = rank[1] ?? -1;
+      state.third = Report.grid && rank.length > 2 && columns[rank[2]].levels.length <= 6 ? rank[2] : -1;
+      state.fixed = Study.columns.map((c) => c.shown[Math.floor((c.shown.length - 1) / 2)]);
+      state.kind = StudyFigures.canMap(state) && columns[state.second].levels.length > 2 && columns[state.x].levels.length > 2 ? "map" : "curve";
+      const controls = make("div", { class: "controls", id: "response-controls" });
+      s.append(controls, figureRow(StudyFigures.responseFigure()));
+      responseControls();
+    } else s.append(make("p", { class: "about", text: "Nothing differs from case to case." }));
+    if (Report.bands) {
+      const few = [...new Set(Report.bands.groups.map((g) => g.column))].filter((c) => c >= 0);
+      if (few.length) s.append(make("div", { class: "controls" }, select("by", "Cycles by", [[-1, "all cases"], ...few.map((c) => [c, columns[c].name])], -1, (v) => { state.by = v; changed(); })));
+      s.append(figureRow(StudyFigures.cycleFigure()));
+    }
+  }
+  function responseControls() {
+    const host = $("response-controls"), names = columns.map((c, k) => [k, c.name]), none = [[-1, "–"]], redraw = () => { responseControls(); drawFigures(); };
+    host.replaceChildren(select("x", "Over", names, state.x, (v) => { state.x = v; if (state.second === v) state.second = -1; if (state.third === v) state.third = -1; redraw(); }));
+    if (columns.length > 1) host.append(select("second", Report.grid ? "and" : "Colour", [...none, ...names.filter(([k]) => k !== state.x)], state.second, (v) => { state.second = v; if (state.third === v) state.third = -1; redraw(); }));
+    if (!Report.grid) return;
+    if (StudyFigures.canMap(state))
+      host.append(make("span", { class: "group", role: "group" }, ...[["map", "map"], ["curve", "curves"]].map(([kind, text]) => make("button", { id: "kind-" + kind, text, "aria-pressed": String(state.kind === kind), onclick: () => { state.kind = kind; redraw(); } }))));
+    const { second, third } = StudyFigures.response(state);
+    if (columns.length > 2) host.append(select("third", "panel per value of", [...none, ...names.filter(([k]) => k !== state.x && k !== second)], third, (v) => { state.third = v; redraw(); }));
+    columns.forEach((c, k) => {
+      if ([state.x, second, third].includes(k)) return;
+      host.append(select("fixed" + k, `at ${c.name} =`, Study.columns[k].shown.slice(0, 400).map((i) => [i, c.levels[i]]), state.fixed[k], (v) => { state.fixed[k] = v; redraw(); }));
+    });
+  }
+
+  // ---- what matters, groups, pairs ----
+  function influence() {
+    if (!Report.influence) return;
+    const i = Report.influence, words = [i.no_sobol, i.no_slopes].filter(Boolean).join(" ");
+    section("influence", "What matters", words ? make("p", { class: "about", text: words }) : null, figureRow(...StudyFigures.influenceFigures()), make("div", { id: "slopes" }));
+  }
+  function drawInfluence() {
+    const host = $("slopes");
+    if (!host) return;
+    const t = StudyFigures.slopeTable(state);
+    host.replaceChildren();
+    if (t.rows.length) host.append(make("p", { class: "tabletitle", text: `One at a time, about case ${Report.influence.base}` }), make("p", { class: "about", text: `Slope of ${StudyFigures.statistic(state).title.toLowerCase()} by each factor, all others as in this case; from the neighbours on both sides (central) or on one. Last column: percent of the number per percent of the factor.` }), table(t), save(t, "slopes"));
+  }
+  function groups() {
+    if (!Report.groups) return;
+    section("groups", `Groups by ${columns[Report.groups.column].name}`, figureRow(StudyFigures.groupFigure()), make("div", { id: "group-differences" }));
+  }
+  function drawGroups() {
+    const host = $("group-differences");
+    if (!host) return;
+    const of = StudyFigures.ofState(Report.groups.numbers, state), c = columns[Report.groups.column];
+    const t = { headings: [c.name, `less ${c.levels[0]}`, "95 % from", "95 % to", "Cohen's d", "Hedges' g", "n", `n of ${c.levels[0]}`], rows: of.differences.map((d, l) => [c.levels[l + 1], StudyFigures.exact(d.mean), StudyFigures.exact(d.interval[0]), StudyFigures.exact(d.interval[1]), StudyFigures.exact(d.d), StudyFigures.exact(d.g), d.count[0], d.count[1]]) };
+    host.replaceChildren(make("p", { class: "tabletitle", text: "Differences of means" }), make("p", { class: "about", text: "Intervals are Welch's; d and g are over the pooled standard deviation. Intervals take the cases for a random sample of what is asked about, which the cases of a planned study are not; nothing here is a test." }), table(t), save(t, "differences of groups"));
+  }
+  function pairs() {
+    if (!Report.pairs) return;
+    section("pairs", `Pairs by ${columns[Report.pairs.column].name}`, figureRow(...StudyFigures.pairFigures()), make("div", { id: "pair-numbers" }));
+  }
+  function drawPairs() {
+    const host = $("pair-numbers");
+    if (!host) return;
+    const p = StudyFigures.ofState(Report.pairs.numbers, state), c = columns[Report.pairs.column], x = StudyFigures.exact;
+    const t = { headings: ["", "value", "95 % from", "95 % to"], rows: [["mean difference", x(p.mean), x(p.interval[0]), x(p.interval[1])], ["standard deviation of differences", x(p.sd), "", ""], ["median difference", x(p.median), "", ""],
+      ["lower limit of agreement", x(p.limits[0]), x(p.lower_interval[0]), x(p.lower_interval[1])], ["upper limit of agreement", x(p.limits[1]), x(p.upper_interval[0]), x(p.upper_interval[1])], ["effect size d_z", x(p.dz), "", ""], ["the same, corrected for few pairs", x(p.g), "", ""]] };
+    host.replaceChildren(make("p", { class: "tabletitle", text: `${c.levels[Report.pairs.first]} less ${c.levels[Report.pairs.second]}` }), make("p", { class: "about", text: `${plural(p.pairs, "pair")}; ${p.left_out} left out, of which a case has no number; ${plural(Report.pairs.alone, "case")} without a partner. Intervals are Student's; nothing here is a test.` }), table(t), save(t, "pairs"));
+  }
+
+  // ---- maps, regions, dose ----
+  function maps() {
+    const s = section("maps", "Turning the joint");
+    if (!Report.maps) s.append(make("p", { class: "about", text: "The study has no stored pressures: solve it with --keep fields for maps, regions and doses." }));
+    return s;
+  }
+  function mapMoved(number) {
+    if (number === state.dosed) return;
+    state.dosed = number;
+    const f = figures.find((x) => x.id === "dose");
+    if (f) drawFigure(f);
+  }
+  function casesTable() {
+    const headings = ["case", "outcome", ...columns.map((c) => c.name), ...Report.statistics.map((s) => s.name)], rows = [];
+    for (let i = 0; i < Study.count; ++i)
+      rows.push([Study.numbers[i], ["solved", "failed", "refused"][Study.outcomes[i]], ...columns.map((c, k) => Study.level(k, i)), ...Report.statistics.map((s, k) => StudyFigures.exact(Study.value(state, i, state.choice, k)))]);
+    return { headings, rows };
+  }
+  async function cases() {
+    const host = make("div", {}), details = make("details", { ontoggle: async () => { if (details.open) host.replaceChildren(table(await loaded(), 100)); } }, make("summary", { text: `Table of ${plural(Study.count, "case")}` }), host);
+    const loaded = async () => { for (let k = 0; k < Report.statistics.length; ++k) await Study.load(k, state.place); return casesTable(); };
+    section("cases", "Cases", make("p", { class: "about", text: `Of the contact or region and the state that are chosen above.${Report.all ? "" : ` ${Study.count} of ${one.there} cases.`} dea study FILE.db --csv writes all numbers of all states.` }),
+      make("p", { class: "save" }, make("button", { id: "cases-csv", text: "CSV", "data-save": "csv", onclick: async () => saveCsv(await loaded(), "cases") })), details);
+  }
+  function foot() {
+    $("foot").append(make("h2", { text: "How this page was made" }), make("pre", { id: "command", text: Report.command }),
+      make("p", { class: "about", text: `${Report.program}. Statistics were computed from the study's file before; figures draw numbers in single precision, maps hold them in 16 bits. Nothing on this page comes from the network.` }),
+      make("details", { class: "licences" }, make("summary", { text: "Licences of the libraries in this page" }), make("pre", { text: $("licences").textContent.trim() })));
+  }
+
+  function setTheme(theme) {
+    state.theme = theme;
+    document.documentElement.dataset.theme = theme;
+    $("theme").textContent = theme === "dark" ? "Light" : "Dark";
+    if (Report.maps) StudyMaps.setTheme(theme);
+    if (Study.numbers) drawFigures();
+  }
+  const api = { state, figures, placeOf, mapMoved, fileName, csv, changed };
+  async function start() {
+    head();
+    await Study.start();
+    facts();
+    choose();
+    headlines();
+    response();
+    const mapSection = maps();
+    influence();
+    groups();
+    pairs();
+    if (Report.places.length > 1) section("regions", "Regions", figureRow(StudyFigures.placeFigure()));
+    if (Report.maps && Report.maps.dose && Report.maps.dose.cases.length) section("dose", "Dose", figureRow(StudyFigures.doseFigure()));
+    await cases();
+    foot();
+    const dark = window.matchMedia("(prefers-color-scheme: dark)");
+    setTheme(dark.matches ? "dark" : "light");
+    dark.addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
+    let wide = window.innerWidth;
+    window.addEventListener("resize", () => { if (wide !== window.innerWidth) { wide = window.innerWidth; drawFigures(); if (Report.maps) StudyMaps.drawBarNow(); } });
+    let before = "light";
+    window.addEventListener("beforeprint", () => { before = state.theme; setTheme("light"); figures.forEach(drawFigure); });
+    window.addEventListener("afterprint", () => setTheme(before));
+    await changed();
+    if (Report.maps) {
+      const whole = Report.places.map((p, i) => i).filter((i) => !Report.places[i].part);
+      for (const p of whole) for (let k = 0; k < Report.statistics.length; ++k) await Study.load(k, p);
+      await StudyMaps.start(mapSection, api);
+      StudyMaps.setTheme(state.theme);
+    }
+    document.documentElement.dataset.ready = "true";
+  }
+  start().catch((error) => {
+    document.getElementById("main").prepend(make("p", { class: "fault", text: `This page could not be drawn: ${error.message}` }));
+    console.error(error);
+  });
+  return api;
+})();

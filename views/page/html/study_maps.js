@@ -1,0 +1,402 @@
+// Turning the joint: maps of stored pressures, chosen by a slider per factor and played over the cycle. Between stored
+// cases only where the page says so.
+"use strict";
+
+const StudyMaps = (() => {
+  const about = Report.maps, $ = (id) => document.getElementById(id);
+  const view = { at: [], state: 0, show: "state", between: false, theme: "light", contact: null, sort: 0, position: 0, range: "all", smooth: true };
+  let solid = null, flat = null, panels = [], playing = 0, ticket = 0, page = null, byLevels = null, kept = [], order = [], readout = null;
+
+  // ---- which cases there are ----
+  const keyOf = (levels) => levels.join(",");
+  const contacts = () => [...new Map(about.surfaces.map((s) => [s.contact_id + " " + s.contact, s.contact])).entries()];
+  const surfaceOf = (field) => about.surfaces[field.surface];
+  const ofContact = (field) => surfaceOf(field).contact_id + " " + surfaceOf(field).contact === view.contact;
+  const gridded = () => Report.grid && Report.columns.length > 0;
+
+  function index() {
+    byLevels = new Map();
+    for (const f of about.fields) {
+      if (!ofContact(f)) continue;
+      byLevels.set(keyOf(f.levels), f);
+    }
+    kept = Report.columns.map((c, k) => [...new Set(about.fields.filter(ofContact).map((f) => f.levels[k]))].sort((a, b) => a - b));
+    sorted();
+  }
+  function sorted() {
+    const c = view.sort;
+    order = about.fields.filter(ofContact);
+    if (Report.columns.length) order.sort((a, b) => a.levels[c] - b.levels[c] || a.number - b.number);
+  }
+  // Stored cases beside the sliders and their weights; null: one of them is not stored.
+  function corners() {
+    if (!gridded()) return order.length ? [{ field: order[Math.round(view.position)], weight: 1 }] : null;
+    let found = [{ levels: [], weight: 1 }];
+    view.at.forEach((x, k) => {
+      const low = Math.min(Math.floor(x + 1e-9), kept[k].length - 1), f = x - low < 1e-9 || low + 1 >= kept[k].length ? 0 : x - low;
+      found = found.flatMap((c) => [{ levels: [...c.levels, kept[k][low]], weight: c.weight * (1 - f) }, ...(f ? [{ levels: [...c.levels, kept[k][low + 1]], weight: c.weight * f }] : [])]);
+    });
+    const out = found.map((c) => ({ field: byLevels.get(keyOf(c.levels)), weight: c.weight }));
+    return out.every((c) => c.field) ? out : null;
+  }
+
+  // ---- values ----
+  async function fieldValues(field, kind) {
+    const e = field.entries.findIndex((x) => x[0] === kind);
+    if (e < 0) return null;
+    const n = surfaceOf(field).count, raw = (await Data.array(field.values)).subarray(e * n, (e + 1) * n);
+    return { values: restored(raw, field.entries[e][1], field.entries[e][2]), edge: field.entries[e][3] ?? Infinity };
+  }
+  function restored(raw, least, most) {
+    const out = new Float32Array(raw.length), step = 1 / 65534;
+    for (let i = 0; i < raw.length; ++i) { const f = raw[i] * step; out[i] = raw[i] === 65535 ? NaN : least * (1 - f) + most * f; }
+    return out;
+  }
+  // Linear between stored cases.
+  async function blended(of, kind) {
+    const parts = await Promise.all(of.map((c) => fieldValues(c.field, kind)));
+    if (parts.some((p) => !p)) return null;
+    if (parts.length === 1) return parts[0];
+    const out = new Float32Array(parts[0].values.length);
+    let edge = 0;
+    parts.forEach((p, k) => { for (let i = 0; i < out.length; ++i) out[i] += of[k].weight * p.values[i]; edge += of[k].weight * p.edge; });
+    return { values: out, edge };
+  }
+
+  // ---- what is shown ----
+  const titles = {
+    state: ["contact pressure", "pressure"], largest: ["largest pressure of all states", "pressure"], mean: ["mean pressure over the cycle", "pressure"],
+    exposure: ["exposure", "dose"], overpressure: ["overpressure", "dose"]
+  };
+  const meanKinds = () => (Report.means ? [["means", "mean over cases"], ["deviations", "standard deviation over cases"], ...Report.means.groups.slice(2).map((g, i) => ["difference" + i, `mean: ${g} less ${Report.means.groups[1]}`])] : []);
+  const isMean = () => /^(means|deviations|difference)/.test(view.show);
+  const overCycle = () => view.stateKind === "cycle";
+  function quantityTitle() {
+    if (!isMean()) {
+      const [title, dimension] = titles[view.show];
+      const unit = dimension === "dose" ? StudyFigures.doseUnit() : Format.unit("pressure");
+      return title.charAt(0).toUpperCase() + title.slice(1) + (unit ? ` [${unit}]` : "");
+    }
+    const of = view.show.startsWith("difference") ? meanKinds().find((k) => k[0] === view.show)[1] : `${meanKinds().find((k) => k[0] === view.show)[1]} (${Report.means.groups[view.group]})`;
+    return Format.axis(`${of}${overCycle() ? ", over the cycle" : ""}`, "pressure");
+  }
+  function scaleOf(shown) {
+    const kind = { state: "pressure", largest: "pressure" }[view.show] || view.show;
+    let [least, most, level] = about.scales[kind] || [0, 1, 0.2], map = "sequential";
+    if (isMean() || view.range === "map") {
+      let high = 0;
+      for (const x of shown.values) if (Math.abs(x) > high) high = Math.abs(x);
+      most = high || 1;
+      least = view.show.startsWith("difference") ? -most : 0;
+      level = scaleStep(least, most);
+      map = view.show.startsWith("difference") ? "diverging" : "sequential";
+    }
+    return { map, least, most, level, none: "none", noneText: map === "diverging" ? "" : "none", title: quantityTitle() };
+  }
+  async function meanField(surface) {
+    const kinds = Report.means.surfaces[surface], k = kinds.find((x) => x.kind === (overCycle() ? "mean" : String(view.state)));
+    if (!k) return null;
+    const of = view.show.startsWith("difference") ? k.differences[Number(view.show.slice(10))] : k.groups[view.group];
+    if (!of) return null;
+    const packed = view.show === "means" ? of.mean : view.show === "deviations" ? of.sd : of.values;
+    return { values: restored(await Data.array(packed.values), packed.least, packed.most), edge: view.show.startsWith("difference") ? null : 1e-12, of };
+  }
+  async function current() {
+    const of = corners();
+    if (isMean()) {
+      const surface = of ? of[0].field.surface : about.fields.find(ofContact).surface, shown = await meanField(surface);
+      return { surface, shown, of: null, message: shown ? "" : "fewer than two cases" };
+    }
+    if (!of) return { surface: view.surface ?? about.fields.find(ofContact).surface, shown: null, of: null, message: "no stored solution here" };
+    const meshes = new Set(of.map((c) => c.field.surface)), surface = of[0].field.surface;
+    if (meshes.size > 1) return { surface, shown: null, of, message: "other meshes: nothing between them" };
+    const shown = await blended(of, view.show === "state" ? String(view.state) : view.show);
+    return { surface, shown, of, message: shown ? "" : view.show === "state" ? "no solution in this state" : "a state is missing" };
+  }
+
+  const above = (list, level) => Float64Array.from(list, (x) => (Number.isNaN(x) ? -1 : x - level));
+  async function flatMesh(surface, mesh) {
+    const s = about.surfaces[surface];
+    if (!s.flat) return null;
+    if (!s.flatMesh) {
+      const p = await Data.array(s.flat.points), t = await Data.array(s.flat.triangles), n = p.length / 2, vertices = new Float32Array(3 * n);
+      for (let i = 0; i < n; ++i) { vertices[3 * i] = p[2 * i]; vertices[3 * i + 1] = p[2 * i + 1]; }
+      const m = { ...mesh, vertices, triangles: t, facetCount: t.length / 3, corner: t, begin: Int32Array.from({ length: t.length / 3 + 1 }, (x, i) => 3 * i), facet: Int32Array.from({ length: t.length / 3 }, (x, i) => i) };
+      m.map = Data.mapMesh(m);
+      s.flatMesh = m;
+    }
+    return s.flatMesh;
+  }
+  function setViews(surface, mesh, unrolled) {
+    if (view.surface === surface) return;
+    view.surface = surface;
+    solid.setView(about.surfaces[surface].view);
+    if (!unrolled) return;
+    let far = 0, x = [Infinity, -Infinity], y = [Infinity, -Infinity];
+    for (let i = 0; i < unrolled.vertices.length; i += 3) {
+      x = [Math.min(x[0], unrolled.vertices[i]), Math.max(x[1], unrolled.vertices[i])];
+      y = [Math.min(y[0], unrolled.vertices[i + 1]), Math.max(y[1], unrolled.vertices[i + 1])];
+    }
+    const center = [(x[0] + x[1]) / 2, (y[0] + y[1]) / 2, 0];
+    far = Math.max(x[1] - x[0], y[1] - y[0]) / 2;
+    flat.setView({ axis: [0, 0, 1], up: [0, 1, 0], center, radius: far });
+  }
+
+  async function update() {
+    const mine = ++ticket;
+    for (const s of about.surfaces) if (!s.count) s.count = (await Data.mesh(s.mesh)).vertexCount;
+    const now = await current();
+    const mesh = await Data.mesh(about.surfaces[now.surface].mesh), unrolled = await flatMesh(now.surface, mesh);
+    if (mine !== ticket) return;
+    view.now = now;
+    setViews(now.surface, mesh, unrolled);
+    const values = now.shown ? now.shown.values : new Float32Array(mesh.vertexCount).fill(NaN), scale = scaleOf({ values });
+    for (const p of panels) {
+      const m = p.flat ? unrolled : mesh;
+      p.element.hidden = !m;
+      if (!m) continue;
+      p.message = now.message;
+      const what = { mesh: m, facets: null, vertices: values, shown: (x) => x > 0, scale };
+      if (now.shown && now.shown.edge !== null) { what.over = [above(values, now.shown.edge)]; what.from = now.shown.edge; }
+      else what.shown = () => true;
+      p.maps.paint(p, what);
+      p.canvas.setAttribute("aria-label", `${p.title}: ${scale.title}`);
+    }
+    view.scale = scale;
+    drawBarNow();
+    words();
+  }
+  function drawBarNow() {
+    const canvas = $("map-bar"), k = Math.min(2, window.devicePixelRatio || 1), width = canvas.clientWidth;
+    if (!width || !view.scale) return;
+    canvas.width = Math.round(width * k);
+    canvas.height = Math.round(76 * k);
+    drawBar(canvas.getContext("2d"), 0, 0, width, k, view.scale, Colours.ink[view.theme], true);
+  }
+
+  // ---- words below the maps ----
+  function levelText(k, x) {
+    const c = Study.columns[k], low = Math.floor(x + 1e-9), f = x - low;
+    if (f < 1e-9 || low + 1 >= kept[k].length) return c.levels[kept[k][Math.min(low, kept[k].length - 1)]];
+    return Format.short(c.numbers[kept[k][low]] * (1 - f) + c.numbers[kept[k][low + 1]] * f);
+  }
+  function words() {
+    const now = view.now, parts = [], place = Report.places.findIndex((p) => p.part === "" && p.contact === about.surfaces[now.surface].contact);
+    gridded() && view.at.forEach((x, k) => { $("level" + k).textContent = levelText(k, x); });
+    if (!gridded() && $("position")) $("level-case").textContent = order.length ? `case ${order[Math.round(view.position)].number}` : "–";
+    $("map-time").textContent = overCycle() || ["largest", "mean", "exposure", "overpressure"].includes(view.show) ? "over all states" : `${Report.choices[view.state]}${Report.study.states > 1 ? ` (${view.state + 1} of ${Report.study.states})` : ""}`;
+    readout.classList.toggle("between", !!(now.of && now.of.length > 1));
+    if (isMean()) {
+      const of = now.shown && now.shown.of;
+      if (of && of.cases) parts.push(`${of.cases} cases`, `mean over the surface ${Format.printed(of.area_mean, "pressure")}`, `spread over the surface ${Format.printed(of.area_spread, "pressure")} (root mean square of the standard deviations)`);
+      else if (of) parts.push(`mean difference ${Format.printed(of.area_mean, "pressure")}`, `root mean square ${Format.printed(of.area_rms, "pressure")}`);
+    } else if (now.of && now.of.length > 1) {
+      parts.push(`between stored cases ${now.of.map((c) => c.field.number).join(", ")}: linear between their maps, not solved`);
+    } else if (now.of) {
+      const f = now.of[0].field, i = page.placeOf(f.number);
+      parts.push(`case ${f.number}`, ...Report.columns.map((c, k) => `${c.name} = ${c.levels[f.levels[k]]}`));
+      if (place >= 0 && i >= 0 && ["state", "largest"].includes(view.show) && now.shown) {
+        const choice = view.show === "state" ? view.state : Report.study.states;
+        Report.statistics.forEach((s, k) => { const v = Study.kept.get(k + "," + place); if (v) parts.push(`${s.quantity} ${Format.printed(v[i * Report.choices.length + choice], s.dimension)}`); });
+      }
+    }
+    if (solid.hover || flat.hover) {
+      const p = panels.find((q) => q.hit && !q.element.hidden);
+      if (p && now.shown) parts.unshift(`node ${p.what.mesh.nodes[p.hit.vertex] + 1}: ${Format.number(now.shown.values[p.hit.vertex])}`);
+    }
+    if (now.message) parts.unshift(now.message);
+    readout.textContent = parts.join(" · ");
+    page.mapMoved(now.of && now.of.length === 1 ? now.of[0].field.number : null);
+  }
+
+  // ---- controls ----
+  function slider(id, label, most, step, value, input, out) {
+    const range = make("input", { id, type: "range", min: "0", max: String(most), step: String(step), "aria-label": label, oninput: (e) => input(Number(e.target.value)) });
+    range.value = String(value);
+    return make("label", {}, make("span", { text: label }), range, make("output", { id: out }));
+  }
+  function sliders() {
+    const host = $("sliders");
+    host.replaceChildren();
+    if (gridded()) {
+      view.at = kept.map((levels, k) => Math.min(view.at[k] ?? Math.floor((levels.length - 1) / 2), levels.length - 1));
+      Report.columns.forEach((c, k) => host.append(slider("factor" + k, c.name, kept[k].length - 1, view.between && c.numeric ? 0.05 : 1, view.at[k], (x) => { view.at[k] = x; update(); }, "level" + k)));
+    } else if (order.length > 1) {
+      host.append(slider("position", "case", order.length - 1, 1, view.position, (x) => { view.position = x; update(); }, "level-case"));
+      const by = make("select", { id: "sort", onchange: (e) => { view.sort = Number(e.target.value); sorted(); update(); } });
+      Report.columns.forEach((c, k) => by.append(make("option", { value: String(k), text: c.name })));
+      host.append(make("label", {}, make("span", { text: "in the order of" }), by));
+    }
+  }
+  function setState(k) {
+    view.state = Math.min(Report.study.states - 1, Math.max(0, k));
+    $("map-state").value = String(view.state);
+    return update();
+  }
+  function play(on) {
+    clearTimeout(playing);
+    playing = 0;
+    $("map-play").textContent = on ? "❚❚" : "▶";
+    $("map-play").setAttribute("aria-label", on ? "Pause" : "Play");
+    if (!on) return;
+    if (view.show !== "state" && !isMean()) { view.show = "state"; $("map-show").value = "state"; }
+    const step = async () => {
+      solid.hurry();
+      await setState((view.state + 1) % Report.study.states);
+      if (playing) playing = setTimeout(step, view.state === Report.study.states - 1 ? 900 : 280);
+    };
+    playing = setTimeout(step, 100);
+  }
+  function option(value, text) { return make("option", { value, text }); }
+  // What is shown, of which contact and group, with which scale; saving.
+  function mapControls() {
+    const show = make("select", { id: "map-show", onchange: (e) => { view.show = e.target.value; fitControls(); update(); } });
+    const has = (kind) => about.fields.some((f) => f.entries.some((e) => e[0] === kind));
+    for (const kind of Object.keys(titles)) if (kind === "state" || has(kind)) show.append(option(kind, kind === "state" ? "pressure in a state" : titles[kind][0]));
+    for (const [value, text] of meanKinds()) show.append(option(value, text));
+    const controls = make("div", { class: "controls" });
+    if (contacts().length > 1) {
+      const s = make("select", { id: "map-contact", onchange: (e) => { view.contact = e.target.value; index(); sliders(); update(); } });
+      for (const [value, text] of contacts()) s.append(option(value, text));
+      controls.append(make("label", {}, "Contact", s));
+    }
+    controls.append(make("label", {}, "Show", show));
+    const group = make("select", { id: "map-group", onchange: (e) => { view.group = Number(e.target.value); update(); } });
+    if (Report.means) Report.means.groups.forEach((g, i) => group.append(option(String(i), g)));
+    controls.append(make("label", { id: "map-group-label" }, "of", group));
+    controls.append(make("button", { id: "map-cycle", text: "over the cycle", "aria-pressed": "false", onclick: (e) => { view.stateKind = overCycle() ? "state" : "cycle"; e.target.setAttribute("aria-pressed", String(overCycle())); update(); } }));
+    const scale = make("select", { id: "map-range", onchange: (e) => { view.range = e.target.value; update(); } }, option("all", "all maps"), option("map", "this map"));
+    controls.append(make("label", {}, "Scale", scale));
+    if (gridded() && Report.columns.some((c) => c.numeric))
+      controls.append(make("button", { id: "between", text: "between stored cases", title: "Lets the sliders stop between stored cases: maps are then linear between them, not solved", "aria-pressed": "false", onclick: (e) => {
+        view.between = !view.between;
+        e.target.setAttribute("aria-pressed", String(view.between));
+        if (!view.between) view.at = view.at.map((x) => Math.round(x));
+        sliders();
+        update();
+      } }));
+    if (!solid.fault)
+      controls.append(make("button", { text: "reset view", onclick: () => { view.surface = null; update(); } }),
+        make("button", { id: "map-png", text: "PNG", title: "Save both maps as PNG", onclick: () => save("png") }),
+        make("button", { id: "map-svg", text: "SVG", title: "Save both maps as SVG; the maps in it are pictures", onclick: () => save("svg") }));
+    controls.append(make("button", { id: "map-csv", text: "CSV", title: "Save the values at the nodes", onclick: () => save("csv") }));
+    return controls;
+  }
+  function build(host, thePage) {
+    page = thePage;
+    solid = new Maps();
+    flat = new Maps();
+    flat.flat = true;
+    view.contact = contacts()[0][0];
+    view.group = 0;
+    view.stateKind = "state";
+    host.append(mapControls());
+    if (solid.fault) host.append(make("p", { class: "fault", id: "nowebgl", text: solid.fault }));
+    host.append(make("div", { class: "sliders", id: "sliders" }));
+    const place = make("div", { class: "panels" });
+    place.style.setProperty("--least", "330px");
+    panels = [[solid, false, "Surface"], [flat, true, "Unrolled, equal areas"]].map(([maps, unrolled, title]) => {
+      const p = { maps, flat: unrolled, title, marks: [], canvas: make("canvas", { id: unrolled ? "flat" : "solid", tabindex: "0", role: "img" }) };
+      p.element = make("div", { class: "panel" }, make("div", { class: "name" }, make("h3", { text: title })), p.canvas);
+      if (maps.fault) p.canvas.hidden = true;
+      place.append(p.element);
+      return p;
+    });
+    readout = make("div", { class: "readout", id: "map-readout" });
+    const bar = make("div", { class: "bars" }, make("canvas", { id: "map-bar" }));
+    const time = make("div", { class: "time" }, make("button", { id: "map-play", text: "▶", title: "Play over the states", "aria-label": "Play", onclick: () => play(!playing) }),
+      make("input", { id: "map-state", type: "range", min: "0", max: String(Report.study.states - 1), step: "1", value: "0", "aria-label": "State", oninput: (e) => { play(false); setState(Number(e.target.value)); } }), make("output", { id: "map-time" }));
+    if (Report.study.states < 2) { time.querySelector("button").hidden = true; time.querySelector("input").hidden = true; }
+    host.append(place, bar, readout, time);
+    for (const note of about.notes) host.append(make("p", { class: "keys", text: note.charAt(0).toUpperCase() + note.slice(1) + "." }));
+    host.append(make("p", { class: "keys", text: "Drag turns, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets. Pressures at the nodes of the surface with springs, in the reference configuration. In a state the edge of contact encloses as much area as the facets with pressure have; what is summed over states is shown wherever a node had pressure." }));
+    for (const [maps, own, other] of [[solid, 0, 1], [flat, 1, 0]]) {
+      maps.setPanels([panels[own]]);
+      maps.onreset = () => { view.surface = null; update(); };
+      maps.onpick = () => { link(own, other); words(); };
+    }
+    fitControls();
+  }
+  function fitControls() {
+    $("map-group-label").hidden = !["means", "deviations"].includes(view.show) || Report.means.groups.length < 2;
+    $("map-cycle").hidden = !isMean() || Report.study.states < 2;
+    $("sliders").hidden = isMean();
+  }
+  // What is under the pointer in one map, in the other.
+  function link(own, other) {
+    const from = panels[own], to = panels[other];
+    if (to.element.hidden || !to.what) return;
+    const m = to.what.mesh;
+    to.hit = from.maps.hover && from.hit ? { ...from.hit, point: [...m.vertices.subarray(3 * from.hit.vertex, 3 * from.hit.vertex + 3)] } : null;
+    to.maps.hover = from.maps.hover;
+    to.maps.request();
+  }
+
+  // ---- saving, on white ----
+  function picture() {
+    const shown = panels.filter((p) => !p.element.hidden), k = 2.5, side = 380, pad = 16, ink = Colours.ink.light;
+    const width = Math.max(480, 2 * pad + shown.length * side + (shown.length - 1) * 14), height = 2 * pad + 54 + side + 84;
+    const canvas = document.createElement("canvas"), c = canvas.getContext("2d");
+    canvas.width = Math.round(width * k);
+    canvas.height = Math.round(height * k);
+    c.fillStyle = ink.paper;
+    c.fillRect(0, 0, canvas.width, canvas.height);
+    c.fillStyle = ink.ink;
+    c.font = `${13 * k}px ${getComputedStyle(document.body).fontFamily}`;
+    c.textBaseline = "alphabetic";
+    c.fillText(Figures.cut(`${readout.textContent}`, 13, width - 2 * pad), pad * k, (pad + 14) * k);
+    c.fillText($("map-time").textContent, pad * k, (pad + 34) * k);
+    shown.forEach((p, i) => { p.maps.plain = false; p.maps.drawPanel(p, c, Math.round((pad + i * (side + 14)) * k), Math.round((pad + 46) * k), Math.round(side * k), Math.round(side * k), k, ink); });
+    drawBar(c, pad * k, (height - pad - 78) * k, Math.min(700, width - 2 * pad), k, view.scale, ink, true);
+    panels.forEach((p) => p.maps.request());
+    return { canvas, width, height };
+  }
+  function nodeTable() {
+    const s = about.surfaces[view.now.surface], mesh = panels[0].what.mesh, rows = [];
+    for (let v = 0; v < mesh.vertexCount; ++v) rows.push([mesh.nodes[v] + 1, ...mesh.vertices.subarray(3 * v, 3 * v + 3), StudyFigures.exact(view.now.shown ? view.now.shown.values[v] : NaN)]);
+    return { headings: ["node of the surface", "x", "y", "z", quantityTitle()], rows, surface: s.surface };
+  }
+  async function save(kind) {
+    const name = page.fileName(`map ${view.show} ${view.now.of ? "case " + view.now.of.map((c) => c.field.number).join("-") : ""} ${view.show === "state" ? view.state + 1 : ""}`);
+    if (kind === "csv") return Figures.save(new Blob([page.csv(nodeTable())], { type: "text/csv" }), name + ".csv");
+    const { canvas, width, height } = picture();
+    if (kind === "png") return Figures.save(await new Promise((done) => canvas.toBlob(done, "image/png")), name + ".png");
+    const { svg, svgns } = Figures.tools, out = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}` });
+    out.append(svg("image", { width, height, href: canvas.toDataURL("image/png") }));
+    Figures.save(new Blob(['<?xml version="1.0" encoding="UTF-8"?>\n' + new XMLSerializer().serializeToString(out)], { type: "image/svg+xml" }), name + ".svg");
+  }
+
+  async function start(host, thePage) {
+    build(host, thePage);
+    index();
+    sliders();
+    view.state = loadedState();
+    $("map-state").value = String(view.state);
+    await update();
+  }
+  // The state in which the first case that is shown bears most.
+  function loadedState() {
+    const of = corners(), force = Report.statistics.length - 1;
+    if (!of) return 0;
+    const place = Report.places.findIndex((p) => p.part === "" && p.contact === surfaceOf(of[0].field).contact), i = page.placeOf(of[0].field.number), v = Study.kept.get(force + "," + place);
+    if (!v || i < 0) return 0;
+    let best = 0;
+    for (let k = 0; k < Report.study.states; ++k) if (v[i * Report.choices.length + k] > (v[i * Report.choices.length + best] || 0)) best = k;
+    return best;
+  }
+  function setTheme(theme) {
+    view.theme = theme;
+    if (!solid) return;
+    for (const maps of [solid, flat]) { maps.theme = theme; maps.request(); }
+    drawBarNow();
+  }
+  // The sliders to a case, by its number.
+  function showCase(number) {
+    const f = about.fields.find((x) => x.number === number && ofContact(x));
+    if (!f) return false;
+    if (gridded()) { view.at = f.levels.map((l, k) => kept[k].indexOf(l)); sliders(); } else { view.position = order.indexOf(f); $("position") && ($("position").value = String(view.position)); }
+    update();
+    return true;
+  }
+  return { start, update, setTheme, setState, play, showCase, view, drawBarNow, get panels() { return panels; }, get maps() { return [solid, flat]; }, get settled() { return solid.settled && flat.settled; } };
+})();

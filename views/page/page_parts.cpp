@@ -1,0 +1,135 @@
+#include <febiodea/views/page/page_parts.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+
+#include <febiodea/io/files/encoded_text.h>
+#include <febiodea/version.h>
+#include <febiodea/views/map/colour_map.h>
+#include <febiodea/views/map/map_scale.h>
+#include <febiodea/views/page/page.h>
+
+namespace dea {
+
+namespace {
+
+std::string table_hex(ColourMap map) {
+  std::string out;
+  for (const auto& rgb : colour_table(map)) out += fmt::format("{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+  return out;
+}
+
+/// A letter per colour of the table: w, b: lines on it are white, black.
+std::string table_lines(ColourMap map) {
+  std::string out;
+  for (int i = 0; i < 256; ++i) out += white_line(colour(map, i / 255.0)) ? 'w' : 'b';
+  return out;
+}
+
+/// JSON inside a script element: without '<' nothing can end it or open a comment.
+std::string script_json(const Json& j) {
+  const std::string text = j.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string out;
+  out.reserve(text.size());
+  for (char c : text) {
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
+  }
+  return out;
+}
+
+/// One pass: what has been put in is not looked through again.
+std::string filled(std::string_view frame, const std::map<std::string_view, std::string_view>& parts) {
+  std::string out;
+  for (std::size_t i = 0; i < frame.size();) {
+    const std::size_t mark = frame.find('@', i);
+    const std::size_t end = mark == std::string_view::npos ? mark : frame.find('@', mark + 1);
+    if (end == std::string_view::npos) {
+      out += frame.substr(i);
+      break;
+    }
+    const auto part = parts.find(frame.substr(mark + 1, end - mark - 1));
+    if (part == parts.end()) {
+      out += frame.substr(i, mark + 1 - i);
+      i = mark + 1;
+      continue;
+    }
+    out += frame.substr(i, mark - i);
+    out += part->second;
+    i = end + 1;
+  }
+  return out;
+}
+
+}  // namespace
+
+Json PageArrays::add(const PackedArray& a) {
+  const int id = count++;
+  html += fmt::format("<script type=\"text/plain\" id=\"array{}\">{}</script>\n", id, a.base64);
+  return {{"id", id}, {"count", a.count}, {"bytes", a.bytes}, {"delta", a.delta}, {"real", a.real}};
+}
+
+std::vector<float> coordinates(const std::vector<Vector3d>& points) {
+  std::vector<float> out;
+  for (const Vector3d& x : points)
+    for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(x[k]));
+  return out;
+}
+
+Json mesh_json(const ResultSurface& s, const std::vector<std::int32_t>& node_ids, PageArrays& arrays) {
+  std::vector<std::int32_t> triangles, facet(s.mesh.facet.begin(), s.mesh.facet.end()),
+      begin(s.begin.begin(), s.begin.end()), corner(s.slot_vertex.begin(), s.slot_vertex.end());
+  for (const auto& t : s.mesh.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+  return {{"vertices", arrays.add(pack_floats(coordinates(s.mesh.vertices)))},
+          {"nodes", arrays.add(pack_integers(node_ids))},
+          {"triangles", arrays.add(pack_integers(triangles))},
+          {"facet", arrays.add(pack_integers(facet))},
+          {"begin", arrays.add(pack_integers(begin))},
+          {"corner", arrays.add(pack_integers(corner))},
+          {"areas", arrays.add(pack_floats({s.facet_areas.begin(), s.facet_areas.end()}))}};
+}
+
+Json short_number(double x) {
+  if (!std::isfinite(x)) return nullptr;
+  return Json(std::stod(fmt::format("{:.9g}", x)));
+}
+
+Json table_json(const TitledTable& t) {
+  return {{"title", t.title}, {"headings", t.table.headings}, {"left", t.table.left}, {"rows", t.table.rows}};
+}
+
+void add_page_head(const UnitNames& units, Json& j) {
+  j["program"] = fmt::format("FEBioDEA {} ({})", kVersion, kCommit);
+  j["units"] = {{"name", units.system},
+                {"length", units.length},
+                {"force", units.force},
+                {"pressure", units.pressure},
+                {"area", units.area}};
+  j["steps"] = {{"count", kScaleSteps}, {"multiples", kScaleMultiples}};
+  j["colours"] = {{"sequential", table_hex(ColourMap::Sequential)}, {"diverging", table_hex(ColourMap::Diverging)}};
+  j["lines"] = {{"sequential", table_lines(ColourMap::Sequential)}, {"diverging", table_lines(ColourMap::Diverging)}};
+}
+
+std::string page_text(const std::string& title, const Json& data, const PageArrays& arrays,
+                      const PageScripts& scripts) {
+  const std::string json = script_json(data);
+  const std::string shown_title = escaped(utf8(title));
+  const std::string style = std::string(page::style()) + scripts.style;
+  return filled(page::html(), {{"title", shown_title},
+                               {"style", style},
+                               {"three", page::three()},
+                               {"plot", page::plot()},
+                               {"data_js", page::data()},
+                               {"scene", page::scene()},
+                               {"figures", page::figures()},
+                               {"main", scripts.main},
+                               {"licences", page::licences()},
+                               {"report", json},
+                               {"arrays", arrays.html}});
+}
+
+}  // namespace dea

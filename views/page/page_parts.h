@@ -1,0 +1,49 @@
+// febiodea/views/page/page_parts.h – what all pages are made of: arrays, numbers and tables as JSON, the frame around
+// them.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <febiodea/results/comparison.h>
+#include <febiodea/views/data/json.h>
+#include <febiodea/views/page/pack.h>
+#include <febiodea/views/text/table.h>
+
+namespace dea {
+
+/// Arrays of a page; the JSON refers to them by number.
+struct PageArrays {
+  std::string html;
+  int count = 0;
+  Json add(const PackedArray& array);
+};
+
+/// Three floats per point.
+std::vector<float> coordinates(const std::vector<Vector3d>& points);
+/// A mesh for page/data.js. `node_ids`: per vertex.
+Json mesh_json(const ResultSurface& surface, const std::vector<std::int32_t>& node_ids, PageArrays& arrays);
+
+/// With nine digits, twelve would be the machine's noise; null: not finite.
+Json short_number(double x);
+
+template <class List, class Get>
+Json list_json(const List& list, Get get) {
+  Json j = Json::array();
+  for (const auto& item : list) j.push_back(get(item));
+  return j;
+}
+
+Json table_json(const TitledTable& table);
+
+/// "program", "units", and of the colours "steps", "colours", "lines": what all scripts take for there.
+void add_page_head(const UnitNames& units, Json& page);
+
+/// The scripts and styles that a page has beside those of all pages.
+struct PageScripts {
+  std::string style, main;
+};
+/// The whole page. No text of `data` or of the title is taken for markup; bytes that are not UTF-8 become U+FFFD.
+std::string page_text(const std::string& title, const Json& data, const PageArrays& arrays, const PageScripts& scripts);
+
+}  // namespace dea

@@ -1,0 +1,448 @@
+#include <febiodea/views/study_page/study_json.h>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
+#include <febiodea/io/files/encoded_text.h>
+#include <febiodea/views/study_page/study_thinning.h>
+
+namespace dea {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostNumbers = 2'000'000;  ///< on the page: 8 MB before they are packed
+constexpr std::size_t kMostLines = 300;          ///< over the cycle
+constexpr std::size_t kMostOutliers = 200;       ///< of a group, as rings
+constexpr std::size_t kMostLevels = 12;          ///< of a column whose levels have bands
+constexpr double kBandLow = 0.05, kBandHigh = 0.95;
+constexpr double kMostDraws = 3e8;  ///< rows that all bootstraps together may draw: some seconds
+
+/// `get` of each statistic, place and choice, side by side on all cores.
+template <class Get>
+Json of_all_choices(const StudyNumbers& n, Get get) {
+  const std::size_t S = study_statistics().size(), P = n.places.size(), K = n.choices();
+  std::vector<Json> found(S * P * K);
+  tbb::parallel_for(std::size_t{0}, found.size(),
+                    [&](std::size_t i) { found[i] = get(i / (P * K), i / K % P, i % K); });
+  Json all = Json::array();
+  for (std::size_t s = 0; s < S; ++s) {
+    all.push_back(Json::array());
+    for (std::size_t p = 0; p < P; ++p) {
+      all.back().push_back(Json::array());
+      for (std::size_t k = 0; k < K; ++k) all.back().back().push_back(std::move(found[(s * P + p) * K + k]));
+    }
+  }
+  return all;
+}
+
+Json interval_json(const Interval& i) { return {short_number(i.low), short_number(i.high)}; }
+
+/// Numbers in a message differ from case to case; what is left is its kind.
+std::string kind_of(const std::string& message) {
+  const auto digit = [&](std::size_t i) {
+    return i < message.size() && std::isdigit(static_cast<unsigned char>(message[i])) != 0;
+  };
+  std::string kind;
+  for (std::size_t i = 0; i < message.size(); ++i) {
+    if (!digit(i)) {
+      kind += message[i];
+      continue;
+    }
+    while (digit(i + 1) || (digit(i + 2) && (message[i + 1] == '.' || message[i + 1] == 'e'))) ++i;
+    kind += '#';
+  }
+  return kind;
+}
+
+/// Texts that differ in their numbers only, the most frequent first.
+class Reasons {
+ public:
+  void add(const std::string& text, std::size_t number) {
+    Reason& r = reasons_[kind_of(text)];
+    if (r.cases.empty()) r.text = text;
+    ++r.count;
+    if (r.cases.empty() || r.cases.back() != number) r.cases.push_back(number);
+  }
+  Json json() const {
+    std::vector<const Reason*> order;
+    for (const auto& [kind, reason] : reasons_) order.push_back(&reason);
+    std::stable_sort(order.begin(), order.end(), [](const Reason* a, const Reason* b) { return a->count > b->count; });
+    return list_json(order, [](const Reason* r) -> Json {
+      return {{"text", r->text}, {"count", r->count}, {"cases", r->cases.size()}, {"which", case_ranges(r->cases)}};
+    });
+  }
+
+ private:
+  struct Reason {
+    std::string text;
+    std::size_t count = 0;
+    std::vector<std::size_t> cases;
+  };
+  std::map<std::string, Reason> reasons_;
+};
+
+Json column_json(const StudyColumn& c, const ShownCases& shown, PageArrays& arrays) {
+  std::vector<std::int32_t> level;
+  for (std::size_t i : shown.cases) level.push_back(c.level[i]);
+  return {{"name", c.name}, {"numeric", c.numeric}, {"levels", c.levels}, {"level", arrays.add(pack_integers(level))}};
+}
+
+std::string choice_title(const StudyNumbers& n, std::size_t k) {
+  if (k == n.states) return "largest of all states";
+  return n.same_times && k < n.times.size() ? fmt::format("time {}", time_text(n.times[k]))
+                                            : fmt::format("state {}", k + 1);
+}
+
+Json band_json(const CycleBand& b) {
+  const auto numbers = [](const std::vector<double>& v) { return list_json(v, short_number); };
+  return {{"count", b.count},
+          {"mean", numbers(b.mean)},
+          {"sd", numbers(b.standard_deviation)},
+          {"median", numbers(b.median)},
+          {"low", numbers(b.low)},
+          {"high", numbers(b.high)}};
+}
+
+/// All cases, then each level of each column with few.
+struct BandGroup {
+  int column = -1, level = -1;
+  std::vector<std::size_t> cases;
+};
+std::vector<BandGroup> band_groups(const StudyNumbers& n) {
+  std::vector<BandGroup> groups(1);
+  for (std::size_t c = 0; c < n.cases.size(); ++c) groups[0].cases.push_back(c);
+  for (std::size_t k = 0; k < n.columns.size(); ++k) {
+    const StudyColumn& column = n.columns[k];
+    if (column.levels.size() > kMostLevels) continue;
+    const std::size_t first = groups.size();
+    for (std::size_t l = 0; l < column.levels.size(); ++l)
+      groups.push_back({static_cast<int>(k), static_cast<int>(l), {}});
+    for (std::size_t c = 0; c < n.cases.size(); ++c) groups[first + at(column.level[c])].cases.push_back(c);
+  }
+  return groups;
+}
+
+}  // namespace
+
+Json difference_json(const MeanDifference& d, const EffectSize& e) {
+  return {{"count", {d.count[0], d.count[1]}},
+          {"mean", short_number(d.mean)},
+          {"interval", interval_json(d.interval)},
+          {"d", short_number(e.d)},
+          {"g", short_number(e.corrected)}};
+}
+
+Json box_json(const BoxPlot& b) {
+  return {{"count", b.count},
+          {"left_out", b.left_out},
+          {"least", short_number(b.least)},
+          {"low", short_number(b.lower_whisker)},
+          {"q1", short_number(b.q1)},
+          {"median", short_number(b.median)},
+          {"q3", short_number(b.q3)},
+          {"high", short_number(b.upper_whisker)},
+          {"largest", short_number(b.largest)},
+          {"mean", short_number(b.mean)},
+          {"sd", short_number(b.standard_deviation)}};
+}
+
+Json influence_of(const Influence& i, const StudyDesign& d) {
+  Json j;
+  j["r_squared"] = short_number(i.regression.r_squared);
+  j["cases"] = i.regression.cases;
+  j["left_out"] = i.regression.left_out;
+  j["factors"] = Json::array();
+  for (std::size_t k = 0; k < d.numeric.size(); ++k)
+    j["factors"].push_back({{"column", d.numeric[k]},
+                            {"coefficient", short_number(i.regression.coefficients[k])},
+                            {"rho", short_number(i.ranks[k].rho)}});
+  j["sobol"] = nullptr;
+  if (i.sobol) {
+    j["sobol"] = Json::array();
+    for (std::size_t k = 0; k < i.sobol->factors.size(); ++k) {
+      const SobolIndex& s = i.sobol->factors[k];
+      j["sobol"].push_back({{"column", d.saltelli_columns[k]},
+                            {"first", short_number(s.first)},
+                            {"first_interval", interval_json(s.first_interval)},
+                            {"total", short_number(s.total)},
+                            {"total_interval", interval_json(s.total_interval)},
+                            {"rows", s.rows},
+                            {"left_out", s.left_out}});
+    }
+  }
+  j["slopes"] = list_json(i.slopes, [](const BaseSlope& s) -> Json {
+    const char* kinds[] = {"none", "forward", "backward", "central"};
+    return {{"column", s.column},
+            {"kind", kinds[static_cast<int>(s.slope.kind)]},
+            {"at", short_number(s.at)},
+            {"slope", short_number(s.slope.value)},
+            {"relative", short_number(s.relative)}};
+  });
+  return j;
+}
+
+Json pair_json(const PairNumbers& p) {
+  const BlandAltman& b = p.agreement;
+  return {{"first", box_json(p.first)},
+          {"second", box_json(p.second)},
+          {"pairs", p.difference.pairs},
+          {"left_out", p.difference.left_out},
+          {"mean", short_number(p.difference.mean)},
+          {"sd", short_number(p.difference.standard_deviation)},
+          {"interval", interval_json(p.difference.mean_interval)},
+          {"median", short_number(p.difference.median)},
+          {"dz", short_number(p.effect.d)},
+          {"g", short_number(p.effect.corrected)},
+          {"limits", interval_json(b.limits)},
+          {"lower_interval", interval_json(b.lower_limit_interval)},
+          {"upper_interval", interval_json(b.upper_limit_interval)}};
+}
+
+Json group_json(const StudyNumbers& n, const GroupNumbers& g, const std::vector<double>& outputs) {
+  Json boxes = Json::array(), differences = Json::array();
+  for (const BoxPlot& b : g.boxes) {
+    boxes.push_back(box_json(b));
+    boxes.back()["outliers"] = Json::array();
+    for (std::size_t i = 0; i < std::min(b.outliers.size(), kMostOutliers); ++i)
+      boxes.back()["outliers"].push_back({n.cases[b.outliers[i]].number, short_number(outputs[b.outliers[i]])});
+  }
+  for (std::size_t i = 0; i < g.differences.size(); ++i)
+    differences.push_back(difference_json(g.differences[i], g.effects[i]));
+  return {{"boxes", boxes}, {"differences", differences}};
+}
+
+ShownCases shown_cases(const StudyNumbers& n) {
+  const std::size_t each = study_statistics().size() * n.places.size() * n.choices();
+  const std::vector<char> kept =
+      thinned_cases(n, std::vector<char>(n.cases.size(), 1), [&](const std::vector<char>& some) {
+        return static_cast<std::size_t>(std::count(some.begin(), some.end(), 1)) * each <= kMostNumbers;
+      });
+  ShownCases shown;
+  shown.place.assign(n.cases.size(), -1);
+  for (std::size_t c = 0; c < n.cases.size(); ++c) {
+    if (kept[c] == 0) continue;
+    shown.place[c] = static_cast<int>(shown.cases.size());
+    shown.cases.push_back(c);
+  }
+  shown.all = shown.cases.size() == n.cases.size();
+  return shown;
+}
+
+std::string case_ranges(const std::vector<std::size_t>& numbers) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  std::size_t ranges = 0, i = 0;
+  while (i < numbers.size() && ranges < kMost) {
+    std::size_t last = i;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    text += text.empty() ? "" : ", ";
+    text += last == i ? fmt::format("{}", numbers[i]) : fmt::format("{}–{}", numbers[i], numbers[last]);
+    i = last + 1;
+    ++ranges;
+  }
+  if (i < numbers.size()) text += fmt::format(" and {} more", numbers.size() - i);
+  return text;
+}
+
+Json study_head_json(const StudyNumbers& n) {
+  const StudyHead& h = n.head;
+  const ShardCases shard = shard_cases(h.planned, h.identity.shard, h.identity.shards);
+  std::size_t outcomes[3] = {0, 0, 0};
+  for (const StudyCase& c : n.cases) ++outcomes[static_cast<int>(c.outcome)];
+  Json j;
+  j["file"] = fs::path(h.path).filename().string();
+  j["version"] = h.identity.version;
+  j["planned"] = shard.last - shard.first;
+  j["whole"] = h.planned;
+  j["shard"] = {h.identity.shard, h.identity.shards};
+  j["there"] = n.cases.size();
+  j["solved"] = outcomes[0];
+  j["failed"] = outcomes[1];
+  j["refused"] = outcomes[2];
+  j["options"] = h.identity.options;
+  j["inputs"] = list_json(h.identity.inputs, [](const auto& i) -> Json { return {i[0], i[1]}; });
+  j["models"] = h.models;
+  j["factors"] = list_json(h.factors, [](const Factor& f) -> Json {
+    const bool drawn = f.spread.kind != Spread::Kind::None;
+    const char* kinds[] = {"", "uniform", "normal", "lognormal"};
+    return {{"name", f.name},
+            {"option", f.option},
+            {"text", f.before + "{}" + f.after},
+            {"spread", drawn ? fmt::format("{}({},{})", kinds[static_cast<int>(f.spread.kind)], f.spread.a, f.spread.b)
+                             : std::string()}};
+  });
+  j["states"] = n.states;
+  j["times"] = list_json(n.times, [](double t) { return json_number(time_meant(t)); });
+  j["same_times"] = n.same_times;
+  double seconds = 0.0;
+  for (const StudyCase& c : n.cases) seconds += c.seconds;
+  j["seconds"] = short_number(seconds);
+  return j;
+}
+
+Json failures_json(const StudyNumbers& n, const std::vector<StudyWarning>& warnings) {
+  constexpr std::size_t kMostRows = 500;
+  Reasons reasons, states, warned;
+  Json rows = Json::array();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n.cases.size(); ++i) {
+    const StudyCase& c = n.cases[i];
+    if (c.outcome == CaseResult::Outcome::Solved) continue;
+    reasons.add(fmt::format("{}: {}", name(c.outcome), c.message), c.number);
+    if (++count > kMostRows) continue;
+    Json row = {c.number, name(c.outcome)};
+    for (const StudyColumn& column : n.columns) row.push_back(column.levels[at(column.level[i])]);
+    row.push_back(c.message);
+    rows.push_back(std::move(row));
+  }
+  for (const StudyState& s : n.unsolved) states.add(s.outcome, static_cast<std::size_t>(s.case_id));
+  for (const StudyWarning& w : warnings) warned.add(w.text, static_cast<std::size_t>(w.case_id));
+  Json j;
+  j["cases"] = count;
+  j["reasons"] = reasons.json();
+  j["rows"] = std::move(rows);
+  j["headings"] = Json::array({"case", "outcome"});
+  for (const StudyColumn& column : n.columns) j["headings"].push_back(column.name);
+  j["headings"].push_back("why");
+  j["states"] = n.unsolved.size();
+  j["outcomes"] = states.json();
+  j["warnings"] = warned.json();
+  return j;
+}
+
+void add_numbers(const StudyNumbers& n, const ShownCases& shown, Json& j, PageArrays& arrays) {
+  j["grid"] = n.grid;
+  j["all"] = shown.all;
+  j["columns"] = list_json(n.columns, [&](const StudyColumn& c) { return column_json(c, shown, arrays); });
+  j["constant"] = list_json(n.constant, [](const StudyColumn& c) -> Json {
+    return {{"name", c.name}, {"value", c.levels.front()}};
+  });
+  std::vector<std::int32_t> numbers, outcomes;
+  for (std::size_t c : shown.cases) {
+    numbers.push_back(static_cast<std::int32_t>(n.cases[c].number));
+    outcomes.push_back(static_cast<std::int32_t>(n.cases[c].outcome));
+  }
+  j["cases"] = {{"number", arrays.add(pack_integers(numbers))}, {"outcome", arrays.add(pack_integers(outcomes))}};
+  j["statistics"] = list_json(study_statistics(), [](const StudyStatistic& s) -> Json {
+    return {{"name", s.name}, {"title", s.title}, {"quantity", s.quantity}, {"dimension", s.dimension}};
+  });
+  j["places"] = list_json(n.places, [](const StudyPlace& p) -> Json {
+    return {
+        {"contact", p.contact}, {"part", p.part}, {"title", p.part.empty() ? p.contact : p.contact + ": " + p.part}};
+  });
+  j["choices"] = Json::array();
+  for (std::size_t k = 0; k < n.choices(); ++k) j["choices"].push_back(choice_title(n, k));
+  j["values"] = Json::array();
+  for (const auto& of_statistic : n.values) {
+    j["values"].push_back(Json::array());
+    for (const std::vector<double>& v : of_statistic) {
+      std::vector<float> floats;
+      for (std::size_t c : shown.cases)
+        for (std::size_t k = 0; k < n.choices(); ++k) floats.push_back(static_cast<float>(v[c * n.choices() + k]));
+      j["values"].back().push_back(arrays.add(pack_floats(floats)));
+    }
+  }
+}
+
+Json headline_table_json(const StudyNumbers& n) {
+  return of_all_choices(
+      n, [&](std::size_t s, std::size_t p, std::size_t k) { return box_json(box_plot(n.outputs(s, p, k))); });
+}
+
+Json bands_json(const StudyNumbers& n, const ShownCases& shown, PageArrays& arrays) {
+  const StudyInstants at_these = study_instants(n);
+  if (at_these.instants.empty()) return nullptr;
+  Json j;
+  j["percent"] = at_these.percent;
+  j["instants"] = list_json(at_these.instants, [](double t) { return json_number(time_meant(t)); });
+  j["low"] = kBandLow;
+  j["high"] = kBandHigh;
+  std::vector<std::size_t> drawn;
+  const std::size_t every = (shown.cases.size() + kMostLines - 1) / kMostLines;
+  std::vector<std::int32_t> places;
+  for (std::size_t i = 0; i < shown.cases.size(); i += every) {
+    drawn.push_back(shown.cases[i]);
+    places.push_back(static_cast<std::int32_t>(i));
+  }
+  j["drawn"] = arrays.add(pack_integers(places));
+  j["all"] = drawn.size() == n.cases.size();
+  j["lines"] = Json::array();
+  for (std::size_t s = 0; s < study_statistics().size(); ++s) {
+    j["lines"].push_back(Json::array());
+    for (std::size_t p = 0; p < n.places.size(); ++p) {
+      std::vector<float> floats;
+      for (const std::vector<double>& line : study_lines(n, at_these, s, p, drawn))
+        floats.insert(floats.end(), line.begin(), line.end());
+      j["lines"].back().push_back(arrays.add(pack_floats(floats)));
+    }
+  }
+  j["groups"] = Json::array();
+  for (const BandGroup& g : band_groups(n)) {
+    Json bands = Json::array();
+    for (std::size_t s = 0; s < study_statistics().size(); ++s) {
+      bands.push_back(Json::array());
+      for (std::size_t p = 0; p < n.places.size(); ++p)
+        bands.back().push_back(band_json(cycle_band(study_lines(n, at_these, s, p, g.cases), kBandLow, kBandHigh)));
+    }
+    j["groups"].push_back({{"column", g.column}, {"level", g.level}, {"cases", g.cases.size()}, {"bands", bands}});
+  }
+  return j;
+}
+
+Json influence_json(const StudyNumbers& n) {
+  const StudyDesign design = study_design(n);
+  if (design.numeric.empty()) return nullptr;
+  Bootstrap bootstrap;
+  const double rows = static_cast<double>(n.head.planned) / (design.saltelli + 2.0) * design.saltelli *
+                      static_cast<double>(study_statistics().size() * n.places.size() * n.choices());
+  if (design.saltelli > 0)
+    bootstrap.resamples = static_cast<int>(std::clamp(kMostDraws / std::max(rows, 1.0), 100.0, 1000.0));
+  Json j;
+  j["no_sobol"] = design.no_sobol;
+  j["no_slopes"] = design.no_slopes;
+  j["base"] = design.base < 0 ? Json(nullptr) : Json(n.cases[at(design.base)].number);
+  j["resamples"] = bootstrap.resamples;
+  j["numbers"] = of_all_choices(n, [&](std::size_t s, std::size_t p, std::size_t k) {
+    return influence_of(influence(n, design, n.outputs(s, p, k), bootstrap), design);
+  });
+  return j;
+}
+
+Json groups_json(const StudyNumbers& n, int column) {
+  if (column < 0) return nullptr;
+  Json j;
+  j["column"] = column;
+  j["numbers"] = of_all_choices(n, [&](std::size_t s, std::size_t p, std::size_t k) {
+    const std::vector<double> outputs = n.outputs(s, p, k);
+    return group_json(n, group_numbers(n.columns[at(column)], outputs), outputs);
+  });
+  return j;
+}
+
+Json pairs_json(const StudyNumbers& n, const StudyPairs& pairs, const ShownCases& shown) {
+  if (pairs.column < 0) return nullptr;
+  Json j;
+  j["column"] = pairs.column;
+  j["first"] = pairs.first;
+  j["second"] = pairs.second;
+  j["alone"] = pairs.alone;
+  j["cases"] = Json::array();
+  for (const std::array<int, 2>& pair : pairs.cases)
+    if (shown.place[at(pair[0])] >= 0 && shown.place[at(pair[1])] >= 0)
+      j["cases"].push_back({shown.place[at(pair[0])], shown.place[at(pair[1])]});
+  j["numbers"] = of_all_choices(n, [&](std::size_t s, std::size_t p, std::size_t k) {
+    return pair_json(pair_numbers(pairs, n.outputs(s, p, k)));
+  });
+  return j;
+}
+
+}  // namespace dea

@@ -1,0 +1,47 @@
+// febiodea/views/study_page/study_maps.h – stored pressures of a study as maps of its page: per case and state, what
+// each place bears over the cycle, means of many cases.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <febiodea/study/dose.h>
+#include <febiodea/views/page/page_parts.h>
+#include <febiodea/views/study_page/study_json.h>
+#include <febiodea/views/study_page/study_regions.h>
+#include <febiodea/views/study_page/study_surfaces.h>
+
+namespace dea {
+
+/// What is asked of stored pressures beside showing them.
+struct StudyMapOptions {
+  StudyRegionOptions regions;
+  std::optional<double> dose_above;       ///< threshold of overpressure
+  std::optional<double> cycles_per_year;  ///< both or none: else the dose is of one cycle
+  std::optional<double> years;
+  std::optional<double> cycle_seconds;  ///< how long a cycle takes; none: the states' span in seconds
+};
+
+/// More seconds than a cycle of a joint takes: then the model's time is no time in seconds (percent, steps).
+inline constexpr double kLongestCycle = 10.0;
+/// Throws UsageError: history and threshold do not go together, or how long a cycle takes must be said.
+void check_dose(const StudyNumbers& numbers, const StudyMapOptions& options);
+
+/// Values of stored fields on the page, and what is left out of them.
+struct KeptFields {
+  std::vector<char> cases;         ///< per case of StudyNumbers: its fields are on the page
+  std::vector<std::string> notes;  ///< a line each where something is thinned
+};
+/// As many as the page can hold (thinned_cases).
+KeptFields kept_fields(const StudyNumbers& numbers, const StudyFields& fields);
+
+/// Meshes, and the kept fields; null: there are none. `meshes`: of the whole page.
+Json maps_json(const std::string& path, const StudyNumbers& numbers, const StudyFields& fields, const KeptFields& kept,
+               const StudyMapOptions& options, Json& meshes, PageArrays& arrays);
+
+/// Means and deviations over cases of each surface, per state and over the cycle; `column` >= 0: of each of its levels
+/// too, and their differences from the first. null: no surface has two cases.
+Json mean_maps_json(const std::string& path, const StudyNumbers& numbers, const StudyFields& fields, int column,
+                    std::vector<std::string>& notes, PageArrays& arrays);
+
+}  // namespace dea

@@ -1,0 +1,77 @@
+// febiodea/views/study_page/study_numbers.h – a study's numbers as arrays: what is asked of all cases together begins
+// here.
+//
+// A number of a state that is no solution is NaN, whatever the file has: it is that of a failed case everywhere below.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <febiodea/io/files/unit_names.h>
+#include <febiodea/io/study/read_study.h>
+#include <febiodea/io/study/study_rows.h>
+
+namespace dea {
+
+/// A number that a study is looked at by.
+struct StudyStatistic {
+  const char* name;       ///< of the column: "headline_p99"
+  const char* title;      ///< "99th percentile of pressure"
+  const char* quantity;   ///< of an axis: "p99"
+  const char* dimension;  ///< "pressure", "area", "force"
+};
+/// p99, mean, area, peak of the headline, and the size of the contact's force.
+const std::vector<StudyStatistic>& study_statistics();
+
+/// "model", where there are several, and the factors: what differs from case to case.
+struct StudyColumn {
+  std::string name;
+  bool numeric = false;             ///< every value is a number
+  std::vector<std::string> levels;  ///< different values; numbers rise, words in the order of cases
+  std::vector<double> numbers;      ///< per level; words: 0, 1, 2, ...
+  std::vector<int> level;           ///< per case: index
+  /// Per case; NaN: words.
+  std::vector<double> values() const;
+};
+
+struct StudyNumbers {
+  StudyHead head;
+  UnitNames units;
+  std::vector<StudyCase> cases;      ///< those that are there, by their numbers
+  std::vector<StudyColumn> columns;  ///< that vary
+  std::vector<StudyColumn> constant;
+  bool grid =
+      false;  ///< every combination of the columns' levels is a case at most once, and more than half of them are
+  std::vector<StudyPlace> places;
+  std::size_t states = 0;                      ///< most of any case
+  bool same_times = true;                      ///< all cases have the states' times
+  std::vector<double> times;                   ///< of the states, where all cases have the same
+  std::vector<std::vector<double>> own_times;  ///< per case: its states' times
+  std::vector<StudyState> unsolved;            ///< states that are no solution
+  std::vector<char> complete;                  ///< per case: it has states, and all are solutions
+  /// Per statistic and place: cases x choices(), one case after the other.
+  std::vector<std::vector<std::vector<double>>> values;
+
+  /// What may be looked at of a case: each state and, behind them where there are several, the largest of all states.
+  std::size_t choices() const { return states > 1 ? states + 1 : states; }
+  double value(std::size_t statistic, std::size_t place, std::size_t c, std::size_t choice) const {
+    return values[statistic][place][c * choices() + choice];
+  }
+  /// Of all cases.
+  std::vector<double> outputs(std::size_t statistic, std::size_t place, std::size_t choice) const;
+  /// -1: there is no such column that varies.
+  int column(const std::string& name) const;
+};
+
+/// Is this the word of a state that is a solution?
+bool is_solution(const std::string& outcome);
+
+/// Fills the last of a case's choices: the largest of all its states. A state without contact, which is a solution and
+/// has no pressures, does not count; NaN where a state is no solution: then no largest is known.
+void add_largest(StudyNumbers& numbers);
+
+/// Throws InputError; a study without a single case too. Units: of `--units` among the study's options, else of its
+/// first model, where that is there as it was; else none are claimed.
+StudyNumbers read_study_numbers(const std::string& path);
+
+}  // namespace dea

@@ -1,0 +1,102 @@
+#include <febiodea/views/study_page/study_page.h>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/views/page/page.h>
+#include <febiodea/views/page/page_data.h>
+
+namespace dea {
+
+namespace {
+
+constexpr std::size_t kMostGroups = 60;
+
+/// Of options, inputs, messages: names of files, not where they were.
+void hide_folders(StudyNumbers& n, std::vector<StudyWarning>& warnings) {
+  std::vector<std::string> paths = n.head.models;
+  for (const auto& input : n.head.identity.inputs) paths.push_back(input[0]);
+  for (std::string& option : n.head.identity.options) option = without_folders(option, paths);
+  for (StudyCase& c : n.cases) c.message = without_folders(c.message, paths);
+  for (StudyWarning& w : warnings) w.text = without_folders(w.text, paths);
+  for (auto& input : n.head.identity.inputs) input[0] = without_folders(input[0], paths);
+  for (std::string& model : n.head.models) model = without_folders(model, paths);
+}
+
+int group_column(const StudyNumbers& n, const StudyPageOptions& o) {
+  if (o.group.empty()) return -1;
+  const int column = study_column(n, o.names.group, o.group);
+  const std::size_t levels = n.columns[static_cast<std::size_t>(column)].levels.size();
+  if (levels > kMostGroups)
+    throw UsageError(fmt::format("{} {}: found {} different values, expected groups, {} at most", o.names.group,
+                                 o.group, levels, kMostGroups));
+  return column;
+}
+
+/// Maps and all that comes of stored pressures; regions are places by now.
+void add_maps(const std::string& study, const StudyNumbers& n, const StudyFields& fields, const StudyPageOptions& o,
+              int group, Json& page, PageArrays& arrays, std::vector<std::string>& notes) {
+  const KeptFields kept = kept_fields(n, fields);
+  notes.insert(notes.end(), kept.notes.begin(), kept.notes.end());
+  Json meshes = Json::array();
+  page["maps"] = maps_json(study, n, fields, kept, o.maps, meshes, arrays);
+  page["meshes"] = std::move(meshes);
+  page["means"] = page["maps"].is_null() ? Json(nullptr) : mean_maps_json(study, n, fields, group, notes, arrays);
+}
+
+void require_fields(const StudyFields& fields, const StudyPageOptions& o) {
+  if (!fields.fields.empty()) return;
+  const char* what = o.maps.dose_above ? "a dose" : o.maps.regions.any() ? "regions" : nullptr;
+  if (what != nullptr)
+    throw UsageError(
+        fmt::format("{}: found no stored pressures in the study, expected one that was solved with "
+                    "pressures at nodes kept (fields)",
+                    what));
+}
+
+}  // namespace
+
+StudyPageSummary write_study_page(const std::string& path, const std::string& study, const StudyPageOptions& o) {
+  StudyPageSummary summary;
+  StudyNumbers n = read_study_numbers(study);
+  std::vector<StudyWarning> warnings = read_warnings(study);
+  const int group = group_column(n, o);
+  const StudyPairs pairs = o.pair.empty() ? StudyPairs{} : study_pairs(n, o.names.pair, o.pair);
+  check_dose(n, o.maps);
+  const StudyFields fields = study_fields(study, n);
+  require_fields(fields, o);
+  if (o.maps.regions.any()) add_regions(study, fields, o.maps.regions, n);
+  hide_folders(n, warnings);
+  const ShownCases shown = shown_cases(n);
+  if (!shown.all)
+    summary.notes.push_back(fmt::format("figures and tables show {} of {} cases; statistics are of all",
+                                        shown.cases.size(), n.cases.size()));
+  PageArrays arrays;
+  Json page;
+  page["schema"] = "dea.report/1";
+  page["kind"] = "study";
+  page["title"] = std::filesystem::path(study).stem().string();
+  page["command"] = command_text(o.words, {study, path});
+  add_page_head(n.units, page);
+  page["study"] = study_head_json(n);
+  page["failures"] = failures_json(n, warnings);
+  add_numbers(n, shown, page, arrays);
+  page["headline"] = headline_words();
+  page["summary"] = headline_table_json(n);
+  page["bands"] = bands_json(n, shown, arrays);
+  page["influence"] = influence_json(n);
+  page["groups"] = groups_json(n, group);
+  page["pairs"] = pairs_json(n, pairs, shown);
+  add_maps(study, n, fields, o, group, page, arrays, summary.notes);
+  page["notes"] = summary.notes;
+  write_text(path, page_text(page["title"].get<std::string>(), page, arrays,
+                             {std::string(page::study_style()), std::string(page::study_figures()) + "\n" +
+                                                                    std::string(page::study_maps()) + "\n" +
+                                                                    std::string(page::study_main())}));
+  return summary;
+}
+
+}  // namespace dea

@@ -1,0 +1,36 @@
+// febiodea/views/study_page/study_page.h – a study as one HTML file that needs nothing else (docs/studies.md, "The
+// page").
+//
+// All statistics are those of src/study; the page chooses among them and draws.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <febiodea/views/study_page/study_maps.h>
+
+namespace dea {
+
+/// How options are called where one of them is at fault: by the command line's names, or by Python's.
+struct StudyPageWords {
+  std::string group = "--group", pair = "--pair";
+};
+
+struct StudyPageOptions {
+  std::string group;  ///< column whose values are groups; empty: none
+  std::string pair;   ///< "COLUMN" or "COLUMN=A,B"; empty: none
+  StudyMapOptions maps;
+  StudyPageWords names;
+  std::vector<std::string> words;  ///< the command, for the page
+};
+
+/// How a page came out.
+struct StudyPageSummary {
+  std::vector<std::string> notes;  ///< a line each: what was thinned
+};
+
+/// Writes the page of a study's file, which is only read. Throws InputError, UsageError (a column that is not there),
+/// WriteError.
+StudyPageSummary write_study_page(const std::string& path, const std::string& study, const StudyPageOptions& options);
+
+}  // namespace dea

@@ -1,0 +1,302 @@
+#include <febiodea/views/study_page/study_statistics.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
+#include <febiodea/base/parse.h>
+
+namespace dea {
+
+namespace {
+
+std::string option_text(const StudyHead& head, const std::string& option) {
+  const std::string start = "--" + option + " ";
+  for (const std::string& text : head.identity.options)
+    if (text.rfind(start, 0) == 0) return text.substr(start.size());
+  return "";
+}
+
+void find_saltelli(const StudyNumbers& n, StudyDesign& design) {
+  if (option_text(n.head, "sample") != "saltelli") {
+    design.no_sobol = "The cases are no Saltelli design (--sample saltelli), which Sobol indices need.";
+    return;
+  }
+  std::vector<int> columns;
+  for (const Factor& f : n.head.factors)
+    if (f.spread.kind != Spread::Kind::None) columns.push_back(n.column(f.name));
+  const std::size_t rows = columns.size() + 2;
+  std::size_t count = 0;
+  try {
+    count = static_cast<std::size_t>(parse_number(option_text(n.head, "count")));
+  } catch (const BadValue&) {
+  }
+  if (columns.empty() || n.head.planned != count * rows) {
+    design.no_sobol = "Sobol indices are of one sample; here it is combined with other models or values of factors.";
+    return;
+  }
+  design.saltelli = static_cast<int>(columns.size());
+  design.saltelli_columns = columns;
+}
+
+/// -1: it is no case.
+int middle_of_grid(const StudyNumbers& n) {
+  for (std::size_t c = 0; c < n.cases.size(); ++c)
+    if (std::all_of(n.columns.begin(), n.columns.end(), [&](const StudyColumn& column) {
+          return column.level[c] == static_cast<int>((column.levels.size() - 1) / 2);
+        }))
+      return static_cast<int>(c);
+  return -1;
+}
+
+/// How many cases differ from each other in one column, per case.
+int best_connected(const StudyNumbers& n) {
+  constexpr std::size_t kMost = 4000;  // all pairs are looked at
+  if (n.cases.size() > kMost) return -1;
+  int best = -1, most = 0;
+  for (std::size_t a = 0; a < n.cases.size(); ++a) {
+    int neighbours = 0;
+    for (std::size_t b = 0; b < n.cases.size(); ++b) {
+      int different = 0;
+      for (const StudyColumn& c : n.columns) different += c.level[a] != c.level[b] ? 1 : 0;
+      neighbours += different == 1 ? 1 : 0;
+    }
+    if (neighbours > most) {
+      most = neighbours;
+      best = static_cast<int>(a);
+    }
+  }
+  return best;
+}
+
+std::vector<std::vector<double>> column_numbers(const StudyNumbers& n) {
+  std::vector<std::vector<double>> numbers;
+  for (const StudyColumn& c : n.columns) {
+    numbers.emplace_back();
+    for (int l : c.level) numbers.back().push_back(c.numbers[at(l)]);
+  }
+  return numbers;
+}
+
+std::vector<BaseSlope> base_slopes(const StudyNumbers& n, const StudyDesign& design,
+                                   const std::vector<double>& outputs) {
+  std::vector<BaseSlope> result;
+  if (design.base < 0) return result;
+  const std::vector<OneAtATime> all = one_at_a_time(column_numbers(n), outputs, at(design.base));
+  for (int k : design.numeric) {
+    const OneAtATime& one = all[at(k)];
+    for (std::size_t i = 0; i < one.cases.size(); ++i) {
+      if (one.cases[i] != at(design.base) || one.cases.size() < 2) continue;
+      const StudyColumn& column = n.columns[at(k)];
+      const double x = column.numbers[at(column.level[at(design.base)])];
+      const double relative = x == 0 ? kNaN : one.slopes[i].value * x / outputs[at(design.base)];
+      result.push_back({k, one.slopes[i], x, relative});
+    }
+  }
+  return result;
+}
+
+/// Numbers that differ by no more than the search's tolerance are one number, such as the size of a force that the load
+/// gives: what makes them differ is no factor.
+std::vector<double> without_rounding(std::vector<double> outputs) {
+  constexpr double kAlike = 1e-6;  // of the largest
+  double least = kInfinity, most = -kInfinity;
+  for (double x : outputs) {
+    if (!std::isfinite(x)) continue;
+    least = std::min(least, x);
+    most = std::max(most, x);
+  }
+  if (!(most - least <= kAlike * std::max(std::abs(least), std::abs(most)))) return outputs;
+  for (double& x : outputs)
+    if (std::isfinite(x)) x = most;
+  return outputs;
+}
+
+std::string level_list(const StudyColumn& c) { return name_list(c.levels, ""); }
+
+int level_named(const StudyColumn& c, const std::string& option, const std::string& text, const std::string& level) {
+  for (std::size_t i = 0; i < c.levels.size(); ++i)
+    if (c.levels[i] == level) return static_cast<int>(i);
+  throw UsageError(fmt::format("{} {}: found no value \"{}\" of {}{}, expected two of {}", option, text, level, c.name,
+                               did_you_mean(level, c.levels), level_list(c)));
+}
+
+/// The comma of A,B: one that stands between two values, for a value may hold commas itself; else the first.
+std::size_t comma_between_levels(const StudyColumn& c, const std::string& both) {
+  const auto is_level = [&](const std::string& s) { return std::count(c.levels.begin(), c.levels.end(), s) > 0; };
+  for (std::size_t i = both.find(','); i != std::string::npos; i = both.find(',', i + 1))
+    if (is_level(both.substr(0, i)) && is_level(both.substr(i + 1))) return i;
+  return both.find(',');
+}
+
+}  // namespace
+
+StudyDesign study_design(const StudyNumbers& n) {
+  StudyDesign design;
+  for (std::size_t i = 0; i < n.columns.size(); ++i)
+    if (n.columns[i].numeric) design.numeric.push_back(static_cast<int>(i));
+  find_saltelli(n, design);
+  const bool drawn = std::any_of(n.head.factors.begin(), n.head.factors.end(),
+                                 [](const Factor& f) { return f.spread.kind != Spread::Kind::None; });
+  if (drawn) {
+    design.no_slopes = "The cases are drawn: none has a neighbour for a slope by one factor.";
+    return design;
+  }
+  design.base = n.grid ? middle_of_grid(n) : -1;
+  if (design.base < 0) design.base = best_connected(n);
+  if (design.base < 0) design.no_slopes = "No case has another one beside it that differs in one factor only.";
+  const std::vector<std::vector<double>> numbers = column_numbers(n);
+  for (std::size_t a = 0; design.base >= 0 && a < n.cases.size(); ++a) {
+    if (a == at(design.base)) continue;
+    if (std::all_of(numbers.begin(), numbers.end(),
+                    [&](const std::vector<double>& x) { return x[a] == x[at(design.base)]; })) {
+      design.base = -1;
+      design.no_slopes = "Two cases have the same values in all factors: there are no slopes between them.";
+    }
+  }
+  return design;
+}
+
+Influence influence(const StudyNumbers& n, const StudyDesign& design, const std::vector<double>& found,
+                    const Bootstrap& bootstrap) {
+  Influence result;
+  const std::vector<double> outputs = without_rounding(found);
+  std::vector<std::vector<double>> factors;
+  for (int k : design.numeric) factors.push_back(n.columns[at(k)].values());
+  result.regression = regression(factors, outputs);
+  for (const std::vector<double>& factor : factors) result.ranks.push_back(rank_correlation(factor, outputs));
+  if (design.saltelli > 0) {
+    std::vector<double> in_order(n.head.planned, kNaN);
+    for (std::size_t c = 0; c < n.cases.size(); ++c)
+      if (n.cases[c].number >= 1 && n.cases[c].number <= in_order.size()) in_order[n.cases[c].number - 1] = outputs[c];
+    result.sobol = sobol_indices(in_order, design.saltelli, bootstrap);
+  }
+  result.slopes = base_slopes(n, design, outputs);
+  return result;
+}
+
+GroupNumbers group_numbers(const StudyColumn& column, const std::vector<double>& found) {
+  const std::vector<double> outputs = without_rounding(found);
+  std::vector<std::vector<double>> values(column.levels.size());
+  std::vector<std::vector<std::size_t>> cases(column.levels.size());
+  for (std::size_t c = 0; c < outputs.size(); ++c) {
+    values[at(column.level[c])].push_back(outputs[c]);
+    cases[at(column.level[c])].push_back(c);
+  }
+  GroupNumbers g;
+  for (std::size_t l = 0; l < values.size(); ++l) {
+    g.boxes.push_back(box_plot(values[l]));
+    for (std::size_t& i : g.boxes.back().outliers) i = cases[l][i];
+    if (l == 0) continue;
+    g.differences.push_back(mean_difference(values[l], values[0]));
+    g.effects.push_back(cohen_d(values[l], values[0]));
+  }
+  return g;
+}
+
+int study_column(const StudyNumbers& n, const std::string& option, const std::string& name) {
+  const int column = n.column(name);
+  if (column >= 0) return column;
+  std::vector<std::string> names;
+  for (const StudyColumn& c : n.columns) names.push_back(c.name);
+  throw UsageError(fmt::format("{} {}: found no column \"{}\" that differs from case to case{}; there {}", option, name,
+                               name, did_you_mean(name, names),
+                               names.empty() ? std::string("is none") : "are " + name_list(names, name)));
+}
+
+StudyPairs study_pairs(const StudyNumbers& n, const std::string& option, const std::string& text) {
+  StudyPairs pairs;
+  const std::size_t equals = text.find('=');
+  pairs.column = study_column(n, option, text.substr(0, equals));
+  const StudyColumn& column = n.columns[at(pairs.column)];
+  if (equals != std::string::npos) {
+    const std::string both = text.substr(equals + 1);
+    const std::size_t comma = comma_between_levels(column, both);
+    if (comma == std::string::npos)
+      throw UsageError(fmt::format("{} {}: found one value, expected two: {}=A,B", option, text, column.name));
+    pairs.first = level_named(column, option, text, both.substr(0, comma));
+    pairs.second = level_named(column, option, text, both.substr(comma + 1));
+  } else if (column.levels.size() != 2) {
+    throw UsageError(fmt::format("{} {}: found {} values of {}, expected two: {} {}=A,B", option, text,
+                                 column.levels.size(), column.name, option, column.name));
+  }
+  if (pairs.first == pairs.second)
+    throw UsageError(fmt::format("{} {}: found the same value twice, expected two", option, text));
+  std::map<std::vector<int>, std::array<int, 2>> partners;
+  for (std::size_t c = 0; c < n.cases.size(); ++c) {
+    const int level = column.level[c];
+    if (level != pairs.first && level != pairs.second) continue;
+    std::vector<int> others;
+    for (std::size_t k = 0; k < n.columns.size(); ++k)
+      if (static_cast<int>(k) != pairs.column) others.push_back(n.columns[k].level[c]);
+    auto& pair = partners.emplace(others, std::array<int, 2>{-1, -1}).first->second;
+    int& place = pair[level == pairs.first ? 0 : 1];
+    if (place >= 0)
+      throw UsageError(fmt::format("{} {}: found cases {} and {} with the same values, expected one case each", option,
+                                   text, n.cases[at(place)].number, n.cases[c].number));
+    place = static_cast<int>(c);
+  }
+  for (const auto& [others, pair] : partners) {
+    if (pair[0] >= 0 && pair[1] >= 0)
+      pairs.cases.push_back(pair);
+    else
+      ++pairs.alone;
+  }
+  std::sort(pairs.cases.begin(), pairs.cases.end());
+  if (pairs.cases.empty())
+    throw UsageError(
+        fmt::format("{} {}: found no two cases that differ in {} alone, expected pairs", option, text, column.name));
+  return pairs;
+}
+
+PairNumbers pair_numbers(const StudyPairs& pairs, const std::vector<double>& found) {
+  const std::vector<double> outputs = without_rounding(found);
+  std::vector<double> first, second;
+  for (const std::array<int, 2>& pair : pairs.cases) {
+    first.push_back(outputs[at(pair[0])]);
+    second.push_back(outputs[at(pair[1])]);
+  }
+  const CompletePairs complete = complete_pairs(first, second);
+  return {box_plot(complete.first), box_plot(complete.second), paired_difference(first, second),
+          paired_d_z(first, second), bland_altman(first, second)};
+}
+
+StudyInstants study_instants(const StudyNumbers& n) {
+  StudyInstants result;
+  if (n.states < 2) return result;
+  if (n.same_times) {
+    result.instants = n.times;
+  } else {
+    result.percent = true;
+    for (int i = 0; i <= 50; ++i) result.instants.push_back(2.0 * i);
+  }
+  for (std::size_t i = 1; i < result.instants.size(); ++i)
+    if (!(result.instants[i] > result.instants[i - 1])) return {};  // two states at one time: no curve over it
+  return result;
+}
+
+std::vector<std::vector<double>> study_lines(const StudyNumbers& n, const StudyInstants& at_these,
+                                             std::size_t statistic, std::size_t place,
+                                             const std::vector<std::size_t>& cases) {
+  std::vector<std::vector<double>> lines;
+  for (std::size_t c : cases) {
+    const std::vector<double>& times = n.own_times[c];
+    std::vector<double> values;
+    for (std::size_t k = 0; k < times.size(); ++k) values.push_back(n.value(statistic, place, c, k));
+    const bool rising =
+        std::adjacent_find(times.begin(), times.end(), [](double a, double b) { return !(b > a); }) == times.end();
+    if (times.size() < 2 || !rising)
+      lines.emplace_back(at_these.instants.size(), kNaN);
+    else if (at_these.percent)
+      lines.push_back(at_instants(percent_of_cycle(times), values, at_these.instants));
+    else
+      lines.push_back(values);
+  }
+  return lines;
+}
+
+}  // namespace dea

@@ -1,0 +1,86 @@
+// febiodea/views/study_page/study_statistics.h – what src/study says of a study's numbers: which factors matter,
+// groups, pairs, bands over the cycle. Each of one statistic, at one place, of one choice of states (StudyNumbers).
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <febiodea/study/influence.h>
+#include <febiodea/study/pairs.h>
+#include <febiodea/study/sobol_indices.h>
+#include <febiodea/study/summary.h>
+#include <febiodea/views/study_page/study_numbers.h>
+
+namespace dea {
+
+/// How a study was drawn, as far as statistics depend on it.
+struct StudyDesign {
+  std::vector<int> numeric;           ///< columns that are numbers
+  int saltelli = 0;                   ///< factors of a Saltelli design; 0: it is none
+  std::vector<int> saltelli_columns;  ///< per factor of it: its column; -1: it does not vary
+  int base = -1;                      ///< case that one-at-a-time slopes are taken about; -1: none has neighbours
+  std::string no_sobol, no_slopes;    ///< why there are none
+};
+/// The base: of a grid the case in its middle, the lower of two; else the first of those from which most cases differ
+/// in one column only.
+StudyDesign study_design(const StudyNumbers& numbers);
+
+/// A slope about the base case.
+struct BaseSlope {
+  int column = 0;
+  Slope slope;
+  double at = kNaN;  ///< value of the factor
+  double relative =
+      kNaN;  ///< percent of the number per percent of the factor: slope times factor over number; NaN: the factor is 0
+};
+struct Influence {
+  Regression regression;               ///< of design.numeric
+  std::vector<RankCorrelation> ranks;  ///< one per design.numeric
+  std::optional<SobolIndices> sobol;   ///< one per design.saltelli_columns
+  std::vector<BaseSlope> slopes;       ///< of design.numeric, as far as they have neighbours
+};
+Influence influence(const StudyNumbers& numbers, const StudyDesign& design, const std::vector<double>& outputs,
+                    const Bootstrap& bootstrap);
+
+/// Levels of a column as groups.
+struct GroupNumbers {
+  std::vector<BoxPlot> boxes;  ///< per level; outliers are indices of cases
+  /// Per level but the first: that one less the first.
+  std::vector<MeanDifference> differences;
+  std::vector<EffectSize> effects;
+};
+GroupNumbers group_numbers(const StudyColumn& column, const std::vector<double>& outputs);
+
+/// Two levels of a column as pairs: cases that differ in nothing else.
+struct StudyPairs {
+  int column = -1;
+  int first = 0, second = 1;              ///< levels
+  std::vector<std::array<int, 2>> cases;  ///< indices of each pair
+  std::size_t alone = 0;                  ///< cases of the two levels without a partner
+};
+/// `text`: "COLUMN", of two levels, or "COLUMN=A,B". Throws UsageError, which begins with `option`.
+StudyPairs study_pairs(const StudyNumbers& numbers, const std::string& option, const std::string& text);
+/// The column of this name that varies. Throws UsageError.
+int study_column(const StudyNumbers& numbers, const std::string& option, const std::string& name);
+
+struct PairNumbers {
+  BoxPlot first, second;
+  PairedDifference difference;  ///< first less second
+  EffectSize effect;            ///< d_z
+  BlandAltman agreement;
+};
+PairNumbers pair_numbers(const StudyPairs& pairs, const std::vector<double>& outputs);
+
+/// The instants that cycles are shown at: the states' own times where all cases share them, else percent of each
+/// cycle, linear between its states. Empty: there is no cycle.
+struct StudyInstants {
+  bool percent = false;
+  std::vector<double> instants;
+};
+StudyInstants study_instants(const StudyNumbers& numbers);
+/// A line per case of `cases`, over the instants; NaN where the case has no number.
+std::vector<std::vector<double>> study_lines(const StudyNumbers& numbers, const StudyInstants& instants,
+                                             std::size_t statistic, std::size_t place,
+                                             const std::vector<std::size_t>& cases);
+
+}  // namespace dea
