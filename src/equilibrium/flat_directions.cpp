@@ -130,9 +130,10 @@ void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, c
 }  // namespace
 
 Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, const VectorXd& r, double patience) {
-  const Sparse K = scaled_stiffness(problem, e);
-  const Eigen::Index n = K.rows();
   Directions d;
+  d.stiffness = scaled_stiffness(problem, e);
+  const Sparse& K = d.stiffness;
+  const Eigen::Index n = K.rows();
   d.newton = d.drift = VectorXd::Zero(n);
   d.residual = r;
   d.left_unbalanced.resize(n, 0);

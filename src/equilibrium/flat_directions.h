@@ -2,6 +2,7 @@
 // step over the others.
 #pragma once
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct Directions {
   /// Orthonormal columns: the components of the residual that are not asked to vanish, one per held direction.
   Eigen::MatrixXd left_unbalanced;
   double least_stiffness = kNaN;
+  Eigen::SparseMatrix<double> stiffness;  ///< that was split (scaled_stiffness)
 };
 /// `r`: the residual. `patience` >= 1 widens what counts as facet noise (E6), so that a direction at its edge does not
 /// change sides for ever.

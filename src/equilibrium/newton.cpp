@@ -232,7 +232,7 @@ double residual_at(const Search& s, const Evaluation& trial) {
   return r.norm() + lost_force(s.e, trial);
 }
 
-constexpr double kWholeOnly = 0.6;  // of the least length: no halving
+constexpr double kWholeOnly = 0.6;  // as `least` below: half a step is too short to be tried
 
 /// A step, shortened until the residual falls, down to `least` of its length. False: it does not, or there are no more
 /// poses to be tried.
@@ -270,7 +270,7 @@ bool shortened_step(Search& s, VectorXd step, double least = 1.0 / 33.0) {
 /// What the last step tells of the stiffness.
 void learn(Search& s) {
   Secant& secant = s.secant;
-  const MatrixXd K(scaled_stiffness(s.problem, s.e));
+  const MatrixXd K(s.d.stiffness);
   if (secant.step.size() == K.cols()) {
     const VectorXd seen = secant.residual - s.r, predicted = 0.5 * (secant.stiffness + K) * secant.step;
     if (secant.missing.size() == 0) secant.missing = MatrixXd::Zero(K.rows(), K.cols());
@@ -293,7 +293,7 @@ VectorXd corrected_step(const Search& s) {
 
 /// Regularised steps turn from Newton's direction towards the force itself.
 bool regularised_step(Search& s) {
-  const Sparse K = scaled_stiffness(s.problem, s.e);
+  const Sparse& K = s.d.stiffness;
   const double stiffest = K.norm();
   Sparse one(K.rows(), K.cols());
   one.setIdentity();

@@ -7,7 +7,6 @@
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/geometry/ray_caster.h>
-#include <febiodea/results/percentile.h>
 
 namespace dea {
 
@@ -99,20 +98,8 @@ InsideStatistics inside_statistics(const InsideLayer& inside, const std::vector<
     third.push_back(m.third_strain);
     area.push_back(inside.layer->mesh.mesh.vertex_areas[v]);
   }
-  const auto distribution = [&](const std::vector<double>& values, bool least) {
-    if (values.empty()) return InsideDistribution{kNaN, kNaN, kNaN};
-    InsideDistribution d;
-    d.peak = least ? *std::min_element(values.begin(), values.end()) : *std::max_element(values.begin(), values.end());
-    d.p99 = weighted_percentile(values, area, least ? 0.01 : 0.99);
-    double sum = 0.0, whole = 0.0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      sum += area[i] * values[i];
-      whole += area[i];
-    }
-    d.mean = sum / whole;
-    return d;
-  };
-  return {distribution(shear, false), distribution(first, false), distribution(third, true)};
+  return {inside_distribution(shear, area, false), inside_distribution(first, area, false),
+          inside_distribution(third, area, true)};
 }
 
 }  // namespace dea

@@ -1,5 +1,7 @@
 // febiodea/results/inside_numbers.h – the numbers that sum up stress and strain inside a layer. docs/layer_law.md, 8.
 #pragma once
+#include <vector>
+
 #include <febiodea/base/numbers.h>
 
 namespace dea {
@@ -8,6 +10,9 @@ namespace dea {
 struct InsideDistribution {
   double peak = kNaN, p99 = kNaN, mean = kNaN;
 };
+/// Of values weighted by area or volume. `least`: the peak is the least value, and p99 the first percentile.
+InsideDistribution inside_distribution(const std::vector<double>& values, const std::vector<double>& weights,
+                                       bool least);
 /// At one height of a layer.
 struct InsideStatistics {
   InsideDistribution max_shear;     ///< half the difference of the greatest and the least principal stress [MPa]

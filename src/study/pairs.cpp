@@ -1,6 +1,7 @@
 #include <febiodea/study/pairs.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
@@ -21,6 +22,20 @@ std::vector<double> differences(const CompletePairs& pairs) {
 double root_of_count(std::size_t count) { return std::sqrt(static_cast<double>(count)); }
 
 double degrees_of_freedom(std::size_t count) { return static_cast<double>(count) - 1.0; }
+
+/// Moments of the finite values of two groups; `result` gets how many there are and how many were left out.
+template <class Result>
+std::array<Moments, 2> moments_of_both(const std::vector<double>& first, const std::vector<double>& second,
+                                       Result& result) {
+  std::array<Moments, 2> m;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const FiniteValues group = finite_values(k == 0 ? first : second);
+    m[k] = moments(group.values);
+    result.count[k] = m[k].count;
+    result.left_out[k] = group.left_out;
+  }
+  return m;
+}
 
 /// `difference` over `deviation`, corrected.
 void set_size(EffectSize& size, double difference, double deviation, double degrees) {
@@ -89,17 +104,13 @@ BlandAltman bland_altman(const std::vector<double>& first, const std::vector<dou
 }
 
 MeanDifference mean_difference(const std::vector<double>& first, const std::vector<double>& second) {
-  const FiniteValues groups[2] = {finite_values(first), finite_values(second)};
   MeanDifference result;
-  Moments m[2];
+  const std::array<Moments, 2> m = moments_of_both(first, second, result);
   double variance = 0.0, spread = 0.0;
-  for (std::size_t k = 0; k < 2; ++k) {
-    m[k] = moments(groups[k].values);
-    result.count[k] = m[k].count;
-    result.left_out[k] = groups[k].left_out;
-    const double v = m[k].standard_deviation * m[k].standard_deviation / static_cast<double>(m[k].count);
+  for (const Moments& of : m) {
+    const double v = of.standard_deviation * of.standard_deviation / static_cast<double>(of.count);
     variance += v;
-    spread += v * v / (static_cast<double>(m[k].count) - 1);
+    spread += v * v / degrees_of_freedom(of.count);
   }
   result.mean = m[0].mean - m[1].mean;
   if (!(variance > 0)) return result;
@@ -109,17 +120,13 @@ MeanDifference mean_difference(const std::vector<double>& first, const std::vect
 }
 
 EffectSize cohen_d(const std::vector<double>& first, const std::vector<double>& second) {
-  const FiniteValues groups[2] = {finite_values(first), finite_values(second)};
   EffectSize size;
-  Moments m[2];
+  const std::array<Moments, 2> m = moments_of_both(first, second, size);
   double squares = 0.0, degrees = 0.0;
-  for (std::size_t k = 0; k < 2; ++k) {
-    m[k] = moments(groups[k].values);
-    size.count[k] = m[k].count;
-    size.left_out[k] = groups[k].left_out;
-    const double own = degrees_of_freedom(m[k].count);
+  for (const Moments& of : m) {
+    const double own = degrees_of_freedom(of.count);
     degrees += own;
-    if (m[k].count > 1) squares += own * m[k].standard_deviation * m[k].standard_deviation;
+    if (of.count > 1) squares += own * of.standard_deviation * of.standard_deviation;
   }
   if (size.count[0] > 0 && size.count[1] > 0 && degrees > 0)
     set_size(size, m[0].mean - m[1].mean, std::sqrt(squares / degrees), degrees);

@@ -523,6 +523,21 @@ def narrow_window(b, pages):
     b.size(1400, 1000)
 
 
+def overlapping_words(b):
+    """Texts of figures that lie on each other."""
+    return b.run("""
+        const out = [];
+        for (const svg of document.querySelectorAll('figure svg[role=img]')) {
+          const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim()).map(t => [t.textContent, t.getBoundingClientRect()]);
+          for (let i = 0; i < texts.length; ++i) for (let j = 0; j < i; ++j) {
+            const a = texts[i][1], c = texts[j][1];
+            const w = Math.min(a.right, c.right) - Math.max(a.left, c.left), h = Math.min(a.bottom, c.bottom) - Math.max(a.top, c.top);
+            if (w > 1.5 && h > 3) out.push(svg.closest('figure').id + ': ' + texts[i][0] + ' / ' + texts[j][0]);
+          }
+        }
+        return out""")
+
+
 @check
 def words_do_not_overlap(b, pages):
     """Axis labels, ticks, legends."""
@@ -531,18 +546,7 @@ def words_do_not_overlap(b, pages):
         for name in ("three", "run", "knee"):
             ready(b, pages[name])
             b.run("return new Promise(done => setTimeout(done, 400))")
-            found = b.run("""
-              const out = [];
-              for (const svg of document.querySelectorAll('figure svg[role=img]')) {
-                const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim()).map(t => [t.textContent, t.getBoundingClientRect()]);
-                for (let i = 0; i < texts.length; ++i) for (let j = 0; j < i; ++j) {
-                  const a = texts[i][1], c = texts[j][1];
-                  const w = Math.min(a.right, c.right) - Math.max(a.left, c.left), h = Math.min(a.bottom, c.bottom) - Math.max(a.top, c.top);
-                  if (w > 1.5 && h > 3) out.push(svg.closest('figure').id + ': ' + texts[i][0] + ' / ' + texts[j][0]);
-                }
-              }
-              return out""")
-            same(found, [], f"{name} at {width}: words on words")
+            same(overlapping_words(b), [], f"{name} at {width}: words on words")
             near = b.run("""
               const out = [];
               for (const svg of document.querySelectorAll('figure svg svg')) {

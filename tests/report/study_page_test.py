@@ -14,7 +14,7 @@ import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from browser import Browser, driver_path  # noqa: E402
-from report_test import HASH, no_faults, no_network, png_size, same, true  # noqa: E402
+from report_test import HASH, no_faults, no_network, overlapping_words, png_size, same, true  # noqa: E402
 
 CHECKS = []
 
@@ -191,18 +191,7 @@ def pages_are_whole(b, pages):
             b.wait("Page.figures.every(f => f.element.hidden || f.element.querySelector('svg'))", 20, "all figures")
             svg = b.run("return [...document.querySelectorAll('figure svg')].map(s => s.outerHTML).join()")
             true(not re.search(r'="[^"]*(NaN|Infinity)', svg), f"{name}: NaN in a figure")
-            overlaps = b.run("""
-              const out = [];
-              for (const svg of document.querySelectorAll('figure svg[role=img]')) {
-                const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim()).map(t => [t.textContent, t.getBoundingClientRect()]);
-                for (let i = 0; i < texts.length; ++i) for (let j = 0; j < i; ++j) {
-                  const a = texts[i][1], c = texts[j][1];
-                  const w = Math.min(a.right, c.right) - Math.max(a.left, c.left), h = Math.min(a.bottom, c.bottom) - Math.max(a.top, c.top);
-                  if (w > 1.5 && h > 3) out.push(svg.closest('figure').id + ': ' + texts[i][0] + ' / ' + texts[j][0]);
-                }
-              }
-              return out""")
-            same(overlaps, [], f"{name} at {width}: words on words")
+            same(overlapping_words(b), [], f"{name} at {width}: words on words")
         no_faults(b, name)
     b.size(1400, 1000)
 

@@ -207,7 +207,7 @@ TEST(Stop, IsNoFaultOfTheInput) {
 // Another thread sets the flag while one contact is being pressed: that search alone takes far longer.
 TEST(Stop, EndsWithinAContact) {
   Settings settings = with_law(Layer);
-  settings.refine = 4;
+  settings.refine = 8;
   const JointModel model = slanted(20);
   const Prepared joint = prepare(recognise(model, settings));
   std::vector<Pose> poses = at_rest(joint).poses;

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <febiodea/results/comparison.h>
-#include <febiodea/results/percentile.h>
 
 namespace dea {
 
@@ -22,16 +21,7 @@ constexpr double ElementMeasures::*kMeasures[] = {&ElementMeasures::max_shear, &
 
 InsideDistribution distribution_of(const std::vector<double>& values, const std::vector<double>& volume, bool least) {
   if (std::any_of(values.begin(), values.end(), [](double x) { return std::isnan(x); })) return {};
-  InsideDistribution d;
-  d.peak = least ? *std::min_element(values.begin(), values.end()) : *std::max_element(values.begin(), values.end());
-  d.p99 = weighted_percentile(values, volume, least ? 0.01 : 0.99);
-  double sum = 0.0, whole = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    sum += volume[i] * values[i];
-    whole += volume[i];
-  }
-  d.mean = sum / whole;
-  return d;
+  return inside_distribution(values, volume, least);
 }
 
 /// Facets that some file presses.

@@ -98,14 +98,20 @@ void add_column(Table& table, const std::string& heading) {
   table.left += 'r';
 }
 
+/// A column of `first` alignment under `heading`, and one of numbers per file.
+Table table_of_files(const Comparison& c, const std::string& heading = "", char first = 'l') {
+  Table table;
+  table.headings = {heading};
+  table.left = first;
+  for (const std::string& label : c.labels) add_column(table, label);
+  return table;
+}
+
 /// What was measured in each file, and in per cent how far it is from the last.
 Table region_table(const Comparison& c, const ComparedSurface& surface, const ComparedRegion& region, bool details) {
   const std::size_t n = c.labels.size();
   const UnitNames units = unit_names(c.units);
-  Table table;
-  table.headings = {""};
-  table.left = "l";
-  for (const std::string& label : c.labels) add_column(table, label);
+  Table table = table_of_files(c);
   for (std::size_t i = 0; i + 1 < n; ++i)
     add_column(table, n == 2 ? "difference" : fmt::format("difference {}", c.labels[i]));
   const auto add = [&](const Quantity& q) {
@@ -170,10 +176,7 @@ Table pattern_table(const Comparison& c, const ComparedRegion& region) {
 TitledTable inside_table(const Comparison& c, const ComparedRow& row) {
   const std::size_t n = c.labels.size();
   const UnitNames units = unit_names(c.units);
-  Table table;
-  table.headings = {""};
-  table.left = "l";
-  for (const std::string& label : c.labels) add_column(table, label);
+  Table table = table_of_files(c);
   for (const char* what : {"difference", "correlation"})
     for (std::size_t i = 0; i + 1 < n; ++i) add_column(table, n == 2 ? what : fmt::format("{} {}", what, c.labels[i]));
   for (std::size_t m = 0; m < 3; ++m) {
@@ -196,10 +199,7 @@ TitledTable inside_table(const Comparison& c, const ComparedRow& row) {
 }
 
 TitledTable profile_table(const Comparison& c, const ComparedSurface& surface) {
-  Table table;
-  table.headings = {"degrees"};
-  table.left = "r";
-  for (const std::string& label : c.labels) add_column(table, label);
+  Table table = table_of_files(c, "degrees", 'r');
   std::size_t bins = 0;
   for (const auto& profile : surface.profiles) bins = std::max(bins, profile.size());
   // bins before the first facet and behind the last one say nothing
