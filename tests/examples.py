@@ -17,7 +17,7 @@ import time
 import stl_shapes
 
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build")
+COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build", "man", "completion")
 
 # Commands that are not run: what they hold, and why.
 SKIPPED = {"plugin-build": "needs an installed FEBio"}
@@ -127,7 +127,7 @@ def inputs_of(command):
 
 def bash(folder, command):
     program = f"shopt -s expand_aliases\nalias dea={shlex.quote(str(dea))}\n"
-    program += "".join(f"{viewer}() {{ test -s \"$1\"; }}\n" for viewer in VIEWERS)
+    program += "".join(f"{viewer}() {{ test -s \"$1\"; }}\n" for viewer in VIEWERS) + "man() { grep -q '^.TH'; }\n"
     return subprocess.run(["bash", "-c", program + re.sub(r"^\S*/dea ", "dea ", command)], cwd=folder,
                           capture_output=True, text=True, timeout=300)
 
