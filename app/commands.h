@@ -102,6 +102,14 @@ struct PlotArguments {
 CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);
 int plot_command(const PlotArguments& arguments);
 
+struct CiteArguments {
+  std::string model, compared;
+  SettingsArguments settings;
+  std::string threads;
+};
+CLI::App* add_cite(CLI::App& app, CiteArguments& arguments);
+int cite(const CiteArguments& arguments);
+
 struct ManArguments {
   std::string command, output;
 };
