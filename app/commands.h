@@ -102,6 +102,27 @@ struct PlotArguments {
 CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);
 int plot_command(const PlotArguments& arguments);
 
+struct CiteArguments {
+  std::string model, compared;
+  SettingsArguments settings;
+  std::string threads;
+};
+CLI::App* add_cite(CLI::App& app, CiteArguments& arguments);
+int cite(const CiteArguments& arguments);
+
+struct ManArguments {
+  std::string command, output;
+};
+CLI::App* add_man(CLI::App& app, ManArguments& arguments);
+/// `app`: the program with all its commands.
+int man(const CLI::App& app, const ManArguments& arguments);
+
+struct CompletionArguments {
+  std::string shell;
+};
+CLI::App* add_completion(CLI::App& app, CompletionArguments& arguments);
+int completion(const CLI::App& app, const CompletionArguments& arguments);
+
 /// Version, commit and libraries, a line each.
 std::string version_text();
 

@@ -34,7 +34,9 @@ Examples:
                                 R"(  dea plugin-build /opt/febio        the plugin for the FEBio that is installed there
   dea compare hip_dea.xplt hip.xplt  how far that is from FEBio's result
   dea plot hip_dea.xplt              its pressure map as hip_dea.png
-  dea run --help                     all options of a command)";
+  dea cite hip.feb                   what was done, for the methods of a paper, with references
+  dea run --help                     all options of a command
+  dea man run | man -l -             the same as a manual page)";
 
 /// A fault is always one line, whatever names it quotes.
 int refuse(const std::string& prefix, std::string what, int code) {
@@ -122,6 +124,9 @@ int parse_and_run(int argc, char** argv) {
   BuildArguments build_arguments;
 #endif
   PluginBuildArguments plugin_build_arguments;
+  CiteArguments cite_arguments;
+  ManArguments man_arguments;
+  CompletionArguments completion_arguments;
   run_arguments.words = compare_arguments.words = study_arguments.words = {argv, argv + argc};
   const CLI::App* run_command = add_run(app, run_arguments);
   const CLI::App* study_app = add_study(app, study_arguments);
@@ -134,6 +139,9 @@ int parse_and_run(int argc, char** argv) {
   const CLI::App* build_app = add_build(app, build_arguments);
 #endif
   const CLI::App* plugin_build_app = add_plugin_build(app, plugin_build_arguments);
+  const CLI::App* cite_app = add_cite(app, cite_arguments);
+  const CLI::App* man_app = add_man(app, man_arguments);
+  const CLI::App* completion_app = add_completion(app, completion_arguments);
   for (CLI::App* command : app.get_subcommands(nullptr)) command->get_formatter()->column_width(38);
 
   const std::string no_command = unknown_command(app, argc, argv);
@@ -170,6 +178,9 @@ int parse_and_run(int argc, char** argv) {
   if (build_app->parsed()) return build(build_arguments);
 #endif
   if (plugin_build_app->parsed()) return plugin_build(plugin_build_arguments);
+  if (cite_app->parsed()) return cite(cite_arguments);
+  if (man_app->parsed()) return man(app, man_arguments);
+  if (completion_app->parsed()) return completion(app, completion_arguments);
   return kWrongUse;
 }
 

@@ -210,8 +210,9 @@ int plugin_build(const PluginBuildArguments& a) {
                                  a.verbose ? "see above" : "all that was said is in " + log_file));
   };
   if (!origins.build.empty())
-    run("preparing",
-        {"cmake", "--install", origins.build.string(), "--component", "plugin_build", "--prefix", prefix.string()});
+    for (const char* component : {"plugin_build", "plugin_source"})
+      run("preparing",
+          {"cmake", "--install", origins.build.string(), "--component", component, "--prefix", prefix.string()});
   std::vector<std::string> configure = {"cmake", "-S", source.string(), "-B", build, "-DCMAKE_BUILD_TYPE=Release"};
   configure.push_back("-DFEBio_DIR=" + (sdk / "lib" / "cmake" / "FEBio").string());
   if (a.untested) configure.push_back("-DDEA_UNTESTED_FEBIO=ON");

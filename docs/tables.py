@@ -68,9 +68,6 @@ VARIANTS = [("law layer", []),
 HEADLINE = ("p99", "mean", "area", "peak")  # docs/theory.md, 6.1
 
 
-SHORT = ("law layer", "law layer, FEA penalty")  # what README.md shows of every joint
-
-
 KINDS = {"hips": "one hip, loads: %d", "balls": "balls: %d", "others": "others: %d"}
 
 
@@ -163,13 +160,13 @@ def joint_table(rows):
     return lines
 
 
-def range_table(rows):
+def range_table(rows, names=None, by_areas=("reference", "deformed")):
     """Smallest and largest difference over the joints of a kind, with areas of the mesh and deformed."""
     lines = ["| differences from FEBio [%%] | joints | areas | %s | r, least | Dice, least |" % " | ".join(HEADLINE), "|---" * 9 + "|"]
-    for name in ["FEBio"] + [v[0] for v in VARIANTS if "flat" not in v[0]]:
+    for name in names or ["FEBio"] + [v[0] for v in VARIANTS if "flat" not in v[0]]:
         for kind in KINDS:
             of = [r for r in rows if r["name"] == name and r["kind"] == kind and r["differs"]]
-            for areas in ("reference", "deformed") if of else ():
+            for areas in by_areas if of else ():
                 columns = list(zip(*(r["differs"][areas] for r in of)))
                 cells = [" to ".join("%+.1f" % (round(x, 1) + 0.0) for x in ((min(c), max(c)) if len(of) > 1 else c)) for c in columns]
                 pattern = ["%.3f" % min(r["pattern"][k] for r in of) for k in (0, 2)] if areas == "reference" else ["", ""]
@@ -178,8 +175,14 @@ def range_table(rows):
     return lines
 
 
+def brief_table(rows):
+    """What README.md shows: of range_table the default law with deformed areas, without the columns of the pattern."""
+    lines = range_table(rows, ["FEBio", "law layer"], ("deformed",))
+    return ["|".join(line.split("|")[:3] + line.split("|")[4:-3] + [""]) for line in lines]
+
+
 def write(tables):
-    for path, names in ((os.path.join(HERE, "..", "README.md"), ("spheres", "ranges", "short")), (os.path.join(HERE, "accuracy.md"), ("ranges", "all"))):
+    for path, names in ((os.path.join(HERE, "..", "README.md"), ("brief",)), (os.path.join(HERE, "accuracy.md"), ("spheres", "ranges", "all"))):
         with open(path) as f:
             text = f.read()
         for name in names:
@@ -201,8 +204,7 @@ def main():
     if a.write and not a.folder:
         sys.exit("--write: found no folder with FEBio's results, expected one: the tables compare with them")
     rows = [row for joint in joints(a.folder, a.joint) for row in measure(a.dea, joint)]
-    tables = {"spheres": spheres(a.dea), "ranges": range_table(rows), "all": joint_table(rows),
-              "short": joint_table([r for r in rows if r["name"] == "FEBio" or r["name"] in SHORT])}
+    tables = {"spheres": spheres(a.dea), "ranges": range_table(rows), "brief": brief_table(rows), "all": joint_table(rows)}
     for name in ("spheres", "ranges", "all"):
         print("\n".join(["", *tables[name]]))
     if a.write:

@@ -1,6 +1,6 @@
 """Every example as a user would type it: python3 examples.py DEA SOURCE [-v].
 
-Collects the commands of README.md, docs, samples and the "Examples" of each --help: lines of indented or fenced blocks that
+Collects the commands of README.md, docs, every folder's README.md and the "Examples" of each --help: lines of indented or fenced blocks that
 begin with `dea`, and code in a sentence that names a file. Runs each in a folder of its own with the files it names, and fails
 where the exit code is not 0, where a file that the line or the words beside it name is not there afterwards, and where a
 "note: ..." shown below it is not printed. A new example with a new file name needs a line in FILES."""
@@ -17,7 +17,7 @@ import time
 import stl_shapes
 
 dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build")
+COMMANDS = ("run", "info", "converge", "convert", "compare", "plot", "study", "build", "plugin-build", "cite", "man", "completion")
 
 # Commands that are not run: what they hold, and why.
 SKIPPED = {"plugin-build": "needs an installed FEBio"}
@@ -99,7 +99,7 @@ def in_text(path):
                 yield (where, *split_comment(line), shown)
         else:
             for code in re.findall(r"`((?:[^`\s]*/)?dea [^`]+)`", line):
-                if re.search(r"\.(feb|xplt)\b", code):
+                if re.search(r"\.(feb|xplt|db)\b", code):
                     yield where, code, "", []
 
 
@@ -127,7 +127,7 @@ def inputs_of(command):
 
 def bash(folder, command):
     program = f"shopt -s expand_aliases\nalias dea={shlex.quote(str(dea))}\n"
-    program += "".join(f"{viewer}() {{ test -s \"$1\"; }}\n" for viewer in VIEWERS)
+    program += "".join(f"{viewer}() {{ test -s \"$1\"; }}\n" for viewer in VIEWERS) + "man() { grep -q '^.TH'; }\n"
     return subprocess.run(["bash", "-c", program + re.sub(r"^\S*/dea ", "dea ", command)], cwd=folder,
                           capture_output=True, text=True, timeout=300)
 
@@ -188,7 +188,8 @@ def fault_of(kit, command, places):
 
 
 def collect():
-    pages = [source / "README.md", *sorted((source / "docs").glob("*.md")), *sorted((source / "samples").rglob("README.md"))]
+    pages = [source / "README.md", *sorted((source / "docs").glob("*.md")), *sorted((source / "samples").rglob("README.md")),
+             *sorted(source.glob("*/README.md"))]
     found = [example for page in pages for example in in_text(page)]
     for command in ((), *((c,) for c in COMMANDS if SKIPPED.get(c) != "built without CGAL")):
         found += in_help(command)

@@ -6,6 +6,11 @@ build=$1 source=$2 dea=$3 cmake=$4
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$cmake" --install "$build" --prefix "$folder/prefix" >"$folder/install.log"
+# All that is installed belongs to one of the components that packages are made of.
+"$cmake" --install "$build" --prefix "$folder/rest" --component Unspecified >"$folder/rest.log"
+[ ! -e "$folder/rest" ] || { echo "files of no package:"; find "$folder/rest" -type f; exit 1; }
+ls "$folder/prefix/share/man/man1/dea-run.1"* "$folder/prefix/share/bash-completion/completions/dea" \
+  "$folder/prefix/share/febiodea/source/CMakeLists.txt" >/dev/null
 "$cmake" -S "$source/tests/outside" -B "$folder/build" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH="$folder/prefix" \
   >"$folder/configure.log"
 "$cmake" --build "$folder/build" >"$folder/build.log" || { cat "$folder/build.log"; exit 1; }

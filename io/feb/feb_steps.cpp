@@ -67,6 +67,88 @@ void read_curve(const Reading& reading, const XMLElement& element, bool old, Loa
   febio::check_times(curve);
 }
 
+// What Control may hold. dea takes the first ones; the others steer FEBio's solvers and its output, in 4.0 within
+// <solver>.
+const std::vector<std::string> kControlTaken = {"time_steps", "step_size", "final_time", "analysis", "time_stepper"};
+const std::vector<std::string> kControlSteers = {"adaptor_re_solve",
+                                                 "alpha",
+                                                 "arc_length",
+                                                 "arc_length_scale",
+                                                 "beta",
+                                                 "check_zero_diagonal",
+                                                 "cmax",
+                                                 "ctol",
+                                                 "cycle_buffer",
+                                                 "diverge_reform",
+                                                 "do_reforms",
+                                                 "dtol",
+                                                 "dyn_damping",
+                                                 "equation_order",
+                                                 "equation_scheme",
+                                                 "etol",
+                                                 "force_partition",
+                                                 "force_positive_concentrations",
+                                                 "ftol",
+                                                 "gamma",
+                                                 "integration",
+                                                 "line_search",
+                                                 "linear_solver",
+                                                 "logSolve",
+                                                 "ls_check_jacobians",
+                                                 "lsiter",
+                                                 "lsmin",
+                                                 "lstol",
+                                                 "mass_lumping",
+                                                 "max_refs",
+                                                 "max_residual",
+                                                 "max_ups",
+                                                 "min_residual",
+                                                 "mixed_formulation",
+                                                 "optimize_bw",
+                                                 "order",
+                                                 "output_level",
+                                                 "output_stride",
+                                                 "plot_level",
+                                                 "plot_range",
+                                                 "plot_stride",
+                                                 "plot_zero_state",
+                                                 "predictor",
+                                                 "pressure_stiffness",
+                                                 "print_level",
+                                                 "ptol",
+                                                 "qn_method",
+                                                 "qnmethod",
+                                                 "reform_augment",
+                                                 "reform_each_time_step",
+                                                 "restart",
+                                                 "rhoi",
+                                                 "rtol",
+                                                 "shell_formulation",
+                                                 "shell_normal_nodal",
+                                                 "solver",
+                                                 "symmetric_biphasic",
+                                                 "symmetric_stiffness",
+                                                 "title",
+                                                 "use_three_field_hex",
+                                                 "use_three_field_quad",
+                                                 "use_three_field_shell",
+                                                 "use_three_field_tet",
+                                                 "use_three_field_tri",
+                                                 "vtol",
+                                                 "zero_diagonal_tol"};
+
+/// Refused where one of the words that dea takes may be meant: its default would stand in for it unseen. Others are
+/// told.
+void check_control_word(Reading& reading, const XMLElement& child) {
+  const std::string word = child.Name();
+  if (std::find(kControlSteers.begin(), kControlSteers.end(), word) != kControlSteers.end()) return;
+  const std::string meant = nearest_name(word, kControlTaken);
+  if (!meant.empty())
+    fail(reading, child, fmt::format("<{}> in Control is none of FEBio's words: did you mean <{}>?", word, meant));
+  ignore(reading, child,
+         fmt::format("<{}> in Control, none of FEBio's words{}", word, did_you_mean(word, kControlSteers)));
+}
+
 void read_control(Reading& reading, const XMLElement& section) {
   Control& control = reading.control();
   control.origin = origin_of(reading, section);
@@ -91,7 +173,9 @@ void read_control(Reading& reading, const XMLElement& section) {
       if (dtmax == nullptr) continue;
       control.dtmax_controller = read_lc(reading, *dtmax);
       control.dtmax_origin = origin_of(reading, *dtmax);
-    }  // everything else steers the solver
+    } else {
+      check_control_word(reading, child);
+    }
   }
 }
 

@@ -104,6 +104,9 @@ Json body_json(const JointModel& model, const Body& body) {
   return j;
 }
 
+/// Of what acts in one step only, counted from 1.
+Json step_number(int step) { return step < 0 ? Json(nullptr) : Json(step + 1); }
+
 Json contact_json(const JointModel& model, const Settings& settings, const JointCheck& check, std::size_t c) {
   const ContactPair& pair = check.joint.contacts[c];
   const ContactCheck& found = check.contacts[c];
@@ -111,7 +114,7 @@ Json contact_json(const JointModel& model, const Settings& settings, const Joint
   Json j;
   j["name"] = pair.name;
   j["type"] = contact.type;
-  j["step"] = pair.step < 0 ? Json(nullptr) : Json(pair.step + 1);
+  j["step"] = step_number(pair.step);
   j["source"] = check.joint.bodies[at(pair.source_layer().body)].name;
   j["target"] = check.joint.bodies[at(pair.target_layer().body)].name;
   j["law"] = name(pair.law);
@@ -153,6 +156,7 @@ Json ligament_json(const JointModel& model, const Joint& joint, const Ligament& 
   j["curve"] = curve && l.curve ? curve_json(*l.curve) : Json(nullptr);
   j["scale"] = linear ? Json(nullptr) : json_number(l.scale.factor);  // of the curve; or the force itself
   j["load_controller"] = l.scale.controller < 0 ? Json(nullptr) : Json(model.controllers[at(l.scale.controller)].id);
+  j["step"] = step_number(l.step);
   return j;
 }
 
@@ -164,6 +168,7 @@ Json cable_json(const Joint& joint, const Cable& c) {
     j["points"].push_back(Json{{"body", joint.bodies[at(point.body)].name}, {"point", json_vector(point.position)}});
   j["direction"] = json_vector(c.direction);
   j["force"] = json_number(c.force.factor);
+  j["step"] = step_number(c.step);
   return j;
 }
 
@@ -178,6 +183,7 @@ Json connector_json(const Joint& joint, const Connector& c) {
   for (int k = 0; k < 3; ++k) j["axes"].push_back(json_vector(c.axes.col(k)));
   j["motion"] = Json::array();
   for (int k = 0; k < kDofs; ++k) j["motion"].push_back(word(c.motion[at(k)]));
+  j["step"] = step_number(c.step);
   return j;
 }
 

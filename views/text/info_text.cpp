@@ -114,6 +114,9 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
   return text;
 }
 
+/// ", only in step 2"; in all: "".
+std::string step_words(int step) { return step >= 0 ? fmt::format(", only in step {}", step + 1) : ""; }
+
 std::string contacts_text(const JointModel& model, const Settings& settings, const JointCheck& check) {
   std::string text;
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
@@ -122,7 +125,7 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
     text += fmt::format("  {}: type {}, springs on {} ({}, {}), law {}{}\n", quoted(pair.name),
                         model.contacts[at(pair.contact)].type, check.joint.bodies[at(pair.source_layer().body)].name,
                         pair.source == 0 ? "primary" : "secondary", name(settings.springs_at), name(pair.law),
-                        pair.step >= 0 ? fmt::format(", only in step {}", pair.step + 1) : "");
+                        step_words(pair.step));
     text += fmt::format("    law {}: {}\n", name(pair.law), law_origin(model.contacts[at(pair.contact)], settings));
     for (int side = 0; side < 2; ++side)
       text += layer_text(model, check, pair.layers[side], found.sides[side], side == 0 ? "primary" : "secondary");
@@ -133,6 +136,8 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
   }
   return text;
 }
+
+}  // namespace
 
 std::string conditions_text(const BodyConditions& c) {
   std::string text, loads;
@@ -157,6 +162,8 @@ std::string conditions_text(const BodyConditions& c) {
   return text;
 }
 
+namespace {
+
 std::string ligament_text(const Joint& joint, const Ligament& l) {
   std::string law;
   switch (l.law) {
@@ -172,8 +179,9 @@ std::string ligament_text(const Joint& joint, const Ligament& l) {
           fmt::format("force {}{}", number_text(l.scale.factor), l.scale.controller >= 0 ? " times a load curve" : "");
       break;
   }
-  return fmt::format("  {}: {} {} to {} {}, {}\n", quoted(l.name), joint.bodies[at(l.body_a)].name,
-                     vector_text(l.point_a), joint.bodies[at(l.body_b)].name, vector_text(l.point_b), law);
+  return fmt::format("  {}: {} {} to {} {}, {}{}\n", quoted(l.name), joint.bodies[at(l.body_a)].name,
+                     vector_text(l.point_a), joint.bodies[at(l.body_b)].name, vector_text(l.point_b), law,
+                     step_words(l.step));
 }
 
 std::string cable_text(const Joint& joint, const Cable& c) {
@@ -181,8 +189,9 @@ std::string cable_text(const Joint& joint, const Cable& c) {
   for (const Cable::Point& p : c.points)
     points +=
         fmt::format("{}{} {}", points.empty() ? "" : ", ", joint.bodies[at(p.body)].name, vector_text(p.position));
-  return fmt::format("  cable {}: {}; then along {}; tension {}{}\n", quoted(c.name), points, vector_text(c.direction),
-                     number_text(c.force.factor), c.force.controller >= 0 ? " times a load curve" : "");
+  return fmt::format("  cable {}: {}; then along {}; tension {}{}{}\n", quoted(c.name), points,
+                     vector_text(c.direction), number_text(c.force.factor),
+                     c.force.controller >= 0 ? " times a load curve" : "", step_words(c.step));
 }
 
 std::string connector_text(const Joint& joint, const Connector& c) {
@@ -191,7 +200,7 @@ std::string connector_text(const Joint& joint, const Connector& c) {
                                  vector_text(c.axes.col(0)), vector_text(c.axes.col(1)), vector_text(c.axes.col(2)));
   for (int k = 0; k < kDofs; ++k)
     text += fmt::format("{} {} {} {}", k ? "," : "", k < 3 ? "along" : "about", k % 3 + 1, word(c.motion[at(k)]));
-  return text + "\n";
+  return text + step_words(c.step) + "\n";
 }
 
 std::string steps_text(const JointCheck& check) {

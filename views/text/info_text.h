@@ -8,4 +8,7 @@ namespace dea {
 
 std::string info_text(const JointModel& model, const Settings& settings, const JointCheck& check);
 
+/// What moves and loads a body: "x free, y held, ...; force (0, 0, -100)".
+std::string conditions_text(const BodyConditions& conditions);
+
 }  // namespace dea

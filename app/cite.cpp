@@ -1,0 +1,57 @@
+// `dea cite`: the paragraph for the methods of a paper.
+#include <fmt/format.h>
+
+#include <febiodea/app/commands.h>
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/output.h>
+#include <febiodea/io/tables/read_tables.h>
+#include <febiodea/io/xplt/xplt.h>
+#include <febiodea/views/memory.h>
+#include <febiodea/views/text/methods_text.h>
+
+namespace dea {
+
+namespace {
+
+constexpr const char* kCiteFooter = R"(
+Prints what dea run does with this model and these options, in sentences to be taken into the methods of a paper, with
+version, settings and references. Nothing is solved: whether states are solutions, dea run says. Give the options that
+dea run was given. A model that dea run refuses is refused here too.
+
+Examples:
+  dea cite hip.feb
+  dea cite hip.feb --law linear --E 8 > methods.txt
+  dea cite hip.feb --compared hip.xplt    hip.xplt: FEBio's result that was compared with)";
+
+}  // namespace
+
+CLI::App* add_cite(CLI::App& app, CiteArguments& a) {
+  CLI::App* c =
+      add_model_command(app, "cite", "Print a methods paragraph for a paper, with references", kCiteFooter, a.model);
+  add_once(*c, "--compared", a.compared, "FEA.xplt", "Output", "Results were compared with this one of FEBio");
+  add_solving_options(*c, a.settings, a.threads, {"squash"});
+  return c;
+}
+
+int cite(const CiteArguments& a) {
+  const auto threads = limit_threads(a.threads);
+  Settings settings = effective_settings(a.settings);
+  std::string febio;
+  if (!a.compared.empty()) {
+    febio = read_xplt(a.compared).software;
+    if (febio.rfind("FEBio ", 0) != 0)
+      throw InputError(fmt::format("{}: written by {}, expected a result of FEBio", a.compared,
+                                   febio.empty() ? "a program that does not say its name" : febio));
+  }
+  JointModel read = read_feb(a.model);
+  settle_units(read, settings);
+  read_tables(read, settings);
+  const Recognition recognition = recognise(std::move(read), settings);
+  const JointCheck check = check_joint(recognition);
+  throw_if_any(check.errors);
+  print(methods_text(recognition.model, settings, check, febio));
+  return kSolved;
+}
+
+}  // namespace dea

@@ -1,0 +1,81 @@
+"""Seeds of all targets: python3 seeds.py DEA MAKE_SAMPLES FOLDER. One folder each, from the samples and from what dea writes."""
+import pathlib
+import re
+import subprocess
+import sys
+
+dea, make_samples, top = (pathlib.Path(p).resolve() for p in sys.argv[1:4])
+source = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(source / "tests"))
+import stl_shapes  # noqa: E402
+
+
+def folder(name):
+    (top / name).mkdir(parents=True, exist_ok=True)
+    return top / name
+
+
+def run(*words):
+    subprocess.run([str(w) for w in words], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+models = folder("feb")
+for name in ("spheres", "two-layer-spheres", "sphere-on-flat", "plateaus", "ligament", "knee", "chain"):
+    run(make_samples, f"--{name}", 2, models / f"{name}.feb")
+model = models / "sphere-on-flat.feb"
+
+# Plot files of dea: as they are, compressed, with rims and springs; and FEBio's beginning
+plots = folder("xplt")
+run(dea, "run", model, "-q", "--states", "last", "--law", "linear", "-o", plots / "run.xplt", "--overwrite")
+run(dea, "run", model, "-q", "--states", "last", "--law", "linear", "-o", plots / "compressed.xplt", "--compress", "--overwrite")
+run(dea, "info", model, "-o", plots / "check.xplt", "--overwrite")
+(plots / "febio.xplt").write_bytes((source / "samples/hip/hip_walking_febio.xplt").read_bytes()[:20000])
+
+# Every example of a setting, in a file of its own and all together
+settings = folder("settings")
+examples = re.findall(r"`(<([\w-]+)[^`]*</\2>)`", (source / "docs/settings.md").read_text())
+for number, (example, _) in enumerate(examples):
+    (settings / f"{number}.xml").write_text(f'<febiodea_settings version="1">\n{example}\n</febiodea_settings>\n')
+(settings / "all.xml").write_text('<febiodea_settings version="1">\n' + "\n".join(e for e, _ in examples) + "\n</febiodea_settings>\n")
+
+# The first byte says what the table is
+tables = folder("tables")
+gait = (source / "samples/osteotomy/gait.csv").read_bytes()
+(tables / "loads").write_bytes(b"\0" + gait)
+(tables / "sto").write_bytes(b"\1gait\nversion=1\nnRows=2\nnColumns=4\ninDegrees=no\nendheader\ntime\thip_fx\thip_fy\thip_fz\n0\t240\t-160\t1200\n1\t432\t-262\t1834\n")
+(tables / "motion").write_bytes(b"\2time,tx,ty,tz,rx,ry,rz\n0,0,0,0,0,0,0\n1,0.1,0,-1,5,0,2e1\n")
+(tables / "thickness").write_bytes(b"\3node,thickness\n1,1.5\n2,0\n")
+(tables / "cases").write_bytes(b'\4tilt,model,"E, MPa"\n10,"a.feb",8\n-10,b.feb,"12"\n')
+
+# One small shape in each format
+surfaces = folder("surfaces")
+corners, facets = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+text = {
+    0: stl_shapes.cap(10, 40, True, 1),
+    1: "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in facets),
+    2: "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\n"
+       "end_header\n" + "".join("%g %g %g\n" % p for p in corners) + "".join("3 %d %d %d\n" % f for f in facets),
+    3: "# vtk DataFile Version 3.0\nshape\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n" + "".join("%g %g %g\n" % p for p in corners)
+       + "POLYGONS 4 16\n" + "".join("3 %d %d %d\n" % f for f in facets),
+    4: '<VTKFile type="PolyData" version="0.1"><PolyData><Piece NumberOfPoints="4" NumberOfPolys="4"><Points><DataArray type="Float32" '
+       'NumberOfComponents="3" format="ascii">' + " ".join("%g %g %g" % p for p in corners) + '</DataArray></Points><Polys><DataArray type="Int32" '
+       'Name="connectivity" format="ascii">' + " ".join("%d %d %d" % f for f in facets) + '</DataArray><DataArray type="Int32" Name="offsets" '
+       'format="ascii">3 6 9 12</DataArray></Polys></Piece></PolyData></VTKFile>',
+}
+for kind, content in text.items():
+    (surfaces / str(kind)).write_bytes(bytes([kind]) + content.encode())
+(surfaces / "binary_stl").write_bytes(b"\0" + b"binary".ljust(80) + (1).to_bytes(4, "little") + bytes(12) + bytes.fromhex("0000803f" * 9) + bytes(2))
+
+studies = folder("study")
+(studies / "study.db").unlink(missing_ok=True)
+run(dea, "study", model, "--vary", "E: E={8|12}", "--law", "linear", "--states", "last", "--keep", "fields", "-o", studies / "study.db", "-q")
+
+lines = folder("expressions")
+for number, line in enumerate(("sin(2*pi*t)", "step(t-0.5)*max(t,1,2)^2", "-exp(-t/0.1)+H(t)", "atan2(1,t)", "avg(t,mod(t,2))")):
+    (lines / f"formula{number}").write_bytes(b"\0\0" + line.encode())
+    (lines / f"constant{number}").write_bytes(b"\1\0" + line.replace("t", "3").encode())
+for number, line in enumerate(("tilt: rotate pelvis=0,1,0,{-10:10:5}", "E: E={8|12}", "E: E={normal(10,2)}", "f: force femur={}")):
+    (lines / f"factor{number}").write_bytes(b"\2\0" + line.encode())
+for number in range(60):
+    (lines / f"setting{number}").write_bytes(bytes([3, number]) + (b"0,1,0,10", b"x,Ru", b"sphere-center", b"1,0,0/0,1,0/0,0,1", b"2.5", b"layer")[number % 6])
+print("\n".join(f"{path.name}: {len(list(path.iterdir()))} seeds" for path in sorted(top.iterdir())))

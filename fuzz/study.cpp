@@ -1,0 +1,15 @@
+// The file of a study, read as `dea study FILE.db` and Python read it.
+#include <febiodea/io/study/read_study.h>
+#include <febiodea/io/study/study_rows.h>
+#include "fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string path = dea::fuzz::file_of(data, size, ".db");
+  dea::fuzz::answer_or_refusal([&] { dea::read_study_head(path); });
+  dea::fuzz::answer_or_refusal([&] { dea::count_cases(path); });
+  dea::fuzz::answer_or_refusal([&] { dea::read_cases(path); });
+  dea::fuzz::answer_or_refusal([&] { dea::read_results(path, [](const std::vector<std::string>&) {}); });
+  dea::fuzz::answer_or_refusal([&] { dea::read_surfaces(path, 0); });
+  dea::fuzz::answer_or_refusal([&] { dea::read_pressure(path, 0, 0, 0); });
+  return 0;
+}

@@ -1,0 +1,33 @@
+// A table of loads, motion, thickness or cases. The first byte chooses what it is taken for.
+#include <febiodea/io/tables/read_tables.h>
+#include <febiodea/io/tables/text_table.h>
+#include <febiodea/model/joint_model.h>
+#include "fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const int kind = data[0] % 5;
+  const std::string path = dea::fuzz::file_of(data + 1, size - 1, kind == 1 ? ".sto" : ".csv");
+  dea::fuzz::answer_or_refusal([&] {
+    if (kind == 4) {
+      dea::read_case_table(path);
+      return;
+    }
+    dea::JointModel model;
+    model.units = "mm-N-s";
+    dea::Settings settings;
+    if (kind <= 1) {
+      settings.loads.file = path;
+      settings.loads.body = "femur";
+    } else if (kind == 2) {
+      settings.motion.file = path;
+      settings.motion.body = "femur";
+      settings.motion.rotation = "zxy";
+      settings.motion.units = "deg-mm";
+    } else {
+      settings.thickness_from["socket"] = {path, {}};
+    }
+    dea::read_tables(model, settings);
+  });
+  return 0;
+}

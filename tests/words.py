@@ -1,0 +1,114 @@
+"""What dea says of a model: python3 words.py DEA SOURCE.
+
+dea cite says what holds for this model with these options and nothing else; dea info says in which step a spring acts; words
+of Control that FEBio does not know are told or refused."""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+dea, source = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+samples = source / "samples"
+HIP, HIP_FEBIO = samples / "hip/hip_walking.feb", samples / "hip/hip_walking_febio.xplt"
+faults = []
+
+
+def run(*words, code=0):
+    done = subprocess.run([dea, *map(str, words)], capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    if done.returncode != code:
+        faults.append(f"dea {' '.join(map(str, words))}: exit code {done.returncode}, expected {code}: {done.stderr}")
+    return done.stderr if code else done.stdout
+
+
+def check(text, there=(), not_there=(), of=""):
+    for word in there:
+        if word not in text:
+            faults.append(f"{of}: found no \"{word}\" in\n{text}")
+    for word in not_there:
+        if word in text:
+            faults.append(f"{of}: found \"{word}\" in\n{text}")
+
+
+with tempfile.TemporaryDirectory() as temporary:
+    folder = pathlib.Path(temporary)
+    version = re.match(r"FEBioDEA (\S+) \(commit (\S+)\)", run("--version")).groups()
+
+    # The paragraph says what dea info recognises
+    plain = run("cite", HIP)
+    info = json.loads(run("info", HIP, "--json", "-"))
+    contact = info["contacts"][0]
+    layers = [contact["primary"], contact["secondary"]]
+    check(plain, [f"FEBioDEA {version[0]} (commit {version[1]})", "hip_walking.feb (format 4.0, 11220 nodes", '"femur" and "pelvis" were rigid',
+                  f"{contact['springs']} springs stood on the articular surface of \"acetabular_articulating\"",
+                  "law layer", "two terms", "smooth surfaces", "frictionless", "23 states (time 0 to 2)", "force (432, -262, 1834)",
+                  "10.1016/j.jbiomech.2013.01.012", "at 157 of 2809 vertices", "small-strain constants of the model's materials",
+                  "All settings were inferred"],
+          ["confined modulus", "Blankevoort", "Maas SA, Ellis", "series", "ligament", "Settings given", "inside the cartilage", "skip", "nan"], "dea cite")
+    for layer in layers:
+        check(plain, [f"{layer['thickness_mean']:.6g} thick (mean; {layer['thickness_min']:.6g} to {layer['thickness_max']:.6g})"
+                      if "thickness_mean" in layer else "thick (mean;", f"E = {layer['E']:g}, nu = {layer['nu']:g}"], of="dea cite, layers")
+
+    # Each option changes its own sentence, and no other
+    linear = run("cite", HIP, "--law", "linear", "--E", "8", "--refine", "2", "--facets", "flat", "--interface-stiffness", "50", "--skip-steps")
+    check(linear, ["Each spring acted for itself, its pressure being M e", "E = 8,", "divided into 2 x 2", "facets as they are", "of 50 between the surfaces",
+                   "without walking through", "the two layers were in series", "those given", "Settings given: law linear, ", "E 8", "refine 2", "facets flat",
+                   "skip-steps true"],
+          ["law layer", "Johnson", "smooth surfaces", "small-strain constants of the model's materials.\n", "All settings"], "dea cite --law linear")
+    check(run("cite", HIP, "--law", "logarithmic"), ["-M ln(1-e)", "Blankevoort L"], ["M e with", "Johnson"], "dea cite --law logarithmic")
+    check(run("cite", HIP, "--law", "neo-Hookean"), ["neo-Hookean column"], ["M e with", "Johnson", "Blankevoort"], "dea cite --law neo-Hookean")
+    check(run("cite", HIP, "--springs-at", "bone"), ["on the bone surface", "M e with"], ["articular surface of", "law layer"], "dea cite --springs-at bone")
+    check(run("cite", HIP, "--inside"), ["inside the cartilage"], of="dea cite --inside")
+    check(run("cite", HIP, "--layer-terms", "1"), ["one term"], ["two terms"], "dea cite --layer-terms 1")
+    check(run("cite", HIP, "--thickness", "2", "--thickness-scale", "0.5"), ["1 thick", "given, times 0.5"], ["measured in the mesh"], "dea cite --thickness")
+    check(run("cite", HIP, "--units", "mm-N-s"), ["E = 11.85 MPa", "mm thick"], of="dea cite --units")
+    (folder / "s.xml").write_text('<febiodea_settings version="1"><law>linear</law></febiodea_settings>')
+    check(run("cite", HIP, "--settings", folder / "s.xml"), ["Settings given: law linear;"], of="dea cite --settings")
+
+    # Compared with FEBio: only with a result of FEBio's
+    check(run("cite", HIP, "--compared", HIP_FEBIO), ["FEBio 4.11.0", "10.1115/1.4005694"], of="dea cite --compared")
+    run("run", samples / "sphere_on_flat/sphere_on_flat.feb", "--states", "last", "-q", "-o", folder / "ours.xplt")
+    check(run("cite", HIP, "--compared", folder / "ours.xplt", code=3), ["written by FEBioDEA", "expected a result of FEBio"], of="dea cite --compared")
+
+    # What joins bodies
+    knee = run("cite", samples / "knee/knee.feb")
+    check(knee, ["11 springs or ligaments joined bodies", '"femur", "tibia" and "patella" were rigid'], ["cable", "ideal joint"], "dea cite knee.feb")
+    check(run("cite", samples / "sphere_on_flat/sphere_on_flat.feb"), ["was rigid, without cartilage"], ["in series", "springs or ligaments"], "dea cite sphere_on_flat.feb")
+
+    # A model that is refused has no paragraph
+    text = (samples / "sphere_on_flat/sphere_on_flat.feb").read_text()
+    (folder / "bad.feb").write_text(text.replace("<rb>sphere</rb>", "<rb>spere</rb>", 1))
+    refused = run("cite", folder / "bad.feb", code=3)
+    check(refused, ['did you mean "sphere"?'], of="dea cite bad.feb")
+
+    # In which step a spring acts
+    ligament = (samples / "ligament/ligament.feb").read_text()
+    spring = re.search(r'<rigid_connector name="lateral ligament".*?</rigid_connector>', ligament, re.S).group(0)
+    check(run("info", samples / "ligament/ligament.feb"), ["springs between bodies"], ["only in step"], "dea info ligament.feb")
+    step = re.search(r"<step .*?</step>", ligament, re.S).group(0)
+    second = step.replace('id="1" name="load"', 'id="2" name="later"').replace("<Rigid>", "<Rigid>" + spring, 1)
+    (folder / "later.feb").write_text(ligament.replace(spring, "").replace(step, step + second))
+    told = run("info", folder / "later.feb")
+    check(told, [", only in step 2\n"], [", only in step 1"], "dea info later.feb")
+    check("".join(line for line in told.splitlines() if "only in step 2" in line), ['"lateral ligament"'], ["medial"], "dea info later.feb")
+    found = {l["name"]: l["step"] for l in json.loads(run("info", folder / "later.feb", "--json", "-"))["ligaments"]}
+    if found != {"medial ligament": None, "lateral ligament": 2, "tethers": None}:
+        faults.append(f"dea info later.feb --json: found the steps {found}")
+
+    # Words of Control
+    def control(old, new):
+        assert text.count(old) > 0, old
+        (folder / "c.feb").write_text(text.replace(old, new))
+        return folder / "c.feb"
+
+    for wrong, right in (("time_step", "time_steps"), ("stepsize", "step_size"), ("timesteps", "time_steps")):
+        (folder / "d.feb").write_text(text.replace(f"<{right}>", f"<{wrong}>").replace(f"</{right}>", f"</{wrong}>"))
+        check(run("info", folder / "d.feb", code=3), [f"<{wrong}> in Control is none of FEBio's words: did you mean <{right}>?"], of=f"<{wrong}>")
+    told = run("info", control("<time_steps>", "<max_refz>5</max_refz><time_steps>"))
+    check(told, ['<max_refz> in Control, none of FEBio\'s words (did you mean "max_refs"?)'], of="<max_refz>")
+    check(run("info", control("<time_steps>", "<max_refs>5</max_refs><plot_level>PLOT_MAJOR_ITRS</plot_level><time_steps>")),
+          not_there=["none of FEBio's words"], of="words of FEBio's")
+
+print("\n".join(faults) or "what dea says of a model holds")
+sys.exit(bool(faults))

@@ -1,0 +1,271 @@
+#include <febiodea/views/text/methods_text.h>
+
+#include <febiodea/version.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/time_text.h>
+#include <febiodea/model/settings_table.h>
+#include <febiodea/run/recognise.h>
+#include <febiodea/views/text/info_text.h>
+#include <febiodea/views/text/run_text.h>
+
+namespace dea {
+
+namespace {
+
+struct Paper {
+  const char* short_form;
+  const char* full;
+};
+constexpr Paper kAbraham = {
+    "Abraham et al., 2013",
+    "Abraham CL, Maas SA, Weiss JA, Ellis BJ, Peters CL, Anderson AE (2013). A new discrete element analysis method "
+    "for "
+    "predicting hip joint contact stresses. J Biomech 46(6):1121-1127. doi:10.1016/j.jbiomech.2013.01.012"};
+constexpr Paper kBlankevoort = {
+    "Blankevoort et al., 1991",
+    "Blankevoort L, Kuiper JH, Huiskes R, Grootenboer HJ (1991). Articular contact in a three-dimensional model of the "
+    "knee. J Biomech 24(11):1019-1031."};
+constexpr Paper kFebio = {
+    "Maas et al., 2012",
+    "Maas SA, Ellis BJ, Ateshian GA, Weiss JA (2012). FEBio: finite elements for biomechanics. J Biomech Eng "
+    "134(1):011005. doi:10.1115/1.4005694"};
+constexpr Paper kJohnson = {
+    "Johnson, 1985", "Johnson KL (1985). Contact Mechanics. Cambridge University Press. Section 5.8: thin layers."};
+
+/// The paragraph as it grows, and the papers named in it.
+struct Methods {
+  std::vector<std::string> sentences;
+  std::vector<const Paper*> papers;
+  void say(std::string sentence) { sentences.push_back(std::move(sentence)); }
+  std::string cite(const Paper& paper) {
+    if (std::find(papers.begin(), papers.end(), &paper) == papers.end()) papers.push_back(&paper);
+    return paper.short_form;
+  }
+};
+
+std::string in_quotes(const std::string& name) { return fmt::format("\"{}\"", name); }
+
+/// "a", "a and b", "a, b and c".
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+  return text;
+}
+
+std::string counted(std::size_t n, const char* one, const char* many) {
+  return fmt::format("{} {}", n, n == 1 ? one : many);
+}
+
+std::string item_text(const SettingItem& item) {
+  struct Text {
+    std::string operator()(std::monostate) const { return ""; }
+    std::string operator()(bool b) const { return b ? "true" : "false"; }
+    std::string operator()(int n) const { return std::to_string(n); }
+    std::string operator()(double x) const { return fmt::format("{}", x); }
+    std::string operator()(const std::string& s) const { return s; }
+    std::string operator()(const std::vector<std::string>& all) const {
+      return fmt::format("{}", fmt::join(all, "; "));
+    }
+    std::string operator()(const Eigen::Vector3d& v) const { return fmt::format("{},{},{}", v.x(), v.y(), v.z()); }
+  };
+  return std::visit(Text(), item);
+}
+
+/// Every setting that is not as it is by itself: "law linear", "E socket=8".
+std::vector<std::string> settings_given(const Settings& settings) {
+  const Settings nothing;
+  std::vector<std::string> given;
+  for (const SettingOption& option : setting_options()) {
+    const SettingContent content = option.content(settings);
+    if (content == option.content(nothing)) continue;
+    if (const auto* item = std::get_if<SettingItem>(&content)) {
+      given.push_back(fmt::format("{} {}", option.name, item_text(*item)));
+      continue;
+    }
+    for (const auto& [key, item] : std::get<std::map<std::string, SettingItem>>(content))
+      given.push_back(fmt::format("{} {}{}", option.name, key.empty() ? "" : key + "=", item_text(item)));
+  }
+  return given;
+}
+
+void say_model(Methods& m, const JointModel& model) {
+  std::size_t elements = 0;
+  for (const Domain& d : model.domains) elements += d.element_ids.size();
+  const std::string file =
+      model.files.empty() ? "" : " " + std::filesystem::path(model.files.front()).filename().string();
+  m.say(fmt::format("Contact pressure was computed by discrete element analysis ({}) with FEBioDEA {} (commit {}).",
+                    m.cite(kAbraham), kVersion, kCommit));
+  m.say(fmt::format("The joint was that of the FEBio model{} (format {}, {} nodes, {} elements).", file, model.version,
+                    model.nodes.size(), elements));
+}
+
+void say_bodies(Methods& m, const Joint& joint) {
+  std::vector<std::string> rigid, moved;
+  for (int b : reported_bodies(joint)) {
+    const Body& body = joint.bodies[at(b)];
+    if (body.ground) continue;
+    (body.moved_by.empty() ? rigid : moved).push_back(in_quotes(body.name));
+  }
+  if (!rigid.empty()) m.say(fmt::format("{} {} rigid.", listed(rigid), rigid.size() == 1 ? "was" : "were"));
+  if (!moved.empty())
+    m.say(fmt::format("{} stood for bone that the model leaves out: nodes moved together, taken as rigid.",
+                      listed(moved)));
+}
+
+std::string thickness_words(const Layer& layer) {
+  std::string text = !layer.thickness_from.empty() ? "given at its nodes"
+                     : layer.thickness_given       ? "given"
+                                             : "measured in the mesh as the distance to the bone along the normals";
+  if (layer.missed_count() > 0 && !layer.thickness_given && layer.thickness_from.empty())
+    text += fmt::format(" (at {} of {} vertices: to the nearest point of the bone)", layer.missed_count(),
+                        layer.missed.size());
+  if (layer.thickness_scale != 1.0) text += fmt::format(", times {}", number_text(layer.thickness_scale));
+  return text;
+}
+
+void say_layers(Methods& m, const JointModel& model, const Settings& settings, const Joint& joint) {
+  const auto unit = [&](Dimension d) {
+    const std::string name = unit_of(unit_names(model.units), d);
+    return name.empty() ? "" : " " + name;
+  };
+  std::set<int> said;  // a surface may be in several contacts
+  bool cartilage = false;
+  for (const ContactPair& pair : joint.contacts) {
+    for (const Layer& layer : pair.layers) {
+      if (!said.insert(layer.surface).second) continue;
+      const std::string surface = in_quotes(model.surfaces[at(layer.surface)].name);
+      const std::string body = in_quotes(joint.bodies[at(layer.body)].name);
+      if (layer.rigid) {
+        m.say(fmt::format("Surface {} of {} was rigid, without cartilage.", surface, body));
+        continue;
+      }
+      cartilage = true;
+      m.say(fmt::format("Cartilage under {} on {} was {}{} thick (mean; {} to {}), {}; E = {}{}, nu = {}.", surface,
+                        body, number_text(layer.mean_thickness()), unit(Dimension::Length),
+                        number_text(layer.min_thickness()), number_text(layer.max_thickness()), thickness_words(layer),
+                        number_text(layer.elasticity.E), unit(Dimension::Pressure), number_text(layer.elasticity.nu)));
+    }
+  }
+  if (cartilage)
+    m.say(settings.E.empty() && settings.nu.empty()
+              ? "E and nu were the small-strain constants of the model's materials."
+              : "E and nu were those given, else the small-strain constants of the model's materials.");
+}
+
+std::string law_words(Methods& m, const ContactPair& pair) {
+  switch (pair.law) {
+    case Law::Layer:
+      return fmt::format(
+          "The springs were coupled: each layer was taken as an elastic layer bonded to rigid bone, whose squeezed "
+          "cartilage "
+          "flows sideways (law layer of FEBioDEA with {}; compare {}), neo-Hookean at large strain",
+          pair.layer_fit == LayerFit::OneTerm ? "one term" : "two terms", m.cite(kJohnson));
+    case Law::Linear:
+      return fmt::format(
+          "Each spring acted for itself, its pressure being M e with strain e and confined modulus M = "
+          "E(1-nu)/((1+nu)(1-2nu)) "
+          "({})",
+          m.cite(kAbraham));
+    case Law::Logarithmic:
+      return fmt::format(
+          "Each spring acted for itself, its pressure being -M ln(1-e) with strain e and confined modulus M = "
+          "E(1-nu)/((1+nu)(1-2nu)) ({})",
+          m.cite(kBlankevoort));
+    case Law::NeoHookean:
+      return "Each spring acted for itself, as a compressible neo-Hookean column that cannot widen";
+  }
+  return "";
+}
+
+void say_contacts(Methods& m, const JointModel& model, const Settings& settings, const JointCheck& check) {
+  for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
+    const ContactPair& pair = check.joint.contacts[c];
+    const Layer &source = pair.source_layer(), &target = pair.target_layer();
+    m.say(fmt::format(
+        "In contact {}{} {} springs stood on the {} surface of {} ({}) against {} ({}){}.", in_quotes(pair.name),
+        pair.step >= 0 ? fmt::format(", active in step {} only,", pair.step + 1) : "", check.contacts[c].springs,
+        settings.springs_at == SpringsAt::Bone ? "bone" : "articular",
+        in_quotes(model.surfaces[at(source.surface)].name), in_quotes(check.joint.bodies[at(source.body)].name),
+        in_quotes(model.surfaces[at(target.surface)].name), in_quotes(check.joint.bodies[at(target.body)].name),
+        pair.refine > 1 ? fmt::format(", each triangle divided into {0} x {0}", pair.refine) : ""));
+  }
+  // what contacts share is said once
+  std::vector<std::string> laws;
+  for (const ContactPair& pair : check.joint.contacts) {
+    std::string text = law_words(m, pair);
+    if (pair.law != Law::Layer && !pair.layers[0].rigid && !pair.layers[1].rigid)
+      text += "; the two layers were in series";
+    if (pair.interface_compliance > 0)
+      text += fmt::format("; a stiffness per area of {} between the surfaces was in series with the cartilage",
+                          number_text(1.0 / pair.interface_compliance));
+    text += pair.facets == Facets::Flat ? "; gaps were measured between the facets as they are."
+                                        : "; gaps were measured between the smooth surfaces that the facets stand for.";
+    if (std::find(laws.begin(), laws.end(), text) == laws.end()) laws.push_back(text);
+  }
+  for (const std::string& law : laws) m.say(law);
+  m.say("Contact was frictionless.");
+  if (settings.inside) m.say("Stress and strain inside the cartilage followed from the same solution of law layer.");
+}
+
+void say_loads(Methods& m, const Settings& settings, const JointCheck& check) {
+  const Joint& joint = check.joint;
+  std::vector<std::string> parts;
+  if (!joint.ligaments.empty())
+    parts.push_back(counted(joint.ligaments.size(), "spring or ligament", "springs or ligaments"));
+  if (!joint.cables.empty()) parts.push_back(counted(joint.cables.size(), "cable", "cables"));
+  if (!joint.connectors.empty()) parts.push_back(counted(joint.connectors.size(), "ideal joint", "ideal joints"));
+  if (!parts.empty()) m.say(fmt::format("{} joined bodies.", listed(parts)));
+  for (const auto* words : {&settings.loads.words, &settings.motion.words})
+    if (!words->empty()) m.say(fmt::format("Table: {}.", *words));
+  const StepCheck& last = check.steps.back();
+  for (int b : reported_bodies(joint)) {
+    if (joint.bodies[at(b)].ground) continue;
+    m.say(fmt::format("At the end of the last step, {}: {}.", in_quotes(joint.bodies[at(b)].name),
+                      conditions_text(last.load_case.bodies[at(b)])));
+  }
+  if (!check.times.empty())
+    m.say(fmt::format("Static equilibrium of all free motions was sought in {} (time {} to {}){}.",
+                      counted(check.times.size(), "state", "states"), time_text(check.times.front().time),
+                      time_text(check.times.back().time),
+                      settings.skip_steps ? ", without walking through the model's steps" : ""));
+}
+
+}  // namespace
+
+std::string methods_text(const JointModel& model, const Settings& settings, const JointCheck& check,
+                         const std::string& febio) {
+  Methods m;
+  say_model(m, model);
+  say_bodies(m, check.joint);
+  say_layers(m, model, settings, check.joint);
+  say_contacts(m, model, settings, check);
+  say_loads(m, settings, check);
+  m.say(
+      "Pressures (99th percentile, mean, peak) and areas are of nodes, averages of the facets around each, above 5 % "
+      "of the "
+      "load's mean pressure, weighted by area.");
+  if (!febio.empty())
+    m.say(fmt::format("Results were compared with those of {} ({}), by the same definitions for both.", febio,
+                      m.cite(kFebio)));
+  const std::vector<std::string> given = settings_given(settings);
+  m.say(given.empty()
+            ? "All settings were inferred from the model or left at their defaults."
+            : fmt::format("Settings given: {}; all others were inferred from the model or left at their defaults.",
+                          listed(given)));
+  std::string text = fmt::format("{}\n\n{}\n\nReferences\n\n", fmt::join(m.sentences, " "), units_text(model));
+  for (const Paper* paper : m.papers) text += fmt::format("* {}\n", paper->full);
+  return text + fmt::format(
+                    "* FEBioDEA developers (2026). FEBioDEA {}: discrete element analysis of joint contact for FEBio "
+                    "models.\n",
+                    kVersion);
+}
+
+}  // namespace dea
