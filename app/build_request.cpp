@@ -9,6 +9,7 @@
 #include <febiodea/build/mend_surface.h>
 #include <febiodea/io/surfaces/read_surface.h>
 #include <febiodea/io/tables/number_table.h>
+#include <febiodea/io/tables/read_tables.h>
 
 namespace dea {
 
@@ -119,15 +120,48 @@ void add_loads(const BuildArguments& a, BuildRequest& request) {
     bone.fixed = false;
     bone.force = vector_argument("force", n.value);
   }
+  if (!a.loads.empty()) {
+    const Named n = named("loads", a.loads, "BODY=FILE");
+    BoneRequest& bone = request.bones[at(bone_of(request, "loads", n.name))];
+    if (!bone.fixed)
+      throw UsageError(fmt::format("--loads {}: found --force for this bone too, expected one of them", a.loads));
+    bone.fixed = false;
+  } else {
+    for (const auto& [option, text] :
+         {std::pair{"load-columns", &a.load_columns}, std::pair{"load-units", &a.load_units},
+          std::pair{"body-weight", &a.body_weight}})
+      if (!text->empty())
+        throw UsageError(fmt::format("--{} {}: found no table, expected --loads BODY=FILE too", option, *text));
+  }
+  for (const std::string& text : a.holds) {
+    const Named n = named("hold", text, "BODY=x,y");
+    BoneRequest& bone = request.bones[at(bone_of(request, "hold", n.name))];
+    if (bone.fixed)
+      throw UsageError(
+          fmt::format("--hold {}: found a bone without a force, which is held as a whole, expected a "
+                      "loaded one",
+                      text));
+    for (const std::string& direction : split_at_commas(n.value)) {
+      const std::size_t c = std::string("xyz").find(direction);
+      if (direction.size() != 1 || c == std::string::npos)
+        throw UsageError(fmt::format("--hold {}: found \"{}\", expected x, y or z, with commas", text, direction));
+      bone.held[c] = true;
+    }
+    if (bone.held[0] && bone.held[1] && bone.held[2])
+      throw UsageError(
+          fmt::format("--hold {}: found all three directions, expected one that is left to the force", text));
+  }
   for (const std::string& text : a.centers) {
     const Named n = named("center", text, "BODY=x,y,z");
     request.bones[at(bone_of(request, "center", n.name))].center = vector_argument("center", n.value);
   }
-  if (a.forces.empty())
+  if (a.forces.empty() && a.loads.empty())
     throw UsageError(
-        "no force is given, expected --force BODY=x,y,z: it presses one bone against the others, which are held");
+        "no force is given, expected --force BODY=x,y,z or --loads BODY=FILE: it presses one bone against the others, "
+        "which are held");
   if (std::all_of(request.bones.begin(), request.bones.end(), [](const BoneRequest& b) { return !b.fixed; }))
-    throw UsageError("--force: found one for every bone, expected one bone without, which is held");
+    throw UsageError(fmt::format("--{}: found a load for every bone, expected one bone without, which is held",
+                                 a.forces.empty() ? "loads" : "force"));
 }
 
 void set_mesh(const BuildArguments& a, BuildRequest& request) {
@@ -258,6 +292,8 @@ BuildInputs build_inputs(const BuildArguments& a) {
     if (c->region->kind == GivenRegion::Kind::Surface) inputs.files.push_back({"--region", n.value});
   }
   add_loads(a, request);
+  if (!a.loads.empty()) inputs.files.push_back({"--loads", named("loads", a.loads, "").value});
+  if (!a.body_weight.empty()) positive_argument("body-weight", a.body_weight);
   set_mesh(a, request);
   if (!a.E.empty()) inputs.model.E = positive_argument("E", a.E);
   if (!a.nu.empty()) inputs.model.nu = not_negative("nu", a.nu);
@@ -265,6 +301,34 @@ BuildInputs build_inputs(const BuildArguments& a) {
     throw UsageError(fmt::format("--nu {}: found \"{}\", expected a number below 0.5", a.nu, a.nu));
   if (!a.penalty.empty()) inputs.model.penalty = positive_argument("penalty", a.penalty);
   return inputs;
+}
+
+std::vector<std::string> read_loads(const BuildArguments& a, BuildInputs& inputs) {
+  if (a.loads.empty()) return {};
+  const Named n = named("loads", a.loads, "");
+  Settings settings;
+  settings.loads.file = n.value;
+  settings.loads.body = n.name;
+  settings.loads.columns = a.load_columns;
+  settings.loads.units = a.load_units;
+  if (!a.body_weight.empty()) settings.loads.body_weight = positive_argument("body-weight", a.body_weight);
+  JointModel units;
+  units.units = inputs.model.units;
+  read_tables(units, settings);
+  const LoadTable& loads = settings.loads;
+  BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "loads", n.name))];
+  bool moments = false;
+  for (const auto& load : loads.load) {
+    bone.forces.push_back(load.head<3>());
+    moments = moments || !load.tail<3>().isZero(0);
+  }
+  bone.force = bone.forces.front();
+  inputs.load_times = loads.time;
+  std::vector<std::string> findings = {fmt::format("{}: {} loads of {}, {}; the model has load i at time 1 + i", n.name,
+                                                   loads.load.size(), n.value, loads.words)};
+  if (moments)
+    findings.push_back(fmt::format("{}: the table's moments have no effect, for the bone does not turn", n.name));
+  return findings;
 }
 
 std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inputs) {

@@ -120,6 +120,7 @@ int parse_and_run(int argc, char** argv) {
   PlotArguments plot_arguments;
 #ifdef DEA_HAS_BUILD
   BuildArguments build_arguments;
+  build_arguments.words = {argv, argv + argc};
 #endif
   PluginBuildArguments plugin_build_arguments;
   run_arguments.words = compare_arguments.words = study_arguments.words = {argv, argv + argc};
