@@ -94,7 +94,7 @@ std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoin
 constexpr std::size_t kMostPageTriangles = 60000;
 
 void write_page(const BuildArguments& a, const BuildSummary& summary, const BuildInputs& inputs) {
-  BuildPageInput page{summary, {}, a.words, {}};
+  BuildPageInput page{summary, inputs.request, {}, a.words, {}};
   for (const BoneRequest& bone : inputs.request.bones)
     page.bones.push_back(decimated(bone.surface, kMostPageTriangles / inputs.request.bones.size()));
   for (const NamedPath& file : inputs.files) page.files.push_back(file.path);

@@ -25,6 +25,9 @@ Named named(const char* option, const std::string& text, const char* form) {
   const std::size_t cut = text.rfind('=');
   if (cut == std::string::npos || cut == 0 || cut + 1 == text.size())
     throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, form));
+  if (std::any_of(text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }))
+    throw UsageError(
+        fmt::format("--{}: found a control character in the name, expected letters, digits, spaces", option));
   return {trimmed(text.substr(0, cut)), trimmed(text.substr(cut + 1))};
 }
 

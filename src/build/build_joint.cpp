@@ -15,6 +15,20 @@
 
 namespace dea {
 
+double asked_thickness(const CartilageRequest& c) {
+  switch (c.way) {
+    case CartilageRequest::Way::Uniform:
+      return c.thickness;
+    case CartilageRequest::Way::HalfGap:
+      return c.most;
+    case CartilageRequest::Way::Points:
+      return *std::max_element(c.thickness_there.begin(), c.thickness_there.end());
+    case CartilageRequest::Way::Segmented:
+      break;
+  }
+  return 0.0;
+}
+
 namespace {
 
 using Eigen::Vector3d;
@@ -134,20 +148,6 @@ void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones)
                         request.bones[a].name, request.bones[b].name, *deepest,
                         place_text(points[static_cast<std::size_t>(deepest - depth.begin())])));
     }
-}
-
-double asked_thickness(const CartilageRequest& c) {
-  switch (c.way) {
-    case Way::Uniform:
-      return c.thickness;
-    case Way::HalfGap:
-      return c.most;
-    case Way::Points:
-      return *std::max_element(c.thickness_there.begin(), c.thickness_there.end());
-    case Way::Segmented:
-      break;
-  }
-  return 0.0;
 }
 
 /// Up to which gap the bones' surfaces belong to the joint; 0: nobody asks.

@@ -44,6 +44,9 @@ struct CartilageRequest {
   std::optional<GivenRegion> region;    ///< not Segmented
 };
 
+/// The thickest that is asked for; 0: segmented.
+double asked_thickness(const CartilageRequest& cartilage);
+
 struct BuildRequest {
   std::vector<BoneRequest> bones;
   std::vector<CartilageRequest> cartilages;  ///< one per bone at most

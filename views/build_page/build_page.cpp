@@ -1,5 +1,7 @@
 #include <febiodea/views/build_page/build_page.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -52,13 +54,15 @@ std::vector<float> floats(const std::vector<double>& values) {
   return out;
 }
 
-/// [low, high, step, least, most] for maps of all layers; null: no value.
-Json scale_of(const ValueRange& range, double high) {
+/// [low, high, step, least, most] for maps of all layers; null: no value. From 0 where nothing lies below. `usual`: the
+/// end where the largest value means little; 0: there is none.
+Json scale_json(const ValueRange& range, std::optional<double> high, double usual) {
   if (range.empty()) return nullptr;
   ScaleKind kind;
   kind.pressure = false;
-  if (high > 0) kind.high = high;
-  if (range.least > 0) kind.low = 0;  // what a map shows has an end that means something
+  kind.usual = usual;
+  kind.high = high;
+  if (range.least >= 0) kind.low = 0;
   const MapScale scale = map_scale(kind, range);
   return {short_number(scale.low), short_number(scale.high), short_number(scale.step), short_number(range.least),
           short_number(range.most)};
@@ -98,7 +102,45 @@ std::vector<double> least_of_columns(const std::vector<double>& prisms, std::siz
 
 struct LayerRanges {
   ValueRange thickness, gap, jacobian;
+  std::vector<std::pair<double, double>> gap_areas;  ///< for an end of the scale that a few far places do not set
 };
+
+/// What was taken for every option that has a number or a word.
+TitledTable option_table(const BuildPageInput& input) {
+  const BuildRequest& r = input.request;
+  const BuiltModelSettings& m = input.summary.model;
+  TitledTable t{"Options", {{"option", "taken", ""}, "lll", {}}};
+  const auto add = [&](const char* name, const std::string& value, bool given, const char* otherwise) {
+    t.table.rows.push_back({name, value, given ? "as given" : otherwise});
+  };
+  const auto length = [](double x) { return four_digits(x) + " mm"; };
+  const bool any_made = std::any_of(r.cartilages.begin(), r.cartilages.end(), [](const CartilageRequest& c) {
+    return c.way != CartilageRequest::Way::Segmented;
+  });
+  if (any_made) {
+    double thickest = 0;
+    for (const CartilageRequest& c : r.cartilages) thickest = std::max(thickest, asked_thickness(c));
+    add("reach", length(r.reach.value_or(3 * thickest)), r.reach.has_value(), "3 times the thickest layer");
+    add("rim", length(r.rim_length), r.rim_length != BuildRequest{}.rim_length, "default");
+    add("holes in regions", r.fill_holes ? "filled" : "kept", !r.fill_holes, "default");
+  }
+  add("fade", r.fade ? length(*r.fade) : "-", r.fade.has_value(), "half the gap: as rim; others: 0");
+  add("edge", r.edge ? length(*r.edge) : "-", r.edge.has_value(), "triangles stay");
+  add("layers", std::to_string(r.elements_through), r.elements_through != BuildRequest{}.elements_through, "default");
+  add("least", r.least_thickness ? length(*r.least_thickness) : "-", r.least_thickness.has_value(),
+      "of segmented cartilage: a tenth of its mean");
+  add("bones",
+      !r.whole_bones               ? "none"
+      : r.most_bone_triangles == 0 ? "shell"
+                                   : fmt::format("{} triangles", r.most_bone_triangles),
+      !r.whole_bones || r.most_bone_triangles > 0, "default");
+  add("primary", r.primary.empty() ? "-" : r.primary, !r.primary.empty(), "the smaller surface of each contact");
+  const BuiltModelSettings usual;
+  add("E", fmt::format("{} MPa", m.E), m.E != usual.E, "default");
+  add("nu", fmt::format("{}", m.nu), m.nu != usual.nu, "default");
+  add("penalty", fmt::format("{}", m.penalty), m.penalty != usual.penalty, "default");
+  return t;
+}
 
 Json layer_json(const BuildSummary& s, std::size_t l, LayerRanges& ranges, Json& meshes, PageArrays& arrays) {
   const BuiltLayer& layer = s.joint.layers[l];
@@ -119,6 +161,7 @@ Json layer_json(const BuildSummary& s, std::size_t l, LayerRanges& ranges, Json&
   for (double& gap : gaps)
     if (!std::isfinite(gap)) gap = kNaN;
   ranges.gap.add(gaps);
+  add_areas(surface, facet_average(surface, at_points(gaps, numbers)), ranges.gap_areas);
   j["gap"] = arrays.add(pack_floats(floats(at_points(gaps, numbers))));
   j["thickness"] = j["jacobian"] = nullptr;
   j["jacobians"] = nullptr;
@@ -148,7 +191,7 @@ Json bone_json(const TriangleSurface& bone, Json& meshes, PageArrays& arrays) {
   return meshes.size() - 1;
 }
 
-/// From the first loaded bone's first layer outwards, all bones in sight.
+/// Across the way from bone to bone, a little from above, so that both are seen; scans have z upwards as a rule.
 Json joint_view(const BuildPageInput& input) {
   const BuiltJoint& joint = input.summary.joint;
   std::vector<Vector3d> points;
@@ -156,7 +199,6 @@ Json joint_view(const BuildPageInput& input) {
     if (!layer.bare) points.insert(points.end(), layer.articular.begin(), layer.articular.end());
   Vector3d center = Vector3d::Zero();
   for (const Vector3d& x : points) center += x / static_cast<double>(points.size());
-  // across the way from bone to bone, so that both are seen
   Vector3d along = Vector3d::UnitZ();
   if (joint.bodies.size() > 1 && !joint.layers.empty()) {
     Vector3d sum = Vector3d::Zero();
@@ -166,9 +208,11 @@ Json joint_view(const BuildPageInput& input) {
                  .cross(layer.articular[at(t[2])] - layer.articular[at(t[0])]);
     if (sum.norm() > 0) along = sum.normalized();
   }
-  Vector3d toward = along.cross(std::abs(along.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitY()).normalized();
-  const MapView view = view_from(toward, along);
-  return view_json(view, points);
+  if (along.z() < 0) along = -along;
+  const Vector3d across = along.cross(std::abs(along.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitY()).normalized();
+  Json view = view_json(view_from((across + 0.3 * along).normalized(), along), points);
+  view["radius"] = 1.25 * view["radius"].get<double>();  // some of the bones around it
+  return view;
 }
 
 Json text_list(const std::vector<std::string>& lines, const std::vector<std::string>& files) {
@@ -188,7 +232,6 @@ std::string build_page_html(const BuildPageInput& input) {
   page["command"] = command_text(input.words, input.files);
   add_page_head(unit_names(s.model.units), page);
   page["elements_through"] = s.model.elements_through;
-  page["material"] = {{"E", s.model.E}, {"nu", s.model.nu}, {"penalty", s.model.penalty}};
   page["bodies"] = Json::array();
   for (std::size_t b = 0; b < s.joint.bodies.size(); ++b) {
     const BuiltBody& body = s.joint.bodies[b];
@@ -204,11 +247,13 @@ std::string build_page_html(const BuildPageInput& input) {
     page["layers"].push_back(layer_json(s, l, ranges, meshes, arrays));
   page["meshes"] = std::move(meshes);
   page["view"] = joint_view(input);
-  page["scales"] = {{"thickness", scale_of(ranges.thickness, 0)},
-                    {"gap", scale_of(ranges.gap, 0)},
-                    {"jacobian", scale_of(ranges.jacobian, 1)}};
+  page["scales"] = {{"thickness", scale_json(ranges.thickness, std::nullopt, 0)},
+                    {"gap", scale_json(ranges.gap, std::nullopt, most_of_area_below(ranges.gap_areas))},
+                    {"jacobian", scale_json(ranges.jacobian, 1.0, 0)}};
   page["reach"] = json_number(s.report.reach);
-  page["tables"] = list_json(build_tables(s), table_json);
+  std::vector<TitledTable> tables = build_tables(s);
+  tables.push_back(option_table(input));
+  page["tables"] = list_json(tables, table_json);
   page["warnings"] = text_list(build_warnings(s), input.files);
   page["changes"] = text_list(layer_changes(s), input.files);
   page["findings"] = text_list(s.report.findings, input.files);

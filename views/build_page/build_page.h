@@ -10,6 +10,7 @@ namespace dea {
 
 struct BuildPageInput {
   const BuildSummary& summary;
+  const BuildRequest& request;
   std::vector<TriangleSurface> bones;  ///< per body, to be drawn: coarse enough for it; may be empty
   std::vector<std::string> words;      ///< the command line
   std::vector<std::string> files;      ///< in it, of which only the names are shown

@@ -4,7 +4,7 @@
 const Page = (() => {
   const $ = (id) => document.getElementById(id), layers = Report.layers, bodies = Report.bodies;
   const { base, grid, axis, axisAt, fitted, tick, style, withLegend } = Figures.tools;
-  const state = { layer: Math.max(0, layers.findIndex((l) => !l.bare)), shown: bodies.map(() => ({ bone: true, cartilage: true })), theme: "light" };
+  const state = { layer: Math.max(0, layers.findIndex((l) => !l.bare)), shown: bodies.map(() => ({ bone: true, cartilage: true })), solid: false, theme: "light" };
   const quantities = {
     thickness: { head: "Thickness", title: "cartilage thickness", dimension: "length", of: "points" },
     gap: { head: "Gap", title: "gap to the other surface", dimension: "length", of: "points" },
@@ -78,6 +78,7 @@ const Page = (() => {
       if (layers.some((l) => l.body === i && !l.bare)) group.append(toggle(`cartilage${i}`, b.mesh !== null ? "its cartilage" : `cartilage of ${b.name}`, true, (on) => { state.shown[i].cartilage = on; drawJoint(); }));
       controls.append(group);
     });
+    if (bodies.some((b) => b.mesh !== null)) controls.append(toggle("solid", "solid bones", false, (on) => { state.solid = on; drawJoint(); }));
     controls.append(toggle("joint-mesh", "mesh", false, (on) => { whole.options.lines = on; whole.request(); }),
       make("button", { id: "joint-reset", text: "reset view", onclick: () => whole.setView(Report.view) }),
       make("button", { id: "joint-png", text: "save PNG", title: "On white, with the colours", onclick: async () => Figures.save(await mapsPicture(whole, whole.panels, [whole.panels[0].what.scale]), fileName("joint") + ".png") }));
@@ -91,28 +92,39 @@ const Page = (() => {
     whole.setView(Report.view);
     await drawJoint();
   }
+  // Points and triangles of several meshes, one behind the other.
+  function joined(list) {
+    const vertices = new Float32Array(list.reduce((n, m) => n + m.vertices.length, 0)), triangles = new Int32Array(list.reduce((n, m) => n + m.triangles.length, 0));
+    let v = 0, t = 0;
+    for (const m of list) { vertices.set(m.vertices, v); triangles.set(m.triangles.map((i) => i + v / 3), t); v += m.vertices.length; t += m.triangles.length; }
+    return { vertices, triangles };
+  }
+  async function boneMeshes(wanted) {
+    const out = [];
+    for (const [i, b] of bodies.entries()) if (b.mesh !== null && wanted(i)) out.push(await Data.mesh(b.mesh));
+    return out;
+  }
   const jointMeshes = new Map();
   async function jointMesh() {
-    const key = JSON.stringify(state.shown);
+    const key = JSON.stringify([state.shown, state.solid]);
     if (jointMeshes.has(key)) return jointMeshes.get(key);
     const pieces = [];
     for (const l of layers) if (!l.bare && state.shown[l.body].cartilage) pieces.push({ mesh: await Data.mesh(l.mesh), values: await Data.array(l.thickness) });
-    for (const [i, b] of bodies.entries()) if (b.mesh !== null && state.shown[i].bone) pieces.push({ mesh: await Data.mesh(b.mesh), values: null });
-    const points = pieces.reduce((n, p) => n + p.mesh.vertexCount, 0), count = pieces.reduce((n, p) => n + p.mesh.triangles.length, 0);
-    const m = { vertices: new Float32Array(3 * points), triangles: new Int32Array(count), vertexCount: points, facetCount: count / 3 }, values = new Float32Array(points), cartilage = new Uint8Array(points);
-    let v = 0, t = 0;
+    const bones = await boneMeshes((i) => state.shown[i].bone);
+    if (state.solid) for (const mesh of bones) pieces.push({ mesh, values: null });
+    const m = joined(pieces.map((p) => p.mesh)), points = m.vertices.length / 3, values = new Float32Array(points), cartilage = new Uint8Array(points);
+    m.vertexCount = points;
+    m.facetCount = m.triangles.length / 3;
+    let v = 0;
     for (const p of pieces) {
-      m.vertices.set(p.mesh.vertices, 3 * v);
-      m.triangles.set(p.mesh.triangles.map((x) => x + v), t);
       if (p.values) { values.set(p.values, v); cartilage.fill(1, v, v + p.mesh.vertexCount); }
       v += p.mesh.vertexCount;
-      t += p.mesh.triangles.length;
     }
     m.corner = m.triangles;
     m.begin = Int32Array.from({ length: m.facetCount + 1 }, (x, i) => 3 * i);
     m.facet = Int32Array.from({ length: m.facetCount }, (x, i) => i);
     m.map = Data.mapMesh(m);
-    const made = { mesh: m, values, cartilage };
+    const made = { mesh: m, values, cartilage, veil: state.solid ? null : joined(bones) };
     jointMeshes.set(key, made);
     return made;
   }
@@ -120,7 +132,9 @@ const Page = (() => {
     if (whole.fault) return;
     const mine = ++ticket, made = await jointMesh();
     if (mine !== ticket) return;
-    const scale = { ...scaleOf("thickness"), noneText: "bone" };
+    const scale = { ...scaleOf("thickness"), noneText: state.solid ? "bone" : "" };
+    if (made.veil) whole.drawVeil(made.veil.vertices, made.veil.triangles);
+    whole.options.veil = !state.solid;
     whole.paint(whole.panels[0], { mesh: made.mesh, facets: null, vertices: made.values, shown: (x, i) => made.cartilage[i] === 1, scale });
     bar($("whole-bar"), scale, whole.options.contours);
   }
@@ -140,19 +154,15 @@ const Page = (() => {
   }
   const resetLayer = () => parts.setView(layers[state.layer].view);
   async function veil() {
-    const pieces = [];
-    for (const b of bodies) if (b.mesh !== null) pieces.push(await Data.mesh(b.mesh));
-    const x = new Float32Array(pieces.reduce((n, p) => n + p.vertices.length, 0)), t = new Int32Array(pieces.reduce((n, p) => n + p.triangles.length, 0));
-    let v = 0, k = 0;
-    for (const p of pieces) { x.set(p.vertices, v); t.set(p.triangles.map((i) => i + v / 3), k); v += p.vertices.length; k += p.triangles.length; }
-    if (t.length) parts.drawVeil(x, t);
+    const all = joined(await boneMeshes(() => true));
+    parts.drawVeil(all.vertices, all.triangles);
   }
   async function setLayer() {
     if (parts.fault) return;
     const mine = ++ticket, l = layers[state.layer], mesh = await Data.mesh(l.mesh), made = [];
-    for (const quantity of Object.keys(quantities)) if (l[quantity] !== null && Report.scales[quantity]) made.push({ quantity, values: await Data.array(l[quantity]) });
+    for (const quantity of Object.keys(quantities)) if (l[quantity] !== null && Report.scales[quantity]) made.push({ quantity, numbers: await Data.array(l[quantity]) });
     if (mine !== ticket) return;
-    panels = made.map((w, i) => ({ ...w, mesh_: mesh, canvas: make("canvas", { id: "map" + i, tabindex: "0", role: "img" }), readout: make("div", { class: "readout", id: "readout" + i }), marks: [], title: () => `${quantities[w.quantity].head}, ${l.name}` }));
+    panels = made.map((w, i) => ({ ...w, sheet: mesh, canvas: make("canvas", { id: "map" + i, tabindex: "0", role: "img" }), readout: make("div", { class: "readout", id: "readout" + i }), marks: [], title: () => `${quantities[w.quantity].head}, ${l.name}` }));
     $("panels").replaceChildren(...panels.map((p) => make("div", { class: "panel" }, make("div", { class: "name" }, make("h3", { text: quantities[p.quantity].head })), p.canvas, p.readout)));
     $("bars").replaceChildren(...panels.map(() => make("canvas", {})));
     parts.setPanels(panels);
@@ -161,13 +171,14 @@ const Page = (() => {
   }
   // The place that a map's ring marks: the thickest point, of the others the least value.
   function extreme(p) {
+    if (p.quantity === "jacobian") return layers[state.layer].jacobians.triangle - 1;
     const most = p.quantity === "thickness" ? 1 : -1;
     let best = -1;
-    for (let i = 0; i < p.values.length; ++i) if (!Number.isNaN(p.values[i]) && (best < 0 || most * p.values[i] > most * p.values[best])) best = i;
+    for (let i = 0; i < p.numbers.length; ++i) if (!Number.isNaN(p.numbers[i]) && (best < 0 || most * p.numbers[i] > most * p.numbers[best])) best = i;
     return best;
   }
   function placeOf(p, i) {
-    const m = p.mesh_, corners = quantities[p.quantity].of === "points" ? [i] : [...m.triangles.subarray(3 * i, 3 * i + 3)];
+    const m = p.sheet, corners = quantities[p.quantity].of === "points" ? [i] : [...m.triangles.subarray(3 * i, 3 * i + 3)];
     return [0, 1, 2].map((c) => corners.reduce((s, v) => s + m.vertices[3 * v + c] / corners.length, 0));
   }
   function drawLayer() {
@@ -175,7 +186,7 @@ const Page = (() => {
       const points = quantities[p.quantity].of === "points", scale = scaleOf(p.quantity), best = extreme(p);
       p.marks = best < 0 ? [] : [{ kind: "peak", at: placeOf(p, best) }];
       p.message = best < 0 ? "faces no other surface" : "";
-      parts.paint(p, { mesh: p.mesh_, facets: points ? null : p.values, vertices: points ? p.values : null, shown: () => true, scale });
+      parts.paint(p, { mesh: p.sheet, facets: points ? null : p.numbers, vertices: points ? p.numbers : null, shown: () => true, scale });
       p.canvas.setAttribute("aria-label", `${p.title()}: ${scale.title}`);
       bar($("bars").children[i], scale, points && parts.options.contours);
     });
@@ -185,8 +196,8 @@ const Page = (() => {
     for (const p of panels) {
       const q = quantities[p.quantity], points = q.of === "points", hit = parts.hover ? p.hit : null, i = hit ? (points ? hit.vertex : hit.facet) : extreme(p);
       if (i < 0) { p.readout.replaceChildren(); continue; }
-      const what = points ? `point ${p.mesh_.nodes[i]}` : `triangle ${i + 1}`, x = placeOf(p, i).map((c) => Format.short(c, 5)).join(", ");
-      p.readout.replaceChildren(hit ? "" : p.quantity === "thickness" ? "most: " : "least: ", make("b", { text: Format.with(p.values[i], q.dimension) }), ` · ${what} at (${x})`);
+      const what = points ? `point ${p.sheet.nodes[i]}` : `triangle ${i + 1}`, x = placeOf(p, i).map((c) => Format.short(c, 5)).join(", ");
+      p.readout.replaceChildren(hit ? "" : p.quantity === "thickness" ? "most: " : "least: ", make("b", { text: Format.with(p.numbers[i], q.dimension) }), ` · ${what} at (${x})`);
     }
   }
 
@@ -243,7 +254,7 @@ const Page = (() => {
       Report.changes.length ? make("p", { class: "tabletitle", text: "Layers that are not as they were wanted" }) : null, Report.changes.length ? list(Report.changes) : null);
   }
   function numbers() {
-    const m = Report.material, s = section("numbers", "Numbers", make("p", { class: "about", text: `As printed by dea build. Cartilage: neo-Hookean, E = ${Format.short(m.E)} ${Report.units.pressure}, nu = ${Format.short(m.nu)}; penalty of the contact in FEBio ${Format.short(m.penalty)}. ${Report.headline}.` }));
+    const s = section("numbers", "Numbers", make("p", { class: "about", text: `As printed by dea build, and the options that it took. ${Report.headline}.` }));
     for (const t of Report.tables) s.append(make("p", { class: "tabletitle" }, t.title, " ", make("span", { class: "save" }, csvButton(() => t, t.title))), table(t));
   }
   function foot() {
