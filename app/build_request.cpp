@@ -327,8 +327,8 @@ std::vector<std::string> read_loads(const BuildArguments& a, BuildInputs& inputs
   }
   bone.force = bone.forces.front();
   inputs.load_times = loads.time;
-  std::vector<std::string> findings = {fmt::format("{}: {} loads of {}, {}; the model has load i at time 1 + i", n.name,
-                                                   loads.load.size(), n.value, loads.words)};
+  std::vector<std::string> findings = {
+      fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", n.name, loads.words)};
   if (moments)
     findings.push_back(fmt::format("{}: the table's moments have no effect, for the bone does not turn", n.name));
   return findings;

@@ -11,6 +11,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/build/clear_overlap.h>
 #include <febiodea/build/mend_surface.h>
+#include <febiodea/build/pseudonormal.h>
 #include <febiodea/build/remesh.h>
 
 namespace dea {
@@ -129,15 +130,13 @@ void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones)
       const auto box = box_of(bones[b].surface);
       const std::vector<Vector3d>& points = bones[a].surface.points;
       const RayCaster& caster = bones[b].caster;
+      const std::vector<Vector3d> at_vertices = angle_weighted_normals(caster.mesh());
       std::vector<double> depth(points.size(), 0.0);
       tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
         if ((points[i].array() < box[0].array()).any() || (points[i].array() > box[1].array()).any()) return;
         const SurfacePoint closest = caster.closest(points[i]);
-        Vector3d normal = Vector3d::Zero();
-        const auto& corners = caster.mesh().triangles[at(closest.triangle)];
-        for (std::size_t k = 0; k < 3; ++k) normal += closest.weights[k] * caster.mesh().vertex_normals[at(corners[k])];
         const Vector3d away = points[i] - position(caster.mesh(), closest);
-        if (away.dot(normal) < 0) depth[i] = away.norm();
+        if (away.dot(pseudonormal(caster.mesh(), at_vertices, closest)) < 0) depth[i] = away.norm();
       });
       const auto deepest = std::max_element(depth.begin(), depth.end());
       if (*deepest > 1e-4 * size_of(bones[b].surface))

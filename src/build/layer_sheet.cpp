@@ -10,6 +10,7 @@
 #include <febiodea/base/disjoint_sets.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/build/mend_surface.h>
+#include <febiodea/build/pseudonormal.h>
 #include <febiodea/build/region.h>
 
 namespace dea {
@@ -203,6 +204,7 @@ BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector
 Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
   constexpr double kCos60 = 0.5;
   const std::vector<Vector3d> normals = point_normals(articular);
+  const std::vector<Vector3d> at_vertices = angle_weighted_normals(bone.mesh());
   const std::size_t n = articular.points.size();
   Beneath beneath{std::vector<double>(n), std::vector<char>(n, 0), std::vector<char>(n, 0)};
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
@@ -215,7 +217,7 @@ Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
     const SurfacePoint closest = bone.closest(x);
     const Vector3d away = x - position(bone.mesh(), closest);
     beneath.missed[v] = 1;
-    beneath.under[v] = away.dot(bone.mesh().normals[at(closest.triangle)]) < 0;
+    beneath.under[v] = away.dot(pseudonormal(bone.mesh(), at_vertices, closest)) < 0;
     beneath.thickness[v] = beneath.under[v] ? 0.0 : away.norm();
   });
   return beneath;
