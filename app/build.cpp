@@ -116,6 +116,8 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
                "Cartilage thickness at points: x, y, z, thickness");
   add_once(*c, "--units", a.units, "mm|cm|m", "Surfaces", "Units of the files [mm, if the size fits]");
   add_once(*c, "--scale", a.scale, "FACTOR", "Surfaces", "Coordinates are multiplied by it, to mm");
+  add_once(*c, "--mirror", a.mirror, "x=0,y=0", "Surfaces",
+           "The files hold one side of these planes of symmetry: the other is added, the joint is built whole");
   add_repeated(*c, "--region", a.regions, "NAME=FILE|sphere:x,y,z,r|plane:x,y,z,nx,ny,nz", "Regions",
                "Where the cartilage is: near a surface, in a sphere; a plane trims what is found, its normal towards "
                "the cartilage");
@@ -137,8 +139,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--load-columns", a.load_columns, "FX,FY,FZ", "Model", "Columns of the table [found by name]");
   add_once(*c, "--load-units", a.load_units, "FORCE-LENGTH", "Model", "Units of the table [N-mm; OpenSim's: N-m]");
   add_once(*c, "--body-weight", a.body_weight, "FORCE", "Model", "The table is in % of it");
-  add_repeated(*c, "--hold", a.holds, "BODY=x,y", "Model",
-               "Directions in which a loaded bone is held all the same, as by a plane of symmetry");
+  add_repeated(*c, "--hold", a.holds, "BODY=x,y", "Model", "Directions in which a loaded bone is held all the same");
   add_repeated(*c, "--center", a.centers, "BODY=x,y,z", "Model",
                "Centre of a bone, where its force acts [of a sphere, if it is a ball]");
   add_once(*c, "--E", a.E, "MODULUS", "Model", "Cartilage's modulus [11.85 MPa]");

@@ -211,12 +211,62 @@ std::string refuse_size(const BuildArguments& a, const BuildRequest& request) {
                   size, looks, size < 10 ? fmt::format("--units {}", looks) : std::string("--scale 0.001")));
 }
 
-MendedSurface read_mended(const std::string& path, double scale, const std::string& what,
-                          std::vector<std::string>& findings) {
+/// A plane across an axis.
+struct Mirror {
+  int axis = 0;
+  double at = 0.0;
+};
+
+std::vector<Mirror> mirrors_of(const BuildArguments& a) {
+  std::vector<Mirror> mirrors;
+  if (a.mirror.empty()) return mirrors;
+  for (const std::string& part : split_at_commas(a.mirror)) {
+    const Named n = named("mirror", part, "x=0, y=0 or z=0, with commas");
+    const std::size_t axis = std::string("xyz").find(n.name);
+    if (n.name.size() != 1 || axis == std::string::npos)
+      throw UsageError(fmt::format("--mirror {}: found \"{}\", expected x, y or z", a.mirror, n.name));
+    mirrors.push_back({static_cast<int>(axis), argument("mirror", n.value, parse_number)});
+  }
+  return mirrors;
+}
+
+/// The surface and its image. Points by the plane go onto it, so that both sides join there.
+void add_image(const std::string& path, const Mirror& mirror, TriangleSurface& s) {
+  const auto box = box_of(s);
+  const double tolerance = 1e-4 * (box[1] - box[0]).norm(), low = box[0][mirror.axis] - mirror.at,
+               high = box[1][mirror.axis] - mirror.at;
+  if (low < -tolerance && high > tolerance)
+    throw InputError(path, 0,
+                     fmt::format("found points on both sides of {}={:g}, from {:.4g} to {:.4g}, expected one side of "
+                                 "the plane that --mirror names",
+                                 "xyz"[mirror.axis], mirror.at, box[0][mirror.axis], box[1][mirror.axis]));
+  for (Eigen::Vector3d& x : s.points)
+    if (std::abs(x[mirror.axis] - mirror.at) <= tolerance) x[mirror.axis] = mirror.at;
+  const int first = static_cast<int>(s.points.size());
+  const std::size_t triangles = s.triangles.size();
+  for (int i = 0; i < first; ++i) {
+    Eigen::Vector3d x = s.points[at(i)];
+    x[mirror.axis] = 2 * mirror.at - x[mirror.axis];
+    s.points.push_back(x);
+  }
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const auto& c = s.triangles[t];
+    s.triangles.push_back({c[0] + first, c[2] + first, c[1] + first});
+  }
+}
+
+MendedSurface read_mended(const std::string& path, double scale, const std::vector<Mirror>& mirrors,
+                          const std::string& what, std::vector<std::string>& findings) {
   TriangleSurface surface = read_surface(path);
   for (Eigen::Vector3d& x : surface.points) x *= scale;
+  for (const Mirror& mirror : mirrors) add_image(path, mirror, surface);
   MendedSurface mended = mend_surface(surface);
   const std::size_t triangles = mended.surface.triangles.size();
+  if (triangles == 0 && mended.faults.islands > 0)
+    throw InputError(path, 0,
+                     fmt::format("found {} loose parts, none of them 1 % of the whole area, expected a surface whose "
+                                 "triangles share their corners; merge its points where it was made",
+                                 mended.faults.islands));
   if (triangles < 4)
     throw InputError(path, 0,
                      fmt::format("found {} triangle{} with area, expected a surface of four or more", triangles,
@@ -251,6 +301,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
   BuildInputs inputs;
   BuildRequest& request = inputs.request;
   scale_of(a);
+  mirrors_of(a);
   for (const std::string& text : a.bones) {
     const Named n = named("bone", text, "NAME=FILE");
     const std::vector<std::string> names = bone_names(request);
@@ -338,11 +389,17 @@ std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inp
   std::vector<std::string> findings;
   BuildRequest& request = inputs.request;
   const double scale = scale_of(a);
+  const std::vector<Mirror> mirrors = mirrors_of(a);
   for (std::size_t b = 0; b < request.bones.size(); ++b) {
-    MendedSurface mended = read_mended(named("bone", a.bones[b], "").value, scale, request.bones[b].name, findings);
+    MendedSurface mended =
+        read_mended(named("bone", a.bones[b], "").value, scale, mirrors, request.bones[b].name, findings);
     request.bones[b].closed = mended.closed();
     request.bones[b].surface = std::move(mended.surface);
   }
+  if (!mirrors.empty())
+    findings.push_back(
+        "all surfaces completed by their mirror images: forces are those of the whole joint, of each of its parts 1/" +
+        std::to_string(std::size_t{1} << mirrors.size()));
   const std::string units = refuse_size(a, request);
   if (!units.empty()) findings.push_back(units);
   const auto cartilage = [&](const std::string& name) -> CartilageRequest& {
@@ -352,7 +409,7 @@ std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inp
   };
   for (const std::string& text : a.cartilages) {
     const Named n = named("cartilage", text, "");
-    cartilage(n.name).outer = read_mended(n.value, scale, n.name + " cartilage", findings).surface;
+    cartilage(n.name).outer = read_mended(n.value, scale, mirrors, n.name + " cartilage", findings).surface;
   }
   for (const std::string& text : a.thickness_at) {
     const Named n = named("thickness-at", text, "");
@@ -362,7 +419,7 @@ std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inp
     const Named n = named("region", text, "");
     GivenRegion& region = *cartilage(n.name).region;
     if (region.kind == GivenRegion::Kind::Surface)
-      region.surface = read_mended(n.value, scale, n.name + " region", findings).surface;
+      region.surface = read_mended(n.value, scale, mirrors, n.name + " region", findings).surface;
   }
   return findings;
 }

@@ -34,6 +34,7 @@ namespace {
 
 using Eigen::Vector3d;
 using Way = CartilageRequest::Way;
+using Triangle = std::array<int, 3>;
 
 /// A bone, ready to be asked.
 struct Bone {
@@ -122,11 +123,41 @@ void turn_open_bones(const BuildRequest& request, std::vector<Bone>& bones, Buil
   }
 }
 
-/// Points of one bone within the other.
+/// Where edges of a bone pass through the other one's surface, farther than `tolerance` to both sides.
+void refuse_crossing(const BuildRequest& request, const std::vector<Bone>& bones, std::size_t a, std::size_t b) {
+  const double tolerance = 1e-4 * size_of(bones[b].surface);
+  const TriangleSurface& s = bones[a].surface;
+  std::vector<char> crosses(s.triangles.size(), 0);
+  tbb::parallel_for(std::size_t{0}, s.triangles.size(), [&](std::size_t t) {
+    for (std::size_t k = 0; k < 3; ++k) {  // neighbours have the edge the other way round: both sides are seen
+      const Vector3d &from = s.points[at(s.triangles[t][k])], along = s.points[at(s.triangles[t][(k + 1) % 3])] - from;
+      const double length = along.norm();
+      if (length <= 2 * tolerance) continue;
+      const LineHit hit = bones[b].caster.nearest_facing(from + tolerance / length * along, along / length, 0, 0,
+                                                         length - 2 * tolerance);
+      crosses[t] |= hit.point.triangle >= 0 && hit.distance > 0;
+    }
+  });
+  const auto found = std::find(crosses.begin(), crosses.end(), 1);
+  if (found == crosses.end()) return;
+  const Triangle& t = s.triangles[static_cast<std::size_t>(found - crosses.begin())];
+  throw InputError(
+      fmt::format("bones \"{}\" and \"{}\" interpenetrate: found {} triangles of the first that pass through the "
+                  "surface of the second, "
+                  "one at {}, expected bones apart; segment them anew or move one",
+                  request.bones[a].name, request.bones[b].name, std::count(crosses.begin(), crosses.end(), 1),
+                  place_text(s.points[at(t[0])])));
+}
+
+/// Points of one bone within the other; an open one has no inside, there edges tell.
 void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones) {
   for (std::size_t a = 0; a < bones.size(); ++a)
     for (std::size_t b = 0; b < bones.size(); ++b) {
-      if (a == b || !request.bones[b].closed) continue;
+      if (a == b) continue;
+      if (!request.bones[b].closed) {
+        refuse_crossing(request, bones, a, b);
+        continue;
+      }
       const auto box = box_of(bones[b].surface);
       const std::vector<Vector3d>& points = bones[a].surface.points;
       const RayCaster& caster = bones[b].caster;
@@ -302,8 +333,8 @@ std::string way_words(const CartilageRequest& c) {
 void refuse_inside_out(const BuiltLayer& layer, const LayerReport& said) {
   if (said.quality.inside_out > 0)
     throw InputError(
-        fmt::format("{}: found {} prisms that stay inside out near {}, expected sound ones; thinner cartilage, or "
-                    "longer edges, may do",
+        fmt::format("{}: found {} prisms that stay inside out near {}, expected sound ones; other "
+                    "triangles (edge) or thinner cartilage may do",
                     layer.name, said.quality.inside_out, place_text(said.changes.where)));
 }
 

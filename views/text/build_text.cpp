@@ -23,19 +23,21 @@ std::vector<std::string> layer_changes(const BuildSummary& s) {
   std::vector<std::string> lines;
   for (std::size_t l = 0; l < s.joint.layers.size(); ++l) {
     const LayerReport& r = s.report.layers[l];
-    const auto add = [&](int count, const std::string& what) {
-      if (count > 0) lines.push_back(fmt::format("{}: {} {}", s.joint.layers[l].name, count, what));
+    const auto add = [&](int count, const char* noun, const std::string& what) {
+      if (count > 0)
+        lines.push_back(
+            fmt::format("{}: {} {}{} {}", s.joint.layers[l].name, count, noun, count == 1 ? "" : "s", what));
     };
-    add(r.changes.turned,
-        fmt::format("points turned, by {:.2g} degrees at most, so that no element is inside out; most at {}",
+    add(r.changes.turned, "point",
+        fmt::format("turned, by {:.2g} degrees at most, so that no element is inside out; most at {}",
                     r.changes.most_turned * kDegreesPerRadian, vector_text(r.changes.where)));
-    add(r.changes.thinned,
-        fmt::format("points of another thickness for that, by {:.2g} % at most", 100 * r.changes.most_thinned));
-    add(r.raised, "points raised to the least thickness");
-    add(r.under, "points inside the bone");
-    add(r.missed - r.under, "points whose thickness is that to the nearest point of the bone");
-    add(r.holes_filled, "holes filled");
-    add(r.parts_left_out, "small parts left out");
+    add(r.changes.thinned, "point",
+        fmt::format("of another thickness for that, by {:.2g} % at most", 100 * r.changes.most_thinned));
+    add(r.raised, "point", "raised to the least thickness");
+    add(r.under, "point", "inside the bone");
+    add(r.missed - r.under, "point", "whose thickness is that to the nearest point of the bone");
+    add(r.holes_filled, "hole", "filled");
+    add(r.parts_left_out, "small part", "left out");
   }
   return lines;
 }
