@@ -14,13 +14,16 @@
 #include <febiodea/app/interrupt.h>
 #include <febiodea/app/progress.h>
 #include <febiodea/base/error.h>
+#include <febiodea/build/remesh.h>
 #include <febiodea/io/build/joint_feb.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/run/analysis.h>
+#include <febiodea/views/build_page/build_page.h>
 #include <febiodea/views/data/build_json.h>
 #include <febiodea/views/data/json.h>
+#include <febiodea/views/page/write_page.h>
 #include <febiodea/views/text/build_text.h>
 
 namespace dea {
@@ -35,24 +38,17 @@ choice. The cartilage of a bone is one of
   --half-gap max=2,min=0.5  half the gap between the bones, bounded, for all bones that have none of the others
   --thickness-at NAME=FILE  a table with columns x, y, z, thickness; the nearest point counts
 A bone with none of them is bare. The model has a step that seats the loaded bones where dea finds them in balance, and
-one with the force. dea run solves it, and so does FEBio. What is inferred is told on standard error; docs/from_scans.md
+one with the force, or with the forces of a table, a row after the other. dea run solves it, and so does FEBio. What is inferred is told on standard error; docs/from_scans.md
 has more.
 
 Examples:
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --force femur=432,-262,1834 -o hip.feb
-  dea build --bone socket=pelvis.stl --bone ball=femur.stl --uniform socket=2 --edge 1.5 --force ball=0,0,1000 -o joint.feb
+  dea build --bone socket=pelvis.stl --bone ball=femur.stl --uniform socket=2 --edge 1.5 --force ball=0,0,1000 -o joint.feb --report joint.html
   dea build --bone pelvis=pelvis.stl --cartilage pelvis=acetabular_cartilage.stl --bone femur=femur.stl --cartilage femur=femoral_cartilage.stl --force femur=432,-262,1834 -o hip.feb)";
 
-/// The pose that balances the load, by dea itself.
-struct Seat {
-  bool found = false;
-  std::string words;
-  std::vector<Vector3d> displacement;  ///< per body
-  Headline headline;
-};
-
-Seat find_seat(const std::string& text, const BuiltJoint& built, Progress& progress) {
-  progress.now("balance", "", "balance of the load");
+/// The pose that balances each load, by dea itself.
+std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoint& built, Progress& progress) {
+  progress.now("balance", "", built.loads() > 1 ? "balance of the loads" : "balance of the load");
   std::string name = (std::filesystem::temp_directory_path() / "dea_build_XXXXXX").string();
   const int file = ::mkstemp(name.data());
   if (file < 0) throw WriteError(name + ": no temporary file");
@@ -68,24 +64,43 @@ Seat find_seat(const std::string& text, const BuiltJoint& built, Progress& progr
   JointModel model = read_feb(name);
   const std::vector<TimePoint> times = model_times(model);
   AnalysisOptions options;
-  options.times = {times.back()};
+  options.times.assign(times.end() - static_cast<std::ptrdiff_t>(built.loads()), times.end());
   options.equilibrium.stop = stop_flag();
-  Seat seat;
-  seat.displacement.assign(built.bodies.size(), Vector3d::Zero());
+  std::vector<BuildBalance> balances(built.loads());
+  for (std::size_t i = 0; i < balances.size(); ++i) {
+    balances[i].time = options.times[i].time;
+    balances[i].displacement.assign(built.bodies.size(), Vector3d::Zero());
+  }
   try {
     const Analysis analysis = analyse(recognise(std::move(model)), options);
-    const StateResult& state = analysis.states.back();
-    seat.found = solved(state.equilibrium.outcome);
-    seat.words = state.equilibrium.message;
-    for (std::size_t b = 0; b < built.bodies.size(); ++b)
-      for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
-        if (analysis.joint.bodies[j].name == built.bodies[b].name)
-          seat.displacement[b] = state.equilibrium.poses[j].center - built.bodies[b].center;
-    if (!state.statistics.empty()) seat.headline = state.statistics.front().headline;
+    for (std::size_t i = 0; i < balances.size(); ++i) {
+      const StateResult& state = analysis.states.at(i);
+      balances[i].found = solved(state.equilibrium.outcome);
+      balances[i].words = state.equilibrium.message;
+      for (std::size_t b = 0; b < built.bodies.size(); ++b)
+        for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
+          if (analysis.joint.bodies[j].name == built.bodies[b].name)
+            balances[i].displacement[b] = state.equilibrium.poses[j].center - built.bodies[b].center;
+      for (std::size_t c = 0; c < state.statistics.size(); ++c)
+        balances[i].contacts.push_back({analysis.joint.contacts[c].name, state.statistics[c].headline});
+    }
   } catch (const InputError& e) {
-    seat.words = line(e.fault);
+    for (BuildBalance& balance : balances) balance.words = line(e.fault);
   }
-  return seat;
+  return balances;
+}
+
+/// So many triangles of bones at most are drawn on the page.
+constexpr std::size_t kMostPageTriangles = 60000;
+
+void write_page(const BuildArguments& a, const BuildSummary& summary, const BuildInputs& inputs) {
+  BuildPageInput page{summary, inputs.request, {}, a.words, {}};
+  for (const BoneRequest& bone : inputs.request.bones)
+    page.bones.push_back(decimated(bone.surface, kMostPageTriangles / inputs.request.bones.size()));
+  for (const NamedPath& file : inputs.files) page.files.push_back(file.path);
+  page.files.push_back(a.output);
+  page.files.push_back(a.report);
+  write_build_page(a.report, page);
 }
 
 }  // namespace
@@ -101,14 +116,17 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
                "Cartilage thickness at points: x, y, z, thickness");
   add_once(*c, "--units", a.units, "mm|cm|m", "Surfaces", "Units of the files [mm, if the size fits]");
   add_once(*c, "--scale", a.scale, "FACTOR", "Surfaces", "Coordinates are multiplied by it, to mm");
+  add_once(*c, "--mirror", a.mirror, "x=0,y=0", "Surfaces",
+           "The files hold one side of these planes of symmetry: the other is added, the joint is built whole");
   add_repeated(*c, "--region", a.regions, "NAME=FILE|sphere:x,y,z,r|plane:x,y,z,nx,ny,nz", "Regions",
                "Where the cartilage is: near a surface, in a sphere; a plane trims what is found, its normal towards "
                "the cartilage");
   add_once(*c, "--reach", a.reach, "LENGTH", "Regions",
            "Bones that face each other within it bear cartilage [3 times the thickest layer]");
   add_once(*c, "--rim", a.rim, "LENGTH", "Regions", "Over which rims and thicknesses are smoothed [2 mm]");
-  add_once(*c, "--fade", a.fade, "WIDTH", "Regions",
-           "Layers made here thin out at their rims over it; 0: they end [half gap: 2 mm, others: 0]");
+  add_once(
+      *c, "--fade", a.fade, "WIDTH", "Regions",
+      "Layers thin out over it before their rims, segmented ones too; 0: they end [half gap: as --rim, others: 0]");
   c->add_flag("--keep-holes", a.keep_holes, "Holes in a region stay open, as the acetabular fossa")->group("Regions");
   add_once(*c, "--edge", a.edge, "LENGTH", "Mesh", "Remesh to triangles with edges near it [triangles stay]");
   add_once(*c, "--layers", a.layers, "N", "Mesh", "Elements between bone and articular surface [2]");
@@ -116,6 +134,12 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--bones", a.bone_shells, "shell|none|N", "Mesh",
            "Whole bones as rigid shells, of N triangles, or left out but for what bears the cartilage [shell]");
   add_repeated(*c, "--force", a.forces, "BODY=x,y,z", "Model", "Force on a bone in the last step; all others are held");
+  add_once(*c, "--loads", a.loads, "BODY=FILE", "Model",
+           "Forces on a bone from a table as dea run --loads reads it, a row after the other");
+  add_once(*c, "--load-columns", a.load_columns, "FX,FY,FZ", "Model", "Columns of the table [found by name]");
+  add_once(*c, "--load-units", a.load_units, "FORCE-LENGTH", "Model", "Units of the table [N-mm; OpenSim's: N-m]");
+  add_once(*c, "--body-weight", a.body_weight, "FORCE", "Model", "The table is in % of it");
+  add_repeated(*c, "--hold", a.holds, "BODY=x,y", "Model", "Directions in which a loaded bone is held all the same");
   add_repeated(*c, "--center", a.centers, "BODY=x,y,z", "Model",
                "Centre of a bone, where its force acts [of a sphere, if it is a ball]");
   add_once(*c, "--E", a.E, "MODULUS", "Model", "Cartilage's modulus [11.85 MPa]");
@@ -124,6 +148,8 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--primary", a.primary, "BODY", "Model", "Whose surfaces are primary [the smaller of each contact]");
   add_once(*c, "-o", a.output, "FILE.feb", "Output", "The model");
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
+  add_once(*c, "--report", a.report, "FILE.html", "Output",
+           "Also write a page: the bones and their cartilage, gaps, elements, what was inferred");
   add_quiet_flag(*c, a.quiet);
   add_once(*c, "--threads", a.threads, "N", "Output", "Threads [all cores]");
   return c;
@@ -134,31 +160,37 @@ int build(const BuildArguments& a) {
   if (a.output.empty()) throw UsageError("-o is missing, expected the name of the model, -o joint.feb");
   if (a.output == "-") throw UsageError("-o -: the table goes to standard output, give the model a name");
   BuildInputs inputs = build_inputs(a);
+  require_page_name("--report", a.report);
   std::vector<NamedPath> outputs = {{"-o", a.output}};
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
+  if (!a.report.empty()) outputs.push_back({"--report", a.report});
   const HeldOutputs held = claim_outputs(inputs.files, outputs);
   Progress progress(progress_style(a.quiet, false));
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
-  report.findings = read_surfaces(a, inputs);
+  report.findings = read_loads(a, inputs);
+  for (std::string& finding : read_surfaces(a, inputs)) report.findings.push_back(std::move(finding));
   progress.now("cartilage", "", "cartilage and its mesh");
   const BuiltJoint joint = build_joint(inputs.request, report);
 
   inputs.model.elements_through = inputs.request.elements_through;
   inputs.model.comment = fmt::format("Made by dea build of {} surfaces.", inputs.files.size());
-  const Seat seat = find_seat(joint_feb(joint, inputs.model), joint, progress);
-  if (seat.found) inputs.model.seat = seat.displacement;
+  const std::vector<BuildBalance> balances = find_balances(joint_feb(joint, inputs.model), joint, progress);
+  if (balances.front().found) inputs.model.seat = balances.front().displacement;
   progress.now("writing " + file_name(a.output), "", "writing " + file_name(a.output));
   write_text(a.output, joint_feb(joint, inputs.model));
+  const BuildSummary summary{a.output, joint, report, inputs.model, balances, inputs.load_times};
+  if (!a.report.empty()) {
+    progress.now("writing " + file_name(a.report), "", "writing " + file_name(a.report));
+    write_page(a, summary, inputs);
+  }
   progress.clear();
   if (!a.quiet)
     for (const std::string& finding : report.findings) log("note: " + finding);
-  const BuildSummary summary{a.output,          joint,        report, inputs.model, seat.found, seat.words,
-                             seat.displacement, seat.headline};
   if (!a.json.empty()) write_text(a.json, json_text(build_json(summary)));
   if (!a.quiet && a.json != "-") print(build_text(summary));
-  if (!seat.found) log("warning: dea finds no balance under the force: " + seat.words);
-  return seat.found ? kSolved : kNoSolution;
+  for (const std::string& warning : build_warnings(summary)) log("warning: " + warning);
+  return all_balanced(summary) ? kSolved : kNoSolution;
 }
 
 }  // namespace dea

@@ -9,6 +9,7 @@
 #include <febiodea/build/mend_surface.h>
 #include <febiodea/io/surfaces/read_surface.h>
 #include <febiodea/io/tables/number_table.h>
+#include <febiodea/io/tables/read_tables.h>
 
 namespace dea {
 
@@ -24,6 +25,9 @@ Named named(const char* option, const std::string& text, const char* form) {
   const std::size_t cut = text.rfind('=');
   if (cut == std::string::npos || cut == 0 || cut + 1 == text.size())
     throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, form));
+  if (std::any_of(text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }))
+    throw UsageError(
+        fmt::format("--{}: found a control character in the name, expected letters, digits, spaces", option));
   return {trimmed(text.substr(0, cut)), trimmed(text.substr(cut + 1))};
 }
 
@@ -119,15 +123,48 @@ void add_loads(const BuildArguments& a, BuildRequest& request) {
     bone.fixed = false;
     bone.force = vector_argument("force", n.value);
   }
+  if (!a.loads.empty()) {
+    const Named n = named("loads", a.loads, "BODY=FILE");
+    BoneRequest& bone = request.bones[at(bone_of(request, "loads", n.name))];
+    if (!bone.fixed)
+      throw UsageError(fmt::format("--loads {}: found --force for this bone too, expected one of them", a.loads));
+    bone.fixed = false;
+  } else {
+    for (const auto& [option, text] :
+         {std::pair{"load-columns", &a.load_columns}, std::pair{"load-units", &a.load_units},
+          std::pair{"body-weight", &a.body_weight}})
+      if (!text->empty())
+        throw UsageError(fmt::format("--{} {}: found no table, expected --loads BODY=FILE too", option, *text));
+  }
+  for (const std::string& text : a.holds) {
+    const Named n = named("hold", text, "BODY=x,y");
+    BoneRequest& bone = request.bones[at(bone_of(request, "hold", n.name))];
+    if (bone.fixed)
+      throw UsageError(
+          fmt::format("--hold {}: found a bone without a force, which is held as a whole, expected a "
+                      "loaded one",
+                      text));
+    for (const std::string& direction : split_at_commas(n.value)) {
+      const std::size_t c = std::string("xyz").find(direction);
+      if (direction.size() != 1 || c == std::string::npos)
+        throw UsageError(fmt::format("--hold {}: found \"{}\", expected x, y or z, with commas", text, direction));
+      bone.held[c] = true;
+    }
+    if (bone.held[0] && bone.held[1] && bone.held[2])
+      throw UsageError(
+          fmt::format("--hold {}: found all three directions, expected one that is left to the force", text));
+  }
   for (const std::string& text : a.centers) {
     const Named n = named("center", text, "BODY=x,y,z");
     request.bones[at(bone_of(request, "center", n.name))].center = vector_argument("center", n.value);
   }
-  if (a.forces.empty())
+  if (a.forces.empty() && a.loads.empty())
     throw UsageError(
-        "no force is given, expected --force BODY=x,y,z: it presses one bone against the others, which are held");
+        "no force is given, expected --force BODY=x,y,z or --loads BODY=FILE: it presses one bone against the others, "
+        "which are held");
   if (std::all_of(request.bones.begin(), request.bones.end(), [](const BoneRequest& b) { return !b.fixed; }))
-    throw UsageError("--force: found one for every bone, expected one bone without, which is held");
+    throw UsageError(fmt::format("--{}: found a load for every bone, expected one bone without, which is held",
+                                 a.forces.empty() ? "loads" : "force"));
 }
 
 void set_mesh(const BuildArguments& a, BuildRequest& request) {
@@ -174,12 +211,62 @@ std::string refuse_size(const BuildArguments& a, const BuildRequest& request) {
                   size, looks, size < 10 ? fmt::format("--units {}", looks) : std::string("--scale 0.001")));
 }
 
-MendedSurface read_mended(const std::string& path, double scale, const std::string& what,
-                          std::vector<std::string>& findings) {
+/// A plane across an axis.
+struct Mirror {
+  int axis = 0;
+  double at = 0.0;
+};
+
+std::vector<Mirror> mirrors_of(const BuildArguments& a) {
+  std::vector<Mirror> mirrors;
+  if (a.mirror.empty()) return mirrors;
+  for (const std::string& part : split_at_commas(a.mirror)) {
+    const Named n = named("mirror", part, "x=0, y=0 or z=0, with commas");
+    const std::size_t axis = std::string("xyz").find(n.name);
+    if (n.name.size() != 1 || axis == std::string::npos)
+      throw UsageError(fmt::format("--mirror {}: found \"{}\", expected x, y or z", a.mirror, n.name));
+    mirrors.push_back({static_cast<int>(axis), argument("mirror", n.value, parse_number)});
+  }
+  return mirrors;
+}
+
+/// The surface and its image. Points by the plane go onto it, so that both sides join there.
+void add_image(const std::string& path, const Mirror& mirror, TriangleSurface& s) {
+  const auto box = box_of(s);
+  const double tolerance = 1e-4 * (box[1] - box[0]).norm(), low = box[0][mirror.axis] - mirror.at,
+               high = box[1][mirror.axis] - mirror.at;
+  if (low < -tolerance && high > tolerance)
+    throw InputError(path, 0,
+                     fmt::format("found points on both sides of {}={:g}, from {:.4g} to {:.4g}, expected one side of "
+                                 "the plane that --mirror names",
+                                 "xyz"[mirror.axis], mirror.at, box[0][mirror.axis], box[1][mirror.axis]));
+  for (Eigen::Vector3d& x : s.points)
+    if (std::abs(x[mirror.axis] - mirror.at) <= tolerance) x[mirror.axis] = mirror.at;
+  const int first = static_cast<int>(s.points.size());
+  const std::size_t triangles = s.triangles.size();
+  for (int i = 0; i < first; ++i) {
+    Eigen::Vector3d x = s.points[at(i)];
+    x[mirror.axis] = 2 * mirror.at - x[mirror.axis];
+    s.points.push_back(x);
+  }
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const auto& c = s.triangles[t];
+    s.triangles.push_back({c[0] + first, c[2] + first, c[1] + first});
+  }
+}
+
+MendedSurface read_mended(const std::string& path, double scale, const std::vector<Mirror>& mirrors,
+                          const std::string& what, std::vector<std::string>& findings) {
   TriangleSurface surface = read_surface(path);
   for (Eigen::Vector3d& x : surface.points) x *= scale;
+  for (const Mirror& mirror : mirrors) add_image(path, mirror, surface);
   MendedSurface mended = mend_surface(surface);
   const std::size_t triangles = mended.surface.triangles.size();
+  if (triangles == 0 && mended.faults.islands > 0)
+    throw InputError(path, 0,
+                     fmt::format("found {} loose parts, none of them 1 % of the whole area, expected a surface whose "
+                                 "triangles share their corners; merge its points where it was made",
+                                 mended.faults.islands));
   if (triangles < 4)
     throw InputError(path, 0,
                      fmt::format("found {} triangle{} with area, expected a surface of four or more", triangles,
@@ -214,6 +301,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
   BuildInputs inputs;
   BuildRequest& request = inputs.request;
   scale_of(a);
+  mirrors_of(a);
   for (const std::string& text : a.bones) {
     const Named n = named("bone", text, "NAME=FILE");
     const std::vector<std::string> names = bone_names(request);
@@ -258,6 +346,8 @@ BuildInputs build_inputs(const BuildArguments& a) {
     if (c->region->kind == GivenRegion::Kind::Surface) inputs.files.push_back({"--region", n.value});
   }
   add_loads(a, request);
+  if (!a.loads.empty()) inputs.files.push_back({"--loads", named("loads", a.loads, "").value});
+  if (!a.body_weight.empty()) positive_argument("body-weight", a.body_weight);
   set_mesh(a, request);
   if (!a.E.empty()) inputs.model.E = positive_argument("E", a.E);
   if (!a.nu.empty()) inputs.model.nu = not_negative("nu", a.nu);
@@ -267,15 +357,49 @@ BuildInputs build_inputs(const BuildArguments& a) {
   return inputs;
 }
 
+std::vector<std::string> read_loads(const BuildArguments& a, BuildInputs& inputs) {
+  if (a.loads.empty()) return {};
+  const Named n = named("loads", a.loads, "");
+  Settings settings;
+  settings.loads.file = n.value;
+  settings.loads.body = n.name;
+  settings.loads.columns = a.load_columns;
+  settings.loads.units = a.load_units;
+  if (!a.body_weight.empty()) settings.loads.body_weight = positive_argument("body-weight", a.body_weight);
+  JointModel units;
+  units.units = inputs.model.units;
+  read_tables(units, settings);
+  const LoadTable& loads = settings.loads;
+  BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "loads", n.name))];
+  bool moments = false;
+  for (const auto& load : loads.load) {
+    bone.forces.push_back(load.head<3>());
+    moments = moments || !load.tail<3>().isZero(0);
+  }
+  bone.force = bone.forces.front();
+  inputs.load_times = loads.time;
+  std::vector<std::string> findings = {
+      fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", n.name, loads.words)};
+  if (moments)
+    findings.push_back(fmt::format("{}: the table's moments have no effect, for the bone does not turn", n.name));
+  return findings;
+}
+
 std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inputs) {
   std::vector<std::string> findings;
   BuildRequest& request = inputs.request;
   const double scale = scale_of(a);
+  const std::vector<Mirror> mirrors = mirrors_of(a);
   for (std::size_t b = 0; b < request.bones.size(); ++b) {
-    MendedSurface mended = read_mended(named("bone", a.bones[b], "").value, scale, request.bones[b].name, findings);
+    MendedSurface mended =
+        read_mended(named("bone", a.bones[b], "").value, scale, mirrors, request.bones[b].name, findings);
     request.bones[b].closed = mended.closed();
     request.bones[b].surface = std::move(mended.surface);
   }
+  if (!mirrors.empty())
+    findings.push_back(
+        "all surfaces completed by their mirror images: forces are those of the whole joint, of each of its parts 1/" +
+        std::to_string(std::size_t{1} << mirrors.size()));
   const std::string units = refuse_size(a, request);
   if (!units.empty()) findings.push_back(units);
   const auto cartilage = [&](const std::string& name) -> CartilageRequest& {
@@ -285,7 +409,7 @@ std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inp
   };
   for (const std::string& text : a.cartilages) {
     const Named n = named("cartilage", text, "");
-    cartilage(n.name).outer = read_mended(n.value, scale, n.name + " cartilage", findings).surface;
+    cartilage(n.name).outer = read_mended(n.value, scale, mirrors, n.name + " cartilage", findings).surface;
   }
   for (const std::string& text : a.thickness_at) {
     const Named n = named("thickness-at", text, "");
@@ -295,7 +419,7 @@ std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inp
     const Named n = named("region", text, "");
     GivenRegion& region = *cartilage(n.name).region;
     if (region.kind == GivenRegion::Kind::Surface)
-      region.surface = read_mended(n.value, scale, n.name + " region", findings).surface;
+      region.surface = read_mended(n.value, scale, mirrors, n.name + " region", findings).surface;
   }
   return findings;
 }

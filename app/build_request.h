@@ -13,10 +13,14 @@ struct BuildInputs {
   BuildRequest request;
   BuiltModelSettings model;
   std::vector<NamedPath> files;
+  std::vector<double> load_times;  ///< of --loads, per row; empty: none
 };
 
 /// All but the surfaces: options that contradict each other or name no bone are refused before anything is read.
 BuildInputs build_inputs(const BuildArguments& arguments);
+
+/// Reads the table of loads into the request, in N. Returns what was found. Throws InputError, UsageError.
+std::vector<std::string> read_loads(const BuildArguments& arguments, BuildInputs& inputs);
 
 /// Reads, scales and mends all surfaces into the request. Returns what was found. Throws InputError.
 std::vector<std::string> read_surfaces(const BuildArguments& arguments, BuildInputs& inputs);

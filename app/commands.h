@@ -68,9 +68,11 @@ int convert(const ConvertArguments& arguments);
 
 /// Only where CGAL was found (DEA_HAS_BUILD).
 struct BuildArguments {
-  std::vector<std::string> bones, cartilages, uniform, thickness_at, regions, forces, centers;
+  std::vector<std::string> words;  ///< the command line, for the page
+  std::vector<std::string> bones, cartilages, uniform, thickness_at, regions, forces, centers, holds;
   std::string half_gap, units, scale, reach, rim, fade, edge, layers, least, bone_shells, E, nu, penalty, primary;
-  std::string output, json, threads;
+  std::string mirror, loads, load_columns, load_units, body_weight;
+  std::string output, json, report, threads;
   bool keep_holes = false, quiet = false;
 };
 CLI::App* add_build(CLI::App& app, BuildArguments& arguments);

@@ -122,6 +122,7 @@ int parse_and_run(int argc, char** argv) {
   PlotArguments plot_arguments;
 #ifdef DEA_HAS_BUILD
   BuildArguments build_arguments;
+  build_arguments.words = {argv, argv + argc};
 #endif
   PluginBuildArguments plugin_build_arguments;
   CiteArguments cite_arguments;

@@ -10,6 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr const char* kDirections[] = {"x", "y", "z"};
+
 std::string text(const Vector3d& v) { return fmt::format("{},{},{}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); }
 
 std::string escaped(const std::string& name) {
@@ -104,31 +106,65 @@ std::string materials(const BuiltJoint& joint, const BuiltModelSettings& s) {
 std::string held(const BuiltBody& body) {
   std::string all =
       fmt::format("<rigid_bc name=\"{0} held\" type=\"rigid_fixed\">\n<rb>{0}</rb>\n", escaped(body.name));
-  for (const char dof : {'x', 'y', 'z'}) all += fmt::format("<R{0}_dof>{1}</R{0}_dof>\n", dof, body.fixed ? 1 : 0);
+  for (std::size_t c = 0; c < 3; ++c)
+    all += fmt::format("<R{0}_dof>{1}</R{0}_dof>\n", kDirections[c], body.fixed || body.held[c] ? 1 : 0);
   for (const char dof : {'u', 'v', 'w'}) all += fmt::format("<R{}_dof>1</R{}_dof>\n", dof, dof);
   return all + "</rigid_bc>\n";
 }
 
-/// As the solver of the models FEBio has been seen to solve; a step of length 1.
-std::string control(int states) {
+/// As the solver of the models FEBio has been seen to solve. `must_points`: load controller whose points are met.
+std::string control(std::size_t states, double step_size, const char* must_points) {
   return fmt::format(
       "<Control>\n<analysis>STATIC</analysis>\n<time_steps>{0}</time_steps>\n<step_size>{1}</step_size>\n"
       "<time_stepper type=\"default\">\n<max_retries>10</max_retries>\n<opt_iter>12</opt_iter>\n<dtmin>0.0001</dtmin>\n"
-      "<dtmax>{1}</dtmax>\n</time_stepper>\n<solver "
+      "<dtmax{2}>{1}</dtmax>\n</time_stepper>\n<solver "
       "type=\"solid\">\n<symmetric_stiffness>non-symmetric</symmetric_stiffness>\n"
       "<max_refs>30</max_refs>\n<dtol>0.001</dtol>\n<etol>0.01</etol>\n<rtol>0</rtol>\n<lstol>0.9</"
       "lstol>\n<lsmin>0.01</lsmin>\n"
       "<lsiter>5</lsiter>\n<qn_method type=\"BFGS\">\n<max_ups>0</max_ups>\n</qn_method>\n</solver>\n</Control>\n",
-      states, 1.0 / states);
+      states, step_size, must_points);
+}
+
+/// Load controllers. 1: rises to 1 over the first step. Several loads: 2 has their times as points that FEBio must
+/// meet; from 3 on, three for each loaded body, the components of its force: those of load i at time 2 + i, the first
+/// from the start, straight lines between.
+std::string controllers(const BuiltJoint& joint) {
+  int id = 0;
+  std::string all = "<LoadData>\n";
+  const auto add = [&](const std::string& name, const std::string& points) {
+    all += fmt::format(
+        "<load_controller id=\"{}\" name=\"{}\" type=\"loadcurve\">\n<interpolate>LINEAR</interpolate>\n"
+        "<extend>CONSTANT</extend>\n<points>\n{}</points>\n</load_controller>\n",
+        ++id, name, points);
+  };
+  add("ramp", "<pt>0,0</pt>\n<pt>1,1</pt>\n");
+  const std::size_t loads = joint.loads();
+  if (loads > 1) {
+    std::string times = "<pt>0,1</pt>\n";
+    for (std::size_t i = 0; i < loads; ++i) times += fmt::format("<pt>{},1</pt>\n", i + 2);
+    add("times of the loads", times);
+    for (const BuiltBody& body : joint.bodies) {
+      if (body.fixed) continue;
+      for (int c = 0; c < 3; ++c) {
+        std::string points = fmt::format("<pt>0,{}</pt>\n", force_of(body, 0)[c]);
+        for (std::size_t i = 0; i < loads; ++i) points += fmt::format("<pt>{},{}</pt>\n", i + 2, force_of(body, i)[c]);
+        add(fmt::format("{} force {}", escaped(body.name), kDirections[c]), points);
+      }
+    }
+  }
+  return all + "</LoadData>\n";
 }
 
 std::string steps(const BuiltJoint& joint, const BuiltModelSettings& s) {
-  constexpr const char* kDirections[] = {"x", "y", "z"};
+  const std::size_t loads = joint.loads();
   std::string seat, load;
+  int controller = 2;
   for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
     const BuiltBody& body = joint.bodies[b];
     if (body.fixed) continue;
     for (int c = 0; c < 3; ++c) {
+      ++controller;
+      if (body.held[at(c)]) continue;
       seat += fmt::format(
           "<rigid_bc name=\"{0} seat {1}\" type=\"rigid_displacement\">\n<rb>{0}</rb>\n<dof>{1}</dof>\n<value "
           "lc=\"1\">{2}</value>\n"
@@ -136,14 +172,14 @@ std::string steps(const BuiltJoint& joint, const BuiltModelSettings& s) {
           escaped(body.name), kDirections[c], s.seat.empty() ? 0.0 : s.seat[b][c]);
       load += fmt::format(
           "<rigid_load name=\"{0} force {1}\" type=\"rigid_force\">\n<rb>{0}</rb>\n<dof>R{1}</dof>\n<value "
-          "lc=\"1\">{2}</value>\n"
+          "lc=\"{3}\">{2}</value>\n"
           "<load_type>LOAD</load_type>\n<relative>0</relative>\n</rigid_load>\n",
-          escaped(body.name), kDirections[c], body.force[c]);
+          escaped(body.name), kDirections[c], loads > 1 ? 1.0 : body.force[c], loads > 1 ? controller : 1);
     }
   }
-  return "<Step>\n<step id=\"1\" name=\"seat\">\n" + control(20) + "<Rigid>\n" + seat +
-         "</Rigid>\n</step>\n<step id=\"2\" name=\"load\">\n" + control(1) + "<Rigid>\n" + load +
-         "</Rigid>\n</step>\n</Step>\n";
+  return "<Step>\n<step id=\"1\" name=\"seat\">\n" + control(20, 1.0 / 20, "") + "<Rigid>\n" + seat +
+         "</Rigid>\n</step>\n<step id=\"2\" name=\"load\">\n" + control(loads, 1, loads > 1 ? " lc=\"2\"" : "") +
+         "<Rigid>\n" + load + "</Rigid>\n</step>\n</Step>\n";
 }
 
 std::string contacts(const BuiltJoint& joint, const BuiltModelSettings& s) {
@@ -182,11 +218,7 @@ std::string joint_feb(const BuiltJoint& joint, const BuiltModelSettings& s) {
          mesh.domains + "</MeshDomains>\n<Rigid>\n";
   for (const BuiltBody& body : joint.bodies) all += held(body);
   all += "</Rigid>\n" + contacts(joint, s) + steps(joint, s);
-  all +=
-      "<LoadData>\n<load_controller id=\"1\" name=\"ramp\" "
-      "type=\"loadcurve\">\n<interpolate>LINEAR</interpolate>\n<extend>CONSTANT</extend>\n"
-      "<points>\n<pt>0,0</pt>\n<pt>1,1</pt>\n</points>\n</load_controller>\n</LoadData>\n<Output>\n<plotfile "
-      "type=\"febio\">\n";
+  all += controllers(joint) + "<Output>\n<plotfile type=\"febio\">\n";
   for (const char* variable : {"displacement", "stress", "contact pressure", "contact gap", "contact force",
                                "contact area", "rigid force", "rigid position"})
     all += fmt::format("<var type=\"{}\"/>\n", variable);

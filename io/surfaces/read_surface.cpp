@@ -51,6 +51,11 @@ TriangleSurface read_content(const std::string& path, const std::string& content
   if (begins(content, "<?xml") || begins(content, "<VTKFile")) return read_vtp(path, content);
   if (extension == ".obj") return read_obj(text);
   if (begins(content, "solid") && content.find("facet") < 2000) return read_stl_text(text);
+  if (begins(content, "SOLID")) {  // some programs shout
+    std::string small = content;
+    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+    return read_content(path, small);
+  }
   if (extension == ".stl" && content.size() >= kStlHead && content.find('\0') < kStlHead)
     throw InputError(
         path, 0,

@@ -11,14 +11,30 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/build/clear_overlap.h>
 #include <febiodea/build/mend_surface.h>
+#include <febiodea/build/pseudonormal.h>
 #include <febiodea/build/remesh.h>
 
 namespace dea {
+
+double asked_thickness(const CartilageRequest& c) {
+  switch (c.way) {
+    case CartilageRequest::Way::Uniform:
+      return c.thickness;
+    case CartilageRequest::Way::HalfGap:
+      return c.most;
+    case CartilageRequest::Way::Points:
+      return *std::max_element(c.thickness_there.begin(), c.thickness_there.end());
+    case CartilageRequest::Way::Segmented:
+      break;
+  }
+  return 0.0;
+}
 
 namespace {
 
 using Eigen::Vector3d;
 using Way = CartilageRequest::Way;
+using Triangle = std::array<int, 3>;
 
 /// A bone, ready to be asked.
 struct Bone {
@@ -107,23 +123,51 @@ void turn_open_bones(const BuildRequest& request, std::vector<Bone>& bones, Buil
   }
 }
 
-/// Points of one bone within the other.
+/// Where edges of a bone pass through the other one's surface, farther than `tolerance` to both sides.
+void refuse_crossing(const BuildRequest& request, const std::vector<Bone>& bones, std::size_t a, std::size_t b) {
+  const double tolerance = 1e-4 * size_of(bones[b].surface);
+  const TriangleSurface& s = bones[a].surface;
+  std::vector<char> crosses(s.triangles.size(), 0);
+  tbb::parallel_for(std::size_t{0}, s.triangles.size(), [&](std::size_t t) {
+    for (std::size_t k = 0; k < 3; ++k) {  // neighbours have the edge the other way round: both sides are seen
+      const Vector3d &from = s.points[at(s.triangles[t][k])], along = s.points[at(s.triangles[t][(k + 1) % 3])] - from;
+      const double length = along.norm();
+      if (length <= 2 * tolerance) continue;
+      const LineHit hit = bones[b].caster.nearest_facing(from + tolerance / length * along, along / length, 0, 0,
+                                                         length - 2 * tolerance);
+      crosses[t] |= hit.point.triangle >= 0 && hit.distance > 0;
+    }
+  });
+  const auto found = std::find(crosses.begin(), crosses.end(), 1);
+  if (found == crosses.end()) return;
+  const Triangle& t = s.triangles[static_cast<std::size_t>(found - crosses.begin())];
+  throw InputError(
+      fmt::format("bones \"{}\" and \"{}\" interpenetrate: found {} triangles of the first that pass through the "
+                  "surface of the second, "
+                  "one at {}, expected bones apart; segment them anew or move one",
+                  request.bones[a].name, request.bones[b].name, std::count(crosses.begin(), crosses.end(), 1),
+                  place_text(s.points[at(t[0])])));
+}
+
+/// Points of one bone within the other; an open one has no inside, there edges tell.
 void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones) {
   for (std::size_t a = 0; a < bones.size(); ++a)
     for (std::size_t b = 0; b < bones.size(); ++b) {
-      if (a == b || !request.bones[b].closed) continue;
+      if (a == b) continue;
+      if (!request.bones[b].closed) {
+        refuse_crossing(request, bones, a, b);
+        continue;
+      }
       const auto box = box_of(bones[b].surface);
       const std::vector<Vector3d>& points = bones[a].surface.points;
       const RayCaster& caster = bones[b].caster;
+      const std::vector<Vector3d> at_vertices = angle_weighted_normals(caster.mesh());
       std::vector<double> depth(points.size(), 0.0);
       tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
         if ((points[i].array() < box[0].array()).any() || (points[i].array() > box[1].array()).any()) return;
         const SurfacePoint closest = caster.closest(points[i]);
-        Vector3d normal = Vector3d::Zero();
-        const auto& corners = caster.mesh().triangles[at(closest.triangle)];
-        for (std::size_t k = 0; k < 3; ++k) normal += closest.weights[k] * caster.mesh().vertex_normals[at(corners[k])];
         const Vector3d away = points[i] - position(caster.mesh(), closest);
-        if (away.dot(normal) < 0) depth[i] = away.norm();
+        if (away.dot(pseudonormal(caster.mesh(), at_vertices, closest)) < 0) depth[i] = away.norm();
       });
       const auto deepest = std::max_element(depth.begin(), depth.end());
       if (*deepest > 1e-4 * size_of(bones[b].surface))
@@ -134,20 +178,6 @@ void refuse_overlap(const BuildRequest& request, const std::vector<Bone>& bones)
                         request.bones[a].name, request.bones[b].name, *deepest,
                         place_text(points[static_cast<std::size_t>(deepest - depth.begin())])));
     }
-}
-
-double asked_thickness(const CartilageRequest& c) {
-  switch (c.way) {
-    case Way::Uniform:
-      return c.thickness;
-    case Way::HalfGap:
-      return c.most;
-    case Way::Points:
-      return *std::max_element(c.thickness_there.begin(), c.thickness_there.end());
-    case Way::Segmented:
-      break;
-  }
-  return 0.0;
 }
 
 /// Up to which gap the bones' surfaces belong to the joint; 0: nobody asks.
@@ -175,6 +205,11 @@ std::vector<double> gaps_to_others(const std::vector<Bone>& bones, std::size_t b
   return gaps;
 }
 
+/// Half the gap grows towards its rim until it is cut off: that rim is no anatomy, and is not left as it is.
+double fade_of(const CartilageRequest& c, const BuildRequest& request) {
+  return request.fade.value_or(c.way == Way::HalfGap ? request.rim_length : 0.0);
+}
+
 std::vector<double> thickness_of(const CartilageRequest& c, const BuildRequest& request, const std::vector<Bone>& bones,
                                  const TriangleSurface& region, double reach) {
   std::vector<double> thickness(region.points.size(), c.thickness);
@@ -198,13 +233,8 @@ std::vector<double> thickness_of(const CartilageRequest& c, const BuildRequest& 
       }
     });
   }
-  const double fade = request.fade.value_or(c.way == Way::HalfGap ? request.rim_length : 0.0);
-  if (fade <= 0) return thickness;
-  const std::vector<double> rim = distances_to_rim(region);
-  for (std::size_t i = 0; i < thickness.size(); ++i) {
-    const double s = std::min(1.0, rim[i] / fade);
-    thickness[i] = std::min(thickness[i], least) + std::max(0.0, thickness[i] - least) * s * s * (3 - 2 * s);
-  }
+  const double fade = fade_of(c, request);
+  if (fade > 0) fade_at_rim(thickness, distances_to_rim(region), fade, least);
   return thickness;
 }
 
@@ -303,8 +333,8 @@ std::string way_words(const CartilageRequest& c) {
 void refuse_inside_out(const BuiltLayer& layer, const LayerReport& said) {
   if (said.quality.inside_out > 0)
     throw InputError(
-        fmt::format("{}: found {} prisms that stay inside out near {}, expected sound ones; thinner cartilage, or "
-                    "longer edges, may do",
+        fmt::format("{}: found {} prisms that stay inside out near {}, expected sound ones; other "
+                    "triangles (edge) or thinner cartilage may do",
                     layer.name, said.quality.inside_out, place_text(said.changes.where)));
 }
 
@@ -322,6 +352,7 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
     const TriangleSurface surface = with_edge(request, parts[p]);
     LayerReport said;
     said.way = way_words(c);
+    said.fade = fade_of(c, request);
     said.holes_filled = region.holes_filled;
     said.parts_left_out = region.parts_left_out;
     BuiltLayer layer;
@@ -329,10 +360,11 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
       const Beneath beneath = bone_beneath(surface, bone.caster);
       double mean = 0;
       for (const double t : beneath.thickness) mean += t / static_cast<double>(beneath.thickness.size());
+      const double least = request.least_thickness.value_or(0.1 * mean);
       said.missed = static_cast<int>(std::count(beneath.missed.begin(), beneath.missed.end(), 1));
       said.under = static_cast<int>(std::count(beneath.under.begin(), beneath.under.end(), 1));
-      layer = layer_under_surface(surface, bone.caster, request.least_thickness.value_or(0.1 * mean),
-                                  request.elements_through, said.changes, said.raised);
+      layer = layer_under_surface(surface, bone.caster, least, request.elements_through, said.changes, said.raised);
+      if (said.fade > 0) fade_layer(layer, said.fade, least, request.elements_through, said.changes);
     } else {
       layer = layer_on_bone(surface, directions_at(bone, surface.points),
                             thickness_of(c, request, bones, surface, reach), request.elements_through, said.changes);
@@ -351,6 +383,26 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
 double joint_reach(const BuildReport& report, double reach) {
   for (const LayerReport& l : report.layers) reach = std::max(reach, 3 * l.quality.mean_thickness);
   return reach;
+}
+
+/// How each layer comes to its end.
+void tell_rims(const BuildRequest& request, const BuiltJoint& joint, BuildReport& report) {
+  for (std::size_t l = 0; l < joint.layers.size(); ++l) {
+    LayerReport& r = report.layers[l];
+    if (joint.layers[l].bare) continue;
+    r.rim = sheet_rim(joint.layers[l]);
+    if (r.rim.rims == 0) continue;
+    if (r.fade > 0)
+      report.findings.push_back(fmt::format(
+          "{}: thins out over {:.3g} before its rim, to {:.3g} in the mean there{} (fade)", joint.layers[l].name,
+          r.fade, r.rim.thickness, request.fade ? "" : ", for half the gap has no rim of its own; 0 lets it end"));
+    else
+      report.findings.push_back(
+          fmt::format("{}: ends at its rim, {:.3g} thick in the mean there; where it is pressed there, patches of "
+                      "pressure follow the "
+                      "rim: a width to thin out over avoids them (fade)",
+                      joint.layers[l].name, r.rim.thickness));
+  }
 }
 
 /// Layers made here give way to each other and to segmented ones.
@@ -373,7 +425,7 @@ void thin_overlaps(const BuildRequest& request, double reach, BuiltJoint& joint,
 }
 
 void add_contacts(const BuildRequest& request, double reach, BuiltJoint& joint, BuildReport& report) {
-  const double within = joint_reach(report, reach);
+  const double within = report.reach = joint_reach(report, reach);
   std::vector<RayCaster> faces;
   for (const BuiltLayer& l : joint.layers) faces.emplace_back(mesh_of(l.face()));
   for (std::size_t a = 0; a < joint.layers.size(); ++a)
@@ -446,7 +498,9 @@ BuiltJoint build_joint(const BuildRequest& request, BuildReport& report) {
     BuiltBody body;
     body.name = bone.name;
     body.fixed = bone.fixed;
+    body.held = bone.held;
     body.force = bone.force;
+    body.forces = bone.forces;
     joint.bodies.push_back(body);
     const auto own = [&](const CartilageRequest& c) { return c.bone == static_cast<int>(b); };
     const auto cartilage = std::find_if(request.cartilages.begin(), request.cartilages.end(), own);
@@ -459,13 +513,18 @@ BuiltJoint build_joint(const BuildRequest& request, BuildReport& report) {
     } else {
       BuiltLayer bare{bone.name + "_bone",       static_cast<int>(b), true, bones[b].surface.points, {},
                       bones[b].surface.triangles};
-      report.layers.push_back({"no cartilage", 0, 0, 0, 0, 0, {}, sheet_quality(bare, 1)});
+      LayerReport said;
+      said.way = "no cartilage";
+      said.quality = sheet_quality(bare, 1);
+      said.rim = sheet_rim(bare);
+      report.layers.push_back(said);
       joint.layers.push_back(std::move(bare));
       report.findings.push_back(fmt::format("{}: no cartilage is given, the bare bone bears", bone.name));
     }
     set_center(bone, static_cast<int>(b), joint, report);
   }
   thin_overlaps(request, reach, joint, report);
+  tell_rims(request, joint, report);
   add_contacts(request, reach, joint, report);
   if (joint.contacts.empty())
     throw InputError(

@@ -5,6 +5,7 @@
 //
 // Frame: the scans'. Lengths: theirs, mm as a rule. Nothing here knows a file.
 #pragma once
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,7 +22,9 @@ struct BoneRequest {
   bool closed = true;
   std::optional<Eigen::Vector3d> center;  ///< in place of the one that is found
   bool fixed = true;
+  std::array<bool, 3> held = {false, false, false};  ///< if not fixed: directions in which it is held all the same
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> forces;  ///< of a table, one per row; empty: `force` alone
 };
 
 struct CartilageRequest {
@@ -41,13 +44,16 @@ struct CartilageRequest {
   std::optional<GivenRegion> region;    ///< not Segmented
 };
 
+/// The thickest that is asked for; 0: segmented.
+double asked_thickness(const CartilageRequest& cartilage);
+
 struct BuildRequest {
   std::vector<BoneRequest> bones;
   std::vector<CartilageRequest> cartilages;  ///< one per bone at most
   std::optional<double> reach;  ///< gaps between bones below it belong to a region; empty: 3 times the thickest layer
   double rim_length = 2.0;      ///< over which rims and thicknesses are smoothed
-  std::optional<double> fade;   ///< width over which layers made here thin out to their least (or a tenth) at the
-                                ///< rim; empty: HalfGap rim_length, others 0
+  std::optional<double> fade;   ///< width over which all layers thin out to their least (or a tenth) at the rim;
+                                ///< empty: HalfGap rim_length, others 0
   bool fill_holes = true;
   std::optional<double> edge;  ///< remeshed to it; empty: triangles stay
   int elements_through = 2;
@@ -65,6 +71,8 @@ struct LayerReport {
   int under = 0;   ///< vertices inside the bone
   SheetChanges changes;
   SheetQuality quality;
+  double fade = 0.0;  ///< width over which it thins out before its rim; 0: it ends there
+  SheetRim rim;
 };
 
 struct ContactReport {
@@ -76,6 +84,7 @@ struct BuildReport {
   std::vector<std::string> findings;  ///< what was concluded, a line each
   std::vector<LayerReport> layers;    ///< as in BuiltJoint
   std::vector<ContactReport> contacts;
+  double reach = 0.0;  ///< up to which gap articular surfaces face each other
 };
 
 /// Throws InputError: bones far apart or inside each other, no region, a cartilage surface that is nowhere near its

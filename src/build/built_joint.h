@@ -1,5 +1,6 @@
 // febiodea/build/built_joint.h – a joint made of surfaces: what a model file is written from.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -25,8 +26,10 @@ struct BuiltBody {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< where its force acts, and about which it turns
   std::string center_words;                          ///< how it was found
   bool fixed = true;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  TriangleSurface shell;  ///< the bone, to be looked at and to carry the body; may be empty
+  std::array<bool, 3> held = {false, false, false};  ///< if not fixed: directions in which it is held all the same
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< in the last step, or of the table's first row
+  std::vector<Eigen::Vector3d> forces;               ///< of a table, one per row; empty: `force` alone
+  TriangleSurface shell;                             ///< the bone, to be looked at and to carry the body; may be empty
 };
 
 struct BuiltContact {
@@ -38,7 +41,19 @@ struct BuiltJoint {
   std::vector<BuiltBody> bodies;
   std::vector<BuiltLayer> layers;
   std::vector<BuiltContact> contacts;
+
+  /// How many loads there are, one after the other: rows of the longest table, or 1.
+  std::size_t loads() const {
+    std::size_t count = 1;
+    for (const BuiltBody& b : bodies) count = std::max(count, b.forces.size());
+    return count;
+  }
 };
+
+/// The force of a load, counted from 0.
+inline const Eigen::Vector3d& force_of(const BuiltBody& body, std::size_t load) {
+  return load < body.forces.size() ? body.forces[load] : body.force;
+}
 
 /// What the model file says beside the geometry.
 struct BuiltModelSettings {

@@ -41,6 +41,17 @@ std::vector<double> joint_gaps(const BuiltLayer& layer, const RayCaster& other, 
   return gaps;
 }
 
+std::vector<double> layer_gaps(const BuiltJoint& joint, int layer, double reach) {
+  std::vector<double> gaps(joint.layers[at(layer)].articular.size(), kInfinity);
+  for (const BuiltContact& c : joint.contacts) {
+    if (c.primary != layer && c.secondary != layer) continue;
+    const BuiltLayer& other = joint.layers[at(c.primary == layer ? c.secondary : c.primary)];
+    const std::vector<double> to = joint_gaps(joint.layers[at(layer)], RayCaster(mesh_of(other.face())), reach);
+    for (std::size_t v = 0; v < gaps.size(); ++v) gaps[v] = std::min(gaps[v], to[v]);
+  }
+  return gaps;
+}
+
 std::vector<Thinned> clear_overlaps(std::vector<BuiltLayer>& layers, const std::vector<char>& made, double reach) {
   const std::vector<BuiltLayer> wanted = layers;
   for (int round = 0; round < kRounds; ++round) {

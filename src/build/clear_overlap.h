@@ -11,6 +11,9 @@ namespace dea {
 /// does not face it within reach.
 std::vector<double> joint_gaps(const BuiltLayer& layer, const RayCaster& other, double reach);
 
+/// Per vertex of a layer the least of these to the layers that it has a contact with.
+std::vector<double> layer_gaps(const BuiltJoint& joint, int layer, double reach);
+
 /// How much thinner layers became.
 struct Thinned {
   int vertices = 0;

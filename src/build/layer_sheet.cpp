@@ -7,8 +7,10 @@
 #include <cmath>
 #include <functional>
 
+#include <febiodea/base/disjoint_sets.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/build/mend_surface.h>
+#include <febiodea/build/pseudonormal.h>
 #include <febiodea/build/region.h>
 
 namespace dea {
@@ -119,13 +121,11 @@ SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through) {
   q.mean_edge = mean_edge(layer.face());
   if (layer.bare) return q;
   q.least_jacobian = q.least_thickness = kInfinity;
-  for (const Triangle& t : layer.triangles)
-    for (int e = 0; e < elements_through; ++e) {
-      const double jacobian = column_jacobian(layer, t, elements_through, e);
-      q.least_jacobian = std::min(q.least_jacobian, jacobian);
-      q.mean_jacobian += jacobian / static_cast<double>(layer.triangles.size()) / elements_through;
-      q.inside_out += jacobian <= 0;
-    }
+  for (const double jacobian : prism_jacobians(layer, elements_through)) {
+    q.least_jacobian = std::min(q.least_jacobian, jacobian);
+    q.mean_jacobian += jacobian / static_cast<double>(layer.triangles.size()) / elements_through;
+    q.inside_out += jacobian <= 0;
+  }
   const std::vector<double> areas = point_areas(layer.face());
   for (std::size_t v = 0; v < layer.bone.size(); ++v) {
     const double thickness = (layer.articular[v] - layer.bone[v]).norm();
@@ -134,6 +134,60 @@ SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through) {
     q.mean_thickness += thickness * areas[v] / q.area;
   }
   return q;
+}
+
+std::vector<double> prism_jacobians(const BuiltLayer& layer, int elements_through) {
+  std::vector<double> all;
+  if (layer.bare) return all;
+  for (const Triangle& t : layer.triangles)
+    for (int e = 0; e < elements_through; ++e) all.push_back(column_jacobian(layer, t, elements_through, e));
+  return all;
+}
+
+SheetRim sheet_rim(const BuiltLayer& layer) {
+  SheetRim rim;
+  const TriangleSurface face = layer.face();
+  const auto neighbours = edge_neighbours(face);
+  const auto thickness = [&](int v) { return layer.bare ? 0.0 : (layer.articular[at(v)] - layer.bone[at(v)]).norm(); };
+  DisjointSets lines(face.points.size());
+  std::vector<char> on_rim(face.points.size(), 0);
+  for (std::size_t t = 0; t < neighbours.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (neighbours[t][k] >= 0) continue;
+      const int a = face.triangles[t][k], b = face.triangles[t][(k + 1) % 3];
+      const double length = (face.points[at(a)] - face.points[at(b)]).norm();
+      rim.length += length;
+      rim.thickness += length * (thickness(a) + thickness(b)) / 2;
+      on_rim[at(a)] = on_rim[at(b)] = 1;
+      lines.join(a, b);
+    }
+  for (std::size_t v = 0; v < on_rim.size(); ++v)
+    rim.rims += on_rim[v] && lines.root(static_cast<int>(v)) == static_cast<int>(v);
+  if (rim.length > 0) rim.thickness /= rim.length;
+  return rim;
+}
+
+void fade_at_rim(std::vector<double>& thickness, const std::vector<double>& rim, double fade, double least) {
+  for (std::size_t i = 0; i < thickness.size(); ++i) {
+    const double s = std::min(1.0, rim[i] / fade);
+    thickness[i] = std::min(thickness[i], least) + std::max(0.0, thickness[i] - least) * s * s * (3 - 2 * s);
+  }
+}
+
+void fade_layer(BuiltLayer& layer, double fade, double least, int elements_through, SheetChanges& changes) {
+  std::vector<double> was, thickness;
+  for (std::size_t v = 0; v < layer.bone.size(); ++v) was.push_back((layer.articular[v] - layer.bone[v]).norm());
+  thickness = was;
+  fade_at_rim(thickness, distances_to_rim(layer.face()), fade, least);
+  for (std::size_t v = 0; v < was.size(); ++v)
+    layer.articular[v] = layer.bone[v] + thickness[v] / was[v] * (layer.articular[v] - layer.bone[v]);
+  const SheetChanges more = relax(layer, elements_through, {&layer.articular, &layer.bone, {}});
+  changes.turned += more.turned;
+  changes.thinned += more.thinned;
+  if (more.most_thinned > changes.most_thinned) changes.where = more.where;
+  changes.most_turned = std::max(changes.most_turned, more.most_turned);
+  changes.most_thinned = std::max(changes.most_thinned, more.most_thinned);
+  changes.sound = more.sound;
 }
 
 BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector3d>& directions,
@@ -150,6 +204,7 @@ BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Vector
 Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
   constexpr double kCos60 = 0.5;
   const std::vector<Vector3d> normals = point_normals(articular);
+  const std::vector<Vector3d> at_vertices = angle_weighted_normals(bone.mesh());
   const std::size_t n = articular.points.size();
   Beneath beneath{std::vector<double>(n), std::vector<char>(n, 0), std::vector<char>(n, 0)};
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
@@ -162,7 +217,7 @@ Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone) {
     const SurfacePoint closest = bone.closest(x);
     const Vector3d away = x - position(bone.mesh(), closest);
     beneath.missed[v] = 1;
-    beneath.under[v] = away.dot(bone.mesh().normals[at(closest.triangle)]) < 0;
+    beneath.under[v] = away.dot(pseudonormal(bone.mesh(), at_vertices, closest)) < 0;
     beneath.thickness[v] = beneath.under[v] ? 0.0 : away.norm();
   });
   return beneath;

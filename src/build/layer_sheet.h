@@ -28,6 +28,18 @@ struct SheetQuality {
 };
 SheetQuality sheet_quality(const BuiltLayer& layer, int elements_through);
 
+/// Per prism its least Jacobian as above: of triangle t those at t * elements_through and behind, from the bone
+/// upwards. Empty: a bare bone.
+std::vector<double> prism_jacobians(const BuiltLayer& layer, int elements_through);
+
+/// The edge of a layer, where it ends or has thinned out.
+struct SheetRim {
+  int rims = 0;            ///< closed lines; a hole is one
+  double length = 0.0;     ///< of all
+  double thickness = 0.0;  ///< mean along them
+};
+SheetRim sheet_rim(const BuiltLayer& layer);
+
 /// Cartilage of this thickness (per point, > 0) on a part of a bone, along the given directions (unit, out of the
 /// bone): the bone's points stay.
 BuiltLayer layer_on_bone(const TriangleSurface& region, const std::vector<Eigen::Vector3d>& directions,
@@ -45,5 +57,13 @@ Beneath bone_beneath(const TriangleSurface& articular, const RayCaster& bone);
 /// normals). Thickness below `least` is raised to it, into the bone: `raised` vertices.
 BuiltLayer layer_under_surface(const TriangleSurface& articular, const RayCaster& bone, double least,
                                int elements_through, SheetChanges& changes, int& raised);
+
+/// Thickness before a rim: whole from `fade` on, `least` (or less, where it was) at the rim, between them by the cubic
+/// s^2 (3 - 2 s), which is level at both ends. `thickness`: per point; `rim`: per point its distance to the rim.
+void fade_at_rim(std::vector<double>& thickness, const std::vector<double>& rim, double fade, double least);
+
+/// The same of a layer that is there: its articular points move towards the bone. Adds to `changes` what had to give
+/// way beyond that so that no element is inside out.
+void fade_layer(BuiltLayer& layer, double fade, double least, int elements_through, SheetChanges& changes);
 
 }  // namespace dea

@@ -302,6 +302,7 @@ MendedSurface mend_surface(const TriangleSurface& surface) {
   orient(s, faults);
   cut_loose(s);
   s = without_islands(s, faults);
+  if (s.triangles.empty()) return mended;
   turn_outwards(s, faults);
   count_rims(s, faults);
   return mended;

@@ -31,8 +31,8 @@ struct MendedSurface {
   bool closed() const { return faults.rim_edges == 0 && faults.non_manifold == 0; }
 };
 
-/// Each point once, triangles with area, parts oriented alike; closed parts outwards, open ones as most of their
-/// triangles were.
+/// Empty: no triangle has an area, or the surface falls into islands, none of them large enough. Each point once,
+/// triangles with area, parts oriented alike; closed parts outwards, open ones as most of their triangles were.
 MendedSurface mend_surface(const TriangleSurface& surface);
 
 /// What was found, in words: "3 holes", "12 triangles turned"; empty: nothing.

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
 #include <febiodea/views/data/build_json.h>
@@ -31,10 +33,39 @@ Json layer_json(const BuildSummary& s, std::size_t l) {
   j["points_in_bone"] = r.under;
   j["holes_filled"] = r.holes_filled;
   j["parts_left_out"] = r.parts_left_out;
+  j["fade"] = json_number(r.fade);
+  j["rims"] = r.rim.rims;
+  j["rim_length"] = json_number(r.rim.length);
+  j["rim_thickness"] = number(r.rim.thickness);
+  return j;
+}
+
+Json load_json(const BuildSummary& s, std::size_t i) {
+  const BuildBalance& b = s.balances[i];
+  Json j;
+  j["time"] = json_number(b.time);
+  j["table_time"] = i < s.load_times.size() ? json_number(s.load_times[i]) : Json(nullptr);
+  j["balanced"] = b.found;
+  j["balance"] = b.words;
+  j["bones"] = Json::array();
+  for (std::size_t k = 0; k < s.joint.bodies.size(); ++k) {
+    const BuiltBody& body = s.joint.bodies[k];
+    if (body.fixed) continue;
+    j["bones"].push_back({{"name", body.name},
+                          {"force", json_vector(force_of(body, i))},
+                          {"displacement", b.found ? json_vector(b.displacement[k]) : Json(nullptr)}});
+  }
+  j["contacts"] = Json::array();
+  for (const BuildBalance::Contact& c : b.contacts)
+    j["contacts"].push_back({{"name", c.name}, {"headline", b.found ? headline_json(c.headline) : Json(nullptr)}});
   return j;
 }
 
 }  // namespace
+
+bool all_balanced(const BuildSummary& s) {
+  return std::all_of(s.balances.begin(), s.balances.end(), [](const BuildBalance& b) { return b.found; });
+}
 
 Json build_json(const BuildSummary& s) {
   Json j;
@@ -49,7 +80,11 @@ Json build_json(const BuildSummary& s) {
     one["center_from"] = body.center_words;
     one["held"] = body.fixed;
     one["force"] = body.fixed ? Json(nullptr) : json_vector(body.force);
-    one["seat"] = body.fixed || !s.balanced ? Json(nullptr) : json_vector(s.seat[b]);
+    const BuildBalance& first = s.balances.front();
+    one["seat"] = body.fixed || !first.found ? Json(nullptr) : json_vector(first.displacement[b]);
+    one["held_directions"] = Json::array();
+    for (std::size_t c = 0; c < 3; ++c)
+      if (body.fixed || body.held[c]) one["held_directions"].push_back(std::string(1, "xyz"[c]));
     j["bones"].push_back(one);
   }
   for (std::size_t l = 0; l < s.joint.layers.size(); ++l) j["layers"].push_back(layer_json(s, l));
@@ -62,10 +97,15 @@ Json build_json(const BuildSummary& s) {
     one["facing"] = json_number(s.report.contacts[c].facing);
     j["contacts"].push_back(one);
   }
-  j["balanced"] = s.balanced;
-  j["balance"] = s.balance;
-  j["headline"] = s.balanced ? headline_json(s.headline) : Json(nullptr);
+  const auto failed =
+      std::find_if(s.balances.begin(), s.balances.end(), [](const BuildBalance& b) { return !b.found; });
+  const BuildBalance& first = s.balances.front();
+  j["balanced"] = failed == s.balances.end();
+  j["balance"] = failed == s.balances.end() ? first.words : failed->words;
+  j["headline"] =
+      first.found && !first.contacts.empty() ? headline_json(first.contacts.front().headline) : Json(nullptr);
   j["findings"] = s.report.findings;
+  for (std::size_t i = 0; i < s.balances.size(); ++i) j["loads"].push_back(load_json(s, i));
   return j;
 }
 

@@ -8,17 +8,30 @@
 
 namespace dea {
 
+/// How the joint stands under one load.
+struct BuildBalance {
+  struct Contact {
+    std::string name;
+    Headline headline;  ///< of its primary surface
+  };
+  bool found = false;
+  double time = 0.0;                          ///< of the model
+  std::string words;                          ///< how the search ended
+  std::vector<Eigen::Vector3d> displacement;  ///< per body
+  std::vector<Contact> contacts;              ///< empty: nothing was solved
+};
+
 /// What `dea build` has to tell. Views of what the command holds.
 struct BuildSummary {
   const std::string& output;
   const BuiltJoint& joint;
   const BuildReport& report;
   const BuiltModelSettings& model;
-  bool balanced = false;
-  const std::string& balance;                ///< in words
-  const std::vector<Eigen::Vector3d>& seat;  ///< per body
-  Headline headline;                         ///< of the first contact's primary surface, in balance
+  const std::vector<BuildBalance>& balances;  ///< one per load
+  const std::vector<double>& load_times;      ///< of the table, per load; empty: there is none
 };
+
+bool all_balanced(const BuildSummary& summary);
 
 /// docs/results.md says what its keys are.
 Json build_json(const BuildSummary& summary);

@@ -10,6 +10,7 @@ std::string_view three(), plot();                     ///< vendor/*.min.js: glob
 std::string_view data(), scene(), figures(), main();  ///< page/*.js, in the order they are run
 std::string_view study_style();
 std::string_view study_figures(), study_maps(), study_main();  ///< of a study's page, behind figures(), in this order
-std::string_view licences();                          ///< vendor/LICENCES.txt
+std::string_view build_style(), build_main();                  ///< of the page of dea build
+std::string_view licences();                                   ///< vendor/LICENCES.txt
 
 }  // namespace dea::page

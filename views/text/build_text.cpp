@@ -1,38 +1,50 @@
+#include <febiodea/views/text/build_text.h>
+
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <febiodea/base/numbers.h>
-#include <febiodea/views/text/build_text.h>
-#include <febiodea/views/text/table.h>
+#include <febiodea/base/time_text.h>
 
 namespace dea {
 
-namespace {
-
-/// Where layers are not as they were wanted.
-std::string changes_text(const BuildSummary& s) {
-  std::string text;
-  for (std::size_t l = 0; l < s.joint.layers.size(); ++l) {
-    const LayerReport& r = s.report.layers[l];
-    const auto add = [&](int count, const std::string& what) {
-      if (count > 0) text += fmt::format("{}: {} {}\n", s.joint.layers[l].name, count, what);
-    };
-    add(r.changes.turned,
-        fmt::format("points turned, by {:.2g} degrees at most, so that no element is inside out; most at {}",
-                    r.changes.most_turned * kDegreesPerRadian, vector_text(r.changes.where)));
-    add(r.changes.thinned,
-        fmt::format("points of another thickness for that, by {:.2g} % at most", 100 * r.changes.most_thinned));
-    add(r.raised, "points raised to the least thickness");
-    add(r.under, "points inside the bone");
-    add(r.missed - r.under, "points whose thickness is that to the nearest point of the bone");
-    add(r.holes_filled, "holes filled");
-    add(r.parts_left_out, "small parts left out");
-  }
-  return text;
+std::vector<std::string> build_warnings(const BuildSummary& s) {
+  std::vector<std::string> lines;
+  for (const BuildBalance& b : s.balances)
+    if (!b.found)
+      lines.push_back(s.balances.size() == 1
+                          ? "dea finds no balance under the force: " + b.words
+                          : fmt::format("dea finds no balance under the load at time {:g}: {}", b.time, b.words));
+  return lines;
 }
 
-}  // namespace
+std::vector<std::string> layer_changes(const BuildSummary& s) {
+  std::vector<std::string> lines;
+  for (std::size_t l = 0; l < s.joint.layers.size(); ++l) {
+    const LayerReport& r = s.report.layers[l];
+    const auto add = [&](int count, const char* noun, const std::string& what) {
+      if (count > 0)
+        lines.push_back(
+            fmt::format("{}: {} {}{} {}", s.joint.layers[l].name, count, noun, count == 1 ? "" : "s", what));
+    };
+    add(r.changes.turned, "point",
+        fmt::format("turned, by {:.2g} degrees at most, so that no element is inside out; most at {}",
+                    r.changes.most_turned * kDegreesPerRadian, vector_text(r.changes.where)));
+    add(r.changes.thinned, "point",
+        fmt::format("of another thickness for that, by {:.2g} % at most", 100 * r.changes.most_thinned));
+    add(r.raised, "point", "raised to the least thickness");
+    add(r.under, "point", "inside the bone");
+    add(r.missed - r.under, "point", "whose thickness is that to the nearest point of the bone");
+    add(r.holes_filled, "hole", "filled");
+    add(r.parts_left_out, "small part", "left out");
+  }
+  return lines;
+}
 
-std::string build_text(const BuildSummary& s) {
+namespace {
+
+TitledTable layer_table(const BuildSummary& s) {
   TitledTable layers{"Cartilage [mm]",
                      {{"layer", "way", "triangles", "area", "edge", "thickness", "mean", "most", "Jacobian", "mean"},
                       "llrrrrrrrr",
@@ -46,19 +58,66 @@ std::string build_text(const BuildSummary& s) {
       row.push_back(layer.bare ? "-" : four_digits(x));
     layers.table.rows.push_back(row);
   }
+  return layers;
+}
+
+TitledTable rim_table(const BuildSummary& s) {
+  TitledTable rims{"Rims [mm]", {{"layer", "rims", "length", "thickness there", "thins out over"}, "lrrrr", {}}};
+  for (std::size_t l = 0; l < s.joint.layers.size(); ++l) {
+    const LayerReport& r = s.report.layers[l];
+    if (s.joint.layers[l].bare) continue;
+    rims.table.rows.push_back({s.joint.layers[l].name, std::to_string(r.rim.rims), four_digits(r.rim.length),
+                               r.rim.rims == 0 ? "-" : four_digits(r.rim.thickness),
+                               r.fade > 0 ? four_digits(r.fade) : "ends"});
+  }
+  return rims;
+}
+
+TitledTable contact_table(const BuildSummary& s) {
   TitledTable contacts{"Contacts [mm]", {{"primary", "secondary", "facing", "least gap"}, "llrr", {}}};
   for (std::size_t c = 0; c < s.joint.contacts.size(); ++c)
     contacts.table.rows.push_back(
         {s.joint.layers[at(s.joint.contacts[c].primary)].name, s.joint.layers[at(s.joint.contacts[c].secondary)].name,
          fmt::format("{:.0f} %", 100 * s.report.contacts[c].facing), four_digits(s.report.contacts[c].least_gap)});
-  std::string text = s.output + "\n" + tables_text({layers, contacts}) + changes_text(s);
-  if (s.balanced) {
+  return contacts;
+}
+
+TitledTable seat_table(const BuildSummary& s) {
+  TitledTable seats{"Balance by dea [mm, N]", {{"time", "bone", "force", "moves by"}, "rlll", {}}};
+  for (std::size_t i = 0; i < s.balances.size(); ++i)
     for (std::size_t b = 0; b < s.joint.bodies.size(); ++b)
       if (!s.joint.bodies[b].fixed)
-        text += fmt::format("{} seats at {}\n", s.joint.bodies[b].name, vector_text(s.seat[b]));
-    text += fmt::format("pressure there [MPa, mm^2]: p99 {}, mean {}, area {}, peak {}\n", four_digits(s.headline.p99),
-                        four_digits(s.headline.mean), four_digits(s.headline.area), four_digits(s.headline.peak));
-  }
+        seats.table.rows.push_back({time_text(s.balances[i].time), s.joint.bodies[b].name,
+                                    vector_text(force_of(s.joint.bodies[b], i)),
+                                    s.balances[i].found ? vector_text(s.balances[i].displacement[b]) : "no balance"});
+  return seats;
+}
+
+TitledTable pressure_table(const BuildSummary& s) {
+  TitledTable pressures{"Pressure in balance [MPa, mm^2]",
+                        {{"time", "contact", "p99", "mean", "area", "peak"}, "rlrrrr", {}}};
+  for (const BuildBalance& b : s.balances)
+    for (const BuildBalance::Contact& c : b.contacts) {
+      if (!b.found) continue;
+      pressures.table.rows.push_back({time_text(b.time), c.name});
+      for (const HeadlineNumber& number : kHeadlineNumbers)
+        pressures.table.rows.back().push_back(four_digits(c.headline.*number.value));
+    }
+  return pressures;
+}
+
+}  // namespace
+
+std::vector<TitledTable> build_tables(const BuildSummary& s) {
+  std::vector<TitledTable> tables = {layer_table(s), rim_table(s), contact_table(s), seat_table(s)};
+  const TitledTable pressures = pressure_table(s);
+  if (!pressures.table.rows.empty()) tables.push_back(pressures);
+  return tables;
+}
+
+std::string build_text(const BuildSummary& s) {
+  std::string text = s.output + "\n" + tables_text(build_tables(s));
+  for (const std::string& change : layer_changes(s)) text += change + "\n";
   return text;
 }
 

@@ -1,10 +1,19 @@
 // febiodea/views/text/build_text.h – what dea build made, as tables.
 #pragma once
 #include <string>
+#include <vector>
 
 #include <febiodea/views/data/build_json.h>
+#include <febiodea/views/text/table.h>
 
 namespace dea {
+
+/// Loads without a balance, a line each.
+std::vector<std::string> build_warnings(const BuildSummary& summary);
+/// Where layers are not as they were wanted, a line each.
+std::vector<std::string> layer_changes(const BuildSummary& summary);
+/// Layers, rims, contacts, balances; the page has the same.
+std::vector<TitledTable> build_tables(const BuildSummary& summary);
 
 std::string build_text(const BuildSummary& summary);
 

@@ -410,33 +410,7 @@ const Page = (() => {
 
   // ---- all maps in one picture, on white ----
   async function saveMaps() {
-    const k = 2.5, ink = Colours.ink.light, side = 340, gap = 14, headHeight = 34, pad = 16;
-    const columns = Math.min(panels.length, 4), rows = Math.ceil(panels.length / columns);
-    const width = Math.max(2 * pad + columns * side + (columns - 1) * gap, 420), barHeight = 76;
-    const perRow = width > 1000 ? 2 : 1, barRows = Math.ceil(state.bars.length / perRow);
-    const height = 2 * pad + rows * (side + headHeight) + (rows - 1) * gap + barRows * (barHeight + 6) + 8;
-    const canvas = document.createElement("canvas"), c = canvas.getContext("2d");
-    maps.plain = false;
-    canvas.width = Math.round(width * k);
-    canvas.height = Math.round(height * k);
-    c.fillStyle = ink.paper;
-    c.fillRect(0, 0, canvas.width, canvas.height);
-    const font = getComputedStyle(document.body).fontFamily;
-    panels.forEach((p, i) => {
-      const x = pad + (i % columns) * (side + gap), y = pad + Math.floor(i / columns) * (side + headHeight + gap);
-      c.fillStyle = ink.ink;
-      c.font = `600 ${16 * k}px ${font}`;
-      c.textAlign = "left";
-      c.textBaseline = "alphabetic";
-      c.fillText(Figures.cut(p.title(), 17, side), x * k, (y + 20) * k);
-      maps.drawPanel(p, c, Math.round(x * k), Math.round((y + headHeight - 6) * k), Math.round(side * k), Math.round(side * k), k, ink);
-    });
-    state.bars.forEach((scale, i) => {
-      const each = Math.min(700, (width - 2 * pad - (perRow - 1) * 30) / perRow);
-      drawBar(c, (pad + (i % perRow) * (each + 30)) * k, (height - pad - (barRows - Math.floor(i / perRow)) * (barHeight + 6)) * k, each, k, scale, ink, maps.options.contours);
-    });
-    Figures.save(await new Promise((done) => canvas.toBlob(done, "image/png")), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
-    maps.request();
+    Figures.save(await mapsPicture(maps, panels, state.bars), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
   }
 
   // ---- tables, texts, provenance ----
