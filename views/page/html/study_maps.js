@@ -12,15 +12,16 @@ const StudyMaps = (() => {
   const contacts = () => [...new Map(about.surfaces.map((s) => [s.contact_id + " " + s.contact, s.contact])).entries()];
   const surfaceOf = (field) => about.surfaces[field.surface];
   const ofContact = (field) => surfaceOf(field).contact_id + " " + surfaceOf(field).contact === view.contact;
-  const gridded = () => Report.grid && Report.columns.length > 0;
+  const own = Report.columns.filter((c) => !c.of);  // the study's; those of a table of subjects stand behind them
+  const gridded = () => Report.grid && own.length > 0;
 
   function index() {
     byLevels = new Map();
     for (const f of about.fields) {
       if (!ofContact(f)) continue;
-      byLevels.set(keyOf(f.levels), f);
+      byLevels.set(keyOf(f.levels.slice(0, own.length)), f);
     }
-    kept = Report.columns.map((c, k) => [...new Set(about.fields.filter(ofContact).map((f) => f.levels[k]))].sort((a, b) => a - b));
+    kept = own.map((c, k) => [...new Set(about.fields.filter(ofContact).map((f) => f.levels[k]))].sort((a, b) => a - b));
     sorted();
   }
   function sorted() {
@@ -197,7 +198,7 @@ const StudyMaps = (() => {
       parts.push(`case ${f.number}`, ...Report.columns.map((c, k) => `${c.name} = ${c.levels[f.levels[k]]}`));
       if (place >= 0 && i >= 0 && ["state", "largest"].includes(view.show) && now.shown) {
         const choice = view.show === "state" ? view.state : Report.study.states;
-        Report.statistics.forEach((s, k) => { const v = Study.kept.get(k + "," + place); if (v) parts.push(`${s.quantity} ${Format.printed(v[i * Report.choices.length + choice], s.dimension)}`); });
+        Report.statistics.forEach((s, k) => { if (StudyFigures.isInside(k) && k !== page.state.statistic) return; const v = Study.kept.get(k + "," + place); if (v) parts.push(`${s.quantity} ${Format.printed(v[i * Report.choices.length + choice], s.dimension)}`); });
       }
     }
     if (solid.hover || flat.hover) {
@@ -220,7 +221,7 @@ const StudyMaps = (() => {
     host.replaceChildren();
     if (gridded()) {
       view.at = kept.map((levels, k) => Math.min(view.at[k] ?? Math.floor((levels.length - 1) / 2), levels.length - 1));
-      Report.columns.forEach((c, k) => host.append(slider("factor" + k, c.name, kept[k].length - 1, view.between && c.numeric ? 0.05 : 1, view.at[k], (x) => { view.at[k] = x; update(); }, "level" + k)));
+      own.forEach((c, k) => host.append(slider("factor" + k, c.name, kept[k].length - 1, view.between && c.numeric ? 0.05 : 1, view.at[k], (x) => { view.at[k] = x; update(); }, "level" + k)));
     } else if (order.length > 1) {
       host.append(slider("position", "case", order.length - 1, 1, view.position, (x) => { view.position = x; update(); }, "level-case"));
       const by = make("select", { id: "sort", onchange: (e) => { view.sort = Number(e.target.value); sorted(); update(); } });
@@ -267,7 +268,7 @@ const StudyMaps = (() => {
     controls.append(make("button", { id: "map-cycle", text: "over the cycle", "aria-pressed": "false", onclick: (e) => { view.stateKind = overCycle() ? "state" : "cycle"; e.target.setAttribute("aria-pressed", String(overCycle())); update(); } }));
     const scale = make("select", { id: "map-range", onchange: (e) => { view.range = e.target.value; update(); } }, option("all", "all maps"), option("map", "this map"));
     controls.append(make("label", {}, "Scale", scale));
-    if (gridded() && Report.columns.some((c) => c.numeric))
+    if (gridded() && own.some((c) => c.numeric))
       controls.append(make("button", { id: "between", text: "between stored cases", title: "Lets the sliders stop between stored cases: maps are then linear between them, not solved", "aria-pressed": "false", onclick: (e) => {
         view.between = !view.between;
         e.target.setAttribute("aria-pressed", String(view.between));
@@ -376,7 +377,7 @@ const StudyMaps = (() => {
   }
   // The state in which the first case that is shown bears most.
   function loadedState() {
-    const of = corners(), force = Report.statistics.length - 1;
+    const of = corners(), force = Report.statistics.findIndex((s) => s.name === "force");
     if (!of) return 0;
     const place = Report.places.findIndex((p) => p.part === "" && p.contact === surfaceOf(of[0].field).contact), i = page.placeOf(of[0].field.number), v = Study.kept.get(force + "," + place);
     if (!v || i < 0) return 0;
@@ -394,7 +395,7 @@ const StudyMaps = (() => {
   function showCase(number) {
     const f = about.fields.find((x) => x.number === number && ofContact(x));
     if (!f) return false;
-    if (gridded()) { view.at = f.levels.map((l, k) => kept[k].indexOf(l)); sliders(); } else { view.position = order.indexOf(f); $("position") && ($("position").value = String(view.position)); }
+    if (gridded()) { view.at = own.map((c, k) => f.levels[k]).map((l, k) => kept[k].indexOf(l)); sliders(); } else { view.position = order.indexOf(f); $("position") && ($("position").value = String(view.position)); }
     update();
     return true;
   }
