@@ -173,7 +173,7 @@ StudyPageOptions page_options(const py::dict& given) {
     return given[name].is_none() ? std::nullopt : std::optional<double>(given[name].cast<double>());
   };
   StudyPageOptions o;
-  o.names = {"group", "pair", "pair_by"};
+  o.names = {"group", "pair", "pair_by", "cycle_seconds"};
   o.group = given["group"].cast<std::string>();
   o.pair = given["pair"].cast<std::string>();
   o.pair_by = given["pair_by"].cast<std::string>();

@@ -277,10 +277,18 @@ TEST_F(StudyPage, DoseOfAConstantPressure) {
     EXPECT_NEAR(of["exposure"], x * years, 1e-6);
     EXPECT_NEAR(of["shares"][0], x > 2.5 ? 1 : 0, 1e-12);
   }
+  o.maps.cycles_per_year.reset();
+  o.maps.years.reset();
+  EXPECT_NEAR(page(o).data["maps"]["dose"]["cases"][3]["exposure"], 4 * 1.1, 1e-6);  // of one cycle, in seconds
+  o.maps.cycles_per_year = 2e6;
+  o.maps.years = 20;
   write_uniform((folder.path / "percent.db").string(), 2, {1, 1}, 100.0);
   path = (folder.path / "percent.db").string();
   o.maps.cycle_seconds.reset();
-  EXPECT_NE(fault(o).find("found states over 100 units of time"), std::string::npos) << fault(o);
+  EXPECT_EQ(
+      fault(o),
+      "a dose over years: found states over 100 units of time, which are no seconds of a cycle (10 at most; time in "
+      "percent or steps?), expected how long a cycle takes: --cycle-seconds");
   o.maps.cycle_seconds = 1.0;
   EXPECT_EQ(fault(o), "no fault");
 }
@@ -460,6 +468,92 @@ TEST_F(StudySubjects, SubjectsAreTheirOwnPartners) {
   EXPECT_NEAR(of["sd"], std::sqrt(0.25 * 3.5), 1e-7);  // of 1 .. 6 the variance is 3.5
   EXPECT_EQ(fault(with("", "stage", "stage")).find("--pair-by stage: belongs to pairs by a column of the table"), 0u);
   EXPECT_EQ(fault(with("", "model=before/S1.feb,after/S1.feb")), "no fault");
+}
+
+/// Pressure is p (1 + x / R) on spheres of six radii, on twelve meshes none of which is another's: their mean is that
+/// of p at the same angles.
+TEST_F(StudySubjects, MapsOfDifferentMeshesAreAveragedOnOneGrid) {
+  test::write_subjects(path);
+  const Page p = page(with("stage", ""));
+  ASSERT_EQ(p.data["means"]["common"].size(), 1u);
+  const json& common = p.data["means"]["common"][0];
+  EXPECT_EQ(common["surfaces"].size(), 6u);  // before and after stand on the same mesh
+  const std::vector<double> xyz = p.floats(p.data["meshes"][common["mesh"].get<std::size_t>()]["vertices"]);
+  const double radius = 33.5;  // mean of 31 .. 36
+  const auto map = [&](const json& packed) {
+    std::vector<double> values;
+    const double least = packed["least"], most = packed["most"];
+    for (double code : p.codes(packed["values"]))
+      values.push_back(code == 65535 ? kNaN : least + code * (most - least) / 65534);
+    return values;
+  };
+  /// x / R of the place that an equal-area map shows there.
+  const auto across = [&](std::size_t v) {
+    const double r = std::hypot(xyz[3 * v], xyz[3 * v + 1]);
+    return r > 0 ? std::sin(2 * std::asin(r / (2 * radius))) * xyz[3 * v] / r : 0.0;
+  };
+  double mean = 0.0, square = 0.0;
+  for (int k = 1; k <= test::kSubjects; ++k) {
+    mean += (test::before(k) + test::after(k)) / 12;
+    square += std::pow(test::before(k), 2) + std::pow(test::after(k), 2);
+  }
+  const double sd = std::sqrt((square - 12 * mean * mean) / 11);
+  const json& kind = common["kinds"][1];  // the second state
+  EXPECT_EQ(kind["groups"][0]["cases"], 12);
+  const std::vector<double> means = map(kind["groups"][0]["mean"]), sds = map(kind["groups"][0]["sd"]);
+  const std::vector<double> less = map(kind["differences"][0]["values"]);
+  const std::vector<double> count = p.codes(kind["groups"][0]["count"]);
+  ASSERT_EQ(3 * means.size(), xyz.size());
+  std::size_t shown = 0, all = 0;
+  // linear between nodes 40 / 16 apart on a sphere of 31: off by h^2 / 8 of the curvature, (2.5 / 31)^2 / 8 = 0.0008 of
+  // p, twice that where the map is stretched
+  for (std::size_t v = 0; v < means.size(); ++v) {
+    if (count[v] == 12) ++all;
+    if (!std::isfinite(means[v])) continue;
+    ++shown;
+    EXPECT_NEAR(means[v], mean * (1 + across(v)), 0.0016 * mean) << v;
+    if (count[v] < 12) continue;
+    EXPECT_NEAR(sds[v], sd * (1 + across(v)), 0.0016 * mean) << v;
+    EXPECT_NEAR(less[v], -0.25 * (1 + across(v)), 0.0016 * 0.5) << v;  // after less before: 13.25 less 13.5
+  }
+  EXPECT_GT(shown, 0.97 * static_cast<double>(means.size()));
+  EXPECT_GT(all, 0.9 * static_cast<double>(means.size()));
+  // points stand for the area of the surfaces at the mean radius
+  const CaseSurface on = test::surface(61, radius);
+  double area = 0.0;
+  for (const auto& t : on.triangles) {
+    const Vector3d a = on.vertices[at(t[0])];
+    area += 0.5 * (on.vertices[at(t[1])] - a).cross(on.vertices[at(t[2])] - a).norm();
+  }
+  const double step = common["step"];
+  EXPECT_NEAR(static_cast<double>(means.size()) * step * step, area, 0.02 * area);  // the rim's points are half outside
+  EXPECT_TRUE(p.data["means"]["surfaces"][0].empty());
+  EXPECT_NE(p.data["notes"][0].get<std::string>().find("of 6 different meshes"), std::string::npos) << p.data["notes"];
+}
+
+TEST_F(StudySubjects, SurfacesThatAreNoSphereHaveNoCommonGrid) {
+  Plan plan;
+  plan.models = {"/a/one.feb", "/b/two.feb"};
+  for (int i = 0; i < 4; ++i) plan.cases.push_back({i / 2, {}});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 0; i < 4; ++i) {
+    CaseResult r = test::solved(i + 1, "knee");
+    if (i % 2 == 0) r.surfaces = {test::surface(5 + static_cast<int>(i))};
+    for (CaseSurface& s : r.surfaces)
+      for (Vector3d& v : s.vertices) v[2] = 0.0;
+    const std::size_t nodes = i < 2 ? 25 : 49;
+    r.states = {test::state(0, 1)};
+    r.states[0].fields = {{std::vector<float>(nodes, static_cast<float>(i + 1))}};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  const Page p = page();
+  EXPECT_EQ(p.data["means"]["common"].size(), 0u);
+  ASSERT_EQ(p.data["means"]["surfaces"].size(), 2u);  // two cases each, of its own mesh
+  EXPECT_NEAR(p.data["means"]["surfaces"][1][0]["groups"][0]["area_mean"], 3.5, 1e-6);
+  EXPECT_EQ(p.data["notes"][0],
+            "mean maps of contact \"knee\" are of each of its 2 meshes by itself: surface \"socket\" is no part of a "
+            "sphere, which a common grid needs");
 }
 
 TEST_F(StudySubjects, TablesThatDoNotFitAreRefused) {

@@ -168,12 +168,12 @@ void take_inside(const std::string& path, const CaseIndex& index, const std::vec
   const StudyRows rows = read_inside(path, columns);
   std::vector<std::size_t> place_of;
   for (const StudyPlace& p : rows.places)
-    place_of.push_back(static_cast<std::size_t>(
-        std::find_if(n.places.begin(), n.places.end(),
-                     [&](const StudyPlace& q) {
-                       return q.part.empty() && q.contact_id == p.contact_id && q.contact == p.contact;
-                     }) -
-        n.places.begin()));
+    place_of.push_back(static_cast<std::size_t>(std::find_if(n.places.begin(), n.places.end(),
+                                                             [&](const StudyPlace& q) {
+                                                               return q.part.empty() && q.contact_id == p.contact_id &&
+                                                                      q.contact == p.contact;
+                                                             }) -
+                                                n.places.begin()));
   for (std::size_t s = 0; s < statistics.size(); ++s) {
     std::vector<std::vector<double>> values = no_values(n);
     bool any = false;

@@ -53,8 +53,11 @@ void add_maps(const std::string& study, const StudyNumbers& n, const StudyFields
   notes.insert(notes.end(), kept.notes.begin(), kept.notes.end());
   Json meshes = Json::array();
   page["maps"] = maps_json(study, n, fields, kept, o.maps, meshes, arrays);
+  page["means"] = page["maps"].is_null()
+                      ? Json(nullptr)
+                      : mean_maps_json(study, n, fields, group, o.maps.regions.up.value_or(Vector3d::Zero()), notes,
+                                       meshes, arrays);
   page["meshes"] = std::move(meshes);
-  page["means"] = page["maps"].is_null() ? Json(nullptr) : mean_maps_json(study, n, fields, group, notes, arrays);
 }
 
 void require_fields(const StudyFields& fields, const StudyPageOptions& o) {
@@ -82,7 +85,7 @@ StudyPageSummary write_study_page(const std::string& path, const std::string& st
   const int group = group_column(n, o);
   const StudyPairs pairs =
       o.pair.empty() ? StudyPairs{} : study_pairs(n, o.names.pair, o.pair, o.names.pair_by, o.pair_by);
-  check_dose(n, o.maps);
+  check_dose(n, o.maps, o.names.cycle_seconds);
   const StudyFields fields = study_fields(study, n);
   require_fields(fields, o);
   if (o.maps.regions.any()) add_regions(study, fields, o.maps.regions, n);

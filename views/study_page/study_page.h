@@ -13,7 +13,7 @@ namespace dea {
 
 /// How options are called where one of them is at fault: by the command line's names, or by Python's.
 struct StudyPageWords {
-  std::string group = "--group", pair = "--pair", pair_by = "--pair-by";
+  std::string group = "--group", pair = "--pair", pair_by = "--pair-by", cycle_seconds = "--cycle-seconds";
 };
 
 struct StudyPageOptions {

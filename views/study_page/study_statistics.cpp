@@ -184,9 +184,10 @@ std::vector<std::size_t> alike_in_pairs(const StudyNumbers& n, int column, const
   const std::string& of = n.columns[at(column)].of;
   const int only = by.empty() ? -1 : study_column(n, by_option, by);
   if (only >= 0 && (of.empty() || n.columns[at(only)].of.empty() || only == column))
-    throw UsageError(fmt::format("{} {}: belongs to pairs by a column of the table of subjects, and is another column "
-                                 "of it",
-                                 by_option, by));
+    throw UsageError(
+        fmt::format("{} {}: belongs to pairs by a column of the table of subjects, and is another column "
+                    "of it",
+                    by_option, by));
   std::vector<std::size_t> alike;
   for (std::size_t k = 0; k < n.columns.size(); ++k) {
     const StudyColumn& c = n.columns[k];

@@ -500,7 +500,7 @@ const StudyFigures = (() => {
   });
 
   // ---- dose ----
-  const doseUnit = () => `${Report.units.pressure || "pressure"} × ${Report.maps.dose.years ? "years" : "the model's time"}`;
+  const doseUnit = () => `${Report.units.pressure || "pressure"} × ${Report.maps.dose.years ? "years" : Report.maps.dose.cycle_seconds ? "s" : "the model's time"}`;
   function dose(state, width, ink) {
     const d = Report.maps.dose, every = Math.ceil(d.cases.length / 300), points = [], now = state.dosed;
     d.cases.forEach((c, n) => { if (n % every === 0 || c.number === now) d.levels.forEach((x, k) => points.push({ n, x, y: 100 * c.shares[k], number: c.number })); });
@@ -519,7 +519,7 @@ const StudyFigures = (() => {
     id: "dose", title: () => "Area above a dose", wide: true, build: dose,
     table: () => ({ headings: ["case", "largest overpressure", "mean where above 0", "largest exposure", ...Report.maps.dose.levels.map((l) => `share above ${exact(l)}`)],
       rows: Report.maps.dose.cases.map((c) => [c.number, exact(c.largest), exact(c.mean), exact(c.exposure), ...c.shares.map(exact)]) }),
-    caption: () => { const d = Report.maps.dose; return `Overpressure is the integral of p − ${Format.short(d.above)} over the time in which p is above it, linear between states${d.years ? `, of ${Format.short(d.cycles_per_year)} cycles a year in ${Format.short(d.years)} years, each ${d.cycle_seconds ? `${Format.short(d.cycle_seconds)} s long` : "as long as the model's time in seconds"}` : ", of one cycle"}. The threshold is an assumption about cartilage. ${d.left_out ? `${d.left_out} cases lack a state and have no dose.` : ""}`; }
+    caption: () => { const d = Report.maps.dose; return `Overpressure is the integral of p − ${Format.short(d.above)} over the time in which p is above it, linear between states${d.years ? `, of ${Format.short(d.cycles_per_year)} cycles a year in ${Format.short(d.years)} years, each ${d.cycle_seconds ? `${Format.short(d.cycle_seconds)} s long` : "as long as the model's time in seconds"}` : `, of one cycle${d.cycle_seconds ? `, ${Format.short(d.cycle_seconds)} s long` : ""}`}. The threshold is an assumption about cartilage. ${d.left_out ? `${d.left_out} cases lack a state and have no dose.` : ""}`; }
   });
 
   return { gridded, isInside, hasPlace, responseFigure, cycleFigure, groupFigure, pairFigures, influenceFigures, placeFigure, doseFigure, canMap, response, ofState, statistic, where, column, boxCells, boxHeadings, slopeTable, siblings, doseUnit, exact };

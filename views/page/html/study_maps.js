@@ -5,7 +5,7 @@
 const StudyMaps = (() => {
   const about = Report.maps, $ = (id) => document.getElementById(id);
   const view = { at: [], state: 0, show: "state", between: false, theme: "light", contact: null, sort: 0, position: 0, range: "all", smooth: true };
-  let solid = null, flat = null, panels = [], playing = 0, ticket = 0, page = null, byLevels = null, kept = [], order = [], readout = null;
+  let solid = null, flat = null, panels = [], ticket = 0, page = null, byLevels = null, kept = [], order = [], readout = null;
 
   // ---- which cases there are ----
   const keyOf = (levels) => levels.join(",");
@@ -94,21 +94,23 @@ const StudyMaps = (() => {
     }
     return { map, least, most, level, none: "none", noneText: map === "diverging" ? "" : "none", title: quantityTitle() };
   }
+  // The grid of several meshes that a surface's means are on.
+  const commonOf = (surface) => Report.means.common.find((c) => c.surfaces.includes(surface));
   async function meanField(surface) {
-    const kinds = Report.means.surfaces[surface], k = kinds.find((x) => x.kind === (overCycle() ? "mean" : String(view.state)));
+    const common = commonOf(surface), kinds = common ? common.kinds : Report.means.surfaces[surface], k = kinds.find((x) => x.kind === (overCycle() ? "mean" : String(view.state)));
     if (!k) return null;
     const of = view.show.startsWith("difference") ? k.differences[Number(view.show.slice(10))] : k.groups[view.group];
     if (!of) return null;
     const packed = view.show === "means" ? of.mean : view.show === "deviations" ? of.sd : of.values;
-    return { values: restored(await Data.array(packed.values), packed.least, packed.most), edge: view.show.startsWith("difference") ? null : 1e-12, of };
+    return { values: restored(await Data.array(packed.values), packed.least, packed.most), edge: view.show.startsWith("difference") ? null : 1e-12, of, count: of.count ? await Data.array(of.count) : null };
   }
   async function current() {
     const of = corners();
     if (isMean()) {
       const surface = of ? of[0].field.surface : about.fields.find(ofContact).surface, shown = await meanField(surface);
-      return { surface, shown, of: null, message: shown ? "" : "fewer than two cases" };
+      return { surface, common: commonOf(surface), shown, of: null, message: shown ? "" : "fewer than two cases" };
     }
-    if (!of) return { surface: view.surface ?? about.fields.find(ofContact).surface, shown: null, of: null, message: "no stored solution here" };
+    if (!of) return { surface: typeof view.surface === "number" ? view.surface : about.fields.find(ofContact).surface, shown: null, of: null, message: "no stored solution here" };
     const meshes = new Set(of.map((c) => c.field.surface)), surface = of[0].field.surface;
     if (meshes.size > 1) return { surface, shown: null, of, message: "other meshes: nothing between them" };
     const shown = await blended(of, view.show === "state" ? String(view.state) : view.show);
@@ -128,10 +130,11 @@ const StudyMaps = (() => {
     }
     return s.flatMesh;
   }
-  function setViews(surface, mesh, unrolled) {
-    if (view.surface === surface) return;
-    view.surface = surface;
-    solid.setView(about.surfaces[surface].view);
+  function setViews(surface, common, unrolled) {
+    const key = common ? `common ${common.mesh}` : surface;
+    if (view.surface === key) return;
+    view.surface = key;
+    if (!common) solid.setView(about.surfaces[surface].view);
     if (!unrolled) return;
     let far = 0, x = [Infinity, -Infinity], y = [Infinity, -Infinity];
     for (let i = 0; i < unrolled.vertices.length; i += 3) {
@@ -147,13 +150,13 @@ const StudyMaps = (() => {
     const mine = ++ticket;
     for (const s of about.surfaces) if (!s.count) s.count = (await Data.mesh(s.mesh)).vertexCount;
     const now = await current();
-    const mesh = await Data.mesh(about.surfaces[now.surface].mesh), unrolled = await flatMesh(now.surface, mesh);
+    const mesh = await Data.mesh(now.common ? now.common.mesh : about.surfaces[now.surface].mesh), unrolled = now.common ? mesh : await flatMesh(now.surface, mesh);
     if (mine !== ticket) return;
     view.now = now;
-    setViews(now.surface, mesh, unrolled);
+    setViews(now.surface, now.common, unrolled);
     const values = now.shown ? now.shown.values : new Float32Array(mesh.vertexCount).fill(NaN), scale = scaleOf({ values });
     for (const p of panels) {
-      const m = p.flat ? unrolled : mesh;
+      const m = p.flat ? unrolled : now.common ? null : mesh;
       p.element.hidden = !m;
       if (!m) continue;
       p.message = now.message;
@@ -203,7 +206,7 @@ const StudyMaps = (() => {
     }
     if (solid.hover || flat.hover) {
       const p = panels.find((q) => q.hit && !q.element.hidden);
-      if (p && now.shown) parts.unshift(`node ${p.what.mesh.nodes[p.hit.vertex] + 1}: ${Format.number(now.shown.values[p.hit.vertex])}`);
+      if (p && now.shown) parts.unshift(`${now.common ? "point" : "node"} ${p.what.mesh.nodes[p.hit.vertex] + 1}: ${Format.number(now.shown.values[p.hit.vertex])}${now.shown.count ? ` (${now.shown.count[p.hit.vertex]} of ${now.shown.of.cases} cases cover it)` : ""}`);
     }
     if (now.message) parts.unshift(now.message);
     readout.textContent = parts.join(" · ");
@@ -234,19 +237,14 @@ const StudyMaps = (() => {
     $("map-state").value = String(view.state);
     return update();
   }
+  const player = makePlayer("map-play", async () => {
+    solid.hurry();
+    await setState((view.state + 1) % Report.study.states);
+    return view.state === Report.study.states - 1 ? 900 : 280;
+  });
   function play(on) {
-    clearTimeout(playing);
-    playing = 0;
-    $("map-play").textContent = on ? "❚❚" : "▶";
-    $("map-play").setAttribute("aria-label", on ? "Pause" : "Play");
-    if (!on) return;
-    if (view.show !== "state" && !isMean()) { view.show = "state"; $("map-show").value = "state"; }
-    const step = async () => {
-      solid.hurry();
-      await setState((view.state + 1) % Report.study.states);
-      if (playing) playing = setTimeout(step, view.state === Report.study.states - 1 ? 900 : 280);
-    };
-    playing = setTimeout(step, 100);
+    if (on && view.show !== "state" && !isMean()) { view.show = "state"; $("map-show").value = "state"; }
+    player.play(on);
   }
   function option(value, text) { return make("option", { value, text }); }
   // What is shown, of which contact and group, with which scale; saving.
@@ -305,7 +303,7 @@ const StudyMaps = (() => {
     });
     readout = make("div", { class: "readout", id: "map-readout" });
     const bar = make("div", { class: "bars" }, make("canvas", { id: "map-bar" }));
-    const time = make("div", { class: "time" }, make("button", { id: "map-play", text: "▶", title: "Play over the states", "aria-label": "Play", onclick: () => play(!playing) }),
+    const time = make("div", { class: "time" }, make("button", { id: "map-play", text: "▶", title: "Play over the states", "aria-label": "Play", onclick: () => play(!player.on) }),
       make("input", { id: "map-state", type: "range", min: "0", max: String(Report.study.states - 1), step: "1", value: "0", "aria-label": "State", oninput: (e) => { play(false); setState(Number(e.target.value)); } }), make("output", { id: "map-time" }));
     if (Report.study.states < 2) { time.querySelector("button").hidden = true; time.querySelector("input").hidden = true; }
     host.append(place, bar, readout, time);
@@ -353,9 +351,9 @@ const StudyMaps = (() => {
     return { canvas, width, height };
   }
   function nodeTable() {
-    const s = about.surfaces[view.now.surface], mesh = panels[0].what.mesh, rows = [];
-    for (let v = 0; v < mesh.vertexCount; ++v) rows.push([mesh.nodes[v] + 1, ...mesh.vertices.subarray(3 * v, 3 * v + 3), StudyFigures.exact(view.now.shown ? view.now.shown.values[v] : NaN)]);
-    return { headings: ["node of the surface", "x", "y", "z", quantityTitle()], rows, surface: s.surface };
+    const s = about.surfaces[view.now.surface], now = view.now, mesh = panels[now.common ? 1 : 0].what.mesh, rows = [], count = now.shown && now.shown.count;
+    for (let v = 0; v < mesh.vertexCount; ++v) rows.push([mesh.nodes[v] + 1, ...mesh.vertices.subarray(3 * v, 3 * v + 3), StudyFigures.exact(now.shown ? now.shown.values[v] : NaN), ...(count ? [count[v]] : [])]);
+    return { headings: [now.common ? "point of the common grid" : "node of the surface", "x", "y", "z", quantityTitle(), ...(count ? ["cases that cover it"] : [])], rows, surface: s.surface };
   }
   async function save(kind) {
     const name = page.fileName(`map ${view.show} ${view.now.of ? "case " + view.now.of.map((c) => c.field.number).join("-") : ""} ${view.show === "state" ? view.state + 1 : ""}`);
