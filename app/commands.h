@@ -31,7 +31,7 @@ struct StudyArguments {
   SettingsArguments settings;      ///< `values` and `order` have "vary" and "factor" too
   std::string cases, sample, count, seed, states, again, shard, output, csv, threads;
   std::vector<std::string> keep;
-  std::string report, group, pair, regions, up, anterior, axis, center;
+  std::string report, subjects, group, pair, pair_by, regions, up, anterior, axis, center;
   std::string dose_above, cycles_per_year, years, cycle_seconds;
   bool merge = false, dry_run = false, overwrite = false, quiet = false, verbose = false;
 };

@@ -38,7 +38,8 @@ Examples:
   dea study hip.feb --factor "stiffness: E={}" --factor "poisson: nu={}" --cases cases.csv --states last -o cases.db
   dea study hip.feb --vary "E: E={uniform(8,16)}" --sample sobol --count 4 --states last -o sample.db --csv -
   dea study plan.db --csv results.csv
-  dea study plan.db --report plan.html --group E)";
+  dea study plan.db --report plan.html --group E
+  dea study hips.db --report hips.html --subjects subjects.csv --group stage --pair stage)";
 
 void add_case_options(CLI::App& c, StudyArguments& a) {
   const char* group = "Cases";
@@ -141,8 +142,9 @@ int solve_study(const StudyArguments& a) {
   if (!a.csv.empty()) output.others.push_back({"--csv", a.csv});
   if (!a.report.empty()) output.others.push_back({"--report", a.report});
   Progress progress(progress_style(a.quiet, a.verbose));
-  const Study study = study_of(a, progress);
+  Study study = study_of(a, progress);
   check_study_columns(a, study.plan);
+  if (!a.subjects.empty()) study.inputs.push_back({"the table of subjects", a.subjects});
   OpenStudy open = open_study(study, output);
   if (open.todo.empty()) {
     progress.clear();

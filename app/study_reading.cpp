@@ -103,7 +103,9 @@ int read_study(const StudyArguments& a, const std::string& path) {
   std::vector<NamedPath> outputs;
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
   if (!a.report.empty()) outputs.push_back({"--report", a.report});
-  const HeldOutputs held = claim_outputs({{"the study", path}}, outputs);
+  std::vector<NamedPath> inputs = {{"the study", path}};
+  if (!a.subjects.empty()) inputs.push_back({"the table of subjects", a.subjects});
+  const HeldOutputs held = claim_outputs(inputs, outputs);
   if (!a.csv.empty()) write_csv(path, a.csv);
   write_study_report(a, path);
   if (a.csv.empty() && a.report.empty()) print(study_text(head, count_cases(path)));
@@ -119,6 +121,7 @@ int merge_shards(const StudyArguments& a) {
   std::vector<NamedPath> inputs, outputs = {{"-o", a.output}};
   for (const std::string& file : a.files) inputs.push_back({"a shard", file});
   study_page_options(a);
+  if (!a.subjects.empty()) inputs.push_back({"the table of subjects", a.subjects});
   if (!a.csv.empty()) outputs.push_back({"--csv", a.csv});
   if (!a.report.empty()) outputs.push_back({"--report", a.report});
   const HeldOutputs held = claim_outputs(inputs, outputs);

@@ -9,7 +9,9 @@
 #include <febiodea/base/names.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/tables/text_table.h>
 #include <febiodea/views/page/write_page.h>
+#include <febiodea/views/study_page/study_subjects.h>
 
 namespace dea {
 
@@ -64,8 +66,14 @@ void read_dose_options(const StudyArguments& a, StudyMapOptions& o) {
 void add_study_report_options(CLI::App& c, StudyArguments& a) {
   const char* group = "Page";
   add_once(c, "--report", a.report, "FILE.html", group, "Write the study as one page for any browser");
-  add_once(c, "--group", a.group, "COLUMN", group, "A factor, or \"model\", whose values are compared as groups");
+  add_once(
+      c, "--subjects", a.subjects, "FILE", group,
+      "Table with a row a model (or value of a factor, or case_id): subject, sex, side, ... as columns of the page");
+  add_once(c, "--group", a.group, "COLUMN", group,
+           "A factor, \"model\" or a column of --subjects, whose values are compared as groups");
   add_once(c, "--pair", a.pair, "COLUMN[=A,B]", group, "A column of which two values pair cases alike in all others");
+  add_once(c, "--pair-by", a.pair_by, "COLUMN", group,
+           "Of the columns of --subjects only this one must be alike in a pair, such as subject [all]");
   add_once(c, "--regions", a.regions, "socket|sectors=N", group,
            "Numbers of regions: six of a socket, or sectors about its axis; of --keep fields");
   add_once(c, "--up", a.up, "x,y,z", group, "Direction to the top; sectors begin there");
@@ -83,17 +91,19 @@ void add_study_report_options(CLI::App& c, StudyArguments& a) {
 StudyPageOptions study_page_options(const StudyArguments& a) {
   StudyPageOptions o;
   require_page_name("--report", a.report);
+  if (!a.subjects.empty() && !a.report.empty()) o.subjects = read_case_table(a.subjects);
   o.group = a.group;
   o.pair = a.pair;
+  o.pair_by = a.pair_by;
+  if (!a.pair_by.empty() && (a.pair.empty() || a.subjects.empty()))
+    throw UsageError(fmt::format("--pair-by {}: belongs to --pair and --subjects", a.pair_by));
   o.maps.regions = region_options(a);
   read_dose_options(a, o.maps);
   o.words = a.words;
   if (!a.report.empty()) return o;
-  const std::pair<const char*, const std::string*> belonging[] = {{"--group", &a.group},
-                                                                  {"--pair", &a.pair},
-                                                                  {"--regions", &a.regions},
-                                                                  {"--up", &a.up},
-                                                                  {"--dose-above", &a.dose_above}};
+  const std::pair<const char*, const std::string*> belonging[] = {
+      {"--subjects", &a.subjects}, {"--group", &a.group}, {"--pair", &a.pair},
+      {"--regions", &a.regions},   {"--up", &a.up},       {"--dose-above", &a.dose_above}};
   for (const auto& [name, text] : belonging)
     if (!text->empty()) throw UsageError(fmt::format("{} {}: belongs to --report FILE.html", name, *text));
   return o;
@@ -102,11 +112,15 @@ StudyPageOptions study_page_options(const StudyArguments& a) {
 void check_study_columns(const StudyArguments& a, const Plan& plan) {
   std::vector<std::string> names = {"model"};
   for (const Factor& f : plan.factors) names.push_back(f.name);
+  if (!a.subjects.empty()) {
+    const CaseTable table = read_case_table(a.subjects);
+    for (std::size_t i : subject_columns(table, plan.factors).others) names.push_back(table.names[i]);
+  }
   for (const auto& [option, text] : {std::pair("--group", &a.group), std::pair("--pair", &a.pair)}) {
     const std::string name = text->substr(0, text->find('='));
     const auto same = [&name](const std::string& known) { return lower_case(known) == lower_case(name); };
     if (!text->empty() && std::none_of(names.begin(), names.end(), same))
-      throw UsageError(fmt::format("{} {}: found no factor \"{}\"{}, expected one of {}", option, *text, name,
+      throw UsageError(fmt::format("{} {}: found no column \"{}\"{}, expected one of {}", option, *text, name,
                                    did_you_mean(name, names), name_list(names, name)));
   }
 }

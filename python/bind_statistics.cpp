@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/tables/text_table.h>
 #include <febiodea/python/bind.h>
 #include <febiodea/python/errors.h>
 #include <febiodea/python/plain.h>
@@ -111,9 +112,16 @@ struct HeldNumbers {
 };
 using Held = std::shared_ptr<HeldNumbers>;
 
-Held held_numbers(const std::string& path) {
-  return result_of<HeldNumbers>([path](Work&) {
-    StudyNumbers n = read_study_numbers(path);
+/// A table's path as bytes, its (names, rows) as febiodea/_study_tables.py makes them, or None.
+std::optional<CaseTable> subjects_of(const py::object& given) {
+  if (given.is_none()) return std::nullopt;
+  if (py::isinstance<py::bytes>(given)) return read_case_table(given.cast<std::string>());
+  return table_of(given.cast<Cells>(), "subjects");
+}
+
+Held held_numbers(const std::string& path, const py::object& given) {
+  return result_of<HeldNumbers>([path, subjects = subjects_of(given)](Work&) {
+    StudyNumbers n = study_numbers_with(path, subjects);
     StudyDesign design = study_design(n);
     return std::make_shared<HeldNumbers>(HeldNumbers{std::move(n), std::move(design)});
   });
@@ -146,8 +154,8 @@ py::object groups_of_study(const HeldNumbers& h, const std::string& column, cons
   return plain(j);
 }
 
-py::object pairs_of_study(const HeldNumbers& h, const std::string& column, const Which& which) {
-  const StudyPairs pairs = study_pairs(h.numbers, "column", column);
+py::object pairs_of_study(const HeldNumbers& h, const std::string& column, const std::string& by, const Which& which) {
+  const StudyPairs pairs = study_pairs(h.numbers, "column", column, "by", by);
   Json j = pair_json(pair_numbers(pairs, outputs(h, which)));
   const std::vector<std::string>& levels = h.numbers.columns[at(pairs.column)].levels;
   j["levels"] = {levels[at(pairs.first)], levels[at(pairs.second)]};
@@ -165,9 +173,11 @@ StudyPageOptions page_options(const py::dict& given) {
     return given[name].is_none() ? std::nullopt : std::optional<double>(given[name].cast<double>());
   };
   StudyPageOptions o;
-  o.names = {"group", "pair"};
+  o.names = {"group", "pair", "pair_by", "cycle_seconds"};
   o.group = given["group"].cast<std::string>();
   o.pair = given["pair"].cast<std::string>();
+  o.pair_by = given["pair_by"].cast<std::string>();
+  o.subjects = subjects_of(given["subjects"]);
   o.maps.regions.socket = given["socket"].cast<bool>();
   o.maps.regions.sectors = given["sectors"].cast<int>();
   o.maps.regions.up = direction(given, "up");
@@ -193,9 +203,9 @@ py::list write_report(const std::string& study, const std::string& path, const p
 void bind_numbers_of_studies(py::module_& m) {
   py::class_<HeldNumbers, Held>(m, "StudyNumbers")
       .def_property_readonly("statistics",
-                             [](const HeldNumbers&) {
+                             [](const HeldNumbers& h) {
                                std::vector<std::string> names;
-                               for (const StudyStatistic& s : study_statistics()) names.emplace_back(s.name);
+                               for (const StudyStatistic& s : h.numbers.statistics) names.push_back(s.name);
                                return texts(names);
                              })
       .def_property_readonly("places",

@@ -38,7 +38,6 @@ struct PlannedStudy {
 using Planned = std::shared_ptr<PlannedStudy>;
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
-using Cells = std::pair<std::vector<std::string>, std::vector<std::vector<std::string>>>;
 
 /// As febiodea/_study.py has it: models, options, table of cases (names, rows) or None; texts: cases, sample, count,
 /// seed, states, settings.
@@ -47,11 +46,7 @@ StudyRequest request_of(const std::vector<std::string>& models, const Pairs& opt
   StudyRequest r;
   r.models = models;
   for (const auto& option : options) r.options.push_back({option.first, option.second});
-  if (table) {
-    std::vector<int> lines(table->second.size());
-    std::iota(lines.begin(), lines.end(), 1);
-    r.table = CaseTable{"cases", 0, table->first, table->second, lines};
-  }
+  if (table) r.table = table_of(*table, "cases");
   r.cases = texts[0];
   r.sample = texts[1];
   r.count = texts[2];
@@ -215,6 +210,12 @@ py::tuple head_of(const std::string& path) {
 }
 
 }  // namespace
+
+CaseTable table_of(const Cells& cells, const char* name) {
+  std::vector<int> lines(cells.second.size());
+  std::iota(lines.begin(), lines.end(), 1);
+  return {name, 0, cells.first, cells.second, lines};
+}
 
 void bind_study(py::module_& m) {
   py::class_<PlannedStudy, Planned>(m, "PlannedStudy")

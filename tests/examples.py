@@ -61,6 +61,8 @@ FILES = {
     "mri_thickness.csv": "x,y,z,thickness\n0,0,19.9,2\n19.9,0,0,1.5\n",
     "cases.csv": "stiffness,poisson\n8,0.4\n12,0.45\n",
     "plan.db": "dea study hip.feb --vary 'E: E={8|12}' --states last -o plan.db",
+    "hips.db": "dea study a.feb b.feb --states last -o hips.db",
+    "subjects.csv": "model,subject,stage\na,S01,before\nb,S01,after\n",
     "turned.db": "dea study hip.feb --vary 'tilt: rotate pelvis=0,1,0,{0|5}' --keep fields -o turned.db",
     **{f"plan.{i}-of-4.db": f"dea study hip.feb --vary 'E: E={{8:14:2}}' --states last --shard {i}/4 -o plan.db" for i in range(1, 5)},
     "walk.csv": "time,fx,fy,fz\n0,30,-20,150\n1,54,-33,229\n",  # % of body weight

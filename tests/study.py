@@ -143,7 +143,39 @@ def test_pages_and_what_is_wrong_with_them(f):
         expect(f.fault("plan.db", *words, code=code), part)
         assert not (f.path / "x.html").exists()
     expect(f.fault("ball.feb", *LAW, "--vary", "E: E={8|9}", "-o", "new.db", "--report", "x.html", "--group", "F", code=2),
-           '--group F: found no factor "F"')
+           '--group F: found no column "F"')
+    assert not (f.path / "new.db").exists(), "nothing is solved"
+
+
+def test_subjects_are_columns_of_the_page(f):
+    for name in ("one", "two", "three"):
+        f.write(name + ".feb", BALL)
+    models = ["one.feb", "two.feb", "three.feb"]
+    table = "model;sex;age\none.feb;F;60\ntwo;M;70\nthree.feb;F;65\n"
+    f.write("s.csv", table)
+    f.run(*models, *LAW, "--states", "last", "-o", "plan.db", "--report", "plan.html", "--subjects", "s.csv", "--group", "sex")
+    data = page_data(f.path / "plan.html")
+    assert [(c["name"], c["of"]) for c in data["columns"]] == [("model", None), ("sex", "model"), ("age", "model")]
+    assert [b["count"] for b in data["groups"]["numbers"][0][0][0]["boxes"]] == [2, 1]
+    assert "--subjects s.csv" in data["command"]
+    f.write("few.csv", table.replace("three.feb;F;65\n", ""))
+    f.write("odd.csv", table.replace("three", "four"))
+    f.write("twice.csv", table + "one;F;61\n")
+    for words, code, part in [
+            (["--subjects", "few.csv"], 3, 'few.csv: found no row of model "three.feb", expected one row each'),
+            (["--subjects", "odd.csv"], 3, 'odd.csv:4: found model "four.feb"'),
+            (["--subjects", "twice.csv"], 3, 'twice.csv:5: found model "one" as in line 2, expected one row each'),
+            (["--subjects", "none.csv"], 3, "none.csv: found no readable file"),
+            (["--subjects", "s.csv", "--group", "size"], 2, '--group size: found no column "size"'),
+            (["--subjects", "s.csv", "--pair-by", "age"], 2, "--pair-by age: belongs to --pair and --subjects"),
+            (["--subjects", "s.csv", "--csv", "s.csv"], 2, "--csv s.csv: would overwrite the table of subjects")]:
+        expect(f.fault("plan.db", "--report", "x.html", *words, code=code), part)
+        assert not (f.path / "x.html").exists() and (f.path / "s.csv").read_text() == table
+    expect(f.fault("plan.db", "--subjects", "s.csv", code=2), "--subjects s.csv: belongs to --report FILE.html")
+    expect(f.fault(*models, *LAW, "-o", "new.db", "--report", "x.html", "--subjects", "s.csv", "--pair", "side", code=2),
+           '--pair side: found no column "side", expected one of "model", "sex", "age"')
+    f.write("cases.csv", "model,sex\none.feb,F\n")
+    expect(f.fault("--cases", "cases.csv", "-o", "new.db", code=3), "a column that only describes models is for --subjects")
     assert not (f.path / "new.db").exists(), "nothing is solved"
 
 

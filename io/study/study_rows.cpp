@@ -97,6 +97,33 @@ StudyRows read_rows(const std::string& path, const std::vector<std::string>& nam
   });
 }
 
+StudyRows read_inside(const std::string& path, const std::vector<std::string>& names) {
+  return reading(path, [&](const Database& d) {
+    std::string wanted;
+    for (const std::string& name : names) wanted += ", i." + quoted_name(name);
+    StudyRows rows;
+    rows.numbers.resize(names.size());
+    Places places(rows.places);
+    add_rows(d,
+             fmt::format("SELECT i.case_id, i.state, i.contact_id, t.contact, ''{} FROM inside i JOIN statistics t "
+                         "ON t.case_id = i.case_id AND t.state = i.state AND t.contact_id = i.contact_id "
+                         "ORDER BY i.case_id, i.state, i.contact_id",
+                         wanted),
+             names.size(), places, rows);
+    return rows;
+  });
+}
+
+std::vector<StudyContact> read_contacts(const std::string& path) {
+  return reading(path, [](const Database& d) {
+    std::vector<StudyContact> contacts;
+    for (Statement row(d, "SELECT DISTINCT contact_id, contact, source, target FROM statistics ORDER BY 1, 2, 3, 4");
+         row.step();)
+      contacts.push_back({static_cast<int>(row.integer(0)), row.text(1), row.text(2), row.text(3)});
+    return contacts;
+  });
+}
+
 std::vector<StudyContactArea> read_contact_areas(const std::string& path) {
   return reading(path, [](const Database& d) {
     std::vector<StudyContactArea> areas;

@@ -38,6 +38,17 @@ struct StudyRows {
 /// Throws InputError.
 StudyRows read_rows(const std::string& path, const std::vector<std::string>& names);
 
+/// Columns of the table `inside`, a row per case, state and contact. Throws InputError.
+StudyRows read_inside(const std::string& path, const std::vector<std::string>& names);
+
+/// The two bodies of a contact: the one with springs, and the other.
+struct StudyContact {
+  int contact_id = 0;
+  std::string contact, source, target;
+};
+/// Each once; of models that name them otherwise, each time.
+std::vector<StudyContact> read_contacts(const std::string& path);
+
 /// facet_contact_area of a row of `statistics`: what the edge of contact of its map encloses.
 struct StudyContactArea {
   std::int64_t case_id = 0;

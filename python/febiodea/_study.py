@@ -6,9 +6,9 @@ from . import _febiodea, _settings
 from ._errors import need, usage_fault, whole_number
 from ._states import states_text
 from ._study_results import read_study
+from ._study_tables import table_in_memory
 
 _PAIRS = 'expected {"NAME": "OPTION VALUE"} or a list of ("NAME", "OPTION VALUE") pairs, such as ("stiffness", "E={8|12}")'
-_CASES = "expected a file, a pandas.DataFrame, or a list of dictionaries with a row a case"
 
 
 def _pairs(vary):
@@ -36,30 +36,6 @@ def _options(keywords, vary):
         yield name.replace("_", "-"), f"{key}={text}" if key else text
     for name, text in _pairs(vary):
         yield _option(text) if name is None else ("vary", f"{name}: {text}")
-
-
-def _cell(value):
-    return value if isinstance(value, str) else _settings._text(value, "cases")
-
-
-def _table(cases):
-    """Names of columns and rows of texts of a table in memory."""
-    if hasattr(cases, "columns") and hasattr(cases, "itertuples"):
-        names = [str(name) for name in cases.columns]
-        rows = cases.itertuples(index=False, name=None)
-    elif isinstance(cases, (list, tuple)) and all(isinstance(row, dict) for row in cases):
-        names = [str(name) for name in cases[0]] if cases else []
-        for number, row in enumerate(cases, 1):
-            if list(map(str, row)) != names:
-                raise usage_fault(f"cases[{number - 1}]", f"found the columns {', '.join(map(str, row))}",
-                                  f"expected those of the first row: {', '.join(names)}")
-        rows = (row.values() for row in cases)
-    else:
-        raise usage_fault("cases", f"found a {type(cases).__name__}", _CASES)
-    cells = [[_cell(value) for value in row] for row in rows]
-    if not cells:
-        raise usage_fault("cases", "found no row", "expected one or more")
-    return names, cells
 
 
 def _sample(sample):
@@ -125,7 +101,7 @@ class Study:
                    for one in (values.values() if name == "thickness_from" and isinstance(values, dict) else [values])):
                 raise usage_fault(name, "found a table in memory", "expected a file, which whoever goes on reads again")
         in_file = cases is None or isinstance(cases, (str, bytes, os.PathLike))
-        self._request = (_paths(models), list(_options(keywords, vary)), None if in_file else _table(cases),
+        self._request = (_paths(models), list(_options(keywords, vary)), None if in_file else table_in_memory(cases, "cases", "a case"),
                          [os.fsencode(cases or b"") if in_file else "", *_sample(sample), states_text(states),
                           os.fsencode(settings or b"")])
         self._native = _febiodea.plan_study(*self._request)

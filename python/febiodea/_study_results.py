@@ -9,6 +9,7 @@ import numpy
 
 from . import _febiodea
 from ._errors import input_fault, need, usage_fault, whole_number
+from ._study_tables import table_in_memory
 
 _SHOWN = {"results": "case_id, state, contact_id", "part_results": "case_id, state, contact_id, part_id",
           "cases": "case_id", "states": "case_id, state", "statistics": "case_id, state, contact_id",
@@ -67,16 +68,23 @@ def _array(stream, kind, columns=None):
     return values if columns is None else values.reshape(-1, columns)
 
 
+def _of_head(index, doc):
+    """A property: one part of what _febiodea.study_head answers."""
+    return property(lambda self: self._head[index], doc=doc)
+
+
 class StudyResults:
     """The file of a study, `dea study`'s or Study.run's. It is only read; each call sees what is there at that time.
 
     Made by read_study.
     """
 
-    def __init__(self, path):
+    def __init__(self, path, subjects=None):
         need(path, (str, bytes, os.PathLike), "path", "a study's file")
         self._path = os.fsdecode(path)
         self._head = _febiodea.study_head(os.fsencode(path))
+        self._subjects = (subjects if subjects is None else os.fsencode(subjects)
+                          if isinstance(subjects, (str, bytes, os.PathLike)) else table_in_memory(subjects, "subjects", "a model"))
 
     def _read(self, sql, *values):
         """Names of columns, and rows as tuples."""
@@ -98,45 +106,18 @@ class StudyResults:
         names, rows = self._read(sql, *values)
         return [dict(zip(names, row)) for row in rows]
 
-    @property
-    def path(self):
-        """Of the file."""
-        return self._path
-
-    @property
-    def version(self):
-        """Of the program that made it, with its commit."""
-        return self._head[0]
-
-    @property
-    def options(self):
-        """What the cases depend on, as the program's options, in their order."""
-        return self._head[1]
-
-    @property
-    def inputs(self):
-        """Every file that was read, and its digest."""
-        return self._head[2]
-
-    @property
-    def models(self):
-        """Paths of the models."""
-        return self._head[3]
+    path = property(lambda self: self._path, doc="Of the file.")
+    version = _of_head(0, "Of the program that made it, with its commit.")
+    options = _of_head(1, "What the cases depend on, as the program's options, in their order.")
+    inputs = _of_head(2, "Every file that was read, and its digest.")
+    models = _of_head(3, "Paths of the models.")
+    planned = _of_head(5, "Cases of the whole study, of all shards.")
+    shard = property(lambda self: self._head[6:8], doc="(2, 4): the second of four shards; (1, 1): the whole.")
 
     @property
     def factors(self):
         """The factors, in their order: a list of Factor."""
         return [Factor(r["name"], r["option"], r["text"], r["spread"], r["a"], r["b"]) for r in self.table("factors")]
-
-    @property
-    def planned(self):
-        """Cases of the whole study, of all shards."""
-        return self._head[5]
-
-    @property
-    def shard(self):
-        """(2, 4): the second of four shards; (1, 1): the whole."""
-        return self._head[6], self._head[7]
 
     @property
     def counts(self):
@@ -243,7 +224,7 @@ class StudyResults:
 
     def _which(self, number, place, state):
         """The study's numbers as they are now, and which of them are asked for."""
-        numbers = _febiodea.study_numbers(self._path)
+        numbers = _febiodea.study_numbers(self._path, self._subjects)
         names = [name.replace("headline_", "") for name in numbers.statistics]
         if number not in names:
             raise usage_fault("number", f"found {number!r}", f"expected one of {', '.join(names)}")
@@ -260,8 +241,9 @@ class StudyResults:
     def outputs(self, number="p99", place=None, state="largest"):
         """One number per case: (case numbers, values), NaN where the case has none.
 
-        number: "p99", "mean", "area", "peak" or "force"; place: a contact, or "contact: compartment", None: the first
-        contact; state: from 1, or "largest" of all states. Raises UsageError."""
+        number: "p99", "mean", "area", "peak" or "force", of a study with inside=True also those of whole contacts such as
+        "source_bone_max_shear_stress_p99" (docs/studies.md, "The page"); place: a contact, or "contact: compartment", None: the
+        first contact; state: from 1, or "largest" of all states. Raises UsageError."""
         numbers, which = self._which(number, place, state)
         return numbers.cases, numbers.outputs(which)
 
@@ -272,18 +254,18 @@ class StudyResults:
         return numbers.influence(which)
 
     def groups(self, column, number="p99", place=None, state="largest"):
-        """Values of a column ("model" or a factor) as groups: "levels", "boxes" (as statistics.box_plot), "differences" of
+        """Values of a column ("model", a factor or one of the subjects) as groups: "levels", "boxes" (as statistics.box_plot), "differences" of
         each level but the first from the first (as statistics.difference)."""
         numbers, which = self._which(number, place, state)
         return numbers.groups(column, which)
 
-    def pairs(self, column, number="p99", place=None, state="largest"):
+    def pairs(self, column, number="p99", place=None, state="largest", *, by=None):
         """Cases that differ in one column alone, "COLUMN" of two values or "COLUMN=A,B": as statistics.pairs, with "levels"
-        and how many cases are "alone"."""
+        and how many cases are "alone". by: of the subjects' columns partners share this one, None: all others."""
         numbers, which = self._which(number, place, state)
-        return numbers.pairs(column, which)
+        return numbers.pairs(column, by or "", which)
 
-    def report(self, path, *, group=None, pair=None, regions=None, up=None, anterior=None, axis=None, center=None,
+    def report(self, path, *, group=None, pair=None, pair_by=None, regions=None, up=None, anterior=None, axis=None, center=None,
                dose_above=None, cycles_per_year=None, years=None, cycle_seconds=None):
         """Writes the study as one page for any browser, as `dea study FILE.db --report` does with the options of these
         names; regions: "socket" or a number of sectors. Answers what is thinned on it, a list of sentences.
@@ -298,7 +280,7 @@ class StudyResults:
             raise usage_fault("dose_above", "found a history of loading that is not whole",
                               "expected dose_above, and cycles_per_year with years")
         return _febiodea.study_report(self._path, os.fspath(path), {
-            "group": group or "", "pair": pair or "", "socket": regions == "socket",
+            "group": group or "", "pair": pair or "", "pair_by": pair_by or "", "subjects": self._subjects, "socket": regions == "socket",
             "sectors": regions if isinstance(regions, int) else 0, "up": up, "anterior": anterior, "axis": axis, "center": center,
             "dose_above": dose_above, "cycles_per_year": cycles_per_year, "years": years, "cycle_seconds": cycle_seconds})
 
@@ -311,6 +293,8 @@ class StudyResults:
                 f"{counts['failed']} failed, {counts['refused']} refused>")
 
 
-def read_study(path):
-    """The file of a study, to be read. Raises InputError."""
-    return StudyResults(path)
+def read_study(path, subjects=None):
+    """The file of a study, to be read. subjects: what is told of its models, as `dea study --subjects`: a file, a
+    pandas.DataFrame or a list of dictionaries with a row per model, value of a factor or case_id; its columns are there for
+    groups, pairs and the page. Raises InputError, UsageError."""
+    return StudyResults(path, subjects)

@@ -57,14 +57,11 @@ int column_factor(const CaseTable& table, const std::string& name, const std::ve
         fmt::format("column \"{}\": this factor has values of its own, expected {{}} in its option", name));
   }
   names.emplace_back("model");
-  throw InputError(table.path, table.names_line,
-                   fmt::format("found column \"{}\"{}, expected the names of factors: {}", name,
-                               did_you_mean(name, names), name_list(names, name)));
-}
-
-bool missing(const std::string& cell) {
-  const std::string word = lower_case(trimmed(cell));
-  return std::set<std::string>{"", "nan", "-nan", "na", "n/a", "inf", "-inf"}.count(word) > 0;
+  throw InputError(
+      Fault{.place = table.names_line > 0 ? fmt::format("{}:{}", table.path, table.names_line) : table.path,
+            .found = say("found column \"{}\"{},", name, did_you_mean(name, names)),
+            .expected = say("expected the names of factors: {}; a column that only describes models is for {}",
+                            name_list(names, name), NamedSetting{"subjects"})});
 }
 
 int model_index(std::vector<std::string>& models, bool given, const std::string& name) {
@@ -98,7 +95,7 @@ Rows table_rows(const CaseTable& table, const std::vector<Factor>& factors, std:
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const std::string& cell = table.rows[r][c];
       try {
-        if (missing(cell)) throw bad_value(cell, "a value");
+        if (is_missing(cell)) throw bad_value(cell, "a value");
         if (columns[c] < 0)
           out.models.push_back(model_index(models, given, cell));
         else
@@ -188,6 +185,11 @@ void add_cases(Plan& plan, int model, const Rows& rows, std::size_t first, std::
 }
 
 }  // namespace
+
+bool is_missing(const std::string& cell) {
+  const std::string word = lower_case(trimmed(cell));
+  return std::set<std::string>{"", "nan", "-nan", "na", "n/a", "inf", "-inf"}.count(word) > 0;
+}
 
 Design parse_design(const std::string& text) {
   for (const Design design : {Design::Sobol, Design::Latin, Design::Saltelli})

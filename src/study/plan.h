@@ -66,6 +66,9 @@ struct CaseTable {
   std::vector<int> lines;  ///< of the rows
 };
 
+/// Is a cell none: empty, NaN, NA, infinite?
+bool is_missing(const std::string& cell);
+
 /// Points drawn for all factors with a spread together.
 struct Sampling {
   Design design = Design::Sobol;

@@ -110,3 +110,50 @@ def test_a_study_and_its_page(ball):
         with pytest.raises(febiodea.UsageError, match=match):
             call()
     assert not (ball / "x.html").exists()
+
+
+SUBJECTS = [{"model": f"{stage}/S{k}", "subject": f"S{k}", "sex": "FM"[k % 2], "stage": stage} for stage in ("before", "after")
+            for k in (1, 2, 3)]
+
+
+def test_subjects_from_memory_and_from_a_file(ball, dea):
+    """Three balls, the same files in two folders: what a table tells of them are groups and pairs."""
+    text = (ball / "ball.feb").read_text()
+    for row in SUBJECTS:
+        (ball / row["stage"]).mkdir(exist_ok=True)
+        (ball / (row["model"] + ".feb")).write_text(text)
+    results = febiodea.Study([row["model"] + ".feb" for row in SUBJECTS], {"E": "E={8|12}"}, law="linear", facets="flat",
+                             states="last").run("plan.db")
+    (ball / "subjects.csv").write_text("\n".join(",".join(r) for r in [SUBJECTS[0], *map(dict.values, SUBJECTS)]) + "\n")
+    for subjects in (SUBJECTS, "subjects.csv"):
+        told = febiodea.read_study("plan.db", subjects=subjects)
+        groups = told.groups("sex", "mean", state=1)
+        assert groups["levels"] == ["M", "F"] and [b["count"] for b in groups["boxes"]] == [8, 4]
+        found = told.pairs("stage", "mean", state=1)
+        assert found["pairs"] == 6 and found["mean"] == 0 and found["levels"] == ["before", "after"]
+        assert told.pairs("stage=after,before", "mean", state=1, by="subject")["pairs"] == 6
+        assert told.report("plan.html", group="sex", pair="stage", pair_by="subject") == []
+    with pytest.raises(febiodea.UsageError, match='found no column "sex"'):
+        results.groups("sex")
+    with pytest.raises(febiodea.InputError, match='subjects: found no row of model "after/S3.feb"'):
+        febiodea.read_study("plan.db", subjects=SUBJECTS[:-1]).groups("sex")
+    with pytest.raises(febiodea.UsageError, match="subjects: found a int"):
+        febiodea.read_study("plan.db", subjects=3)
+    line = ["study", "plan.db", "--report", "line.html", "--subjects", "subjects.csv", "--group", "sex", "--pair", "stage"]
+    dea(*line, cwd=ball)
+    assert '"subjects":"subjects.csv"' in (ball / "line.html").read_text()
+
+
+def test_numbers_of_the_inside(ball):
+    """Those of the file, for the sides that have a layer; the largest compression is the least number."""
+    results = febiodea.Study("ball.feb", {"E": "E={8|12}"}, inside=True).run("inside.db")
+    rows = results.table()
+    name = "target_bone_third_principal_strain_p99"
+    if all(r[name] is None for r in rows):
+        name = name.replace("target", "source")
+    per_case = [[r[name] for r in rows if r["case_id"] == c and r[name] is not None] for c in (1, 2)]
+    assert all(per_case) and max(map(max, per_case)) < 0
+    assert list(results.outputs(name)[1]) == pytest.approx([min(x) for x in per_case], rel=1e-12)
+    shear = name.replace("third_principal_strain", "max_shear_stress")
+    assert list(results.outputs(shear, state=1)[1]) == pytest.approx([r[shear] for r in rows if r["state"] == 1], rel=1e-12)
+    assert results.influence(shear)["factors"][0]["factor"] == "E"

@@ -14,18 +14,19 @@ namespace dea::test {
 
 inline constexpr int kSide = 15;  // nodes of the surface along an edge
 
-/// A shallow socket over a square.
-inline CaseSurface surface() {
+/// A shallow socket over a square: part of a sphere about the origin, `side` nodes along an edge.
+inline CaseSurface surface(int side = kSide, double radius = 35.0) {
   CaseSurface s;
   s.name = "socket";
-  for (int i = 0; i < kSide; ++i)
-    for (int j = 0; j < kSide; ++j) {
-      const double x = 20.0 * (2.0 * i / (kSide - 1) - 1), y = 20.0 * (2.0 * j / (kSide - 1) - 1);
-      s.vertices.emplace_back(x, y, -std::sqrt(35.0 * 35.0 - x * x - y * y));
+  const double half = 20.0 / 35.0 * radius;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double x = half * (2.0 * i / (side - 1) - 1), y = half * (2.0 * j / (side - 1) - 1);
+      s.vertices.emplace_back(x, y, -std::sqrt(radius * radius - x * x - y * y));
     }
-  for (int i = 0; i + 1 < kSide; ++i)
-    for (int j = 0; j + 1 < kSide; ++j) {
-      const int a = i * kSide + j, b = a + kSide;
+  for (int i = 0; i + 1 < side; ++i)
+    for (int j = 0; j + 1 < side; ++j) {
+      const int a = i * side + j, b = a + side;
       s.triangles.push_back({a, b, b + 1});
       s.triangles.push_back({a, b + 1, a + 1});
     }
@@ -133,6 +134,52 @@ inline void write_awkward(const std::string& path) {
     writer.add(std::move(r));
   }
   writer.finish();
+}
+
+inline constexpr int kSubjects = 6;
+/// p99 of subject k (from 1), before and after.
+inline double before(int k) { return 10.0 + k; }
+inline double after(int k) { return 8.0 + 1.5 * k; }
+/// Two models of each of some subjects, whose files have the same name in two folders, on meshes of their own; with
+/// numbers of the inside of the source's layer. Pressure at a node is p99 times 1 + x / radius.
+inline void write_subjects(const std::string& path) {
+  Plan plan;
+  for (const char* stage : {"before", "after"})
+    for (int k = 1; k <= kSubjects; ++k) {
+      plan.cases.push_back({static_cast<int>(plan.models.size()), {}});
+      plan.models.push_back(fmt::format("/data/{}/S{}.feb", stage, k));
+    }
+  StudyIdentity identity{"0.1 (made up)", {"--inside"}, {}, 1, 1};
+  identity.inside = true;
+  StudyWriter writer(path, plan, identity);
+  for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+    const int k = static_cast<int>(i) % kSubjects + 1;
+    const double p = i < kSubjects ? before(k) : after(k), radius = 30.0 + k;
+    CaseResult r = solved(i + 1, "hip");
+    r.surfaces = {surface(kSide + k, radius)};
+    for (int state_number = 1; state_number <= 2; ++state_number) {
+      r.states.push_back(state(state_number - 1, p * state_number / 2));
+      CaseField field;
+      for (const Vector3d& v : r.surfaces[0].vertices)
+        field.pressure.push_back(static_cast<float>(p * state_number / 2 * (1 + v[0] / radius)));
+      r.states.back().fields = {field};
+      InsideEnds inside;
+      inside.bone.max_shear.p99 = 0.3 * p * state_number / 2;
+      inside.bone.third_strain.p99 = -0.01 * p * state_number;
+      r.states.back().statistics[0].inside[0] = inside;
+    }
+    writer.add(std::move(r));
+  }
+  writer.finish();
+}
+/// What is told of them: those of even number are women.
+inline std::string subjects_table() {
+  std::string text = "model,subject,sex,stage,angle\n";
+  for (const char* stage : {"before", "after"})
+    for (int k = 1; k <= kSubjects; ++k)
+      text += fmt::format("{0}/S{1}.feb,S{1},{2},{0},{3}\n", stage, k, k % 2 == 0 ? "F" : "M",
+                          20 + k + (stage[0] == 'a' ? 10 : 0));
+  return text;
 }
 
 /// Ishigami and Homma 1990: a = 7, b = 0.1.

@@ -4,7 +4,10 @@
 //   million   80,000 cases x 13 states without pressures: 1,040,000 rows
 //   turn      30 cases as a grid, with pressures
 //   awkward   names of models, factors, contacts and messages that are markup; failed and refused cases
+//   subjects  two models of each of six subjects, on meshes of their own; subjects.csv beside it tells of them
 //   sample    Saltelli's design of Ishigami's function: p99 is the function
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "made_study.h"
@@ -21,7 +24,10 @@ int main(int argc, char** argv) {
     write_grid(path, grid({"a: move pelvis={-8:8:4},0,0", "b: E={-8|0|8}", "c: nu={1|2}"}), true);
   else if (kind == "awkward")
     write_awkward(path);
-  else if (kind == "sample")
+  else if (kind == "subjects") {
+    write_subjects(path);
+    std::ofstream(std::filesystem::path(path).replace_extension(".csv")) << subjects_table();
+  } else if (kind == "sample")
     write_sample(path);
   else
     return 2;

@@ -3,10 +3,13 @@
 #include <zlib.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/tables/text_table.h>
 #include <febiodea/views/study_page/study_page.h>
+#include <febiodea/views/study_page/study_subjects.h>
 #include <febiodea/views/study_page/study_thinning.h>
 #include "made_study.h"
 #include "page_arrays.h"
@@ -274,10 +277,18 @@ TEST_F(StudyPage, DoseOfAConstantPressure) {
     EXPECT_NEAR(of["exposure"], x * years, 1e-6);
     EXPECT_NEAR(of["shares"][0], x > 2.5 ? 1 : 0, 1e-12);
   }
+  o.maps.cycles_per_year.reset();
+  o.maps.years.reset();
+  EXPECT_NEAR(page(o).data["maps"]["dose"]["cases"][3]["exposure"], 4 * 1.1, 1e-6);  // of one cycle, in seconds
+  o.maps.cycles_per_year = 2e6;
+  o.maps.years = 20;
   write_uniform((folder.path / "percent.db").string(), 2, {1, 1}, 100.0);
   path = (folder.path / "percent.db").string();
   o.maps.cycle_seconds.reset();
-  EXPECT_NE(fault(o).find("found states over 100 units of time"), std::string::npos) << fault(o);
+  EXPECT_EQ(
+      fault(o),
+      "a dose over years: found states over 100 units of time, which are no seconds of a cycle (10 at most; time in "
+      "percent or steps?), expected how long a cycle takes: --cycle-seconds");
   o.maps.cycle_seconds = 1.0;
   EXPECT_EQ(fault(o), "no fault");
 }
@@ -353,6 +364,271 @@ TEST_F(StudyPage, RegionsAddUpToTheSurface) {
   o.maps.regions.up = Vector3d(0, 1, 0);
   o.maps.regions.anterior = Vector3d(1, 0, 0);
   EXPECT_EQ(page(o).data["places"][2]["part"], "anterior lateral");
+}
+
+/// Of the source's layer alone, at the bone two of three: no others are offered.
+TEST_F(StudyPage, NumbersOfTheInsideAreThoseThatSomeContactHas) {
+  test::write_subjects(path);
+  const Page p = page();
+  std::vector<std::string> names, dimensions;
+  for (const json& s : p.data["statistics"]) {
+    names.push_back(s["name"]);
+    dimensions.push_back(s["dimension"]);
+  }
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"headline_p99", "headline_mean", "headline_area", "headline_peak", "force",
+                                      "source_bone_max_shear_stress_p99", "source_bone_third_principal_strain_p99"}));
+  EXPECT_EQ(dimensions[5], "pressure");
+  EXPECT_EQ(dimensions[6], "none");
+  EXPECT_EQ(p.data["statistics"][5]["title"], "Max shear stress at the bone, source (p99)");
+  EXPECT_EQ(p.data["statistics"][6]["title"], "Third principal strain at the bone, source (1st percentile)");
+  const std::vector<double> shear = p.values(5, 0), strain = p.values(6, 0);
+  ASSERT_EQ(shear.size(), 3u * 2 * test::kSubjects);  // two states, and the largest of them
+  EXPECT_NEAR(shear[1], 0.3 * test::before(1), 1e-6);
+  EXPECT_NEAR(shear[2], 0.3 * test::before(1), 1e-6);
+  EXPECT_NEAR(strain[0], -0.01 * test::before(1), 1e-7);
+  EXPECT_NEAR(strain[2], -0.02 * test::before(1), 1e-7);  // of compression the largest is the least number
+  EXPECT_EQ(p.data["contacts"], json::parse(R"([["hip", "pelvis", "femur"]])"));
+}
+
+TEST(StudyNumbers, NamesOfFilesAreAsShortAsTellsThemApart) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(short_names({"/a/b/one.feb", "two.feb"}), (Names{"one.feb", "two.feb"}));
+  EXPECT_EQ(short_names({"/a/b/hip.feb", "/a/c/hip.feb", "/a/c/knee.feb"}),
+            (Names{"b/hip.feb", "c/hip.feb", "knee.feb"}));
+  EXPECT_EQ(short_names({"/x/before/S1/hip.feb", "/x/after/S1/hip.feb", "/x/after/S2/hip.feb"}),
+            (Names{"before/S1/hip.feb", "after/S1/hip.feb", "S2/hip.feb"}));
+  EXPECT_EQ(short_names({"hip.feb", "b/hip.feb", "/hip.feb"}), (Names{"hip.feb", "b/hip.feb", "/hip.feb"}));
+  EXPECT_EQ(short_names({"/only/one.feb"}), Names{"one.feb"});
+}
+
+struct StudySubjects : StudyPage {
+  CaseTable table(const std::string& text) {
+    const std::string csv = (folder.path / "subjects.csv").string();
+    std::ofstream(csv) << text;
+    return read_case_table(csv);
+  }
+  StudyPageOptions with(const std::string& group, const std::string& pair, const std::string& by = "") {
+    StudyPageOptions o;
+    o.subjects = table(test::subjects_table());
+    o.group = group;
+    o.pair = pair;
+    o.pair_by = by;
+    return o;
+  }
+  std::string refusal(const std::string& text) {
+    const CaseTable subjects = table(text);
+    try {
+      study_numbers_with(path, subjects);
+    } catch (const InputError& e) {
+      const std::string what = e.what(), start = (folder.path / "subjects.csv").string();
+      return what.rfind(start, 0) == 0 ? what.substr(start.size()) : what;
+    }
+    return "no fault";
+  }
+};
+
+TEST_F(StudySubjects, ColumnsOfATableMakeGroups) {
+  test::write_subjects(path);
+  const Page p = page(with("sex", ""));
+  EXPECT_EQ(p.data["columns"][0]["name"], "model");
+  EXPECT_TRUE(p.data["columns"][0]["of"].is_null());
+  EXPECT_EQ(p.data["columns"][0]["levels"][1], "before/S2.feb");
+  EXPECT_EQ(p.data["columns"][2]["name"], "sex");
+  EXPECT_EQ(p.data["columns"][2]["of"], "model");
+  EXPECT_TRUE(p.data["grid"]);  // of the study's own columns
+  EXPECT_EQ(p.data["subjects"], "subjects.csv");
+  const json& groups = p.data["groups"]["numbers"][0][0][2];
+  // men: 11, 13, 15 before and 9.5, 12.5, 15.5 after; women 12, 14, 16 and 11, 14, 17
+  EXPECT_NEAR(groups["boxes"][0]["mean"], 76.5 / 6, 1e-7);
+  EXPECT_NEAR(groups["boxes"][1]["mean"], 84.0 / 6, 1e-7);
+  EXPECT_NEAR(groups["differences"][0]["mean"], 7.5 / 6, 1e-7);
+  // angle is a number: it is in the regression, but no case lies beside another by it alone
+  const json& of = p.data["influence"]["numbers"][0][0][2];
+  EXPECT_EQ(of["factors"][0]["column"], 4);
+  EXPECT_TRUE(of["slopes"].empty());
+}
+
+TEST_F(StudySubjects, SubjectsAreTheirOwnPartners) {
+  test::write_subjects(path);
+  // the angle differs too: nobody has a partner unless only the subject counts
+  EXPECT_EQ(
+      fault(with("", "stage")),
+      "--pair stage: found no two cases that differ in stage alone, expected pairs; --pair-by COLUMN names the one "
+      "column of the table that partners share");
+  EXPECT_EQ(
+      fault(with("", "stage", "sex")),
+      "--pair stage: found cases 1 and 3 with the same values, expected one case each: another column of the table "
+      "must tell who is who, such as \"subject\"");
+  const Page p = page(with("", "stage", "subject"));
+  ASSERT_EQ(p.data["pairs"]["cases"].size(), 6u);
+  EXPECT_EQ(p.data["pairs"]["cases"][1], json::parse("[1, 7]"));
+  const json& of = p.data["pairs"]["numbers"][0][0][2];  // differences 2 - k / 2: 1.5, 1, ... -1
+  EXPECT_NEAR(of["mean"], 0.25, 1e-7);
+  EXPECT_NEAR(of["sd"], std::sqrt(0.25 * 3.5), 1e-7);  // of 1 .. 6 the variance is 3.5
+  EXPECT_EQ(fault(with("", "stage", "stage")).find("--pair-by stage: belongs to pairs by a column of the table"), 0u);
+  EXPECT_EQ(fault(with("", "model=before/S1.feb,after/S1.feb")), "no fault");
+}
+
+/// Pressure is p (1 + x / R) on spheres of six radii, on twelve meshes none of which is another's: their mean is that
+/// of p at the same angles.
+TEST_F(StudySubjects, MapsOfDifferentMeshesAreAveragedOnOneGrid) {
+  test::write_subjects(path);
+  const Page p = page(with("stage", ""));
+  ASSERT_EQ(p.data["means"]["common"].size(), 1u);
+  const json& common = p.data["means"]["common"][0];
+  EXPECT_EQ(common["surfaces"].size(), 6u);  // before and after stand on the same mesh
+  const std::vector<double> xyz = p.floats(p.data["meshes"][common["mesh"].get<std::size_t>()]["vertices"]);
+  const double radius = 33.5;  // mean of 31 .. 36
+  const auto map = [&](const json& packed) {
+    std::vector<double> values;
+    const double least = packed["least"], most = packed["most"];
+    for (double code : p.codes(packed["values"]))
+      values.push_back(code == 65535 ? kNaN : least + code * (most - least) / 65534);
+    return values;
+  };
+  /// x / R of the place that an equal-area map shows there.
+  const auto across = [&](std::size_t v) {
+    const double r = std::hypot(xyz[3 * v], xyz[3 * v + 1]);
+    return r > 0 ? std::sin(2 * std::asin(r / (2 * radius))) * xyz[3 * v] / r : 0.0;
+  };
+  double mean = 0.0, square = 0.0;
+  for (int k = 1; k <= test::kSubjects; ++k) {
+    mean += (test::before(k) + test::after(k)) / 12;
+    square += std::pow(test::before(k), 2) + std::pow(test::after(k), 2);
+  }
+  const double sd = std::sqrt((square - 12 * mean * mean) / 11);
+  const json& kind = common["kinds"][1];  // the second state
+  EXPECT_EQ(kind["groups"][0]["cases"], 12);
+  const std::vector<double> means = map(kind["groups"][0]["mean"]), sds = map(kind["groups"][0]["sd"]);
+  const std::vector<double> less = map(kind["differences"][0]["values"]);
+  const std::vector<double> count = p.codes(kind["groups"][0]["count"]);
+  ASSERT_EQ(3 * means.size(), xyz.size());
+  std::size_t shown = 0, all = 0;
+  // linear between nodes 40 / 16 apart on a sphere of 31: off by h^2 / 8 of the curvature, (2.5 / 31)^2 / 8 = 0.0008 of
+  // p, twice that where the map is stretched
+  for (std::size_t v = 0; v < means.size(); ++v) {
+    if (count[v] == 12) ++all;
+    if (!std::isfinite(means[v])) continue;
+    ++shown;
+    EXPECT_NEAR(means[v], mean * (1 + across(v)), 0.0016 * mean) << v;
+    if (count[v] < 12) continue;
+    EXPECT_NEAR(sds[v], sd * (1 + across(v)), 0.0016 * mean) << v;
+    EXPECT_NEAR(less[v], -0.25 * (1 + across(v)), 0.0016 * 0.5) << v;  // after less before: 13.25 less 13.5
+  }
+  EXPECT_GT(shown, 0.97 * static_cast<double>(means.size()));
+  EXPECT_GT(all, 0.9 * static_cast<double>(means.size()));
+  // points stand for the area of the surfaces at the mean radius
+  const CaseSurface on = test::surface(61, radius);
+  double area = 0.0;
+  for (const auto& t : on.triangles) {
+    const Vector3d a = on.vertices[at(t[0])];
+    area += 0.5 * (on.vertices[at(t[1])] - a).cross(on.vertices[at(t[2])] - a).norm();
+  }
+  const double step = common["step"];
+  EXPECT_NEAR(static_cast<double>(means.size()) * step * step, area, 0.02 * area);  // the rim's points are half outside
+  EXPECT_TRUE(p.data["means"]["surfaces"][0].empty());
+  EXPECT_NE(p.data["notes"][0].get<std::string>().find("of 6 different meshes"), std::string::npos) << p.data["notes"];
+}
+
+TEST_F(StudySubjects, SurfacesThatAreNoSphereHaveNoCommonGrid) {
+  Plan plan;
+  plan.models = {"/a/one.feb", "/b/two.feb"};
+  for (int i = 0; i < 4; ++i) plan.cases.push_back({i / 2, {}});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 0; i < 4; ++i) {
+    CaseResult r = test::solved(i + 1, "knee");
+    if (i % 2 == 0) r.surfaces = {test::surface(5 + static_cast<int>(i))};
+    for (CaseSurface& s : r.surfaces)
+      for (Vector3d& v : s.vertices) v[2] = 0.0;
+    const std::size_t nodes = i < 2 ? 25 : 49;
+    r.states = {test::state(0, 1)};
+    r.states[0].fields = {{std::vector<float>(nodes, static_cast<float>(i + 1))}};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  const Page p = page();
+  EXPECT_EQ(p.data["means"]["common"].size(), 0u);
+  ASSERT_EQ(p.data["means"]["surfaces"].size(), 2u);  // two cases each, of its own mesh
+  EXPECT_NEAR(p.data["means"]["surfaces"][1][0]["groups"][0]["area_mean"], 3.5, 1e-6);
+  EXPECT_EQ(p.data["notes"][0],
+            "mean maps of contact \"knee\" are of each of its 2 meshes by itself: surface \"socket\" is no part of a "
+            "sphere, which a common grid needs");
+}
+
+TEST_F(StudySubjects, TablesThatDoNotFitAreRefused) {
+  test::write_subjects(path);
+  std::string text = test::subjects_table();
+  EXPECT_EQ(refusal(text), "no fault");
+  EXPECT_EQ(refusal(text + "S9.feb,S9,F,before,1\n").find(":14: found model \"S9.feb\""), 0u);
+  EXPECT_EQ(refusal(text + "after/S1,S1,F,after,1\n"),
+            ":14: found model \"after/S1\" as in line 8, expected one row each");
+  EXPECT_EQ(refusal(text + "S1.feb,S1,F,after,1\n"),
+            ":14: column \"model\": found \"S1.feb\", which may be \"/data/before/S1.feb\", \"/data/after/S1.feb\", "
+            "expected more of its path");
+  EXPECT_EQ(refusal(text.substr(0, text.find("after/S6"))),
+            ": found no row of model \"after/S6.feb\", expected one row each");
+  EXPECT_EQ(refusal("subject,sex\nS1,F\n"),
+            ":1: found columns \"subject\", \"sex\", expected one column that says what a row is of: \"model\", "
+            "\"case_id\"");
+  EXPECT_EQ(refusal("model\nS1\n"),
+            ":1: found no column but \"model\", expected others, such as \"subject\" or \"sex\"");
+  text.replace(text.find(",M,"), 3, ",NA,");
+  EXPECT_EQ(refusal(text), ":2: column \"sex\": found \"NA\", expected a value");
+}
+
+TEST_F(StudySubjects, RowsMayBeOfCasesAndOfValues) {
+  write_uniform(path, 3, {1, 2});
+  const StudyNumbers by_case = study_numbers_with(path, table("case_id,who\n3,c\n1,a\n2,b\n"));
+  ASSERT_EQ(by_case.columns.size(), 2u);
+  EXPECT_EQ(by_case.columns[1].levels, (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_EQ(by_case.own_columns(), 1u);
+  const StudyNumbers by_value = study_numbers_with(path, table("x,who\n1.0,a\n2e0,b\n3,a\n"));
+  EXPECT_EQ(by_value.columns[1].level, (std::vector<int>{0, 1, 0}));
+  EXPECT_EQ(by_value.columns[1].of, "x");
+  EXPECT_NE(refusal("x,who\n1,a\n2,b\n4,a\n").find(":4: found x \"4\""), std::string::npos);
+}
+
+TEST_F(StudyPage, ValuesOfPairsAreNumbers) {
+  const Plan plan = test::grid({"E: E={8|10.5}", "x: nu={0.1|0.2}"});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (std::size_t i = 1; i <= plan.cases.size(); ++i) {
+    CaseResult r = test::solved(i, "hip");
+    r.states = {test::state(0, static_cast<double>(i))};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  StudyPageOptions o;
+  o.pair = "E=8.0,1.05e1";
+  EXPECT_EQ(page(o).data["pairs"]["cases"], json::parse("[[0, 2], [1, 3]]"));
+  o.pair = "E=8.1,10.5";
+  EXPECT_EQ(fault(o), "--pair E=8.1,10.5: found no value \"8.1\" of E, expected two of \"8\", \"10.5\"");
+}
+
+/// More cases than all pairs of which could be looked at, as a grid with a hole in its middle. The number is 2 x - 3 y.
+TEST_F(StudyPage, ALargeGridWithoutItsMiddleHasSlopes) {
+  constexpr int kLevels = 65;
+  const Plan plan = test::grid({fmt::format("x: E={{1:{}:1}}", kLevels), fmt::format("y: nu={{1:{}:1}}", kLevels)});
+  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+  for (int i = 0; i < kLevels * kLevels; ++i) {
+    if (i == kLevels * kLevels / 2) continue;
+    CaseResult r = test::solved(static_cast<std::size_t>(i) + 1, "hip");
+    r.states = {test::state(0, 1000 + 2.0 * (i / kLevels) - 3.0 * (i % kLevels))};
+    writer.add(std::move(r));
+  }
+  writer.finish();
+  const StudyNumbers n = read_study_numbers(path);
+  const StudyDesign design = study_design(n);
+  EXPECT_EQ(design.no_slopes, "");
+  ASSERT_GE(design.base, 0);
+  // beside the hole diagonally: all its neighbours are there
+  const std::size_t base = n.cases[at(design.base)].number - 1;
+  EXPECT_EQ(base, static_cast<std::size_t>(31 * kLevels + 31));
+  const Influence i = influence(n, design, n.outputs(0, 0, 0), {});
+  ASSERT_EQ(i.slopes.size(), 2u);
+  EXPECT_EQ(i.slopes[0].slope.kind, Slope::Kind::Central);
+  EXPECT_NEAR(i.slopes[0].slope.value, 2, 1e-9);
+  EXPECT_NEAR(i.slopes[1].slope.value, -3, 1e-9);
 }
 
 TEST_F(StudyPage, AThinnedGridIsAGridWithItsEnds) {

@@ -626,6 +626,31 @@ TEST(StudyStatistics, MeanMapsAndTheirDifference) {
   EXPECT_EQ(mean_map({{1, 1, 2}, {3, 3, 2}, {5, 5, 2}}, {1.5, 1.5, 1}).area_mean, map.area_mean);
 }
 
+TEST(StudyStatistics, MeanMapsOfCasesThatDoNotCoverAll) {
+  const std::vector<Values> fields = {{1, kNaN, 3, kNaN}, {3, 5, kNaN, kNaN}, {5, 7, kNaN, kNaN}};
+  const Values areas = {1, 3, 1, 5};
+  const CoveredMeanMap covered = covered_mean_map(fields, areas, 2);
+  EXPECT_EQ(covered.count, (std::vector<std::size_t>{3, 2, 1, 0}));
+  EXPECT_EQ(covered.map.cases, 3u);
+  EXPECT_EQ(covered.map.mean[0], 3);
+  EXPECT_EQ(covered.map.mean[1], 6);
+  EXPECT_TRUE(std::isnan(covered.map.mean[2]) && std::isnan(covered.map.mean[3]));
+  EXPECT_EQ(covered.map.standard_deviation[0], 2);
+  EXPECT_NEAR(covered.map.standard_deviation[1], std::sqrt(2), 1e-15);
+  EXPECT_EQ(covered.covered_area, 4);
+  EXPECT_EQ(covered.map.area_mean, (1 * 3 + 3 * 6) / 4.0);
+  EXPECT_NEAR(covered.map.area_spread, std::sqrt((1 * 4 + 3 * 2) / 4.0), 1e-15);
+  EXPECT_EQ(covered_mean_map(fields, areas, 1).map.mean[2], 3);
+  // of two means only where both are
+  const MapDifference d = map_difference(covered.map, covered_mean_map({{1, kNaN, 1, 1}}, areas, 1).map, areas);
+  EXPECT_EQ(d.difference[0], 2);
+  EXPECT_TRUE(std::isnan(d.difference[1]) && std::isnan(d.difference[2]));
+  EXPECT_EQ(d.area_mean, 2);
+  // where all cases cover all places it is the mean map
+  const std::vector<Values> whole = {{1, 2}, {3, 2}, {5, 2}};
+  EXPECT_EQ(covered_mean_map(whole, {3, 1}, 2).map.area_spread, mean_map(whole, {3, 1}).area_spread);
+}
+
 // ------------------------------------------------------------------------------------------------------- regions
 
 Vector3d at_angle(double degrees, double height) {
@@ -770,6 +795,8 @@ TEST(StudyStatistics, DosesAndMapsThatMakeNoSenseAreRefused) {
                    [] {
                      mean_map({{1}, {kNaN}}, {1});
                    }},
+                  {"a field has an infinite value, expected numbers, or NaN where it does not cover a place",
+                   [] { covered_mean_map({{kInfinity}}, {1}, 1); }},
                   {"a surface of area 0, expected more than 0", [] { mean_map({{1}}, {0}); }},
                   {"an area of nan, expected 0 or more", [] { mean_map({{1}}, {kNaN}); }}});
 }

@@ -26,11 +26,6 @@ constexpr const char* kAsTheyAre = "contact pressure";  ///< for map_values: 0 i
 
 std::string file_name(const std::string& path) { return fs::path(path).filename().string(); }
 
-void replace_all(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t i = text.find(from); i != std::string::npos; i = text.find(from, i + to.size()))
-    text.replace(i, from.size(), to);
-}
-
 /// The same facets as in the state that the surface's mesh is of?
 bool same_surface(const ResultFile& file, int state, const std::string& name, int compared, int compared_surface) {
   const int surface = find_surface(file, state, name);
@@ -505,6 +500,11 @@ std::vector<std::string> contact_surfaces(const JointModel& model, const Joint& 
 }
 
 }  // namespace
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t i = text.find(from); i != std::string::npos; i = text.find(from, i + to.size()))
+    text.replace(i, from.size(), to);
+}
 
 std::string without_folders(std::string text, const std::vector<std::string>& files) {
   for (const std::string& path : files)

@@ -112,6 +112,8 @@ struct PageData {
   std::vector<std::string> warnings;
 };
 
+/// `to` wherever `from` stands.
+void replace_all(std::string& text, const std::string& from, const std::string& to);
 /// The command line with file names instead of paths: of `files`, and of all words that begin with a slash.
 std::string command_text(const std::vector<std::string>& words, const std::vector<std::string>& files);
 /// "folder/hip.feb:12: ..." -> "hip.feb:12: ..." for every path of `files`.

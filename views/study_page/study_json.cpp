@@ -29,7 +29,7 @@ constexpr double kMostDraws = 3e8;  ///< rows that all bootstraps together may d
 /// `get` of each statistic, place and choice, side by side on all cores.
 template <class Get>
 Json of_all_choices(const StudyNumbers& n, Get get) {
-  const std::size_t S = study_statistics().size(), P = n.places.size(), K = n.choices();
+  const std::size_t S = n.statistics.size(), P = n.places.size(), K = n.choices();
   std::vector<Json> found(S * P * K);
   tbb::parallel_for(std::size_t{0}, found.size(),
                     [&](std::size_t i) { found[i] = get(i / (P * K), i / K % P, i % K); });
@@ -93,7 +93,11 @@ class Reasons {
 Json column_json(const StudyColumn& c, const ShownCases& shown, PageArrays& arrays) {
   std::vector<std::int32_t> level;
   for (std::size_t i : shown.cases) level.push_back(c.level[i]);
-  return {{"name", c.name}, {"numeric", c.numeric}, {"levels", c.levels}, {"level", arrays.add(pack_integers(level))}};
+  return {{"name", c.name},
+          {"numeric", c.numeric},
+          {"levels", c.levels},
+          {"level", arrays.add(pack_integers(level))},
+          {"of", c.of.empty() ? Json(nullptr) : Json(c.of)}};
 }
 
 std::string choice_title(const StudyNumbers& n, std::size_t k) {
@@ -221,7 +225,7 @@ Json group_json(const StudyNumbers& n, const GroupNumbers& g, const std::vector<
 }
 
 ShownCases shown_cases(const StudyNumbers& n) {
-  const std::size_t each = study_statistics().size() * n.places.size() * n.choices();
+  const std::size_t each = n.statistics.size() * n.places.size() * n.choices();
   const std::vector<char> kept =
       thinned_cases(n, std::vector<char>(n.cases.size(), 1), [&](const std::vector<char>& some) {
         return static_cast<std::size_t>(std::count(some.begin(), some.end(), 1)) * each <= kMostNumbers;
@@ -332,7 +336,7 @@ void add_numbers(const StudyNumbers& n, const ShownCases& shown, Json& j, PageAr
     outcomes.push_back(static_cast<std::int32_t>(n.cases[c].outcome));
   }
   j["cases"] = {{"number", arrays.add(pack_integers(numbers))}, {"outcome", arrays.add(pack_integers(outcomes))}};
-  j["statistics"] = list_json(study_statistics(), [](const StudyStatistic& s) -> Json {
+  j["statistics"] = list_json(n.statistics, [](const StudyStatistic& s) -> Json {
     return {{"name", s.name}, {"title", s.title}, {"quantity", s.quantity}, {"dimension", s.dimension}};
   });
   j["places"] = list_json(n.places, [](const StudyPlace& p) -> Json {
@@ -376,7 +380,7 @@ Json bands_json(const StudyNumbers& n, const ShownCases& shown, PageArrays& arra
   j["drawn"] = arrays.add(pack_integers(places));
   j["all"] = drawn.size() == n.cases.size();
   j["lines"] = Json::array();
-  for (std::size_t s = 0; s < study_statistics().size(); ++s) {
+  for (std::size_t s = 0; s < n.statistics.size(); ++s) {
     j["lines"].push_back(Json::array());
     for (std::size_t p = 0; p < n.places.size(); ++p) {
       std::vector<float> floats;
@@ -388,7 +392,7 @@ Json bands_json(const StudyNumbers& n, const ShownCases& shown, PageArrays& arra
   j["groups"] = Json::array();
   for (const BandGroup& g : band_groups(n)) {
     Json bands = Json::array();
-    for (std::size_t s = 0; s < study_statistics().size(); ++s) {
+    for (std::size_t s = 0; s < n.statistics.size(); ++s) {
       bands.push_back(Json::array());
       for (std::size_t p = 0; p < n.places.size(); ++p)
         bands.back().push_back(band_json(cycle_band(study_lines(n, at_these, s, p, g.cases), kBandLow, kBandHigh)));
@@ -403,7 +407,7 @@ Json influence_json(const StudyNumbers& n) {
   if (design.numeric.empty()) return nullptr;
   Bootstrap bootstrap;
   const double rows = static_cast<double>(n.head.planned) / (design.saltelli + 2.0) * design.saltelli *
-                      static_cast<double>(study_statistics().size() * n.places.size() * n.choices());
+                      static_cast<double>(n.statistics.size() * n.places.size() * n.choices());
   if (design.saltelli > 0)
     bootstrap.resamples = static_cast<int>(std::clamp(kMostDraws / std::max(rows, 1.0), 100.0, 1000.0));
   Json j;

@@ -65,6 +65,9 @@ void sum_over_cycle(const StudyNumbers& n, const StudyMapOptions& options, CaseF
                           {options.cycle_seconds.value_or(span), *options.cycles_per_year, *options.years});
   else
     f.dose = cycle_dose(times, f.pressure, *options.dose_above);
+  if (options.cycles_per_year || !options.cycle_seconds) return;
+  for (std::vector<double>* of : {&f.dose->exposure, &f.dose->overpressure})
+    for (double& x : *of) x *= *options.cycle_seconds / span;
 }
 
 /// Values of one case as they stand on the page.
@@ -212,16 +215,16 @@ std::vector<double> values_of_cases(const StudyNumbers& n, const StudyFields& fi
 
 }  // namespace
 
-void check_dose(const StudyNumbers& n, const StudyMapOptions& o) {
+void check_dose(const StudyNumbers& n, const StudyMapOptions& o, const std::string& cycle_seconds) {
   if (!o.dose_above) return;
   if (!o.cycles_per_year || o.cycle_seconds) return;
   for (const std::vector<double>& times : n.own_times)
     if (times.size() > 1 && times.back() - times.front() > kLongestCycle)
       throw UsageError(
-          fmt::format("a dose over years: found states over {:g} units of time, which are no seconds of a cycle, "
-                      "expected how long a "
-                      "cycle takes: cycle-seconds",
-                      times.back() - times.front()));
+          fmt::format("a dose over years: found states over {:g} units of time, which are no seconds of a cycle ({:g} "
+                      "at most; time "
+                      "in percent or steps?), expected how long a cycle takes: {}",
+                      times.back() - times.front(), kLongestCycle, cycle_seconds));
 }
 
 KeptFields kept_fields(const StudyNumbers& n, const StudyFields& fields) {

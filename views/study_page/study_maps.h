@@ -19,13 +19,13 @@ struct StudyMapOptions {
   std::optional<double> dose_above;       ///< threshold of overpressure
   std::optional<double> cycles_per_year;  ///< both or none: else the dose is of one cycle
   std::optional<double> years;
-  std::optional<double> cycle_seconds;  ///< how long a cycle takes; none: the states' span in seconds
+  std::optional<double> cycle_seconds;  ///< how long a cycle takes; none: the states' span, over years in seconds
 };
 
 /// More seconds than a cycle of a joint takes: then the model's time is no time in seconds (percent, steps).
 inline constexpr double kLongestCycle = 10.0;
-/// Throws UsageError: history and threshold do not go together, or how long a cycle takes must be said.
-void check_dose(const StudyNumbers& numbers, const StudyMapOptions& options);
+/// Throws UsageError: how long a cycle takes must be said, by the option `cycle_seconds`.
+void check_dose(const StudyNumbers& numbers, const StudyMapOptions& options, const std::string& cycle_seconds);
 
 /// Values of stored fields on the page, and what is left out of them.
 struct KeptFields {
@@ -39,9 +39,10 @@ KeptFields kept_fields(const StudyNumbers& numbers, const StudyFields& fields);
 Json maps_json(const std::string& path, const StudyNumbers& numbers, const StudyFields& fields, const KeptFields& kept,
                const StudyMapOptions& options, Json& meshes, PageArrays& arrays);
 
-/// Means and deviations over cases of each surface, per state and over the cycle; `column` >= 0: of each of its levels
-/// too, and their differences from the first. null: no surface has two cases.
+/// Means and deviations over cases, per state and over the cycle; `column` >= 0: of each of its levels too, and their
+/// differences from the first. Of each surface; of a contact with several meshes on one grid (common_grid, `up`), which
+/// joins `meshes`, where all of them can be unrolled. null: no surface and no grid has two cases.
 Json mean_maps_json(const std::string& path, const StudyNumbers& numbers, const StudyFields& fields, int column,
-                    std::vector<std::string>& notes, PageArrays& arrays);
+                    const Vector3d& up, std::vector<std::string>& notes, Json& meshes, PageArrays& arrays);
 
 }  // namespace dea

@@ -3,23 +3,38 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <filesystem>
-#include <map>
 #include <numeric>
-#include <set>
 #include <unordered_map>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/equilibrium/search.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/results/inside_numbers.h>
 
 namespace dea {
 
 namespace {
 
 constexpr const char* kForce = "force";
+
+/// p99 of what is inside the layers: of both sides of a contact, at both ends.
+std::vector<StudyStatistic> inside_statistics() {
+  std::vector<StudyStatistic> all;
+  for (const char* side : {"source", "target"})
+    for (const InsideEnd& end : kInsideEnds)
+      for (const InsideMeasure& m : kInsideMeasures) {
+        const bool compression = m.value == &InsideStatistics::third_strain;
+        const std::string quantity = fmt::format("{} {}, {}", m.words, end.words, side);
+        std::string title = fmt::format("{} ({})", quantity, compression ? "1st percentile" : "p99");
+        title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
+        all.push_back({fmt::format("{}_{}_{}_p99", side, end.name, m.name), std::move(title), quantity,
+                       m.stress ? "pressure" : "none", compression});
+      }
+  return all;
+}
 
 std::optional<double> number_in(const std::string& text) {
   try {
@@ -30,45 +45,19 @@ std::optional<double> number_in(const std::string& text) {
   }
 }
 
-StudyColumn make_column(const std::string& name, const std::vector<std::string>& texts) {
-  StudyColumn c;
-  c.name = name;
-  std::unordered_map<std::string, int> known;
-  for (const std::string& text : texts) {
-    const auto [found, is_new] = known.emplace(text, static_cast<int>(c.levels.size()));
-    if (is_new) c.levels.push_back(text);
-    c.level.push_back(found->second);
-  }
-  std::vector<std::optional<double>> numbers;
-  for (const std::string& text : c.levels) numbers.push_back(number_in(text));
-  c.numeric =
-      !numbers.empty() && std::all_of(numbers.begin(), numbers.end(), [](const auto& x) { return x.has_value(); });
-  std::vector<int> order(c.levels.size()), place(c.levels.size());
-  std::iota(order.begin(), order.end(), 0);
-  if (c.numeric)
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return *numbers[at(a)] < *numbers[at(b)]; });
-  std::vector<std::string> levels;
-  for (int i : order) {
-    place[at(i)] = static_cast<int>(levels.size());
-    c.numbers.push_back(c.numeric ? *numbers[at(i)] : static_cast<double>(levels.size()));
-    levels.push_back(c.levels[at(i)]);
-  }
-  c.levels = std::move(levels);
-  for (int& level : c.level) level = place[at(level)];
-  return c;
-}
-
-/// Without folders, where they differ without them.
-std::vector<std::string> model_names(const std::vector<std::string>& paths) {
-  std::vector<std::string> names;
-  for (const std::string& path : paths) names.push_back(std::filesystem::path(path).filename().string());
-  return std::set<std::string>(names.begin(), names.end()).size() == paths.size() ? names : paths;
+/// Where folders begin in a path, from its end: the file's name, then one folder more each; the whole path last.
+std::vector<std::size_t> tail_starts(const std::string& path) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = path.size(); i > 1; --i)
+    if (path[i - 2] == '/' && path[i - 1] != '/') starts.push_back(i - 1);
+  if (starts.empty() || starts.back() != 0) starts.push_back(0);
+  return starts;
 }
 
 void make_columns(StudyNumbers& n) {
   std::vector<StudyColumn> all;
   std::vector<std::string> texts;
-  const std::vector<std::string> models = model_names(n.head.models);
+  const std::vector<std::string> models = short_names(n.head.models);
   for (const StudyCase& c : n.cases) texts.push_back(models[at(c.model)]);
   if (n.head.models.size() > 1) all.push_back(make_column("model", texts));
   for (std::size_t f = 0; f < n.head.factors.size(); ++f) {
@@ -134,29 +123,69 @@ std::vector<std::vector<char>> take_states(const std::string& path, const CaseIn
   return good;
 }
 
-std::vector<std::string> columns_to_read() {
-  std::vector<std::string> names;
-  for (const StudyStatistic& s : study_statistics())
-    if (std::string(s.name) != kForce) names.emplace_back(s.name);
-  for (const char* name : {"force_x", "force_y", "force_z"}) names.emplace_back(name);
-  return names;
-}
-
-void take_values(const std::string& path, const CaseIndex& index, const std::vector<std::vector<char>>& good,
-                 StudyNumbers& n) {
-  StudyRows rows = read_rows(path, columns_to_read());
-  n.places = std::move(rows.places);
-  const std::size_t count = study_statistics().size(), size = n.cases.size() * n.choices();
-  n.values.assign(count, std::vector<std::vector<double>>(n.places.size(), std::vector<double>(size, kNaN)));
+/// For each row of a state that is a solution: its place in StudyNumbers::values, and its own number.
+template <class Take>
+void each_solved_row(const StudyRows& rows, const CaseIndex& index, const std::vector<std::vector<char>>& good,
+                     const StudyNumbers& n, Take take) {
   for (std::size_t r = 0; r < rows.case_id.size(); ++r) {
     const std::ptrdiff_t c = index.of(rows.case_id[r]);
     if (c < 0 || rows.state[r] < 1 || at(rows.state[r]) > good[at(c)].size()) continue;
     const std::size_t k = at(rows.state[r] - 1);
-    if (good[at(c)][k] == 0) continue;
-    const std::size_t cell = at(c) * n.choices() + k, place = at(rows.place[r]);
-    for (std::size_t s = 0; s + 1 < count; ++s) n.values[s][place][cell] = rows.numbers[s][r];
-    n.values[count - 1][place][cell] =
-        std::hypot(rows.numbers[count - 1][r], rows.numbers[count][r], rows.numbers[count + 1][r]);
+    if (good[at(c)][k] != 0) take(at(c) * n.choices() + k, r);
+  }
+}
+
+std::vector<std::vector<double>> no_values(const StudyNumbers& n) {
+  return std::vector<std::vector<double>>(n.places.size(), std::vector<double>(n.cases.size() * n.choices(), kNaN));
+}
+
+void take_values(const std::string& path, const CaseIndex& index, const std::vector<std::vector<char>>& good,
+                 StudyNumbers& n) {
+  n.statistics = headline_statistics();
+  std::vector<std::string> columns;
+  for (const StudyStatistic& s : n.statistics)
+    if (s.name != kForce) columns.push_back(s.name);
+  const std::size_t force = columns.size();  // behind the others in both lists
+  for (const char* axis : {"_x", "_y", "_z"}) columns.push_back(std::string(kForce) + axis);
+  StudyRows rows = read_rows(path, columns);
+  n.places = std::move(rows.places);
+  n.values.assign(n.statistics.size(), no_values(n));
+  each_solved_row(rows, index, good, n, [&](std::size_t cell, std::size_t r) {
+    const std::size_t place = at(rows.place[r]);
+    for (std::size_t s = 0; s < force; ++s) n.values[s][place][cell] = rows.numbers[s][r];
+    n.values[force][place][cell] =
+        std::hypot(rows.numbers[force][r], rows.numbers[force + 1][r], rows.numbers[force + 2][r]);
+  });
+}
+
+/// Those that some contact has a number of: a bone without cartilage, and law linear, have none.
+void take_inside(const std::string& path, const CaseIndex& index, const std::vector<std::vector<char>>& good,
+                 StudyNumbers& n) {
+  if (!n.head.identity.inside) return;
+  const std::vector<StudyStatistic> statistics = inside_statistics();
+  std::vector<std::string> columns;
+  for (const StudyStatistic& s : statistics) columns.push_back(s.name);
+  const StudyRows rows = read_inside(path, columns);
+  std::vector<std::size_t> place_of;
+  for (const StudyPlace& p : rows.places)
+    place_of.push_back(static_cast<std::size_t>(std::find_if(n.places.begin(), n.places.end(),
+                                                             [&](const StudyPlace& q) {
+                                                               return q.part.empty() && q.contact_id == p.contact_id &&
+                                                                      q.contact == p.contact;
+                                                             }) -
+                                                n.places.begin()));
+  for (std::size_t s = 0; s < statistics.size(); ++s) {
+    std::vector<std::vector<double>> values = no_values(n);
+    bool any = false;
+    each_solved_row(rows, index, good, n, [&](std::size_t cell, std::size_t r) {
+      const std::size_t place = place_of[at(rows.place[r])];
+      if (place == n.places.size()) return;
+      values[place][cell] = rows.numbers[s][r];
+      any = any || std::isfinite(rows.numbers[s][r]);
+    });
+    if (!any) continue;
+    n.statistics.push_back(statistics[s]);
+    n.values.push_back(std::move(values));
   }
 }
 
@@ -182,13 +211,59 @@ std::string units_of_model(const StudyHead& head) {
 
 }  // namespace
 
-const std::vector<StudyStatistic>& study_statistics() {
+StudyColumn make_column(const std::string& name, const std::vector<std::string>& texts) {
+  StudyColumn c;
+  c.name = name;
+  std::unordered_map<std::string, int> known;
+  for (const std::string& text : texts) {
+    const auto [found, is_new] = known.emplace(text, static_cast<int>(c.levels.size()));
+    if (is_new) c.levels.push_back(text);
+    c.level.push_back(found->second);
+  }
+  std::vector<std::optional<double>> numbers;
+  for (const std::string& text : c.levels) numbers.push_back(number_in(text));
+  c.numeric =
+      !numbers.empty() && std::all_of(numbers.begin(), numbers.end(), [](const auto& x) { return x.has_value(); });
+  std::vector<int> order(c.levels.size()), place(c.levels.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (c.numeric)
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return *numbers[at(a)] < *numbers[at(b)]; });
+  std::vector<std::string> levels;
+  for (int i : order) {
+    if (!c.numeric || c.numbers.empty() || c.numbers.back() != *numbers[at(i)]) {
+      c.numbers.push_back(c.numeric ? *numbers[at(i)] : static_cast<double>(levels.size()));
+      levels.push_back(c.levels[at(i)]);
+    }
+    place[at(i)] = static_cast<int>(levels.size()) - 1;
+  }
+  c.levels = std::move(levels);
+  for (int& level : c.level) level = place[at(level)];
+  return c;
+}
+
+std::vector<std::string> short_names(const std::vector<std::string>& paths) {
+  std::unordered_map<std::string, int> count;  // paths that end so
+  for (const std::string& path : paths)
+    for (std::size_t start : tail_starts(path)) ++count[path.substr(start)];
+  std::vector<std::string> names;
+  for (const std::string& path : paths) {
+    names.push_back(path);
+    for (std::size_t start : tail_starts(path)) {
+      if (count[path.substr(start)] > 1) continue;
+      names.back() = path.substr(start);
+      break;
+    }
+  }
+  return names;
+}
+
+const std::vector<StudyStatistic>& headline_statistics() {
   static const std::vector<StudyStatistic> statistics = {
       {"headline_p99", "99th percentile of pressure", "p99", "pressure"},
       {"headline_mean", "Mean pressure", "mean pressure", "pressure"},
       {"headline_area", "Contact area", "contact area", "area"},
       {"headline_peak", "Peak pressure", "peak pressure", "pressure"},
-      {kForce, "Contact force", "force", "force"}};
+      {kForce, "Contact force", "force", "force"}};  // take_values relies on this order
   return statistics;
 }
 
@@ -204,6 +279,11 @@ std::vector<double> StudyNumbers::outputs(std::size_t statistic, std::size_t pla
   return out;
 }
 
+std::size_t StudyNumbers::own_columns() const {
+  return static_cast<std::size_t>(
+      std::count_if(columns.begin(), columns.end(), [](const StudyColumn& c) { return c.of.empty(); }));
+}
+
 int StudyNumbers::column(const std::string& name) const {
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (lower_case(columns[i].name) == lower_case(name)) return static_cast<int>(i);
@@ -212,14 +292,15 @@ int StudyNumbers::column(const std::string& name) const {
 
 void add_largest(StudyNumbers& n) {
   if (n.states < 2) return;
-  for (auto& of_statistic : n.values) {
-    for (std::vector<double>& v : of_statistic) {
+  for (std::size_t s = 0; s < n.values.size(); ++s) {
+    const double sign = n.statistics[s].compression ? -1.0 : 1.0;
+    for (std::vector<double>& v : n.values[s]) {
       for (std::size_t c = 0; c < n.cases.size(); ++c) {
         double& largest = v[c * n.choices() + n.states];
         largest = kNaN;
         for (std::size_t k = 0; n.complete[c] != 0 && k < n.states; ++k) {
           const double x = v[c * n.choices() + k];
-          if (std::isfinite(x) && !(largest >= x)) largest = x;
+          if (std::isfinite(x) && !(sign * largest >= sign * x)) largest = x;
         }
       }
     }
@@ -244,6 +325,7 @@ StudyNumbers read_study_numbers(const std::string& path) {
   const CaseIndex index(n);
   const std::vector<std::vector<char>> good = take_states(path, index, n);
   take_values(path, index, good, n);
+  take_inside(path, index, good, n);
   add_largest(n);
   return n;
 }

@@ -15,17 +15,22 @@ namespace dea {
 
 /// A number that a study is looked at by.
 struct StudyStatistic {
-  const char* name;       ///< of the column: "headline_p99"
-  const char* title;      ///< "99th percentile of pressure"
-  const char* quantity;   ///< of an axis: "p99"
-  const char* dimension;  ///< "pressure", "area", "force"
+  std::string name;       ///< of the column: "headline_p99"
+  std::string title;      ///< "99th percentile of pressure"
+  std::string quantity;   ///< of an axis: "p99"
+  std::string dimension;  ///< "pressure", "area", "force", "none"
+  bool compression =
+      false;  ///< below 0, and larger the farther below: the largest of all states is then the least value
 };
-/// p99, mean, area, peak of the headline, and the size of the contact's force.
-const std::vector<StudyStatistic>& study_statistics();
+/// p99, mean, area, peak of the headline, and the size of the contact's force ("force"): every study and every place
+/// has these.
+const std::vector<StudyStatistic>& headline_statistics();
 
-/// "model", where there are several, and the factors: what differs from case to case.
+/// What differs from case to case: "model", where there are several, the factors, and what a table tells of them
+/// (study_subjects.h).
 struct StudyColumn {
   std::string name;
+  std::string of;                   ///< of a table: the column that its rows are of; empty: the study's own
   bool numeric = false;             ///< every value is a number
   std::vector<std::string> levels;  ///< different values; numbers rise, words in the order of cases
   std::vector<double> numbers;      ///< per level; words: 0, 1, 2, ...
@@ -38,10 +43,12 @@ struct StudyNumbers {
   StudyHead head;
   UnitNames units;
   std::vector<StudyCase> cases;      ///< those that are there, by their numbers
-  std::vector<StudyColumn> columns;  ///< that vary
+  std::vector<StudyColumn> columns;  ///< that vary: the study's own, those of a table behind them
   std::vector<StudyColumn> constant;
   bool grid =
-      false;  ///< every combination of the columns' levels is a case at most once, and more than half of them are
+      false;  ///< every combination of own columns' levels is a case at most once, and more than half of them are
+  /// headline_statistics; with --inside those of the layers' insides that some contact has.
+  std::vector<StudyStatistic> statistics;
   std::vector<StudyPlace> places;
   std::size_t states = 0;                      ///< most of any case
   bool same_times = true;                      ///< all cases have the states' times
@@ -57,6 +64,8 @@ struct StudyNumbers {
   double value(std::size_t statistic, std::size_t place, std::size_t c, std::size_t choice) const {
     return values[statistic][place][c * choices() + choice];
   }
+  /// How many of `columns` are the study's own.
+  std::size_t own_columns() const;
   /// Of all cases.
   std::vector<double> outputs(std::size_t statistic, std::size_t place, std::size_t choice) const;
   /// -1: there is no such column that varies.
@@ -65,6 +74,13 @@ struct StudyNumbers {
 
 /// Is this the word of a state that is a solution?
 bool is_solution(const std::string& outcome);
+
+/// A column of these values, one per case. Numbers that are equal are one level, however they are written.
+StudyColumn make_column(const std::string& name, const std::vector<std::string>& texts);
+
+/// Each path without the folders that it does not need to be told from the others: "hip.feb", or "left/hip.feb" beside
+/// "right/hip.feb".
+std::vector<std::string> short_names(const std::vector<std::string>& paths);
 
 /// Fills the last of a case's choices: the largest of all its states. A state without contact, which is a solution and
 /// has no pressures, does not count; NaN where a state is no solution: then no largest is known.

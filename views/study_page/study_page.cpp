@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/views/page/page.h>
 #include <febiodea/views/page/page_data.h>
+#include <febiodea/views/study_page/study_subjects.h>
 
 namespace dea {
 
@@ -15,15 +17,23 @@ namespace {
 
 constexpr std::size_t kMostGroups = 60;
 
-/// Of options, inputs, messages: names of files, not where they were.
+/// Of options, inputs, messages: names of files, not where they were; of models as much as tells them apart.
 void hide_folders(StudyNumbers& n, std::vector<StudyWarning>& warnings) {
-  std::vector<std::string> paths = n.head.models;
-  for (const auto& input : n.head.identity.inputs) paths.push_back(input[0]);
-  for (std::string& option : n.head.identity.options) option = without_folders(option, paths);
-  for (StudyCase& c : n.cases) c.message = without_folders(c.message, paths);
-  for (StudyWarning& w : warnings) w.text = without_folders(w.text, paths);
-  for (auto& input : n.head.identity.inputs) input[0] = without_folders(input[0], paths);
-  for (std::string& model : n.head.models) model = without_folders(model, paths);
+  const std::vector<std::string> models = n.head.models, names = short_names(models);
+  std::vector<std::string> others;
+  for (const auto& input : n.head.identity.inputs)
+    if (std::find(models.begin(), models.end(), input[0]) == models.end()) others.push_back(input[0]);
+  const auto hide = [&](std::string& text) {
+    if (text.find('/') == std::string::npos) return;
+    for (std::size_t i = 0; i < models.size(); ++i)
+      if (names[i] != models[i]) replace_all(text, models[i], names[i]);
+    text = without_folders(text, others);
+  };
+  for (std::string& option : n.head.identity.options) hide(option);
+  for (StudyCase& c : n.cases) hide(c.message);
+  for (StudyWarning& w : warnings) hide(w.text);
+  for (auto& input : n.head.identity.inputs) hide(input[0]);
+  n.head.models = names;
 }
 
 int group_column(const StudyNumbers& n, const StudyPageOptions& o) {
@@ -43,8 +53,11 @@ void add_maps(const std::string& study, const StudyNumbers& n, const StudyFields
   notes.insert(notes.end(), kept.notes.begin(), kept.notes.end());
   Json meshes = Json::array();
   page["maps"] = maps_json(study, n, fields, kept, o.maps, meshes, arrays);
+  page["means"] = page["maps"].is_null()
+                      ? Json(nullptr)
+                      : mean_maps_json(study, n, fields, group, o.maps.regions.up.value_or(Vector3d::Zero()), notes,
+                                       meshes, arrays);
   page["meshes"] = std::move(meshes);
-  page["means"] = page["maps"].is_null() ? Json(nullptr) : mean_maps_json(study, n, fields, group, notes, arrays);
 }
 
 void require_fields(const StudyFields& fields, const StudyPageOptions& o) {
@@ -59,13 +72,20 @@ void require_fields(const StudyFields& fields, const StudyPageOptions& o) {
 
 }  // namespace
 
+StudyNumbers study_numbers_with(const std::string& study, const std::optional<CaseTable>& subjects) {
+  StudyNumbers n = read_study_numbers(study);
+  if (subjects) add_subjects(*subjects, n);
+  return n;
+}
+
 StudyPageSummary write_study_page(const std::string& path, const std::string& study, const StudyPageOptions& o) {
   StudyPageSummary summary;
-  StudyNumbers n = read_study_numbers(study);
+  StudyNumbers n = study_numbers_with(study, o.subjects);
   std::vector<StudyWarning> warnings = read_warnings(study);
   const int group = group_column(n, o);
-  const StudyPairs pairs = o.pair.empty() ? StudyPairs{} : study_pairs(n, o.names.pair, o.pair);
-  check_dose(n, o.maps);
+  const StudyPairs pairs =
+      o.pair.empty() ? StudyPairs{} : study_pairs(n, o.names.pair, o.pair, o.names.pair_by, o.pair_by);
+  check_dose(n, o.maps, o.names.cycle_seconds);
   const StudyFields fields = study_fields(study, n);
   require_fields(fields, o);
   if (o.maps.regions.any()) add_regions(study, fields, o.maps.regions, n);
@@ -79,7 +99,11 @@ StudyPageSummary write_study_page(const std::string& path, const std::string& st
   page["schema"] = "dea.report/1";
   page["kind"] = "study";
   page["title"] = std::filesystem::path(study).stem().string();
-  page["command"] = command_text(o.words, {study, path});
+  page["command"] = command_text(o.words, {study, path, o.subjects ? o.subjects->path : std::string()});
+  page["subjects"] = o.subjects ? Json(without_folders(o.subjects->path, {o.subjects->path})) : Json(nullptr);
+  page["contacts"] = list_json(read_contacts(study), [](const StudyContact& c) -> Json {
+    return {c.contact, c.source, c.target};
+  });
   add_page_head(n.units, page);
   page["study"] = study_head_json(n);
   page["failures"] = failures_json(n, warnings);

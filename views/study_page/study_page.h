@@ -13,12 +13,14 @@ namespace dea {
 
 /// How options are called where one of them is at fault: by the command line's names, or by Python's.
 struct StudyPageWords {
-  std::string group = "--group", pair = "--pair";
+  std::string group = "--group", pair = "--pair", pair_by = "--pair-by", cycle_seconds = "--cycle-seconds";
 };
 
 struct StudyPageOptions {
-  std::string group;  ///< column whose values are groups; empty: none
-  std::string pair;   ///< "COLUMN" or "COLUMN=A,B"; empty: none
+  std::string group;                  ///< column whose values are groups; empty: none
+  std::string pair;                   ///< "COLUMN" or "COLUMN=A,B"; empty: none
+  std::string pair_by;                ///< column of `subjects` that partners share (study_pairs); empty: all
+  std::optional<CaseTable> subjects;  ///< columns for group and pair (add_subjects)
   StudyMapOptions maps;
   StudyPageWords names;
   std::vector<std::string> words;  ///< the command, for the page
@@ -28,6 +30,9 @@ struct StudyPageOptions {
 struct StudyPageSummary {
   std::vector<std::string> notes;  ///< a line each: what was thinned
 };
+
+/// read_study_numbers, with the columns of a table, if there is one. Throws InputError.
+StudyNumbers study_numbers_with(const std::string& study, const std::optional<CaseTable>& subjects);
 
 /// Writes the page of a study's file, which is only read. Throws InputError, UsageError (a column that is not there),
 /// WriteError.

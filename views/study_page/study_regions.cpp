@@ -24,7 +24,7 @@ std::vector<Vector3d> vertex_area_vectors(const ResultSurface& s) {
   return sum;
 }
 
-/// In the order of study_statistics.
+/// In the order of headline_statistics.
 std::array<double, 5> numbers_in(const StudySurfaceMesh& s, const RegionPlaces& r, int region,
                                  const std::vector<double>& pressure, double above) {
   std::vector<double> values, areas;
@@ -80,7 +80,7 @@ void add_regions(const std::string& path, const StudyFields& fields, const Study
       above[{c->second, at(thresholds.state[r] - 1), place.contact_id, place.contact}] = thresholds.numbers[0][r];
   }
   const std::vector<RegionPlaces> places = make_places(fields, options, n);
-  for (auto& of_statistic : n.values)
+  for (auto& of_statistic : n.values)  // of what is not among headline_statistics regions have none
     of_statistic.resize(n.places.size(), std::vector<double>(n.cases.size() * n.choices(), kNaN));
   each_pressure(
       path, n, fields, [](const StudyField&) { return true; },

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
@@ -43,41 +44,70 @@ void find_saltelli(const StudyNumbers& n, StudyDesign& design) {
   design.saltelli_columns = columns;
 }
 
+int middle_level(const StudyColumn& c) { return static_cast<int>((c.levels.size() - 1) / 2); }
+
 /// -1: it is no case.
 int middle_of_grid(const StudyNumbers& n) {
-  for (std::size_t c = 0; c < n.cases.size(); ++c)
-    if (std::all_of(n.columns.begin(), n.columns.end(), [&](const StudyColumn& column) {
-          return column.level[c] == static_cast<int>((column.levels.size() - 1) / 2);
-        }))
-      return static_cast<int>(c);
+  const std::size_t own = n.own_columns();
+  for (std::size_t c = 0; c < n.cases.size(); ++c) {
+    std::size_t k = 0;
+    while (k < own && n.columns[k].level[c] == middle_level(n.columns[k])) ++k;
+    if (k == own) return static_cast<int>(c);
+  }
   return -1;
 }
 
-/// How many cases differ from each other in one column, per case.
-int best_connected(const StudyNumbers& n) {
-  constexpr std::size_t kMost = 4000;  // all pairs are looked at
-  if (n.cases.size() > kMost) return -1;
-  int best = -1, most = 0;
-  for (std::size_t a = 0; a < n.cases.size(); ++a) {
-    int neighbours = 0;
-    for (std::size_t b = 0; b < n.cases.size(); ++b) {
-      int different = 0;
-      for (const StudyColumn& c : n.columns) different += c.level[a] != c.level[b] ? 1 : 0;
-      neighbours += different == 1 ? 1 : 0;
-    }
-    if (neighbours > most) {
-      most = neighbours;
-      best = static_cast<int>(a);
+/// Per case: how many others differ from it in one own column, and in nothing else.
+std::vector<std::size_t> neighbours(const StudyNumbers& n) {
+  const std::size_t own = n.own_columns();
+  std::vector<std::size_t> count(n.cases.size(), 0), order(n.cases.size());
+  for (std::size_t k = 0; k < own; ++k) {
+    // cases that are alike in all but column k come to stand side by side, those alike in k too beside each other
+    const auto differs = [&](std::size_t a, std::size_t b, bool in_k) -> int {
+      for (std::size_t i = 0; i < own; ++i)
+        if ((i == k) == in_k && n.columns[i].level[a] != n.columns[i].level[b])
+          return n.columns[i].level[a] < n.columns[i].level[b] ? -1 : 1;
+      return 0;
+    };
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      const int others = differs(a, b, false);
+      return others != 0 ? others < 0 : differs(a, b, true) < 0;
+    });
+    for (std::size_t first = 0, end = 0; first < order.size(); first = end) {
+      while (end < order.size() && differs(order[first], order[end], false) == 0) ++end;
+      for (std::size_t i = first, last = first; i < end; i = last) {
+        while (last < end && differs(order[i], order[last], true) == 0) ++last;
+        for (std::size_t c = i; c < last; ++c) count[order[c]] += (end - first) - (last - i);
+      }
     }
   }
-  return best;
+  return count;
 }
 
+/// -1: no case has a neighbour.
+int best_connected(const StudyNumbers& n) {
+  const std::vector<std::size_t> count = neighbours(n);
+  const auto from_middle = [&](std::size_t c) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < n.own_columns(); ++k) {
+      const StudyColumn& column = n.columns[k];
+      sum += std::abs(column.level[c] - middle_level(column)) / static_cast<double>(column.levels.size());
+    }
+    return sum;
+  };
+  std::size_t best = 0;
+  for (std::size_t c = 1; c < count.size(); ++c)
+    if (count[c] > count[best] || (count[c] == count[best] && from_middle(c) < from_middle(best))) best = c;
+  return count.empty() || count[best] == 0 ? -1 : static_cast<int>(best);
+}
+
+/// Of the study's own columns.
 std::vector<std::vector<double>> column_numbers(const StudyNumbers& n) {
   std::vector<std::vector<double>> numbers;
-  for (const StudyColumn& c : n.columns) {
+  for (std::size_t k = 0; k < n.own_columns(); ++k) {
     numbers.emplace_back();
-    for (int l : c.level) numbers.back().push_back(c.numbers[at(l)]);
+    for (int l : n.columns[k].level) numbers.back().push_back(n.columns[k].numbers[at(l)]);
   }
   return numbers;
 }
@@ -88,6 +118,7 @@ std::vector<BaseSlope> base_slopes(const StudyNumbers& n, const StudyDesign& des
   if (design.base < 0) return result;
   const std::vector<OneAtATime> all = one_at_a_time(column_numbers(n), outputs, at(design.base));
   for (int k : design.numeric) {
+    if (!n.columns[at(k)].of.empty()) continue;
     const OneAtATime& one = all[at(k)];
     for (std::size_t i = 0; i < one.cases.size(); ++i) {
       if (one.cases[i] != at(design.base) || one.cases.size() < 2) continue;
@@ -118,19 +149,52 @@ std::vector<double> without_rounding(std::vector<double> outputs) {
 
 std::string level_list(const StudyColumn& c) { return name_list(c.levels, ""); }
 
-int level_named(const StudyColumn& c, const std::string& option, const std::string& text, const std::string& level) {
+/// Index of a level; numbers are compared as numbers: 8 is 8.0. -1: there is none.
+int find_level(const StudyColumn& c, const std::string& level) {
   for (std::size_t i = 0; i < c.levels.size(); ++i)
     if (c.levels[i] == level) return static_cast<int>(i);
+  if (!c.numeric) return -1;
+  try {
+    const double x = parse_number(level);
+    for (std::size_t i = 0; i < c.levels.size(); ++i)
+      if (c.numbers[i] == x) return static_cast<int>(i);
+  } catch (const BadValue&) {
+  }
+  return -1;
+}
+
+int level_named(const StudyColumn& c, const std::string& option, const std::string& text, const std::string& level) {
+  const int found = find_level(c, level);
+  if (found >= 0) return found;
   throw UsageError(fmt::format("{} {}: found no value \"{}\" of {}{}, expected two of {}", option, text, level, c.name,
                                did_you_mean(level, c.levels), level_list(c)));
 }
 
 /// The comma of A,B: one that stands between two values, for a value may hold commas itself; else the first.
 std::size_t comma_between_levels(const StudyColumn& c, const std::string& both) {
-  const auto is_level = [&](const std::string& s) { return std::count(c.levels.begin(), c.levels.end(), s) > 0; };
+  const auto is_level = [&](const std::string& s) { return find_level(c, s) >= 0; };
   for (std::size_t i = both.find(','); i != std::string::npos; i = both.find(',', i + 1))
     if (is_level(both.substr(0, i)) && is_level(both.substr(i + 1))) return i;
   return both.find(',');
+}
+
+/// Columns in which partners of a pair must be alike.
+std::vector<std::size_t> alike_in_pairs(const StudyNumbers& n, int column, const std::string& by_option,
+                                        const std::string& by) {
+  const std::string& of = n.columns[at(column)].of;
+  const int only = by.empty() ? -1 : study_column(n, by_option, by);
+  if (only >= 0 && (of.empty() || n.columns[at(only)].of.empty() || only == column))
+    throw UsageError(
+        fmt::format("{} {}: belongs to pairs by a column of the table of subjects, and is another column "
+                    "of it",
+                    by_option, by));
+  std::vector<std::size_t> alike;
+  for (std::size_t k = 0; k < n.columns.size(); ++k) {
+    const StudyColumn& c = n.columns[k];
+    if (static_cast<int>(k) == column) continue;
+    if (c.of.empty() ? c.name != of : !of.empty() && (only < 0 || static_cast<int>(k) == only)) alike.push_back(k);
+  }
+  return alike;
 }
 
 }  // namespace
@@ -208,7 +272,8 @@ int study_column(const StudyNumbers& n, const std::string& option, const std::st
                                names.empty() ? std::string("is none") : "are " + name_list(names, name)));
 }
 
-StudyPairs study_pairs(const StudyNumbers& n, const std::string& option, const std::string& text) {
+StudyPairs study_pairs(const StudyNumbers& n, const std::string& option, const std::string& text,
+                       const std::string& by_option, const std::string& by) {
   StudyPairs pairs;
   const std::size_t equals = text.find('=');
   pairs.column = study_column(n, option, text.substr(0, equals));
@@ -226,18 +291,20 @@ StudyPairs study_pairs(const StudyNumbers& n, const std::string& option, const s
   }
   if (pairs.first == pairs.second)
     throw UsageError(fmt::format("{} {}: found the same value twice, expected two", option, text));
+  const std::vector<std::size_t> alike = alike_in_pairs(n, pairs.column, by_option, by);
   std::map<std::vector<int>, std::array<int, 2>> partners;
   for (std::size_t c = 0; c < n.cases.size(); ++c) {
     const int level = column.level[c];
     if (level != pairs.first && level != pairs.second) continue;
     std::vector<int> others;
-    for (std::size_t k = 0; k < n.columns.size(); ++k)
-      if (static_cast<int>(k) != pairs.column) others.push_back(n.columns[k].level[c]);
+    for (std::size_t k : alike) others.push_back(n.columns[k].level[c]);
     auto& pair = partners.emplace(others, std::array<int, 2>{-1, -1}).first->second;
     int& place = pair[level == pairs.first ? 0 : 1];
     if (place >= 0)
-      throw UsageError(fmt::format("{} {}: found cases {} and {} with the same values, expected one case each", option,
-                                   text, n.cases[at(place)].number, n.cases[c].number));
+      throw UsageError(fmt::format(
+          "{} {}: found cases {} and {} with the same values, expected one case each{}", option, text,
+          n.cases[at(place)].number, n.cases[c].number,
+          column.of.empty() ? "" : ": another column of the table must tell who is who, such as \"subject\""));
     place = static_cast<int>(c);
   }
   for (const auto& [others, pair] : partners) {
@@ -249,7 +316,10 @@ StudyPairs study_pairs(const StudyNumbers& n, const std::string& option, const s
   std::sort(pairs.cases.begin(), pairs.cases.end());
   if (pairs.cases.empty())
     throw UsageError(
-        fmt::format("{} {}: found no two cases that differ in {} alone, expected pairs", option, text, column.name));
+        fmt::format("{} {}: found no two cases that differ in {} alone, expected pairs{}", option, text, column.name,
+                    column.of.empty() || by_option.empty() || !by.empty()
+                        ? ""
+                        : fmt::format("; {} COLUMN names the one column of the table that partners share", by_option)));
   return pairs;
 }
 

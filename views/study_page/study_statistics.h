@@ -15,14 +15,14 @@ namespace dea {
 
 /// How a study was drawn, as far as statistics depend on it.
 struct StudyDesign {
-  std::vector<int> numeric;           ///< columns that are numbers
+  std::vector<int> numeric;           ///< columns that are numbers, those of a table too
   int saltelli = 0;                   ///< factors of a Saltelli design; 0: it is none
   std::vector<int> saltelli_columns;  ///< per factor of it: its column; -1: it does not vary
   int base = -1;                      ///< case that one-at-a-time slopes are taken about; -1: none has neighbours
   std::string no_sobol, no_slopes;    ///< why there are none
 };
-/// The base: of a grid the case in its middle, the lower of two; else the first of those from which most cases differ
-/// in one column only.
+/// The base: of a grid the case in its middle, the lower of two; else of those from which most cases differ in one own
+/// column only the one nearest the middle of all columns' values, the first of several.
 StudyDesign study_design(const StudyNumbers& numbers);
 
 /// A slope about the base case.
@@ -37,7 +37,7 @@ struct Influence {
   Regression regression;               ///< of design.numeric
   std::vector<RankCorrelation> ranks;  ///< one per design.numeric
   std::optional<SobolIndices> sobol;   ///< one per design.saltelli_columns
-  std::vector<BaseSlope> slopes;       ///< of design.numeric, as far as they have neighbours
+  std::vector<BaseSlope> slopes;       ///< of own columns of design.numeric, as far as they have neighbours
 };
 Influence influence(const StudyNumbers& numbers, const StudyDesign& design, const std::vector<double>& outputs,
                     const Bootstrap& bootstrap);
@@ -51,15 +51,19 @@ struct GroupNumbers {
 };
 GroupNumbers group_numbers(const StudyColumn& column, const std::vector<double>& outputs);
 
-/// Two levels of a column as pairs: cases that differ in nothing else.
+/// Two levels of a column as pairs: cases that differ in nothing else. Of a table's column (study_subjects.h) nothing
+/// else are all other own columns but the one that the table's rows are of, and all other columns of the table.
 struct StudyPairs {
   int column = -1;
   int first = 0, second = 1;              ///< levels
   std::vector<std::array<int, 2>> cases;  ///< indices of each pair
   std::size_t alone = 0;                  ///< cases of the two levels without a partner
 };
-/// `text`: "COLUMN", of two levels, or "COLUMN=A,B". Throws UsageError, which begins with `option`.
-StudyPairs study_pairs(const StudyNumbers& numbers, const std::string& option, const std::string& text);
+/// `text`: "COLUMN", of two levels, or "COLUMN=A,B"; numbers may be written otherwise than in the study. `by`: of a
+/// table's columns partners must be alike in this one alone; empty: in all. Throws UsageError, which begins with
+/// `option`, or `by_option` where `by` is at fault.
+StudyPairs study_pairs(const StudyNumbers& numbers, const std::string& option, const std::string& text,
+                       const std::string& by_option = "", const std::string& by = "");
 /// The column of this name that varies. Throws UsageError.
 int study_column(const StudyNumbers& numbers, const std::string& option, const std::string& name);
 

@@ -8,12 +8,12 @@ namespace dea {
 
 namespace {
 
-/// Levels that are left of each column.
+/// Levels that are left of each own column.
 struct KeptLevels {
   std::vector<std::vector<char>> kept;
 
   explicit KeptLevels(const StudyNumbers& n) {
-    for (const StudyColumn& c : n.columns) kept.emplace_back(c.levels.size(), 1);
+    for (std::size_t k = 0; k < n.own_columns(); ++k) kept.emplace_back(n.columns[k].levels.size(), 1);
   }
   bool has(const StudyNumbers& n, std::size_t c) const {
     for (std::size_t k = 0; k < kept.size(); ++k)

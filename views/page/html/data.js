@@ -221,6 +221,28 @@ function scaleStep(low, high) {
   return Report.steps.multiples.at(-1) * power;
 }
 
+// Plays states by a button: `next` goes to the next one and answers how long it stays [ms], or a promise of that.
+function makePlayer(id, next) {
+  let timer = 0;
+  const player = {
+    get on() { return timer !== 0; },
+    play(on) {
+      const button = document.getElementById(id);
+      clearTimeout(timer);
+      timer = 0;
+      button.textContent = on ? "❚❚" : "▶";
+      button.setAttribute("aria-label", on ? "Pause" : "Play");
+      if (!on) return;
+      const step = async () => {
+        const mine = timer, stay = await next();
+        if (timer === mine) timer = setTimeout(step, stay);  // neither paused nor begun anew meanwhile
+      };
+      timer = setTimeout(step, 120);
+    }
+  };
+  return player;
+}
+
 // Elements without markup from text: names of files are never parsed.
 function make(tag, attributes, ...children) {
   const element = document.createElement(tag);

@@ -13,7 +13,7 @@ const Page = (() => {
   };
   const heads = { pressure: "Pressure", space: "Joint space", thickness: "Cartilage thickness", gap: "Penetration" };
   const $ = (id) => document.getElementById(id);
-  let panels = [], figures = Figures.list(), playing = 0, busy = 0;
+  let panels = [], figures = Figures.list(), busy = 0;
 
   // ---- frame of the page ----
   function option(value, text, selected) { return make("option", { value, text, selected }); }
@@ -93,7 +93,7 @@ const Page = (() => {
     if (maps.fault) section.append(make("p", { class: "fault", id: "nowebgl", text: maps.fault }));
     section.append(make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }));
     section.append(make("div", { class: "time", id: "time" },
-      make("button", { id: "play", text: "▶", title: "Play (space)", "aria-label": "Play", onclick: () => play(!playing) }),
+      make("button", { id: "play", text: "▶", title: "Play (space)", "aria-label": "Play", onclick: () => player.play(!player.on) }),
       make("input", { id: "slider", type: "range", min: "0", max: String(Report.frames.length - 1), step: "1", value: String(state.frame), "aria-label": "State", oninput: (e) => setFrame(Number(e.target.value)) }),
       make("output", { id: "now" })));
     if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; $("time").style.position = "static"; }
@@ -358,19 +358,11 @@ const Page = (() => {
     update();
   }
 
-  function play(on) {
-    clearTimeout(playing);
-    playing = 0;
-    $("play").textContent = on ? "❚❚" : "▶";
-    $("play").setAttribute("aria-label", on ? "Pause" : "Play");
-    if (!on) return;
-    const step = () => {
-      maps.hurry();
-      setFrame((state.frame + 1) % Report.frames.length);
-      playing = setTimeout(step, state.frame === Report.frames.length - 1 ? 1100 : 320);
-    };
-    playing = setTimeout(step, 150);
-  }
+  const player = makePlayer("play", () => {
+    maps.hurry();
+    setFrame((state.frame + 1) % Report.frames.length);
+    return state.frame === Report.frames.length - 1 ? 1100 : 320;
+  });
 
   // ---- figures ----
   function fileName(id) { return `${Report.title} ${id}`.replace(/[^\p{L}\p{N}._-]+/gu, "_").slice(0, 100); }
@@ -399,7 +391,7 @@ const Page = (() => {
       if (box.top > window.innerHeight + 200 || box.bottom < -200) waiting.push(f);
       else drawFigure(f);
     }
-    if (waiting.length) later = setTimeout(() => waiting.forEach(drawFigure), playing ? 600 : 120);
+    if (waiting.length) later = setTimeout(() => waiting.forEach(drawFigure), player.on ? 600 : 120);
   }
   function drawFigure(f) {
     const width = Math.floor(Math.min(f.plot.clientWidth || 600, f.wide ? 1100 : 720));
@@ -461,10 +453,10 @@ const Page = (() => {
     if (e.key === " ") {
       if (tag === "BUTTON") return;
       e.preventDefault();
-      if (Report.frames.length > 1) play(!playing);
+      if (Report.frames.length > 1) player.play(!player.on);
     } else if (e.key === "ArrowLeft" || e.key === "ArrowRight") {
       e.preventDefault();
-      play(false);
+      player.play(false);
       setFrame(state.frame + (e.key === "ArrowRight" ? 1 : -1));
     }
   }
@@ -478,7 +470,7 @@ const Page = (() => {
     let wide = window.innerWidth;
     window.addEventListener("resize", () => { if (wide !== window.innerWidth) { wide = window.innerWidth; update(); } });
     let before = "light";
-    window.addEventListener("beforeprint", () => { before = state.theme; play(false); setTheme("light"); maps.draw(); [...figures.now, ...figures.time].forEach((f) => f.element.hidden || drawFigure(f)); });
+    window.addEventListener("beforeprint", () => { before = state.theme; player.play(false); setTheme("light"); maps.draw(); [...figures.now, ...figures.time].forEach((f) => f.element.hidden || drawFigure(f)); });
     window.addEventListener("afterprint", () => setTheme(before));
     if (Report.surfaces.length) await setSurface(0);
     else drawFigures();

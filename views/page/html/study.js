@@ -74,23 +74,37 @@ const Page = (() => {
     }
     add("States", one.same_times && one.times.length ? `${one.states}: ${one.times.length === 1 ? `time ${one.times[0]}` : one.times.length > 14 ? `times ${one.times[0]} to ${one.times.at(-1)}` : "times " + one.times.join(", ")}` : `up to ${one.states}; their times differ from case to case`);
     add("Options", one.options.join("  "));
-    add("Numbers", Report.headline + ". p99: 99th percentile. Force: size of the contact's force.");
+    const told = columns.filter((c) => c.of).map((c) => `${c.name} (${c.levels.length > 6 ? `${c.levels.length} values` : c.levels.join(", ")})`);
+    if (Report.subjects) add("Subjects", `${Report.subjects}, ${told.length ? `a row per ${columns.find((c) => c.of).of}: ${told.join("; ")}` : "of which nothing differs from case to case"}`);
+    add(Report.contacts.length > 1 ? "Contacts" : "Contact", Report.contacts.slice(0, 8).map(([name, source, target]) => `${name} (source ${source}, target ${target})`).join("; ") + (Report.contacts.length > 8 ? ` and ${Report.contacts.length - 8} more` : ""));
+    add("Numbers", Report.headline + `. p99: 99th percentile. Force: size of the contact's force.${Report.statistics.some((s, i) => StudyFigures.isInside(i)) ? " Inside the cartilage: p99 over what is pressed, weighted by area; of the third principal strain, which is below 0, the first percentile; source and target as above. Largest of all states: of the third principal strain the least." : ""}`);
     section("study", "The study", make("dl", { class: "facts" }, ...rows), one.inputs.length === 0 ? null : make("details", {}, make("summary", { text: plural(one.inputs.length, "input file") }), table({ headings: ["file", "CRC-32 and size"], rows: one.inputs })));
   }
 
   // ---- what is chosen for all figures ----
   function choose() {
-    const controls = make("div", { class: "controls" }, select("statistic", "Number", Report.statistics.map((s, i) => [i, s.title]), state.statistic, (v) => { state.statistic = v; changed(); }));
-    if (Report.places.length > 1) controls.append(select("place", "Contact or region", Report.places.map((p, i) => [i, p.title]), state.place, (v) => { state.place = v; changed(); }));
+    const controls = make("div", { class: "controls" }, select("statistic", "Number", Report.statistics.map((s, i) => [i, s.title]), state.statistic, (v) => { state.statistic = v; choosePlace(); changed(); }));
+    if (Report.places.length > 1) controls.append(make("span", { id: "place-host" }));
     if (Report.choices.length > 1) controls.append(select("choice", "State", Report.choices.map((c, i) => [i, c]), state.choice, (v) => { state.choice = v; changed(); }));
     $("main").append(make("div", { class: "choose" }, controls));
+    choosePlace();
+  }
+  // Those that have the number.
+  function choosePlace() {
+    const host = $("place-host"), there = Report.places.map((p, i) => [i, p.title]).filter(([i]) => StudyFigures.hasPlace(state.statistic, i));
+    if (!host) return;
+    if (!there.some(([i]) => i === state.place)) {
+      const near = there.find(([i]) => Report.places[i].contact === Report.places[state.place].contact) || there[0];
+      if (near) state.place = near[0];
+    }
+    host.replaceChildren(select("place", "Contact or region", there, state.place, (v) => { state.place = v; changed(); }));
   }
   function headlines() {
     section("headlines", "All cases", make("p", { class: "about", id: "headlines-about" }), make("div", { id: "headlines-table" }));
   }
   function headlineTable() {
     const unit = (s) => (Format.unit(s.dimension) ? ` [${Format.unit(s.dimension)}]` : "");
-    return { headings: ["", ...StudyFigures.boxHeadings], rows: Report.statistics.map((s, i) => [s.quantity + unit(s), ...StudyFigures.boxCells(Report.summary[i][state.place][state.choice])]) };
+    return { headings: ["", ...StudyFigures.boxHeadings], rows: Report.statistics.map((s, i) => [i, s]).filter(([i]) => StudyFigures.hasPlace(i, state.place)).map(([i, s]) => [s.quantity + unit(s), ...StudyFigures.boxCells(Report.summary[i][state.place][state.choice])]) };
   }
   function drawHeadlines() {
     $("headlines-about").textContent = `${StudyFigures.where(state)}. Left out: cases without a solution or without contact. sd: standard deviation over the cases.`;
@@ -158,13 +172,19 @@ const Page = (() => {
   // ---- response ----
   function response() {
     const s = section("response", "Response");
-    if (columns.length) {
+    if (Study.own.length) {
       // numbers with most values first; words are lines and panels
-      const rank = columns.map((c, k) => k).sort((a, b) => columns[b].numeric - columns[a].numeric || columns[b].levels.length - columns[a].levels.length);
+      const rank = Study.own.map((c, k) => k).sort((a, b) => columns[b].numeric - columns[a].numeric || columns[b].levels.length - columns[a].levels.length);
       state.x = rank[0];
       state.second = rank[1] ?? -1;
+      const told = columns.map((c, k) => k).filter((k) => columns[k].of);
+      if (told.length && rank.length === 1 && !columns[rank[0]].numeric) {
+        // each case has a name of its own: what the table of subjects tells of it says more
+        state.x = told.find((k) => columns[k].numeric) ?? (Report.groups ? Report.groups.column : told[0]);
+        state.second = [Report.groups && Report.groups.column, Report.pairs && Report.pairs.column, ...told].find((k) => k !== null && k !== undefined && k !== state.x && columns[k].levels.length <= 12) ?? -1;
+      }
       state.third = Report.grid && rank.length > 2 && columns[rank[2]].levels.length <= 6 ? rank[2] : -1;
-      state.fixed = Study.columns.map((c) => c.shown[Math.floor((c.shown.length - 1) / 2)]);
+      state.fixed = Study.own.map((c) => c.shown[Math.floor((c.shown.length - 1) / 2)]);
       state.kind = StudyFigures.canMap(state) && columns[state.second].levels.length > 2 && columns[state.x].levels.length > 2 ? "map" : "curve";
       const controls = make("div", { class: "controls", id: "response-controls" });
       s.append(controls, figureRow(StudyFigures.responseFigure()));
@@ -179,13 +199,14 @@ const Page = (() => {
   function responseControls() {
     const host = $("response-controls"), names = columns.map((c, k) => [k, c.name]), none = [[-1, "–"]], redraw = () => { responseControls(); drawFigures(); };
     host.replaceChildren(select("x", "Over", names, state.x, (v) => { state.x = v; if (state.second === v) state.second = -1; if (state.third === v) state.third = -1; redraw(); }));
-    if (columns.length > 1) host.append(select("second", Report.grid ? "and" : "Colour", [...none, ...names.filter(([k]) => k !== state.x)], state.second, (v) => { state.second = v; if (state.third === v) state.third = -1; redraw(); }));
-    if (!Report.grid) return;
+    if (columns.length > 1) host.append(select("second", StudyFigures.gridded(state) ? "and" : "Colour", [...none, ...names.filter(([k]) => k !== state.x)], state.second, (v) => { state.second = v; if (state.third === v) state.third = -1; redraw(); }));
+    if (!StudyFigures.gridded(state)) return;
     if (StudyFigures.canMap(state))
       host.append(make("span", { class: "group", role: "group" }, ...[["map", "map"], ["curve", "curves"]].map(([kind, text]) => make("button", { id: "kind-" + kind, text, "aria-pressed": String(state.kind === kind), onclick: () => { state.kind = kind; redraw(); } }))));
     const { second, third } = StudyFigures.response(state);
-    if (columns.length > 2) host.append(select("third", "panel per value of", [...none, ...names.filter(([k]) => k !== state.x && k !== second)], third, (v) => { state.third = v; redraw(); }));
-    columns.forEach((c, k) => {
+    const own = names.slice(0, Study.own.length);
+    if (own.length > 2) host.append(select("third", "panel per value of", [...none, ...own.filter(([k]) => k !== state.x && k !== second)], third, (v) => { state.third = v; redraw(); }));
+    Study.own.forEach((c, k) => {
       if ([state.x, second, third].includes(k)) return;
       host.append(select("fixed" + k, `at ${c.name} =`, Study.columns[k].shown.slice(0, 400).map((i) => [i, c.levels[i]]), state.fixed[k], (v) => { state.fixed[k] = v; redraw(); }));
     });

@@ -5,7 +5,8 @@
 // The numbers of the shown cases, unpacked.
 const Study = (() => {
   const columns = Report.columns.map((c) => ({ ...c, numbers: c.levels.map((l) => (c.numeric ? Number(l) : NaN)), level: null }));
-  const out = { columns, numbers: null, outcomes: null, count: 0, cells: null, kept: new Map() };
+  const own = columns.filter((c) => !c.of);  // the study's; those of a table of subjects stand behind them
+  const out = { columns, own, numbers: null, outcomes: null, count: 0, cells: null, kept: new Map() };
   out.start = async () => {
     for (const c of columns) c.level = await Data.array(Report.columns[columns.indexOf(c)].level);
     out.numbers = await Data.array(Report.cases.number);
@@ -13,10 +14,10 @@ const Study = (() => {
     out.count = out.numbers.length;
     for (const c of columns) c.shown = Array.from(new Set(c.level)).sort((a, b) => a - b);
     if (!Report.grid) return;
-    out.cells = new Int32Array(columns.reduce((n, c) => n * c.levels.length, 1)).fill(-1);
-    for (let i = 0; i < out.count; ++i) out.cells[out.cell(columns.map((c) => c.level[i]))] = i;
+    out.cells = new Int32Array(own.reduce((n, c) => n * c.levels.length, 1)).fill(-1);
+    for (let i = 0; i < out.count; ++i) out.cells[out.cell(own.map((c) => c.level[i]))] = i;
   };
-  out.cell = (levels) => columns.reduce((n, c, k) => n * c.levels.length + levels[k], 0);
+  out.cell = (levels) => own.reduce((n, c, k) => n * c.levels.length + levels[k], 0);
   out.load = async (s, p) => {
     const key = s + "," + p;
     if (!out.kept.has(key)) out.kept.set(key, await Data.array(Report.values[s][p]));
@@ -38,6 +39,9 @@ const StudyFigures = (() => {
 
   const statistic = (state) => Report.statistics[state.statistic];
   const axisOf = (state) => Format.axis(statistic(state).quantity, statistic(state).dimension);
+  // Numbers of the inside of the layers are of whole contacts, and not of each.
+  const isInside = (s) => /^(source|target)_/.test(Report.statistics[s].name);
+  const hasPlace = (s, p) => !isInside(s) || Report.summary[s][p].some((b) => b.count > 0);
   const where = (state) => `${Report.places[state.place].title}, ${Report.choices[state.choice]}`;
   const ofState = (table, state) => table[state.statistic][state.place][state.choice];
   const column = (c) => Study.columns[c];
@@ -108,7 +112,7 @@ const StudyFigures = (() => {
   // ---- response: grids ----
   // The case at levels `at` (per column); others as fixed.
   function caseAt(state, at) {
-    const levels = Study.columns.map((c, k) => (at.has(k) ? at.get(k) : state.fixed[k]));
+    const levels = Study.own.map((c, k) => (at.has(k) ? at.get(k) : state.fixed[k]));
     return Study.cells[Study.cell(levels)];
   }
   // Levels that shown cases have; of more than `most` some from end to end.
@@ -118,13 +122,15 @@ const StudyFigures = (() => {
   };
   const numbersOf = (c) => column(c).shown.map((l) => column(c).numbers[l]);
   const orderOf = (c, l) => levelsOf(c, kMostLines).indexOf(l);
+  // Over columns of a table of subjects cases are dots.
+  const gridded = (state) => Report.grid && ![state.x, response(state).second].some((c) => c >= 0 && column(c).of);
   function response(state) {
     const second = state.second >= 0 && state.second !== state.x ? state.second : -1;
     const third = state.third >= 0 && state.third !== state.x && state.third !== second ? state.third : -1;
     return { second, third };
   }
   function fixedWords(state, used) {
-    const words = Study.columns.map((c, k) => (used.includes(k) ? null : `${c.name} = ${c.levels[state.fixed[k]]}`)).filter(Boolean);
+    const words = Study.own.map((c, k) => (used.includes(k) ? null : `${c.name} = ${c.levels[state.fixed[k]]}`)).filter(Boolean);
     return words.length ? `; ${words.join(", ")}` : "";
   }
   function xScale(c) {
@@ -135,8 +141,9 @@ const StudyFigures = (() => {
   function axisX(c, width) {
     const col = column(c), few = col.numeric && col.levels.length <= Math.max(3, Math.floor(width / 52));
     const room = width / Math.max(1, col.levels.length);
-    return Plot.axisX({ ...axis, label: cut(col.name, 13, width - 70), ticks: col.numeric ? (few ? col.numbers : Math.max(3, Math.floor(width / 80))) : undefined,
-      tickFormat: col.numeric ? tick : (t) => cut(String(t), 13, room) });
+    const every = Math.ceil(46 / room);  // of words: those that have room
+    return Plot.axisX({ ...axis, label: cut(col.name, 13, width - 70), ticks: col.numeric ? (few ? col.numbers : Math.max(3, Math.floor(width / 80))) : col.levels.filter((l, i) => i % every === 0),
+      tickFormat: col.numeric ? tick : (t) => cut(String(t), 13, room * every - 4) });
   }
 
   function curvePoints(state, second, panelAt, most = kMostLines) {
@@ -280,13 +287,13 @@ const StudyFigures = (() => {
   function responseFigure() {
     return {
       id: "response", title: (s) => statistic(s).title, wide: true,
-      build: (s, w, ink) => (!Report.grid ? scatter : s.kind === "map" && canMap(s) ? map : curve)(s, w, ink),
-      table: (s) => (!Report.grid ? caseTable(s) : curveTable(s)),
+      build: (s, w, ink) => (!gridded(s) ? scatter : s.kind === "map" && canMap(s) ? map : curve)(s, w, ink),
+      table: (s) => (!gridded(s) ? caseTable(s) : curveTable(s)),
       caption: (s) => {
         const { second, third } = response(s), used = [s.x, second, third].filter((k) => k >= 0);
-        if (!Report.grid) return `A dot per case${dotsOf(s).every > 1 ? `, of one case in ${dotsOf(s).every}` : ""}; × on the axis: no solution. ${where(s)}.`;
+        if (!gridded(s)) return `A dot per case${dotsOf(s).every > 1 ? `, of one case in ${dotsOf(s).every}` : ""}; × on the axis: no solution. ${where(s)}.`;
         const few = (c, most) => (c >= 0 && column(c).shown.length > most ? ` ${most} of ${column(c).shown.length} values of ${column(c).name}.` : "");
-        const all = !Report.grid ? [] : curveTable(s).rows.filter((r) => known(r.at(-1)) && r.at(-1) !== "").sort((p, q) => p.at(-1) - q.at(-1));
+        const all = curveTable(s).rows.filter((r) => known(r.at(-1)) && r.at(-1) !== "").sort((p, q) => p.at(-1) - q.at(-1));
         const at = (r) => `${Format.printed(r.at(-1), statistic(s).dimension)} (case ${r[0]}: ${Study.columns.map((c, k) => (used.includes(k) ? `${c.name} = ${r[k + 1]}` : null)).filter(Boolean).join(", ")})`;
         const ends = all.length > 1 ? ` Least ${at(all[0])}, largest ${at(all.at(-1))}.` : "";
         const cut = (s.kind === "map" && canMap(s) ? "" : few(second, kMostLines)) + few(third, kMostPanels);
@@ -484,7 +491,7 @@ const StudyFigures = (() => {
   };
 
   // ---- compartments and regions ----
-  const siblings = (state) => Report.places.map((p, i) => ({ ...p, i })).filter((p) => p.contact === Report.places[state.place].contact);
+  const siblings = (state) => Report.places.map((p, i) => ({ ...p, i })).filter((p) => p.contact === Report.places[state.place].contact && hasPlace(state.statistic, p.i));
   const placeFigure = () => ({
     id: "places", title: (s) => `${statistic(s).title} by region`, wide: true, when: (s) => siblings(s).length > 1,
     build: (s, w, ink) => boxes(siblings(s).map((p) => ({ name: p.part || "whole", box: Report.summary[s.statistic][p.i][s.choice] })), axisOf(s), w, ink),
@@ -493,7 +500,7 @@ const StudyFigures = (() => {
   });
 
   // ---- dose ----
-  const doseUnit = () => `${Report.units.pressure || "pressure"} × ${Report.maps.dose.years ? "years" : "the model's time"}`;
+  const doseUnit = () => `${Report.units.pressure || "pressure"} × ${Report.maps.dose.years ? "years" : Report.maps.dose.cycle_seconds ? "s" : "the model's time"}`;
   function dose(state, width, ink) {
     const d = Report.maps.dose, every = Math.ceil(d.cases.length / 300), points = [], now = state.dosed;
     d.cases.forEach((c, n) => { if (n % every === 0 || c.number === now) d.levels.forEach((x, k) => points.push({ n, x, y: 100 * c.shares[k], number: c.number })); });
@@ -512,8 +519,8 @@ const StudyFigures = (() => {
     id: "dose", title: () => "Area above a dose", wide: true, build: dose,
     table: () => ({ headings: ["case", "largest overpressure", "mean where above 0", "largest exposure", ...Report.maps.dose.levels.map((l) => `share above ${exact(l)}`)],
       rows: Report.maps.dose.cases.map((c) => [c.number, exact(c.largest), exact(c.mean), exact(c.exposure), ...c.shares.map(exact)]) }),
-    caption: () => { const d = Report.maps.dose; return `Overpressure is the integral of p − ${Format.short(d.above)} over the time in which p is above it, linear between states${d.years ? `, of ${Format.short(d.cycles_per_year)} cycles a year in ${Format.short(d.years)} years, each ${d.cycle_seconds ? `${Format.short(d.cycle_seconds)} s long` : "as long as the model's time in seconds"}` : ", of one cycle"}. The threshold is an assumption about cartilage. ${d.left_out ? `${d.left_out} cases lack a state and have no dose.` : ""}`; }
+    caption: () => { const d = Report.maps.dose; return `Overpressure is the integral of p − ${Format.short(d.above)} over the time in which p is above it, linear between states${d.years ? `, of ${Format.short(d.cycles_per_year)} cycles a year in ${Format.short(d.years)} years, each ${d.cycle_seconds ? `${Format.short(d.cycle_seconds)} s long` : "as long as the model's time in seconds"}` : `, of one cycle${d.cycle_seconds ? `, ${Format.short(d.cycle_seconds)} s long` : ""}`}. The threshold is an assumption about cartilage. ${d.left_out ? `${d.left_out} cases lack a state and have no dose.` : ""}`; }
   });
 
-  return { responseFigure, cycleFigure, groupFigure, pairFigures, influenceFigures, placeFigure, doseFigure, canMap, response, ofState, statistic, where, column, boxCells, boxHeadings, slopeTable, siblings, doseUnit, exact };
+  return { gridded, isInside, hasPlace, responseFigure, cycleFigure, groupFigure, pairFigures, influenceFigures, placeFigure, doseFigure, canMap, response, ofState, statistic, where, column, boxCells, boxHeadings, slopeTable, siblings, doseUnit, exact };
 })();

@@ -5,22 +5,23 @@
 const StudyMaps = (() => {
   const about = Report.maps, $ = (id) => document.getElementById(id);
   const view = { at: [], state: 0, show: "state", between: false, theme: "light", contact: null, sort: 0, position: 0, range: "all", smooth: true };
-  let solid = null, flat = null, panels = [], playing = 0, ticket = 0, page = null, byLevels = null, kept = [], order = [], readout = null;
+  let solid = null, flat = null, panels = [], ticket = 0, page = null, byLevels = null, kept = [], order = [], readout = null;
 
   // ---- which cases there are ----
   const keyOf = (levels) => levels.join(",");
   const contacts = () => [...new Map(about.surfaces.map((s) => [s.contact_id + " " + s.contact, s.contact])).entries()];
   const surfaceOf = (field) => about.surfaces[field.surface];
   const ofContact = (field) => surfaceOf(field).contact_id + " " + surfaceOf(field).contact === view.contact;
-  const gridded = () => Report.grid && Report.columns.length > 0;
+  const own = Report.columns.filter((c) => !c.of);  // the study's; those of a table of subjects stand behind them
+  const gridded = () => Report.grid && own.length > 0;
 
   function index() {
     byLevels = new Map();
     for (const f of about.fields) {
       if (!ofContact(f)) continue;
-      byLevels.set(keyOf(f.levels), f);
+      byLevels.set(keyOf(f.levels.slice(0, own.length)), f);
     }
-    kept = Report.columns.map((c, k) => [...new Set(about.fields.filter(ofContact).map((f) => f.levels[k]))].sort((a, b) => a - b));
+    kept = own.map((c, k) => [...new Set(about.fields.filter(ofContact).map((f) => f.levels[k]))].sort((a, b) => a - b));
     sorted();
   }
   function sorted() {
@@ -93,21 +94,23 @@ const StudyMaps = (() => {
     }
     return { map, least, most, level, none: "none", noneText: map === "diverging" ? "" : "none", title: quantityTitle() };
   }
+  // The grid of several meshes that a surface's means are on.
+  const commonOf = (surface) => Report.means.common.find((c) => c.surfaces.includes(surface));
   async function meanField(surface) {
-    const kinds = Report.means.surfaces[surface], k = kinds.find((x) => x.kind === (overCycle() ? "mean" : String(view.state)));
+    const common = commonOf(surface), kinds = common ? common.kinds : Report.means.surfaces[surface], k = kinds.find((x) => x.kind === (overCycle() ? "mean" : String(view.state)));
     if (!k) return null;
     const of = view.show.startsWith("difference") ? k.differences[Number(view.show.slice(10))] : k.groups[view.group];
     if (!of) return null;
     const packed = view.show === "means" ? of.mean : view.show === "deviations" ? of.sd : of.values;
-    return { values: restored(await Data.array(packed.values), packed.least, packed.most), edge: view.show.startsWith("difference") ? null : 1e-12, of };
+    return { values: restored(await Data.array(packed.values), packed.least, packed.most), edge: view.show.startsWith("difference") ? null : 1e-12, of, count: of.count ? await Data.array(of.count) : null };
   }
   async function current() {
     const of = corners();
     if (isMean()) {
       const surface = of ? of[0].field.surface : about.fields.find(ofContact).surface, shown = await meanField(surface);
-      return { surface, shown, of: null, message: shown ? "" : "fewer than two cases" };
+      return { surface, common: commonOf(surface), shown, of: null, message: shown ? "" : "fewer than two cases" };
     }
-    if (!of) return { surface: view.surface ?? about.fields.find(ofContact).surface, shown: null, of: null, message: "no stored solution here" };
+    if (!of) return { surface: typeof view.surface === "number" ? view.surface : about.fields.find(ofContact).surface, shown: null, of: null, message: "no stored solution here" };
     const meshes = new Set(of.map((c) => c.field.surface)), surface = of[0].field.surface;
     if (meshes.size > 1) return { surface, shown: null, of, message: "other meshes: nothing between them" };
     const shown = await blended(of, view.show === "state" ? String(view.state) : view.show);
@@ -127,10 +130,11 @@ const StudyMaps = (() => {
     }
     return s.flatMesh;
   }
-  function setViews(surface, mesh, unrolled) {
-    if (view.surface === surface) return;
-    view.surface = surface;
-    solid.setView(about.surfaces[surface].view);
+  function setViews(surface, common, unrolled) {
+    const key = common ? `common ${common.mesh}` : surface;
+    if (view.surface === key) return;
+    view.surface = key;
+    if (!common) solid.setView(about.surfaces[surface].view);
     if (!unrolled) return;
     let far = 0, x = [Infinity, -Infinity], y = [Infinity, -Infinity];
     for (let i = 0; i < unrolled.vertices.length; i += 3) {
@@ -146,13 +150,13 @@ const StudyMaps = (() => {
     const mine = ++ticket;
     for (const s of about.surfaces) if (!s.count) s.count = (await Data.mesh(s.mesh)).vertexCount;
     const now = await current();
-    const mesh = await Data.mesh(about.surfaces[now.surface].mesh), unrolled = await flatMesh(now.surface, mesh);
+    const mesh = await Data.mesh(now.common ? now.common.mesh : about.surfaces[now.surface].mesh), unrolled = now.common ? mesh : await flatMesh(now.surface, mesh);
     if (mine !== ticket) return;
     view.now = now;
-    setViews(now.surface, mesh, unrolled);
+    setViews(now.surface, now.common, unrolled);
     const values = now.shown ? now.shown.values : new Float32Array(mesh.vertexCount).fill(NaN), scale = scaleOf({ values });
     for (const p of panels) {
-      const m = p.flat ? unrolled : mesh;
+      const m = p.flat ? unrolled : now.common ? null : mesh;
       p.element.hidden = !m;
       if (!m) continue;
       p.message = now.message;
@@ -197,12 +201,12 @@ const StudyMaps = (() => {
       parts.push(`case ${f.number}`, ...Report.columns.map((c, k) => `${c.name} = ${c.levels[f.levels[k]]}`));
       if (place >= 0 && i >= 0 && ["state", "largest"].includes(view.show) && now.shown) {
         const choice = view.show === "state" ? view.state : Report.study.states;
-        Report.statistics.forEach((s, k) => { const v = Study.kept.get(k + "," + place); if (v) parts.push(`${s.quantity} ${Format.printed(v[i * Report.choices.length + choice], s.dimension)}`); });
+        Report.statistics.forEach((s, k) => { if (StudyFigures.isInside(k) && k !== page.state.statistic) return; const v = Study.kept.get(k + "," + place); if (v) parts.push(`${s.quantity} ${Format.printed(v[i * Report.choices.length + choice], s.dimension)}`); });
       }
     }
     if (solid.hover || flat.hover) {
       const p = panels.find((q) => q.hit && !q.element.hidden);
-      if (p && now.shown) parts.unshift(`node ${p.what.mesh.nodes[p.hit.vertex] + 1}: ${Format.number(now.shown.values[p.hit.vertex])}`);
+      if (p && now.shown) parts.unshift(`${now.common ? "point" : "node"} ${p.what.mesh.nodes[p.hit.vertex] + 1}: ${Format.number(now.shown.values[p.hit.vertex])}${now.shown.count ? ` (${now.shown.count[p.hit.vertex]} of ${now.shown.of.cases} cases cover it)` : ""}`);
     }
     if (now.message) parts.unshift(now.message);
     readout.textContent = parts.join(" · ");
@@ -220,7 +224,7 @@ const StudyMaps = (() => {
     host.replaceChildren();
     if (gridded()) {
       view.at = kept.map((levels, k) => Math.min(view.at[k] ?? Math.floor((levels.length - 1) / 2), levels.length - 1));
-      Report.columns.forEach((c, k) => host.append(slider("factor" + k, c.name, kept[k].length - 1, view.between && c.numeric ? 0.05 : 1, view.at[k], (x) => { view.at[k] = x; update(); }, "level" + k)));
+      own.forEach((c, k) => host.append(slider("factor" + k, c.name, kept[k].length - 1, view.between && c.numeric ? 0.05 : 1, view.at[k], (x) => { view.at[k] = x; update(); }, "level" + k)));
     } else if (order.length > 1) {
       host.append(slider("position", "case", order.length - 1, 1, view.position, (x) => { view.position = x; update(); }, "level-case"));
       const by = make("select", { id: "sort", onchange: (e) => { view.sort = Number(e.target.value); sorted(); update(); } });
@@ -233,19 +237,14 @@ const StudyMaps = (() => {
     $("map-state").value = String(view.state);
     return update();
   }
+  const player = makePlayer("map-play", async () => {
+    solid.hurry();
+    await setState((view.state + 1) % Report.study.states);
+    return view.state === Report.study.states - 1 ? 900 : 280;
+  });
   function play(on) {
-    clearTimeout(playing);
-    playing = 0;
-    $("map-play").textContent = on ? "❚❚" : "▶";
-    $("map-play").setAttribute("aria-label", on ? "Pause" : "Play");
-    if (!on) return;
-    if (view.show !== "state" && !isMean()) { view.show = "state"; $("map-show").value = "state"; }
-    const step = async () => {
-      solid.hurry();
-      await setState((view.state + 1) % Report.study.states);
-      if (playing) playing = setTimeout(step, view.state === Report.study.states - 1 ? 900 : 280);
-    };
-    playing = setTimeout(step, 100);
+    if (on && view.show !== "state" && !isMean()) { view.show = "state"; $("map-show").value = "state"; }
+    player.play(on);
   }
   function option(value, text) { return make("option", { value, text }); }
   // What is shown, of which contact and group, with which scale; saving.
@@ -267,7 +266,7 @@ const StudyMaps = (() => {
     controls.append(make("button", { id: "map-cycle", text: "over the cycle", "aria-pressed": "false", onclick: (e) => { view.stateKind = overCycle() ? "state" : "cycle"; e.target.setAttribute("aria-pressed", String(overCycle())); update(); } }));
     const scale = make("select", { id: "map-range", onchange: (e) => { view.range = e.target.value; update(); } }, option("all", "all maps"), option("map", "this map"));
     controls.append(make("label", {}, "Scale", scale));
-    if (gridded() && Report.columns.some((c) => c.numeric))
+    if (gridded() && own.some((c) => c.numeric))
       controls.append(make("button", { id: "between", text: "between stored cases", title: "Lets the sliders stop between stored cases: maps are then linear between them, not solved", "aria-pressed": "false", onclick: (e) => {
         view.between = !view.between;
         e.target.setAttribute("aria-pressed", String(view.between));
@@ -304,7 +303,7 @@ const StudyMaps = (() => {
     });
     readout = make("div", { class: "readout", id: "map-readout" });
     const bar = make("div", { class: "bars" }, make("canvas", { id: "map-bar" }));
-    const time = make("div", { class: "time" }, make("button", { id: "map-play", text: "▶", title: "Play over the states", "aria-label": "Play", onclick: () => play(!playing) }),
+    const time = make("div", { class: "time" }, make("button", { id: "map-play", text: "▶", title: "Play over the states", "aria-label": "Play", onclick: () => play(!player.on) }),
       make("input", { id: "map-state", type: "range", min: "0", max: String(Report.study.states - 1), step: "1", value: "0", "aria-label": "State", oninput: (e) => { play(false); setState(Number(e.target.value)); } }), make("output", { id: "map-time" }));
     if (Report.study.states < 2) { time.querySelector("button").hidden = true; time.querySelector("input").hidden = true; }
     host.append(place, bar, readout, time);
@@ -352,9 +351,9 @@ const StudyMaps = (() => {
     return { canvas, width, height };
   }
   function nodeTable() {
-    const s = about.surfaces[view.now.surface], mesh = panels[0].what.mesh, rows = [];
-    for (let v = 0; v < mesh.vertexCount; ++v) rows.push([mesh.nodes[v] + 1, ...mesh.vertices.subarray(3 * v, 3 * v + 3), StudyFigures.exact(view.now.shown ? view.now.shown.values[v] : NaN)]);
-    return { headings: ["node of the surface", "x", "y", "z", quantityTitle()], rows, surface: s.surface };
+    const s = about.surfaces[view.now.surface], now = view.now, mesh = panels[now.common ? 1 : 0].what.mesh, rows = [], count = now.shown && now.shown.count;
+    for (let v = 0; v < mesh.vertexCount; ++v) rows.push([mesh.nodes[v] + 1, ...mesh.vertices.subarray(3 * v, 3 * v + 3), StudyFigures.exact(now.shown ? now.shown.values[v] : NaN), ...(count ? [count[v]] : [])]);
+    return { headings: [now.common ? "point of the common grid" : "node of the surface", "x", "y", "z", quantityTitle(), ...(count ? ["cases that cover it"] : [])], rows, surface: s.surface };
   }
   async function save(kind) {
     const name = page.fileName(`map ${view.show} ${view.now.of ? "case " + view.now.of.map((c) => c.field.number).join("-") : ""} ${view.show === "state" ? view.state + 1 : ""}`);
@@ -376,7 +375,7 @@ const StudyMaps = (() => {
   }
   // The state in which the first case that is shown bears most.
   function loadedState() {
-    const of = corners(), force = Report.statistics.length - 1;
+    const of = corners(), force = Report.statistics.findIndex((s) => s.name === "force");
     if (!of) return 0;
     const place = Report.places.findIndex((p) => p.part === "" && p.contact === surfaceOf(of[0].field).contact), i = page.placeOf(of[0].field.number), v = Study.kept.get(force + "," + place);
     if (!v || i < 0) return 0;
@@ -394,7 +393,7 @@ const StudyMaps = (() => {
   function showCase(number) {
     const f = about.fields.find((x) => x.number === number && ofContact(x));
     if (!f) return false;
-    if (gridded()) { view.at = f.levels.map((l, k) => kept[k].indexOf(l)); sliders(); } else { view.position = order.indexOf(f); $("position") && ($("position").value = String(view.position)); }
+    if (gridded()) { view.at = own.map((c, k) => f.levels[k]).map((l, k) => kept[k].indexOf(l)); sliders(); } else { view.position = order.indexOf(f); $("position") && ($("position").value = String(view.position)); }
     update();
     return true;
   }
