@@ -35,6 +35,12 @@ with tempfile.TemporaryDirectory() as temporary:
     folder = pathlib.Path(temporary)
     version = re.match(r"FEBioDEA (\S+) \(commit (\S+)\)", run("--version")).groups()
 
+    # CITATION.cff is of this version, and names the papers that dea cite names
+    citation = (source / "CITATION.cff").read_text()
+    check(citation, [f"version: {version[0]}\n"], of="CITATION.cff")
+    cited = run("cite", HIP, "--compared", HIP_FEBIO)
+    check(cited, re.findall(r"doi: (\S+)", citation), of="dea cite, papers of CITATION.cff")
+
     # The paragraph says what dea info recognises
     plain = run("cite", HIP)
     info = json.loads(run("info", HIP, "--json", "-"))

@@ -473,6 +473,14 @@ void check_mesh(const Chunk& chunk, const XpltMesh& mesh) {
   for (const XpltFacets& facets : mesh.edges) check_indices(chunk, facets.nodes, nodes, "edge");
   for (const XpltFacets& facets : mesh.facet_sets) check_indices(chunk, facets.nodes, nodes, "facet set");
   for (const XpltSet& set : mesh.node_sets) check_indices(chunk, set.items, nodes, "node set");
+  if (mesh.element_sets.empty()) return;
+  std::set<int> elements;
+  for (const XpltDomain& domain : mesh.domains) elements.insert(domain.element_ids.begin(), domain.element_ids.end());
+  for (const XpltSet& set : mesh.element_sets) {
+    for (const int id : set.items)
+      if (elements.count(id) == 0)
+        fail(chunk, fmt::format("element set \"{}\": element {}, but no element has this id", set.name, id));
+  }
 }
 
 XpltMesh read_mesh(const Chunk& chunk, std::uint32_t version) {

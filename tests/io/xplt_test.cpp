@@ -470,6 +470,20 @@ TEST(XpltRead, FixedNamesEndAtTheirZero) {  // FEBio leaves old memory behind it
   EXPECT_EQ(xplt_from_bytes(bytes, "").variables[0].name, "displacement");
 }
 
+// What was read can be written, in dea compare -o: an element set holds elements that are there.
+TEST(XpltRead, ElementSetOfNoElement) {
+  XpltFile file = cube();
+  file.meshes[0].domains[0].element_ids = {0x01020304};
+  file.meshes[0].element_sets = {{"set", {0x01020304}}};
+  std::string bytes = xplt_bytes(file);
+  const std::size_t in_set = bytes.rfind("\x04\x03\x02\x01");  // behind the domain's
+  ASSERT_NE(in_set, std::string::npos);
+  bytes[in_set] = 5;
+  const std::string found = fault(bytes);
+  EXPECT_NE(found.find("element set \"set\": element 16909061, but no element has this id"), std::string::npos)
+      << found;
+}
+
 TEST(XpltRead, FaultsNamePlaceAndReason) {
   const std::string good = cube_bytes();
   const auto with = [&](std::size_t at, unsigned char byte) {
