@@ -279,6 +279,8 @@ class StudyResults:
         if (cycles_per_year is None) != (years is None) or (dose_above is None and (years or cycle_seconds)):
             raise usage_fault("dose_above", "found a history of loading that is not whole",
                               "expected dose_above, and cycles_per_year with years")
+        if pair_by and not (pair and self._subjects):
+            raise usage_fault("pair_by", f"found {pair_by!r}", "expected pair with it, and read_study(..., subjects=...)")
         return _febiodea.study_report(self._path, os.fspath(path), {
             "group": group or "", "pair": pair or "", "pair_by": pair_by or "", "subjects": self._subjects, "socket": regions == "socket",
             "sectors": regions if isinstance(regions, int) else 0, "up": up, "anterior": anterior, "axis": axis, "center": center,

@@ -137,6 +137,8 @@ def test_subjects_from_memory_and_from_a_file(ball, dea):
         results.groups("sex")
     with pytest.raises(febiodea.InputError, match='subjects: found no row of model "after/S3.feb"'):
         febiodea.read_study("plan.db", subjects=SUBJECTS[:-1]).groups("sex")
+    with pytest.raises(febiodea.UsageError, match="pair_by"):
+        results.report("x.html", pair="stage", pair_by="subject")
     with pytest.raises(febiodea.UsageError, match="subjects: found a int"):
         febiodea.read_study("plan.db", subjects=3)
     line = ["study", "plan.db", "--report", "line.html", "--subjects", "subjects.csv", "--group", "sex", "--pair", "stage"]

@@ -167,6 +167,50 @@ def everything_is_saved(b, pages):
 
 
 @check
+def subjects_are_groups_pairs_and_colours(b, pages):
+    ready(b, pages["subjects"])
+    b.wait("document.querySelector('#figure-response svg')", 10, "the response")
+    dots = "return [...document.querySelectorAll('#figure-response title')].filter(t => /^case/.test(t.textContent)).length"
+    same(b.run(dots), 12, "a dot per case over the subjects' angle")
+    same(b.run("return document.getElementById('x').selectedOptions[0].text"), "angle", "the axis")
+    slide(b, "x", 0)  # the models, which a grid has: no dot is joined to another model's
+    slide(b, "second", -1)
+    b.wait("/Each dot is a case; ×/.test(document.querySelector('#figure-response figcaption').textContent)", 10, "the models")
+    same(b.run(dots), 12, "a dot per model")
+    same(b.run("return document.querySelectorAll('#figure-groups tbody tr').length || StudyFigures.groupFigure().table(Page.state).rows.length"), 2, "sexes")
+    same(b.run("return StudyFigures.pairFigures()[0].table(Page.state).rows.map(r => r.slice(0, 2).join())"),
+         [f"{k},{k + 6}" for k in range(1, 7)], "pairs")
+    true("have the same subject" in b.run("return document.querySelector('#figure-pairs figcaption').textContent"), "what makes a pair")
+
+
+@check
+def numbers_of_the_inside_are_chosen(b, pages):
+    ready(b, pages["subjects"])
+    slide(b, "statistic", 6)
+    b.wait("/^Third principal strain at the bone/.test(document.querySelector('#figure-response h3').textContent)", 10, "the figure")
+    values = b.run("return StudyFigures.responseFigure().table(Page.state).rows.map(r => r.at(-1))")
+    same(len(values), 12, "cases")
+    true(all(abs(x + 0.02 * p) < 1e-6 for x, p in zip(values, [*range(11, 17), *(8 + 1.5 * k for k in range(1, 7))])), values)
+    slide(b, "statistic", 0)
+
+
+@check
+def means_of_different_meshes_are_on_one_grid(b, pages):
+    ready(b, pages["subjects"])
+    slide(b, "map-show", "means")
+    b.wait("StudyMaps.view.now && StudyMaps.view.now.common", 10, "the common grid")
+    true(b.run("return StudyMaps.panels[0].element.hidden && !StudyMaps.panels[1].element.hidden"), "it is unrolled alone")
+    maps(b)
+    b.click("#map-csv")
+    rows = list(csv.reader(io.StringIO(b.downloaded()[1].decode())))
+    same(rows[0][0], "point of the common grid", "its CSV")
+    counts = [int(r[-1]) for r in rows[1:]]
+    true(max(counts) == 12 and sum(c == 12 for c in counts) > 0.9 * len(counts), "cases that cover a point")
+    slide(b, "map-show", "state")
+    b.wait("!StudyMaps.view.now.common && !StudyMaps.panels[0].element.hidden", 10, "the surface is back")
+
+
+@check
 def names_are_text(b, pages):
     ready(b, pages["awkward"])
     same(b.run("return document.querySelectorAll('main b, main i, header b, img').length"), 0, "elements made of names")
@@ -183,7 +227,7 @@ def names_are_text(b, pages):
 
 @check
 def pages_are_whole(b, pages):
-    for name in ("turn", "sample", "awkward"):
+    for name in ("turn", "sample", "awkward", "subjects"):
         for width in (1400, 390):
             b.size(width, 1000)
             ready(b, pages[name])
@@ -248,8 +292,9 @@ def without_webgl(pages):
 def make(pages, folder, dea, make_study):
     def run(*words):
         return subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True).stdout
-    options = {"turn": ["--group", "b", "--pair", "c", "--dose-above", "2", "--regions", "sectors=3", "--up", "0,1,0"]}
-    for name in ("turn", "sample", "awkward", "big"):
+    options = {"turn": ["--group", "b", "--pair", "c", "--dose-above", "2", "--regions", "sectors=3", "--up", "0,1,0"],
+               "subjects": ["--subjects", "subjects.csv", "--group", "sex", "--pair", "stage", "--pair-by", "subject"]}
+    for name in ("turn", "sample", "awkward", "subjects", "big"):
         run(make_study, name, f"{name}.db")
         done = subprocess.run([dea, "study", f"{name}.db", "--report", f"{name}.html", *options.get(name, [])], cwd=folder,
                               capture_output=True, errors="replace", text=True)

@@ -114,6 +114,7 @@ StudyPageSummary write_study_page(const std::string& path, const std::string& st
   page["influence"] = influence_json(n);
   page["groups"] = groups_json(n, group);
   page["pairs"] = pairs_json(n, pairs, shown);
+  if (pairs.column >= 0 && !o.pair_by.empty()) page["pairs"]["by"] = o.pair_by;
   add_maps(study, n, fields, o, group, page, arrays, summary.notes);
   page["notes"] = summary.notes;
   write_text(path, page_text(page["title"].get<std::string>(), page, arrays,

@@ -192,7 +192,10 @@ const Page = (() => {
     } else s.append(make("p", { class: "about", text: "Nothing differs from case to case." }));
     if (Report.bands) {
       const few = [...new Set(Report.bands.groups.map((g) => g.column))].filter((c) => c >= 0);
-      if (few.length) s.append(make("div", { class: "controls" }, select("by", "Cycles by", [[-1, "all cases"], ...few.map((c) => [c, columns[c].name])], -1, (v) => { state.by = v; changed(); })));
+      // of a few models each curve has a name
+      const named = [Report.groups && Report.groups.column, columns.findIndex((c) => c.name === "model" && c.levels.length <= 6)].find((c) => few.includes(c));
+      state.by = named ?? -1;
+      if (few.length) s.append(make("div", { class: "controls" }, select("by", "Cycles by", [[-1, "all cases"], ...few.map((c) => [c, columns[c].name])], state.by, (v) => { state.by = v; changed(); })));
       s.append(figureRow(StudyFigures.cycleFigure()));
     }
   }

@@ -140,7 +140,7 @@ const StudyFigures = (() => {
   const xOf = (c, level) => (column(c).numeric ? column(c).numbers[level] : column(c).levels[level]);
   function axisX(c, width) {
     const col = column(c), few = col.numeric && col.levels.length <= Math.max(3, Math.floor(width / 52));
-    const room = width / Math.max(1, col.levels.length);
+    const room = (width - 70) / Math.max(1, col.levels.length);  // beside the other axis
     const every = Math.ceil(46 / room);  // of words: those that have room
     return Plot.axisX({ ...axis, label: cut(col.name, 13, width - 70), ticks: col.numeric ? (few ? col.numbers : Math.max(3, Math.floor(width / 80))) : col.levels.filter((l, i) => i % every === 0),
       tickFormat: col.numeric ? tick : (t) => cut(String(t), 13, room * every - 4) });
@@ -166,7 +166,7 @@ const StudyFigures = (() => {
         marks: [
           Plot.gridY({ ...grid(ink), ticks: 5 }), axisX(state.x, width),
           Plot.axisY({ ...axisAt(margin), label: axisOf(state), tickFormat: tick }),
-          ...[...new Set(points.map((p) => p.line))].map((l) => Plot.line(points.filter((p) => p.line === l), { x: "x", y: (p) => (known(p.y) ? p.y : NaN), stroke: lineStyle(l).colour, strokeWidth: 1.9, strokeDasharray: lineStyle(l).dash })),
+          ...[...(second < 0 && !column(state.x).numeric ? [] : new Set(points.map((p) => p.line)))].map((l) => Plot.line(points.filter((p) => p.line === l), { x: "x", y: (p) => (known(p.y) ? p.y : NaN), stroke: lineStyle(l).colour, strokeWidth: 1.9, strokeDasharray: lineStyle(l).dash })),
           Plot.dot(points.filter((p) => known(p.y)), { x: "x", y: "y", r: 2.4, fill: (p) => lineStyle(p.line).colour, title: (p) => `case ${Study.numbers[p.i]}: ${Study.words(p.i)}: ${Format.with(p.y, statistic(state).dimension)}` }),
           Plot.text(lost, { x: "x", y: () => domain[0], text: () => "×", fill: (p) => lineStyle(p.line).colour, fontSize: 14, fontWeight: 700 })
         ]
@@ -297,7 +297,7 @@ const StudyFigures = (() => {
         const at = (r) => `${Format.printed(r.at(-1), statistic(s).dimension)} (case ${r[0]}: ${Study.columns.map((c, k) => (used.includes(k) ? `${c.name} = ${r[k + 1]}` : null)).filter(Boolean).join(", ")})`;
         const ends = all.length > 1 ? ` Least ${at(all[0])}, largest ${at(all.at(-1))}.` : "";
         const cut = (s.kind === "map" && canMap(s) ? "" : few(second, kMostLines)) + few(third, kMostPanels);
-        const drawn = s.kind === "map" && canMap(s) ? "Each field of the map is a case; lines of equal value are linear between cases; ▽ least, △ largest" : "Each dot is a case; lines only join them";
+        const drawn = s.kind === "map" && canMap(s) ? "Each field of the map is a case; lines of equal value are linear between cases; ▽ least, △ largest" : `Each dot is a case${second < 0 && !column(s.x).numeric ? "" : "; lines only join them"}`;
         return `${drawn}; ×: no solution. ${where(s)}${fixedWords(s, used)}.${ends}${cut}${Report.maps ? " A click shows the case in the maps." : ""}`;
       }
     };
@@ -434,7 +434,7 @@ const StudyFigures = (() => {
   }
   const pairFigures = () => [
     { id: "pairs", title: (s) => `${statistic(s).title}, in pairs`, build: paired, table: pairTable,
-      caption: (s) => `Each line is a pair of cases that differ in ${column(Report.pairs.column).name} alone; boxes: quartiles, thick: median. ${where(s)}.` },
+      caption: (s) => `Each line is a pair of cases that ${Report.pairs.by ? `have the same ${Report.pairs.by} and differ in ${column(Report.pairs.column).name}` : `differ in ${column(Report.pairs.column).name} alone`}; boxes: quartiles, thick: median. ${where(s)}.` },
     { id: "bland-altman", title: (s) => `Agreement in ${statistic(s).title.toLowerCase()}`, build: blandAltman, table: pairTable,
       caption: (s) => `Bland and Altman (1986): difference, ${pairNames()[0]} less ${pairNames()[1]}, over the mean of both. Solid: mean; dashed: limits of agreement (mean ∓ 1.96 sd); bands: their 95 % intervals. ${where(s)}.` }];
 
