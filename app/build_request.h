@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/build/anatomy.h>
 #include <febiodea/build/build_joint.h>
 #include <febiodea/io/files/output.h>
 
@@ -12,13 +13,15 @@ namespace dea {
 struct BuildInputs {
   BuildRequest request;
   BuiltModelSettings model;
+  AnatomyRequest anatomy;
   std::vector<NamedPath> files;
 };
 
 /// All but the surfaces: options that contradict each other or name no bone are refused before anything is read.
 BuildInputs build_inputs(const BuildArguments& arguments);
 
-/// Reads, scales and mends all surfaces into the request. Returns what was found. Throws InputError.
+/// Reads, scales and mends all surfaces into the request, and reads the landmarks. Returns what was found. Throws
+/// InputError.
 std::vector<std::string> read_surfaces(const BuildArguments& arguments, BuildInputs& inputs);
 
 }  // namespace dea

@@ -22,6 +22,7 @@ struct BoneRequest {
   std::optional<Eigen::Vector3d> center;  ///< in place of the one that is found
   bool fixed = true;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  std::string force_frame;  ///< along whose axes the force's numbers are (leave_frames); empty: the scans'
 };
 
 struct CartilageRequest {
@@ -77,6 +78,9 @@ struct BuildReport {
   std::vector<LayerReport> layers;    ///< as in BuiltJoint
   std::vector<ContactReport> contacts;
 };
+
+/// Open surfaces become oriented such that they face the other bones; build_joint does that by itself.
+void turn_open_bones(BuildRequest& request, BuildReport& report);
 
 /// Throws InputError: bones far apart or inside each other, no region, a cartilage surface that is nowhere near its
 /// bone, prisms that cannot be made sound.

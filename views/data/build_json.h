@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include <febiodea/build/anatomy.h>
 #include <febiodea/build/build_joint.h>
 #include <febiodea/results/headline.h>
 #include <febiodea/views/data/json.h>
@@ -18,6 +19,7 @@ struct BuildSummary {
   const std::string& balance;                ///< in words
   const std::vector<Eigen::Vector3d>& seat;  ///< per body
   Headline headline;                         ///< of the first contact's primary surface, in balance
+  const Anatomy& anatomy;
 };
 
 /// docs/results.md says what its keys are.

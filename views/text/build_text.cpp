@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include <febiodea/base/numbers.h>
 #include <febiodea/views/text/build_text.h>
 #include <febiodea/views/text/table.h>
@@ -30,6 +32,39 @@ std::string changes_text(const BuildSummary& s) {
   return text;
 }
 
+std::vector<TitledTable> anatomy_tables(const Anatomy& anatomy) {
+  std::vector<TitledTable> tables;
+  if (!anatomy.frames.empty()) {
+    TitledTable frames{"Frames: x forwards, y up, z to the right", {{"frame", "origin", "x", "y", "z"}, "lllll", {}}};
+    for (const AnatomicalFrame& f : anatomy.frames) {
+      std::vector<std::string> row = {f.name, vector_text(f.origin)};
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Vector3d axis = f.axes.col(k);
+        row.push_back(fmt::format("({:.4f}, {:.4f}, {:.4f})", axis.x() + 0.0, axis.y() + 0.0, axis.z() + 0.0));
+      }
+      frames.table.rows.push_back(row);
+    }
+    tables.push_back(frames);
+  }
+  if (!anatomy.hip) return tables;
+  const HipMeasures& m = *anatomy.hip;
+  TitledTable spheres{fmt::format("Hip, {} [mm]; axes {}", name(m.side), m.axes_words),
+                      {{"sphere", "bone", "centre", "radius", "rms", "points"}, "lllrrr", {}}};
+  const auto sphere = [&](const char* what, const std::string& bone, const SphereFit& fit, int points) {
+    spheres.table.rows.push_back(
+        {what, bone, vector_text(fit.center), four_digits(fit.radius), four_digits(fit.rms), std::to_string(points)});
+  };
+  sphere("head", m.head_bone, m.head, m.head_points);
+  sphere("socket", m.socket_bone, m.socket, m.socket_points);
+  tables.push_back(spheres);
+  TitledTable angles{"Hip [degrees]", {{"angle", ""}, "lr", {}}};
+  for (const HipAngle& angle : kHipAngles)
+    angles.table.rows.push_back(
+        {angle.name, std::isfinite(m.*angle.value) ? fmt::format("{:.1f}", m.*angle.value) : "-"});
+  tables.push_back(angles);
+  return tables;
+}
+
 }  // namespace
 
 std::string build_text(const BuildSummary& s) {
@@ -51,7 +86,9 @@ std::string build_text(const BuildSummary& s) {
     contacts.table.rows.push_back(
         {s.joint.layers[at(s.joint.contacts[c].primary)].name, s.joint.layers[at(s.joint.contacts[c].secondary)].name,
          fmt::format("{:.0f} %", 100 * s.report.contacts[c].facing), four_digits(s.report.contacts[c].least_gap)});
-  std::string text = s.output + "\n" + tables_text({layers, contacts}) + changes_text(s);
+  std::vector<TitledTable> tables = {layers, contacts};
+  for (const TitledTable& table : anatomy_tables(s.anatomy)) tables.push_back(table);
+  std::string text = s.output + "\n" + tables_text(tables) + changes_text(s);
   if (s.balanced) {
     for (std::size_t b = 0; b < s.joint.bodies.size(); ++b)
       if (!s.joint.bodies[b].fixed)
