@@ -16,6 +16,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/build/remesh.h>
 #include <febiodea/io/build/joint_feb.h>
+#include <febiodea/io/build/landmarks.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
@@ -23,6 +24,7 @@
 #include <febiodea/views/build_page/build_page.h>
 #include <febiodea/views/data/build_json.h>
 #include <febiodea/views/data/json.h>
+#include <febiodea/views/map/hip_picture.h>
 #include <febiodea/views/page/write_page.h>
 #include <febiodea/views/text/build_text.h>
 
@@ -44,6 +46,7 @@ has more.
 Examples:
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --force femur=432,-262,1834 -o hip.feb
   dea build --bone socket=pelvis.stl --bone ball=femur.stl --uniform socket=2 --edge 1.5 --force ball=0,0,1000 -o joint.feb --report joint.html
+  dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --landmarks landmarks.csv --force femur=frame:pelvis,250,1800,-400 --frames hip_frames.xml --hip-figure hip_figure.svg -o hip.feb
   dea build --bone pelvis=pelvis.stl --cartilage pelvis=acetabular_cartilage.stl --bone femur=femur.stl --cartilage femur=femoral_cartilage.stl --force femur=432,-262,1834 -o hip.feb)";
 
 /// The pose that balances each load, by dea itself.
@@ -120,7 +123,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
            "The files hold one side of these planes of symmetry: the other is added, the joint is built whole");
   add_repeated(*c, "--region", a.regions, "NAME=FILE|sphere:x,y,z,r|plane:x,y,z,nx,ny,nz", "Regions",
                "Where the cartilage is: near a surface, in a sphere; a plane trims what is found, its normal towards "
-               "the cartilage");
+               "the cartilage; sphere:frame:NAME,x,y,z,r and the like count from a frame's origin along its axes");
   add_once(*c, "--reach", a.reach, "LENGTH", "Regions",
            "Bones that face each other within it bear cartilage [3 times the thickest layer]");
   add_once(*c, "--rim", a.rim, "LENGTH", "Regions", "Over which rims and thicknesses are smoothed [2 mm]");
@@ -134,6 +137,8 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--bones", a.bone_shells, "shell|none|N", "Mesh",
            "Whole bones as rigid shells, of N triangles, or left out but for what bears the cartilage [shell]");
   add_repeated(*c, "--force", a.forces, "BODY=x,y,z", "Model", "Force on a bone in the last step; all others are held");
+  add_repeated(*c, "--force", a.forces, "BODY=[frame:NAME,]x,y,z", "Model",
+               "Force on a bone in the last step, along a frame's axes if one is named; all others are held");
   add_once(*c, "--loads", a.loads, "BODY=FILE", "Model",
            "Forces on a bone from a table as dea run --loads reads it, a row after the other");
   add_once(*c, "--load-columns", a.load_columns, "FX,FY,FZ", "Model", "Columns of the table [found by name]");
@@ -142,6 +147,19 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_repeated(*c, "--hold", a.holds, "BODY=x,y", "Model", "Directions in which a loaded bone is held all the same");
   add_repeated(*c, "--center", a.centers, "BODY=x,y,z", "Model",
                "Centre of a bone, where its force acts [of a sphere, if it is a ball]");
+  add_repeated(*c, "--landmarks", a.landmarks, "FILE", "Anatomy",
+               "Points with names (CSV: name, x, y, z; Slicer's .csv, .fcsv) that give frames of pelvis, femur, tibia; "
+               "numbers may be along their axes: frame:pelvis,x,y,z");
+  c->add_flag("--flip-landmarks", a.flip_landmarks,
+              "Turn over x and y of the landmarks: they are RAS and the bones LPS, or the other way round")
+      ->group("Anatomy");
+  add_once(*c, "--side", a.side, "left|right", "Anatomy",
+           "Of the body [by the landmarks, else by where a hip's socket opens]");
+  add_once(*c, "--scan-axes", a.scan_axes, "LPS|RAS", "Anatomy",
+           "What x, y, z of the bones are where no landmarks of the pelvis say it [those in which the socket opens to "
+           "the side, or forwards]");
+  add_once(*c, "--hip", a.hip, "SOCKET,HEAD|none", "Anatomy",
+           "Bones of a hip, whose spheres, rim and angles are measured [two that are a ball in a socket]");
   add_once(*c, "--E", a.E, "MODULUS", "Model", "Cartilage's modulus [11.85 MPa]");
   add_once(*c, "--nu", a.nu, "RATIO", "Model", "Cartilage's Poisson's ratio [0.45]");
   add_once(*c, "--penalty", a.penalty, "FACTOR", "Model", "Of FEBio's contact [20]");
@@ -150,6 +168,9 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
   add_once(*c, "--report", a.report, "FILE.html", "Output",
            "Also write a page: the bones and their cartilage, gaps, elements, what was inferred");
+  add_once(*c, "--frames", a.frames, "FILE.xml", "Output",
+           "Also write the frames as a settings file for dea run and dea study: --settings FILE.xml");
+  add_once(*c, "--hip-figure", a.hip_figure, "FILE.svg|png|pdf", "Output", "Also draw what was measured of a hip");
   add_quiet_flag(*c, a.quiet);
   add_once(*c, "--threads", a.threads, "N", "Output", "Threads [all cores]");
   return c;
@@ -158,18 +179,31 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
 int build(const BuildArguments& a) {
   const auto threads = limit_threads(a.threads);
   if (a.output.empty()) throw UsageError("-o is missing, expected the name of the model, -o joint.feb");
+  const PictureFormat figure_format =
+      a.hip_figure.empty() ? PictureFormat::Svg : picture_format("--hip-figure", a.hip_figure);
   if (a.output == "-") throw UsageError("-o -: the table goes to standard output, give the model a name");
   BuildInputs inputs = build_inputs(a);
   require_page_name("--report", a.report);
   std::vector<NamedPath> outputs = {{"-o", a.output}};
   if (!a.json.empty()) outputs.push_back({"--json", a.json});
   if (!a.report.empty()) outputs.push_back({"--report", a.report});
+  if (!a.frames.empty()) outputs.push_back({"--frames", a.frames});
+  if (!a.hip_figure.empty()) outputs.push_back({"--hip-figure", a.hip_figure});
   const HeldOutputs held = claim_outputs(inputs.files, outputs);
   Progress progress(progress_style(a.quiet, false));
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
   report.findings = read_loads(a, inputs);
   for (std::string& finding : read_surfaces(a, inputs)) report.findings.push_back(std::move(finding));
+  progress.now("anatomy", "", "frames and measures");
+  turn_open_bones(inputs.request, report);
+  const Anatomy anatomy = find_anatomy(inputs.request.bones, inputs.anatomy);
+  leave_frames(inputs.request, anatomy);
+  if (!a.hip_figure.empty() && !anatomy.hip)
+    throw InputError(
+        fmt::format("--hip-figure {}: found nothing measured of a hip, expected a ball in a socket that opens sideways",
+                    a.hip_figure));
+  report.findings.insert(report.findings.end(), anatomy.findings.begin(), anatomy.findings.end());
   progress.now("cartilage", "", "cartilage and its mesh");
   const BuiltJoint joint = build_joint(inputs.request, report);
 
@@ -179,7 +213,9 @@ int build(const BuildArguments& a) {
   if (balances.front().found) inputs.model.seat = balances.front().displacement;
   progress.now("writing " + file_name(a.output), "", "writing " + file_name(a.output));
   write_text(a.output, joint_feb(joint, inputs.model));
-  const BuildSummary summary{a.output, joint, report, inputs.model, balances, inputs.load_times};
+  if (!a.frames.empty()) write_text(a.frames, frames_as_settings(anatomy.frames));
+  if (!a.hip_figure.empty()) write_text(a.hip_figure, hip_picture(*anatomy.hip, figure_format));
+  const BuildSummary summary{a.output, joint, report, inputs.model, balances, inputs.load_times, anatomy};
   if (!a.report.empty()) {
     progress.now("writing " + file_name(a.report), "", "writing " + file_name(a.report));
     write_page(a, summary, inputs);

@@ -7,6 +7,7 @@
 
 #include <febiodea/base/names.h>
 #include <febiodea/build/mend_surface.h>
+#include <febiodea/io/build/landmarks.h>
 #include <febiodea/io/surfaces/read_surface.h>
 #include <febiodea/io/tables/number_table.h>
 #include <febiodea/io/tables/read_tables.h>
@@ -97,10 +98,13 @@ GivenRegion region_of(const std::string& text) {
     region.kind = GivenRegion::Kind::Surface;
     return region;
   }
-  const std::vector<double> v = argument("region", text.substr(text.find(':') + 1), parse_numbers);
+  const FramedText framed = argument("region", text.substr(text.find(':') + 1), split_frame);
+  region.frame = framed.frame;
+  const std::vector<double> v = argument("region", framed.rest, parse_numbers);
   if (v.size() != (sphere ? 4U : 6U))
     throw UsageError(fmt::format("--region {}: found {} numbers, expected {}", text, v.size(),
-                                 sphere ? "sphere:x,y,z,r" : "plane:x,y,z,nx,ny,nz"));
+                                 sphere ? "sphere:x,y,z,r or sphere:frame:NAME,x,y,z,r"
+                                        : "plane:x,y,z,nx,ny,nz or plane:frame:NAME,x,y,z,nx,ny,nz"));
   region.kind = sphere ? GivenRegion::Kind::Sphere : GivenRegion::Kind::Plane;
   region.point = {v[0], v[1], v[2]};
   if (sphere) {
@@ -120,8 +124,10 @@ void add_loads(const BuildArguments& a, BuildRequest& request) {
   for (const std::string& text : a.forces) {
     const Named n = named("force", text, "BODY=x,y,z");
     BoneRequest& bone = request.bones[at(bone_of(request, "force", n.name))];
+    const FramedText framed = argument("force", n.value, split_frame);
     bone.fixed = false;
-    bone.force = vector_argument("force", n.value);
+    bone.force = vector_argument("force", framed.rest);
+    bone.force_frame = framed.frame;
   }
   if (!a.loads.empty()) {
     const Named n = named("loads", a.loads, "BODY=FILE");
@@ -182,6 +188,36 @@ void set_mesh(const BuildArguments& a, BuildRequest& request) {
     bone_of(request, "primary", a.primary);
     request.primary = a.primary;
   }
+}
+
+/// Side, axes and bones of a hip as they are said.
+void set_anatomy(const BuildArguments& a, const BuildRequest& request, AnatomyRequest& anatomy) {
+  if (!a.side.empty()) {
+    if (a.side != "left" && a.side != "right") throw wrong_word("side", a.side, "left or right", {"left", "right"});
+    anatomy.side = a.side == "left" ? BodySide::Left : BodySide::Right;
+  }
+  if (!a.scan_axes.empty()) {
+    const std::string word = lower_case(a.scan_axes);
+    if (word != "lps" && word != "ras") throw wrong_word("scan-axes", a.scan_axes, "LPS or RAS", {"LPS", "RAS"});
+    anatomy.scan_axes = word == "lps" ? ScanAxes::LPS : ScanAxes::RAS;
+  }
+  anatomy.hip = a.hip != "none";
+  if (!a.hip.empty() && anatomy.hip) {
+    const std::vector<std::string> names = split_at_commas(a.hip);
+    if (names.size() != 2)
+      throw UsageError(fmt::format("--hip {}: found \"{}\", expected two bones, SOCKET,HEAD, or none", a.hip, a.hip));
+    anatomy.socket = bone_of(request, "hip", names[0]);
+    anatomy.head = bone_of(request, "hip", names[1]);
+    if (anatomy.socket == anatomy.head)
+      throw UsageError(fmt::format("--hip {}: found one bone twice, expected two bones, SOCKET,HEAD", a.hip));
+  }
+  if (!anatomy.hip && !a.hip_figure.empty())
+    throw UsageError("--hip-figure and --hip none: found both, expected one of them");
+  if (a.landmarks.empty() && !a.frames.empty())
+    throw UsageError(
+        fmt::format("--frames {}: found no landmarks to make frames of, expected --landmarks FILE", a.frames));
+  if (a.landmarks.empty() && a.flip_landmarks)
+    throw UsageError("--flip-landmarks: found no landmarks, expected --landmarks FILE");
 }
 
 double scale_of(const BuildArguments& a) {
@@ -295,6 +331,26 @@ void read_points(const std::string& path, double scale, CartilageRequest& c) {
   }
 }
 
+void read_all_landmarks(const BuildArguments& a, double scale, AnatomyRequest& anatomy,
+                        std::vector<std::string>& findings) {
+  std::string axes;
+  for (const std::string& path : a.landmarks) {
+    const LandmarkFile file = read_landmarks(path);
+    if (!axes.empty() && !file.axes.empty() && axes != file.axes)
+      throw InputError(path, 0,
+                       fmt::format("found landmarks in {}, and in {} before, expected one of them", file.axes, axes));
+    if (!file.axes.empty()) axes = file.axes;
+    for (Landmark l : file.landmarks) {
+      l.point *= scale;
+      if (a.flip_landmarks) l.point.head<2>() *= -1;
+      anatomy.landmarks.push_back(l);
+    }
+    findings.push_back(fmt::format("landmarks: {}: {}{}{}", path, file.landmarks.size(),
+                                   file.axes.empty() ? "" : fmt::format(", in {} as it says", file.axes),
+                                   a.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes"));
+  }
+}
+
 }  // namespace
 
 BuildInputs build_inputs(const BuildArguments& a) {
@@ -345,10 +401,12 @@ BuildInputs build_inputs(const BuildArguments& a) {
     c->region = region_of(n.value);
     if (c->region->kind == GivenRegion::Kind::Surface) inputs.files.push_back({"--region", n.value});
   }
+  for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
   add_loads(a, request);
   if (!a.loads.empty()) inputs.files.push_back({"--loads", named("loads", a.loads, "").value});
   if (!a.body_weight.empty()) positive_argument("body-weight", a.body_weight);
   set_mesh(a, request);
+  set_anatomy(a, request, inputs.anatomy);
   if (!a.E.empty()) inputs.model.E = positive_argument("E", a.E);
   if (!a.nu.empty()) inputs.model.nu = not_negative("nu", a.nu);
   if (inputs.model.nu >= 0.5)
@@ -421,6 +479,7 @@ std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inp
     if (region.kind == GivenRegion::Kind::Surface)
       region.surface = read_mended(n.value, scale, mirrors, n.name + " region", findings).surface;
   }
+  read_all_landmarks(a, scale, inputs.anatomy, findings);
   return findings;
 }
 

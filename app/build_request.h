@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/build/anatomy.h>
 #include <febiodea/build/build_joint.h>
 #include <febiodea/io/files/output.h>
 
@@ -12,6 +13,7 @@ namespace dea {
 struct BuildInputs {
   BuildRequest request;
   BuiltModelSettings model;
+  AnatomyRequest anatomy;
   std::vector<NamedPath> files;
   std::vector<double> load_times;  ///< of --loads, per row; empty: none
 };
@@ -22,7 +24,8 @@ BuildInputs build_inputs(const BuildArguments& arguments);
 /// Reads the table of loads into the request, in N. Returns what was found. Throws InputError, UsageError.
 std::vector<std::string> read_loads(const BuildArguments& arguments, BuildInputs& inputs);
 
-/// Reads, scales and mends all surfaces into the request. Returns what was found. Throws InputError.
+/// Reads, scales and mends all surfaces into the request, and reads the landmarks. Returns what was found. Throws
+/// InputError.
 std::vector<std::string> read_surfaces(const BuildArguments& arguments, BuildInputs& inputs);
 
 }  // namespace dea

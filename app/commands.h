@@ -69,11 +69,12 @@ int convert(const ConvertArguments& arguments);
 /// Only where CGAL was found (DEA_HAS_BUILD).
 struct BuildArguments {
   std::vector<std::string> words;  ///< the command line, for the page
-  std::vector<std::string> bones, cartilages, uniform, thickness_at, regions, forces, centers, holds;
+  std::vector<std::string> bones, cartilages, uniform, thickness_at, regions, forces, centers, holds, landmarks;
   std::string half_gap, units, scale, reach, rim, fade, edge, layers, least, bone_shells, E, nu, penalty, primary;
+  std::string side, scan_axes, hip, frames, hip_figure;
   std::string mirror, loads, load_columns, load_units, body_weight;
   std::string output, json, report, threads;
-  bool keep_holes = false, quiet = false;
+  bool keep_holes = false, flip_landmarks = false, quiet = false;
 };
 CLI::App* add_build(CLI::App& app, BuildArguments& arguments);
 int build(const BuildArguments& arguments);

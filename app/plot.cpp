@@ -55,15 +55,6 @@ Vector3d direction(const char* option, const std::string& text, const char* expe
   return v;
 }
 
-PictureFormat format_of(const std::string& path) {
-  const std::string extension = extension_of(path);
-  if (extension == ".png") return PictureFormat::Png;
-  if (extension == ".svg") return PictureFormat::Svg;
-  if (extension == ".pdf") return PictureFormat::Pdf;
-  throw UsageError(
-      fmt::format("-o {}: found \"{}\", expected a name that ends in .png, .svg or .pdf", path, extension));
-}
-
 MapOptions map_options(const PlotArguments& a) {
   MapOptions o;
   if (!a.field.empty()) o.field = a.field;
@@ -164,7 +155,7 @@ int plot_command(const PlotArguments& a) {
   if (output == "-") throw UsageError("-o -: found no file name, expected one that ends in .png, .svg or .pdf");
   if (output.empty()) output = std::filesystem::path(a.files.front()).replace_extension(".png").string();
   PictureOptions look;
-  look.format = format_of(output);
+  look.format = picture_format("-o", output);
   look.dark = a.dark;
   if (!a.width.empty()) look.width = number_option("width", a.width, 20, 2000);
   if (!a.columns.empty()) look.columns = count_argument("columns", a.columns, 1, 100);

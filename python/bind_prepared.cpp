@@ -113,6 +113,7 @@ Settings settings_with(const PreparedJoint& joint, const SaidValues& values, con
     settings.motion.motion = {settings.motion.motion.back()};
   }
   settings.force.erase(given.body);
+  settings.force_frame.erase(given.body);
   settings.loads = {};
   settings.loads.body = given.body;
   settings.loads.time = {time};

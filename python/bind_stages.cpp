@@ -57,6 +57,7 @@ py::list options_of_python() {
     py::dict row;
     row["keyword"] = keyword_of(o);
     row["key"] = o.key == nullptr ? py::object(py::none()) : py::object(py::str(o.key));
+    row["key_form"] = o.key == nullptr ? std::string() : key_form(o);
     row["value"] = o.value;
     row["repeatable"] = o.repeatable;
     row["without_key"] = o.per_surface != nullptr;

@@ -58,6 +58,9 @@ FILES = {
     "gait.csv": "samples/osteotomy/gait.csv",
     "osteotomy.db": "dea study hip_walking.feb --vary 'tilt: rotate pelvis=0,1,0,{0|10}' --states last -o osteotomy.db",
     **stl_shapes.SURFACES,
+    "landmarks.csv": stl_shapes.LANDMARKS,
+    "hip_frames.xml": "dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --landmarks landmarks.csv "
+                      "--force femur=432,-262,1834 --frames hip_frames.xml -o j.feb -q",
     "mri_thickness.csv": "x,y,z,thickness\n0,0,19.9,2\n19.9,0,0,1.5\n",
     "cases.csv": "stiffness,poisson\n8,0.4\n12,0.45\n",
     "plan.db": "dea study hip.feb --vary 'E: E={8|12}' --states last -o plan.db",
@@ -116,7 +119,7 @@ def in_help(command):
 
 
 def outputs_of(command):
-    names = re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--vtu|>) ([^\s-]\S*)", command)
+    names = re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--vtu|--frames|--hip-figure|>) ([^\s-]\S*)", command)
     shard = re.search(r"--shard (\d+)/(\d+)", command)
     return [re.sub(r"\.db$", ".{}-of-{}.db".format(*shard.groups()), name) for name in names] if shard else names
 

@@ -148,6 +148,9 @@ def run_all(folder):
         (folder / "loads.csv").write_text("fx,fy,fz\n0,0,500\n0,0,600\n")
         run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --loads femur=loads.csv --hold femur=x -q "
                     "-o a.feb --json rows.build.json")
+        (folder / "landmarks.csv").write_text(stl_shapes.LANDMARKS)
+        run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --force femur=0,0,500 -q "
+                    "--landmarks landmarks.csv -o a.feb --json framed.build.json")
         run(folder, "build --bone pelvis=pelvis.stl --bone femur=femur.stl --uniform pelvis=2 --force femur=0,0,-500 -q "
                     "-o a.feb --json pulled.build.json", (1,))
     files = collections.defaultdict(list)

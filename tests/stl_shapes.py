@@ -26,3 +26,6 @@ SURFACES = {
     "acetabular_cartilage.stl": cap(22.05, 70, False),
     "femoral_cartilage.stl": cap(21.95, 80, True),
 }
+# Of the same as a right hip in LPS: x forwards is -y, y up is z, z to the right is -x.
+LANDMARKS = ("name,x,y,z\nRASIS,-35,-60,80\nLASIS,205,-60,80\nRPSIS,40,90,82\nLPSIS,130,90,82\n"
+             "RMFE,45,5,-400\nRLFE,-35,0,-402\n")

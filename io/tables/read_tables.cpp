@@ -87,9 +87,10 @@ void refuse_idle(const Settings& s) {
     refuse("load-units", s.loads.units, "loads");
     refuse("body-weight", s.loads.body_weight ? fmt::format("{:g}", *s.loads.body_weight) : "", "loads");
     refuse("load-frame",
-           s.loads.frame.kind == TableFrame::Kind::Global ? ""
-           : s.loads.frame.kind == TableFrame::Kind::Body ? s.loads.frame.body
-                                                          : "three axes",
+           s.loads.frame.kind == TableFrame::Kind::Global  ? ""
+           : s.loads.frame.kind == TableFrame::Kind::Body  ? s.loads.frame.body
+           : s.loads.frame.kind == TableFrame::Kind::Named ? "frame:" + s.loads.frame.frame
+                                                           : "three axes",
            "loads");
   }
   if (s.motion.file.empty() && s.motion.time.empty()) {

@@ -50,11 +50,19 @@ std::string unquoted(const std::string& word) {
   return inside;
 }
 
-std::vector<std::string> words_of_line(const std::string& line, char separator) {
+/// `least`: so many words stay, empty or not.
+std::vector<std::string> words_of_line(const std::string& line, char separator, std::size_t least = 0) {
   std::vector<std::string> words;
   for (const std::string& text : split_outside_quotes(line, separator)) words.push_back(unquoted(trimmed(text)));
-  while (!words.empty() && words.back().empty()) words.pop_back();  // a separator at the end of the line
+  while (words.size() > least && words.back().empty()) words.pop_back();  // a separator at the end of the line
   return words;
+}
+
+/// "# columns = id,x,y" of a list of markups, for the word "columns"; empty: another line.
+std::string said_in_comment(const std::string& line, const std::string& word) {
+  const std::size_t equals = line.find('=');
+  if (line.empty() || line.front() != '#' || equals == line.npos) return "";
+  return lower_case(trimmed(line.substr(1, equals - 1))) == word ? trimmed(line.substr(equals + 1)) : "";
 }
 
 std::string text_of(const std::string& path) {
@@ -109,6 +117,7 @@ TextTable read_text_table(const std::string& path) {
   std::istringstream in(text_of(path));
   const std::string extension = lower_case(std::filesystem::path(path).extension().string());
   table.opensim = extension == ".sto" || extension == ".mot";
+  const bool markups = extension == ".fcsv";
   bool header = table.opensim;
   char separator = ',';
   int number = 0;
@@ -124,6 +133,11 @@ TextTable read_text_table(const std::string& path) {
       header = word != "endheader";
       continue;
     }
+    if (markups) {
+      const std::string axes = said_in_comment(line, "coordinatesystem"), names = said_in_comment(line, "columns");
+      if (!axes.empty()) table.axes = axes == "0" ? "RAS" : axes == "1" ? "LPS" : axes;
+      if (!names.empty()) line = names;
+    }
     if (line.empty() || line.front() == '#') continue;
     if (table.names.empty()) {
       separator = table.opensim ? ' ' : separator_of(line);
@@ -134,7 +148,7 @@ TextTable read_text_table(const std::string& path) {
       check_column_names(path, number, {table.names.begin() + (rows_have_names ? 1 : 0), table.names.end()});
       continue;
     }
-    table.rows.push_back(cells_of(table, words_of_line(line, separator), number));
+    table.rows.push_back(cells_of(table, words_of_line(line, separator, table.names.size()), number));
     table.lines.push_back(number);
   }
   if (header)

@@ -12,6 +12,7 @@ struct TextTable {
   std::string path;
   bool opensim = false;                        ///< .sto or .mot: has a header that ends in "endheader"
   bool degrees = false;                        ///< its header says inDegrees=yes
+  std::string axes;                            ///< .fcsv: LPS or RAS, as its header says; else empty
   int names_line = 0;                          ///< of the file, 1-based
   std::vector<std::string> names;              ///< of the columns, without white space around them
   std::vector<std::vector<std::string>> rows;  ///< as many cells each as there are names, not in quotes any more
@@ -20,7 +21,8 @@ struct TextTable {
 
 /// CSV: a line of names, then a line of cells per row, separated by commas, semicolons, tabs or spaces; lines that
 /// begin with '#' and empty ones are passed over. OpenSim: what stands before "endheader", then the same with white
-/// space. Throws InputError ("loads.csv:12: found ..., expected ...").
+/// space. Slicer's .fcsv: its line "# columns = " has the names. Throws InputError ("loads.csv:12: found ..., expected
+/// ...").
 TextTable read_text_table(const std::string& path);
 
 /// A table of cases, without the columns that R, pandas and Dakota put before the factors: rows' own names or numbers.

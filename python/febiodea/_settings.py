@@ -129,7 +129,7 @@ def settings_help():
         if option["group"] != group:
             group = option["group"]
             lines += ["", group]
-        key = {None: "", "name": '"NAME.PARAMETER"'}.get(option["key"], f'"{str(option["key"]).upper()}"')
+        key = "" if option["key"] is None else f'"{option["key_form"]}"'
         if option["places"]:
             form = f'[({key}, (x, y, z){", DEGREES" if option["keyword"] == "rotate" else ""})]'
         else:

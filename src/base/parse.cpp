@@ -55,6 +55,16 @@ Eigen::Vector3d parse_vector(const std::string& text) {
   return {numbers[0], numbers[1], numbers[2]};
 }
 
+FramedText split_frame(const std::string& text) {
+  const std::string word = "frame:";
+  if (lower_case(text.substr(0, word.size())) != word) return {"", text};
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) throw bad_value(text, "a comma and numbers after the frame's name: frame:NAME,...");
+  const std::string frame = trimmed(text.substr(word.size(), comma - word.size()));
+  if (frame.empty()) throw bad_value(text, "a frame's name after frame:");
+  return {frame, text.substr(comma + 1)};
+}
+
 std::string trimmed(const std::string& text) {
   constexpr const char* kSpace = " \t\r\n";
   const std::size_t first = text.find_first_not_of(kSpace);

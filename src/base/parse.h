@@ -21,6 +21,13 @@ std::vector<double> parse_numbers(const std::string& text);  ///< separated by c
 int parse_count(const std::string& text, int least, int most);
 Eigen::Vector3d parse_vector(const std::string& text);  ///< three numbers separated by commas
 
+/// "frame:pelvis,0,0,1": the frame's name, and what follows it. Without "frame:": no name, and the whole text. Throws
+/// BadValue: no name, or nothing after it.
+struct FramedText {
+  std::string frame, rest;
+};
+FramedText split_frame(const std::string& text);
+
 /// Without white space at both ends.
 std::string trimmed(const std::string& text);
 /// Capitals (of ASCII) as small letters.

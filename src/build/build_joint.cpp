@@ -476,6 +476,14 @@ void set_center(const BoneRequest& bone, int body, BuiltJoint& joint, BuildRepor
 
 }  // namespace
 
+void turn_open_bones(BuildRequest& request, BuildReport& report) {
+  if (std::all_of(request.bones.begin(), request.bones.end(), [](const BoneRequest& b) { return b.closed; })) return;
+  std::vector<Bone> bones;
+  for (const BoneRequest& b : request.bones) bones.emplace_back(b.surface);
+  turn_open_bones(request, bones, report);
+  for (std::size_t b = 0; b < bones.size(); ++b) request.bones[b].surface = bones[b].surface;
+}
+
 BuiltJoint build_joint(const BuildRequest& request, BuildReport& report) {
   std::vector<Bone> bones;
   for (const BoneRequest& b : request.bones) bones.emplace_back(b.surface);

@@ -25,6 +25,7 @@ struct BoneRequest {
   std::array<bool, 3> held = {false, false, false};  ///< if not fixed: directions in which it is held all the same
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> forces;  ///< of a table, one per row; empty: `force` alone
+  std::string force_frame;              ///< along whose axes the force's numbers are (leave_frames); empty: the scans'
 };
 
 struct CartilageRequest {
@@ -86,6 +87,9 @@ struct BuildReport {
   std::vector<ContactReport> contacts;
   double reach = 0.0;  ///< up to which gap articular surfaces face each other
 };
+
+/// Open surfaces become oriented such that they face the other bones; build_joint does that by itself.
+void turn_open_bones(BuildRequest& request, BuildReport& report);
 
 /// Throws InputError: bones far apart or inside each other, no region, a cartilage surface that is nowhere near its
 /// bone, prisms that cannot be made sound.

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <febiodea/geometry/ray_caster.h>
@@ -41,6 +42,7 @@ struct GivenRegion {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< Sphere: centre; Plane: a point of it
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< Plane: towards the region
   double radius = 0.0;                                ///< Sphere
+  std::string frame;  ///< from whose origin and along whose axes the numbers are (leave_frames); empty: the scans'
 };
 
 struct RegionOptions {

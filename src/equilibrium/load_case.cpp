@@ -358,7 +358,8 @@ void add_given_forces(const Instant& now, LoadCase& c) {
   const int last = static_cast<int>(now.model.steps.size()) - 1;
   if (now.step != last) return;
   for (const auto& entry : now.settings.force)
-    c.bodies[at(now.joint.find_body(now.model, entry.first))].dead.head<3>() = passed(now, last) * entry.second;
+    c.bodies[at(now.joint.find_body(now.model, entry.first))].dead.head<3>() =
+        passed(now, last) * global_force(now.settings, entry.first);
 }
 
 void add_row_loads(const Instant& now, int row, const std::vector<Pose>& poses, const std::vector<Pose>& step_start,
@@ -367,8 +368,14 @@ void add_row_loads(const Instant& now, int row, const std::vector<Pose>& poses, 
   if (table.time.empty()) return;
   const int b = now.joint.find_body(now.model, table.body);
   BodyConditions& body = c.bodies[at(b)];
-  const Vector6& load = table.load[at(row)];
-  const int frame = table.frame.kind == TableFrame::Kind::Body ? now.joint.find_body(now.model, table.frame.body) : -1;
+  Vector6 load = table.load[at(row)];
+  if (table.frame.kind == TableFrame::Kind::Named) {
+    const Eigen::Matrix3d own =
+        frame_axes(now.settings, table.frame.frame, {"load-frame", "", "frame:" + table.frame.frame});
+    load.head<3>() = own * load.head<3>();
+    load.tail<3>() = own * load.tail<3>();
+  }
+  const int frame = table.frame.body.empty() ? -1 : now.joint.find_body(now.model, table.frame.body);
   if (frame == b) {
     body.follower += load;
     return;

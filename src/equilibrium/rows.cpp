@@ -31,6 +31,15 @@ LoadCase first_row(const JointModel& model, const Joint& joint, const Settings& 
   return make_row_case(model, joint, s, 0, start, start);
 }
 
+std::string frame_words(const TableFrame& frame) {
+  std::string words;
+  if (frame.kind == TableFrame::Kind::Named) words = fmt::format("; axes of frame \"{}\"", frame.frame);
+  if (frame.kind == TableFrame::Kind::Named && !frame.body.empty())
+    words += fmt::format(", turned with body \"{}\" to where it starts", frame.body);
+  if (frame.kind == TableFrame::Kind::Body) words = fmt::format("; axes of body \"{}\" where it starts", frame.body);
+  return words;
+}
+
 }  // namespace
 
 void check_rows(const JointModel& model, const Joint& joint, const Settings& s) {
@@ -82,10 +91,7 @@ std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint,
         say("its first row in global axes: force ({:.6g}, {:.6g}, {:.6g}), moment ({:.6g}, {:.6g}, {:.6g}), at "
             "({:.6g}, {:.6g}, {:.6g}) of the body's reference position{}{}",
             force.x(), force.y(), force.z(), moment.x(), moment.y(), moment.z(), point.x(), point.y(), point.z(),
-            s.load_at.count(s.loads.body) ? "" : ", its centre of mass",
-            s.loads.frame.kind == TableFrame::Kind::Body
-                ? fmt::format("; axes of body \"{}\" where it starts", s.loads.frame.body)
-                : ""));
+            s.load_at.count(s.loads.body) ? "" : ", its centre of mass", frame_words(s.loads.frame)));
     int free = 0;
     for (DofState d : body.dofs) free += d == DofState::Free;
     if (free == 0)

@@ -81,15 +81,16 @@ std::vector<Pose> place_bodies(const JointModel& model, const Joint& joint, cons
   for (const Placement& p : settings.placements) {
     const int body = placed_body(model, joint, p);
     Pose& pose = poses[at(body)];
+    const Vector3d vector = global_vector(settings, p);
     if (p.kind == Placement::Kind::Move) {
-      pose.center += p.vector;
+      pose.center += vector;
       done(p, Turn{}, pose.center);
       continue;
     }
     const auto given = settings.rotate_about.find(p.body);
     const Turn turn = turn_of(joint, body, given == settings.rotate_about.end() ? TurnPoint{} : given->second, p.body);
     const Vector3d point = pose.center + pose.rotation * (turn.reference - joint.bodies[at(body)].center_of_mass);
-    const Eigen::Matrix3d Q = rotation(p.degrees * kDegree * p.vector.normalized());
+    const Eigen::Matrix3d Q = rotation(p.degrees * kDegree * vector.normalized());
     pose.center = point + Q * (pose.center - point);
     pose.rotation = Q * pose.rotation;
     done(p, turn, point);
@@ -116,14 +117,16 @@ std::vector<Pose> starting_poses(const JointModel& model, const Joint& joint, co
 std::vector<Sentence> placements_in_words(const JointModel& model, const Joint& joint, const Settings& settings) {
   std::vector<Sentence> words;
   place_bodies(model, joint, settings, [&](const Placement& p, const Turn& turn, const Vector3d& point) {
-    const Vector3d& v = p.vector;
+    const Vector3d v = global_vector(settings, p);
+    const std::string frame = p.frame.empty() ? "" : fmt::format(" (given in frame \"{}\")", p.frame);
     if (p.kind == Placement::Kind::Move)
-      words.push_back(say("body \"{}\" is moved by ({:g}, {:g}, {:g}) before it starts", p.body, v.x(), v.y(), v.z()));
+      words.push_back(
+          say("body \"{}\" is moved by ({:g}, {:g}, {:g}){} before it starts", p.body, v.x(), v.y(), v.z(), frame));
     else
       words.push_back(
-          say("body \"{}\" is turned by {:g} degrees about ({:g}, {:g}, {:g}) before it starts, through {} "
+          say("body \"{}\" is turned by {:g} degrees about ({:g}, {:g}, {:g}){} before it starts, through {} "
               "({:.6g}, {:.6g}, {:.6g})",
-              p.body, p.degrees, v.x(), v.y(), v.z(), turn.name, point.x(), point.y(), point.z()));
+              p.body, p.degrees, v.x(), v.y(), v.z(), frame, turn.name, point.x(), point.y(), point.z()));
   });
   return words;
 }

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/base/sentence.h>
+
 namespace dea {
 
 /// On which surface of the source layer the springs stand (docs/theory.md, section 3).
@@ -47,8 +49,9 @@ struct Placement {
   };
   Kind kind = Kind::Move;
   std::string body;
-  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< global directions; of an axis: any length > 0
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();  ///< along the frame's axes; of an axis: any length > 0
   double degrees = 0.0;
+  std::string frame = {};  ///< of Settings::frames; empty: the global one
 };
 
 /// The point of a body about which it is turned. It goes along with the body's earlier placements.
@@ -67,11 +70,13 @@ struct TableFrame {
   enum class Kind {
     Global,
     Body,  ///< those of `body`: the global axes in its reference position, and they turn with it
-    Axes   ///< columns of `axes`, global directions
+    Axes,  ///< columns of `axes`, global directions
+    Named  ///< those of `frame`; with a body they turn with it from its reference position
   };
   Kind kind = Kind::Global;
   std::string body;
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< orthonormal, right-handed
+  std::string frame = {};                              ///< Named: of Settings::frames
 };
 
 /// A table of forces and moments on one body: a row is a state, in order, after the model's own steps.
@@ -129,6 +134,9 @@ struct Settings {
   std::map<std::string, std::array<bool, 6>> free;  ///< body -> dofs left free (all others held), in all steps
   std::map<std::string, Eigen::Vector3d>
       force;  ///< body -> force replacing the model's rigid forces, scaled 0..1 over the last step
+  std::map<std::string, std::string> force_frame;  ///< body -> frame along whose axes its force is; none: global
+  std::map<std::string, Eigen::Matrix3d>
+      frames;  ///< name -> axes x, y, z as columns in global directions, orthonormal, right-handed; they never turn
   std::map<std::string, LoadPoint> load_at;       ///< body -> where its force acts
   std::vector<Placement> placements;              ///< act in this order
   std::map<std::string, TurnPoint> rotate_about;  ///< body -> what it is turned about
@@ -143,6 +151,13 @@ struct Settings {
 
 /// The same settings without those that place, load and move bodies or choose states: what a joint is recognised from.
 Settings joint_settings(Settings settings);
+
+/// Columns: a frame's axes in global directions; of "" the global ones. Throws UsageError, in the name of the setting
+/// that asks: there is no such frame.
+Eigen::Matrix3d frame_axes(const Settings& settings, const std::string& frame, const NamedSetting& asks);
+/// In global directions.
+Eigen::Vector3d global_vector(const Settings& settings, const Placement& placement);
+Eigen::Vector3d global_force(const Settings& settings, const std::string& body);
 
 /// Rows of tables, each a state. Both tables have the same times where both are there.
 inline std::size_t row_count(const Settings& s) { return std::max(s.loads.time.size(), s.motion.time.size()); }

@@ -21,6 +21,7 @@ constexpr const char* kPlacing = "Placing, in the order of the line";
 constexpr const char* kLoads = "Motion and loads";
 constexpr const char* kTables = "Tables of loads and motion";
 constexpr const char* kOutput = "Output";
+constexpr const char* kFrames = "Frames";
 
 /// One of the words that name(Word) has, in small or capital letters.
 template <class Word>
@@ -90,12 +91,24 @@ TurnPoint parse_turn_point(Text text) {
   }
 }
 
+/// "frame:pelvis,z,10" as "frame:pelvis,0,0,1,10".
+std::string with_axis_in_numbers(Text axis_and_angle) {
+  const std::size_t comma = axis_and_angle.find(',');
+  const std::string axis = lower_case(trimmed(axis_and_angle.substr(0, comma)));
+  for (const auto& [letter, numbers] : {std::pair{"x", "1,0,0"}, std::pair{"y", "0,1,0"}, std::pair{"z", "0,0,1"}})
+    if (axis == letter && comma != std::string::npos) return numbers + axis_and_angle.substr(comma);
+  return axis_and_angle;
+}
+
 Placement parse_turn(Text body, Text text) {
-  const char* expected = "an axis and an angle: x,y,z,DEGREES";
+  const FramedText framed = split_frame(text);
+  const char* expected = framed.frame.empty() ? "an axis and an angle: x,y,z,DEGREES"
+                                              : "an axis and an angle: frame:NAME,AXIS,DEGREES, AXIS being x, y, z or "
+                                                "three numbers";
   try {
-    const std::vector<double> n = parse_numbers(text);
+    const std::vector<double> n = parse_numbers(framed.frame.empty() ? framed.rest : with_axis_in_numbers(framed.rest));
     if (n.size() != 4) throw bad_value(text, expected);
-    const Placement turn{Placement::Kind::Rotate, body, {n[0], n[1], n[2]}, n[3]};
+    const Placement turn{Placement::Kind::Rotate, body, {n[0], n[1], n[2]}, n[3], framed.frame};
     if (turn.vector.isZero(0.0)) throw bad_value(text, "an axis that is not 0,0,0");
     return turn;
   } catch (const BadValue& bad) {
@@ -104,9 +117,36 @@ Placement parse_turn(Text body, Text text) {
   }
 }
 
+/// Three numbers, along a frame's axes where one is named.
+struct FramedVector {
+  Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+  std::string frame;
+};
+FramedVector parse_framed(Text text) {
+  const FramedText framed = split_frame(text);
+  try {
+    return {parse_vector(framed.rest), framed.frame};
+  } catch (const BadValue&) {
+    throw bad_value(text, framed.frame.empty() ? "three numbers x,y,z" : "three numbers: frame:NAME,x,y,z");
+  }
+}
+
+/// "frame:pelvis", or "frame:femur,femur": axes that turn with a body.
+TableFrame parse_named_frame(Text text) {
+  TableFrame frame;
+  frame.kind = TableFrame::Kind::Named;
+  const bool turns = text.find(',') != std::string::npos;
+  const FramedText framed = split_frame(turns ? text : text + ",");
+  frame.frame = framed.frame;
+  frame.body = trimmed(framed.rest);
+  if (turns && frame.body.empty()) throw bad_value(text, "a body after the comma: frame:NAME,BODY");
+  return frame;
+}
+
 TableFrame parse_frame(Text text) {
   TableFrame frame;
   if (lower_case(text) == "global") return frame;
+  if (lower_case(text).rfind("frame:", 0) == 0) return parse_named_frame(text);
   if (text.find('/') == std::string::npos) {
     frame.kind = TableFrame::Kind::Body;
     frame.body = text;
@@ -178,7 +218,6 @@ SettingContent number_or_nothing(const std::optional<Number>& number) {
 
 SettingItem item_of(Text word) { return word; }
 SettingItem item_of(double number) { return number; }
-SettingItem item_of(const Eigen::Vector3d& vector) { return vector; }
 SettingItem item_of(const NodeThickness& thickness) { return thickness.file; }
 SettingItem item_of(const LoadPoint& load_at) {
   if (load_at.sphere_center) return std::string("sphere-center");
@@ -202,23 +241,54 @@ SettingContent by_name(const std::map<std::string, Value>& values) {
   return items;
 }
 
+/// Frames by themselves: three axes.
+Eigen::Matrix3d parse_axes(Text text) {
+  const TableFrame frame = text.find('/') == std::string::npos ? TableFrame{} : parse_frame(text);
+  if (frame.kind != TableFrame::Kind::Axes)
+    throw bad_value(text, "three axes at right angles, right-handed, each in global directions: x,y,z/x,y,z/x,y,z");
+  return frame.axes;
+}
+
 /// "femur=0,1,0,10", in their order.
 SettingContent placements_of(const Settings& settings, Placement::Kind kind) {
   std::vector<std::string> all;
   for (const Placement& p : settings.placements)
-    if (p.kind == kind)
-      all.push_back(fmt::format("{}={},{},{}{}", p.body, p.vector.x(), p.vector.y(), p.vector.z(),
-                                kind == Placement::Kind::Rotate ? fmt::format(",{}", p.degrees) : ""));
+    if (p.kind == kind) all.push_back(placement_text(p));
   return one(all);
+}
+
+std::string axes_text(const Eigen::Matrix3d& axes) {
+  std::string text;
+  for (int k = 0; k < 3; ++k) text += fmt::format("{}{},{},{}", k ? "/" : "", axes(0, k), axes(1, k), axes(2, k));
+  return text;
 }
 
 SettingContent frame_of(const TableFrame& frame) {
   if (frame.kind == TableFrame::Kind::Global) return one(std::string("global"));
   if (frame.kind == TableFrame::Kind::Body) return one(frame.body);
-  std::string text;
-  for (int k = 0; k < 3; ++k)
-    text += fmt::format("{}{},{},{}", k ? "/" : "", frame.axes(0, k), frame.axes(1, k), frame.axes(2, k));
-  return one(text);
+  if (frame.kind == TableFrame::Kind::Named)
+    return one(fmt::format("frame:{}{}", frame.frame, frame.body.empty() ? "" : "," + frame.body));
+  return one(axes_text(frame.axes));
+}
+
+SettingContent frames_of(const Settings& settings) {
+  std::map<std::string, SettingItem> items;
+  for (const auto& entry : settings.frames) items[entry.first] = axes_text(entry.second);
+  return items;
+}
+
+/// Numbers; along a frame's axes: "frame:pelvis,1,2,3".
+SettingContent forces_of(const Settings& settings) {
+  std::map<std::string, SettingItem> items;
+  for (const auto& entry : settings.force) {
+    const auto frame = settings.force_frame.find(entry.first);
+    const Eigen::Vector3d& f = entry.second;
+    if (frame == settings.force_frame.end())
+      items[entry.first] = f;
+    else
+      items[entry.first] = fmt::format("frame:{},{},{},{}", frame->second, f.x(), f.y(), f.z());
+  }
+  return items;
 }
 
 std::vector<SettingOption> joint_options() {
@@ -326,7 +396,7 @@ std::vector<SettingOption> placing_options() {
   return {
       {"rotate", "body", true, "x,y,z,DEGREES", nullptr, kPlacing,
        "Turn a body, with all that is attached to it, before anything moves or loads it: axis in global directions, "
-       "right-handed; may be repeated",
+       "right-handed, or frame:NAME,AXIS,DEGREES, AXIS being x, y, z or three numbers; may be repeated",
        [](S& s, Text key, Text text) { s.placements.push_back(parse_turn(key, text)); },
        [](const S& s) { return placements_of(s, Placement::Kind::Rotate); }, nullptr, nullptr, true},
       {"rotate-about", "body", false, "sphere-center|com|x,y,z", nullptr, kPlacing,
@@ -335,9 +405,11 @@ std::vector<SettingOption> placing_options() {
        [](S& s, Text key, Text text) { s.rotate_about[key] = parse_turn_point(text); },
        [](const S& s) { return by_name(s.rotate_about); }},
       {"move", "body", true, "x,y,z", nullptr, kPlacing,
-       "Move a body, with all that is attached to it, before anything else moves or loads it; may be repeated",
+       "Move a body, with all that is attached to it, before anything else moves or loads it; frame:NAME,x,y,z: along "
+       "its axes; may be repeated",
        [](S& s, Text key, Text text) {
-         s.placements.push_back({Placement::Kind::Move, key, parse_vector(text)});
+         const FramedVector shift = parse_framed(text);
+         s.placements.push_back({Placement::Kind::Move, key, shift.vector, 0.0, shift.frame});
        },
        [](const S& s) { return placements_of(s, Placement::Kind::Move); }, nullptr, nullptr, true},
   };
@@ -351,9 +423,15 @@ std::vector<SettingOption> load_options() {
        "model's]",
        [](S& s, Text key, Text text) { s.free[key] = parse_dofs(text); }, [](const S& s) { return by_name(s.free); }},
       {"force", "body", false, "x,y,z", nullptr, kLoads,
-       "Force in place of the model's, growing from 0 over the last step, in the model's force (N); may be repeated",
-       [](S& s, Text key, Text text) { s.force[key] = parse_vector(text); },
-       [](const S& s) { return by_name(s.force); }},
+       "Force in place of the model's, growing from 0 over the last step, in the model's force (N); frame:NAME,x,y,z: "
+       "along its axes; may be repeated",
+       [](S& s, Text key, Text text) {
+         const FramedVector force = parse_framed(text);
+         s.force[key] = force.vector;
+         s.force_frame.erase(key);
+         if (!force.frame.empty()) s.force_frame[key] = force.frame;
+       },
+       forces_of},
       {"load-at", "body", false, "x,y,z|sphere-center", nullptr, kLoads,
        "Where the force acts: a point of the reference configuration, or the centre of the articular surface's sphere; "
        "may be repeated [centre of mass]",
@@ -398,10 +476,9 @@ std::vector<SettingOption> table_options() {
        "Names of the columns [found by name: fx, force_x, ..._fx, mx, moment_x, ...]",
        [](S& s, Text, Text text) { s.loads.columns = text; },
        [](const S& s) { return word_or_nothing(s.loads.columns); }},
-      {"load-frame", nullptr, false, "global|BODY|x,y,z/x,y,z/x,y,z", nullptr, kTables,
-       "Axes of the table: global; a body's (the global ones in its reference position, turning with it); three axes "
-       "in "
-       "global directions [global]",
+      {"load-frame", nullptr, false, "global|BODY|frame:NAME[,BODY]|x,y,z/x,y,z/x,y,z", nullptr, kTables,
+       "Axes of the table: global; a body's (the global ones in its reference position, turning with it); those of a "
+       "frame, which turn with a body if one is named; three axes in global directions [global]",
        [](S& s, Text, Text text) { s.loads.frame = parse_frame(text); },
        [](const S& s) { return frame_of(s.loads.frame); }},
       {"load-units", nullptr, false, "FORCE-LENGTH", nullptr, kTables,
@@ -435,6 +512,20 @@ std::vector<SettingOption> table_options() {
   };
 }
 
+std::vector<SettingOption> frame_options() {
+  using S = Settings;
+  return {
+      {"frame", "name", false, "x,y,z/x,y,z/x,y,z", nullptr, kFrames,
+       "Axes x, y, z of a frame in global directions, which rotate, move, force and load-frame may name; `dea build` "
+       "writes those of landmarks; may be repeated",
+       [](S& s, Text key, Text text) {
+         if (key.find(',') != std::string::npos) throw bad_value(key, "a frame's name without a comma");
+         s.frames[key] = parse_axes(text);
+       },
+       frames_of},
+  };
+}
+
 /// Of a surface's thickness what the weaker source says the other way: as one number, or by a file.
 void leave_thickness_to(Settings& settings, const SettingValue& v) {
   const std::string name = v.option->name;
@@ -449,7 +540,7 @@ const std::vector<SettingOption>& setting_options() {
   static const std::vector<SettingOption> options = [] {
     std::vector<SettingOption> all;
     for (const auto& part : {joint_options(), spring_options(), recognition_options(), cartilage_options(),
-                             placing_options(), load_options(), table_options()})
+                             placing_options(), load_options(), table_options(), frame_options()})
       all.insert(all.end(), part.begin(), part.end());
     return all;
   }();
@@ -464,7 +555,15 @@ const SettingOption* find_setting_option(const std::string& name) {
 
 std::string key_form(const SettingOption& option) {
   const std::string key = option.key;
-  return key == "body" ? "BODY" : key == "surface" ? "SURFACE" : "NAME.PARAMETER";
+  if (key == "body") return "BODY";
+  if (key == "surface") return "SURFACE";
+  return std::string(option.name) == "set" ? "NAME.PARAMETER" : "NAME";
+}
+
+std::string placement_text(const Placement& p) {
+  return fmt::format("{}={}{},{},{}{}", p.body, p.frame.empty() ? "" : fmt::format("frame:{},", p.frame), p.vector.x(),
+                     p.vector.y(), p.vector.z(),
+                     p.kind == Placement::Kind::Rotate ? fmt::format(",{}", p.degrees) : "");
 }
 
 void set_value(Settings& settings, const SettingValue& v) {

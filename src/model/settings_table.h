@@ -40,8 +40,11 @@ const std::vector<SettingOption>& setting_options();
 /// nullptr: there is none of this name.
 const SettingOption* find_setting_option(const std::string& name);
 
-/// What stands before the value: "SURFACE", "BODY" or "NAME.PARAMETER". For options with a key.
+/// What stands before the value: "SURFACE", "BODY", "NAME" or "NAME.PARAMETER". For options with a key.
 std::string key_form(const SettingOption& option);
+
+/// As it is typed: "pelvis=0,1,0,10", "pelvis=frame:pelvis,0,0,1,10".
+std::string placement_text(const Placement& placement);
 
 /// One value as the user wrote it.
 struct SettingValue {

@@ -66,6 +66,38 @@ std::vector<Fault> unsupported_faults(const JointModel& model) {
   return faults;
 }
 
+/// The frames that other settings name. Throws UsageError: one of them is not there.
+std::vector<Sentence> frames_in_words(const Settings& settings) {
+  std::vector<std::string> named;
+  const auto add_name = [&](const std::string& frame) {
+    if (!frame.empty() && std::find(named.begin(), named.end(), frame) == named.end()) named.push_back(frame);
+  };
+  for (const Placement& p : settings.placements) {
+    global_vector(settings, p);
+    add_name(p.frame);
+  }
+  for (const auto& entry : settings.force) {
+    global_force(settings, entry.first);
+    const auto frame = settings.force_frame.find(entry.first);
+    if (frame != settings.force_frame.end()) add_name(frame->second);
+  }
+  const TableFrame& table = settings.loads.frame;
+  if (table.kind == TableFrame::Kind::Named) {
+    frame_axes(settings, table.frame, {"load-frame", "", "frame:" + table.frame});
+    add_name(table.frame);
+  }
+  std::vector<Sentence> words;
+  for (const std::string& frame : named) {
+    const Eigen::Matrix3d axes = settings.frames.at(frame);
+    const auto axis = [&](int k) {
+      return fmt::format("{} ({:.4f}, {:.4f}, {:.4f})", std::string(1, "xyz"[k]), axes(0, k) + 0.0, axes(1, k) + 0.0,
+                         axes(2, k) + 0.0);
+    };
+    words.push_back(say("frame \"{}\" in the model's axes: {}, {}, {}", frame, axis(0), axis(1), axis(2)));
+  }
+  return words;
+}
+
 }  // namespace
 
 Fault unsupported_fault(const JointModel& model, const Remark& r) {
@@ -83,6 +115,7 @@ Loading check_loading(const JointModel& model, const Joint& joint, const Setting
   const auto tell = [&](std::vector<Sentence> words) {
     std::move(words.begin(), words.end(), std::back_inserter(loading.findings));
   };
+  tell(frames_in_words(settings));
   if (!settings.placements.empty()) {
     tell(placements_in_words(model, joint, settings));
     for (const Fault& fault : broken_connectors(model, joint, starting_poses(model, joint, settings)))

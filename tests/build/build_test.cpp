@@ -412,6 +412,59 @@ TEST(BuildProgram, WhatItBuildsIsSolvedByRun) {
   EXPECT_EQ(first, file_text(folder.path / "j.feb"));
 }
 
+/// A right hip in LPS, the pelvis upright: x forwards is -y, y up is z, z to the right is -x.
+void write_landmarks(const fs::path& folder) {
+  std::ofstream(folder / "l.csv") << "name,x,y,z\nRASIS,-35,-60,80\nLASIS,205,-60,80\nRPSIS,40,90,82\nLPSIS,130,90,78\n"
+                                     "RMFE,45,5,-400\nRLFE,-35,0,-402\n";
+}
+
+/// The force along the pelvis' axes is that in the scanner's, frames go to dea run, and the picture is there.
+TEST(BuildProgram, FramesGoFromLandmarksToRun) {
+  const TemporaryFolder folder;
+  write_shapes(folder.path);
+  write_landmarks(folder.path);
+  const std::string bones = "--bone socket=socket.stl --bone ball=ball.stl --half-gap max=3,min=0.5 ";
+  const Finished framed = dea_build(
+      folder.path, bones +
+                       "--landmarks l.csv --force ball=frame:pelvis,-10,500,-100 --frames f.xml --hip-figure h.svg "
+                       "--json j.json -o framed.feb");
+  ASSERT_EQ(framed.code, 0) << framed.err;
+  EXPECT_NE(framed.err.find("hip: \"socket\" is the socket, \"ball\" the head"), std::string::npos) << framed.err;
+  EXPECT_NE(framed.out.find("lateral center-edge angle"), std::string::npos) << framed.out;
+  // the middle of the back spines is as high as the front ones: the axes are those of the scanner
+  const Finished plain = dea_build(folder.path, bones + "--force ball=100,10,500 -o plain.feb -q");
+  ASSERT_EQ(plain.code, 0) << plain.err;
+  const auto force_lines = [&](const char* file) {
+    std::string lines;
+    std::istringstream in(file_text(folder.path / file));
+    for (std::string line; std::getline(in, line);)
+      if (line.find("force") != std::string::npos || line.find("<value") != std::string::npos) lines += line + "\n";
+    return lines;
+  };
+  EXPECT_EQ(force_lines("framed.feb"), force_lines("plain.feb"));
+  EXPECT_NE(file_text(folder.path / "j.json").find("\"side\": \"right\""), std::string::npos);
+  EXPECT_EQ(file_text(folder.path / "h.svg").substr(0, 5), "<?xml");
+  const auto peak = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {DEA_PROGRAM, "run", "framed.feb", "--no-xplt", "--csv", "-", "--states", "last"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished solved = run_program(folder.path, words, 60);
+    EXPECT_EQ(solved.code, 0) << solved.err;
+    return solved;
+  };
+  const Finished along = peak({"--settings", "f.xml", "--rotate", "socket=frame:pelvis,x,4"}),
+                 global = peak({"--rotate", "socket=0,-1,0,4"});
+  EXPECT_EQ(along.out, global.out);
+  EXPECT_NE(
+      along.err.find("frame \"pelvis\" in the model's axes: x (0.0000, -1.0000, 0.0000), y (0.0000, 0.0000, 1.0000), "
+                     "z (-1.0000, 0.0000, 0.0000)"),
+      std::string::npos)
+      << along.err;
+  const Finished unknown =
+      run_program(folder.path, {DEA_PROGRAM, "run", "framed.feb", "--rotate", "socket=frame:pelvis,x,4"}, 60);
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_NE(unknown.err.find("there is no frame \"pelvis\""), std::string::npos) << unknown.err;
+}
+
 TEST(BuildProgram, BadInputIsOneLine) {
   const TemporaryFolder folder;
   write_shapes(folder.path);
@@ -426,7 +479,9 @@ TEST(BuildProgram, BadInputIsOneLine) {
   write_stl((folder.path / "one.stl").string(), {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
   std::ofstream(folder.path / "text.stl") << "not a surface\n";
   std::ofstream(folder.path / "empty.stl");
-  const std::string rest = " --uniform socket=3 --force ball=0,0,500 -o j.feb";
+  write_landmarks(folder.path);
+  const std::string rest = " --uniform socket=3 --force ball=0,0,500 -o j.feb",
+                    both = "--bone socket=socket.stl --bone ball=ball.stl" + rest;
   const std::tuple<std::string, int, const char*> cases[] = {
       {"--bone socket=socket.stl --bone ball=empty.stl" + rest, 3, "empty.stl: found an empty file"},
       {"--bone socket=socket.stl --bone ball=text.stl" + rest, 3, "text.stl: found no surface that is known"},
@@ -445,6 +500,21 @@ TEST(BuildProgram, BadInputIsOneLine) {
        "expected max=A,min=B with A above B"},
       {"--bone socket=socket.stl --bone ball=ball.stl" + rest + " --reach 0.1", 3, "expected one within 0.1"},
       {"--bone socket=socket.stl --bone ball=ball.stl --uniform socket=3 --force ball=0,0,500 -o no/j.feb", 4, "no"},
+      {both + " --landmarks none.csv", 3, "none.csv: found no readable file"},
+      {both + " --landmarks l.csv --side left", 3, "side: found left, and landmarks of the right"},
+      {both + " --side up", 2, "--side up: found \"up\", expected left or right"},
+      {both + " --scan-axes XYZ", 2, "--scan-axes XYZ: found \"XYZ\", expected LPS or RAS"},
+      {both + " --frames f.xml", 2, "--frames f.xml: found no landmarks to make frames of"},
+      {both + " --flip-landmarks", 2, "--flip-landmarks: found no landmarks"},
+      {both + " --hip ball", 2, "--hip ball: found \"ball\", expected two bones, SOCKET,HEAD, or none"},
+      {both + " --hip socket,bal", 2, "did you mean \"ball\"?"},
+      {both + " --hip ball,socket", 3, "hip: found no socket of \"ball\" about a ball of \"socket\""},
+      {both + " --hip none --hip-figure h.svg", 2, "--hip-figure and --hip none: found both"},
+      {both + " --hip-figure h.gif", 2, "--hip-figure h.gif: found \".gif\", expected a name that ends in"},
+      {both + " --hip-figure h.svg", 3, "--hip-figure h.svg: found nothing measured of a hip"},
+      {both + " --region socket=plane:frame:pelvis,0,0,0,0,1,0", 2,
+       "frame:pelvis: there is no frame of this name; the landmarks give none"},
+      {both + " --region socket=sphere:frame:pelvis,0,0,0", 2, "sphere:x,y,z,r or sphere:frame:NAME,x,y,z,r"},
   };
   for (const auto& [words, code, expected] : cases) {
     const Finished f = dea_build(folder.path, words + " -q");

@@ -113,6 +113,51 @@ TEST(SettingWords, EveryOption) {
   EXPECT_FALSE(s.squash);
 }
 
+TEST(SettingWords, NumbersAlongAFramesAxes) {
+  Settings s = with({value("frame", "pelvis=0,-1,0/0,0,1/-1,0,0"), value("rotate", "hip=frame:pelvis,z,-10"),
+                     value("rotate", "hip=frame:the pelvis,1,2,3,10"), value("move", "hip=frame:pelvis,1,2,3"),
+                     value("force", "femur=frame:pelvis,4,5,6"), value("load-frame", "frame:pelvis,femur")});
+  EXPECT_EQ(s.frames.at("pelvis").col(2), Eigen::Vector3d(-1, 0, 0));
+  ASSERT_EQ(s.placements.size(), 3U);
+  EXPECT_EQ(s.placements[0].frame, "pelvis");
+  EXPECT_EQ(s.placements[0].vector, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(s.placements[0].degrees, -10);
+  EXPECT_EQ(s.placements[1].frame, "the pelvis");
+  EXPECT_EQ(s.placements[1].vector, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(s.placements[2].vector, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(s.force.at("femur"), Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(s.force_frame.at("femur"), "pelvis");
+  EXPECT_EQ(s.loads.frame.kind, TableFrame::Kind::Named);
+  EXPECT_EQ(s.loads.frame.body, "femur");
+  EXPECT_EQ(find_setting_option("load-frame")->content(s),
+            SettingContent(SettingItem(std::string("frame:pelvis,femur"))));
+  EXPECT_EQ(find_setting_option("rotate")->content(s),
+            SettingContent(
+                SettingItem(std::vector<std::string>{"hip=frame:pelvis,0,0,1,-10", "hip=frame:the pelvis,1,2,3,10"})));
+  lay_over(s, {value("force", "femur=7,8,9")});  // the stronger one is in global directions
+  EXPECT_TRUE(s.force_frame.empty());
+  const auto refusal = [](const char* option, const char* text) {
+    return message_of([&] { with({value(option, text)}); });
+  };
+  EXPECT_EQ(refusal("rotate", "hip=frame:pelvis,w,10"),
+            "--rotate hip=frame:pelvis,w,10: found \"frame:pelvis,w,10\", expected an axis and an angle: "
+            "frame:NAME,AXIS,DEGREES, AXIS being x, y, z or three numbers");
+  EXPECT_EQ(refusal("force", "femur=frame:pelvis,1,2"),
+            "--force femur=frame:pelvis,1,2: found \"frame:pelvis,1,2\", expected three numbers: frame:NAME,x,y,z");
+  EXPECT_EQ(refusal("force", "femur=frame:,1,2,3"),
+            "--force femur=frame:,1,2,3: found \"frame:,1,2,3\", expected a frame's name after frame:");
+  EXPECT_EQ(refusal("move", "hip=frame:pelvis"),
+            "--move hip=frame:pelvis: found \"frame:pelvis\", expected a comma and numbers after the frame's name: "
+            "frame:NAME,...");
+  EXPECT_EQ(refusal("frame", "pelvis=0,1,0/0,0,1/0,-1,0"),
+            "--frame pelvis=0,1,0/0,0,1/0,-1,0: found \"0,1,0/0,0,1/0,-1,0\", expected three axes at right angles, "
+            "right-handed, each in global directions: x,y,z/x,y,z/x,y,z");
+  EXPECT_EQ(refusal("frame", "pelvis=femur"),
+            "--frame pelvis=femur: found \"femur\", expected three axes at right angles, right-handed, each in global "
+            "directions: x,y,z/x,y,z/x,y,z");
+  EXPECT_EQ(refusal("frame", "pelvis"), "--frame pelvis: found no '=', expected NAME=x,y,z/x,y,z/x,y,z");
+}
+
 TEST(SettingWords, RefusalsSayWhatWasFoundAndExpected) {
   const auto refusal = [](const char* option, const char* text) {
     return message_of([&] { with({value(option, text)}); });

@@ -338,6 +338,75 @@ TEST(Rows, AFrameTurnsWithABodyThatIsMovedRelatively) {
   expect_same(a, last_state(model, axes), 1e-9);
 }
 
+// ---------------------------------------------------------------------------------------------------------------------
+// Frames with names
+
+Settings with_frame(const Matrix3d& axes, Settings settings = {}) {
+  settings.frames["pelvis"] = axes;
+  return settings;
+}
+
+/// Every way to name a frame gives what the same numbers in global directions give.
+TEST(Frames, NumbersAlongThemAreThoseInGlobalDirections) {
+  const JointModel model = slanted();
+  const Matrix3d axes = turn({1, 2, 3}, 40);
+  Settings named = with_frame(axes), plain;
+  named.placements = {turned("ball", {0, 0, 1}, 12), moved("ball", {0.1, 0.2, -0.1})};
+  for (Placement& p : named.placements) p.frame = "pelvis";
+  plain.placements = {turned("ball", axes.col(2), 12), moved("ball", axes * Vector3d(0.1, 0.2, -0.1))};
+  named.force["ball"] = axes.transpose() * Vector3d(300, -150, 1500);
+  named.force_frame["ball"] = "pelvis";
+  plain.force["ball"] = {300, -150, 1500};
+  for (Settings* s : {&named, &plain}) s->rotate_about["ball"] = {TurnPoint::Kind::CenterOfMass};
+  expect_same(last_state(model, named), last_state(model, plain), 1e-8);
+
+  const Vector6 load = six({300, -150, 1500}, {200, 100, -50});
+  Settings table = with_frame(axes, rows({six(axes.transpose() * load.head<3>(), axes.transpose() * load.tail<3>())}));
+  table.loads.frame.kind = TableFrame::Kind::Named;
+  table.loads.frame.frame = "pelvis";
+  expect_same(last_state(model, table), last_state(model, rows({load})), 1e-9);
+}
+
+/// A frame's axes never turn by themselves; with a body they do, the loaded one too.
+TEST(Frames, TurnWithABodyThatIsNamed) {
+  const JointModel model = slanted();
+  const Matrix3d axes = turn({1, 2, 3}, 40), R = turn({0, 1, 0}, 20);
+  const Vector3d load(300, -150, 1500);
+  for (const char* body : {"", "ball", "socket"}) {
+    Settings named = with_frame(axes, rows({six(axes.transpose() * load)}));
+    named.loads.frame = {TableFrame::Kind::Named, body, Matrix3d::Identity(), "pelvis"};
+    named.placements = {turned("ball", {0, 1, 0}, 20), turned("socket", {0, 1, 0}, 20)};
+    Settings plain = rows({six(*body == '\0' ? load : Vector3d(R * load))});
+    plain.placements = named.placements;
+    for (Settings* s : {&named, &plain})
+      for (const char* name : {"ball", "socket"}) s->rotate_about[name] = {TurnPoint::Kind::CenterOfMass};
+    expect_same(last_state(model, named), last_state(model, plain), 1e-8);
+  }
+}
+
+TEST(Frames, AreToldAndThoseThatAreNotThereAreRefused) {
+  Matrix3d axes;
+  axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Settings settings = with_frame(axes);
+  settings.force["ball"] = {0, 0, 1};
+  settings.force_frame["ball"] = "pelvis";
+  std::string text;
+  for (const Sentence& finding : recognise(slanted(), settings).joint.findings) text += finding.text + "\n";
+  EXPECT_NE(
+      text.find("frame \"pelvis\" in the model's axes: x (0.0000, -1.0000, 0.0000), y (0.0000, 0.0000, -1.0000), z "
+                "(1.0000, 0.0000, 0.0000)"),
+      std::string::npos)
+      << text;
+  settings.force_frame["ball"] = "pelvs";
+  try {
+    recognise(slanted(), settings);
+    FAIL();
+  } catch (const UsageError& e) {
+    EXPECT_NE(std::string(e.what()).find("there is no frame \"pelvs\" (did you mean \"pelvis\"?)"), std::string::npos)
+        << e.what();
+  }
+}
+
 // What is printed of the first row: the axes of a body that is held where it was placed are turned with it.
 TEST(Rows, FirstRowIsToldInGlobalAxes) {
   Settings settings = rows({six({100, 0, 0})});

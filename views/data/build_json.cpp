@@ -61,6 +61,47 @@ Json load_json(const BuildSummary& s, std::size_t i) {
   return j;
 }
 
+Json frame_json(const AnatomicalFrame& f) {
+  Json j;
+  j["name"] = f.name;
+  j["origin"] = json_vector(f.origin);
+  j["x"] = json_vector(f.axes.col(0));
+  j["y"] = json_vector(f.axes.col(1));
+  j["z"] = json_vector(f.axes.col(2));
+  j["from"] = f.words;
+  return j;
+}
+
+Json hip_json(const HipMeasures& m) {
+  Json j;
+  j["socket_bone"] = m.socket_bone;
+  j["head_bone"] = m.head_bone;
+  j["side"] = name(m.side);
+  j["axes"] = m.axes_words;
+  j["axes_x"] = json_vector(m.axes.col(0));
+  j["axes_y"] = json_vector(m.axes.col(1));
+  j["axes_z"] = json_vector(m.axes.col(2));
+  const auto sphere = [&](const std::string& name, const SphereFit& fit, int points) {
+    j[name + "_center"] = json_vector(fit.center);
+    j[name + "_radius"] = json_number(fit.radius);
+    j[name + "_rms"] = json_number(fit.rms);
+    j[name + "_points"] = points;
+  };
+  sphere("head", m.head, m.head_points);
+  sphere("socket", m.socket, m.socket_points);
+  j["offset"] = json_vector(m.offset);
+  const bool rim = !m.rim.empty();
+  j["rim_center"] = rim ? json_vector(m.rim_center) : Json(nullptr);
+  j["rim_normal"] = rim ? json_vector(m.rim_normal) : Json(nullptr);
+  j["rim_radius"] = json_number(m.rim_radius);
+  j["rim_rms"] = json_number(m.rim_rms);
+  j["rim_points"] = m.rim.size();
+  j["rim_points_in_plane"] = std::count(m.rim_in_plane.begin(), m.rim_in_plane.end(), 1);
+  for (const HipAngle& angle : kHipAngles) j[angle.key] = json_number(m.*angle.value);
+  j["missing"] = m.missing;
+  return j;
+}
+
 }  // namespace
 
 bool all_balanced(const BuildSummary& s) {
@@ -106,6 +147,10 @@ Json build_json(const BuildSummary& s) {
       first.found && !first.contacts.empty() ? headline_json(first.contacts.front().headline) : Json(nullptr);
   j["findings"] = s.report.findings;
   for (std::size_t i = 0; i < s.balances.size(); ++i) j["loads"].push_back(load_json(s, i));
+  j["side"] = s.anatomy.side ? Json(name(*s.anatomy.side)) : Json(nullptr);
+  j["frames"] = Json::array();
+  for (const AnatomicalFrame& f : s.anatomy.frames) j["frames"].push_back(frame_json(f));
+  j["hip"] = s.anatomy.hip ? hip_json(*s.anatomy.hip) : Json(nullptr);
   return j;
 }
 

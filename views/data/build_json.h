@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include <febiodea/build/anatomy.h>
 #include <febiodea/build/build_joint.h>
 #include <febiodea/results/headline.h>
 #include <febiodea/views/data/json.h>
@@ -29,6 +30,7 @@ struct BuildSummary {
   const BuiltModelSettings& model;
   const std::vector<BuildBalance>& balances;  ///< one per load
   const std::vector<double>& load_times;      ///< of the table, per load; empty: there is none
+  const Anatomy& anatomy;
 };
 
 bool all_balanced(const BuildSummary& summary);

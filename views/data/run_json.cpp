@@ -176,15 +176,15 @@ Json settings_json(const Settings& settings) {
                                          "inside"};  // in dea.run/1
   for (const SettingOption& option : setting_options()) {
     const std::string name = option.name;
-    if (std::find(last.begin(), last.end(), name) == last.end()) add(name);
+    if (name != "frame" && std::find(last.begin(), last.end(), name) == last.end()) add(name);
     if (name == "rigid") add("keep-facets");  // where it stands in dea.run/1
   }
   for (const std::string& name : last) add(name);
   j["placements"] = Json::array();  // rotate and move, as they act one after the other
   for (const Placement& p : settings.placements)
-    j["placements"].push_back(fmt::format("{} {}={},{},{}{}", p.kind == Placement::Kind::Rotate ? "rotate" : "move",
-                                          p.body, p.vector.x(), p.vector.y(), p.vector.z(),
-                                          p.kind == Placement::Kind::Rotate ? fmt::format(",{}", p.degrees) : ""));
+    j["placements"].push_back(
+        fmt::format("{} {}", p.kind == Placement::Kind::Rotate ? "rotate" : "move", placement_text(p)));
+  add("frame");
   return j;
 }
 

@@ -1,8 +1,5 @@
 #include <febiodea/views/map/draw_map.h>
 
-#include <cairo-pdf.h>
-#include <cairo-svg.h>
-#include <cairo.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,6 +15,7 @@
 #include <febiodea/io/files/encoded_text.h>
 #include <febiodea/views/map/map_paint.h>
 #include <febiodea/views/map/map_scale.h>
+#include <febiodea/views/map/pen.h>
 
 namespace dea {
 
@@ -28,42 +26,6 @@ constexpr double kText = 15.0, kBold = 15.5, kTitle = 18.0;
 constexpr double kMargin = 16.0, kGap = 22.0, kBarWidth = 17.0, kBarLine = 18.0;
 constexpr double kLegendLine = 24.0, kAxesRoom = 92.0;
 constexpr double kMostPixels = 20000.0;
-
-class Pen {
- public:
-  Pen(cairo_surface_t* surface) : cairo_(cairo_create(surface), cairo_destroy) {
-    cairo_set_line_join(get(), CAIRO_LINE_JOIN_ROUND);
-    cairo_set_line_cap(get(), CAIRO_LINE_CAP_ROUND);
-  }
-  cairo_t* get() const { return cairo_.get(); }
-
-  void use(const Rgb& c, double alpha = 1.0) { cairo_set_source_rgba(get(), c.r, c.g, c.b, alpha); }
-  void font(double size, bool bold = false) {
-    cairo_select_font_face(get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL,
-                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(get(), size);
-  }
-  double width(const std::string& text) const {
-    cairo_text_extents_t e;
-    cairo_text_extents(get(), utf8(text).c_str(), &e);
-    return e.x_advance;
-  }
-  void text(double x, double y, const std::string& text) {
-    cairo_move_to(get(), x, y);
-    cairo_show_text(get(), utf8(text).c_str());
-  }
-  void rectangle(double x, double y, double w, double h) {
-    cairo_rectangle(get(), x, y, w, h);
-    cairo_fill(get());
-  }
-  void stroke(double line_width) {
-    cairo_set_line_width(get(), line_width);
-    cairo_stroke(get());
-  }
-
- private:
-  std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo_;
-};
 
 /// From lengths of the surface to the paper.
 struct Placing {
@@ -706,36 +668,12 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
   draw_footer(pen, figure, l, paper);
 }
 
-cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
-  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), n);
-  return CAIRO_STATUS_SUCCESS;
-}
-
-/// Cairo numbers the drawings of a process; a file shall not depend on how many there were before.
-void drop_number(std::string& svg) {
-  const std::string word = "surface";
-  for (std::size_t i = svg.find(word); i != std::string::npos; i = svg.find(word, i + word.size())) {
-    std::size_t end = i + word.size();
-    while (end < svg.size() && std::isdigit(static_cast<unsigned char>(svg[end]))) ++end;
-    svg.erase(i + word.size(), end - i - word.size());
-  }
-}
-
-void require(cairo_status_t status) {
-  if (status != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error(std::string("drawing failed: ") + cairo_status_to_string(status));
-}
-
-using SurfaceHolder = std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)>;
-
 }  // namespace
 
 std::string picture(const MapFigure& figure, const PictureOptions& options) {
   const Paper colours = paper(options.dark, figure.map);
   Layout layout;
-  {  // words have the same width on every paper
-    const SurfaceHolder probe(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1), cairo_surface_destroy);
-    Pen pen(probe.get());
+  measured([&](Pen& pen) {
     pen.font(kText);
     std::size_t lines = 1;
     for (int k = 0; k < 4; ++k) {  // a longer title of the bar takes of the maps' room
@@ -745,48 +683,15 @@ std::string picture(const MapFigure& figure, const PictureOptions& options) {
       if (needed <= lines) break;
       lines = needed;
     }
-  }
-  std::string bytes;
-  SurfaceHolder surface(nullptr, cairo_surface_destroy);
-  double zoom = 1.0;
-  if (options.format == PictureFormat::Svg) {
-    surface.reset(cairo_svg_surface_create_for_stream(append, &bytes, layout.width, layout.height));
-    cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
-  } else if (options.format == PictureFormat::Pdf) {
-    zoom = 0.75;
-    surface.reset(cairo_pdf_surface_create_for_stream(append, &bytes, zoom * layout.width, zoom * layout.height));
-    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
-  } else {
-    zoom = options.dpi / 96.0;
-    const double w = std::round(zoom * layout.width), h = std::round(zoom * layout.height);
-    if (w > kMostPixels || h > kMostPixels)
-      throw UsageError(
-          fmt::format("--dpi {:g}: found a picture of {:.0f} x {:.0f} pixels, expected {:.0f} or fewer "
-                      "each way: less --dpi or --width",
-                      options.dpi, w, h, kMostPixels));
-    surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(w), static_cast<int>(h)));
-  }
-  require(cairo_surface_status(surface.get()));
-  {
-    Pen pen(surface.get());
-    cairo_scale(pen.get(), zoom, zoom);
-    // Outlines of letters, not of pixels: the same shapes on every paper.
-    cairo_font_options_t* fonts = cairo_font_options_create();
-    cairo_font_options_set_hint_style(fonts, CAIRO_HINT_STYLE_NONE);
-    cairo_font_options_set_hint_metrics(fonts, CAIRO_HINT_METRICS_OFF);
-    cairo_font_options_set_antialias(fonts, CAIRO_ANTIALIAS_GRAY);
-    cairo_set_font_options(pen.get(), fonts);
-    cairo_font_options_destroy(fonts);
-    draw(pen, figure, layout, colours);
-    require(cairo_status(pen.get()));
-  }
-  if (options.format == PictureFormat::Png)
-    require(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
-  else
-    cairo_surface_finish(surface.get());
-  require(cairo_surface_status(surface.get()));
-  if (options.format == PictureFormat::Svg) drop_number(bytes);  // letters are shapes: no word of ours is in it
-  return bytes;
+  });
+  const double zoom = options.dpi / 96.0, w = std::round(zoom * layout.width), h = std::round(zoom * layout.height);
+  if (options.format == PictureFormat::Png && (w > kMostPixels || h > kMostPixels))
+    throw UsageError(
+        fmt::format("--dpi {:g}: found a picture of {:.0f} x {:.0f} pixels, expected {:.0f} or fewer "
+                    "each way: less --dpi or --width",
+                    options.dpi, w, h, kMostPixels));
+  return drawn({options.format, layout.width, layout.height, options.dpi},
+               [&](Pen& pen) { draw(pen, figure, layout, colours); });
 }
 
 }  // namespace dea

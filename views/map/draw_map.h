@@ -4,10 +4,9 @@
 #include <string>
 
 #include <febiodea/views/map/map_figure.h>
+#include <febiodea/views/map/picture_format.h>
 
 namespace dea {
-
-enum class PictureFormat { Png, Svg, Pdf };
 
 struct PictureOptions {
   PictureFormat format = PictureFormat::Png;

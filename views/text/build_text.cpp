@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/time_text.h>
@@ -43,6 +44,39 @@ std::vector<std::string> layer_changes(const BuildSummary& s) {
 }
 
 namespace {
+
+std::vector<TitledTable> anatomy_tables(const Anatomy& anatomy) {
+  std::vector<TitledTable> tables;
+  if (!anatomy.frames.empty()) {
+    TitledTable frames{"Frames: x forwards, y up, z to the right", {{"frame", "origin", "x", "y", "z"}, "lllll", {}}};
+    for (const AnatomicalFrame& f : anatomy.frames) {
+      std::vector<std::string> row = {f.name, vector_text(f.origin)};
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Vector3d axis = f.axes.col(k);
+        row.push_back(fmt::format("({:.4f}, {:.4f}, {:.4f})", axis.x() + 0.0, axis.y() + 0.0, axis.z() + 0.0));
+      }
+      frames.table.rows.push_back(row);
+    }
+    tables.push_back(frames);
+  }
+  if (!anatomy.hip) return tables;
+  const HipMeasures& m = *anatomy.hip;
+  TitledTable spheres{fmt::format("Hip, {} [mm]; axes {}", name(m.side), m.axes_words),
+                      {{"sphere", "bone", "centre", "radius", "rms", "points"}, "lllrrr", {}}};
+  const auto sphere = [&](const char* what, const std::string& bone, const SphereFit& fit, int points) {
+    spheres.table.rows.push_back(
+        {what, bone, vector_text(fit.center), four_digits(fit.radius), four_digits(fit.rms), std::to_string(points)});
+  };
+  sphere("head", m.head_bone, m.head, m.head_points);
+  sphere("socket", m.socket_bone, m.socket, m.socket_points);
+  tables.push_back(spheres);
+  TitledTable angles{"Hip [degrees]", {{"angle", ""}, "lr", {}}};
+  for (const HipAngle& angle : kHipAngles)
+    angles.table.rows.push_back(
+        {angle.name, std::isfinite(m.*angle.value) ? fmt::format("{:.1f}", m.*angle.value) : "-"});
+  tables.push_back(angles);
+  return tables;
+}
 
 TitledTable layer_table(const BuildSummary& s) {
   TitledTable layers{"Cartilage [mm]",
@@ -112,6 +146,7 @@ std::vector<TitledTable> build_tables(const BuildSummary& s) {
   std::vector<TitledTable> tables = {layer_table(s), rim_table(s), contact_table(s), seat_table(s)};
   const TitledTable pressures = pressure_table(s);
   if (!pressures.table.rows.empty()) tables.push_back(pressures);
+  for (TitledTable& table : anatomy_tables(s.anatomy)) tables.push_back(std::move(table));
   return tables;
 }
 

@@ -12,7 +12,7 @@ namespace dea {
 std::vector<std::string> build_warnings(const BuildSummary& summary);
 /// Where layers are not as they were wanted, a line each.
 std::vector<std::string> layer_changes(const BuildSummary& summary);
-/// Layers, rims, contacts, balances; the page has the same.
+/// Layers, rims, contacts, balances, frames and angles; the page has the same.
 std::vector<TitledTable> build_tables(const BuildSummary& summary);
 
 std::string build_text(const BuildSummary& summary);

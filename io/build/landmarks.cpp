@@ -1,0 +1,95 @@
+#include <febiodea/io/build/landmarks.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <optional>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/io/febio/febio_text.h>
+#include <febiodea/io/tables/text_table.h>
+
+namespace dea {
+
+namespace {
+
+/// Column of one of these names; -1: there is none.
+int column_of(const TextTable& table, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    for (std::size_t i = 0; i < table.names.size(); ++i)
+      if (lower_case(table.names[i]) == name) return static_cast<int>(i);
+  return -1;
+}
+
+struct Columns {
+  int name = -1, defined = -1;
+  std::array<int, 3> point = {-1, -1, -1};
+  std::string axes;
+};
+
+Columns columns_of(const TextTable& table) {
+  Columns c;
+  c.name = column_of(table, {"name", "label", "landmark"});
+  c.defined = column_of(table, {"defined"});
+  c.axes = table.axes;
+  for (const char* letters : {"xyz", "lps", "ras"}) {
+    for (std::size_t k = 0; k < 3; ++k) c.point[k] = column_of(table, {std::string(1, letters[k])});
+    if (c.point[0] < 0 || c.point[1] < 0 || c.point[2] < 0) continue;
+    if (letters[0] != 'x') c.axes = letters[0] == 'l' ? "LPS" : "RAS";
+    if (c.name >= 0) return c;
+  }
+  throw table_fault(table.path, table.names_line,
+                    fmt::format("found columns {}, expected name (or label) and x, y, z (or l, p, s or r, a, s)",
+                                fmt::join(table.names, ", ")));
+}
+
+}  // namespace
+
+LandmarkFile read_landmarks(const std::string& path) {
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  if (extension == ".json")
+    throw table_fault(
+        path, 0,
+        "found JSON, expected CSV; in Slicer, export the control points to a table and save it as .csv, or "
+        "save the list as .fcsv");
+  const TextTable table = read_text_table(path);
+  const Columns columns = columns_of(table);
+  LandmarkFile file;
+  file.axes = columns.axes;
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    const std::vector<std::string>& row = table.rows[r];
+    if (columns.defined >= 0 && row[at(columns.defined)] == "0") continue;
+    Landmark landmark;
+    landmark.name = row[at(columns.name)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::string& text = row[at(columns.point[k])];
+      try {
+        landmark.point[static_cast<Eigen::Index>(k)] = parse_number(text);
+      } catch (const BadValue&) {
+        throw table_fault(
+            path, table.lines[r],
+            fmt::format("{} of {}: found {}, expected a number with a decimal point", table.names[at(columns.point[k])],
+                        febio::quote(landmark.name), febio::quote(text)));
+      }
+    }
+    file.landmarks.push_back(landmark);
+  }
+  return file;
+}
+
+std::string frames_as_settings(const std::vector<AnatomicalFrame>& frames) {
+  std::string text = "<?xml version=\"1.0\"?>\n<febiodea_settings version=\"1\">\n";
+  for (const AnatomicalFrame& f : frames) {
+    std::string axes;
+    for (int k = 0; k < 3; ++k)
+      axes += fmt::format("{}{},{},{}", k > 0 ? "/" : "", f.axes(0, k) + 0.0, f.axes(1, k) + 0.0,
+                          f.axes(2, k) + 0.0);  // no -0
+    text += fmt::format("  <!-- {}: x forwards, y up, z to the right -->\n  <frame name=\"{}\">{}</frame>\n", f.name,
+                        f.name, axes);
+  }
+  return text + "</febiodea_settings>\n";
+}
+
+}  // namespace dea

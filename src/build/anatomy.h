@@ -1,0 +1,50 @@
+// febiodea/build/anatomy.h – what landmarks and bones say of a joint's anatomy: side, frames, and of a hip its
+// measures.
+//
+// Frame, lengths: the scans'.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <febiodea/build/build_joint.h>
+#include <febiodea/build/frames.h>
+#include <febiodea/build/hip_measures.h>
+
+namespace dea {
+
+/// What x, y, z of a scanner are.
+enum class ScanAxes {
+  LPS,  ///< left, posterior, superior: DICOM's
+  RAS   ///< right, anterior, superior
+};
+const char* name(ScanAxes axes);
+/// Columns forwards, up, to the right.
+Eigen::Matrix3d body_axes(ScanAxes axes);
+
+struct AnatomyRequest {
+  std::vector<Landmark> landmarks;  ///< in the bones' axes and unit; empty: the scanner's axes are the body's
+  std::optional<BodySide> side;     ///< empty: by the landmarks, else by where the socket opens
+  std::optional<ScanAxes>
+      scan_axes;  ///< without landmarks of the pelvis; empty: those in which the socket opens to the side, or forwards
+  bool hip = true;             ///< false: no measures of a hip
+  int socket = -1, head = -1;  ///< bones of the hip; -1: found
+};
+
+struct Anatomy {
+  std::optional<BodySide> side;
+  std::vector<AnatomicalFrame> frames;
+  std::optional<HipMeasures>
+      hip;  ///< nullopt: no two bones are a ball in a socket that opens sideways, or nobody wants it
+  std::vector<std::string> findings;  ///< what was concluded, a line each
+};
+
+/// `bones`: names, and surfaces oriented outwards. Throws InputError: landmarks far from the bones that fit with x and
+/// y turned over, sides that contradict each other, what make_frames refuses, a hip that is asked for and is none.
+Anatomy find_anatomy(const std::vector<BoneRequest>& bones, const AnatomyRequest& request);
+
+/// Numbers that were given along a frame's axes become the scans': forces, centres, regions. Throws UsageError: there
+/// is no such frame.
+void leave_frames(BuildRequest& request, const Anatomy& anatomy);
+
+}  // namespace dea

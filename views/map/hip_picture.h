@@ -1,0 +1,14 @@
+// febiodea/views/map/hip_picture.h – what was measured of a hip, as a picture.
+#pragma once
+#include <string>
+
+#include <febiodea/build/hip_measures.h>
+#include <febiodea/views/map/picture_format.h>
+
+namespace dea {
+
+/// Coronal and sagittal section through the head's centre with the center-edge angles and the roof; the rim along its
+/// axis, seen from outside. The file's bytes; the same for the same measures and fonts. `dpi`: of PNG.
+std::string hip_picture(const HipMeasures& measures, PictureFormat format, double dpi = 200.0);
+
+}  // namespace dea

@@ -1,0 +1,131 @@
+#include <febiodea/views/map/pen.h>
+
+#include <cairo-pdf.h>
+#include <cairo-svg.h>
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cmath>
+#include <stdexcept>
+
+#include <febiodea/base/error.h>
+#include <febiodea/io/files/encoded_text.h>
+#include <febiodea/io/files/output.h>
+
+namespace dea {
+
+namespace {
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
+  static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), n);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+/// Cairo numbers the drawings of a process; a file shall not depend on how many there were before.
+void drop_number(std::string& svg) {
+  const std::string word = "surface";
+  for (std::size_t i = svg.find(word); i != std::string::npos; i = svg.find(word, i + word.size())) {
+    std::size_t end = i + word.size();
+    while (end < svg.size() && std::isdigit(static_cast<unsigned char>(svg[end]))) ++end;
+    svg.erase(i + word.size(), end - i - word.size());
+  }
+}
+
+void require(cairo_status_t status) {
+  if (status != CAIRO_STATUS_SUCCESS)
+    throw std::runtime_error(std::string("drawing failed: ") + cairo_status_to_string(status));
+}
+
+using SurfaceHolder = std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)>;
+
+}  // namespace
+
+Pen::Pen(cairo_surface_t* surface) : cairo_(cairo_create(surface), cairo_destroy) {
+  cairo_set_line_join(get(), CAIRO_LINE_JOIN_ROUND);
+  cairo_set_line_cap(get(), CAIRO_LINE_CAP_ROUND);
+}
+
+void Pen::use(const Rgb& c, double alpha) { cairo_set_source_rgba(get(), c.r, c.g, c.b, alpha); }
+
+void Pen::font(double size, bool bold) {
+  cairo_select_font_face(get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(get(), size);
+}
+
+double Pen::width(const std::string& text) const {
+  cairo_text_extents_t e;
+  cairo_text_extents(get(), utf8(text).c_str(), &e);
+  return e.x_advance;
+}
+
+void Pen::text(double x, double y, const std::string& text) {
+  cairo_move_to(get(), x, y);
+  cairo_show_text(get(), utf8(text).c_str());
+}
+
+void Pen::rectangle(double x, double y, double w, double h) {
+  cairo_rectangle(get(), x, y, w, h);
+  cairo_fill(get());
+}
+
+void Pen::stroke(double line_width) {
+  cairo_set_line_width(get(), line_width);
+  cairo_stroke(get());
+}
+
+void measured(const std::function<void(Pen&)>& measure) {
+  const SurfaceHolder probe(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 1, 1), cairo_surface_destroy);
+  Pen pen(probe.get());
+  measure(pen);
+}
+
+std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw) {
+  std::string bytes;
+  SurfaceHolder surface(nullptr, cairo_surface_destroy);
+  double zoom = 1.0;
+  if (size.format == PictureFormat::Svg) {
+    surface.reset(cairo_svg_surface_create_for_stream(append, &bytes, size.width, size.height));
+    cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PX);
+  } else if (size.format == PictureFormat::Pdf) {
+    zoom = 0.75;
+    surface.reset(cairo_pdf_surface_create_for_stream(append, &bytes, zoom * size.width, zoom * size.height));
+    cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+  } else {
+    zoom = size.dpi / 96.0;
+    surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::round(zoom * size.width)),
+                                             static_cast<int>(std::round(zoom * size.height))));
+  }
+  require(cairo_surface_status(surface.get()));
+  {
+    Pen pen(surface.get());
+    cairo_scale(pen.get(), zoom, zoom);
+    // Outlines of letters, not of pixels: the same shapes on every paper.
+    cairo_font_options_t* fonts = cairo_font_options_create();
+    cairo_font_options_set_hint_style(fonts, CAIRO_HINT_STYLE_NONE);
+    cairo_font_options_set_hint_metrics(fonts, CAIRO_HINT_METRICS_OFF);
+    cairo_font_options_set_antialias(fonts, CAIRO_ANTIALIAS_GRAY);
+    cairo_set_font_options(pen.get(), fonts);
+    cairo_font_options_destroy(fonts);
+    draw(pen);
+    require(cairo_status(pen.get()));
+  }
+  if (size.format == PictureFormat::Png)
+    require(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
+  else
+    cairo_surface_finish(surface.get());
+  require(cairo_surface_status(surface.get()));
+  if (size.format == PictureFormat::Svg) drop_number(bytes);  // letters are shapes: no word of ours is in it
+  return bytes;
+}
+
+PictureFormat picture_format(const std::string& option, const std::string& path) {
+  const std::string extension = extension_of(path);
+  if (extension == ".png") return PictureFormat::Png;
+  if (extension == ".svg") return PictureFormat::Svg;
+  if (extension == ".pdf") return PictureFormat::Pdf;
+  throw UsageError(
+      fmt::format("{} {}: found \"{}\", expected a name that ends in .png, .svg or .pdf", option, path, extension));
+}
+
+}  // namespace dea

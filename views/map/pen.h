@@ -1,0 +1,42 @@
+// febiodea/views/map/pen.h – Cairo's pens and papers. The only header that includes Cairo.
+#pragma once
+#include <cairo.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <febiodea/views/map/colour_map.h>
+#include <febiodea/views/map/picture_format.h>
+
+namespace dea {
+
+/// Lengths on paper are in pixels of 1/96 inch, as in SVG; y is downwards.
+class Pen {
+ public:
+  explicit Pen(cairo_surface_t* surface);
+  cairo_t* get() const { return cairo_.get(); }
+
+  void use(const Rgb& colour, double alpha = 1.0);
+  void font(double size, bool bold = false);
+  double width(const std::string& text) const;
+  void text(double x, double y, const std::string& text);
+  void rectangle(double x, double y, double w, double h);
+  void stroke(double line_width);
+
+ private:
+  std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo_;
+};
+
+/// `measure` with a pen that leaves no trace: words have the same width on every paper.
+void measured(const std::function<void(Pen&)>& measure);
+
+struct PaperSize {
+  PictureFormat format = PictureFormat::Svg;
+  double width = 0.0, height = 0.0;
+  double dpi = 200.0;  ///< of PNG
+};
+/// The bytes of a file with what `draw` draws; the same for the same strokes and fonts.
+std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw);
+
+}  // namespace dea
