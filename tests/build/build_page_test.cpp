@@ -35,6 +35,7 @@ struct Squares {
   BuiltModelSettings model;
   std::vector<BuildBalance> balances;
   std::vector<double> times;
+  Anatomy anatomy;
   std::string output = "folder/joint.feb";
 
   explicit Squares(const std::string& name) {
@@ -61,7 +62,7 @@ struct Squares {
     balances[0].displacement.assign(2, Vector3d::Zero());
   }
   Page page() const {
-    const BuildSummary summary{output, joint, report, model, balances, times};
+    const BuildSummary summary{output, joint, report, model, balances, times, anatomy};
     Page p;
     p.html = build_page_html({summary,
                               request,
@@ -101,13 +102,15 @@ TEST(BuildPage, ItsMapsAreTheAnswerOnPaper) {
 TEST(BuildPage, ItsTablesAreThoseOfTheProgram) {
   const Squares squares("lower");
   const Page page = squares.page();
-  const BuildSummary s{squares.output, squares.joint, squares.report, squares.model, squares.balances, squares.times};
+  const BuildSummary s{squares.output,   squares.joint, squares.report, squares.model,
+                       squares.balances, squares.times, squares.anatomy};
   const std::vector<TitledTable> tables = build_tables(s);
   ASSERT_EQ(page.report["tables"].size(), tables.size() + 1);  // and the options
   for (std::size_t i = 0; i < tables.size(); ++i)
     EXPECT_EQ(page.report["tables"][i]["rows"], Json(tables[i].table.rows));
   EXPECT_EQ(page.report["tables"].back()["rows"][0], Json({"reach", "5 mm", "as given"}));
   EXPECT_EQ(page.report["title"], "joint");
+  EXPECT_TRUE(page.report["hip_figure"].is_null());
   EXPECT_EQ(page.report["warnings"].size(), 1U);
 }
 

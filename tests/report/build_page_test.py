@@ -32,8 +32,10 @@ def make(dea, folder):
     for name, text in stl_shapes.SURFACES.items():
         with open(os.path.join(folder, name), "w") as file:
             file.write(text)
+    with open(os.path.join(folder, "landmarks.csv"), "w") as file:
+        file.write(stl_shapes.LANDMARKS)
     pages = {}
-    for name, pelvis, options in (("hip", "pelvis", ["--json", "hip.json"]), ("hostile", HOSTILE, []), ("bare", "pelvis", ["--bones", "none"])):
+    for name, pelvis, options in (("hip", "pelvis", ["--json", "hip.json", "--landmarks", "landmarks.csv"]), ("hostile", HOSTILE, []), ("bare", "pelvis", ["--bones", "none"])):
         cartilage = ["--uniform", "femur=2"] if name == "bare" else ["--half-gap", "max=2,min=0.5"]
         subprocess.run([dea, "build", "--bone", f"{pelvis}=pelvis.stl", "--bone", "femur=femur.stl", *cartilage, "--force", "femur=432,-262,1834",
                         "-o", name + ".feb", "--report", name + ".html", "-q", *options], cwd=folder, check=True, stdout=subprocess.DEVNULL)
@@ -122,7 +124,7 @@ def the_pointer_tells_the_place(b, pages):
 def everything_is_saved(b, pages):
     ready(b, pages["hip"])
     for selector, kind in (("#joint-png", "png"), ("#save-maps", "png"), ("#figure-jacobians [data-save=png]", "png"),
-                           ("#figure-jacobians [data-save=svg]", "svg"), ("#figure-jacobians [data-save=csv]", "csv")):
+                           ("#figure-jacobians [data-save=svg]", "svg"), ("#figure-hip [data-save=svg]", "svg"), ("#figure-jacobians [data-save=csv]", "csv")):
         b.click(selector)
         name, content = b.downloaded()
         true(name.startswith("hip_") and name.endswith("." + kind), name)
@@ -136,10 +138,20 @@ def everything_is_saved(b, pages):
             for layer in pages["json"]["layers"]:
                 same(sum(int(r["elements"]) for r in rows if r["layer"] == layer["name"]), 2 * layer["triangles"], "elements of a layer")
     tables = b.run("return document.querySelectorAll('#numbers [data-save=csv]').length")
-    same(tables, 6, "tables")
+    same(tables, 9, "tables")
     for i in range(tables):
         b.run("document.querySelectorAll('#numbers [data-save=csv]')[arguments[0]].click()", i)
         true(len(list(csv.reader(io.StringIO(b.downloaded()[1].decode())))) > 1, "a table's CSV is empty")
+
+
+@check
+def the_hip_is_drawn(b, pages):
+    """The picture, and its angles among the tables."""
+    ready(b, pages["hip"])
+    b.wait("document.getElementById('hip-figure').complete", 10, "the picture")
+    true(b.run("return document.getElementById('hip-figure').naturalWidth") > 200, "the picture is not there")
+    words = b.run("return document.getElementById('numbers').textContent")
+    true("%.1f" % pages["json"]["hip"]["lateral_center_edge"] in words, "the lateral centre-edge angle")
 
 
 @check

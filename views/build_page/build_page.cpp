@@ -257,6 +257,7 @@ std::string build_page_html(const BuildPageInput& input) {
   page["warnings"] = text_list(build_warnings(s), input.files);
   page["changes"] = text_list(layer_changes(s), input.files);
   page["findings"] = text_list(s.report.findings, input.files);
+  page["hip_figure"] = input.hip_figure.empty() ? Json(nullptr) : Json(input.hip_figure);
   page["headline"] = headline_words();
   return page_text(page["title"].get<std::string>(), page, arrays,
                    {std::string(page::build_style()), std::string(page::build_main())});

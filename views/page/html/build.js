@@ -247,6 +247,15 @@ const Page = (() => {
     if (layers.some((l) => l.jacobians)) section("elements", "Elements", make("div", { class: "figures" }, figureElement(jacobianFigure())));
   }
 
+  // What was measured of a hip: a picture that is shown as it is, on white. Its numbers are among the tables.
+  function hip() {
+    const text = Report.hip_figure;
+    if (!text) return;
+    const save = make("span", { class: "save" }, make("button", { text: "SVG", title: "Save as SVG", "data-save": "svg", onclick: () => Figures.save(new Blob([text], { type: "image/svg+xml" }), fileName("hip") + ".svg") }));
+    section("hip", "Frames and angles", make("figure", { id: "figure-hip", class: "wide" }, make("div", { class: "title" }, make("h3", { text: "What was measured of the hip" }), save),
+      make("img", { id: "hip-figure", alt: "Sections through the centre of the femoral head with the centre-edge angles and the roof; the rim of the socket", src: "data:image/svg+xml;charset=utf-8," + encodeURIComponent(text) })));
+  }
+
   // ---- what was inferred, numbers, provenance ----
   function told() {
     const list = (lines) => make("ul", { class: "told" }, ...lines.map((l) => make("li", { text: l })));
@@ -277,7 +286,7 @@ const Page = (() => {
   }
 
   // The page from top to bottom: a section is a function that appends itself. A new one is a line here.
-  const sections = [joint, layerSection, elements, told, numbers];
+  const sections = [joint, layerSection, elements, hip, told, numbers];
 
   async function start() {
     head();
