@@ -137,7 +137,6 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--least", a.least, "T", "Mesh", "Least thickness of segmented cartilage [a tenth of its mean]");
   add_once(*c, "--bones", a.bone_shells, "shell|none|N", "Mesh",
            "Whole bones as rigid shells, of N triangles, or left out but for what bears the cartilage [shell]");
-  add_repeated(*c, "--force", a.forces, "BODY=x,y,z", "Model", "Force on a bone in the last step; all others are held");
   add_repeated(*c, "--force", a.forces, "BODY=[frame:NAME,]x,y,z", "Model",
                "Force on a bone in the last step, along a frame's axes if one is named; all others are held");
   add_once(*c, "--loads", a.loads, "BODY=FILE", "Model",

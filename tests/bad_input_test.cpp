@@ -647,6 +647,18 @@ TEST(BadInput, Misspelt) {
                 3,
                 "<contact type=\"periodic",
                 {"contact \"periodic boundary\" is not supported", "DEA reads \"sliding-elastic\", ", "choose one"}},
+           Case{
+               "curve of a seating step",
+               edited(
+                   {{"LINEAR", "LINAER"},
+                    {"</Control>\n</step>",
+                     "</Control>\n<Rigid><rigid_bc name=\"seat\" type=\"rigid_displacement\"><rb>plate</rb><dof>z</dof>"
+                     "<value lc=\"1\">-0.2</value></rigid_bc></Rigid>\n</step>\n<step id=\"2\" name=\"load\"><Control>"
+                     "<analysis>STATIC</analysis><time_steps>2</time_steps><step_size>0.5</step_size></Control></"
+                     "step>"}}),
+               3,
+               "<value lc=\"1\">-5",
+               {"load controller 1 with interpolation \"LINAER\" is not supported", "give its points"}},
            Case{"rigid condition",
                 prescribed("rigid_rotatoin"),
                 3,

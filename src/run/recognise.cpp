@@ -121,13 +121,13 @@ Loading check_loading(const JointModel& model, const Joint& joint, const Setting
     for (const Fault& fault : broken_connectors(model, joint, starting_poses(model, joint, settings)))
       add(loading.faults, fault);
   }
-  // the value of a controller that cannot be evaluated is asked for by no one
+  // what has no value (a controller with a misspelt word) is a fault found elsewhere: here none is asked for one
   if (controllers_have_values(model)) {
     const std::vector<double> starts = step_starts(model);
     for (int s = 0; s < static_cast<int>(model.steps.size()); ++s)
       try_to(loading.faults, [&] { make_load_case(model, joint, settings, s, starts[at(s) + 1]); });
   }
-  if (!loading.faults.empty()) return loading;
+  if (!loading.faults.empty() || !controllers_have_values(model)) return loading;
   check_rows(model, joint, settings);
   tell(rows_in_words(model, joint, settings));
   tell(seating_steps(model, joint, settings));
