@@ -69,6 +69,7 @@ FILES = {
     "turned.db": "dea study hip.feb --vary 'tilt: rotate pelvis=0,1,0,{0|5}' --keep fields -o turned.db",
     **{f"plan.{i}-of-4.db": f"dea study hip.feb --vary 'E: E={{8:14:2}}' --states last --shard {i}/4 -o plan.db" for i in range(1, 5)},
     "walk.csv": "time,fx,fy,fz\n0,30,-20,150\n1,54,-33,229\n",  # % of body weight
+    "pelvis_forces.csv": "time,fx,fy,fz\n0,20,150,-30\n1,33,229,-54\n",  # the same, forwards, up, to the right
     "gait.sto": "gait\nversion=1\nnRows=2\nnColumns=4\ninDegrees=no\nendheader\n"
                 "time\thip_fx\thip_fy\thip_fz\n0\t240\t-160\t1200\n1\t432\t-262\t1834\n",
 }

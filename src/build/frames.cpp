@@ -190,8 +190,6 @@ void refuse_opposite(const FramesFound& found) {
 
 }  // namespace
 
-const char* name(BodySide side) { return word_of(side, {"right", "left"}); }
-
 double lateral_sign(BodySide side) { return side == BodySide::Right ? 1.0 : -1.0; }
 
 std::string landmark_names() {

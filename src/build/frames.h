@@ -12,7 +12,8 @@
 namespace dea {
 
 enum class BodySide { Right, Left };
-const char* name(BodySide side);
+/// Inline: views word it without linking the library dea_build.
+inline const char* name(BodySide side) { return side == BodySide::Right ? "right" : "left"; }
 /// The side's lateral direction, in a frame whose z points to the right: 1 or -1 times z.
 double lateral_sign(BodySide side);
 

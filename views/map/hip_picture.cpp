@@ -145,8 +145,7 @@ void draw_section(Pen& pen, const Square& square, const HipSection& section, con
     label(pen, square, {0.0, -0.25 * m.head.radius}, fmt::format("{} {}", word, degrees(angle)), kAngle);
   }
   if (section.roof_end)
-    label(pen, square, *section.roof_end + Vector2d(0.5 * m.head.radius, 0.75 * m.head.radius),
-          fmt::format("AI {}", degrees(m.acetabular_index)), kRoofLine);
+    label(pen, square, {0.0, -0.5 * m.head.radius}, fmt::format("AI {}", degrees(m.acetabular_index)), kRoofLine);
   cairo_restore(pen.get());
   frame_of(pen, square);
 }
@@ -197,11 +196,11 @@ std::string hip_picture(const HipMeasures& m, PictureFormat format, double dpi) 
     pen.use(kPale);
     pen.text(kEdge + 130, kEdge + 18, fmt::format("axes {}", m.axes_words));
     header(pen, square(0), "Coronal section",
-           fmt::format("center-edge angle {}, acetabular index {}", degrees(m.lateral_center_edge),
+           fmt::format("center-edge {}, acetabular index {}", degrees(m.lateral_center_edge),
                        degrees(m.acetabular_index)));
     draw_section(pen, square(0), m.coronal, m, m.lateral_center_edge, "LCE");
     ends(pen, square(0), "medial", "lateral");
-    header(pen, square(1), "Sagittal section", fmt::format("center-edge angle {}", degrees(m.anterior_center_edge)));
+    header(pen, square(1), "Sagittal section", fmt::format("center-edge {}", degrees(m.anterior_center_edge)));
     draw_section(pen, square(1), m.sagittal, m, m.anterior_center_edge, "ACE");
     ends(pen, square(1), "behind", "in front");
     header(pen, square(2), "Rim, from outside",
