@@ -657,7 +657,7 @@ TEST(BadInput, Misspelt) {
                      "<analysis>STATIC</analysis><time_steps>2</time_steps><step_size>0.5</step_size></Control></"
                      "step>"}}),
                3,
-               "<value lc=\"1\">-5",
+               "<value lc=\"1\">-0.2",
                {"load controller 1 with interpolation \"LINAER\" is not supported", "give its points"}},
            Case{"rigid condition",
                 prescribed("rigid_rotatoin"),

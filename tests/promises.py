@@ -24,7 +24,7 @@ def check(true, what):
 # Tests that are named
 listed = subprocess.run([ctest, "--test-dir", build, "-N"], capture_output=True, text=True, check=True).stdout
 tests = re.findall(r"^ +Test +#\d+: (\S+)", listed, re.M)
-exist = {re.sub(r"^\w+/|/\w+$", "", re.sub(r"/\d+$", "", name)) for name in tests} | set(tests)
+exist = {re.sub(r"^\w+/|/[^/]+$", "", name) for name in tests} | set(tests)
 if any(name.endswith("_NOT_BUILT") for name in tests):  # of programs that are not built the sources know the tests
     sources = "\n".join(path.read_text() for path in (source / "tests").rglob("*.cpp"))
     exist |= {".".join(names) for names in re.findall(r"TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", sources)}

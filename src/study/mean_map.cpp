@@ -83,7 +83,7 @@ CoveredMeanMap covered_mean_map(const std::vector<std::vector<double>>& fields, 
   std::vector<double> across(fields.size());
   for (std::size_t i = 0; i < areas.size(); ++i) {
     for (std::size_t c = 0; c < fields.size(); ++c) across[c] = fields[c][i];
-    const Moments m = moments(across);
+    const Moments m = moments(finite_values(across).values);
     const bool enough = m.count >= least;
     out.count.push_back(m.count);
     out.map.mean.push_back(enough ? m.mean : kNaN);
