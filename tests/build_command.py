@@ -83,10 +83,8 @@ def socket(n, radius, polar=75):
 
 def stl(triangles, head=b"", tail=b""):
     """Bytes of a binary STL."""
-    out = head.ljust(80, b" ") + struct.pack("<I", len(triangles))
-    for t in triangles:
-        out += struct.pack("<12fH", 0, 0, 0, *[c for p in t for c in p], 0)
-    return out + tail
+    records = [struct.pack("<12fH", 0, 0, 0, *[c for p in t for c in p], 0) for t in triangles]
+    return head.ljust(80, b" ") + struct.pack("<I", len(triangles)) + b"".join(records) + tail
 
 
 def indexed(triangles):

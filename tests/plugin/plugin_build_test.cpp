@@ -12,7 +12,8 @@ TEST(PluginBuild, FromAnInstalledProgram) {
   const TemporaryFolder folder;
   const fs::path prefix = folder.path / "in stalled";  // a space, for whoever forgets quotes
   Finished f;
-  for (const char* part : {"program", "plugin_build", "plugin_source"}) {  // without the Python module, which need not be built
+  for (const char* part :
+       {"program", "plugin_build", "plugin_source"}) {  // without the Python module, which need not be built
     f = run_program(folder.path,
                     {DEA_CMAKE, "--install", DEA_BUILD_DIR, "--prefix", prefix.string(), "--component", part}, 60);
     ASSERT_EQ(f.code, 0) << f.err;
