@@ -43,11 +43,40 @@ A bone with none of them is bare. The model has a step that seats the loaded bon
 one with the force, or with the forces of a table, a row after the other. dea run solves it, and so does FEBio. What is inferred is told on standard error; docs/from_scans.md
 has more.
 
+Along frame:pelvis x points forwards, y up, z to the right of the body, also of a left hip.
+
 Examples:
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --force femur=432,-262,1834 -o hip.feb
   dea build --bone socket=pelvis.stl --bone ball=femur.stl --uniform socket=2 --edge 1.5 --force ball=0,0,1000 -o joint.feb --report joint.html
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --landmarks landmarks.csv --force femur=frame:pelvis,250,1800,-400 --frames hip_frames.xml --hip-figure hip_figure.svg -o hip.feb
   dea build --bone pelvis=pelvis.stl --cartilage pelvis=acetabular_cartilage.stl --bone femur=femur.stl --cartilage femur=femoral_cartilage.stl --force femur=432,-262,1834 -o hip.feb)";
+
+constexpr double kMostLeft = 0.01;  // of the force, along motions that are held for nothing resists them
+
+/// Part of the load that nothing bears; held motions are not asked to balance.
+double left_over(const Equilibrium& e) {
+  return e.load > 0 && std::isfinite(e.residual_force) ? e.residual_force / e.load : 0.0;
+}
+
+/// Forces along directions in which their bone is held reach no cartilage. Throws UsageError: nothing else is left.
+void tell_held_forces(const BuildRequest& request, std::vector<std::string>& findings) {
+  for (const BoneRequest& bone : request.bones) {
+    const std::vector<Vector3d> forces = bone.forces.empty() ? std::vector<Vector3d>{bone.force} : bone.forces;
+    for (const Vector3d& force : forces) {
+      if (bone.fixed || force.isZero(0)) continue;
+      Vector3d held = Vector3d::Zero();
+      for (int c = 0; c < 3; ++c)
+        if (bone.held[at(c)]) held[c] = force[c];
+      if (held.isZero(0)) continue;
+      if (held == force)
+        throw UsageError(fmt::format("--hold {}: found a force {} that is held altogether, expected one that presses",
+                                     bone.name, vector_text(force)));
+      findings.push_back(
+          fmt::format("{}: {} of the force {} goes into what holds the bone (--hold), not into the joint", bone.name,
+                      vector_text(held), vector_text(force)));
+    }
+  }
+}
 
 /// The pose that balances each load, by dea itself.
 std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoint& built, Progress& progress) {
@@ -80,6 +109,13 @@ std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoin
       const StateResult& state = analysis.states.at(i);
       balances[i].found = solved(state.equilibrium.outcome);
       balances[i].words = state.equilibrium.message;
+      if (balances[i].found && left_over(state.equilibrium) > kMostLeft) {
+        balances[i].found = false;
+        balances[i].words = fmt::format(
+            "{:.1f} % of the force are left along motions that only the facets' roughness resists; this pose is no "
+            "balance to rely on",
+            100 * left_over(state.equilibrium));
+      }
       for (std::size_t b = 0; b < built.bodies.size(); ++b)
         for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
           if (analysis.joint.bodies[j].name == built.bodies[b].name)
@@ -199,6 +235,7 @@ int build(const BuildArguments& a) {
   turn_open_bones(inputs.request, report);
   const Anatomy anatomy = find_anatomy(inputs.request.bones, inputs.anatomy);
   leave_frames(inputs.request, anatomy);
+  tell_held_forces(inputs.request, report.findings);
   if (!a.hip_figure.empty() && !anatomy.hip)
     throw InputError(
         fmt::format("--hip-figure {}: found nothing measured of a hip, expected a ball in a socket that opens sideways",

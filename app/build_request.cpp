@@ -47,6 +47,11 @@ int bone_of(const BuildRequest& request, const char* option, const std::string& 
   return static_cast<int>(found - names.begin());
 }
 
+/// Of an option that a bone has once.
+void refuse_second(const char* option, const std::string& text, bool there) {
+  if (there) throw UsageError(fmt::format("--{} {}: found a second one for this bone, expected one", option, text));
+}
+
 double not_negative(const char* option, const std::string& text) {
   const double value = number_argument(option, text);
   if (!(value >= 0)) throw UsageError(fmt::format("--{} {}: found \"{}\", expected 0 or more", option, text, text));
@@ -125,6 +130,7 @@ void add_loads(const BuildArguments& a, BuildRequest& request) {
     const Named n = named("force", text, "BODY=x,y,z");
     BoneRequest& bone = request.bones[at(bone_of(request, "force", n.name))];
     const FramedText framed = argument("force", n.value, split_frame);
+    refuse_second("force", text, !bone.fixed);
     bone.fixed = false;
     bone.force = vector_argument("force", framed.rest);
     bone.force_frame = framed.frame;
@@ -162,7 +168,9 @@ void add_loads(const BuildArguments& a, BuildRequest& request) {
   }
   for (const std::string& text : a.centers) {
     const Named n = named("center", text, "BODY=x,y,z");
-    request.bones[at(bone_of(request, "center", n.name))].center = vector_argument("center", n.value);
+    BoneRequest& bone = request.bones[at(bone_of(request, "center", n.name))];
+    refuse_second("center", text, bone.center.has_value());
+    bone.center = vector_argument("center", n.value);
   }
   if (a.forces.empty() && a.loads.empty())
     throw UsageError(
@@ -266,6 +274,22 @@ std::vector<Mirror> mirrors_of(const BuildArguments& a) {
   return mirrors;
 }
 
+/// A sphere or a plane must be its own mirror image: surfaces are completed, these are not.
+void refuse_lopsided(const std::string& text, const GivenRegion& region, const std::vector<Mirror>& mirrors) {
+  if (region.kind == GivenRegion::Kind::Surface) return;
+  for (const Mirror& mirror : mirrors) {
+    constexpr double kOff = 1e-6;  // typed numbers
+    const bool own = region.kind == GivenRegion::Kind::Sphere
+                         ? std::abs(region.point[mirror.axis] - mirror.at) <= kOff * region.radius
+                         : std::abs(region.normal[mirror.axis]) <= kOff;
+    if (!own || !region.frame.empty())
+      throw UsageError(
+          fmt::format("--region {}: found a region on one side of {}={:g} (--mirror), expected one that is "
+                      "its own mirror image, or a surface, which is completed",
+                      text, "xyz"[mirror.axis], mirror.at));
+  }
+}
+
 /// The surface and its image. Points by the plane go onto it, so that both sides join there.
 void add_image(const std::string& path, const Mirror& mirror, TriangleSurface& s) {
   const auto box = box_of(s);
@@ -313,7 +337,8 @@ MendedSurface read_mended(const std::string& path, double scale, const std::vect
   return mended;
 }
 
-void read_points(const std::string& path, double scale, CartilageRequest& c) {
+/// Completed by their mirror images, as surfaces are.
+void read_points(const std::string& path, double scale, const std::vector<Mirror>& mirrors, CartilageRequest& c) {
   const NumberTable table = read_table(path);
   int column[4];
   const char* names[] = {"x", "y", "z", "thickness"};
@@ -328,6 +353,15 @@ void read_points(const std::string& path, double scale, CartilageRequest& c) {
       throw InputError(path, table.lines[r], fmt::format("found a thickness of {}, expected one above 0", value(3)));
     c.places.push_back({value(0), value(1), value(2)});
     c.thickness_there.push_back(value(3));
+  }
+  for (const Mirror& mirror : mirrors) {
+    const std::size_t points = c.places.size();
+    for (std::size_t i = 0; i < points; ++i) {
+      Eigen::Vector3d image = c.places[i];
+      image[mirror.axis] = 2 * mirror.at - image[mirror.axis];
+      c.places.push_back(image);
+      c.thickness_there.push_back(c.thickness_there[i]);
+    }
   }
 }
 
@@ -357,7 +391,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
   BuildInputs inputs;
   BuildRequest& request = inputs.request;
   scale_of(a);
-  mirrors_of(a);
+  const std::vector<Mirror> mirrors = mirrors_of(a);
   for (const std::string& text : a.bones) {
     const Named n = named("bone", text, "NAME=FILE");
     const std::vector<std::string> names = bone_names(request);
@@ -398,7 +432,9 @@ BuildInputs build_inputs(const BuildArguments& a) {
           fmt::format("--region {}: the bone has no cartilage that is made here, expected --uniform, --half-gap or "
                       "--thickness-at for it",
                       text));
+    refuse_second("region", text, c->region.has_value());
     c->region = region_of(n.value);
+    refuse_lopsided(text, *c->region, mirrors);
     if (c->region->kind == GivenRegion::Kind::Surface) inputs.files.push_back({"--region", n.value});
   }
   for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
@@ -471,7 +507,7 @@ std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inp
   }
   for (const std::string& text : a.thickness_at) {
     const Named n = named("thickness-at", text, "");
-    read_points(n.value, scale, cartilage(n.name));
+    read_points(n.value, scale, mirrors, cartilage(n.name));
   }
   for (const std::string& text : a.regions) {
     const Named n = named("region", text, "");

@@ -404,6 +404,56 @@ def a_quarter_joint_is_completed(folder):
         true(said in done.stderr, done.stderr)
 
 
+@check
+def points_and_regions_are_mirrored_too(folder):
+    """Thickness at points of one half, mirrored, is that of both halves: the ball's layer is as thick, and it moves straight."""
+    def points(half):
+        rows = [(20 * math.sin(a) * math.cos(b), 20 * math.sin(a) * math.sin(b), 20 * math.cos(a), 1 + 0.5 * math.cos(b) ** 2 * math.sin(a))
+                for a in (math.radians(7.5 * i) for i in range(1, 12)) for b in (math.radians(7.5 + 15 * k) for k in range(24))]
+        return "x,y,z,thickness\n" + "".join("%r,%r,%r,%r\n" % r for r in rows if not half or r[0] > 0)
+    words = ("--bone", "socket=socket.stl", "--bone", "ball=ball.stl", "--reach", "8", "--force", "ball=0,0,800", "--json", "j.json", "-q")
+    means = []
+    for half in (False, True):
+        if half:
+            folder.write("ball.stl", stl(clipped(ball(16, 20), 0)))
+            folder.write("socket.stl", stl(clipped(socket(16, 24), 0)))
+        folder.write("points.csv", points(half))
+        same(folder.build(*words, "--thickness-at", "ball=points.csv", *(("--mirror", "x=0") if half else ())).returncode, 0, "solved")
+        made = json.loads(folder.read("j.json"))
+        means.append([layer["thickness_mean"] for layer in made["layers"] if layer["bone"] == "ball"][0])
+        # the points are the two halves' own images; what is left is how the triangles lie
+        close(made["bones"][1]["seat"][0], 0, 0.01, "motion to the side")
+    close(means[1], means[0], 0.01 * means[0], "thickness")
+    done = folder.build(*words, "--uniform", "ball=1", "--mirror", "x=0", "--region", "ball=sphere:12,0,16,8")
+    same(done.returncode, 2, done.stderr)
+    true("its own mirror image" in done.stderr, done.stderr)
+
+
+@check
+def what_a_bone_has_once_is_refused_twice(folder):
+    for words, said in ((("--force", "ball=0,0,900"), "--force ball=0,0,900: found a second one"),
+                        (("--center", "ball=0,0,0", "--center", "ball=0,0,1"), "--center ball=0,0,1: found a second one"),
+                        (("--region", "ball=sphere:0,0,20,12", "--region", "ball=plane:0,0,0,0,0,1"), "found a second one"),
+                        (("--hold", "ball=z"), "held altogether")):
+        done = folder.build(*JOINT, *words, "-q")
+        same(done.returncode, 2, f"{words}: {done.stderr}")
+        true(said in done.stderr, done.stderr)
+    done = folder.build(*JOINT[:-1], "ball=0,100,500", "--hold", "ball=y")
+    true("(0, 100, 0) of the force (0, 100, 500) goes into what holds the bone" in done.stderr, done.stderr)
+
+
+@check
+def a_pose_that_leaves_force_over_is_no_balance(folder):
+    """A ball on a flat plate slides away under a force that leans: whatever a search ends at, it is not told as a balance unless the
+    contact bears the force."""
+    folder.write("plate.stl", stl(block(12, 12, 30, 30, -10, True, lambda x, y: 0.0)))
+    folder.write("ball.stl", stl(ball(16, 20, (0, 0, 23))))
+    done = folder.build("--bone", "plate=plate.stl", "--bone", "ball=ball.stl", "--uniform", "plate=2", "--reach", "6", "--force", "ball=150,0,-500", "--json", "j.json", "-q")
+    same(done.returncode, 1, done.stderr)
+    true("no balance" in done.stderr, done.stderr)
+    same(json.loads(folder.read("j.json"))["balanced"], False, "balanced")
+
+
 def main():
     wanted, failed = sys.argv[2:], 0
     for function in CHECKS:

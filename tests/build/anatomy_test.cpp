@@ -254,10 +254,9 @@ TEST(Frames, WhatDoesNotFitIsRefusedInALine) {
       with([](FramesRequest& r) { std::swap(r.landmarks[4].name, r.landmarks[5].name); }),
       "landmarks: found the right of the femur opposite to that of the pelvis, expected them alike; are medial and "
       "lateral, or right and left, exchanged?");
-  EXPECT_EQ(
-      with([](FramesRequest& r) { r.side.reset(); }),
-      "landmarks of the femur: found MFE and LFE, expected their side too: R or L before a name, as in RMFE, or said "
-      "by itself");
+  EXPECT_EQ(with([](FramesRequest& r) { r.side.reset(); }),
+            "landmarks of the femur: found MFE and LFE, expected their side too: R or L before a name, as in RMFE, or "
+            "--side");
   EXPECT_EQ(
       with([](FramesRequest& r) {
         r.landmarks[2].point = r.landmarks[3].point = {60, 0, 3};
