@@ -124,7 +124,7 @@ void tell_unused(const std::vector<Landmark>& landmarks, FramesFound& found) {
     found.findings.push_back(fmt::format("landmarks that no frame needs: {}; known are {}", unused, landmark_names()));
 }
 
-constexpr const char* kSideNeeded = "expected their side too: R or L before a name, as in RMFE, or --side";
+constexpr const char* kSideNeeded = "expected their side too: R or L before a name, as in RMFE, or the side given";
 
 void add_pelvis(const FramesRequest& request, FramesFound& found) {
   const std::optional<Matrix3d> axes = pelvis_axes(request.landmarks);
