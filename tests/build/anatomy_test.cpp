@@ -256,7 +256,7 @@ TEST(Frames, WhatDoesNotFitIsRefusedInALine) {
       "lateral, or right and left, exchanged?");
   EXPECT_EQ(with([](FramesRequest& r) { r.side.reset(); }),
             "landmarks of the femur: found MFE and LFE, expected their side too: R or L before a name, as in RMFE, or "
-            "--side");
+            "the side given");
   EXPECT_EQ(
       with([](FramesRequest& r) {
         r.landmarks[2].point = r.landmarks[3].point = {60, 0, 3};
