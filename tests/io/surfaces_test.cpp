@@ -8,18 +8,15 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include <febiodea/base/error.h>
+
+#include "io/text_file.h"
 
 namespace dea {
 namespace {
 
-std::string file(const std::string& name, const std::string& text) {
-  const std::string path = (std::filesystem::path(::testing::TempDir()) / name).string();
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
+using test::file;
 
 /// Bytes of a number, least first or most first.
 template <class Number>

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
@@ -13,14 +11,12 @@
 #include <febiodea/io/tables/number_table.h>
 #include <febiodea/model/settings_table.h>
 
+#include "io/text_file.h"
+
 namespace dea {
 namespace {
 
-std::string file(const std::string& name, const std::string& text) {
-  const std::string path = (std::filesystem::path(::testing::TempDir()) / name).string();
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
+using test::file;
 
 Settings loads_of(const std::string& path, const std::string& units = "", const std::string& model_units = "") {
   JointModel model;
@@ -59,8 +55,9 @@ TEST(Tables, InMemoryAsFromAFile) {
   Settings settings;
   settings.loads.file = "table of loads";  // no such file
   settings.loads.body = "femur";
-  read_tables({}, settings,
-              {{"table of loads", make_table("table of loads", {"time", " fx", "fy", "fz"}, {{0, 1, 2, 3}, {0.5, 4, 5, 6}})}});
+  read_tables(
+      {}, settings,
+      {{"table of loads", make_table("table of loads", {"time", " fx", "fy", "fz"}, {{0, 1, 2, 3}, {0.5, 4, 5, 6}})}});
   const LoadTable expected = loads_of(path).loads;
   EXPECT_EQ(settings.loads.time, expected.time);
   EXPECT_EQ(settings.loads.load, expected.load);

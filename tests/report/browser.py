@@ -15,6 +15,35 @@ def driver_path():
     return shutil.which("chromedriver")
 
 
+def run_checks(checks, wanted, make, without_webgl):
+    """Runs functions of a browser and the pages that make(folder) returns, then without_webgl(pages); all, or those whose names are
+    `wanted`. Prints a line each and returns the exit code: 1 where one failed, 77 where there is no chromedriver."""
+    if not driver_path():
+        print("skipped: no chromedriver (Debian: apt-get install chromium-driver)")
+        return 77
+    failed = 0
+
+    def run(function, *arguments):
+        if wanted and function.__name__ not in wanted:
+            return 0
+        start = time.monotonic()
+        try:
+            function(*arguments)
+            print(f"ok      {function.__name__} ({time.monotonic() - start:.1f} s)", flush=True)
+        except Exception as error:  # whatever it is, the other checks go on
+            print(f"FAILED  {function.__name__}: {type(error).__name__}: {error}", flush=True)
+            return 1
+        return 0
+
+    with tempfile.TemporaryDirectory(prefix="dea_page_") as folder:
+        pages = make(folder)
+        with Browser() as b:
+            b.size(1400, 1000)
+            failed += sum(run(function, b, pages) for function in checks)
+        failed += run(without_webgl, pages)
+    return 1 if failed else 0
+
+
 class Browser:
     """with Browser() as b: b.open("file:///..."); ends its own processes."""
 

@@ -9,14 +9,13 @@ import os
 import re
 import subprocess
 import sys
-import tempfile
 import time
 import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 import stl_shapes  # noqa: E402
-from browser import Browser, driver_path  # noqa: E402
+from browser import Browser, run_checks  # noqa: E402
 from report_test import HASH, no_faults, no_network, png_size, same, true  # noqa: E402
 
 CHECKS = []
@@ -209,31 +208,8 @@ def main():
     if len(sys.argv) < 2:
         print("usage: build_page_test.py DEA [CHECK...]", file=sys.stderr)
         return 2
-    if not driver_path():
-        print("skipped: no chromedriver (Debian: apt-get install chromium-driver)")
-        return 77
-    failed, wanted = 0, sys.argv[2:]
-    with tempfile.TemporaryDirectory(prefix="dea_build_page_") as folder:
-        pages = make(os.path.abspath(sys.argv[1]), folder)
-        with Browser() as b:
-            b.size(1400, 1000)
-            for function in CHECKS:
-                if wanted and function.__name__ not in wanted:
-                    continue
-                try:
-                    function(b, pages)
-                    print(f"ok      {function.__name__}", flush=True)
-                except Exception as error:  # whatever it is, the other checks go on
-                    failed += 1
-                    print(f"FAILED  {function.__name__}: {type(error).__name__}: {error}", flush=True)
-        if not wanted or "without_webgl" in wanted:
-            try:
-                without_webgl(pages)
-                print("ok      without_webgl")
-            except Exception as error:
-                failed += 1
-                print(f"FAILED  without_webgl: {type(error).__name__}: {error}")
-    return 1 if failed else 0
+    dea, *wanted = sys.argv[1:]
+    return run_checks(CHECKS, wanted, lambda folder: make(os.path.abspath(dea), folder), without_webgl)
 
 
 if __name__ == "__main__":

@@ -10,13 +10,11 @@ import re
 import struct
 import subprocess
 import sys
-import tempfile
-import time
 import xml.etree.ElementTree
 import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from browser import Browser, driver_path  # noqa: E402
+from browser import Browser, run_checks  # noqa: E402
 
 CHECKS = []
 
@@ -581,7 +579,9 @@ def without_webgl(pages):
         same(b.run("return Page.state.frame"), 2, "state without WebGL")
 
 
-def make(pages, folder, dea, make_pages, samples):
+def make(folder, dea, make_pages, samples):
+    pages = {}
+
     def run(*words):
         subprocess.run(words, cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     hip = os.path.join(samples, "hip", "hip_walking.feb")
@@ -596,40 +596,15 @@ def make(pages, folder, dea, make_pages, samples):
     run(make_pages, "awkward", "awkward.html")
     for name in ("run", "knee", "compare", "three", "awkward"):
         pages[name] = os.path.join(folder, name + ".html")
+    return pages
 
 
 def main():
     if len(sys.argv) < 4:
         print("usage: report_test.py DEA MAKE_PAGES SAMPLES [CHECK...]", file=sys.stderr)
         return 2
-    if not driver_path():
-        print("skipped: no chromedriver (Debian: apt-get install chromium-driver)")
-        return 77
-    failed = 0
-    with tempfile.TemporaryDirectory(prefix="dea_report_") as folder:
-        pages = {}
-        make(pages, folder, *[os.path.abspath(a) for a in sys.argv[1:4]])
-        wanted = sys.argv[4:]
-        with Browser() as b:
-            b.size(1400, 1000)
-            for function in CHECKS:
-                if wanted and function.__name__ not in wanted:
-                    continue
-                start = time.monotonic()
-                try:
-                    function(b, pages)
-                    print(f"ok      {function.__name__} ({time.monotonic() - start:.1f} s)", flush=True)
-                except Exception as error:  # whatever it is, the other checks go on
-                    failed += 1
-                    print(f"FAILED  {function.__name__}: {type(error).__name__}: {error}", flush=True)
-        if not wanted or "without_webgl" in wanted:
-            try:
-                without_webgl(pages)
-                print("ok      without_webgl")
-            except Exception as error:
-                failed += 1
-                print(f"FAILED  without_webgl: {type(error).__name__}: {error}")
-    return 1 if failed else 0
+    programs = [os.path.abspath(a) for a in sys.argv[1:4]]
+    return run_checks(CHECKS, sys.argv[4:], lambda folder: make(folder, *programs), without_webgl)
 
 
 if __name__ == "__main__":

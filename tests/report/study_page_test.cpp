@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include <febiodea/base/error.h>
@@ -58,6 +59,18 @@ struct StudyPage : ::testing::Test {
       return e.what();
     }
     return "no fault";
+  }
+  /// One state a case, with the number that `number` has for it, counted from 0; NaN: it is not solved yet.
+  void write_numbers(const Plan& plan, const std::function<double(int)>& number) {
+    StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
+    for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+      const double x = number(static_cast<int>(i));
+      if (std::isnan(x)) continue;
+      CaseResult r = test::solved(i + 1, "hip");
+      r.states = {test::state(0, x)};
+      writer.add(std::move(r));
+    }
+    writer.finish();
   }
 };
 
@@ -145,13 +158,10 @@ TEST_F(StudyPage, IshigamisIndicesAreTheKnownOnes) {
 
 TEST_F(StudyPage, SlopesAndRegressionOfAPlane) {
   const Plan plan = test::grid({"a: E={1:5:1}", "b: nu={0|1|2}", "c: law={linear|layer}"});
-  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
-  for (std::size_t i = 0; i < plan.cases.size(); ++i) {
-    CaseResult r = test::solved(i + 1, "hip");
-    r.states = {test::state(0, 10 + 3 * parse_number(plan.cases[i].values[0]) - parse_number(plan.cases[i].values[1]))};
-    writer.add(std::move(r));
-  }
-  writer.finish();
+  write_numbers(plan, [&](int i) {
+    const std::vector<std::string>& of = plan.cases[at(i)].values;
+    return 10 + 3 * parse_number(of[0]) - parse_number(of[1]);
+  });
   const Page p = page();
   const json& of = p.data["influence"]["numbers"][0][0][0];
   EXPECT_NEAR(of["r_squared"], 1, 1e-9);
@@ -191,14 +201,7 @@ TEST_F(StudyPage, RoundingIsNoInfluence) {
 
 TEST_F(StudyPage, AGridWithoutItsMiddleHasSlopes) {
   const Plan plan = test::grid({"x: E={1|2|3}", "y: nu={0.1|0.2|0.3}"});
-  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
-  for (std::size_t i = 1; i <= plan.cases.size(); ++i) {
-    if (i == 5) continue;  // not solved yet
-    CaseResult r = test::solved(i, "hip");
-    r.states = {test::state(0, static_cast<double>((i - 1) / 3))};
-    writer.add(std::move(r));
-  }
-  writer.finish();
+  write_numbers(plan, [](int i) { return i == 4 ? kNaN : i / 3; });
   const Page p = page();
   EXPECT_EQ(p.data["influence"]["no_slopes"], "");
   ASSERT_EQ(p.data["influence"]["numbers"][0][0][0]["slopes"].size(), 2u);
@@ -207,13 +210,7 @@ TEST_F(StudyPage, AGridWithoutItsMiddleHasSlopes) {
 
 TEST_F(StudyPage, ValuesWithCommasMakePairs) {
   const Plan plan = test::grid({"axis: rotate pelvis={0,1,0,5|1,0,0,5|0,0,1,5}"});
-  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
-  for (std::size_t i = 1; i <= plan.cases.size(); ++i) {
-    CaseResult r = test::solved(i, "hip");
-    r.states = {test::state(0, static_cast<double>(i))};
-    writer.add(std::move(r));
-  }
-  writer.finish();
+  write_numbers(plan, [](int i) { return i + 1; });
   StudyPageOptions options;
   options.pair = "axis=0,1,0,5,0,0,1,5";
   EXPECT_EQ(page(options).data["pairs"]["cases"], json::parse("[[0, 2]]"));
@@ -223,14 +220,10 @@ TEST_F(StudyPage, ValuesWithCommasMakePairs) {
 
 TEST_F(StudyPage, PairsAreCasesThatDifferInNothingElse) {
   const Plan plan = test::grid({"side: E={1|2}", "x: nu={1:4:1}"});
-  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
-  for (std::size_t i = 0; i < plan.cases.size(); ++i) {
-    if (i == 3) continue;  // 4 of the first side is not there
-    CaseResult r = test::solved(i + 1, "hip");
-    r.states = {test::state(0, (i < 4 ? 10.0 : 20.0) + static_cast<double>(i % 4 * (i < 4 ? 1 : 2)))};
-    writer.add(std::move(r));
-  }
-  writer.finish();
+  write_numbers(plan, [](int i) {
+    if (i == 3) return kNaN;  // 4 of the first side is not there
+    return i < 4 ? 10.0 + i : 20.0 + 2 * (i % 4);
+  });
   StudyPageOptions o;
   o.pair = "side";
   o.group = "side";
@@ -591,13 +584,7 @@ TEST_F(StudySubjects, RowsMayBeOfCasesAndOfValues) {
 
 TEST_F(StudyPage, ValuesOfPairsAreNumbers) {
   const Plan plan = test::grid({"E: E={8|10.5}", "x: nu={0.1|0.2}"});
-  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
-  for (std::size_t i = 1; i <= plan.cases.size(); ++i) {
-    CaseResult r = test::solved(i, "hip");
-    r.states = {test::state(0, static_cast<double>(i))};
-    writer.add(std::move(r));
-  }
-  writer.finish();
+  write_numbers(plan, [](int i) { return i + 1; });
   StudyPageOptions o;
   o.pair = "E=8.0,1.05e1";
   EXPECT_EQ(page(o).data["pairs"]["cases"], json::parse("[[0, 2], [1, 3]]"));
@@ -609,14 +596,8 @@ TEST_F(StudyPage, ValuesOfPairsAreNumbers) {
 TEST_F(StudyPage, ALargeGridWithoutItsMiddleHasSlopes) {
   constexpr int kLevels = 65;
   const Plan plan = test::grid({fmt::format("x: E={{1:{}:1}}", kLevels), fmt::format("y: nu={{1:{}:1}}", kLevels)});
-  StudyWriter writer(path, plan, {"0.1", {}, {}, 1, 1});
-  for (int i = 0; i < kLevels * kLevels; ++i) {
-    if (i == kLevels * kLevels / 2) continue;
-    CaseResult r = test::solved(static_cast<std::size_t>(i) + 1, "hip");
-    r.states = {test::state(0, 1000 + 2.0 * (i / kLevels) - 3.0 * (i % kLevels))};
-    writer.add(std::move(r));
-  }
-  writer.finish();
+  write_numbers(
+      plan, [](int i) { return i == kLevels * kLevels / 2 ? kNaN : 1000 + 2.0 * (i / kLevels) - 3.0 * (i % kLevels); });
   const StudyNumbers n = read_study_numbers(path);
   const StudyDesign design = study_design(n);
   EXPECT_EQ(design.no_slopes, "");

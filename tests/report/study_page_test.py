@@ -8,12 +8,11 @@ import os
 import re
 import subprocess
 import sys
-import tempfile
 import time
 import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from browser import Browser, driver_path  # noqa: E402
+from browser import Browser, run_checks  # noqa: E402
 from report_test import HASH, no_faults, no_network, overlapping_words, png_size, same, true  # noqa: E402
 
 CHECKS = []
@@ -289,7 +288,9 @@ def without_webgl(pages):
         no_faults(b, "without WebGL")
 
 
-def make(pages, folder, dea, make_study):
+def make(folder, dea, make_study):
+    pages = {}
+
     def run(*words):
         return subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True).stdout
     options = {"turn": ["--group", "b", "--pair", "c", "--dose-above", "2", "--regions", "sectors=3", "--up", "0,1,0"],
@@ -302,39 +303,15 @@ def make(pages, folder, dea, make_study):
         pages[name] = os.path.join(folder, name + ".html")
     pages.update(dea=dea, make_study=make_study)
     pages["turn_rows"] = list(csv.DictReader(io.StringIO(run(dea, "study", "turn.db", "--csv", "-"))))
+    return pages
 
 
 def main():
     if len(sys.argv) < 3:
         print(__doc__, file=sys.stderr)
         return 2
-    if not driver_path():
-        print("skipped: no chromedriver (Debian: apt-get install chromium-driver)")
-        return 77
-    failed = 0
-    with tempfile.TemporaryDirectory(prefix="dea_study_page_") as folder:
-        pages = {}
-        make(pages, folder, *[os.path.abspath(a) for a in sys.argv[1:3]])
-        with Browser() as b:
-            b.size(1400, 1000)
-            for function in CHECKS:
-                if sys.argv[3:] and function.__name__ not in sys.argv[3:]:
-                    continue
-                start = time.monotonic()
-                try:
-                    function(b, pages)
-                    print(f"ok      {function.__name__} ({time.monotonic() - start:.1f} s)", flush=True)
-                except Exception as error:  # whatever it is, the other checks go on
-                    failed += 1
-                    print(f"FAILED  {function.__name__}: {type(error).__name__}: {error}", flush=True)
-        if not sys.argv[3:] or "without_webgl" in sys.argv[3:]:
-            try:
-                without_webgl(pages)
-                print("ok      without_webgl")
-            except Exception as error:
-                failed += 1
-                print(f"FAILED  without_webgl: {type(error).__name__}: {error}")
-    return 1 if failed else 0
+    programs = [os.path.abspath(a) for a in sys.argv[1:3]]
+    return run_checks(CHECKS, sys.argv[3:], lambda folder: make(folder, *programs), without_webgl)
 
 
 if __name__ == "__main__":

@@ -14,35 +14,13 @@ const Page = (() => {
   let whole = null, parts = null, panels = [], ticket = 0;
 
   // ---- small things ----
-  const fileName = (id) => `${Report.title} ${id}`.replace(/[^\p{L}\p{N}._-]+/gu, "_").slice(0, 100);
-  function select(id, label, options, value, change) {
-    const s = make("select", { id, onchange: (e) => change(Number(e.target.value)) });
-    for (const [v, t] of options) s.append(make("option", { value: String(v), text: t, selected: v === value }));
-    return make("label", { id: id + "-label" }, label, s);
-  }
-  function toggle(id, text, on, change) {
-    return make("button", { id, text, "aria-pressed": String(on), onclick: (e) => {
-      const now = e.target.getAttribute("aria-pressed") !== "true";
-      e.target.setAttribute("aria-pressed", String(now));
-      change(now);
-    } });
-  }
+  const select = (id, label, options, value, change) => makeSelect(id, label, options, value, (v) => change(Number(v)));
   function table(t) {
     const cell = (tag, text, i) => make(tag, { text: String(text), class: t.left[i] === "l" ? "word" : null });
     return make("div", { class: "scroll" }, make("table", {}, make("thead", {}, make("tr", {}, ...t.headings.map((h, i) => cell("th", h, i)))),
       make("tbody", {}, ...t.rows.map((row) => make("tr", {}, ...row.map((x, i) => cell("td", x, i)))))));
   }
-  function csv(t) {
-    const cell = (x) => (/[",\n\r]/.test(String(x)) ? `"${String(x).replaceAll('"', '""')}"` : String(x));
-    return [t.headings, ...t.rows].map((r) => r.map(cell).join(",")).join("\n") + "\n";
-  }
-  const saveCsv = (t, id) => Figures.save(new Blob([csv(t)], { type: "text/csv" }), fileName(id) + ".csv");
   const csvButton = (t, id) => make("button", { text: "CSV", title: "Save the numbers", "data-save": "csv", onclick: () => saveCsv(t(), id) });
-  function section(id, title, ...children) {
-    const s = make("section", { id }, title ? make("h2", { text: title }) : null, ...children);
-    $("main").append(s);
-    return s;
-  }
   function scaleOf(quantity) {
     const q = quantities[quantity], [least, most, level, lowest, highest] = Report.scales[quantity] || [0, 1, 0.2, 0, 0], margin = 1e-6 * (most - least);
     return { map: "sequential", least, most, level, none: "none", noneText: "", zero: least < 0, title: Format.axis(q.title, q.dimension) + (quantity === "gap" && lowest < 0 ? ", below 0: overlap" : ""),
@@ -74,16 +52,16 @@ const Page = (() => {
     const controls = make("div", { class: "controls" });
     bodies.forEach((b, i) => {
       const group = make("span", { class: "group", role: "group" });
-      if (b.mesh !== null) group.append(toggle(`bone${i}`, b.name, true, (on) => { state.shown[i].bone = on; drawJoint(); }));
-      if (layers.some((l) => l.body === i && !l.bare)) group.append(toggle(`cartilage${i}`, b.mesh !== null ? "its cartilage" : `cartilage of ${b.name}`, true, (on) => { state.shown[i].cartilage = on; drawJoint(); }));
+      if (b.mesh !== null) group.append(makeToggle(`bone${i}`, b.name, true, (on) => { state.shown[i].bone = on; drawJoint(); }));
+      if (layers.some((l) => l.body === i && !l.bare)) group.append(makeToggle(`cartilage${i}`, b.mesh !== null ? "its cartilage" : `cartilage of ${b.name}`, true, (on) => { state.shown[i].cartilage = on; drawJoint(); }));
       controls.append(group);
     });
-    if (bodies.some((b) => b.mesh !== null)) controls.append(toggle("solid", "solid bones", false, (on) => { state.solid = on; drawJoint(); }));
-    controls.append(toggle("joint-mesh", "mesh", false, (on) => { whole.options.lines = on; whole.request(); }),
+    if (bodies.some((b) => b.mesh !== null)) controls.append(makeToggle("solid", "solid bones", false, (on) => { state.solid = on; drawJoint(); }));
+    controls.append(makeToggle("joint-mesh", "mesh", false, (on) => { whole.options.lines = on; whole.request(); }),
       make("button", { id: "joint-reset", text: "reset view", onclick: () => whole.setView(Report.view) }),
       make("button", { id: "joint-png", text: "save PNG", title: "On white, with the colours", onclick: async () => Figures.save(await mapsPicture(whole, whole.panels, [whole.panels[0].what.scale]), fileName("joint") + ".png") }));
     const canvas = make("canvas", { id: "whole", tabindex: "0", role: "img", "aria-label": "The bones and their cartilage, coloured by its thickness" });
-    section("joint", "The joint", controls, whole.fault ? make("p", { class: "fault", id: "nowebgl", text: whole.fault }) : null,
+    makeSection("joint", "The joint", controls, whole.fault ? make("p", { class: "fault", id: "nowebgl", text: whole.fault }) : null,
       make("div", { class: "panels" }, make("div", { class: "panel" }, canvas)), make("div", { class: "bars" }, make("canvas", { id: "whole-bar" })),
       make("p", { class: "keys", text: `${keys} Where the model has the bones as they were before they are moved into balance. Bones may be drawn coarser than they are.` }));
     if (whole.fault) { canvas.hidden = true; return; }
@@ -143,11 +121,11 @@ const Page = (() => {
   function layerSection() {
     parts = new Maps();
     const controls = make("div", { class: "controls" }, select("layer", "Layer", layers.map((l, i) => [i, l.name]), state.layer, (v) => { state.layer = v; setLayer(); }),
-      make("span", { class: "group", role: "group" }, toggle("contours", "contours", true, (on) => { parts.options.contours = on; drawLayer(); }), toggle("lines", "mesh", false, (on) => { parts.options.lines = on; parts.request(); }),
-        toggle("marks", "marks", true, (on) => { parts.options.marks = on; parts.request(); }), toggle("veil", "bones", true, (on) => { parts.options.veil = on; parts.request(); })),
+      make("span", { class: "group", role: "group" }, makeToggle("contours", "contours", true, (on) => { parts.options.contours = on; drawLayer(); }), makeToggle("lines", "mesh", false, (on) => { parts.options.lines = on; parts.request(); }),
+        makeToggle("marks", "marks", true, (on) => { parts.options.marks = on; parts.request(); }), makeToggle("veil", "bones", true, (on) => { parts.options.veil = on; parts.request(); })),
       make("button", { id: "reset", text: "reset view", onclick: resetLayer }),
       make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles and colours, on white", onclick: async () => Figures.save(await mapsPicture(parts, panels, panels.map((p) => p.what.scale)), fileName(layers[state.layer].name) + ".png") }));
-    section("layers", "Layers", controls, make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }),
+    makeSection("layers", "Layers", controls, make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }),
       make("p", { class: "keys", text: `${keys} Gap: along the normal to the articular surface that it is in contact with, as built, before any load; grey where none faces it within ${Format.with(Report.reach, "length", 3)}. Jacobian: the least at a corner of the column's ${Report.elements_through} elements; 1 is a straight prism on an equilateral triangle, 0 or less is inside out. Ring: the thickest place, the least gap, the least Jacobian.` }));
     parts.onpick = readouts;
     parts.onreset = resetLayer;
@@ -244,7 +222,7 @@ const Page = (() => {
     }
   }
   function elements() {
-    if (layers.some((l) => l.jacobians)) section("elements", "Elements", make("div", { class: "figures" }, figureElement(jacobianFigure())));
+    if (layers.some((l) => l.jacobians)) makeSection("elements", "Elements", make("div", { class: "figures" }, figureElement(jacobianFigure())));
   }
 
   // What was measured of a hip: a picture that is shown as it is, on white. Its numbers are among the tables.
@@ -252,18 +230,18 @@ const Page = (() => {
     const text = Report.hip_figure;
     if (!text) return;
     const save = make("span", { class: "save" }, make("button", { text: "SVG", title: "Save as SVG", "data-save": "svg", onclick: () => Figures.save(new Blob([text], { type: "image/svg+xml" }), fileName("hip") + ".svg") }));
-    section("hip", "Frames and angles", make("figure", { id: "figure-hip", class: "wide" }, make("div", { class: "title" }, make("h3", { text: "What was measured of the hip" }), save),
+    makeSection("hip", "Frames and angles", make("figure", { id: "figure-hip", class: "wide" }, make("div", { class: "title" }, make("h3", { text: "What was measured of the hip" }), save),
       make("img", { id: "hip-figure", alt: "Sections through the centre of the femoral head with the centre-edge angles and the roof; the rim of the socket", src: "data:image/svg+xml;charset=utf-8," + encodeURIComponent(text) })));
   }
 
   // ---- what was inferred, numbers, provenance ----
   function told() {
     const list = (lines) => make("ul", { class: "told" }, ...lines.map((l) => make("li", { text: l })));
-    section("told", "Mended and inferred", make("p", { class: "about", text: "In the order in which it was done. An option puts something else in the place of each: dea build --help." }), list(Report.findings),
+    makeSection("told", "Mended and inferred", make("p", { class: "about", text: "In the order in which it was done. An option puts something else in the place of each: dea build --help." }), list(Report.findings),
       Report.changes.length ? make("p", { class: "tabletitle", text: "Layers that are not as they were wanted" }) : null, Report.changes.length ? list(Report.changes) : null);
   }
   function numbers() {
-    const s = section("numbers", "Numbers", make("p", { class: "about", text: `As printed by dea build, and the options that it took. ${Report.headline}.` }));
+    const s = makeSection("numbers", "Numbers", make("p", { class: "about", text: `As printed by dea build, and the options that it took. ${Report.headline}.` }));
     for (const t of Report.tables) s.append(make("p", { class: "tabletitle" }, t.title, " ", make("span", { class: "save" }, csvButton(() => t, t.title))), table(t));
   }
   function foot() {

@@ -221,6 +221,34 @@ function scaleStep(low, high) {
   return Report.steps.multiples.at(-1) * power;
 }
 
+// A name for a file that a page saves: the page's title and what it is.
+function fileName(id) { return `${Report.title} ${id}`.replace(/[^\p{L}\p{N}._-]+/gu, "_").slice(0, 100); }
+// `change` gets the chosen value as text; `options`: [value, text].
+function makeSelect(id, label, options, value, change) {
+  const s = make("select", { id, onchange: (e) => change(e.target.value) });
+  for (const [v, t] of options) s.append(make("option", { value: String(v), text: t, selected: v === value }));
+  return make("label", { id: id + "-label" }, label, s);
+}
+function makeToggle(id, text, on, change) {
+  return make("button", { id, text, "aria-pressed": String(on), onclick: (e) => {
+    const now = e.target.getAttribute("aria-pressed") !== "true";
+    e.target.setAttribute("aria-pressed", String(now));
+    change(now);
+  } });
+}
+// Appended to the page.
+function makeSection(id, title, ...children) {
+  const s = make("section", { id }, title ? make("h2", { text: title }) : null, ...children);
+  document.getElementById("main").append(s);
+  return s;
+}
+// A table as CSV; what is not there is an empty cell.
+function csvText(t) {
+  const cell = (x) => { const s = x === null || x === undefined || Number.isNaN(x) ? "" : String(x); return /[",\n\r]/.test(s) ? `"${s.replaceAll('"', '""')}"` : s; };
+  return [t.headings, ...t.rows].map((r) => r.map(cell).join(",")).join("\n") + "\n";
+}
+function saveCsv(t, id) { Figures.save(new Blob([csvText(t)], { type: "text/csv" }), fileName(id) + ".csv"); }
+
 // Plays states by a button: `next` goes to the next one and answers how long it stays [ms], or a promise of that.
 function makePlayer(id, next) {
   let timer = 0;

@@ -16,20 +16,6 @@ const Page = (() => {
   let panels = [], figures = Figures.list(), busy = 0;
 
   // ---- frame of the page ----
-  function option(value, text, selected) { return make("option", { value, text, selected }); }
-  function select(id, label, options, value, change) {
-    const s = make("select", { id, onchange: (e) => change(e.target.value) });
-    for (const [v, t] of options) s.append(option(v, t, v === value));
-    return make("label", { id: id + "-label" }, label, s);
-  }
-  function toggle(id, text, on, change) {
-    return make("button", { id, text, "aria-pressed": String(on), onclick: (e) => {
-      const now = e.target.getAttribute("aria-pressed") !== "true";
-      e.target.setAttribute("aria-pressed", String(now));
-      change(now);
-    } });
-  }
-
   function build() {
     const units = Report.units.name ? (Report.units.length ? `Units: ${[Report.units.length, Report.units.force, Report.units.pressure].join(", ")}.` : `Units: ${Report.units.name}.`) : "The files name no units.";
     const files = results.length === 1 ? results[0].file : results.map((r) => r.file).join(", ");
@@ -65,7 +51,7 @@ const Page = (() => {
   function regionControl(key) {
     if (!Report.surfaces.some((s) => s.regions.length > 1) || key !== "now") return null;
     const names = Report.surfaces.find((s) => s.regions.length > 1).regions;
-    return make("div", { class: "controls" }, select("region", "Region", names.map((n, i) => [String(i), n || "whole surface"]), "0", (v) => { state.region = Number(v); drawFigures(); }));
+    return make("div", { class: "controls" }, makeSelect("region", "Region", names.map((n, i) => [String(i), n || "whole surface"]), "0", (v) => { state.region = Number(v); drawFigures(); }));
   }
 
   // ---- maps ----
@@ -74,18 +60,18 @@ const Page = (() => {
   }
   function buildMaps(section) {
     const controls = make("div", { class: "controls" });
-    controls.append(select("surface", "Surface", Report.surfaces.map((s, i) => [String(i), s.title + (s.note ? ` (${s.note})` : "")]), "0", (v) => setSurface(Number(v))));
+    controls.append(makeSelect("surface", "Surface", Report.surfaces.map((s, i) => [String(i), s.title + (s.note ? ` (${s.note})` : "")]), "0", (v) => setSurface(Number(v))));
     if (Report.surfaces.length === 1) controls.lastChild.querySelector("select").disabled = true;
-    if (compared) controls.append(select("quantity", "Show", available().map((q) => [q, heads[q].toLowerCase()]), "pressure", (v) => { state.quantity = v; layPanels(); }));
+    if (compared) controls.append(makeSelect("quantity", "Show", available().map((q) => [q, heads[q].toLowerCase()]), "pressure", (v) => { state.quantity = v; layPanels(); }));
     controls.append(make("span", { class: "group", role: "group" },
       make("button", { id: "smooth", text: "smooth", title: "Area-weighted averages at the nodes", "aria-pressed": "true", onclick: () => setSmooth(true) }),
       make("button", { id: "facets", text: "facets", title: "The facets' own values", "aria-pressed": "false", onclick: () => setSmooth(false) })));
     controls.append(make("span", { class: "group", role: "group" },
-      toggle("contours", "contours", true, (on) => { maps.options.contours = on; update(); }),
-      toggle("marks", "marks", true, (on) => { maps.options.marks = on; maps.request(); }),
-      toggle("lines", "mesh", false, (on) => { maps.options.lines = on; maps.request(); }),
-      Report.context ? toggle("veil", "rest of the model", true, (on) => { maps.options.veil = on; maps.request(); }) : null));
-    controls.append(select("range", "Scale", [["all", "all states"], ["state", "this state"]], "all", (v) => { state.range = v; update(); }),
+      makeToggle("contours", "contours", true, (on) => { maps.options.contours = on; update(); }),
+      makeToggle("marks", "marks", true, (on) => { maps.options.marks = on; maps.request(); }),
+      makeToggle("lines", "mesh", false, (on) => { maps.options.lines = on; maps.request(); }),
+      Report.context ? makeToggle("veil", "rest of the model", true, (on) => { maps.options.veil = on; maps.request(); }) : null));
+    controls.append(makeSelect("range", "Scale", [["all", "all states"], ["state", "this state"]], "all", (v) => { state.range = v; update(); }),
       make("label", {}, "up to", make("input", { id: "most", type: "number", min: "0", step: "any", placeholder: "auto", onchange: (e) => { const x = Number(e.target.value); state.most = x > 0 ? x : null; update(); } })),
       make("button", { id: "reset", text: "reset view", onclick: resetView }),
       make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles and colours, on white", onclick: saveMaps }));
@@ -126,7 +112,7 @@ const Page = (() => {
         const all = pairs(s);
         if (!state.pair || !all.some(([a, b]) => a === state.pair[0] && b === state.pair[1])) state.pair = all[0];
         const chooser = make("select", { id: "pair", title: "Difference of which two results", "aria-label": "Difference", onchange: (e) => { state.pair = e.target.value.split(",").map(Number); update(); } });
-        for (const [a, b] of all) chooser.append(option(`${a},${b}`, `${results[a].label} − ${results[b].label}`, a === state.pair[0] && b === state.pair[1]));
+        for (const [a, b] of all) chooser.append(make("option", { value: `${a},${b}`, text: `${results[a].label} − ${results[b].label}`, selected: a === state.pair[0] && b === state.pair[1] }));
         name.append(chooser);
         p.title = () => `${results[state.pair[0]].label} − ${results[state.pair[1]].label}`;
       } else {
@@ -365,7 +351,6 @@ const Page = (() => {
   });
 
   // ---- figures ----
-  function fileName(id) { return `${Report.title} ${id}`.replace(/[^\p{L}\p{N}._-]+/gu, "_").slice(0, 100); }
   function figureElement(f) {
     f.plot = make("div", { class: "plot" });
     f.words = make("figcaption", { class: "caption" });

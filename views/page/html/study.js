@@ -9,17 +9,7 @@ const Page = (() => {
 
   // ---- small things ----
   const plural = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
-  function select(id, label, options, value, change) {
-    const s = make("select", { id, onchange: (e) => change(Number(e.target.value)) });
-    for (const [v, t] of options) s.append(make("option", { value: String(v), text: t, selected: v === value }));
-    return make("label", { id: id + "-label" }, label, s);
-  }
-  const fileName = (id) => `${Report.title} ${id}`.replace(/[^\p{L}\p{N}._-]+/gu, "_").slice(0, 100);
-  function csv(t) {
-    const cell = (x) => { const s = x === null || x === undefined || Number.isNaN(x) ? "" : String(x); return /[",\n\r]/.test(s) ? `"${s.replaceAll('"', '""')}"` : s; };
-    return [t.headings, ...t.rows].map((r) => r.map(cell).join(",")).join("\n") + "\n";
-  }
-  const saveCsv = (t, id) => Figures.save(new Blob([csv(t)], { type: "text/csv" }), fileName(id) + ".csv");
+  const select = (id, label, options, value, change) => makeSelect(id, label, options, value, (v) => change(Number(v)));
   const shown = (x) => (typeof x === "number" ? Format.short(x, 5) : x === "" ? "–" : String(x));
   function table(t, most = 200) {
     const words = t.headings.map((h, i) => t.rows.some((r) => typeof r[i] === "string" && r[i] !== ""));
@@ -27,11 +17,6 @@ const Page = (() => {
     const out = make("div", { class: "scroll" }, make("table", {}, make("thead", {}, make("tr", {}, ...t.headings.map((h, i) => cell("th", h, i)))),
       make("tbody", {}, ...t.rows.slice(0, most).map((r) => make("tr", {}, ...r.map((x, i) => cell("td", shown(x), i)))))));
     return t.rows.length > most ? make("div", {}, out, make("p", { class: "count", text: `The first ${most} of ${t.rows.length} rows; CSV has all.` })) : out;
-  }
-  function section(id, title, ...children) {
-    const s = make("section", { id }, make("h2", { text: title }), ...children);
-    $("main").append(s);
-    return s;
   }
   const placeOf = (number) => { if (!places) places = new Map([...Study.numbers].map((n, i) => [n, i])); return places.get(number) ?? -1; };
 
@@ -78,7 +63,7 @@ const Page = (() => {
     if (Report.subjects) add("Subjects", `${Report.subjects}, ${told.length ? `a row per ${columns.find((c) => c.of).of}: ${told.join("; ")}` : "of which nothing differs from case to case"}`);
     add(Report.contacts.length > 1 ? "Contacts" : "Contact", Report.contacts.slice(0, 8).map(([name, source, target]) => `${name} (source ${source}, target ${target})`).join("; ") + (Report.contacts.length > 8 ? ` and ${Report.contacts.length - 8} more` : ""));
     add("Numbers", Report.headline + `. p99: 99th percentile. Force: size of the contact's force.${Report.statistics.some((s, i) => StudyFigures.isInside(i)) ? " Inside the cartilage: p99 over what is pressed, weighted by area; of the third principal strain, which is below 0, the first percentile; source and target as above. Largest of all states: of the third principal strain the least." : ""}`);
-    section("study", "The study", make("dl", { class: "facts" }, ...rows), one.inputs.length === 0 ? null : make("details", {}, make("summary", { text: plural(one.inputs.length, "input file") }), table({ headings: ["file", "CRC-32 and size"], rows: one.inputs })));
+    makeSection("study", "The study", make("dl", { class: "facts" }, ...rows), one.inputs.length === 0 ? null : make("details", {}, make("summary", { text: plural(one.inputs.length, "input file") }), table({ headings: ["file", "CRC-32 and size"], rows: one.inputs })));
   }
 
   // ---- what is chosen for all figures ----
@@ -100,7 +85,7 @@ const Page = (() => {
     host.replaceChildren(select("place", "Contact or region", there, state.place, (v) => { state.place = v; changed(); }));
   }
   function headlines() {
-    section("headlines", "All cases", make("p", { class: "about", id: "headlines-about" }), make("div", { id: "headlines-table" }));
+    makeSection("headlines", "All cases", make("p", { class: "about", id: "headlines-about" }), make("div", { id: "headlines-table" }));
   }
   function headlineTable() {
     const unit = (s) => (Format.unit(s.dimension) ? ` [${Format.unit(s.dimension)}]` : "");
@@ -171,7 +156,7 @@ const Page = (() => {
 
   // ---- response ----
   function response() {
-    const s = section("response", "Response");
+    const s = makeSection("response", "Response");
     if (Study.own.length) {
       // numbers with most values first; words are lines and panels
       const rank = Study.own.map((c, k) => k).sort((a, b) => columns[b].numeric - columns[a].numeric || columns[b].levels.length - columns[a].levels.length);
@@ -219,7 +204,7 @@ const Page = (() => {
   function influence() {
     if (!Report.influence) return;
     const i = Report.influence, words = [i.no_sobol, i.no_slopes].filter(Boolean).join(" ");
-    section("influence", "What matters", words ? make("p", { class: "about", text: words }) : null, figureRow(...StudyFigures.influenceFigures()), make("div", { id: "slopes" }));
+    makeSection("influence", "What matters", words ? make("p", { class: "about", text: words }) : null, figureRow(...StudyFigures.influenceFigures()), make("div", { id: "slopes" }));
   }
   function drawInfluence() {
     const host = $("slopes");
@@ -230,7 +215,7 @@ const Page = (() => {
   }
   function groups() {
     if (!Report.groups) return;
-    section("groups", `Groups by ${columns[Report.groups.column].name}`, figureRow(StudyFigures.groupFigure()), make("div", { id: "group-differences" }));
+    makeSection("groups", `Groups by ${columns[Report.groups.column].name}`, figureRow(StudyFigures.groupFigure()), make("div", { id: "group-differences" }));
   }
   function drawGroups() {
     const host = $("group-differences");
@@ -241,7 +226,7 @@ const Page = (() => {
   }
   function pairs() {
     if (!Report.pairs) return;
-    section("pairs", `Pairs by ${columns[Report.pairs.column].name}`, figureRow(...StudyFigures.pairFigures()), make("div", { id: "pair-numbers" }));
+    makeSection("pairs", `Pairs by ${columns[Report.pairs.column].name}`, figureRow(...StudyFigures.pairFigures()), make("div", { id: "pair-numbers" }));
   }
   function drawPairs() {
     const host = $("pair-numbers");
@@ -254,7 +239,7 @@ const Page = (() => {
 
   // ---- maps, regions, dose ----
   function maps() {
-    const s = section("maps", "Turning the joint");
+    const s = makeSection("maps", "Turning the joint");
     if (!Report.maps) s.append(make("p", { class: "about", text: "The study has no stored pressures: solve it with --keep fields for maps, regions and doses." }));
     return s;
   }
@@ -273,7 +258,7 @@ const Page = (() => {
   async function cases() {
     const host = make("div", {}), details = make("details", { ontoggle: async () => { if (details.open) host.replaceChildren(table(await loaded(), 100)); } }, make("summary", { text: `Table of ${plural(Study.count, "case")}` }), host);
     const loaded = async () => { for (let k = 0; k < Report.statistics.length; ++k) await Study.load(k, state.place); return casesTable(); };
-    section("cases", "Cases", make("p", { class: "about", text: `Of the contact or region and the state that are chosen above.${Report.all ? "" : ` ${Study.count} of ${one.there} cases.`} dea study FILE.db --csv writes all numbers of all states.` }),
+    makeSection("cases", "Cases", make("p", { class: "about", text: `Of the contact or region and the state that are chosen above.${Report.all ? "" : ` ${Study.count} of ${one.there} cases.`} dea study FILE.db --csv writes all numbers of all states.` }),
       make("p", { class: "save" }, make("button", { id: "cases-csv", text: "CSV", "data-save": "csv", onclick: async () => saveCsv(await loaded(), "cases") })), details);
   }
   function foot() {
@@ -289,7 +274,7 @@ const Page = (() => {
     if (Report.maps) StudyMaps.setTheme(theme);
     if (Study.numbers) drawFigures();
   }
-  const api = { state, figures, placeOf, mapMoved, fileName, csv, changed };
+  const api = { state, figures, placeOf, mapMoved, changed };
   async function start() {
     head();
     await Study.start();
@@ -301,8 +286,8 @@ const Page = (() => {
     influence();
     groups();
     pairs();
-    if (Report.places.length > 1) section("regions", "Regions", figureRow(StudyFigures.placeFigure()));
-    if (Report.maps && Report.maps.dose && Report.maps.dose.cases.length) section("dose", "Dose", figureRow(StudyFigures.doseFigure()));
+    if (Report.places.length > 1) makeSection("regions", "Regions", figureRow(StudyFigures.placeFigure()));
+    if (Report.maps && Report.maps.dose && Report.maps.dose.cases.length) makeSection("dose", "Dose", figureRow(StudyFigures.doseFigure()));
     await cases();
     foot();
     const dark = window.matchMedia("(prefers-color-scheme: dark)");

@@ -356,8 +356,8 @@ const StudyMaps = (() => {
     return { headings: [now.common ? "point of the common grid" : "node of the surface", "x", "y", "z", quantityTitle(), ...(count ? ["cases that cover it"] : [])], rows, surface: s.surface };
   }
   async function save(kind) {
-    const name = page.fileName(`map ${view.show} ${view.now.of ? "case " + view.now.of.map((c) => c.field.number).join("-") : ""} ${view.show === "state" ? view.state + 1 : ""}`);
-    if (kind === "csv") return Figures.save(new Blob([page.csv(nodeTable())], { type: "text/csv" }), name + ".csv");
+    const name = fileName(`map ${view.show} ${view.now.of ? "case " + view.now.of.map((c) => c.field.number).join("-") : ""} ${view.show === "state" ? view.state + 1 : ""}`);
+    if (kind === "csv") return Figures.save(new Blob([csvText(nodeTable())], { type: "text/csv" }), name + ".csv");
     const { canvas, width, height } = picture();
     if (kind === "png") return Figures.save(await new Promise((done) => canvas.toBlob(done, "image/png")), name + ".png");
     const { svg, svgns } = Figures.tools, out = svg("svg", { xmlns: svgns, width, height, viewBox: `0 0 ${width} ${height}` });
