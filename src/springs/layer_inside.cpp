@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include <febiodea/base/decompositions.h>
@@ -38,13 +39,23 @@ Eigen::Matrix<double, 3, 2> across(const Vector3d& normal) {
   return both;
 }
 
-/// Shares of the triangles around each vertex in a gradient there. Weighted by area, a line is fitted to the values at
-/// their middles; in a plane of symmetry it has no slope across.
-void set_shares(const SurfaceMesh& mesh, InsideShape& shape) {
+/// What a triangle's gradient, `share` of it, adds at a vertex to the slopes of its corners.
+void add_slopes(const SurfaceMesh& mesh, int t, const Matrix3d& share, std::map<int, Vector3d>& slopes) {
+  constexpr Barycentric kUnit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (std::size_t c = 0; c < 3; ++c) {
+    Vector3d& slope = slopes.try_emplace(mesh.triangles[at(t)][c], Vector3d::Zero()).first->second;
+    slope += share * linear_gradient(mesh, t, kUnit[c]);
+  }
+}
+
+/// Gradients at each vertex. Weighted by area, a line is fitted to those of the triangles around at their middles; in a
+/// plane of symmetry it has no slope across.
+void set_slopes(const SurfaceMesh& mesh, InsideShape& shape) {
   std::vector<std::vector<int>> around(mesh.vertices.size());
   for (int t = 0; t < mesh.size(); ++t)
     for (const int v : mesh.triangles[at(t)]) around[at(v)].push_back(t);
   shape.begin = {0};
+  std::map<int, Vector3d> slopes;
   for (std::size_t v = 0; v < around.size(); ++v) {
     const Eigen::Matrix<double, 3, 2> plane = across(mesh.vertex_normals[v]);
     const auto place = [&](int t) {
@@ -53,41 +64,32 @@ void set_shares(const SurfaceMesh& mesh, InsideShape& shape) {
       const Eigen::Vector2d flat = plane.transpose() * x;
       return Vector3d(1, flat.x(), flat.y());
     };
-    Eigen::Matrix3d normal_equations = Eigen::Matrix3d::Zero();
+    Matrix3d normal_equations = Matrix3d::Zero();
     for (const int t : around[v]) normal_equations += mesh.areas[at(t)] * place(t) * place(t).transpose();
     // too few triangles for a slope: the mean
     normal_equations.bottomRightCorner<2, 2>() +=
         1e-3 * mesh.vertex_areas[v] * 3 * mesh.vertex_areas[v] * Eigen::Matrix2d::Identity();
     Vector3d fit = Vector3d::Zero();
     if (!around[v].empty()) fit = solve_regular(normal_equations, Vector3d::UnitX());
-    for (const int t : around[v]) {
-      shape.triangle.push_back(t);
-      shape.share.push_back(mesh.areas[at(t)] * fit.dot(place(t)));
+    const Matrix3d P = along_surface(mesh.vertex_normals[v]);
+    slopes.clear();
+    for (const int t : around[v]) add_slopes(mesh, t, mesh.areas[at(t)] * fit.dot(place(t)) * P, slopes);
+    for (const auto& [vertex, slope] : slopes) {
+      shape.vertex.push_back(vertex);
+      shape.slope.push_back(slope);
     }
-    shape.begin.push_back(static_cast<int>(shape.triangle.size()));
+    shape.begin.push_back(static_cast<int>(shape.vertex.size()));
   }
 }
 
 /// Gradient of what is linear in each triangle, at the vertices, along the surface. `values`: vertices x columns;
 /// returns vertices x 3 columns, x y z of each.
-Nodal vertex_gradients(const SurfaceMesh& mesh, const InsideShape& shape, const Nodal& values) {
-  Nodal of_triangles(mesh.size(), 3 * values.cols()), out = Nodal::Zero(values.rows(), 3 * values.cols());
-  tbb::parallel_for(0, mesh.size(), [&](int t) {
-    const auto& corner = mesh.triangles[at(t)];
-    const Vector3d of_corner[3] = {linear_gradient(mesh, t, {1, 0, 0}), linear_gradient(mesh, t, {0, 1, 0}),
-                                   linear_gradient(mesh, t, {0, 0, 1})};
-    for (Index c = 0; c < values.cols(); ++c)
-      of_triangles.row(t).segment<3>(3 * c) =
-          (values(corner[0], c) * of_corner[0] + values(corner[1], c) * of_corner[1] +
-           values(corner[2], c) * of_corner[2])
-              .transpose();
-  });
+Nodal vertex_gradients(const InsideShape& shape, const Nodal& values) {
+  Nodal out = Nodal::Zero(values.rows(), 3 * values.cols());
   tbb::parallel_for(Index{0}, values.rows(), [&](Index v) {
     for (int k = shape.begin[at(v)]; k < shape.begin[at(v) + 1]; ++k)
-      out.row(v) += shape.share[at(k)] * of_triangles.row(shape.triangle[at(k)]);
-    const Matrix3d P = along_surface(mesh.vertex_normals[at(v)]);
-    for (Index c = 0; c < values.cols(); ++c)
-      out.row(v).segment<3>(3 * c) = (P * out.row(v).segment<3>(3 * c).transpose()).transpose();
+      for (Index c = 0; c < values.cols(); ++c)
+        out.row(v).segment<3>(3 * c) += values(shape.vertex[at(k)], c) * shape.slope[at(k)].transpose();
   });
   return out;
 }
@@ -160,12 +162,12 @@ InsideShape inside_shape(const LayerOperator& layer) {
   const Index n = layer.mesh.nodes();
   InsideShape shape;
   shape.walls = walls_of(layer.mesh);
-  set_shares(mesh, shape);
-  Nodal rise = vertex_gradients(mesh, shape, Eigen::Map<const Eigen::VectorXd>(layer.mesh.thickness.data(), n));
+  set_slopes(mesh, shape);
+  Nodal rise = vertex_gradients(shape, Eigen::Map<const Eigen::VectorXd>(layer.mesh.thickness.data(), n));
   stay_in_planes(shape.walls, rise);
   Nodal normals(n, 3);
   for (Index v = 0; v < n; ++v) normals.row(v) = mesh.vertex_normals[at(v)].transpose();
-  const Nodal turning = vertex_gradients(mesh, shape, normals);
+  const Nodal turning = vertex_gradients(shape, normals);
   Nodal packed(n, 6);
   for (Index v = 0; v < n; ++v) {
     Matrix3d G;
@@ -195,11 +197,11 @@ InsideLayer look_inside(const LayerOperator& layer, const InsideShape& shape, co
     inside.spread = Nodal::Zero(n, 6 * kFractions);
     return inside;
   }
-  inside.gradient = vertex_gradients(mesh, shape, inside.value.rightCols(kFractions));
+  inside.gradient = vertex_gradients(shape, inside.value.rightCols(kFractions));
   stay_in_planes(shape.walls, inside.gradient);
   const auto squared = Eigen::Map<const Eigen::VectorXd>(layer.mesh.thickness.data(), n).array().square().matrix();
   const Nodal flow = squared.asDiagonal() * inside.gradient;
-  const Nodal of_flow = vertex_gradients(mesh, shape, flow);  // x y z of each component of each fraction's flow
+  const Nodal of_flow = vertex_gradients(shape, flow);  // x y z of each component of each fraction's flow
   inside.spread.resize(n, 6 * kFractions);
   tbb::parallel_for(Index{0}, n, [&](Index v) {
     const Matrix3d P = along_surface(mesh.vertex_normals[at(v)]);

@@ -42,11 +42,11 @@ enum class StrainMeasure { Large, Small };
 
 /// What does not depend on the pressure.
 struct InsideShape {
-  /// How gradients of what is linear in each triangle are had at the vertices: per vertex a share of each triangle
-  /// around, those of the line through their values that fits best, at the vertex. Exact for quadratic functions on a
-  /// plane.
-  std::vector<int> begin, triangle;
-  std::vector<double> share;
+  /// Per vertex v the vertices around it, v among them, and what a unit at each of them adds to the gradient at v,
+  /// along the surface [1/mm]: the gradients of the triangles around, on the line through them that fits best, at the
+  /// vertex. Exact for quadratic functions on a plane.
+  std::vector<int> begin, vertex;
+  std::vector<Vector3d> slope;
   std::vector<std::array<Vector3d, 2>> walls;  ///< per vertex: unit normals of planes of symmetry there; zero: none
   std::vector<Vector3d> rise;                  ///< per vertex: gradient of the thickness along the surface
   std::vector<Eigen::Matrix3d> curvature;      ///< per vertex: of the normal [1/mm], > 0 convex; smoothed over 0.4 t
