@@ -5,7 +5,6 @@
 #include <unistd.h>
 #include <algorithm>
 
-#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -50,13 +49,6 @@ Examples:
   dea build --bone socket=pelvis.stl --bone ball=femur.stl --uniform socket=2 --edge 1.5 --force ball=0,0,1000 -o joint.feb --report joint.html
   dea build --bone pelvis=pelvis.stl --bone femur=femur.stl --half-gap max=2,min=0.5 --landmarks landmarks.csv --force femur=frame:pelvis,250,1800,-400 --frames hip_frames.xml --hip-figure hip_figure.svg -o hip.feb
   dea build --bone pelvis=pelvis.stl --cartilage pelvis=acetabular_cartilage.stl --bone femur=femur.stl --cartilage femur=femoral_cartilage.stl --force femur=432,-262,1834 -o hip.feb)";
-
-constexpr double kMostLeft = 0.01;  // of the force, along motions that are held for nothing resists them
-
-/// Part of the load that nothing bears; held motions are not asked to balance.
-double left_over(const Equilibrium& e) {
-  return e.load > 0 && std::isfinite(e.residual_force) ? e.residual_force / e.load : 0.0;
-}
 
 /// Forces along directions in which their bone is held reach no cartilage. Throws UsageError: nothing else is left.
 void tell_held_forces(const BuildRequest& request, std::vector<std::string>& findings) {
@@ -109,13 +101,6 @@ std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoin
       const StateResult& state = analysis.states.at(i);
       balances[i].found = solved(state.equilibrium.outcome);
       balances[i].words = state.equilibrium.message;
-      if (balances[i].found && left_over(state.equilibrium) > kMostLeft) {
-        balances[i].found = false;
-        balances[i].words = fmt::format(
-            "{:.1f} % of the force are left along motions that only the facets' roughness resists; this pose is no "
-            "balance to rely on",
-            100 * left_over(state.equilibrium));
-      }
       for (std::size_t b = 0; b < built.bodies.size(); ++b)
         for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
           if (analysis.joint.bodies[j].name == built.bodies[b].name)

@@ -17,6 +17,9 @@ using Sparse = Eigen::SparseMatrix<double>;
 
 namespace {
 
+/// Of the load: more than this is no roughness that a balance may be called one with, in all held directions together.
+constexpr double kMostLeft = 0.01;
+
 /// The flat direction's share of the residual that is left unbalanced: of a rotation about a point off the centre of
 /// mass, which has a translation in it, the moment alone, so that forces balance to the last digit.
 VectorXd moment_of(const Problem& problem, const Evaluation& e, const VectorXd& u) {
@@ -87,6 +90,7 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
   const bool dense = n <= kDenseUnknowns;
   Split s{MatrixXd(n, found), MatrixXd(n, found), MatrixXd(n, dense ? n : 0)};
   Eigen::Index lost = 0, kept = 0;
+  double left = 0.0;  // in the held directions so far, squared
   for (Eigen::Index k = 0; k < found; ++k) {
     const VectorXd u = parts.U.col(k), v = parts.V.col(k);
     const std::optional<FacetNoise> noise = test(parts.sigma[k], parts.largest, v);
@@ -96,7 +100,10 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
     }
     s.flat.col(lost) = v;
     const double along = v.dot(r);
-    if (std::abs(along) <= std::max(1e-7 * e.load, test.patience * noise->force)) {
+    const double most = std::min(test.patience * noise->force,
+                                 std::sqrt(std::max(0.0, kMostLeft * e.load * kMostLeft * e.load - left)));
+    if (std::abs(along) <= std::max(1e-7 * e.load, most)) {
+      left += along * along;
       d.held.push_back(v);
       s.lost.col(lost) = moment_of(problem, e, u);
     } else {

@@ -145,6 +145,29 @@ TEST(EquilibriumTest, SidewaysLoadOnFlatPlatesHasNoEquilibrium) {
   EXPECT_EQ(state.equilibrium.outcome, Outcome::NoEquilibrium) << state.equilibrium.message;
 }
 
+// Bumps of a flat surface resist a sideways load as no flat surface does. What they leave unbalanced may be called
+// roughness up to a hundredth of the load, not beyond.
+TEST(EquilibriumTest, NoBalanceLeavesMoreThanAHundredthOfTheLoad) {
+  int no_balance = 0;
+  for (const double sideways : {0.002, 0.02, 0.04, 0.08}) {
+    for (const double angle : {0.3, 1.4, 2.5}) {
+      JointModel model = test::flat_plates(16, 80, 2, 0.05, 60);
+      for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+        Vector3d& x = model.nodes[i];
+        if (x.z() > -0.01) x.z() += 0.06 * std::sin(1.7 * static_cast<double>(i * i % 101));
+      }
+      test::fix(model, 2, {false, false, false, true, true, true});
+      test::force(model, 2, {200 * sideways * std::cos(angle), 200 * sideways * std::sin(angle), -200});
+      const Equilibrium e = last_state(model).equilibrium;
+      no_balance += !solved(e.outcome);
+      if (solved(e.outcome)) {
+        EXPECT_LE(e.residual_force, 0.0101 * e.load) << sideways << " at " << angle;
+      }
+    }
+  }
+  EXPECT_GT(no_balance, 0);
+}
+
 // ---- loads that nothing resists: no endless search ----------------------------------------------------------------
 
 // What the same load costs with the motions held, and ten times as much at most.
