@@ -229,8 +229,8 @@ int build(const BuildArguments& a) {
   Progress progress(progress_style(a.quiet, false));
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
-  report.findings = read_loads(a, inputs);
-  for (std::string& finding : read_surfaces(a, inputs)) report.findings.push_back(std::move(finding));
+  report.findings = read_loads(inputs);
+  for (std::string& finding : read_surfaces(inputs)) report.findings.push_back(std::move(finding));
   progress.now("anatomy", "", "frames and measures");
   turn_open_bones(inputs.request, report);
   const Anatomy anatomy = find_anatomy(inputs.request.bones, inputs.anatomy);
