@@ -186,6 +186,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_repeated(*c, "--landmarks", a.landmarks, "FILE", "Anatomy",
                "Points with names (CSV: name, x, y, z; Slicer's .csv, .fcsv) that give frames of pelvis, femur, tibia; "
                "numbers may be along their axes: frame:pelvis,x,y,z");
+  add_once(*c, "--landmark-units", a.landmark_units, "mm|cm|m", "Anatomy", "Units of the landmarks [the bones']");
   c->add_flag("--flip-landmarks", a.flip_landmarks,
               "Turn over x and y of the landmarks: they are RAS and the bones LPS, or the other way round")
       ->group("Anatomy");

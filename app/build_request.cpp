@@ -235,15 +235,22 @@ void set_anatomy(const BuildArguments& a, const BuildRequest& request, AnatomyRe
         fmt::format("--frames {}: found no landmarks to make frames of, expected --landmarks FILE", a.frames));
   if (a.landmarks.empty() && a.flip_landmarks)
     throw UsageError("--flip-landmarks: found no landmarks, expected --landmarks FILE");
+  if (a.landmarks.empty() && !a.landmark_units.empty())
+    throw UsageError(
+        fmt::format("--landmark-units {}: found no landmarks, expected --landmarks FILE", a.landmark_units));
+}
+
+double millimetres(const char* option, const std::string& unit) {
+  if (unit == "m") return 1000;
+  if (unit == "cm") return 10;
+  if (unit == "mm") return 1;
+  throw wrong_word(option, unit, "mm, cm or m", {"mm", "cm", "m"});
 }
 
 double scale_of(const BuildArguments& a) {
   if (!a.scale.empty() && !a.units.empty()) throw UsageError("--scale and --units: found both, expected one of them");
   if (!a.scale.empty()) return positive_argument("scale", a.scale);
-  if (a.units == "m") return 1000;
-  if (a.units == "cm") return 10;
-  if (a.units.empty() || a.units == "mm") return 1;
-  throw wrong_word("units", a.units, "mm, cm or m", {"mm", "cm", "m"});
+  return a.units.empty() ? 1 : millimetres("units", a.units);
 }
 
 /// Bones of a joint are some cm to some dm long. What was taken for granted; empty: nothing.
@@ -377,7 +384,8 @@ void read_all_landmarks(const BuildSources& sources, AnatomyRequest& anatomy, st
                        fmt::format("found landmarks in {}, and in {} before, expected one of them", file.axes, axes));
     if (!file.axes.empty()) axes = file.axes;
     for (Landmark l : file.landmarks) {
-      l.point *= sources.scale;
+      l.point *= sources.landmark_scale;
+      l.file = path;
       if (sources.flip_landmarks) l.point.head<2>() *= -1;
       anatomy.landmarks.push_back(l);
     }
@@ -446,6 +454,9 @@ BuildInputs build_inputs(const BuildArguments& a) {
     inputs.files.push_back({"--region", n.value});
   }
   sources.landmarks = a.landmarks;
+  sources.landmark_scale =
+      a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
+  inputs.anatomy.landmark_scale = sources.landmark_scale;
   sources.flip_landmarks = a.flip_landmarks;
   for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
   add_loads(a, inputs);

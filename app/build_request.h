@@ -31,6 +31,7 @@ struct BuildSources {
   std::vector<std::string> bones;  ///< as the request's
   std::vector<CartilageFile> outer, places, regions;
   std::vector<std::string> landmarks;
+  double landmark_scale = 1.0;  ///< of theirs
   bool flip_landmarks = false;
   LoadTable loads;  ///< no file: none
 };
