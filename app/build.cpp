@@ -171,6 +171,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_repeated(*c, "--landmarks", a.landmarks, "FILE", "Anatomy",
                "Points with names (CSV: name, x, y, z; Slicer's .csv, .fcsv) that give frames of pelvis, femur, tibia; "
                "numbers may be along their axes: frame:pelvis,x,y,z");
+  add_once(*c, "--landmark-units", a.landmark_units, "mm|cm|m", "Anatomy", "Units of the landmarks [the bones']");
   c->add_flag("--flip-landmarks", a.flip_landmarks,
               "Turn over x and y of the landmarks: they are RAS and the bones LPS, or the other way round")
       ->group("Anatomy");
@@ -214,8 +215,8 @@ int build(const BuildArguments& a) {
   Progress progress(progress_style(a.quiet, false));
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
-  report.findings = read_loads(a, inputs);
-  for (std::string& finding : read_surfaces(a, inputs)) report.findings.push_back(std::move(finding));
+  report.findings = read_loads(inputs);
+  for (std::string& finding : read_surfaces(inputs)) report.findings.push_back(std::move(finding));
   progress.now("anatomy", "", "frames and measures");
   turn_open_bones(inputs.request, report);
   const Anatomy anatomy = find_anatomy(inputs.request.bones, inputs.anatomy);

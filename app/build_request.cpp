@@ -58,7 +58,8 @@ double not_negative(const char* option, const std::string& text) {
   return value;
 }
 
-CartilageRequest& add_cartilage(BuildRequest& request, const char* option, const std::string& name, Way way) {
+/// Its place among the request's.
+std::size_t add_cartilage(BuildRequest& request, const char* option, const std::string& name, Way way) {
   const int bone = bone_of(request, option, name);
   for (const CartilageRequest& c : request.cartilages)
     if (c.bone == bone)
@@ -69,7 +70,7 @@ CartilageRequest& add_cartilage(BuildRequest& request, const char* option, const
   c.bone = bone;
   c.way = way;
   request.cartilages.push_back(c);
-  return request.cartilages.back();
+  return request.cartilages.size() - 1;
 }
 
 /// "max=2,min=0.5" for all bones that have no cartilage yet.
@@ -87,7 +88,7 @@ void add_half_gap(const std::string& text, BuildRequest& request) {
   for (std::size_t b = 0; b < request.bones.size(); ++b) {
     const auto own = [&](const CartilageRequest& c) { return c.bone == static_cast<int>(b); };
     if (std::any_of(request.cartilages.begin(), request.cartilages.end(), own)) continue;
-    CartilageRequest& c = add_cartilage(request, "half-gap", request.bones[b].name, Way::HalfGap);
+    CartilageRequest& c = request.cartilages[add_cartilage(request, "half-gap", request.bones[b].name, Way::HalfGap)];
     c.most = most;
     c.least = least;
     any = true;
@@ -125,7 +126,8 @@ GivenRegion region_of(const std::string& text) {
   return region;
 }
 
-void add_loads(const BuildArguments& a, BuildRequest& request) {
+void add_loads(const BuildArguments& a, BuildInputs& inputs) {
+  BuildRequest& request = inputs.request;
   for (const std::string& text : a.forces) {
     const Named n = named("force", text, "BODY=x,y,z");
     BoneRequest& bone = request.bones[at(bone_of(request, "force", n.name))];
@@ -141,6 +143,13 @@ void add_loads(const BuildArguments& a, BuildRequest& request) {
     if (!bone.fixed)
       throw UsageError(fmt::format("--loads {}: found --force for this bone too, expected one of them", a.loads));
     bone.fixed = false;
+    inputs.files.push_back({"--loads", n.value});
+    LoadTable& loads = inputs.sources.loads;
+    loads.file = n.value;
+    loads.body = n.name;
+    loads.columns = a.load_columns;
+    loads.units = a.load_units;
+    if (!a.body_weight.empty()) loads.body_weight = positive_argument("body-weight", a.body_weight);
   } else {
     for (const auto& [option, text] :
          {std::pair{"load-columns", &a.load_columns}, std::pair{"load-units", &a.load_units},
@@ -226,25 +235,32 @@ void set_anatomy(const BuildArguments& a, const BuildRequest& request, AnatomyRe
         fmt::format("--frames {}: found no landmarks to make frames of, expected --landmarks FILE", a.frames));
   if (a.landmarks.empty() && a.flip_landmarks)
     throw UsageError("--flip-landmarks: found no landmarks, expected --landmarks FILE");
+  if (a.landmarks.empty() && !a.landmark_units.empty())
+    throw UsageError(
+        fmt::format("--landmark-units {}: found no landmarks, expected --landmarks FILE", a.landmark_units));
+}
+
+double millimetres(const char* option, const std::string& unit) {
+  if (unit == "m") return 1000;
+  if (unit == "cm") return 10;
+  if (unit == "mm") return 1;
+  throw wrong_word(option, unit, "mm, cm or m", {"mm", "cm", "m"});
 }
 
 double scale_of(const BuildArguments& a) {
   if (!a.scale.empty() && !a.units.empty()) throw UsageError("--scale and --units: found both, expected one of them");
   if (!a.scale.empty()) return positive_argument("scale", a.scale);
-  if (a.units == "m") return 1000;
-  if (a.units == "cm") return 10;
-  if (a.units.empty() || a.units == "mm") return 1;
-  throw wrong_word("units", a.units, "mm, cm or m", {"mm", "cm", "m"});
+  return a.units.empty() ? 1 : millimetres("units", a.units);
 }
 
-/// Bones of a joint are some cm to some dm long.
-std::string refuse_size(const BuildArguments& a, const BuildRequest& request) {
+/// Bones of a joint are some cm to some dm long. What was taken for granted; empty: nothing.
+std::string refuse_size(const BuildSources& sources, const BuildRequest& request) {
   double size = 0;
   for (const BoneRequest& b : request.bones) {
     const auto box = box_of(b.surface);
     size = std::max(size, (box[1] - box[0]).maxCoeff());
   }
-  if (!a.units.empty() || !a.scale.empty()) return "";
+  if (sources.scale_given) return "";
   if (size >= 10 && size <= 2000)
     return fmt::format("units: mm, by the size of the largest bone, {:.4g} (--units)", size);
   const char* looks = size < 1.5 ? "m" : size < 10 ? "cm" : "micrometres";
@@ -255,14 +271,8 @@ std::string refuse_size(const BuildArguments& a, const BuildRequest& request) {
                   size, looks, size < 10 ? fmt::format("--units {}", looks) : std::string("--scale 0.001")));
 }
 
-/// A plane across an axis.
-struct Mirror {
-  int axis = 0;
-  double at = 0.0;
-};
-
-std::vector<Mirror> mirrors_of(const BuildArguments& a) {
-  std::vector<Mirror> mirrors;
+std::vector<MirrorPlane> mirrors_of(const BuildArguments& a) {
+  std::vector<MirrorPlane> mirrors;
   if (a.mirror.empty()) return mirrors;
   for (const std::string& part : split_at_commas(a.mirror)) {
     const Named n = named("mirror", part, "x=0, y=0 or z=0, with commas");
@@ -275,9 +285,9 @@ std::vector<Mirror> mirrors_of(const BuildArguments& a) {
 }
 
 /// A sphere or a plane must be its own mirror image: surfaces are completed, these are not.
-void refuse_lopsided(const std::string& text, const GivenRegion& region, const std::vector<Mirror>& mirrors) {
+void refuse_lopsided(const std::string& text, const GivenRegion& region, const std::vector<MirrorPlane>& mirrors) {
   if (region.kind == GivenRegion::Kind::Surface) return;
-  for (const Mirror& mirror : mirrors) {
+  for (const MirrorPlane& mirror : mirrors) {
     constexpr double kOff = 1e-6;  // typed numbers
     const bool own = region.kind == GivenRegion::Kind::Sphere
                          ? std::abs(region.point[mirror.axis] - mirror.at) <= kOff * region.radius
@@ -291,7 +301,7 @@ void refuse_lopsided(const std::string& text, const GivenRegion& region, const s
 }
 
 /// The surface and its image. Points by the plane go onto it, so that both sides join there.
-void add_image(const std::string& path, const Mirror& mirror, TriangleSurface& s) {
+void add_image(const std::string& path, const MirrorPlane& mirror, TriangleSurface& s) {
   const auto box = box_of(s);
   const double tolerance = 1e-4 * (box[1] - box[0]).norm(), low = box[0][mirror.axis] - mirror.at,
                high = box[1][mirror.axis] - mirror.at;
@@ -315,11 +325,11 @@ void add_image(const std::string& path, const Mirror& mirror, TriangleSurface& s
   }
 }
 
-MendedSurface read_mended(const std::string& path, double scale, const std::vector<Mirror>& mirrors,
-                          const std::string& what, std::vector<std::string>& findings) {
+MendedSurface read_mended(const std::string& path, const BuildSources& sources, const std::string& what,
+                          std::vector<std::string>& findings) {
   TriangleSurface surface = read_surface(path);
-  for (Eigen::Vector3d& x : surface.points) x *= scale;
-  for (const Mirror& mirror : mirrors) add_image(path, mirror, surface);
+  for (Eigen::Vector3d& x : surface.points) x *= sources.scale;
+  for (const MirrorPlane& mirror : sources.mirrors) add_image(path, mirror, surface);
   MendedSurface mended = mend_surface(surface);
   const std::size_t triangles = mended.surface.triangles.size();
   if (triangles == 0 && mended.faults.islands > 0)
@@ -338,7 +348,7 @@ MendedSurface read_mended(const std::string& path, double scale, const std::vect
 }
 
 /// Completed by their mirror images, as surfaces are.
-void read_points(const std::string& path, double scale, const std::vector<Mirror>& mirrors, CartilageRequest& c) {
+void read_points(const std::string& path, const BuildSources& sources, CartilageRequest& c) {
   const NumberTable table = read_table(path);
   int column[4];
   const char* names[] = {"x", "y", "z", "thickness"};
@@ -348,13 +358,13 @@ void read_points(const std::string& path, double scale, const std::vector<Mirror
       throw InputError(path, 0, fmt::format("found no column \"{}\", expected x, y, z, thickness", names[i]));
   }
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    const auto value = [&](int i) { return scale * table.rows[r][at(column[i])]; };
+    const auto value = [&](int i) { return sources.scale * table.rows[r][at(column[i])]; };
     if (!(value(3) > 0))
       throw InputError(path, table.lines[r], fmt::format("found a thickness of {}, expected one above 0", value(3)));
     c.places.push_back({value(0), value(1), value(2)});
     c.thickness_there.push_back(value(3));
   }
-  for (const Mirror& mirror : mirrors) {
+  for (const MirrorPlane& mirror : sources.mirrors) {
     const std::size_t points = c.places.size();
     for (std::size_t i = 0; i < points; ++i) {
       Eigen::Vector3d image = c.places[i];
@@ -365,23 +375,23 @@ void read_points(const std::string& path, double scale, const std::vector<Mirror
   }
 }
 
-void read_all_landmarks(const BuildArguments& a, double scale, AnatomyRequest& anatomy,
-                        std::vector<std::string>& findings) {
+void read_all_landmarks(const BuildSources& sources, AnatomyRequest& anatomy, std::vector<std::string>& findings) {
   std::string axes;
-  for (const std::string& path : a.landmarks) {
+  for (const std::string& path : sources.landmarks) {
     const LandmarkFile file = read_landmarks(path);
     if (!axes.empty() && !file.axes.empty() && axes != file.axes)
       throw InputError(path, 0,
                        fmt::format("found landmarks in {}, and in {} before, expected one of them", file.axes, axes));
     if (!file.axes.empty()) axes = file.axes;
     for (Landmark l : file.landmarks) {
-      l.point *= scale;
-      if (a.flip_landmarks) l.point.head<2>() *= -1;
+      l.point *= sources.landmark_scale;
+      l.file = path;
+      if (sources.flip_landmarks) l.point.head<2>() *= -1;
       anatomy.landmarks.push_back(l);
     }
     findings.push_back(fmt::format("landmarks: {}: {}{}{}", path, file.landmarks.size(),
                                    file.axes.empty() ? "" : fmt::format(", in {} as it says", file.axes),
-                                   a.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes"));
+                                   sources.flip_landmarks ? ", x and y turned over" : ", taken in the bones' axes"));
   }
 }
 
@@ -390,8 +400,10 @@ void read_all_landmarks(const BuildArguments& a, double scale, AnatomyRequest& a
 BuildInputs build_inputs(const BuildArguments& a) {
   BuildInputs inputs;
   BuildRequest& request = inputs.request;
-  scale_of(a);
-  const std::vector<Mirror> mirrors = mirrors_of(a);
+  BuildSources& sources = inputs.sources;
+  sources.scale = scale_of(a);
+  sources.scale_given = !a.units.empty() || !a.scale.empty();
+  sources.mirrors = mirrors_of(a);
   for (const std::string& text : a.bones) {
     const Named n = named("bone", text, "NAME=FILE");
     const std::vector<std::string> names = bone_names(request);
@@ -400,22 +412,24 @@ BuildInputs build_inputs(const BuildArguments& a) {
     BoneRequest bone;
     bone.name = n.name;
     request.bones.push_back(bone);
+    sources.bones.push_back(n.value);
     inputs.files.push_back({"--bone", n.value});
   }
   if (request.bones.size() < 2)
     throw UsageError("--bone: found fewer than two, expected --bone NAME=FILE for each bone of the joint");
   for (const std::string& text : a.cartilages) {
     const Named n = named("cartilage", text, "NAME=FILE");
-    add_cartilage(request, "cartilage", n.name, Way::Segmented);
+    sources.outer.push_back({add_cartilage(request, "cartilage", n.name, Way::Segmented), n.value});
     inputs.files.push_back({"--cartilage", n.value});
   }
   for (const std::string& text : a.uniform) {
     const Named n = named("uniform", text, "NAME=T");
-    add_cartilage(request, "uniform", n.name, Way::Uniform).thickness = positive_argument("uniform", n.value);
+    const std::size_t c = add_cartilage(request, "uniform", n.name, Way::Uniform);
+    request.cartilages[c].thickness = positive_argument("uniform", n.value);
   }
   for (const std::string& text : a.thickness_at) {
     const Named n = named("thickness-at", text, "NAME=FILE");
-    add_cartilage(request, "thickness-at", n.name, Way::Points);
+    sources.places.push_back({add_cartilage(request, "thickness-at", n.name, Way::Points), n.value});
     inputs.files.push_back({"--thickness-at", n.value});
   }
   if (!a.half_gap.empty()) add_half_gap(a.half_gap, request);
@@ -434,13 +448,18 @@ BuildInputs build_inputs(const BuildArguments& a) {
                       text));
     refuse_second("region", text, c->region.has_value());
     c->region = region_of(n.value);
-    refuse_lopsided(text, *c->region, mirrors);
-    if (c->region->kind == GivenRegion::Kind::Surface) inputs.files.push_back({"--region", n.value});
+    refuse_lopsided(text, *c->region, sources.mirrors);
+    if (c->region->kind != GivenRegion::Kind::Surface) continue;
+    sources.regions.push_back({static_cast<std::size_t>(c - request.cartilages.begin()), n.value});
+    inputs.files.push_back({"--region", n.value});
   }
+  sources.landmarks = a.landmarks;
+  sources.landmark_scale =
+      a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
+  inputs.anatomy.landmark_scale = sources.landmark_scale;
+  sources.flip_landmarks = a.flip_landmarks;
   for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
-  add_loads(a, request);
-  if (!a.loads.empty()) inputs.files.push_back({"--loads", named("loads", a.loads, "").value});
-  if (!a.body_weight.empty()) positive_argument("body-weight", a.body_weight);
+  add_loads(a, inputs);
   set_mesh(a, request);
   set_anatomy(a, request, inputs.anatomy);
   if (!a.E.empty()) inputs.model.E = positive_argument("E", a.E);
@@ -451,20 +470,15 @@ BuildInputs build_inputs(const BuildArguments& a) {
   return inputs;
 }
 
-std::vector<std::string> read_loads(const BuildArguments& a, BuildInputs& inputs) {
-  if (a.loads.empty()) return {};
-  const Named n = named("loads", a.loads, "");
+std::vector<std::string> read_loads(BuildInputs& inputs) {
+  if (inputs.sources.loads.file.empty()) return {};
   Settings settings;
-  settings.loads.file = n.value;
-  settings.loads.body = n.name;
-  settings.loads.columns = a.load_columns;
-  settings.loads.units = a.load_units;
-  if (!a.body_weight.empty()) settings.loads.body_weight = positive_argument("body-weight", a.body_weight);
+  settings.loads = inputs.sources.loads;
   JointModel units;
   units.units = inputs.model.units;
   read_tables(units, settings);
   const LoadTable& loads = settings.loads;
-  BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "loads", n.name))];
+  BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "loads", loads.body))];
   bool moments = false;
   for (const auto& load : loads.load) {
     bone.forces.push_back(load.head<3>());
@@ -473,49 +487,38 @@ std::vector<std::string> read_loads(const BuildArguments& a, BuildInputs& inputs
   bone.force = bone.forces.front();
   inputs.load_times = loads.time;
   std::vector<std::string> findings = {
-      fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", n.name, loads.words)};
+      fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", loads.body, loads.words)};
   if (moments)
-    findings.push_back(fmt::format("{}: the table's moments have no effect, for the bone does not turn", n.name));
+    findings.push_back(fmt::format("{}: the table's moments have no effect, for the bone does not turn", loads.body));
   return findings;
 }
 
-std::vector<std::string> read_surfaces(const BuildArguments& a, BuildInputs& inputs) {
+std::vector<std::string> read_surfaces(BuildInputs& inputs) {
   std::vector<std::string> findings;
   BuildRequest& request = inputs.request;
-  const double scale = scale_of(a);
-  const std::vector<Mirror> mirrors = mirrors_of(a);
+  const BuildSources& sources = inputs.sources;
   for (std::size_t b = 0; b < request.bones.size(); ++b) {
-    MendedSurface mended =
-        read_mended(named("bone", a.bones[b], "").value, scale, mirrors, request.bones[b].name, findings);
+    MendedSurface mended = read_mended(sources.bones[b], sources, request.bones[b].name, findings);
     request.bones[b].closed = mended.closed();
     request.bones[b].surface = std::move(mended.surface);
   }
-  if (!mirrors.empty())
+  if (!sources.mirrors.empty())
     findings.push_back(
         "all surfaces completed by their mirror images: forces are those of the whole joint, of each of its parts 1/" +
-        std::to_string(std::size_t{1} << mirrors.size()));
-  const std::string units = refuse_size(a, request);
+        std::to_string(std::size_t{1} << sources.mirrors.size()));
+  const std::string units = refuse_size(sources, request);
   if (!units.empty()) findings.push_back(units);
-  const auto cartilage = [&](const std::string& name) -> CartilageRequest& {
-    const int bone = bone_of(request, "cartilage", name);
-    return *std::find_if(request.cartilages.begin(), request.cartilages.end(),
-                         [&](const CartilageRequest& c) { return c.bone == bone; });
-  };
-  for (const std::string& text : a.cartilages) {
-    const Named n = named("cartilage", text, "");
-    cartilage(n.name).outer = read_mended(n.value, scale, mirrors, n.name + " cartilage", findings).surface;
+  const auto bone_name = [&](const CartilageRequest& c) { return request.bones[at(c.bone)].name; };
+  for (const CartilageFile& file : sources.outer) {
+    CartilageRequest& c = request.cartilages[file.cartilage];
+    c.outer = read_mended(file.path, sources, bone_name(c) + " cartilage", findings).surface;
   }
-  for (const std::string& text : a.thickness_at) {
-    const Named n = named("thickness-at", text, "");
-    read_points(n.value, scale, mirrors, cartilage(n.name));
+  for (const CartilageFile& file : sources.places) read_points(file.path, sources, request.cartilages[file.cartilage]);
+  for (const CartilageFile& file : sources.regions) {
+    CartilageRequest& c = request.cartilages[file.cartilage];
+    c.region->surface = read_mended(file.path, sources, bone_name(c) + " region", findings).surface;
   }
-  for (const std::string& text : a.regions) {
-    const Named n = named("region", text, "");
-    GivenRegion& region = *cartilage(n.name).region;
-    if (region.kind == GivenRegion::Kind::Surface)
-      region.surface = read_mended(n.value, scale, mirrors, n.name + " region", findings).surface;
-  }
-  read_all_landmarks(a, scale, inputs.anatomy, findings);
+  read_all_landmarks(sources, inputs.anatomy, findings);
   return findings;
 }
 

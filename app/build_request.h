@@ -7,14 +7,41 @@
 #include <febiodea/build/anatomy.h>
 #include <febiodea/build/build_joint.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/model/settings.h>
 
 namespace dea {
+
+/// A plane across an axis.
+struct MirrorPlane {
+  int axis = 0;
+  double at = 0.0;
+};
+
+/// A file for one of the request's cartilages.
+struct CartilageFile {
+  std::size_t cartilage = 0;
+  std::string path;
+};
+
+/// What is to be read, and how.
+struct BuildSources {
+  double scale = 1.0;        ///< of all coordinates, to mm
+  bool scale_given = false;  ///< else the bones' size has to fit
+  std::vector<MirrorPlane> mirrors;
+  std::vector<std::string> bones;  ///< as the request's
+  std::vector<CartilageFile> outer, places, regions;
+  std::vector<std::string> landmarks;
+  double landmark_scale = 1.0;  ///< of theirs
+  bool flip_landmarks = false;
+  LoadTable loads;  ///< no file: none
+};
 
 struct BuildInputs {
   BuildRequest request;
   BuiltModelSettings model;
   AnatomyRequest anatomy;
-  std::vector<NamedPath> files;
+  BuildSources sources;
+  std::vector<NamedPath> files;    ///< all that are read
   std::vector<double> load_times;  ///< of --loads, per row; empty: none
 };
 
@@ -22,10 +49,10 @@ struct BuildInputs {
 BuildInputs build_inputs(const BuildArguments& arguments);
 
 /// Reads the table of loads into the request, in N. Returns what was found. Throws InputError, UsageError.
-std::vector<std::string> read_loads(const BuildArguments& arguments, BuildInputs& inputs);
+std::vector<std::string> read_loads(BuildInputs& inputs);
 
 /// Reads, scales and mends all surfaces into the request, and reads the landmarks. Returns what was found. Throws
 /// InputError.
-std::vector<std::string> read_surfaces(const BuildArguments& arguments, BuildInputs& inputs);
+std::vector<std::string> read_surfaces(BuildInputs& inputs);
 
 }  // namespace dea

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/build/mend_surface.h>
 #include <febiodea/build/region.h>
 #include <febiodea/geometry/ray_caster.h>
 
@@ -26,11 +28,12 @@ double first_quartile(std::vector<double> values) {
 }
 
 /// Three quarters of the landmarks lie as far from the nearest bone, or farther: scans may hold half a pelvis and a
-/// femur's upper end. x and y of the landmarks times `sign`.
-double distance_to_bones(const std::vector<RayCaster>& bones, const std::vector<Landmark>& landmarks, double sign) {
+/// femur's upper end. All times `scale`, x and y times `sign` too.
+double distance_to_bones(const std::vector<RayCaster>& bones, const std::vector<Landmark>& landmarks, double scale,
+                         double sign) {
   std::vector<double> distances;
   for (const Landmark& l : landmarks) {
-    const Vector3d x(sign * l.point.x(), sign * l.point.y(), l.point.z());
+    const Vector3d x = scale * Vector3d(sign * l.point.x(), sign * l.point.y(), l.point.z());
     double nearest = kInfinity;
     for (const RayCaster& bone : bones)
       nearest = std::min(nearest, (position(bone.mesh(), bone.closest(x)) - x).norm());
@@ -39,24 +42,84 @@ double distance_to_bones(const std::vector<RayCaster>& bones, const std::vector<
   return first_quartile(distances);
 }
 
-/// Landmarks lie on bones, or near them where a scan is cut off.
-void check_place(const std::vector<BoneRequest>& bones, const std::vector<Landmark>& landmarks, Anatomy& anatomy) {
+constexpr double kOff = 10, kFar = 30;  // mm: a landmark off its bone, and one that belongs to no bone
+
+double largest_side(const std::vector<Landmark>& landmarks) {
+  Vector3d low = landmarks.front().point, high = low;
+  for (const Landmark& l : landmarks) {
+    low = low.cwiseMin(l.point);
+    high = high.cwiseMax(l.point);
+  }
+  return (high - low).maxCoeff();
+}
+
+struct Unit {
+  const char* name;
+  double size;  // mm
+};
+constexpr Unit kUnits[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}};
+
+/// Landmarks of one file that lie on the bones if they are taken in another unit, or that are a hundred times as large
+/// or as small as the bones. `scale`: what they were multiplied by already.
+void refuse_other_unit(const std::vector<RayCaster>& bones, double bone_size, const std::vector<Landmark>& landmarks,
+                       double scale) {
+  const double size = largest_side(landmarks), as_is = distance_to_bones(bones, landmarks, 1, 1);
+  const auto alike = [&](double factor, double ratio) {
+    return landmarks.size() < 2 || (factor * size * ratio > bone_size && factor * size < bone_size * ratio);
+  };
+  constexpr double kAlike = 30, kSurelyNot = 100;  // a whole leg's landmarks on a scanned tenth of it: 10
+  const bool fits = alike(1, kAlike);
+  if (as_is <= kFar && fits) return;
+  const Unit* unit = nullptr;
+  double nearest = fits ? std::min(kFar, 0.3 * as_is) : kFar;
+  for (const Unit& u : kUnits) {
+    const double factor = u.size / scale;
+    if (std::abs(factor - 1) < 1e-9 || !alike(factor, kAlike)) continue;
+    const double there =
+        std::min(distance_to_bones(bones, landmarks, factor, 1), distance_to_bones(bones, landmarks, factor, -1));
+    if (there >= nearest) continue;
+    nearest = there;
+    unit = &u;
+  }
+  const auto found = [&] {
+    return fmt::format("found {} {:.3g} away from the bones, which are {:.3g} large",
+                       landmarks.size() < 2 ? "a landmark" : fmt::format("landmarks {:.3g} large", size), as_is,
+                       bone_size);
+  };
+  if (unit != nullptr)
+    throw InputError(landmarks.front().file, 0,
+                     fmt::format("{}, and {:.3g} away if they are multiplied by {:g}, expected both in one unit: the "
+                                 "landmarks look like {} (landmark-units)",
+                                 found(), nearest, unit->size / scale, unit->name));
+  if (as_is > kFar && !alike(1, kSurelyNot))
+    throw InputError(landmarks.front().file, 0,
+                     found() + ", expected both of one size, in one unit (landmark-units) and in the same axes");
+}
+
+/// Landmarks lie on bones, or near them where a scan is cut off. Returns how far they lie if that is far; empty: near.
+std::string check_place(const std::vector<BoneRequest>& bones, const AnatomyRequest& request) {
   std::vector<RayCaster> casters;
-  for (const BoneRequest& b : bones) casters.emplace_back(mesh_of(b.surface));
-  constexpr double kOff = 10, kFar = 30;  // mm
-  const double as_is = distance_to_bones(casters, landmarks, 1);
-  if (as_is < kOff) return;
-  const double turned = distance_to_bones(casters, landmarks, -1);
+  double size = 0;
+  for (const BoneRequest& b : bones) {
+    casters.emplace_back(mesh_of(b.surface));
+    const auto box = box_of(b.surface);
+    size = std::max(size, (box[1] - box[0]).maxCoeff());
+  }
+  std::map<std::string, std::vector<Landmark>> files;
+  for (const Landmark& l : request.landmarks) files[l.file].push_back(l);
+  for (const auto& [file, landmarks] : files) refuse_other_unit(casters, size, landmarks, request.landmark_scale);
+  const double as_is = distance_to_bones(casters, request.landmarks, 1, 1);
+  if (as_is < kOff) return "";
+  const double turned = distance_to_bones(casters, request.landmarks, 1, -1);
   if (turned < 0.3 * as_is)
     throw InputError(fmt::format(
         "landmarks: found three quarters of them {:.3g} or more away from the bones, and {:.3g} with x and y "
         "turned over, expected them in the bones' axes: one is LPS, the other RAS; turn the landmarks over",
         as_is, turned));
-  if (as_is > kFar)
-    anatomy.findings.push_back(fmt::format(
-        "three quarters of the landmarks lie {:.3g} or more away from the bones: are they in the bones' axes "
-        "and unit?",
-        as_is));
+  if (as_is <= kFar) return "";
+  return fmt::format(
+      "three quarters of the landmarks lie {:.3g} or more away from the bones: are they in the bones' axes and unit?",
+      as_is);
 }
 
 std::optional<BallInSocket> find_hip(const std::vector<BoneRequest>& bones, const AnatomyRequest& request) {
@@ -70,22 +133,38 @@ std::optional<BallInSocket> find_hip(const std::vector<BoneRequest>& bones, cons
   return hip;
 }
 
-/// By what is said, by the landmarks' names, by where the hip lies in the pelvis.
-void find_side(const AnatomyRequest& request, const std::optional<Matrix3d>& pelvis,
-               const std::optional<BallInSocket>& hip, Anatomy& anatomy) {
-  const std::optional<BodySide> by_names = side_of(request.landmarks);
-  if (request.side && by_names && *request.side != *by_names)
-    throw InputError(fmt::format("side: found {}, and landmarks of the {}, expected one side", name(*request.side),
-                                 name(*by_names)));
-  anatomy.side = request.side ? request.side : by_names;
-  if (anatomy.side || !pelvis) return;
+/// The side on which the hip's centre lies in the pelvis. nullopt: no pelvis, or no centre.
+std::optional<BodySide> side_in_pelvis(const AnatomyRequest& request, const std::optional<Matrix3d>& pelvis,
+                                       const std::optional<BallInSocket>& hip) {
+  if (!pelvis) return std::nullopt;
   std::optional<Vector3d> center = hip_center(request.landmarks, {});
   if (!center && hip) center = hip->ball_sphere.center;
-  if (!center) return;
+  if (!center) return std::nullopt;
   Vector3d middle = Vector3d::Zero();
   for (const Landmark& spine : front_spines(request.landmarks)) middle += spine.point / 2;
-  anatomy.side = pelvis->col(2).dot(*center - middle) > 0 ? BodySide::Right : BodySide::Left;
-  anatomy.findings.push_back(fmt::format("side: {}, where the hip's centre lies in the pelvis", name(*anatomy.side)));
+  return pelvis->col(2).dot(*center - middle) > 0 ? BodySide::Right : BodySide::Left;
+}
+
+/// By what is said, by the landmarks' names, by where the hip lies in the pelvis: all that know it agree.
+void find_side(const AnatomyRequest& request, const std::optional<Matrix3d>& pelvis,
+               const std::optional<BallInSocket>& hip, Anatomy& anatomy) {
+  const std::optional<BodySide> by_names = side_of(request.landmarks), by_place = side_in_pelvis(request, pelvis, hip);
+  const std::string names = sided_names(request.landmarks);
+  if (request.side && by_names && *request.side != *by_names)
+    throw InputError(fmt::format("side: found {} as given, and landmarks of the {}, {}, expected one side",
+                                 name(*request.side), name(*by_names), names));
+  anatomy.side = request.side ? request.side : by_names;
+  anatomy.side_words = request.side ? "as given" : by_names ? "by the landmarks " + names : "";
+  if (anatomy.side && by_place && *anatomy.side != *by_place)
+    throw InputError(
+        fmt::format("side: found {}, {}, and the hip's centre on the {} of the middle of RASIS and LASIS, expected one "
+                    "side; {}, or right and left of the pelvis are exchanged",
+                    name(*anatomy.side), anatomy.side_words, name(*by_place),
+                    request.side ? "either the side is the other one" : "either " + names + " are the other leg's"));
+  if (anatomy.side || !by_place) return;
+  anatomy.side = by_place;
+  anatomy.side_words = "where the hip's centre lies in the pelvis";
+  anatomy.findings.push_back(fmt::format("side: {}, {}", name(*anatomy.side), anatomy.side_words));
 }
 
 std::string axes_text(const Matrix3d& axes) {
@@ -128,6 +207,8 @@ struct BodyAxes {
   bool of_scanner = false;
 };
 
+constexpr double kSideways = 0.2;  // a socket opens sideways by 0.5 and more
+
 /// Without landmarks of the pelvis: the scanner's axes, and the side by where the socket opens. A socket opens sideways
 /// and, but for few, forwards.
 BodyAxes axes_of_scanner(const AnatomyRequest& request, const Vector3d& opening, Anatomy& anatomy) {
@@ -148,34 +229,60 @@ BodyAxes axes_of_scanner(const AnatomyRequest& request, const Vector3d& opening,
   }
   const bool known = anatomy.side.has_value();
   anatomy.side = opens_to(scan);
+  if (!known) anatomy.side_words = "to which the socket opens";
   BodyAxes body{body_axes(scan), fmt::format("of the scanner, {} ({})", name(scan), why), true};
   anatomy.findings.push_back(
       fmt::format("axes: the scanner's, as there are no landmarks of the pelvis; {} ({}){}", name(scan), why,
-                  known ? "" : fmt::format("; side: {}, to which the socket opens", name(*anatomy.side))));
+                  known ? "" : fmt::format("; side: {}, {}", name(*anatomy.side), anatomy.side_words)));
   return body;
 }
 
-void add_hip(const std::vector<BoneRequest>& bones, const AnatomyRequest& request, const BallInSocket& hip,
-             const std::optional<Matrix3d>& pelvis, Anatomy& anatomy) {
-  const BoneRequest &socket = bones[at(hip.socket)], &head = bones[at(hip.ball)];
-  const Vector3d opening = opening_of(socket.surface, hip.socket_sphere);
-  constexpr double kSideways = 0.2;  // a socket opens sideways by 0.5 and more
-  if (!pelvis && std::abs(opening.x()) < kSideways) {
-    anatomy.findings.push_back(
-        "hip: not measured, for the socket opens neither to the left nor to the right along the scanner's x; landmarks "
-        "of the pelvis would say how it lies");
-    return;
+/// The axes in which a hip is measured; the side too, if nobody knew it. nullopt: nobody knows how the socket lies.
+std::optional<BodyAxes> axes_of_hip(const AnatomyRequest& request, const std::optional<Matrix3d>& pelvis,
+                                    const Vector3d& opening, Anatomy& anatomy) {
+  if (pelvis) {
+    if (opening.dot(pelvis->col(2)) * lateral_sign(*anatomy.side) < -kSideways)
+      throw InputError(
+          fmt::format("hip: found the socket open towards the middle of the body, for the landmarks, expected it to "
+                      "open to the {}; are they in the bones' axes?",
+                      name(*anatomy.side)));
+    return BodyAxes{*pelvis, "of the pelvis, by landmarks", false};
   }
-  if (pelvis && opening.dot(pelvis->col(2)) * lateral_sign(*anatomy.side) < -kSideways)
-    throw InputError(fmt::format(
-        "hip: found the socket open towards the middle of the body, for the landmarks, expected it to open to "
-        "the {}; are they in the bones' axes?",
-        name(*anatomy.side)));
-  BodyAxes body;
-  if (pelvis)
-    body = {*pelvis, "of the pelvis, by landmarks", false};
-  else
-    body = axes_of_scanner(request, opening, anatomy);
+  if (std::abs(opening.x()) >= kSideways) return axes_of_scanner(request, opening, anatomy);
+  anatomy.findings.push_back(
+      "hip: not measured, for the socket opens neither to the left nor to the right along the scanner's x; landmarks "
+      "of the pelvis would say how it lies");
+  return std::nullopt;
+}
+
+/// What no hip has in these axes, or few: a left one in those of a right one, and the other way round.
+std::vector<std::string> odd_directions(const HipMeasures& m, const Vector3d& opening,
+                                        const std::optional<Vector3d>& neck, const Anatomy& anatomy) {
+  std::vector<std::string> odd;
+  const Vector3d& axis = m.rim.empty() ? opening : m.rim_normal;
+  const double side = lateral_sign(m.side), forwards = axis.dot(m.axes.col(0)),
+               lateral = side * axis.dot(m.axes.col(2));
+  const auto arc = [](double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)) * kDegreesPerRadian; };
+  if (forwards < 0) odd.push_back(fmt::format("a socket that opens backwards by {:.1f} degrees", arc(-forwards)));
+  if (lateral < 0)
+    odd.push_back(fmt::format("a socket that opens towards the middle of the body by {:.1f} degrees", arc(-lateral)));
+  if (m.anterior_center_edge > 90)
+    odd.push_back(fmt::format("an anterior center-edge angle of {:.1f} degrees", m.anterior_center_edge));
+  if (!neck) return odd;
+  const auto look_at_neck = [&](const Matrix3d& axes, const std::string& of) {
+    const double medial = -side * neck->dot(axes.col(2)), up = neck->dot(axes.col(1));
+    if (medial < 0) odd.push_back(fmt::format("a neck of the femur that points away from the body's middle{}", of));
+    if (up < 0) odd.push_back(fmt::format("a neck of the femur that points downwards{}", of));
+  };
+  look_at_neck(m.axes, "");
+  for (const AnatomicalFrame& f : anatomy.frames)
+    if (f.name == "femur") look_at_neck(f.axes, " in the femur's frame");
+  return odd;
+}
+
+void add_hip(const std::vector<BoneRequest>& bones, const BallInSocket& hip, const BodyAxes& body,
+             const Vector3d& opening, Anatomy& anatomy) {
+  const BoneRequest &socket = bones[at(hip.socket)], &head = bones[at(hip.ball)];
   HipMeasures m = measure_hip(socket.surface, head.surface, hip, body.axes, *anatomy.side);
   m.socket_bone = socket.name;
   m.head_bone = head.name;
@@ -184,10 +291,14 @@ void add_hip(const std::vector<BoneRequest>& bones, const AnatomyRequest& reques
   anatomy.findings.push_back(
       fmt::format("hip: \"{}\" is the socket, \"{}\" the head, by spheres through what faces each other", m.socket_bone,
                   m.head_bone));
-  if (m.anteversion_anatomic < 0)
-    anatomy.findings.push_back(
-        fmt::format("hip: the socket opens backwards by {:.1f} degrees; if it does not, the axes are wrong",
-                    -m.anteversion_anatomic));
+  const std::vector<std::string> odd =
+      odd_directions(m, opening, neck_direction(head.surface, hip.ball_sphere), anatomy);
+  if (!odd.empty())
+    anatomy.warnings.push_back(fmt::format(
+        "hip: found {}, in axes {}, side {} ({}), expected a socket that opens forwards and to its side, a neck that "
+        "points inwards and up: as it is, a left hip may be taken for a right one, or a right one for a left; check "
+        "side, landmarks and scan axes, and look at the picture (side, landmarks, scan-axes, hip-figure)",
+        fmt::join(odd, ", "), m.axes_words, name(m.side), anatomy.side_words));
   for (const std::string& missing : m.missing) anatomy.findings.push_back("hip: " + missing);
   anatomy.hip = std::move(m);
 }
@@ -217,13 +328,26 @@ Matrix3d body_axes(ScanAxes axes) {
 
 Anatomy find_anatomy(const std::vector<BoneRequest>& bones, const AnatomyRequest& request) {
   Anatomy anatomy;
-  if (!request.landmarks.empty()) check_place(bones, request.landmarks, anatomy);
-  std::optional<BallInSocket> hip;
-  if (request.hip) hip = find_hip(bones, request);
-  const std::optional<Matrix3d> pelvis = pelvis_axes(request.landmarks);
-  find_side(request, pelvis, hip, anatomy);
-  if (!request.landmarks.empty()) add_frames(request, hip, anatomy);
-  if (hip) add_hip(bones, request, *hip, pelvis, anatomy);
+  std::string far;
+  if (!request.landmarks.empty()) far = check_place(bones, request);
+  try {
+    std::optional<BallInSocket> hip;
+    if (request.hip) hip = find_hip(bones, request);
+    const std::optional<Matrix3d> pelvis = pelvis_axes(request.landmarks);
+    find_side(request, pelvis, hip, anatomy);
+    std::optional<BodyAxes> body;
+    Vector3d opening = Vector3d::Zero();
+    if (hip) {
+      opening = opening_of(bones[at(hip->socket)].surface, hip->socket_sphere);
+      body = axes_of_hip(request, pelvis, opening, anatomy);
+    }
+    if (!request.landmarks.empty()) add_frames(request, hip, anatomy);
+    if (body) add_hip(bones, *hip, *body, opening, anatomy);
+  } catch (const InputError& e) {
+    if (far.empty()) throw;
+    throw InputError(fmt::format("{}; {}", line(e.fault), far));
+  }
+  if (!far.empty()) anatomy.findings.insert(anatomy.findings.begin(), far);
   return anatomy;
 }
 

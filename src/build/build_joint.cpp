@@ -424,6 +424,30 @@ void thin_overlaps(const BuildRequest& request, double reach, BuiltJoint& joint,
   }
 }
 
+/// Half the gap that is asked for has a least thickness; what gave way to the other cartilage, or so that no element is
+/// inside out, may be thinner.
+void tell_below_least(const BuildRequest& request, const BuiltJoint& joint, BuildReport& report) {
+  for (std::size_t l = 0; l < joint.layers.size(); ++l) {
+    const BuiltLayer& layer = joint.layers[l];
+    const auto own = [&](const CartilageRequest& c) { return c.bone == layer.body && c.way == Way::HalfGap; };
+    const auto cartilage = std::find_if(request.cartilages.begin(), request.cartilages.end(), own);
+    if (cartilage == request.cartilages.end()) continue;
+    std::size_t below = 0, thinnest = 0;
+    const auto thickness = [&](std::size_t v) { return (layer.articular[v] - layer.bone[v]).norm(); };
+    for (std::size_t v = 0; v < layer.articular.size(); ++v) {
+      below += thickness(v) < (1 - 1e-6) * cartilage->least;
+      if (thickness(v) < thickness(thinnest)) thinnest = v;
+    }
+    report.layers[l].below_least = static_cast<int>(below);
+    if (below > 0)
+      report.findings.push_back(fmt::format(
+          "{}: {} of {} points thinner than the least thickness that was asked for, {:.4g}: {:.3g} at the least, at {}; "
+          "the bones are closer there than two such layers, or elements would be inside out",
+          layer.name, below, layer.articular.size(), cartilage->least, thickness(thinnest),
+          place_text(layer.articular[thinnest])));
+  }
+}
+
 void add_contacts(const BuildRequest& request, double reach, BuiltJoint& joint, BuildReport& report) {
   const double within = report.reach = joint_reach(report, reach);
   std::vector<RayCaster> faces;
@@ -532,6 +556,7 @@ BuiltJoint build_joint(const BuildRequest& request, BuildReport& report) {
     set_center(bone, static_cast<int>(b), joint, report);
   }
   thin_overlaps(request, reach, joint, report);
+  tell_below_least(request, joint, report);
   tell_rims(request, joint, report);
   add_contacts(request, reach, joint, report);
   if (joint.contacts.empty())

@@ -68,6 +68,7 @@ struct LayerReport {
   std::string way;  ///< in words
   int holes_filled = 0, parts_left_out = 0;
   int raised = 0;  ///< vertices with less than the least thickness
+  int below_least = 0;  ///< vertices of half the gap that are thinner than the least thickness that was asked for
   int missed = 0;  ///< thickness to the closest point
   int under = 0;   ///< vertices inside the bone
   SheetChanges changes;

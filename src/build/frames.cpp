@@ -64,6 +64,18 @@ std::optional<Vector3d> find(const std::vector<Landmark>& landmarks, const std::
   return found;
 }
 
+/// Landmarks with one of these names and R or L before it, as their file has them; `of`: of this side.
+std::vector<std::string> names_of_sides(const std::vector<Landmark>& landmarks, const std::vector<std::string>& names,
+                                        BodySide of) {
+  std::vector<std::string> found;
+  for (const Landmark& l : landmarks) {
+    const Meaning m = meaning_of(l.name);
+    if (m.known != nullptr && m.side == of && std::find(names.begin(), names.end(), m.known->name) != names.end())
+      found.push_back(l.name);
+  }
+  return found;
+}
+
 /// All of these, or none of them.
 std::vector<Vector3d> all_or_none(const std::vector<Landmark>& landmarks, const char* bone,
                                   const std::vector<std::string>& names, std::optional<BodySide> side) {
@@ -74,7 +86,16 @@ std::vector<Vector3d> all_or_none(const std::vector<Landmark>& landmarks, const 
     (point ? there : missing).push_back(name);
     if (point) points.push_back(*point);
   }
-  if (there.empty() || missing.empty()) return points;
+  if (there.empty()) return points;
+  const std::vector<std::string> right = names_of_sides(landmarks, names, BodySide::Right),
+                                 left = names_of_sides(landmarks, names, BodySide::Left);
+  if (!right.empty() && !left.empty() && (!missing.empty() || !side))
+    throw InputError(fmt::format("landmarks of the {}: found {} of the right and {} of the left, expected {}", bone,
+                                 fmt::join(right, ", "), fmt::join(left, ", "),
+                                 missing.empty() && right.size() == names.size() && left.size() == names.size()
+                                     ? "the joint's side given too"
+                                     : fmt::format("{} of one side", fmt::join(names, ", "))));
+  if (missing.empty()) return points;
   throw InputError(fmt::format("landmarks of the {}: found {} without {}, expected all of {}, or none of them", bone,
                                fmt::join(there, ", "), fmt::join(missing, ", "), fmt::join(names, ", ")));
 }
@@ -223,6 +244,13 @@ std::optional<BodySide> side_of(const std::vector<Landmark>& landmarks) {
     side = m.side;
   }
   return side;
+}
+
+std::string sided_names(const std::vector<Landmark>& landmarks) {
+  std::vector<std::string> names;
+  for (const Landmark& l : landmarks)
+    if (meaning_of(l.name).side) names.push_back(l.name);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::optional<Vector3d> hip_center(const std::vector<Landmark>& landmarks, std::optional<BodySide> side) {

@@ -20,6 +20,7 @@ double lateral_sign(BodySide side);
 struct Landmark {
   std::string name;  ///< as its file has it
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
+  std::string file = {};  ///< for messages
 };
 
 struct AnatomicalFrame {
@@ -42,6 +43,9 @@ std::vector<Landmark> front_spines(const std::vector<Landmark>& landmarks);
 /// What landmarks alone say of the side: those with R or L before their name (but for the spines, which have both).
 /// nullopt: nothing, or both.
 std::optional<BodySide> side_of(const std::vector<Landmark>& landmarks);
+
+/// Those landmarks' names, "RMFE, RLFE", for messages.
+std::string sided_names(const std::vector<Landmark>& landmarks);
 
 /// The hip's centre: RHJC or LHJC of that side, or HJC. nullopt: none is there, or two and nobody knows the side.
 std::optional<Eigen::Vector3d> hip_center(const std::vector<Landmark>& landmarks, std::optional<BodySide> side);

@@ -423,6 +423,22 @@ Vector3d opening_of(const TriangleSurface& bone, const SphereFit& socket) {
   return sum.normalized();
 }
 
+std::optional<Vector3d> neck_direction(const TriangleSurface& bone, const SphereFit& head) {
+  const std::vector<double> areas = point_areas(bone);
+  Vector3d sum = Vector3d::Zero();
+  double area = 0;
+  for (std::size_t i = 0; i < bone.points.size(); ++i) {
+    const Vector3d out = bone.points[i] - head.center;
+    const double r = out.norm();
+    if (r < 1.3 * head.radius || r > 1.6 * head.radius) continue;
+    sum += areas[i] / r * out;
+    area += areas[i];
+  }
+  constexpr double kOneSided = 0.6;  // all within a cone of 53 degrees about a neck have 0.8
+  if (!(sum.norm() > kOneSided * area)) return std::nullopt;
+  return -sum.normalized();
+}
+
 SocketAngles socket_angles(const Vector3d& axis, const Matrix3d& axes, BodySide side) {
   const double forwards = axis.dot(axes.col(0)), down = -axis.dot(axes.col(1)),
                lateral = lateral_sign(side) * axis.dot(axes.col(2));

@@ -86,6 +86,10 @@ HipMeasures measure_hip(const TriangleSurface& socket_bone, const TriangleSurfac
 /// The mean direction in which a socket opens: from its surface towards the centre, unit.
 Eigen::Vector3d opening_of(const TriangleSurface& socket_bone, const SphereFit& socket);
 
+/// From the neck to the head's centre, unit: against where the bone goes on between 1.3 and 1.6 radii from it. nullopt:
+/// nothing is there, or it lies to all sides, as where a ball has no neck.
+std::optional<Eigen::Vector3d> neck_direction(const TriangleSurface& head_bone, const SphereFit& head);
+
 /// Angles of a socket's axis (unit, out of the socket) as Murray 1993, J Bone Joint Surg Br 75:228, defines them
 /// [degrees]. Radiographic: inclination between the body's long axis and the axis projected on the coronal plane,
 /// anteversion between the axis and that plane. Anatomic: inclination between axis and long axis, anteversion between

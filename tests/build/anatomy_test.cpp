@@ -265,6 +265,27 @@ TEST(Frames, WhatDoesNotFitIsRefusedInALine) {
       "expected a triangle");
 }
 
+TEST(Frames, LandmarksOfTheOtherLegAreSaid) {
+  const MadeHip hip;
+  const auto with = [&](const std::vector<const char*>& names, std::optional<BodySide> side) {
+    FramesRequest request;
+    request.side = side;
+    request.hip_center = hip.center;
+    for (const char* name : names)
+      request.landmarks.push_back(
+          {name, {14, -480, std::string(name).find("MFE") != std::string::npos ? 60.0 : 140.0}});
+    return refused([&] { make_frames(request); });
+  };
+  EXPECT_EQ(with({"LMFE", "RLFE"}, BodySide::Left),
+            "landmarks of the femur: found RLFE of the right and LMFE of the left, expected MFE, LFE of one side");
+  EXPECT_EQ(with({"LMFE", "RLFE"}, {}),
+            "landmarks of the femur: found RLFE of the right and LMFE of the left, expected MFE, LFE of one side");
+  EXPECT_EQ(with({"RMFE", "LMFE", "RLFE", "LLFE"}, {}),
+            "landmarks of the femur: found RMFE, RLFE of the right and LMFE, LLFE of the left, expected the joint's "
+            "side given too");
+  EXPECT_EQ(with({"RMFE", "LMFE", "RLFE", "LLFE"}, BodySide::Right), "nothing was refused");
+}
+
 TEST(Frames, AFemurWithoutEpicondylesHasNone) {
   FramesRequest request;
   request.landmarks = MadeHip().landmarks();
@@ -434,24 +455,219 @@ TEST(Hip, ASocketThatOpensNotSidewaysNeedsLandmarks) {
   EXPECT_TRUE(find_anatomy(bones_of(hip, 8, map), request_of(hip, map)).hip);
 }
 
+/// The bones, with a small triangle at each landmark.
+std::vector<BoneRequest> bones_with_landmarks(const MadeHip& hip, const Map& map = {}) {
+  std::vector<BoneRequest> bones = bones_of(hip, 8, map);
+  TriangleSurface& pelvis = bones[1].surface;
+  for (const Landmark& l : hip.landmarks()) {
+    const int first = static_cast<int>(pelvis.points.size());
+    for (const Vector3d& corner : {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 0, 1)})
+      pelvis.points.push_back(map(l.point + corner));
+    pelvis.triangles.push_back({first, first + 1, first + 2});
+  }
+  return bones;
+}
+
 TEST(Hip, LandmarksOfTheOtherAxesAreRefused) {
   const MadeHip hip;
   const Map turned{body_axes(ScanAxes::LPS), {0, 0, 0}};
   AnatomyRequest request = request_of(hip, turned);
   for (Landmark& l : request.landmarks) l.point.head<2>() *= -1;
-  // bones with the spines on them
-  std::vector<BoneRequest> bones = bones_of(hip, 8, turned);
-  TriangleSurface& pelvis = bones[1].surface;
-  for (const Landmark& l : hip.landmarks()) {
-    const int first = static_cast<int>(pelvis.points.size());
-    for (const Vector3d& corner : {Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 0, 1)})
-      pelvis.points.push_back(turned(l.point + corner));
-    pelvis.triangles.push_back({first, first + 1, first + 2});
-  }
-  const std::string fault = refused([&] { find_anatomy(bones, request); });
+  const std::string fault = refused([&] { find_anatomy(bones_with_landmarks(hip, turned), request); });
   EXPECT_NE(fault.find("or more away from the bones, and 0 with x and y turned over, expected them in the bones' axes"),
             std::string::npos)
       << fault;
+}
+
+/// Landmarks in another unit: the factor is that between the units. Bones 485 + 1 + ... large: from the epicondyles to
+/// the highest spine; landmarks 485.
+TEST(Hip, LandmarksInAnotherUnitAreRefused) {
+  const MadeHip hip;
+  const std::vector<BoneRequest> bones = bones_with_landmarks(hip);
+  const auto fault = [&](double written, double scale, std::size_t count = 6) {
+    AnatomyRequest request = request_of(hip);
+    request.landmarks.resize(count);
+    request.landmark_scale = scale;
+    for (Landmark& l : request.landmarks) {
+      l.point *= written * scale;  // in mm they would be 1
+      l.file = "folder/l.csv";
+    }
+    return refused([&] { find_anatomy(bones, request); });
+  };
+  EXPECT_EQ(fault(1, 1), "nothing was refused");
+  EXPECT_EQ(fault(1e-3, 1000), "nothing was refused");
+  const std::string metres = fault(1e-3, 1);
+  EXPECT_EQ(metres.rfind("folder/l.csv: found landmarks 0.485 large ", 0), 0U) << metres;
+  EXPECT_NE(
+      metres.find(" away from the bones, which are 485 large, and 0 away if they are multiplied by 1000, expected "
+                  "both in one unit: the landmarks look like m (landmark-units)"),
+      std::string::npos)
+      << metres;
+  const auto says = [](const std::string& text, const std::string& what) { return text.find(what) != text.npos; };
+  EXPECT_TRUE(says(fault(0.1, 1), "multiplied by 10, expected both in one unit: the landmarks look like cm"));
+  EXPECT_TRUE(says(fault(1, 1000), "multiplied by 0.001, expected both in one unit: the landmarks look like mm"));
+  EXPECT_TRUE(says(fault(1, 10), "multiplied by 0.1, expected both in one unit: the landmarks look like mm"));
+  EXPECT_TRUE(says(fault(1e-3, 10), "multiplied by 100, expected both in one unit: the landmarks look like m"));
+  EXPECT_TRUE(says(fault(1e-3, 1, 4), "the landmarks look like m"));  // the spines alone
+  EXPECT_TRUE(says(fault(7, 1000), "expected both of one size, in one unit (landmark-units) and in the same axes"));
+}
+
+/// The first to be found fault with is not what is wrong: landmarks far from the bones are said too.
+TEST(Hip, LandmarksFarFromTheBonesAreSaidWithWhatFails) {
+  const MadeHip hip;
+  AnatomyRequest request = request_of(hip);
+  for (Landmark& l : request.landmarks) l.point.z() += 400;
+  const std::string fault = refused([&] { find_anatomy(bones_with_landmarks(hip), request); });
+  EXPECT_EQ(fault.rfind("side: found right, by the landmarks RMFE, RLFE, and the hip's centre on the left ", 0), 0U);
+  EXPECT_NE(fault.find("; three quarters of the landmarks lie "), std::string::npos) << fault;
+}
+
+/// Epicondyles of the other leg are named, not the pelvis.
+TEST(Hip, TheSideIsWhatAllSay) {
+  const MadeHip hip;
+  const Map left = mirror();
+  AnatomyRequest request = request_of(hip, left);
+  const auto fault = [&] { return refused([&] { find_anatomy(bones_with_landmarks(hip, left), request); }); };
+  EXPECT_EQ(fault(), "nothing was refused");
+  for (std::size_t i = 4; i < 6; ++i) request.landmarks[i].name = other_side(request.landmarks[i].name);
+  EXPECT_EQ(
+      fault(),
+      "side: found right, by the landmarks RMFE, RLFE, and the hip's centre on the left of the middle of RASIS and "
+      "LASIS, expected one side; either RMFE, RLFE are the other leg's, or right and left of the pelvis are "
+      "exchanged");
+  request = request_of(hip, left);
+  request.side = BodySide::Right;
+  EXPECT_EQ(fault(), "side: found right as given, and landmarks of the left, LMFE, LLFE, expected one side");
+  request.landmarks.resize(4);
+  EXPECT_EQ(fault(),
+            "side: found right, as given, and the hip's centre on the left of the middle of RASIS and LASIS, expected "
+            "one side; either the side is the other one, or right and left of the pelvis are exchanged");
+}
+
+/// No side in a name and no pelvis: the socket tells it, in the scanner's axes.
+TEST(Hip, EpicondylesWithoutSideTakeThatOfTheSocket) {
+  const MadeHip hip;
+  for (const bool is_left : {false, true}) {
+    Map map = is_left ? mirror() : Map{};
+    map.turn = body_axes(ScanAxes::LPS) * map.turn;
+    AnatomyRequest request;
+    for (const Landmark& l : hip.landmarks())
+      if (l.name[1] != 'A' && l.name[1] != 'P') request.landmarks.push_back({l.name.substr(1), map(l.point)});
+    const Anatomy anatomy = find_anatomy(bones_of(hip, 8, map), request);
+    EXPECT_EQ(anatomy.side, is_left ? BodySide::Left : BodySide::Right);
+    // the frame of the femur is that of the test above it
+    const Vector3d y = Vector3d(-2, 400, -15).normalized(), across = Vector3d(-4, 0, 80);
+    const Vector3d z = (across - across.dot(y) * y).normalized();
+    const double right = is_left ? -1 : 1;  // of the body: mirrored, the epicondyles' line runs the other way
+    EXPECT_LT((frame_called(anatomy, "femur").axes.col(1) - map.turn * y).norm(), 1e-7);
+    EXPECT_LT((frame_called(anatomy, "femur").axes.col(2) - right * map.turn * z).norm(), 1e-7);
+    bool said = false;
+    for (const std::string& finding : anatomy.findings)
+      said =
+          said || finding.find(fmt::format("side: {}, to which the socket opens", name(*anatomy.side))) != finding.npos;
+    EXPECT_TRUE(said);
+    // nothing tells it: refused
+    request.hip = false;
+    request.landmarks.push_back({"HJC", map(hip.center)});
+    EXPECT_EQ(refused([&] { find_anatomy(bones_of(hip, 8, map), request); }).substr(0, 71),
+              "landmarks of the femur: found MFE and LFE, expected their side too: R o");
+  }
+}
+
+/// Front and back, right and left of the pelvis exchanged, that is turned half about the vertical: the socket opens
+/// backwards by what it opens forwards, its edge behind is that in front, and the side is the other one.
+TEST(Hip, ALeftHipTakenForARightOneIsAWarning) {
+  const MadeHip hip;
+  const double behind = hip.edge(Vector3d::UnitZ(), -Vector3d::UnitX());
+  ASSERT_GT(behind, 91);
+  const auto expected = [&](const Anatomy& anatomy, const std::string& axes) {
+    EXPECT_NEAR(anatomy.hip->anterior_center_edge, behind, 0.1);
+    return fmt::format(
+        "hip: found a socket that opens backwards by {:.1f} degrees, an anterior center-edge angle of {:.1f} degrees, "
+        "in "
+        "axes {}, expected a socket that opens forwards and to its side, a neck that points inwards and up: as it is, "
+        "a "
+        "left hip may be taken for a right one, or a right one for a left; check side, landmarks and scan axes, and "
+        "look "
+        "at the picture (side, landmarks, scan-axes, hip-figure)",
+        hip.anteversion, anatomy.hip->anterior_center_edge, axes);
+  };
+  AnatomyRequest request;
+  request.landmarks = {
+      {"RASIS", {60, 0, 120}}, {"LASIS", {60, 0, -120}}, {"RPSIS", {-90, 0, 120}}, {"LPSIS", {-90, 0, -120}}};
+  EXPECT_TRUE(find_anatomy(bones_of(hip, 8), request).warnings.empty());
+  std::swap(request.landmarks[0].name, request.landmarks[3].name);
+  std::swap(request.landmarks[1].name, request.landmarks[2].name);
+  const Anatomy turned = find_anatomy(bones_of(hip, 8), request);
+  EXPECT_EQ(turned.side, BodySide::Left);
+  ASSERT_EQ(turned.warnings.size(), 1U);
+  EXPECT_EQ(turned.warnings[0],
+            expected(turned, "of the pelvis, by landmarks, side left (where the hip's centre lies in the pelvis)"));
+  // the side alone, in the scanner's axes
+  const Map map{body_axes(ScanAxes::LPS), {0, 0, 0}};
+  AnatomyRequest by_side;
+  by_side.side = BodySide::Right;
+  EXPECT_TRUE(find_anatomy(bones_of(hip, 8, map), by_side).warnings.empty());
+  by_side.side = BodySide::Left;
+  const Anatomy wrong = find_anatomy(bones_of(hip, 8, map), by_side);
+  ASSERT_EQ(wrong.warnings.size(), 1U);
+  EXPECT_EQ(wrong.warnings[0],
+            expected(wrong, "of the scanner, RAS (for the socket opens to the left then), side left (as given)"));
+}
+
+/// An edge beyond the horizontal in front, by the formula of these tests.
+TEST(Hip, AnAnteriorEdgeBelowTheCentreIsAWarning) {
+  MadeHip hip;
+  hip.rim = 110;
+  hip.anteversion = 5;
+  ASSERT_GT(hip.anterior(), 91);
+  const Anatomy anatomy = find_anatomy(bones_of(hip, 16), request_of(hip));
+  ASSERT_EQ(anatomy.warnings.size(), 1U);
+  EXPECT_NEAR(anatomy.hip->anterior_center_edge, hip.anterior(), 0.05);
+  EXPECT_EQ(anatomy.warnings[0].rfind(fmt::format("hip: found an anterior center-edge angle of {:.1f} degrees, in axes",
+                                                  anatomy.hip->anterior_center_edge),
+                                      0),
+            0U)
+      << anatomy.warnings[0];
+}
+
+/// A tube of half the head's radius along a direction: its points lie evenly about it.
+TriangleSurface with_neck(TriangleSurface head, const Vector3d& center, double radius, const Vector3d& direction) {
+  const Vector3d a = direction.cross(Vector3d(0.3, -0.2, 0.9)).normalized(), b = direction.cross(a);
+  const TriangleSurface tube = sheet(24, 12, [&](double u, double v) {
+    const double azimuth = 2 * kPi * u;
+    return Vector3d(center + radius * (0.75 + 1.5 * v) * direction +
+                    0.5 * radius * (std::cos(azimuth) * a + std::sin(azimuth) * b));
+  });
+  const TriangleSurface neck = mend_surface(tube).surface;
+  const int first = static_cast<int>(head.points.size());
+  head.points.insert(head.points.end(), neck.points.begin(), neck.points.end());
+  for (const auto& t : neck.triangles) head.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  return head;
+}
+
+TEST(Hip, ANeckThatPointsOutwardsOrDownIsAWarning) {
+  const MadeHip hip;
+  const auto warnings = [&](const Vector3d& from_head) {
+    std::vector<BoneRequest> bones = bones_of(hip, 8);
+    bones[0].surface = with_neck(bones[0].surface, hip.center, hip.head_radius, from_head);
+    const std::optional<Vector3d> neck = neck_direction(bones[0].surface, {hip.center, hip.head_radius, 0});
+    EXPECT_TRUE(neck);
+    if (neck) EXPECT_LT((*neck + from_head).norm(), 1e-9);  // an even ring's middle lies on its axis
+    return find_anatomy(bones, request_of(hip)).warnings;
+  };
+  EXPECT_FALSE(neck_direction(hip.head(8), {hip.center, hip.head_radius, 0}));
+  EXPECT_TRUE(warnings(Vector3d(-0.2, -0.7, 0.7).normalized()).empty());
+  const std::vector<std::string> outwards = warnings(Vector3d(-0.2, -0.7, -0.7).normalized()),
+                                 down = warnings(Vector3d(-0.2, 0.7, 0.7).normalized());
+  ASSERT_EQ(outwards.size(), 1U);
+  EXPECT_EQ(outwards[0].rfind("hip: found a neck of the femur that points away from the body's middle, a neck of the "
+                              "femur that points away from the body's middle in the femur's frame, in axes",
+                              0),
+            0U)
+      << outwards[0];
+  ASSERT_EQ(down.size(), 1U);
+  EXPECT_NE(down[0].find("a neck of the femur that points downwards"), std::string::npos) << down[0];
 }
 
 TEST(Hip, WhatIsNoHipIsNotMeasured) {

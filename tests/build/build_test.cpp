@@ -103,6 +103,33 @@ TEST(Build, HalfOfAPlaneParallelGapIsExact) {
   EXPECT_NEAR(report.contacts.at(0).least_gap, 0, 1e-12);
 }
 
+/// Plates 0.6 apart, half the gap no less than 0.5: each of two layers of 0.5 gives way by half of 0.4, to 0.3, which
+/// is told. 1.2 apart both are 0.6, and nothing is.
+TEST(Build, HalfAGapThinnerThanItsLeastIsTold) {
+  for (const double gap : {0.6, 1.2}) {
+    BuildRequest request;
+    request.bones = {bone("lower", square(9, 10, 0, true)), bone("upper", square(7, 10, gap, false))};
+    for (int b : {0, 1}) request.cartilages.push_back(cartilage(b, Way::HalfGap));
+    request.fade = 0;
+    BuildReport report;
+    const BuiltJoint joint = build_joint(request, report);
+    ASSERT_EQ(joint.layers.size(), 2U);
+    const bool thin = gap < 1;
+    for (std::size_t l = 0; l < 2; ++l) {
+      const BuiltLayer& layer = joint.layers[l];
+      for (std::size_t v = 0; v < layer.articular.size(); ++v)
+        EXPECT_NEAR((layer.articular[v] - layer.bone[v]).norm(), gap / 2, 1e-12);  // rounding alone
+      EXPECT_EQ(report.layers[l].below_least, thin ? static_cast<int>(layer.articular.size()) : 0);
+      const std::string told = fmt::format(
+          "{}: {} of {} points thinner than the least thickness that was asked for, 0.5: 0.3 at the least, at (",
+          layer.name, layer.articular.size(), layer.articular.size());
+      EXPECT_EQ(std::count_if(report.findings.begin(), report.findings.end(),
+                              [&](const std::string& f) { return f.rfind(told, 0) == 0; }),
+                thin ? 1 : 0);
+    }
+  }
+}
+
 /// A rigid ball in a socket lined with uniform cartilage that ends at 60 degrees, law linear: on paper the force is the
 /// integral of the pressure over the cap. The error of the motion falls with the square of the triangles' size.
 TEST(Build, BallInALinedSocketConvergesToTheAnswerOnPaper) {
@@ -501,7 +528,8 @@ TEST(BuildProgram, BadInputIsOneLine) {
       {"--bone socket=socket.stl --bone ball=ball.stl" + rest + " --reach 0.1", 3, "expected one within 0.1"},
       {"--bone socket=socket.stl --bone ball=ball.stl --uniform socket=3 --force ball=0,0,500 -o no/j.feb", 4, "no"},
       {both + " --landmarks none.csv", 3, "none.csv: found no readable file"},
-      {both + " --landmarks l.csv --side left", 3, "side: found left, and landmarks of the right"},
+      {both + " --landmarks l.csv --side left", 3,
+       "side: found left as given, and landmarks of the right, RMFE, RLFE, expected one side"},
       {both + " --side up", 2, "--side up: found \"up\", expected left or right"},
       {both + " --scan-axes XYZ", 2, "--scan-axes XYZ: found \"XYZ\", expected LPS or RAS"},
       {both + " --frames f.xml", 2, "--frames f.xml: found no landmarks to make frames of"},

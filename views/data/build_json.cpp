@@ -3,6 +3,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
 #include <febiodea/views/data/build_json.h>
+#include <febiodea/views/text/build_text.h>
 
 namespace dea {
 
@@ -37,6 +38,7 @@ Json layer_json(const BuildSummary& s, std::size_t l) {
   j["rims"] = r.rim.rims;
   j["rim_length"] = json_number(r.rim.length);
   j["rim_thickness"] = number(r.rim.thickness);
+  j["points_below_least"] = r.below_least;
   return j;
 }
 
@@ -151,6 +153,7 @@ Json build_json(const BuildSummary& s) {
   j["frames"] = Json::array();
   for (const AnatomicalFrame& f : s.anatomy.frames) j["frames"].push_back(frame_json(f));
   j["hip"] = s.anatomy.hip ? hip_json(*s.anatomy.hip) : Json(nullptr);
+  j["warnings"] = build_warnings(s);
   return j;
 }
 

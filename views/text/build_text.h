@@ -8,7 +8,7 @@
 
 namespace dea {
 
-/// Loads without a balance, a line each.
+/// What was measured against the axes or the side, loads that no joint bears, loads without a balance; a line each.
 std::vector<std::string> build_warnings(const BuildSummary& summary);
 /// Where layers are not as they were wanted, a line each.
 std::vector<std::string> layer_changes(const BuildSummary& summary);
