@@ -1,15 +1,17 @@
 // febiodea/febiodea.h – the front door: what the library offers, from a model's file to results in one.
 //
-//   read_feb        file -> JointModel                      io/feb/read_feb.h
-//   recognise       JointModel, Settings -> Recognition     run/recognise.h
-//   analyse         Recognition -> Analysis                 run/analysis.h
-//   make_plot_file  Recognition, Analysis -> XpltFile       io/results/plot_file.h
-//   write_xplt, read_xplt                                   io/xplt/xplt.h
+// * read_feb: file -> JointModel (io/feb/read_feb.h)
+// * recognise: JointModel, Settings -> Recognition (run/recognise.h)
+// * analyse: Recognition -> Analysis (run/analysis.h)
+// * make_plot_file: Recognition, Analysis -> XpltFile (io/results/plot_file.h)
+// * write_xplt, read_xplt (io/xplt/xplt.h)
+//
 // and, for many load cases on one joint:
-//   prepare         Recognition -> Prepared                 run/prepared.h
-//   make_load_case  JointModel, Joint -> LoadCase           equilibrium/load_case.h
-//   solve           Prepared, LoadCase, Start -> Equilibrium
-//   press           Prepared, poses -> pressures, force and moment on each body, their derivative
+//
+// * prepare: Recognition -> Prepared (run/prepared.h)
+// * make_load_case: JointModel, Joint -> LoadCase (equilibrium/load_case.h)
+// * solve: Prepared, LoadCase, Start -> Equilibrium
+// * press: Prepared, poses -> pressures, force and moment on each body, their derivative
 //
 // Units are the model's own throughout; places are global, in the model's frame. Values own what they hold and may be
 // used by several threads at a time. What takes long ends with Stopped when the flag it was given is set (base/stop.h).

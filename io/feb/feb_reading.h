@@ -227,7 +227,7 @@ int find_node(const Reading& reading, int id);
 std::string full_name(const Reading& reading, const std::string& name);
 /// Index of the node with this id, or a fault.
 int need_node(const Reading& reading, const XMLElement& element, int id);
-/// Index of the node that a <node id=""> names, or a fault.
+/// Index of the node that a `<node id="">` names, or a fault.
 int need_listed_node(const Reading& reading, const XMLElement& element);
 /// Nodes of a node set, of a named Nodes section or of an implicit set ("@surface:NAME").
 std::vector<int> need_node_set(Reading& reading, const XMLElement& element, const std::string& name);
@@ -283,8 +283,8 @@ void read_load_data(Reading& reading, const XMLElement& section);
 /// What differs between the versions. What a version does not say is as in the latest.
 struct Rules {
   const char* version;
-  /// 2.5 and before: the k of nested uncoupled materials is added to the top-level k, each <Step> is one step
-  /// (otherwise <Step> has <step> children), Elements may repeat a name, and there is no section Rigid.
+  /// 2.5 and before: the k of nested uncoupled materials is added to the top-level k, each `<Step>` is one step
+  /// (otherwise `<Step>` has `<step>` children), Elements may repeat a name, and there is no section Rigid.
   bool up_to_25 = false;
   bool unique_materials = true;    ///< no two materials of one name
   SectionReader mesh = read_mesh;  ///< Geometry or Mesh
@@ -325,11 +325,11 @@ bool nodal_load(Reading& reading, const XMLElement& element, febio::Component co
 void add_contact(Reading& reading, const XMLElement& element, int primary, int secondary);
 // -- shared by 1.2 and 2.0 (feb_old.cpp) -------------------------------------------------------------
 
-/// One <contact>: rigid nodes, a connector, or two surfaces inside it.
+/// One `<contact>`: rigid nodes, a connector, or two surfaces inside it.
 void read_old_contact(Reading& reading, const XMLElement& element);
 /// Springs between nodes listed inside.
 void read_old_spring(Reading& reading, const XMLElement& element);
-/// <node id="" bc="">value</node> of forces and prescribed displacements; values at the element are for all nodes.
+/// `<node id="" bc="">value</node>` of forces and prescribed displacements; values at the element are for all nodes.
 void read_old_prescribe(Reading& reading, const XMLElement& element);
 void read_old_nodal_force(Reading& reading, const XMLElement& element);
 void read_old_fix(Reading& reading, const XMLElement& element);

@@ -4,10 +4,10 @@
 
 namespace dea {
 
-/// --thickness "knee=1.8"; bare: --thickness knee=1.8
+/// `--thickness "knee=1.8"`; bare: `--thickness knee=1.8`
 Wording command_line_wording();
 
-/// <thickness surface="knee">1.8</thickness> (docs/settings.md)
+/// `<thickness surface="knee">1.8</thickness>` (docs/settings.md)
 Wording settings_file_wording();
 
 }  // namespace dea

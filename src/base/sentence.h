@@ -1,7 +1,7 @@
 // febiodea/base/sentence.h – sentences for the user that name settings, before a front end words these.
 //
-// How a setting is written differs: --thickness "knee=1.8" on the command line, <thickness surface="knee"> in a
-// settings file, <primary_thickness> in a contact of FEBio. So a sentence keeps its settings apart from its text.
+// How a setting is written differs: `--thickness "knee=1.8"` on the command line, `<thickness surface="knee">` in a
+// settings file, `<primary_thickness>` in a contact of FEBio. So a sentence keeps its settings apart from its text.
 #pragma once
 #include <functional>
 #include <string>

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Makes the site: docs/site/make_site.py BUILD. BUILD: a folder of the project that is built, e.g. build/release.
+
+The pages by mkdocs, the C++ reference by doxygen, the Python reference by sphinx; any warning of theirs is a fault. The site is
+BUILD/site/index.html, for a web server or for a browser alone; it loads nothing from elsewhere, which is looked at."""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+sys.dont_write_bytecode = True
+import pages
+
+HERE = pathlib.Path(__file__).resolve().parent
+SOURCE = HERE.parent.parent
+
+
+def fail(text):
+    sys.exit(f"make_site.py: {text}")
+
+
+def run(*command, **options):
+    done = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **options)
+    if done.returncode:
+        print(done.stdout)
+        fail(f"{command[0]} found faults, see above")
+
+
+def gather(work):
+    """The pages as they lie in the project, names of pages as links; figures; what mkdocs needs beside them."""
+    known = set(pages.pages(SOURCE))
+    for page in known:
+        (work / "pages" / page).parent.mkdir(parents=True, exist_ok=True)
+        (work / "pages" / page).write_text(pages.for_mkdocs((SOURCE / page).read_text(), page, known))
+    for figure in pages.figures(SOURCE):
+        (work / "pages" / figure).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(SOURCE / figure, work / "pages" / figure)
+    shutil.copy(HERE / "site.css", work / "pages")
+    shutil.copy(HERE / "mkdocs.yml", work)
+
+
+def cpp_reference(build, work):
+    """Of the headers that are installed, by doxygen."""
+    include = build / "include"
+    inputs = [include / "febiodea" / place for place in
+              ("febiodea.h", "version.h", "io", *sorted(folder.name for folder in (SOURCE / "src").iterdir() if folder.is_dir()))]
+    settings = [(HERE / "Doxyfile").read_text(), *(f'INPUT += "{path}"' for path in inputs), f'STRIP_FROM_PATH = "{include}"',
+                f'INPUT_FILTER = "sed -f {HERE}/header.sed"', f'OUTPUT_DIRECTORY = "{work}/pages/reference"']
+    run("doxygen", "-", input="\n".join(settings))
+
+
+def python_reference(build, work):
+    """Of the module that is built, by sphinx."""
+    run("sphinx-build", "-q", "-W", "--keep-going", "-d", work / "doctrees", "-b", "html", HERE / "python", work / "pages/reference/python",
+        env={**os.environ, "PYTHONPATH": str(build / "python"), "PYTHONDONTWRITEBYTECODE": "1"})
+    (work / "pages/reference/python/.buildinfo").unlink()
+
+
+def loaded(site):
+    """What the pages would load from elsewhere: (page, address)."""
+    tags = re.compile(r"""<(?:link|script|img|iframe|source|object|embed)\b[^>]*?\b(?:href|src|data)=["']?((?:https?:)?//[^"'\s>]+)""", re.I)
+    styles = re.compile(r"""(?:url\(|@import )["']?((?:https?:)?//[^"')\s]+)""", re.I)
+    for path in sorted(site.rglob("*")):
+        if path.suffix in (".html", ".css", ".svg"):
+            text = path.read_text(errors="replace")
+            for address in (tags.findall(text) if path.suffix == ".html" else []) + styles.findall(text):
+                yield path.relative_to(site), address
+
+
+if len(sys.argv) != 2 or not (pathlib.Path(sys.argv[1]) / "CMakeCache.txt").is_file():
+    sys.exit(__doc__)
+build = pathlib.Path(sys.argv[1]).resolve()
+for tool, package in (("mkdocs", "mkdocs"), ("doxygen", "doxygen"), ("sphinx-build", "python3-sphinx")):
+    if not shutil.which(tool):
+        fail(f"found no {tool}; on Debian: apt install {package}")
+if not list((build / "python/febiodea").glob("_febiodea*.so")):
+    fail(f"found no Python module in {build}/python; build it first")
+work, site = build / "site_source", build / "site"
+for folder in (work, site):
+    shutil.rmtree(folder, ignore_errors=True)
+gather(work)
+(work / "pages/reference").mkdir()
+cpp_reference(build, work)
+python_reference(build, work)
+run("mkdocs", "build", "--strict", "--quiet", "-f", work / "mkdocs.yml", "-d", site)
+elsewhere = [f"{page}: {address}" for page, address in loaded(site)]
+if elsewhere:
+    fail("pages load what is elsewhere:\n" + "\n".join(elsewhere))
+print(f"{site / 'index.html'}: {len(pages.pages(SOURCE))} pages, the C++ and the Python reference")
