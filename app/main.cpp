@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
+#include <new>
 #include <sstream>
 
 #include <febiodea/app/commands.h>
 #include <febiodea/app/interrupt.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/io/files/free_memory.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/setting_words.h>
 
@@ -204,6 +206,12 @@ int main(int argc, char** argv) {
     return refuse("", line(e.fault, command_line_wording()) + more_text(e), kInputRefused);
   } catch (const WriteError& e) {
     return refuse("dea: cannot write ", e.what(), kCannotWrite);
+  } catch (const std::bad_alloc&) {
+    return refuse("dea: ",
+                  fmt::format("the memory is full ({} are free), expected more for this: fewer springs or "
+                              "states, smaller files, or a machine with more",
+                              gigabytes(free_memory())),
+                  kInputRefused);
   } catch (const std::exception& e) {
     return refuse("internal error: ", std::string(e.what()) + ", please report", kInternalError);
   } catch (...) {

@@ -1,9 +1,15 @@
-// A model: read, and recognised as far as it goes.
+// A model: read, recognised as far as it goes, and converted.
+#include <febiodea/io/convert/convert_feb.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/run/recognise.h>
 #include "fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  dea::fuzz::answer_or_refusal([&] { dea::recognise(dea::read_feb(dea::fuzz::file_of(data, size, ".feb"))); });
+  dea::fuzz::answer_or_refusal([&] {
+    const std::string path = dea::fuzz::file_of(data, size, ".feb");
+    const dea::JointModel model = dea::read_feb(path);
+    dea::recognise(model);
+    dea::convert_feb(model, {}, path + ".out.feb");
+  });
   return 0;
 }

@@ -46,6 +46,8 @@ gait = (source / "samples/osteotomy/gait.csv").read_bytes()
 (tables / "motion").write_bytes(b"\2time,tx,ty,tz,rx,ry,rz\n0,0,0,0,0,0,0\n1,0.1,0,-1,5,0,2e1\n")
 (tables / "thickness").write_bytes(b"\3node,thickness\n1,1.5\n2,0\n")
 (tables / "cases").write_bytes(b'\4tilt,model,"E, MPa"\n10,"a.feb",8\n-10,b.feb,"12"\n')
+(tables / "landmarks").write_bytes(b"\5name,x,y,z\nASIS left,1,2,3\nASIS right,-1,2,3e0\n")
+(tables / "markups").write_bytes(b"\6# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n# columns = id,x,y,z,label,defined\n1,1,2,3,hip,1\n2,0,0,0,knee,0\n")
 
 # One small shape in each format
 surfaces = folder("surfaces")

@@ -1,4 +1,5 @@
-// A table of loads, motion, thickness or cases. The first byte chooses what it is taken for.
+// A table of loads, motion, thickness, cases or landmarks. The first byte chooses what it is taken for.
+#include <febiodea/io/build/landmarks.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/io/tables/text_table.h>
 #include <febiodea/model/joint_model.h>
@@ -6,11 +7,15 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  const int kind = data[0] % 5;
-  const std::string path = dea::fuzz::file_of(data + 1, size - 1, kind == 1 ? ".sto" : ".csv");
+  const int kind = data[0] % 7;
+  const std::string path = dea::fuzz::file_of(data + 1, size - 1, kind == 1 ? ".sto" : kind == 6 ? ".fcsv" : ".csv");
   dea::fuzz::answer_or_refusal([&] {
     if (kind == 4) {
       dea::read_case_table(path);
+      return;
+    }
+    if (kind > 4) {
+      dea::read_landmarks(path);
       return;
     }
     dea::JointModel model;

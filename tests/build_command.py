@@ -198,6 +198,9 @@ def shapes_are_solved_or_refused(folder):
             close(math.hypot(*(float(row[f"force_{c}"]) for c in "xyz")), 500, 0.5, f"{what}: force")
     folder.write("ball.stl", stl(SHAPES["slivers"][0]()))
     same(folder.build(*JOINT, "--edge", "2").returncode, 0, "slivers, with other triangles")
+    fine = folder.build(*JOINT, "--edge", "1e-4")
+    same(fine.returncode, 3, "edges far too short")
+    true("expected at most 2000000: longer edges" in fine.stderr and fine.stderr.count("\n") == 1, fine.stderr)
 
 
 # ---- files -----------------------------------------------------------------------------------------------------------

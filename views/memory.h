@@ -7,10 +7,6 @@
 
 namespace dea {
 
-/// Bytes that this process may still take: of the machine, of its control groups, of Slurm's job, of its limit on
-/// addresses. Infinity: nobody says.
-double free_memory();
-
 /// What springs divided by --refine cost, as a note; empty: they are few. Throws UsageError where they need more memory
 /// than is free.
 std::string spring_cost_note(const Recognition& recognition, const Wording& wording = command_line_wording());

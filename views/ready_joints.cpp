@@ -10,11 +10,11 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/stop.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/free_memory.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/model/settings_table.h>
 #include <febiodea/run/cost.h>
 #include <febiodea/run/states.h>
-#include <febiodea/views/memory.h>
 #include <febiodea/views/text/remarks.h>
 
 namespace dea {

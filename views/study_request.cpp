@@ -15,14 +15,14 @@
 #include <febiodea/base/parse.h>
 #include <febiodea/base/say.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/free_memory.h>
+#include <febiodea/io/files/job_limits.h>
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/io/study/study_schema.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/io/tables/text_table.h>
 #include <febiodea/run/states.h>
 #include <febiodea/version.h>
-#include <febiodea/views/job_limits.h>
-#include <febiodea/views/memory.h>
 
 namespace dea {
 

@@ -55,6 +55,7 @@ void add_instance(Reading& reading, const Part& part, Instance& instance) {
     fail(reading, *part.element, "a part inside a part, expected parts beside each other: move it out");
   const int outer_file = reading.file;
   instance.first_node = reading.nodes.size();
+  const int first_element = reading.elements.size();
   reading.file = part.file;
   reading.instance = &instance;
   read_children(
@@ -63,6 +64,12 @@ void add_instance(Reading& reading, const Part& part, Instance& instance) {
       pass_over);
   reading.instance = nullptr;
   reading.file = outer_file;
+  constexpr int kMostCopied = 5'000'000;  // one line makes another copy of a part, however large
+  reading.copied += reading.nodes.size() - instance.first_node + reading.elements.size() - first_element;
+  if (reading.copied > kMostCopied)
+    fail(reading, *part.element,
+         fmt::format("the instances of parts have more than {} nodes and elements: is one copied again and again?",
+                     kMostCopied));
 }
 
 }  // namespace

@@ -130,6 +130,7 @@ struct Reading : febio::Draft {
   std::vector<ElementPlace> element_places;  ///< 1.2 only, where domains are mixed: by index in `elements`
   std::map<std::string, Part, std::less<>> parts;
   Instance* instance = nullptr;                         ///< being read; null: none
+  int copied = 0;                                       ///< nodes and elements of all instances so far
   std::vector<std::unique_ptr<XMLDocument>> documents;  ///< other files that parts are in
   std::vector<NodeRange> node_ranges;
   std::map<std::string, int, std::less<>> surface_index, node_set_index, element_set_index, discrete_set_index,

@@ -8,9 +8,12 @@
 #include <filesystem>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/files/free_memory.h>
 
 namespace dea::feb {
 namespace {
+
+constexpr double kMemoryPerByte = 8;  // of a file: its text, its elements and what is read from them
 
 bool is_project_file(const std::string& path) {
   const std::string extension = lower(std::filesystem::path(path).extension().string());
@@ -53,6 +56,7 @@ std::unique_ptr<XMLDocument> load_xml(const std::string& path, const std::string
   const auto size = std::filesystem::file_size(path, error);
   if (error) throw InputError(name + ": cannot be read: check its permissions");
   if (size == 0) throw InputError(name + ": the file is empty, expected a FEBio model: save it again");
+  need_memory(name, kMemoryPerByte * static_cast<double>(size));
   std::string start = read_start(path);
   if (start.empty()) throw InputError(name + ": cannot be read: check its permissions");
   if (start.rfind("\xFF\xFE", 0) == 0 || start.rfind("\xFE\xFF", 0) == 0) {

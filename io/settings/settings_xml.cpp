@@ -4,13 +4,12 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
+#include <optional>
 #include <set>
-#include <sstream>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/io/files/free_memory.h>
 #include <febiodea/run/states.h>
 
 namespace dea {
@@ -98,15 +97,10 @@ SettingValue read_element(const std::string& path, const XMLElement& e) {
 
 /// The root of a settings file. `document` is what it belongs to.
 const XMLElement& read_root(const std::string& path, tinyxml2::XMLDocument& document) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream bytes;
-  std::error_code error;
-  const bool readable = in && !std::filesystem::is_directory(path, error);
-  if (readable) bytes << in.rdbuf();  // fails on an empty file, which is no XML either
-  if (!readable || in.bad())
-    throw InputError(fmt::format("{}: found no readable file, expected a settings file", path));
-  const std::string text = bytes.str();
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+  constexpr double kMemoryPerByte = 10;  // of a file: its text and its elements
+  const std::optional<std::string> text = whole_file(path, kMemoryPerByte);
+  if (!text) throw InputError(fmt::format("{}: found no readable file, expected a settings file", path));
+  if (document.Parse(text->data(), text->size()) != tinyxml2::XML_SUCCESS)
     throw fault(path, document.ErrorLineNum(), "found no well-formed XML, expected <febiodea_settings version=\"1\">");
   const XMLElement* root = document.RootElement();
   if (!root || std::string(root->Name()) != "febiodea_settings")

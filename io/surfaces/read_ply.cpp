@@ -38,7 +38,7 @@ Type type_of(SurfaceText& text, std::string_view word) {
                                             {"float", "float32"}, {"double", "float64"}};
   for (std::size_t i = 0; i < std::size(kWords); ++i)
     if (word == kWords[i][0] || word == kWords[i][1]) return static_cast<Type>(i);
-  text.refuse(fmt::format("found the type \"{}\", expected one of PLY's: float, uchar, int, ...", word));
+  text.refuse(fmt::format("found the type \"{}\", expected one of PLY's: float, uchar, int, ...", shown(word)));
 }
 
 Property next_property(SurfaceText& text) {
@@ -65,8 +65,8 @@ Head read_head(SurfaceText& text) {
       head.binary = format != "ascii";
       head.swap = format == "binary_big_endian";
       if (head.binary && !head.swap && format != "binary_little_endian")
-        text.refuse(
-            fmt::format("found the format \"{}\", expected ascii, binary_little_endian or binary_big_endian", format));
+        text.refuse(fmt::format("found the format \"{}\", expected ascii, binary_little_endian or binary_big_endian",
+                                shown(format)));
     } else if (word == "element") {
       Element e;
       e.name = text.next_word();

@@ -5,10 +5,11 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
-#include <fstream>
+#include <optional>
 #include <sstream>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/files/free_memory.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/surfaces/surface_text.h>
 
@@ -19,13 +20,10 @@ namespace {
 constexpr std::size_t kStlHead = 84, kStlTriangle = 50;
 
 std::string content_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream out;
-  if (!in || !(out << in.rdbuf()) || in.bad()) {
-    if (in && in.peek() == std::ifstream::traits_type::eof()) return {};
-    throw InputError(path, 0, "found no file that can be read, expected a triangle surface");
-  }
-  return std::move(out).str();
+  constexpr double kMemoryPerByte = 4;  // of a file: its bytes, points and triangles
+  std::optional<std::string> content = whole_file(path, kMemoryPerByte);
+  if (!content) throw InputError(path, 0, "found no file that can be read, expected a triangle surface");
+  return std::move(*content);
 }
 
 bool begins(const std::string& content, const char* word) { return content.rfind(word, 0) == 0; }

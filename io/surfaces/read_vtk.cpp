@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
@@ -19,7 +20,7 @@ Type type_of(SurfaceText& text, std::string_view word) {
   if (word == "double") return Type::Double;
   if (word == "int" || word == "vtkIdType") return Type::Int32;
   if (word == "vtktypeint64" || word == "long") return Type::Int64;
-  text.refuse(fmt::format("found the type \"{}\", expected float, double, int or vtktypeint64", word));
+  text.refuse(fmt::format("found the type \"{}\", expected float, double, int or vtktypeint64", shown(word)));
 }
 
 double next_value(SurfaceText& text, bool binary, Type type) {
@@ -39,7 +40,10 @@ double next_value(SurfaceText& text, bool binary, Type type) {
 }
 
 long long next_whole(SurfaceText& text, bool binary, Type type) {
-  return binary ? static_cast<long long>(next_value(text, true, type)) : text.next_integer("a point's number");
+  if (!binary) return text.next_integer("a point's number");
+  const double value = next_value(text, true, type);
+  if (!(std::abs(value) < 4e18)) text.refuse(fmt::format("found {}, expected a whole number", value));
+  return static_cast<long long>(value);
 }
 
 void end_bytes(SurfaceText& text, bool binary) {
@@ -100,7 +104,7 @@ TriangleSurface read_vtk(SurfaceText& text) {
   text.next_line();  // title
   const std::string_view coding = text.next_word();
   if (coding != "ASCII" && coding != "BINARY")
-    text.refuse(fmt::format("found \"{}\", expected ASCII or BINARY", coding));
+    text.refuse(fmt::format("found \"{}\", expected ASCII or BINARY", shown(coding)));
   const bool binary = coding == "BINARY";
   if (text.next_word() != "DATASET" || text.next_word() != "POLYDATA")
     text.refuse("found another data set, expected \"DATASET POLYDATA\": a surface, not a volume or grid");
@@ -120,7 +124,7 @@ TriangleSurface read_vtk(SurfaceText& text) {
       text.refuse(
           fmt::format("found \"{}\", expected POINTS and POLYGONS (triangle strips and fields before the "
                       "polygons are not read: save the surface as STL)",
-                      word.substr(0, 30)));
+                      shown(word)));
     }
   }
   return surface;

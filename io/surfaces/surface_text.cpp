@@ -13,14 +13,13 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 
-/// Foreign bytes do not belong into a message.
+}  // namespace
+
 std::string shown(std::string_view word) {
   std::string text;
   for (const char c : word.substr(0, 30)) text += c >= ' ' && c <= '~' ? c : '?';
   return text + (word.size() > 30 ? "..." : "");
 }
-
-}  // namespace
 
 std::string_view SurfaceText::next_line() {
   const std::size_t begin = place_;

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
+#include <optional>
 #include <set>
 #include <sstream>
 
 #include <febiodea/base/parse.h>
 #include <febiodea/io/febio/febio_text.h>
+#include <febiodea/io/files/free_memory.h>
 
 namespace dea {
 
@@ -66,15 +67,11 @@ std::string said_in_comment(const std::string& line, const std::string& word) {
 }
 
 std::string text_of(const std::string& path) {
-  std::error_code error;
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream bytes;
-  const bool readable = in && !std::filesystem::is_directory(path, error);
-  if (readable) bytes << in.rdbuf();
-  if (!readable || in.bad()) throw InputError(fmt::format("{}: found no readable file, expected a table", path));
-  std::string text = bytes.str();
-  if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);  // a byte order mark
-  return text;
+  constexpr double kMemoryPerByte = 20;  // of a file: cells are short
+  std::optional<std::string> text = whole_file(path, kMemoryPerByte);
+  if (!text) throw InputError(fmt::format("{}: found no readable file, expected a table", path));
+  if (text->rfind("\xef\xbb\xbf", 0) == 0) text->erase(0, 3);  // a byte order mark
+  return std::move(*text);
 }
 
 /// A word for each name.

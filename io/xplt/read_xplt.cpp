@@ -3,6 +3,7 @@
 // Files come from programs that were killed, disks that were full and copies that broke off, so no length
 // and no index is believed before it is checked, and nothing is allocated that the file does not fill.
 #include <fmt/format.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -12,11 +13,13 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <set>
 #include <system_error>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/files/free_memory.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/io/xplt/xplt_format.h>
 
@@ -25,6 +28,8 @@ namespace dea {
 using namespace xplt;
 
 namespace {
+
+constexpr double kXpltMemory = 2;  // times the file: its bytes and its values
 
 // --------------------------------------------------------------------------------------------- chunks
 
@@ -694,11 +699,12 @@ XpltState read_state(const Chunk& chunk, const XpltFile& file) {
 std::optional<std::string> unpack(const Source& file, std::size_t& at) {
   z_stream stream = {};
   if (inflateInit(&stream) != Z_OK) fail(file, at, "not enough memory to unpack");
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
   const std::size_t start = at;
   std::string result;
   std::string buffer(1 << 16, '\0');
   int code = Z_OK;
-  bool too_long = false;
+  bool too_long = false, asked = false;
   while (code == Z_OK && !too_long && (at < file.bytes->size() || stream.avail_out == 0)) {
     // avail_in is 32 bits wide; the file may be longer.
     const auto portion = static_cast<uInt>(std::min<std::size_t>(file.bytes->size() - at, 1 << 20));
@@ -713,10 +719,12 @@ std::optional<std::string> unpack(const Source& file, std::size_t& at) {
     if (result.size() >= 8) {
       Source unpacked = file;
       unpacked.bytes = &result;
-      too_long = result.size() - 8 > u32_at(unpacked, 4);
+      const std::uint32_t size = u32_at(unpacked, 4);
+      if (!asked) need_memory(*file.name, kXpltMemory * size);
+      asked = true;
+      too_long = result.size() - 8 > size;
     }
   }
-  inflateEnd(&stream);
   if (too_long) fail(file, start, "compressed chunk longer than it says");
   if (code == Z_STREAM_END) return result;
   if (code == Z_OK || code == Z_BUF_ERROR) return std::nullopt;
@@ -754,23 +762,10 @@ std::string bytes_of_file(const std::string& path) {
   };
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) fail_reading(EISDIR);
-  errno = 0;
-  std::FILE* stream = std::fopen(path.c_str(), "rb");
-  if (stream == nullptr) fail_reading(errno);
-  std::string bytes;
-  const std::uintmax_t size = std::filesystem::file_size(path, ignored);
-  if (!ignored) bytes.reserve(static_cast<std::size_t>(size));
-  std::string buffer(1 << 18, '\0');
-  errno = 0;
-  for (std::size_t n = 1; n > 0;) {
-    n = std::fread(buffer.data(), 1, buffer.size(), stream);
-    bytes.append(buffer, 0, n);
-  }
-  const bool failed = std::ferror(stream) != 0;
-  const int error = errno;
-  std::fclose(stream);
-  if (failed) fail_reading(error);
-  return bytes;
+  if (::access(path.c_str(), R_OK) != 0) fail_reading(errno);
+  std::optional<std::string> bytes = whole_file(path, kXpltMemory);
+  if (!bytes) fail_reading(EIO);
+  return std::move(*bytes);
 }
 
 // The wrong one of a pair is named easily: of a model, what makes a plot file of it.
@@ -806,12 +801,18 @@ XpltFile xplt_from_bytes(const std::string& bytes, const std::string& name) {
   if (mesh->id != kMesh) fail_header(*mesh, fmt::format("chunk {:08x} where the mesh is expected", mesh->id));
   file.meshes.push_back(read_mesh(*mesh, file.version));
 
+  double since_asked = 0;  // many states of little can be much
   while (at < bytes.size() && !file.truncated) {
     if (file.compressed) {
       const std::size_t start = at;
       const std::optional<std::string> unpacked = unpack(source, at);
       file.truncated = !unpacked;
       if (!unpacked) break;
+      since_asked += kXpltMemory * static_cast<double>(unpacked->size());
+      if (since_asked > kLittleMemory) {
+        need_memory(name, since_asked);
+        since_asked = 0;
+      }
       Source inner = source;
       inner.bytes = &*unpacked;
       inner.unpacked_from = start;

@@ -294,6 +294,13 @@ std::vector<TriangleSurface> parts_of(const TriangleSurface& s) {
 
 TriangleSurface with_edge(const BuildRequest& request, TriangleSurface s) {
   if (!request.edge) return s;
+  constexpr double kMostTriangles = 2e6;
+  const double edge = *request.edge, triangles = area_of(s) / (std::sqrt(3.0) / 4 * edge * edge);
+  if (triangles > kMostTriangles)
+    throw InputError(
+        fmt::format("edge {:.4g}: found {:.2g} triangles of that size in an area of {:.4g}, expected at "
+                    "most {:.0f}: longer edges",
+                    edge, triangles, area_of(s), kMostTriangles));
   s = remeshed(s, *request.edge);
   return part_of(s, std::vector<char>(s.triangles.size(), 1));
 }

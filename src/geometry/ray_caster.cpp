@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include <febiodea/base/numbers.h>
 
@@ -189,6 +190,7 @@ RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>
   s.center = 0.5 * (low + high);
   s.extent = (high - low).norm();
   s.padding = 4e-6 * s.extent;
+  rtcGetDeviceError(device());  // what came before is not ours
   s.scene = rtcNewScene(device());
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
@@ -201,6 +203,8 @@ RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>
   rtcAttachGeometry(s.scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(s.scene);
+  // Embree does not throw. A scene of ours has one fault only, and an unfinished one must not be asked.
+  if (s.scene == nullptr || rtcGetDeviceError(device()) != RTC_ERROR_NONE) throw std::bad_alloc();
 }
 
 LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direction, double from, double limit,

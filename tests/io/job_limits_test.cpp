@@ -9,8 +9,14 @@
 #include <map>
 #include <string>
 
-#include <febiodea/views/job_limits.h>
-#include <febiodea/views/memory.h>
+#include <febiodea/base/error.h>
+#include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/free_memory.h>
+#include <febiodea/io/files/job_limits.h>
+#include <febiodea/io/settings/settings_xml.h>
+#include <febiodea/io/surfaces/read_surface.h>
+#include <febiodea/io/tables/text_table.h>
+#include <febiodea/io/xplt/xplt.h>
 
 namespace dea {
 namespace {
@@ -99,6 +105,48 @@ TEST(JobLimits, MemoryOfASlurmJob) {
   EXPECT_TRUE(std::isinf(memory({{"SLURM_MEM_PER_NODE", "many"}})));
   const Variables little(std::map<std::string, std::string>{{"SLURM_MEM_PER_NODE", "1"}});
   EXPECT_EQ(free_memory(), 0) << "this process holds more than a megabyte";
+}
+
+template <class Read>
+std::string refusal(Read read) {
+  try {
+    read();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "nothing thrown";
+}
+
+// Files of holes: they have 2 GB, and take no place on the disk.
+TEST(FreeMemory, WhatDoesNotFitIsRefusedBeforeItIsRead) {
+  const fs::path folder = fs::temp_directory_path() / ("dea_large_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  const auto large = [&](const std::string& name) {
+    const std::string path = (folder / name).string();
+    std::ofstream(path) << "<?xml version=\"1.0\"?>\n";
+    fs::resize_file(path, 2'000'000'000);
+    return path;
+  };
+  {
+    const Variables little(std::map<std::string, std::string>{{"SLURM_MEM_PER_NODE", "1"}});
+    const auto expect = [&](const std::string& path, const std::string& needs, const std::string& found) {
+      EXPECT_EQ(found, path + ": to read it needs about " + needs +
+                           " of memory, and 0 GB are free: take a smaller file, or a machine with more memory");
+    };
+    const std::string feb = large("m.feb"), stl = large("s.stl"), csv = large("t.csv"), xml = large("s.xml"),
+                      xplt = large("r.xplt");
+    expect(feb, "16 GB", refusal([&] { read_feb(feb); }));
+    expect(stl, "8 GB", refusal([&] { read_surface(stl); }));
+    expect(csv, "40 GB", refusal([&] { read_text_table(csv); }));
+    expect(xml, "20 GB", refusal([&] { read_settings_file(xml); }));
+    expect(xplt, "4 GB", refusal([&] { read_xplt(xplt); }));
+  }
+  fs::remove_all(folder);
+}
+
+TEST(FreeMemory, WhatNeverEndsIsRefused) {
+  EXPECT_EQ(refusal([] { read_surface("/dev/zero"); }),
+            "/dev/zero: found more than 1 GB in something that is no file, expected less: save it as one");
 }
 
 TEST(JobLimits, TasksAndProcessorsOfANode) {

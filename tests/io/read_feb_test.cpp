@@ -887,6 +887,10 @@ TEST_F(ReadFeb, BadIncludesAreRefused) {
   write("empty.feb", feb("4.0", ""));
   EXPECT_EQ(fault_of(feb("4.0", "<Mesh from=\"empty.feb\"/>")),
             "empty.feb:2: no <Mesh> here, which \"model.feb\" takes from this file: add it, or take out its from");
+  std::string often;
+  for (int i = 0; i < 1001; ++i) often += "<Include>empty.feb</Include>";
+  EXPECT_EQ(fault_of(feb("4.0", often)),
+            "model.feb:3: more than 1000 includes: does a file include others without end?");
 }
 
 // -- refusals ----------------------------------------------------------------------------------------
@@ -903,8 +907,15 @@ TEST_F(ReadFeb, FilesThatAreNoModelAreRefused) {
             "model.feb:1: the file starts with \"solid cube f\", expected \"<?xml\": this is no FEBio model (.feb)");
   EXPECT_EQ(fault_of("<?xml version=\"1.0\"?>\n<html/>"),
             "model.feb:2: the root is \"html\", expected <febio_spec>: this is no FEBio model");
+  EXPECT_EQ(fault_of("\xFF\xFE<"), "model.feb:1: this is text in UTF-16, expected UTF-8: save it with that encoding");
+  EXPECT_EQ(fault_of(std::string("BEF\0\1", 5)),
+            "model.feb: this is a plot file, expected a FEBio model (.feb): dea plot and dea compare show it");
+  EXPECT_EQ(fault("/dev/null"), "/dev/null: not a file, expected a .feb file");
   EXPECT_EQ(fault_of("<?xml version=\"1.0\"?>\n"),
             "model.feb:1: no element at all, expected <febio_spec>: this is no FEBio model");
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<a>";
+  EXPECT_EQ(fault_of(feb("4.0", deep)), "model.feb:3: XML nested too deeply: this is no FEBio model");
   EXPECT_EQ(
       fault_of(feb("5.0", "")),
       "model.feb:2: version \"5.0\", expected 1.2, 2.0, 2.5, 3.0 or 4.0: open it in FEBio Studio and save as 4.0");
@@ -1013,6 +1024,22 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
       {"<point>1,1<", "<point>1<",
        "44: point \"1\" of load controller 1, expected two numbers time,value of at most 1e30"},
       {"<load_controller id=\"2\"", "<load_controller id=\"1\"", "45: load controller 1 exists twice: renumber one"},
+      {"<load_controller id=\"2\" type=\"loadcurve\"", "<load_controller id=\"2\" type=\"math\"",
+       "45: load controller of type math without <math>: add it, an expression in t"},
+      {"type=\"zero displacement\" node_set=\"side\"", "type=\"zero displacement\"",
+       "28: <bc> without attribute node_set: add node_set=\"...\""},
+      {"<value lc=\"1\">-50</value>", "", "41: <rigid_load> without <value>: add it"},
+      {"<load_type>FOLLOW</load_type></rigid_load>",
+       "</rigid_load><rigid_load type=\"rigid_cable\"><force>1</force></rigid_load>",
+       "42: rigid_cable without <rigid_cable_point>: add the points it runs through"},
+      {"type=\"linear spring\"><E>3</E>", "type=\"nonlinear spring\">",
+       "35: nonlinear spring without <force>: add it, of type point or math"},
+      {"<quad4 id=\"1\">5,6,7,8</quad4></Surface>", "</Surface>",
+       "33: contact \"joint\" uses surface \"bottom\", which has no facets: define it again, or take the contact out"},
+      {"<step id=\"1\" name=\"one\">", "<step id=\"1\" name=\"one\"><step/>",
+       "38: a step inside a step, expected steps one after the other: move it out"},
+      {"</febio_spec>", "<Include> </Include></febio_spec>",
+       "46: <Include> without a file name: give one, or take it out"},
   };
   for (const Case& c : cases)
     EXPECT_EQ(fault_of(model_with(c.from, c.to)), std::string("model.feb:") + c.fault) << c.to;
@@ -1034,6 +1061,17 @@ TEST_F(ReadFeb, NestedSetsCannotFillTheMemory) {
                         i - 1);
   EXPECT_EQ(fault_of(mesh_model(mesh)),
             "model.feb:3: the sets list more than 100000000 nodes or elements: is one listed again and again?");
+}
+
+// One part of 100 000 nodes, 51 times.
+TEST_F(ReadFeb, InstancesCannotFillTheMemory) {
+  std::string mesh = "<Part name=\"P\"><Nodes>";
+  for (int i = 1; i <= 100'000; ++i) mesh += fmt::format("<node id=\"{}\">0,0,0</node>", i);
+  mesh += "</Nodes></Part>\n";
+  for (int i = 0; i < 51; ++i) mesh += fmt::format("<Instance part=\"P\" name=\"i{}\"/>\n", i);
+  EXPECT_EQ(fault_of(feb("2.5", "<Geometry>" + mesh + "</Geometry>")),
+            "model.feb:3: the instances of parts have more than 5000000 nodes and elements: is one copied again and "
+            "again?");
 }
 
 const std::string kPart =
@@ -1077,6 +1115,28 @@ TEST_F(ReadFeb, InstancesOfPartsAreMovedCopies) {
             "model.feb:4: part = \"p\", expected the name of a Part above it");
 }
 
+TEST_F(ReadFeb, FaultsOfPartsHaveTheirLine) {
+  const auto of_geometry = [&](const std::string& geometry) {
+    return fault_of(feb("2.5", kMaterials + "<Geometry>\n" + geometry + "</Geometry>"));
+  };
+  const auto of_instance = [&](const std::string& inside) {
+    return of_geometry(kPart + "<Instance part=\"P\">" + inside + "</Instance>\n");
+  };
+  EXPECT_EQ(of_instance("<rotate>0,0,0,0</rotate>"), "model.feb:13: rotate: the quaternion is zero, expected x,y,z,w");
+  EXPECT_EQ(of_instance("<rotate type=\"matrix\">1</rotate>"),
+            "model.feb:13: rotate with type \"matrix\", expected quaternion, vector or Euler");
+  EXPECT_EQ(of_instance("<rotate>0,0,1</rotate>"), "model.feb:13: rotate = \"0,0,1\", expected 4 numbers");
+  EXPECT_EQ(of_instance("<scale>1,0,1</scale>"), "model.feb:13: scale = \"1,0,1\", need three factors > 0");
+  EXPECT_EQ(of_instance("<shear>1</shear>"),
+            "model.feb:13: <shear> in Instance, expected translate, rotate, scale or Elements");
+  EXPECT_EQ(of_geometry(kPart + kPart), "model.feb:13: part \"P\" exists twice: rename one");
+  EXPECT_EQ(of_geometry("<Part name=\"P\" type=\"copy\"/>"),
+            "model.feb:10: Part with type \"copy\", expected template or instance");
+  EXPECT_EQ(
+      of_geometry(replaced(kPart, " mat=\"1\"", "") + "<Instance part=\"P\"/>"),
+      "model.feb:11: Elements \"E\" of an instance without a material: add <Elements name= mat=/> to its <Instance>");
+}
+
 // Two cubes on each other: of their 12 sides the two that meet are inside.
 TEST_F(ReadFeb, ASurfacePairOfPartsIsTheirOuterBoundary) {
   const std::string mesh =
@@ -1092,6 +1152,10 @@ TEST_F(ReadFeb, ASurfacePairOfPartsIsTheirOuterBoundary) {
     std::set<int> nodes(surface.nodes.begin() + 4 * i, surface.nodes.begin() + 4 * (i + 1));
     EXPECT_NE(nodes, (std::set<int>{4, 5, 6, 7}));
   }
+  EXPECT_EQ(fault_of(mesh_model(replaced(mesh, ">A,B<", ">A,C<"))),
+            "model.feb:4: part list \"both\" names \"C\", expected the name of an Elements section");
+  EXPECT_EQ(fault_of(mesh_model(replaced(mesh, "@part_list:both", "@part_list:none"))),
+            "model.feb:6: \"@part_list:none\" names no part list, expected the name of a PartList above it");
 }
 
 // -- joints, forces, springs ---------------------------------------------------------------------------
@@ -1363,6 +1427,24 @@ TEST_F(ReadFeb, FaultsOfOldFilesHaveTheirLine) {
   const auto old = [&](const std::string& model, const std::string& from, const std::string& to) {
     return fault_of(replaced(model, from, to));
   };
+  EXPECT_EQ(old(kModel20, "name=\"lower\"", "name=\"upper\""),
+            "model.feb:14: several materials are called \"upper\": name it by its id");
+  EXPECT_EQ(old(kModel20, "<surface type=\"slave\" set=\"bottom\"/>",
+                "<surface type=\"slave\" set=\"bottom\"/><surface type=\"slave\" set=\"bottom\"/>"),
+            "model.feb:26: contact with two slave surfaces, expected one");
+  EXPECT_EQ(old(kModel20, "<node>1,18</node>", ""),
+            "model.feb:30: spring without <node>n1,n2</node>: add the nodes it joins");
+  EXPECT_EQ(
+      old(kModel12, ">1,6<", ">1<"),
+      "model.feb:25: quad4 facet 1 of surface \"contact 1 slave\" is \"1\", expected the number of an element and of "
+      "its face");
+  EXPECT_EQ(old(kModel12, "format=\"element face\"", "format=\"faces\""),
+            "model.feb:25: format = \"faces\", expected face nodes or element face");
+  EXPECT_EQ(old(kModel30, "elem_set=\"P\"", "elem_set=\"Q\""),
+            "model.feb:29: elem_set = \"Q\", expected the name of an ElementSet or Elements section; the model has "
+            "\"L\", \"P\", \"U\"");
+  EXPECT_EQ(old(kModel30, "<elem lid=\"1\">", "<elem lid=\"2\">"),
+            "model.feb:29: lid = 2, but the element set has 1 elements: mend the number");
   EXPECT_EQ(old(kModel20, "set=\"bottom\"", "set=\"under\""),
             "model.feb:26: set = \"under\", expected the name of a Surface above it; the model has \"bottom\", \"joint "
             "master\"");

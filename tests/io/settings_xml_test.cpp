@@ -324,6 +324,9 @@ TEST(SettingsXml, RefusalsNameTheLine) {
   EXPECT_EQ(SettingsFile("<febiodea_settings version=\"2\"/>").fault(), ":1: found version \"2\", expected \"1\"");
   EXPECT_EQ(SettingsFile("<febiodea_settings version=\"1\">\n<law>linear</E>\n").fault(),
             ":2: found no well-formed XML, expected <febiodea_settings version=\"1\">");
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<a>";
+  EXPECT_EQ(SettingsFile(deep).fault(), ":1: found no well-formed XML, expected <febiodea_settings version=\"1\">");
   EXPECT_EQ(SettingsFile("").fault(), ":1: found no well-formed XML, expected <febiodea_settings version=\"1\">");
   EXPECT_EQ(message_of([] { read_settings("/nonexistent/s.xml"); }),
             "/nonexistent/s.xml: found no readable file, expected a settings file");

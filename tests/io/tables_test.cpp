@@ -235,6 +235,8 @@ TEST(Tables, RefusedWithTheirLine) {
       refusal(file("a.csv", "time,a_fx,b_fx,fy,fz\n0,1,2,3,4\n")).find("found 2 columns that may be the force's x"),
       std::string::npos);
   EXPECT_NE(refusal(file("a.sto", "time\tfx\n0\t1\n")).find("found no line \"endheader\""), std::string::npos);
+  EXPECT_EQ(refusal(file("a.csv", "time,,fy,fz\n0,1,2,3\n")),
+            ":1: found a column without a name, expected a name for each");
   EXPECT_EQ(refusal("nowhere.csv"), ": found no readable file, expected a table");
 }
 

@@ -635,6 +635,26 @@ TEST(XpltRead, CompressedStateThatNeverEnds) {
   EXPECT_EQ(fault(start + packed), "hip.xplt: byte 842: compressed chunk longer than it says");
 }
 
+// Nor to more than the memory holds: here a state says that it has 4 GB, and the process may have 1 MB.
+TEST(XpltRead, CompressedStateLargerThanTheMemory) {
+  Writer state;
+  state.u32(0x02000000);
+  state.u32(0xFFFFFFF0);
+  uLongf size = compressBound(static_cast<uLong>(state.bytes.size()));
+  std::string packed(size, '\0');
+  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(state.bytes.data()),
+                     static_cast<uLong>(state.bytes.size())),
+            Z_OK);
+  packed.resize(size);
+  const std::string start = xplt_bytes(compressed(cube())).substr(0, 842);
+  ::setenv("SLURM_MEM_PER_NODE", "1", 1);
+  const std::string found = fault(start + packed);
+  ::unsetenv("SLURM_MEM_PER_NODE");
+  EXPECT_EQ(found,
+            "hip.xplt: to read it needs about 8.6 GB of memory, and 0 GB are free: take a smaller file, or a "
+            "machine with more memory");
+}
+
 // ----------------------------------------------------------------------------------------- random files
 
 namespace {

@@ -1,4 +1,4 @@
-#include <febiodea/views/job_limits.h>
+#include <febiodea/io/files/job_limits.h>
 
 #include <algorithm>
 #include <cmath>
