@@ -503,15 +503,6 @@ bool one_view(const MapFigure& figure) {
 }
 
 std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
-  bool peak = false, center = false, nothing = false, away = false;
-  for (const MapPanel& panel : figure.panels) {
-    const MapSurface& s = figure.surfaces[at(panel.surface)];
-    peak = peak || panel.peak;
-    center = center || panel.center_of_pressure;
-    for (double v : panel.facets) nothing = nothing || !std::isfinite(v);
-    for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
-      away = away || (s.projection.back[t] && s.projection.layer[t] >= 0 && s.projection.hidden[t] < 0.99);
-  }
   const auto square = [&paper](const Rgb& c) {
     return [&paper, c](Pen& pen, const Vector2d& p) {
       pen.use(c);
@@ -522,14 +513,14 @@ std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
     };
   };
   std::vector<Entry> entries;
-  if (peak)
+  if (figure.signs.peak)
     entries.push_back({figure.pressure && figure.map == ColourMap::Sequential ? "peak" : "largest",
                        [](Pen& pen, const Vector2d& p) { peak_marker(pen, p + Vector2d(8, 5), 1.0); }});
-  if (center)
+  if (figure.signs.center_of_pressure)
     entries.push_back(
         {"centre of pressure", [](Pen& pen, const Vector2d& p) { center_marker(pen, p + Vector2d(8, 0), 1.0); }});
-  if (nothing) entries.push_back({figure.pressure ? "no contact" : "no value", square(paper.nothing)});
-  if (away) entries.push_back({"turned away", square(paper.turned_away)});
+  if (figure.signs.nothing) entries.push_back({figure.pressure ? "no contact" : "no value", square(paper.nothing)});
+  if (figure.signs.turned_away) entries.push_back({"turned away", square(paper.turned_away)});
   if (figure.surfaces.front().view.unrolled)
     entries.push_back({"angle from the axis (equal-area map)", [&paper](Pen& pen, const Vector2d& p) {
                          const double dashes[] = {1.0, 4.0};
@@ -668,10 +659,7 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
   draw_footer(pen, figure, l, paper);
 }
 
-}  // namespace
-
-std::string picture(const MapFigure& figure, const PictureOptions& options) {
-  const Paper colours = paper(options.dark, figure.map);
+Layout measured_layout(const MapFigure& figure, const PictureOptions& options, const Paper& colours) {
   Layout layout;
   measured([&](Pen& pen) {
     pen.font(kText);
@@ -690,8 +678,23 @@ std::string picture(const MapFigure& figure, const PictureOptions& options) {
         fmt::format("--dpi {:g}: found a picture of {:.0f} x {:.0f} pixels, expected {:.0f} or fewer "
                     "each way: less --dpi or --width",
                     options.dpi, w, h, kMostPixels));
+  return layout;
+}
+
+}  // namespace
+
+std::string picture(const MapFigure& figure, const PictureOptions& options) {
+  const Paper colours = paper(options.dark, figure.map);
+  const Layout layout = measured_layout(figure, options, colours);
   return drawn({options.format, layout.width, layout.height, options.dpi},
                [&](Pen& pen) { draw(pen, figure, layout, colours); });
+}
+
+Image map_image(const MapFigure& figure, const PictureOptions& options) {
+  const Paper colours = paper(options.dark, figure.map);
+  const Layout layout = measured_layout(figure, options, colours);
+  return drawn_image({PictureFormat::Png, layout.width, layout.height, options.dpi},
+                     [&](Pen& pen) { draw(pen, figure, layout, colours); });
 }
 
 }  // namespace dea

@@ -18,5 +18,7 @@ struct PictureOptions {
 
 /// The file's bytes; the same for the same figure and fonts. Throws UsageError: too narrow, too many pixels.
 std::string picture(const MapFigure& figure, const PictureOptions& options);
+/// The same as pixels, those of a PNG. Figures of one animation have one size.
+Image map_image(const MapFigure& figure, const PictureOptions& options);
 
 }  // namespace dea

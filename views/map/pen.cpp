@@ -6,6 +6,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 
 #include <febiodea/base/error.h>
@@ -37,6 +38,32 @@ void require(cairo_status_t status) {
 }
 
 using SurfaceHolder = std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)>;
+
+SurfaceHolder pixels(const PaperSize& size) {
+  const double zoom = size.dpi / 96.0;
+  SurfaceHolder surface(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::round(zoom * size.width)),
+                                 static_cast<int>(std::round(zoom * size.height))),
+      cairo_surface_destroy);
+  require(cairo_surface_status(surface.get()));
+  return surface;
+}
+
+/// `zoom`: from pixels of 1/96 inch to the surface's unit.
+void draw_on(cairo_surface_t* surface, double zoom, const std::function<void(Pen&)>& draw) {
+  require(cairo_surface_status(surface));
+  Pen pen(surface);
+  cairo_scale(pen.get(), zoom, zoom);
+  // Outlines of letters, not of pixels: the same shapes on every paper.
+  cairo_font_options_t* fonts = cairo_font_options_create();
+  cairo_font_options_set_hint_style(fonts, CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_metrics(fonts, CAIRO_HINT_METRICS_OFF);
+  cairo_font_options_set_antialias(fonts, CAIRO_ANTIALIAS_GRAY);
+  cairo_set_font_options(pen.get(), fonts);
+  cairo_font_options_destroy(fonts);
+  draw(pen);
+  require(cairo_status(pen.get()));
+}
 
 }  // namespace
 
@@ -93,23 +120,9 @@ std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw) 
     cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
   } else {
     zoom = size.dpi / 96.0;
-    surface.reset(cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::round(zoom * size.width)),
-                                             static_cast<int>(std::round(zoom * size.height))));
+    surface = pixels(size);
   }
-  require(cairo_surface_status(surface.get()));
-  {
-    Pen pen(surface.get());
-    cairo_scale(pen.get(), zoom, zoom);
-    // Outlines of letters, not of pixels: the same shapes on every paper.
-    cairo_font_options_t* fonts = cairo_font_options_create();
-    cairo_font_options_set_hint_style(fonts, CAIRO_HINT_STYLE_NONE);
-    cairo_font_options_set_hint_metrics(fonts, CAIRO_HINT_METRICS_OFF);
-    cairo_font_options_set_antialias(fonts, CAIRO_ANTIALIAS_GRAY);
-    cairo_set_font_options(pen.get(), fonts);
-    cairo_font_options_destroy(fonts);
-    draw(pen);
-    require(cairo_status(pen.get()));
-  }
+  draw_on(surface.get(), zoom, draw);
   if (size.format == PictureFormat::Png)
     require(cairo_surface_write_to_png_stream(surface.get(), append, &bytes));
   else
@@ -117,6 +130,26 @@ std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw) 
   require(cairo_surface_status(surface.get()));
   if (size.format == PictureFormat::Svg) drop_number(bytes);  // letters are shapes: no word of ours is in it
   return bytes;
+}
+
+Image drawn_image(const PaperSize& size, const std::function<void(Pen&)>& draw) {
+  const SurfaceHolder surface = pixels(size);
+  draw_on(surface.get(), size.dpi / 96.0, draw);
+  cairo_surface_flush(surface.get());
+  Image image;
+  image.width = cairo_image_surface_get_width(surface.get());
+  image.height = cairo_image_surface_get_height(surface.get());
+  const std::size_t width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height),
+                    stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface.get()));
+  const unsigned char* data = cairo_image_surface_get_data(surface.get());
+  image.rgb.reserve(3 * width * height);
+  for (std::size_t y = 0; y < height; ++y)
+    for (std::size_t x = 0; x < width; ++x) {
+      std::uint32_t pixel;  // 0x00RRGGBB, whatever the order of bytes
+      std::memcpy(&pixel, data + y * stride + 4 * x, 4);
+      for (const int shift : {16, 8, 0}) image.rgb.push_back(static_cast<std::uint8_t>(pixel >> shift & 0xFF));
+    }
+  return image;
 }
 
 PictureFormat picture_format(const std::string& option, const std::string& path) {

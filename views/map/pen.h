@@ -38,5 +38,7 @@ struct PaperSize {
 };
 /// The bytes of a file with what `draw` draws; the same for the same strokes and fonts.
 std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw);
+/// The same as pixels, those of a PNG.
+Image drawn_image(const PaperSize& size, const std::function<void(Pen&)>& draw);
 
 }  // namespace dea
