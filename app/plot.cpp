@@ -7,6 +7,7 @@
 #include <febiodea/app/animate.h>
 #include <febiodea/app/commands.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
@@ -91,6 +92,11 @@ MapOptions map_options(const PlotArguments& a) {
   if (!a.scale.empty() && a.scale != "all" && a.scale != "shown")
     throw wrong_word("scale", a.scale, "all or shown", {"all", "shown"});
   o.scale_of_shown = a.scale == "shown";
+  if (!a.colour_map.empty()) {
+    const std::vector<std::string> known = colour_map_names();
+    o.colours = colour_map_named(a.colour_map);
+    if (!o.colours) throw wrong_word("colour-map", a.colour_map, name_list(known, a.colour_map), known);
+  }
   if (a.contours == "none") {
     o.contours = std::vector<double>{};
   } else if (!a.contours.empty()) {
@@ -138,6 +144,12 @@ PictureOptions picture_options(const PlotArguments& a, const std::string& output
   if (!a.width.empty()) look.width = number_option("width", a.width, 20, 2000);
   if (!a.columns.empty()) look.columns = count_argument("columns", a.columns, 1, 100);
   if (!a.dpi.empty()) look.dpi = number_option("dpi", a.dpi, 20, 2400);
+  if (!a.font_size.empty()) look.font_size = number_option("font-size", a.font_size, 3, 100);
+  if (!a.text_as.empty() && a.text_as != "shapes" && a.text_as != "text")
+    throw wrong_word("text-as", a.text_as, "shapes or text", {"shapes", "text"});
+  if (!a.text_as.empty() && look.format != PictureFormat::Svg)
+    throw UsageError(fmt::format("--text-as {}: belongs to SVG, found {}; letters of a PDF are text", a.text_as, output));
+  look.text = a.text_as == "text";
   if (!a.dpi.empty() && look.format != PictureFormat::Png)
     throw UsageError(fmt::format("--dpi {}: belongs to PNG; {} has no pixels", a.dpi, output));
   return look;
@@ -178,6 +190,12 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   add_once(*c, "--width", a.width, "MM", "Look", "Width on paper; letters keep their size [130 to 230, by the panels]");
   add_once(*c, "--columns", a.columns, "N", "Look", "Panels side by side [as many as there are files, or as fit]");
   add_once(*c, "--dpi", a.dpi, "DPI", "Look", "Pixels per inch of a PNG [200; 120 for --animate]");
+  add_once(*c, "--font-size", a.font_size, "PT", "Look",
+           "Size of letters on paper, and with them of lines and marks [11.25]");
+  add_once(*c, "--colour-map", a.colour_map, "NAME", "Look",
+           "dea, viridis, cividis or gray; of differences blue-white-red [dea]");
+  add_once(*c, "--text-as", a.text_as, "shapes|text", "Look",
+           "Letters of an SVG: shapes that look the same everywhere, or text that can be edited [shapes]");
   c->add_flag("--dark", a.dark, "Dark paper")->group("Look");
   return c;
 }

@@ -159,7 +159,8 @@ TEST(Animation, FramesHaveOneScaleViewLegendAndSize) {
 }
 
 TEST(Gif, ThePaletteHoldsTheMapAndThePaper) {
-  for (ColourMap map : {ColourMap::Sequential, ColourMap::Diverging})
+  for (ColourMap map : {ColourMap::Sequential, ColourMap::Diverging, ColourMap::Viridis, ColourMap::Cividis,
+                        ColourMap::Gray})
     for (bool dark : {false, true}) {
       const std::vector<ByteColour> palette = gif_palette(map, dark);
       ASSERT_EQ(palette.size(), 256u);

@@ -198,7 +198,7 @@ bool to_be_seen(const MapSurface& s, int facet) {
 /// The facet, or the point of a smooth figure, of the largest value (of absolute values, in a difference); -1: none.
 int largest(const MapFigure& figure, const MapPanel& panel) {
   const std::vector<double>& shown = figure.smooth ? panel.points : panel.facets;
-  const auto size = [&](double x) { return figure.map == ColourMap::Diverging ? std::abs(x) : x; };
+  const auto size = [&](double x) { return is_diverging(figure.map) ? std::abs(x) : x; };
   int best = -1;
   for (std::size_t i = 0; i < shown.size(); ++i)
     if (std::isfinite(shown[i]) && (best < 0 || size(shown[i]) > size(shown[at(best)]))) best = static_cast<int>(i);
@@ -230,7 +230,7 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
   const std::vector<double> shown = finite(of);
   // where two results agree exactly a difference of 0 is the answer
   const bool zero = std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; });
-  if (shown.empty() || (zero && figure.map == ColourMap::Sequential)) {
+  if (shown.empty() || (zero && !is_diverging(figure.map))) {
     panel.numbers = {figure.pressure ? "no contact" : "no values"};
     return;
   }
@@ -242,7 +242,7 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
     sum += areas[i] * of[i];
     squares += areas[i] * of[i] * of[i];
   }
-  if (figure.map == ColourMap::Diverging) {
+  if (is_diverging(figure.map)) {
     const std::string range = fmt::format("{}: {} to {}", where, number(*least, true), number(*most, true));
     panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
     return;
@@ -667,12 +667,22 @@ void project_surfaces(const MapRequest& r, const Together& panels, MapFigure& fi
   }
 }
 
+ColourMap chosen_map(const MapOptions& o, bool difference) {
+  const ColourMap map = o.colours.value_or(difference ? ColourMap::Diverging : ColourMap::Sequential);
+  if (difference && !is_diverging(map))
+    throw UsageError("--colour-map: found one that goes from dark to light, expected blue-white-red: a difference needs a "
+                     "middle");
+  if (!difference && is_diverging(map))
+    throw UsageError("--colour-map blue-white-red: belongs to differences, expected one that goes from dark to light");
+  return map;
+}
+
 Work begin(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o, bool animated) {
   Work work = {{files, minus, o, choose_states(files, o), {}, {}, animated}, {}, {}, {}};
   MapFigure& figure = work.figure;
   figure.smooth = o.smooth;
   figure.pressure = is_pressure(o.field);
-  figure.map = minus != nullptr || is_difference(o.field) ? ColourMap::Diverging : ColourMap::Sequential;
+  figure.map = chosen_map(o, minus != nullptr || is_difference(o.field));
   std::vector<const ResultFile*> all;
   for (const ResultFile& file : files) all.push_back(&file);
   if (minus != nullptr) all.push_back(minus);
@@ -701,7 +711,7 @@ void settle(Work& work) {
     for (int best : on.largest) figure.signs.peak = figure.signs.peak || place_of(figure, s, best);
     figure.signs.center_of_pressure =
         figure.signs.center_of_pressure ||
-        (on.pressed && figure.map == ColourMap::Sequential && !work.misleading[k]);
+        (on.pressed && !is_diverging(figure.map) && !work.misleading[k]);
     for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
       figure.signs.turned_away = figure.signs.turned_away || (s.projection.back[t] && s.projection.layer[t] >= 0 &&
                                                               s.projection.hidden[t] < 0.99);
@@ -713,7 +723,7 @@ void finish_panels(Work& work, const std::vector<MapValues>& values) {
   for (std::size_t k = 0; k < figure.panels.size(); ++k) {
     MapPanel& panel = figure.panels[k];
     const MapSurface& s = figure.surfaces[at(panel.surface)];
-    panel.edge = figure.map == ColourMap::Sequential && zero_without_contact(work.request.options.field)
+    panel.edge = !is_diverging(figure.map) && zero_without_contact(work.request.options.field)
                      ? edge_level(s.mesh, panel.facets, panel.points)
                      : -kInfinity;
     if (panel.numbers.empty()) describe(figure, values[k], panel);

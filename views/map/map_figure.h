@@ -22,6 +22,7 @@ struct MapOptions {
   Vector3d up = Vector3d::Zero();  ///< zero: found
   bool smooth = false;             ///< nodal averages, interpolated; else facets as they are
   bool scale_of_shown = false;     ///< the scale covers the panels; else all states of the files
+  std::optional<ColourMap> colours;  ///< none: Sequential, of differences Diverging
   std::optional<double> low, high;
   std::optional<std::vector<double>> contours;  ///< none: at the colour bar's ticks
 };
