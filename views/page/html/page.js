@@ -74,7 +74,7 @@ const Page = (() => {
     controls.append(makeSelect("range", "Scale", [["all", "all states"], ["state", "this state"]], "all", (v) => { state.range = v; update(); }),
       make("label", {}, "up to", make("input", { id: "most", type: "number", min: "0", step: "any", placeholder: "auto", onchange: (e) => { const x = Number(e.target.value); state.most = x > 0 ? x : null; update(); } })),
       make("button", { id: "reset", text: "reset view", onclick: resetView }),
-      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles and colours, on white", onclick: saveMaps }));
+      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles, numbers, time and colours, on white", onclick: saveMaps }));
     section.append(controls);
     if (maps.fault) section.append(make("p", { class: "fault", id: "nowebgl", text: maps.fault }));
     section.append(make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }));
@@ -304,18 +304,18 @@ const Page = (() => {
         continue;
       }
       delete p.readout.dataset.facet;
-      let words = [];
-      if (p.quantity === "pressure" && !p.message) {
-        if (p.difference) {
-          const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
-          if (pattern) words = line(`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`, "nodes");
-        } else {
-          const d = measures(p.result), h = d && d.headline;
-          if (d) words = line(`p99 ${Format.printed(h.p99, "pressure")}`, `mean ${Format.printed(h.mean, "pressure")}`, `area ${Format.printed(h.area, "area")}`, `peak ${Format.printed(h.peak, "pressure")}`, `force ${Format.printed(d.force, "force")}`);
-        }
-      }
-      p.readout.replaceChildren(...words);
+      p.readout.replaceChildren(...line(...numbersOf(p)));
     }
+  }
+  // Of the whole surface, as short texts.
+  function numbersOf(p) {
+    if (p.quantity !== "pressure" || p.message) return [];
+    if (p.difference) {
+      const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
+      return pattern ? [`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`, "nodes"] : [];
+    }
+    const d = measures(p.result), h = d && d.headline;
+    return d ? [`p99 ${Format.printed(h.p99, "pressure")}`, `mean ${Format.printed(h.mean, "pressure")}`, `area ${Format.printed(h.area, "area")}`, `peak ${Format.printed(h.peak, "pressure")}`, `force ${Format.printed(d.force, "force")}`] : [];
   }
   maps.onpick = readouts;
   maps.onreset = resetView;
@@ -387,7 +387,10 @@ const Page = (() => {
 
   // ---- all maps in one picture, on white ----
   async function saveMaps() {
-    Figures.save(await mapsPicture(maps, panels, state.bars), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
+    const frame = Report.frames[state.frame], marked = maps.options.marks && panels.some((p) => p.marks.length);
+    const when = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}`;
+    const words = { head: [Report.title, `${state.surface.about.title}, ${when}`], numbers: numbersOf, foot: (marked ? "Ring: peak; cross: centre of pressure. " : "") + (panels.some((p) => numbersOf(p).length) ? Report.headline + "." : "") };
+    Figures.save(await mapsPicture(maps, panels, state.bars, words), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
   }
 
   // ---- tables, texts, provenance ----
