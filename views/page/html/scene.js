@@ -283,18 +283,38 @@ class Maps {
     this.loading = true;
     const x = await Data.array(about.vertices), t = await Data.array(about.triangles);
     this.loading = false;
-    this.drawVeil(x, t);
+    this.drawVeil(x, t, about.begin);
   }
 
-  // `x`: three floats per point; `t`: an Int32Array, three points per triangle.
-  drawVeil(x, t) {
+  // `x`: three floats per point; `t`: an Int32Array, three points per triangle; `begin`: where each part's triangles begin, and the end.
+  drawVeil(x, t, begin = [0, t.length / 3]) {
     if (this.fault) return;
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(x, 3));
-    geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(t.buffer, t.byteOffset, t.length), 1));
-    this.veil = new THREE.Mesh(geometry, this.veilMaterial);
-    this.veil.frustumCulled = false;
-    this.veil.renderOrder = 3;
+    const points = new THREE.BufferAttribute(x, 3), triangles = new Uint32Array(t.buffer, t.byteOffset, t.length);
+    this.veil = [];
+    for (let i = 0; i + 1 < begin.length; ++i) {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", points);
+      geometry.setIndex(new THREE.BufferAttribute(triangles.subarray(3 * begin[i], 3 * begin[i + 1]), 1));
+      const part = new THREE.Mesh(geometry, this.veilMaterial);
+      part.frustumCulled = false;
+      part.renderOrder = 3;
+      part.matrixAutoUpdate = false;
+      this.veil.push(part);
+    }
+    this.moveVeil(this.motions);
+  }
+
+  // `motions`: per part of the veil quaternion and translation, or null; the last one is the surface's own, which stays where it is.
+  moveVeil(motions) {
+    this.motions = motions;
+    if (!this.veil) return;
+    const matrix = (m) => new THREE.Matrix4().compose(new THREE.Vector3(m[4], m[5], m[6]), new THREE.Quaternion(m[0], m[1], m[2], m[3]), new THREE.Vector3(1, 1, 1));
+    const own = motions && motions[motions.length - 1], back = own ? matrix(own).invert() : null;
+    this.veil.forEach((part, i) => {
+      part.matrix.identity();
+      if (back && motions[i]) part.matrix.multiplyMatrices(back, matrix(motions[i]));
+      part.matrixWorldNeedsUpdate = true;
+    });
     this.request();
   }
 
@@ -332,7 +352,7 @@ class Maps {
     this.scene.clear();
     this.scene.add(panel.object, g.rim);
     if (this.options.lines) this.scene.add(g.lines);
-    if (this.options.veil && this.veil && !this.plain) this.scene.add(this.veil);
+    if (this.options.veil && this.veil && !this.plain) this.scene.add(...this.veil);
     this.renderer.setClearColor(0x000000, 0);
     this.renderer.render(this.scene, this.camera);
   }
