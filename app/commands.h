@@ -99,7 +99,8 @@ int compare_command(const CompareArguments& arguments);
 
 struct PlotArguments {
   std::vector<std::string> files, surfaces, labels;
-  std::string output, field, at, states, minus, view, up, contours, low, high, scale, title, width, dpi, columns;
+  std::string output, animate, fps, field, at, states, minus, view, up, contours, low, high, scale, title, width, dpi,
+      columns, font_size, colour_map, text_as;
   bool smooth = false, dark = false, quiet = false;
 };
 CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <febiodea/app/animate.h>
 #include <febiodea/app/commands.h>
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
@@ -28,13 +30,17 @@ against the force on them. --view unrolled is for balls and sockets: Lambert's e
 sphere, seen from the joint, with circles of equal angle from the axis. Files lie side by side, further surfaces and states
 below them; --columns 1 stacks all panels.
 
+--animate shows the states (all of the first file, or those of --at and --states) one after the other, each once, in one scale and view. A GIF
+has the map's colours as they are, and plays again and again. MP4 needs the program ffmpeg. A folder gets frame-0001.png, frame-0002.png and so on.
+
 Examples:
   dea plot hip_dea.xplt
   dea plot hip_dea.xplt hip.xplt --label dea --label FEBio --surface acetabular_articulating -o both.svg
   dea plot hip_dea.xplt --at 1,1.5,2 --smooth --title "Walking" -o walking.pdf
   dea plot hip_dea.xplt --minus hip.xplt -o difference.png
   dea plot knee_dea.xplt --surface medial_plateau --surface lateral_plateau --up 0,1,0 -o knee.png
-  dea plot hip_dea.xplt --field "joint space" --view unrolled --max 3 -o space.svg)";
+  dea plot hip_dea.xplt --field "joint space" --view unrolled --max 3 -o space.svg
+  dea plot hip_dea.xplt --animate walking.gif --fps 4)";
 
 double number_option(const char* option, const std::string& text, double least, double most) {
   const double x = number_argument(option, text);
@@ -73,6 +79,7 @@ MapOptions map_options(const PlotArguments& a) {
   else if (!a.view.empty())
     o.toward = direction("view", a.view, "a direction x,y,z, or unrolled", {"unrolled"});
   if (!a.up.empty()) o.up = direction("up", a.up, "a direction x,y,z that is not 0");
+  if (!a.animate.empty() && o.states_option.empty()) o.states = "all";
   o.smooth = a.smooth;
   if (!a.low.empty()) o.low = number_argument("min", a.low);
   if (!a.high.empty()) o.high = number_argument("max", a.high);
@@ -85,6 +92,11 @@ MapOptions map_options(const PlotArguments& a) {
   if (!a.scale.empty() && a.scale != "all" && a.scale != "shown")
     throw wrong_word("scale", a.scale, "all or shown", {"all", "shown"});
   o.scale_of_shown = a.scale == "shown";
+  if (!a.colour_map.empty()) {
+    const std::vector<std::string> known = colour_map_names();
+    o.colours = colour_map_named(a.colour_map);
+    if (!o.colours) throw wrong_word("colour-map", a.colour_map, name_list(known, a.colour_map), known);
+  }
   if (a.contours == "none") {
     o.contours = std::vector<double>{};
   } else if (!a.contours.empty()) {
@@ -113,6 +125,36 @@ std::vector<std::string> labels(const PlotArguments& a) {
   return a.labels;
 }
 
+/// Ends of the name that are -o's and --animate's are told apart.
+void refuse_mixed_outputs(const PlotArguments& a) {
+  if (!a.animate.empty() && !a.output.empty())
+    throw UsageError("-o and --animate: found both, expected one of them: a picture or an animation");
+  if (a.animate.empty() && !a.fps.empty())
+    throw UsageError(fmt::format("--fps {}: belongs to --animate FILE.gif", a.fps));
+  const std::string extension = extension_of(a.output);
+  if (extension == ".gif" || extension == ".mp4")
+    throw UsageError(fmt::format("-o {}: is an animation's name, expected --animate {}", a.output, a.output));
+}
+
+PictureOptions picture_options(const PlotArguments& a, const std::string& output) {
+  PictureOptions look;
+  look.format = a.animate.empty() ? picture_format("-o", output) : PictureFormat::Png;
+  look.dark = a.dark;
+  if (!a.animate.empty()) look.dpi = 120;
+  if (!a.width.empty()) look.width = number_option("width", a.width, 20, 2000);
+  if (!a.columns.empty()) look.columns = count_argument("columns", a.columns, 1, 100);
+  if (!a.dpi.empty()) look.dpi = number_option("dpi", a.dpi, 20, 2400);
+  if (!a.font_size.empty()) look.font_size = number_option("font-size", a.font_size, 3, 100);
+  if (!a.text_as.empty() && a.text_as != "shapes" && a.text_as != "text")
+    throw wrong_word("text-as", a.text_as, "shapes or text", {"shapes", "text"});
+  if (!a.text_as.empty() && look.format != PictureFormat::Svg)
+    throw UsageError(fmt::format("--text-as {}: belongs to SVG, found {}; letters of a PDF are text", a.text_as, output));
+  look.text = a.text_as == "text";
+  if (!a.dpi.empty() && look.format != PictureFormat::Png)
+    throw UsageError(fmt::format("--dpi {}: belongs to PNG; {} has no pixels", a.dpi, output));
+  return look;
+}
+
 }  // namespace
 
 CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
@@ -120,11 +162,15 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   c->footer(kPlotFooter);
   c->add_option("FILES", a.files, "Plot files (.xplt), a panel each")->required()->type_name("");
   add_once(*c, "-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
+  add_once(*c, "--animate", a.animate, "FILE.gif|FILE.mp4|FOLDER", "Output",
+           "The states one after the other instead, as a GIF, an MP4 (by ffmpeg) or a PNG each in a folder");
+  add_once(*c, "--fps", a.fps, "N", "Output", "States per second of --animate [12]");
   add_quiet_flag(*c, a.quiet);
   add_repeated(*c, "--surface", a.surfaces, "NAME", "What",
                "Surface to draw; may be repeated [the one with springs, or with the highest pressure anywhere]");
   add_once(*c, "--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");
-  add_once(*c, "--at", a.at, "TIME,TIME", "What", "States at these times, a panel each [the last state of each file]");
+  add_once(*c, "--at", a.at, "TIME,TIME", "What",
+           "States at these times, a panel each [the last state of each file; all for --animate]");
   add_once(*c, "--states", a.states, "all|last|t1,t2,...", "What", "The same, or all states");
   add_once(*c, "--minus", a.minus, "REF.xplt", "What", "Difference: the files' values minus those of this one");
   add_repeated(*c, "--label", a.labels, "NAME", "What",
@@ -143,25 +189,35 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   add_once(*c, "--title", a.title, "TEXT", "Look", "Title above all panels");
   add_once(*c, "--width", a.width, "MM", "Look", "Width on paper; letters keep their size [130 to 230, by the panels]");
   add_once(*c, "--columns", a.columns, "N", "Look", "Panels side by side [as many as there are files, or as fit]");
-  add_once(*c, "--dpi", a.dpi, "DPI", "Look", "Pixels per inch of a PNG [200]");
+  add_once(*c, "--dpi", a.dpi, "DPI", "Look", "Pixels per inch of a PNG [200; 120 for --animate]");
+  add_once(*c, "--font-size", a.font_size, "PT", "Look",
+           "Size of letters on paper, and with them of lines and marks [11.25]");
+  add_once(*c, "--colour-map", a.colour_map, "NAME", "Look",
+           "dea, viridis, cividis or gray; of differences blue-white-red [dea]");
+  add_once(*c, "--text-as", a.text_as, "shapes|text", "Look",
+           "Letters of an SVG: shapes that look the same everywhere, or text that can be edited [shapes]");
   c->add_flag("--dark", a.dark, "Dark paper")->group("Look");
   return c;
 }
 
 int plot_command(const PlotArguments& a) {
+  refuse_mixed_outputs(a);
   const MapOptions options = map_options(a);
   const std::vector<std::string> names = labels(a);
   std::string output = a.output;
   if (output == "-") throw UsageError("-o -: found no file name, expected one that ends in .png, .svg or .pdf");
   if (output.empty()) output = std::filesystem::path(a.files.front()).replace_extension(".png").string();
-  PictureOptions look;
-  look.format = picture_format("-o", output);
-  look.dark = a.dark;
-  if (!a.width.empty()) look.width = number_option("width", a.width, 20, 2000);
-  if (!a.columns.empty()) look.columns = count_argument("columns", a.columns, 1, 100);
-  if (!a.dpi.empty()) look.dpi = number_option("dpi", a.dpi, 20, 2400);
-  if (!a.dpi.empty() && look.format != PictureFormat::Png)
-    throw UsageError(fmt::format("--dpi {}: belongs to PNG; {} has no pixels", a.dpi, output));
+  const PictureOptions look = picture_options(a, output);
+  Animation animation;
+  animation.title = a.title;
+  if (!a.animate.empty()) {
+    animation.path = output = a.animate;
+    animation.format = animation_format(a.animate);
+    if (!a.fps.empty()) animation.fps = number_option("fps", a.fps, 0.1, 50);
+    if (!a.fps.empty() && animation.format == AnimationFormat::Folder)
+      throw UsageError(fmt::format("--fps {}: belongs to GIF and MP4; pictures in a folder have no time", a.fps));
+    require_encoder(animation);
+  }
   std::vector<NamedPath> inputs;
   for (const std::string& file : a.files) inputs.push_back({file, file});
   if (!a.minus.empty()) inputs.push_back({"--minus", a.minus});
@@ -169,13 +225,27 @@ int plot_command(const PlotArguments& a) {
   std::vector<ResultFile> files, minus;
   for (std::size_t i = 0; i < a.files.size(); ++i) files.push_back(read_result(a.files[i], names[i]));
   if (!a.minus.empty()) minus.push_back(read_result(a.minus, names.back()));
-  const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
-  MapFigure figure = make_map_figure(files, minus.empty() ? nullptr : &minus.front(), options);
-  figure.title = a.title;
-  write_text(output, picture(figure, look));
+  const bool folder = !a.animate.empty() && animation.format == AnimationFormat::Folder;
+  const HeldOutputs held = claim_outputs(inputs, {{a.animate.empty() ? "-o" : "--animate", output, folder}});
+  const ResultFile* taken = minus.empty() ? nullptr : &minus.front();
+  std::vector<std::string> remarks;
+  std::string what;
+  if (a.animate.empty()) {
+    MapFigure figure = make_map_figure(files, taken, options);
+    figure.title = a.title;
+    write_text(output, picture(figure, look));
+    remarks = figure.remarks;
+    what = fmt::format("{} panel{}", figure.panels.size(), figure.panels.size() == 1 ? "" : "s");
+  } else {
+    Progress progress(progress_style(a.quiet, false));
+    const Animated done = animate(files, taken, options, look, animation, progress);
+    remarks = done.remarks;
+    what = fmt::format("{} frame{}, {} panel{} each", done.frames, done.frames == 1 ? "" : "s", done.panels,
+                       done.panels == 1 ? "" : "s");
+  }
   if (a.quiet) return kSolved;
-  for (const std::string& remark : figure.remarks) log(remark);
-  log(fmt::format("{}: {} panel{}", output, figure.panels.size(), figure.panels.size() == 1 ? "" : "s"));
+  for (const std::string& remark : remarks) log(remark);
+  log(fmt::format("{}: {}", output, what));
   return kSolved;
 }
 

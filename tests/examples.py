@@ -120,7 +120,7 @@ def in_help(command):
 
 
 def outputs_of(command):
-    names = re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--vtu|--frames|--hip-figure|>) ([^\s-]\S*)", command)
+    names = re.findall(r"(?:-o|--json|--csv|--compartments-csv|--facets-csv|--report|--vtu|--frames|--hip-figure|--animate|>) ([^\s-]\S*)", command)
     shard = re.search(r"--shard (\d+)/(\d+)", command)
     return [re.sub(r"\.db$", ".{}-of-{}.db".format(*shard.groups()), name) for name in names] if shard else names
 

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <deque>
 #include <filesystem>
 #include <system_error>
 
@@ -51,8 +52,41 @@ void write_and_close(int file, const std::string& path, const Pieces& write) {
   if (::close(file) != 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
 }
 
-/// The temporary file of write_text, for remove_unfinished; nullptr: none.
+/// The temporary file of write_text, the temporary folder of write_folder and its files, for remove_unfinished; nullptr:
+/// none.
 std::atomic<const char*> unfinished = nullptr;
+struct FileOfFolder {
+  std::string path;
+  const FileOfFolder* before;
+};
+std::atomic<const char*> unfinished_folder = nullptr;
+std::atomic<const FileOfFolder*> files_of_folder = nullptr;
+
+/// Where a path leads: links stay, what they lead to is written.
+fs::path target_of(const std::string& path) {
+  std::error_code error;
+  const fs::path target = path;
+  return fs::is_symlink(fs::symlink_status(target, error)) ? fs::weakly_canonical(target, error) : target;
+}
+
+/// A new file beside the target becomes the target when it is complete. `write` closes it.
+void write_beside(const std::string& path, const fs::path& target, const std::function<void(int file)>& write) {
+  std::error_code error;
+  const fs::path temporary = target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), ::getpid());
+  const int file = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
+  unfinished = temporary.c_str();
+  try {
+    write(file);
+    fs::rename(temporary, target, error);
+    if (error) throw WriteError(fmt::format("{}: {}", path, reason(error.value())));
+  } catch (...) {
+    fs::remove(temporary, error);
+    unfinished = nullptr;
+    throw;
+  }
+  unfinished = nullptr;
+}
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code error;
@@ -113,8 +147,7 @@ void write_pieces(const std::string& path, const Pieces& write) {
     return;
   }
   std::error_code error;
-  fs::path target = path;
-  if (fs::is_symlink(fs::symlink_status(target, error))) target = fs::weakly_canonical(target, error);  // keep the link
+  const fs::path target = target_of(path);
   const fs::file_status status = fs::status(target, error);
   if (fs::exists(status) && !fs::is_regular_file(status)) {  // a device or a pipe cannot be replaced by renaming
     const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
@@ -122,24 +155,77 @@ void write_pieces(const std::string& path, const Pieces& write) {
     write_and_close(file, path, write);
     return;
   }
-  const fs::path temporary = target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), ::getpid());
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
-  unfinished = temporary.c_str();
+  write_beside(path, target, [&](int file) { write_and_close(file, path, write); });
+}
+
+void write_open_file(const std::string& path, const std::function<void(int file)>& write) {
+  std::error_code error;
+  const fs::path target = target_of(path);
+  const fs::file_status status = fs::status(target, error);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw WriteError(fmt::format("{}: is no file, expected one or a new name", path));
+  write_beside(path, target, [&](int file) {
+    try {
+      write(file);
+    } catch (...) {
+      ::close(file);
+      throw;
+    }
+    if (::close(file) != 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
+  });
+}
+
+void write_folder(
+    const std::string& path, const std::function<bool(const std::string& name)>& old,
+    const std::function<void(const std::function<void(const std::string& name, const std::string& text)>& put)>&
+        write) {
+  std::error_code error;
+  fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
+  if (!target.has_filename()) target = target.parent_path();  // "frames/"
+  const bool there = fs::exists(target, error);
+  if (there && !fs::is_directory(target, error)) throw WriteError(fmt::format("{}: is a file, expected a folder", path));
+  for (fs::directory_iterator entry(target, error), end; there && !error && entry != end; entry.increment(error))
+    if (!entry->is_regular_file() || !old(entry->path().filename().string()))
+      throw WriteError(fmt::format("{}: holds {}; expected a new name, an empty folder or one with earlier frames only",
+                                   path, entry->path().filename().string()));
+  const std::string name = target.filename().string();
+  const fs::path temporary = target.parent_path() / fmt::format(".{}.{}.tmp", name, ::getpid());
+  const fs::path aside = target.parent_path() / fmt::format(".{}.{}.old", name, ::getpid());
+  if (!fs::create_directory(temporary, error)) throw WriteError(fmt::format("{}: {}", path, reason(error.value())));
+  std::deque<FileOfFolder> files;
+  unfinished_folder = temporary.c_str();
   try {
-    write_and_close(file, path, write);
-    fs::rename(temporary, target, error);
-    if (error) throw WriteError(fmt::format("{}: {}", path, reason(error.value())));
+    write([&](const std::string& file_name, const std::string& text) {
+      files.push_back({(temporary / file_name).string(), files.empty() ? nullptr : &files.back()});
+      files_of_folder = &files.back();
+      const std::string shown = fmt::format("{}/{}", path, file_name);
+      const int file = ::open(files.back().path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (file < 0) throw WriteError(fmt::format("{}: {}", shown, reason(errno)));
+      write_and_close(file, shown, [&](const std::function<void(const std::string&)>& put) { put(text); });
+    });
+    if (there) fs::rename(target, aside);
+    fs::rename(temporary, target);
+  } catch (const fs::filesystem_error& e) {
+    if (fs::exists(aside, error)) fs::rename(aside, target, error);
+    files_of_folder = nullptr;
+    unfinished_folder = nullptr;
+    fs::remove_all(temporary, error);
+    throw WriteError(fmt::format("{}: {}", path, e.code().message()));
   } catch (...) {
-    fs::remove(temporary, error);
-    unfinished = nullptr;
+    files_of_folder = nullptr;
+    unfinished_folder = nullptr;
+    fs::remove_all(temporary, error);
     throw;
   }
-  unfinished = nullptr;
+  files_of_folder = nullptr;
+  unfinished_folder = nullptr;
+  if (there) fs::remove_all(aside, error);
 }
 
 void remove_unfinished() {
   if (const char* path = unfinished) ::unlink(path);
+  for (const FileOfFolder* file = files_of_folder; file != nullptr; file = file->before) ::unlink(file->path.c_str());
+  if (const char* path = unfinished_folder) ::rmdir(path);
 }
 
 void print(const std::string& text) {

@@ -21,6 +21,16 @@ void write_text(const std::string& path, const std::string& text);
 void write_pieces(const std::string& path,
                   const std::function<void(const std::function<void(const std::string& piece)>& put)>& write);
 
+/// The same by whoever is given an open file: another program. A device or a pipe is refused: it is no place to go back
+/// in. Throws WriteError, and what `write` throws.
+void write_open_file(const std::string& path, const std::function<void(int file)>& write);
+
+/// A folder of new files: it is there with all of them, or as it was before. `write` calls `put` with each. A folder
+/// that is there is replaced if `old(name)` holds for all of its files. Throws WriteError: it holds others.
+void write_folder(
+    const std::string& path, const std::function<bool(const std::string& name)>& old,
+    const std::function<void(const std::function<void(const std::string& name, const std::string& text)>& put)>& write);
+
 /// Takes away what write_text has begun and not finished. For signal handlers, before they end the program.
 void remove_unfinished();
 

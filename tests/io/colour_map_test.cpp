@@ -68,6 +68,40 @@ TEST(ColourMap, SequentialGetsLighterForEveryEye) {
   }
 }
 
+TEST(ColourMap, EverySequentialMapGetsLighterAllTheWay) {
+  for (ColourMap map : {ColourMap::Sequential, ColourMap::Viridis, ColourMap::Cividis, ColourMap::Gray}) {
+    // as they are drawn, in 128 steps; cividis is made for eyes without red or green cones
+    const std::vector<Rgb> c = samples(map, 128);
+    for (std::size_t i = 1; i < c.size(); ++i)
+      EXPECT_GT(oklab(c[i]).L, oklab(c[i - 1]).L) << static_cast<int>(map) << " " << i;
+    EXPECT_GT(oklab(c.back()).L - oklab(c.front()).L, 0.5);
+    EXPECT_FALSE(is_diverging(map));
+  }
+  for (Eye eye : {Eye::Protanope, Eye::Deuteranope}) {
+    const std::vector<Rgb> c = samples(ColourMap::Cividis, 64, eye);
+    for (std::size_t i = 1; i < c.size(); ++i) EXPECT_GT(oklab(c[i]).L, oklab(c[i - 1]).L) << i;
+  }
+}
+
+TEST(ColourMap, NamesAreMatplotlibs) {
+  // matplotlib 3: ends and the entry 128 of 256 of viridis, cividis and gray.
+  struct Known {
+    const char *name, *first, *middle, *last;
+  };
+  for (const Known& k : {Known{"viridis", "#440154", "#21918c", "#fde725"}, Known{"cividis", "#00224e", "#7d7c78", "#fee838"},
+                         Known{"gray", "#000000", "#808080", "#ffffff"}, Known{"grey", "#000000", "#808080", "#ffffff"}}) {
+    const std::optional<ColourMap> map = colour_map_named(k.name);
+    ASSERT_TRUE(map) << k.name;
+    EXPECT_EQ(hex(colour(*map, 0)), k.first);
+    EXPECT_EQ(hex(colour(*map, 128.0 / 255)), k.middle);
+    EXPECT_EQ(hex(colour(*map, 1)), k.last);
+  }
+  EXPECT_EQ(colour_map_named("dea"), ColourMap::Sequential);
+  EXPECT_EQ(colour_map_named("blue-white-red"), ColourMap::Diverging);
+  EXPECT_FALSE(colour_map_named("jet"));
+  EXPECT_EQ(colour_map_names().size(), 5u);
+}
+
 TEST(ColourMap, DivergingIsSymmetricInLightness) {
   for (int i = 0; i <= 50; ++i) {
     const OkLab low = oklab(colour(ColourMap::Diverging, 0.5 - 0.01 * i));
@@ -107,7 +141,8 @@ TEST(ColourMap, DivergingHalvesDifferForEveryEye) {
 }
 
 TEST(ColourMap, TableIsTheMapRounded) {
-  for (ColourMap map : {ColourMap::Sequential, ColourMap::Diverging}) {
+  for (ColourMap map : {ColourMap::Sequential, ColourMap::Diverging, ColourMap::Viridis, ColourMap::Cividis,
+                        ColourMap::Gray}) {
     const ColourTable& table = colour_table(map);
     for (std::size_t i = 0; i < table.size(); ++i) {
       const Rgb c = colour(map, static_cast<double>(i) / 255);

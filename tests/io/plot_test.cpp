@@ -16,56 +16,21 @@
 #include <febiodea/views/map/map_figure.h>
 #include <febiodea/views/map/map_geometry.h>
 #include <febiodea/views/map/map_scale.h>
+#include "plot_files.h"
 #include "program.h"
 
 namespace dea {
 namespace {
 
 namespace fs = std::filesystem;
+using test::cap;
 using test::file_text;
 using test::Finished;
+using test::Patch;
+using test::result_of;
 using test::run_program;
+using test::sheet;
 using test::TemporaryFolder;
-
-/// Facets by their nodes, and a field of one value per facet.
-struct Patch {
-  std::vector<Vector3d> nodes;
-  std::vector<std::vector<int>> facets;
-};
-
-/// n x m quads of the rectangle a x b, normals up, put into space by `place`.
-Patch sheet(
-    int n, int m, double a, double b,
-    const std::function<Vector3d(double, double)>& place = [](double x, double y) { return Vector3d(x, y, 0); }) {
-  Patch p;
-  for (int j = 0; j <= m; ++j)
-    for (int i = 0; i <= n; ++i) p.nodes.push_back(place(a * i / n, b * j / m));
-  for (int j = 0; j < m; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int k = i + (n + 1) * j;
-      p.facets.push_back({k, k + 1, k + n + 2, k + n + 1});
-    }
-  return p;
-}
-
-/// Cap of a sphere about the z axis as quads, triangles at the pole; outward normals unless a socket.
-Patch cap(double radius, double degrees, int rings, int spokes, bool socket) {
-  Patch p;
-  p.nodes.push_back({0, 0, radius});
-  for (int i = 1; i <= rings; ++i)
-    for (int k = 0; k < spokes; ++k) {
-      const double t = degrees * kPi / 180 * i / rings, f = 2 * kPi * k / spokes;
-      p.nodes.push_back(radius * Vector3d(std::sin(t) * std::cos(f), std::sin(t) * std::sin(f), std::cos(t)));
-    }
-  const auto node = [&](int i, int k) { return 1 + (i - 1) * spokes + k % spokes; };
-  for (int k = 0; k < spokes; ++k) p.facets.push_back({0, node(1, k), node(1, k + 1)});
-  for (int i = 1; i < rings; ++i)
-    for (int k = 0; k < spokes; ++k)
-      p.facets.push_back({node(i, k), node(i + 1, k), node(i + 1, k + 1), node(i, k + 1)});
-  if (socket)
-    for (auto& f : p.facets) std::reverse(f.begin(), f.end());
-  return p;
-}
 
 ResultSurface surface_of(const Patch& p) {
   std::vector<int> begin = {0}, nodes;
@@ -74,48 +39,6 @@ ResultSurface surface_of(const Patch& p) {
     begin.push_back(static_cast<int>(nodes.size()));
   }
   return make_result_surface("surface", begin, nodes, p.nodes);
-}
-
-/// A file with one surface, "contact pressure" per facet and state, and the same field under another name.
-ResultFile result_of(const std::string& label, const Patch& p, const std::vector<std::vector<double>>& pressures,
-                     const std::string& units = "") {
-  XpltFile file;
-  file.software = "test";
-  file.units = units;
-  XpltMesh mesh;
-  for (const Vector3d& x : p.nodes) {
-    mesh.node_ids.push_back(static_cast<int>(mesh.node_ids.size()) + 1);
-    for (int k = 0; k < 3; ++k) mesh.coordinates.push_back(static_cast<float>(x[k]));
-  }
-  mesh.parts = {"shell"};
-  XpltDomain domain;
-  domain.element_type = 3;
-  domain.name = "shell";
-  XpltFacets facets;
-  facets.name = "surface";
-  for (const auto& f : p.facets) {
-    facets.nodes.insert(facets.nodes.end(), f.begin(), f.end());
-    facets.begin.push_back(static_cast<int>(facets.nodes.size()));
-    facets.max_nodes = std::max(facets.max_nodes, static_cast<int>(f.size()));
-    domain.element_ids.push_back(static_cast<int>(domain.element_ids.size()) + 1);
-    for (std::size_t k = 0; k < 4; ++k) domain.nodes.push_back(f[std::min(k, f.size() - 1)]);
-  }
-  mesh.domains = {domain};
-  XpltFacets bare = facets;
-  bare.name = "bare";
-  mesh.surfaces = {facets, bare};
-  file.meshes = {mesh};
-  for (const char* name : {"contact pressure", "joint space"})
-    file.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Float, XpltFormat::Item, name));
-  file.variables.push_back(xplt_variable(XpltGroup::Surface, XpltType::Vec3, XpltFormat::Item, "contact traction"));
-  for (std::size_t s = 0; s < pressures.size(); ++s) {
-    XpltState state;
-    state.time = static_cast<float>(s);
-    std::vector<float> values(pressures[s].begin(), pressures[s].end());
-    state.variables = {{{1, values}}, {{1, values}}, {{1, std::vector<float>(3 * values.size(), 1.0f)}}};
-    file.states.push_back(state);
-  }
-  return {label + ".xplt", label, file};
 }
 
 double enclosed(const std::vector<Polyline>& lines) {
@@ -765,6 +688,76 @@ TEST(Picture, TitlesOfTheBarHaveRoom) {
   EXPECT_FALSE(png(f) == whole);
 }
 
+TEST(Picture, OtherColoursOnRequest) {
+  const Patch p = sheet(4, 2, 4, 2);
+  const ResultFile a = result_of("a", p, {{1, 4, 0, 0, 0, 0, 0, 7}});
+  for (ColourMap map : {ColourMap::Viridis, ColourMap::Cividis, ColourMap::Gray}) {
+    MapOptions o = plain();
+    o.high = 8;
+    o.colours = map;
+    const Pixels image = read_png(png(make_map_figure({a}, nullptr, o)));
+    EXPECT_GT(find(image, drawn(map, 1.0 / 8)).count, 1000);
+    EXPECT_GT(find(image, drawn(map, 0.5)).count, 1000);
+    // where grey is a value, no contact has another colour
+    EXPECT_EQ(find(image, {227, 227, 230}).count > 4000, map != ColourMap::Gray);
+    EXPECT_THROW(make_map_figure({a}, &a, o), UsageError);
+  }
+  MapOptions o;
+  o.colours = ColourMap::Diverging;
+  EXPECT_NO_THROW(make_map_figure({a}, &a, o));
+  EXPECT_THROW(make_map_figure({a}, nullptr, o), UsageError);
+}
+
+TEST(Picture, LettersHaveTheSizeThatIsAsked) {
+  // Twice as large: a picture of half the width in usual letters, enlarged. Its colours cover four times as much.
+  const ResultFile a = result_of("a", sheet(4, 4, 1, 1), {std::vector<double>(16, 1.0)});
+  const MapFigure f = make_map_figure({a}, nullptr, plain());
+  PictureOptions usual = {PictureFormat::Png, 60, 96, false}, large = {PictureFormat::Png, 120, 96, false};
+  large.font_size = 2 * kUsualFontSize;
+  const Pixels one = read_png(picture(f, usual)), two = read_png(picture(f, large));
+  EXPECT_NEAR(two.width, 2 * one.width, 2);
+  EXPECT_NEAR(two.height, 2 * one.height, 2);
+  large.width = 120;
+  large.font_size = kUsualFontSize;
+  EXPECT_LT(read_png(picture(f, large)).height, 2 * one.height);  // less of it is margin and letters
+  PictureOptions narrow = {PictureFormat::Svg, 50, 96, false};
+  narrow.font_size = 4 * kUsualFontSize;
+  EXPECT_THROW(picture(f, narrow), UsageError);
+}
+
+TEST(Picture, LettersOfAnSvgAsText) {
+  const Patch p = cap(20, 80, 8, 24, true);
+  MapOptions o;
+  o.unrolled = true;
+  MapFigure f = make_map_figure({result_of("a", p, {std::vector<double>(p.facets.size(), 2.0)})}, nullptr, o);
+  f.title = "Walking <1> & surface7";
+  PictureOptions look = {PictureFormat::Svg, 0, 96, false};
+  const std::string shapes = picture(f, look);
+  look.text = true;
+  const std::string text = picture(f, look);
+  EXPECT_TRUE(text == picture(f, look));
+  EXPECT_EQ(shapes.find("<text"), std::string::npos);
+  EXPECT_NE(shapes.find("<symbol"), std::string::npos);
+  EXPECT_EQ(text.find("<symbol"), std::string::npos);  // no letter is a shape
+  EXPECT_NE(text.find(">Walking &lt;1&gt; &amp; surface7</text>"), std::string::npos);
+  for (const char* word : {">surface, time 0<", ">contact pressure<", ">centre of pressure<", ">30\u00b0<", ">2.0<"})
+    EXPECT_NE(text.find(word), std::string::npos) << word;
+  // The bar's title is turned, the circles' angles stand on a seam.
+  EXPECT_NE(text.find("transform=\"matrix("), std::string::npos);
+  EXPECT_NE(text.find("paint-order=\"stroke\">30"), std::string::npos);
+  // At their places: all within the paper.
+  double width = 0.0, height = 0.0;
+  ASSERT_EQ(std::sscanf(text.c_str() + text.find("viewBox=\"0 0 "), "viewBox=\"0 0 %lf %lf\"", &width, &height), 2);
+  int places = 0;
+  for (std::size_t i = text.find("<text x="); i != std::string::npos; i = text.find("<text x=", i + 1)) {
+    double x = 0.0, y = 0.0;
+    ASSERT_EQ(std::sscanf(text.c_str() + i, "<text x=\"%lf\" y=\"%lf\"", &x, &y), 2);
+    EXPECT_TRUE(x > 0 && x < width && y > 0 && y < height) << x << " " << y;
+    ++places;
+  }
+  EXPECT_GT(places, 10);
+}
+
 /// A folder with plot files, and the program.
 struct Folder : ::testing::Test {
   TemporaryFolder folder;
@@ -800,6 +793,8 @@ TEST_F(Folder, WritesWhatIsAskedFor) {
       {{"a.xplt", "--minus", "b.xplt", "--at", "1", "-o", "d.png"}, "d.png", "\x89PNG"},
       {{"a.xplt", "--view", "0,1,0", "-o", "side.png", "--dpi", "50", "--width", "80"}, "side.png", "\x89PNG"},
       {{"zero.xplt", "-o", "z.svg"}, "z.svg", "<?xml"},
+      {{"a.xplt", "-o", "text.svg", "--text-as", "text", "--font-size", "8", "--colour-map", "grey"}, "text.svg", "<?xml"},
+      {{"a.xplt", "--minus", "b.xplt", "--at", "1", "-o", "m.png", "--colour-map", "blue-white-red"}, "m.png", "\x89PNG"},
       {{"flat.xplt", "--field", "joint space", "--min", "1", "--max", "3", "-o", "f.svg"}, "f.svg", "<?xml"},
       {{"flat.xplt", "--contours", "1.5,2.5", "--title", "A very long title that does not fit on paper", "-o", "t.svg",
         "--width", "60"},
@@ -861,6 +856,13 @@ TEST_F(Folder, RefusesInOneLine) {
       {{"a.xplt", "--dpi", "2400", "--width", "2000"}, 2, "less --dpi or --width"},
       {{"a.xplt", "--dpi", "100", "-o", "a.svg"}, 2, "belongs to PNG"},
       {{"a.xplt", "--contours", "many"}, 2, "--contours many"},
+      {{"a.xplt", "--colour-map", "virids"}, 2, "(did you mean \"viridis\"?)"},
+      {{"a.xplt", "--colour-map", "jet"}, 2, "expected one of \"dea\", \"viridis\""},
+      {{"a.xplt", "--minus", "b.xplt", "--at", "1", "--colour-map", "viridis"}, 2, "expected blue-white-red"},
+      {{"a.xplt", "--colour-map", "blue-white-red"}, 2, "belongs to differences"},
+      {{"a.xplt", "--font-size", "1"}, 2, "--font-size 1: found \"1\", expected a number from 3 to 100"},
+      {{"a.xplt", "--text-as", "letters", "-o", "a.svg"}, 2, "--text-as letters: found \"letters\", expected shapes or text"},
+      {{"a.xplt", "--text-as", "text"}, 2, "--text-as text: belongs to SVG"},
       {{"a.xplt", "--scale", "some"}, 2, "--scale some: found \"some\", expected all or shown"},
       {{"a.xplt", "--label", "x", "--label", "y"}, 2, "found 2 labels, expected one per file (1)"},
       {{"a.xplt", "-o", "nowhere/map.png"}, 4, "there is no folder nowhere"},

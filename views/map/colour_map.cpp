@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/views/map/known_maps.h>
 
 namespace dea {
 
@@ -88,7 +90,41 @@ Curve arm(double hue) {
       {{0.955, 0.0, hue}, {0.83, 0.062, hue}, {0.68, 0.115, hue}, {0.53, 0.140, hue}, {0.40, 0.115, hue}});
 }
 
+/// Between the entries of a table of 256 colours of six digits.
+Rgb of_table(const char* table, double fraction) {
+  const auto channel = [&](std::size_t entry, std::size_t k) {
+    const char digits[] = {table[6 * entry + 2 * k], table[6 * entry + 2 * k + 1], '\0'};
+    return static_cast<double>(std::strtol(digits, nullptr, 16)) / 255.0;
+  };
+  const std::size_t i = std::min<std::size_t>(254, static_cast<std::size_t>(255 * fraction));
+  const double t = 255 * fraction - static_cast<double>(i);
+  const auto mixed = [&](std::size_t k) { return (1 - t) * channel(i, k) + t * channel(i + 1, k); };
+  return {mixed(0), mixed(1), mixed(2)};
+}
+
+struct NamedMap {
+  const char* name;
+  ColourMap map;
+};
+constexpr NamedMap kNamedMaps[] = {{"dea", ColourMap::Sequential},
+                                   {"viridis", ColourMap::Viridis},
+                                   {"cividis", ColourMap::Cividis},
+                                   {"gray", ColourMap::Gray},
+                                   {"blue-white-red", ColourMap::Diverging}};
+
 }  // namespace
+
+std::vector<std::string> colour_map_names() {
+  std::vector<std::string> names;
+  for (const NamedMap& m : kNamedMaps) names.emplace_back(m.name);
+  return names;
+}
+
+std::optional<ColourMap> colour_map_named(const std::string& name) {
+  for (const NamedMap& m : kNamedMaps)
+    if (name == m.name || (m.map == ColourMap::Gray && name == "grey")) return m.map;
+  return std::nullopt;
+}
 
 OkLab oklab(const Rgb& colour) {
   const double r = to_linear(colour.r), g = to_linear(colour.g), b = to_linear(colour.b);
@@ -115,6 +151,9 @@ Rgb colour(ColourMap map, double fraction) {
   assert(!std::isnan(fraction));
   const double f = std::clamp(fraction, 0.0, 1.0);
   if (map == ColourMap::Sequential) return srgb(at_fraction(sequential(), f));
+  if (map == ColourMap::Viridis) return of_table(kViridisTable, f);
+  if (map == ColourMap::Cividis) return of_table(kCividisTable, f);
+  if (map == ColourMap::Gray) return {f, f, f};
   static const Curve below = arm(256), above = arm(34);
   return srgb(at_fraction(f < 0.5 ? below : above, std::abs(2.0 * f - 1.0)));
 }
@@ -129,8 +168,10 @@ const ColourTable& colour_table(ColourMap map) {
     }
     return table;
   };
-  static const ColourTable sequential_table = make(ColourMap::Sequential), diverging_table = make(ColourMap::Diverging);
-  return map == ColourMap::Sequential ? sequential_table : diverging_table;
+  static const std::array<ColourTable, 5> tables = {make(ColourMap::Sequential), make(ColourMap::Diverging),
+                                                    make(ColourMap::Viridis), make(ColourMap::Cividis),
+                                                    make(ColourMap::Gray)};
+  return tables[static_cast<std::size_t>(map)];
 }
 
 std::string hex(const Rgb& c) {

@@ -5,14 +5,24 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace dea {
 
 /// Sequential: dark violet, blue, green, yellow; lightness rises all the way. For values from 0 upwards.
 /// Diverging: blue, near white, red; equally light at equal distances from the middle. For differences, 0 in the
 /// middle.
-enum class ColourMap { Sequential, Diverging };
+/// Viridis, Cividis, Gray: sequential too, from dark to light, as matplotlib has them.
+enum class ColourMap { Sequential, Diverging, Viridis, Cividis, Gray };
+
+/// Has a middle, from which values go to both sides.
+inline bool is_diverging(ColourMap map) { return map == ColourMap::Diverging; }
+
+/// Names for users: dea, viridis, cividis, gray, blue-white-red. "grey" is gray too.
+std::vector<std::string> colour_map_names();
+std::optional<ColourMap> colour_map_named(const std::string& name);
 
 /// sRGB, 0 .. 1 each.
 struct Rgb {

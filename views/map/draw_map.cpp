@@ -262,13 +262,8 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
       best = p;
     }
     taken.push_back({best - half, best + half});
-    cairo_move_to(pen.get(), best.x() - half.x() + 2, best.y() + 4.5);
-    cairo_text_path(pen.get(), text.c_str());
-    pen.use(paper.background, 0.85);
-    cairo_set_line_width(pen.get(), 3.5);
-    cairo_stroke_preserve(pen.get());
     pen.use(paper.text);
-    cairo_fill(pen.get());
+    pen.text_on(best.x() - half.x() + 2, best.y() + 4.5, text, paper.background);
   }
 }
 
@@ -503,15 +498,6 @@ bool one_view(const MapFigure& figure) {
 }
 
 std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
-  bool peak = false, center = false, nothing = false, away = false;
-  for (const MapPanel& panel : figure.panels) {
-    const MapSurface& s = figure.surfaces[at(panel.surface)];
-    peak = peak || panel.peak;
-    center = center || panel.center_of_pressure;
-    for (double v : panel.facets) nothing = nothing || !std::isfinite(v);
-    for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
-      away = away || (s.projection.back[t] && s.projection.layer[t] >= 0 && s.projection.hidden[t] < 0.99);
-  }
   const auto square = [&paper](const Rgb& c) {
     return [&paper, c](Pen& pen, const Vector2d& p) {
       pen.use(c);
@@ -522,14 +508,14 @@ std::vector<Entry> legend_entries(const MapFigure& figure, const Paper& paper) {
     };
   };
   std::vector<Entry> entries;
-  if (peak)
-    entries.push_back({figure.pressure && figure.map == ColourMap::Sequential ? "peak" : "largest",
+  if (figure.signs.peak)
+    entries.push_back({figure.pressure && !is_diverging(figure.map) ? "peak" : "largest",
                        [](Pen& pen, const Vector2d& p) { peak_marker(pen, p + Vector2d(8, 5), 1.0); }});
-  if (center)
+  if (figure.signs.center_of_pressure)
     entries.push_back(
         {"centre of pressure", [](Pen& pen, const Vector2d& p) { center_marker(pen, p + Vector2d(8, 0), 1.0); }});
-  if (nothing) entries.push_back({figure.pressure ? "no contact" : "no value", square(paper.nothing)});
-  if (away) entries.push_back({"turned away", square(paper.turned_away)});
+  if (figure.signs.nothing) entries.push_back({figure.pressure ? "no contact" : "no value", square(paper.nothing)});
+  if (figure.signs.turned_away) entries.push_back({"turned away", square(paper.turned_away)});
   if (figure.surfaces.front().view.unrolled)
     entries.push_back({"angle from the axis (equal-area map)", [&paper](Pen& pen, const Vector2d& p) {
                          const double dashes[] = {1.0, 4.0};
@@ -557,10 +543,15 @@ double legend_start(const Pen& pen, const MapFigure& figure, const Layout& l) {
   return x + length * l.scale + 8 + pen.width(scale_bar_text(figure, length)) + 26;
 }
 
+/// Letters, and with them lines, marks and margins: how large they are for the wished font size. A picture is laid out
+/// for usual letters on paper that is as much smaller, then enlarged.
+double letter_scale(const PictureOptions& options) { return options.font_size / kUsualFontSize; }
+
 /// `bar_lines`: of the bar's title.
 Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options, const Paper& paper,
                std::size_t bar_lines) {
   Layout l;
+  const double letters = letter_scale(options), millimetre = kMillimetre / letters;
   const int n = static_cast<int>(figure.panels.size());
   l.columns = figure.columns > 0 && figure.columns <= 6 ? figure.columns
               : n <= 4                                  ? (n == 4 ? 2 : n)
@@ -571,7 +562,7 @@ Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options,
   const double millimetres = options.width > 0 ? options.width
                              : l.columns <= 3  ? widths[l.columns - 1]
                                                : 64.0 * l.columns + 30;
-  l.width = std::round(millimetres * kMillimetre);
+  l.width = std::round(millimetres * millimetre);
   const auto panel_width = [&](int columns) {
     return (l.width - 2 * kMargin - l.bar - (columns - 1) * kGap) / columns;
   };
@@ -584,10 +575,10 @@ Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options,
   l.panel_width = panel_width(l.columns);
   if (!(l.panel_width >= 60))
     throw UsageError(
-        fmt::format("--width {:g}: found {:.0f} mm for each of {} panels side by side, expected 16 mm or more: about "
-                    "--width {:.0f}",
-                    millimetres, std::max(0.0, l.panel_width / kMillimetre), l.columns,
-                    std::ceil((62 * l.columns + 2 * kMargin + l.bar + (l.columns - 1) * kGap) / kMillimetre)));
+        fmt::format("--width {:g}: found {:.0f} mm for each of the panels side by side ({}), expected {:.0f} mm or more: "
+                    "about --width {:.0f}",
+                    millimetres, std::max(0.0, l.panel_width / millimetre), l.columns, std::ceil(60 / millimetre),
+                    std::ceil((62 * l.columns + 2 * kMargin + l.bar + (l.columns - 1) * kGap) / millimetre)));
   Vector2d most = Vector2d::Constant(1e-300);
   for (const MapSurface& s : figure.surfaces) {
     const Box box = extent(s);
@@ -668,10 +659,7 @@ void draw(Pen& pen, const MapFigure& figure, const Layout& l, const Paper& paper
   draw_footer(pen, figure, l, paper);
 }
 
-}  // namespace
-
-std::string picture(const MapFigure& figure, const PictureOptions& options) {
-  const Paper colours = paper(options.dark, figure.map);
+Layout measured_layout(const MapFigure& figure, const PictureOptions& options, const Paper& colours) {
   Layout layout;
   measured([&](Pen& pen) {
     pen.font(kText);
@@ -684,14 +672,37 @@ std::string picture(const MapFigure& figure, const PictureOptions& options) {
       lines = needed;
     }
   });
-  const double zoom = options.dpi / 96.0, w = std::round(zoom * layout.width), h = std::round(zoom * layout.height);
+  const double zoom = letter_scale(options) * options.dpi / 96.0, w = std::round(zoom * layout.width), h = std::round(zoom * layout.height);
   if (options.format == PictureFormat::Png && (w > kMostPixels || h > kMostPixels))
     throw UsageError(
         fmt::format("--dpi {:g}: found a picture of {:.0f} x {:.0f} pixels, expected {:.0f} or fewer "
                     "each way: less --dpi or --width",
                     options.dpi, w, h, kMostPixels));
-  return drawn({options.format, layout.width, layout.height, options.dpi},
-               [&](Pen& pen) { draw(pen, figure, layout, colours); });
+  return layout;
+}
+
+}  // namespace
+
+std::string picture(const MapFigure& figure, const PictureOptions& options) {
+  const Paper colours = paper(options.dark, figure.map);
+  const Layout layout = measured_layout(figure, options, colours);
+  const double letters = letter_scale(options);
+  PaperSize size = {options.format, letters * layout.width, letters * layout.height, options.dpi};
+  size.text = options.text;
+  return drawn(size, [&](Pen& pen) {
+    cairo_scale(pen.get(), letters, letters);
+    draw(pen, figure, layout, colours);
+  });
+}
+
+Image map_image(const MapFigure& figure, const PictureOptions& options) {
+  const Paper colours = paper(options.dark, figure.map);
+  const Layout layout = measured_layout(figure, options, colours);
+  const double letters = letter_scale(options);
+  return drawn_image({PictureFormat::Png, letters * layout.width, letters * layout.height, options.dpi}, [&](Pen& pen) {
+    cairo_scale(pen.get(), letters, letters);
+    draw(pen, figure, layout, colours);
+  });
 }
 
 }  // namespace dea

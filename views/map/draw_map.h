@@ -8,15 +8,21 @@
 
 namespace dea {
 
+constexpr double kUsualFontSize = 11.25;  // [pt]
+
 struct PictureOptions {
   PictureFormat format = PictureFormat::Png;
   double width = 0.0;  ///< [mm]; 0: by the number of panels
   double dpi = 200.0;  ///< of PNG
   bool dark = false;
   int columns = 0;  ///< of panels; 0: by the figure, fewer where the width is too small for them
+  double font_size = kUsualFontSize;
+  bool text = false;  ///< SVG: letters as text, not as shapes
 };
 
 /// The file's bytes; the same for the same figure and fonts. Throws UsageError: too narrow, too many pixels.
 std::string picture(const MapFigure& figure, const PictureOptions& options);
+/// The same as pixels, those of a PNG. Figures of one animation have one size.
+Image map_image(const MapFigure& figure, const PictureOptions& options);
 
 }  // namespace dea

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
@@ -194,25 +195,28 @@ bool to_be_seen(const MapSurface& s, int facet) {
   return false;
 }
 
-/// Where the largest value (of absolute values, in a difference) is, if it can be seen.
-void mark_peak(const MapFigure& figure, MapPanel& panel) {
-  const MapSurface& s = figure.surfaces[at(panel.surface)];
+/// The facet, or the point of a smooth figure, of the largest value (of absolute values, in a difference); -1: none.
+int largest(const MapFigure& figure, const MapPanel& panel) {
   const std::vector<double>& shown = figure.smooth ? panel.points : panel.facets;
-  const auto size = [&](double x) { return figure.map == ColourMap::Diverging ? std::abs(x) : x; };
+  const auto size = [&](double x) { return is_diverging(figure.map) ? std::abs(x) : x; };
   int best = -1;
   for (std::size_t i = 0; i < shown.size(); ++i)
     if (std::isfinite(shown[i]) && (best < 0 || size(shown[i]) > size(shown[at(best)]))) best = static_cast<int>(i);
-  if (best < 0 || !(size(shown[at(best)]) > 0)) return;
-  if (!figure.smooth) {
-    if (to_be_seen(s, best)) panel.peak = on_map(s.view, s.surface.facet_centers[at(best)]);
-    return;
-  }
+  return best >= 0 && size(shown[at(best)]) > 0 ? best : -1;
+}
+
+/// Where the largest value is, if it can be seen.
+std::optional<Vector2d> place_of(const MapFigure& figure, const MapSurface& s, int best) {
+  if (best < 0) return std::nullopt;
+  if (!figure.smooth)
+    return to_be_seen(s, best) ? std::optional<Vector2d>(on_map(s.view, s.surface.facet_centers[at(best)]))
+                               : std::nullopt;
   for (int t = 0; t < s.mesh.size(); ++t) {
     const auto& v = s.mesh.triangles[at(t)];
     if (std::find(v.begin(), v.end(), best) == v.end() || !to_be_seen(s, s.mesh.facet[at(t)])) continue;
-    panel.peak = s.projection.points[at(best)];
-    return;
+    return s.projection.points[at(best)];
   }
+  return std::nullopt;
 }
 
 void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel) {
@@ -226,7 +230,7 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
   const std::vector<double> shown = finite(of);
   // where two results agree exactly a difference of 0 is the answer
   const bool zero = std::all_of(shown.begin(), shown.end(), [](double x) { return x == 0; });
-  if (shown.empty() || (zero && figure.map == ColourMap::Sequential)) {
+  if (shown.empty() || (zero && !is_diverging(figure.map))) {
     panel.numbers = {figure.pressure ? "no contact" : "no values"};
     return;
   }
@@ -238,7 +242,7 @@ void describe(const MapFigure& figure, const MapValues& values, MapPanel& panel)
     sum += areas[i] * of[i];
     squares += areas[i] * of[i] * of[i];
   }
-  if (figure.map == ColourMap::Diverging) {
+  if (is_diverging(figure.map)) {
     const std::string range = fmt::format("{}: {} to {}", where, number(*least, true), number(*most, true));
     panel.numbers = {fmt::format("{}, rms {}{}", range, number(std::sqrt(squares / area)), unit), range + unit, range};
     return;
@@ -317,26 +321,60 @@ void add_states(const ResultFile& file, const ResultFile* minus, const std::stri
   }
 }
 
+/// What the panels of a figure, or of all figures of an animation, show together.
+struct Together {
+  /// Of one surface, per facet: sum of the sizes of values, number of panels with a value. And where panels have
+  /// their largest value; whether one of them has pressure.
+  struct OfSurface {
+    std::vector<double> load, count;
+    std::set<int> largest;
+    bool pressed = false;
+  };
+  std::vector<OfSurface> surfaces;
+  ValueRange range;
+  double usual = 0.0;  ///< of joint space: the value that 95 % of a panel's area stay below, the largest of panels
+  bool gaps = false;   ///< places without a value
+};
+
+void add_panels(const MapFigure& figure, const MapOptions& o, const ResultFile* minus, Together& all) {
+  const bool space = o.field == kSpace && minus == nullptr;
+  all.surfaces.resize(figure.surfaces.size());
+  for (const MapPanel& panel : figure.panels) {
+    Together::OfSurface& on = all.surfaces[at(panel.surface)];
+    on.load.resize(panel.facets.size());
+    on.count.resize(panel.facets.size());
+    for (std::size_t f = 0; f < panel.facets.size(); ++f) {
+      const double x = panel.facets[f];
+      if (!std::isfinite(x)) {
+        all.gaps = true;
+        continue;
+      }
+      on.load[f] += std::abs(x);
+      on.count[f] += 1.0;
+      on.pressed = on.pressed || (figure.pressure && minus == nullptr && x > 0);
+    }
+    on.largest.insert(largest(figure, panel));
+    all.range.add(figure.smooth ? panel.points : panel.facets);
+    if (!space || !o.scale_of_shown) continue;
+    std::vector<std::pair<double, double>> areas;
+    add_areas(figure.surfaces[at(panel.surface)].surface, panel.facets, areas);
+    all.usual = std::max(all.usual, most_of_area_below(std::move(areas)));
+  }
+}
+
 void choose_scale(const std::vector<ResultFile>& files, const ResultFile* minus, const std::vector<std::string>& names,
-                  const MapOptions& o, MapFigure& figure) {
+                  const MapOptions& o, const Together& panels, MapFigure& figure) {
   Scaled scaled;
   ScaleKind kind;
   kind.map = figure.map;
   kind.pressure = figure.pressure;
   kind.low = o.low;
   kind.high = o.high;
-  ValueRange panels;
-  for (const MapPanel& panel : figure.panels) panels.add(figure.smooth ? panel.points : panel.facets);
-  scaled.range.add(panels);
+  scaled.range.add(panels.range);
   // Joint space is also there where nothing faces, as the closest distance: the edge of a ball must not set the scale.
   const bool space = o.field == kSpace && minus == nullptr;
   if (o.scale_of_shown) {
-    for (const MapPanel& panel : figure.panels) {
-      if (!space) break;
-      std::vector<std::pair<double, double>> areas;
-      add_areas(figure.surfaces[at(panel.surface)].surface, panel.facets, areas);
-      kind.usual = std::max(kind.usual, most_of_area_below(std::move(areas)));
-    }
+    kind.usual = panels.usual;
   } else {
     for (const ResultFile& file : files)
       for (const std::string& name : names) {
@@ -352,31 +390,28 @@ void choose_scale(const std::vector<ResultFile>& files, const ResultFile* minus,
         fmt::format("--max {:g}: found no width of the colour scale, expected more than {:g}", scale.high, scale.low));
   figure.low = scale.low;
   figure.high = scale.high;
-  figure.empty = map_scale(kind, panels).empty;
+  figure.empty = map_scale(kind, panels.range).empty;
   const double tolerance = 1e-6 * (scale.high - scale.low);
-  figure.beyond_low = !figure.empty && panels.least < scale.low - tolerance;
-  figure.beyond_high = !figure.empty && panels.most > scale.high + tolerance;
+  figure.beyond_low = !figure.empty && panels.range.least < scale.low - tolerance;
+  figure.beyond_high = !figure.empty && panels.range.most > scale.high + tolerance;
   figure.ticks = scale_ticks(scale);
   figure.contours = o.contours ? *o.contours : scale_lines(scale, figure.map);
 }
 
-/// How much of what a panel shows is out of sight.
-void remark_hidden(MapFigure& figure) {
+/// How much of what the panels show is out of sight. Per surface: is it so much that a mark amid it would mislead?
+std::vector<char> remark_hidden(const Together& panels, MapFigure& figure) {
+  std::vector<char> misleading;
   for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
     const MapSurface& s = figure.surfaces[k];
+    const std::vector<double>& count = panels.surfaces[k].count;
     double all = 0.0, hidden = 0.0;
-    for (const MapPanel& panel : figure.panels) {
-      if (panel.surface != static_cast<int>(k)) continue;
-      for (int t = 0; t < s.mesh.size(); ++t) {
-        const double x = panel.facets[at(s.mesh.facet[at(t)])];
-        if (!std::isfinite(x)) continue;
-        all += s.mesh.areas[at(t)];
-        const bool out = s.projection.layer[at(t)] < 0 || s.projection.back[at(t)];
-        hidden += s.mesh.areas[at(t)] * (out ? 1.0 : s.projection.hidden[at(t)]);
-      }
+    for (int t = 0; t < s.mesh.size(); ++t) {
+      const double area = s.mesh.areas[at(t)] * count[at(s.mesh.facet[at(t)])];
+      all += area;
+      const bool out = s.projection.layer[at(t)] < 0 || s.projection.back[at(t)];
+      hidden += area * (out ? 1.0 : s.projection.hidden[at(t)]);
     }
-    for (MapPanel& panel : figure.panels)  // a mark amid what is not to be seen would mislead
-      if (panel.surface == static_cast<int>(k) && hidden > 0.2 * all) panel.center_of_pressure.reset();
+    misleading.push_back(hidden > 0.2 * all);
     if (hidden > 0.01 * all)
       figure.remarks.push_back(
           fmt::format("note: surface \"{}\": {:.0f} % of the area with values is turned away or hidden in this view, "
@@ -385,8 +420,7 @@ void remark_hidden(MapFigure& figure) {
     if (s.projection.from_behind)
       figure.remarks.push_back(fmt::format("note: surface \"{}\" is seen from its bone's side", s.name));
   }
-  std::sort(figure.remarks.begin(), figure.remarks.end());
-  figure.remarks.erase(std::unique(figure.remarks.begin(), figure.remarks.end()), figure.remarks.end());
+  return misleading;
 }
 
 /// Results that are cut off; and surfaces without pressure in one of them, which look as if nothing touched them.
@@ -445,6 +479,7 @@ struct MapRequest {
   std::vector<Row> rows;
   std::vector<std::string> names;                 ///< of surfaces
   std::vector<std::vector<std::string>> without;  ///< per file, last of minus: surfaces that have no pressure in it
+  bool animated;                                  ///< a figure per row
 };
 
 bool has_none(const MapRequest& r, std::size_t file, const std::string& name) {
@@ -467,12 +502,12 @@ std::vector<std::string> choose_names(const std::vector<ResultFile>& files, cons
 
 /// A column per file, else per surface; 0: as fits.
 int choose_columns(const MapRequest& r) {
-  const std::size_t count = r.rows.size() * r.names.size() * r.files.size();
+  const std::size_t rows = r.animated ? 1 : r.rows.size(), count = rows * r.names.size() * r.files.size();
   if (count > at(kMostPanels))
-    throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer: choose states with --at t1,t2,...",
-                                 count, kMostPanels));
+    throw UsageError(fmt::format("found {} panels to draw, expected {} or fewer{}", count, kMostPanels,
+                                 r.animated ? "" : ": choose states with --at t1,t2,..., or --animate FILE.gif"));
   if (r.files.size() > 1) return static_cast<int>(r.files.size());
-  return r.rows.size() > 1 && r.names.size() > 1 ? static_cast<int>(r.names.size()) : 0;
+  return rows > 1 && r.names.size() > 1 ? static_cast<int>(r.names.size()) : 0;
 }
 
 /// What a panel shows.
@@ -545,7 +580,7 @@ void set_title(const MapRequest& r, const PanelSource& from, MapPanel& panel) {
     add(r.files[from.file].label);
   const bool alone = r.files.size() == 1 && r.minus == nullptr;
   if (r.names.size() > 1 || (alone && r.rows.size() == 1)) add(from.name);
-  if (r.rows.size() > 1 || !from.same_times || (alone && r.names.size() == 1)) {
+  if (r.rows.size() > 1 || r.animated || !from.same_times || (alone && r.names.size() == 1)) {
     add("");
     panel.when = "time " + time_text(from.time);
     panel.title += panel.when;
@@ -560,47 +595,44 @@ std::string nothing_there(const MapRequest& r, const PanelSource& from) {
   return "no pressure in " + (none ? r.files[from.file] : *r.minus).label;
 }
 
-/// Panels by state, surface and file. Returns their values; panels of which there is nothing to describe have their
-/// numbers already.
-std::vector<MapValues> add_panels(const MapRequest& r, MapFigure& figure) {
-  std::vector<MapValues> values;
-  SurfaceKeys keys;
-  for (const Row& row : r.rows) {
-    for (const std::string& name : r.names) {
-      for (std::size_t i = 0; i < r.files.size(); ++i) {
-        const ResultFile& file = r.files[i];
-        const double time = file.xplt.states[at(row[i])].time;
-        PanelSource from = {i, row[i], require_surface(file, row[i], name), name, time, row_at_one_time(r, row, time)};
-        MapPanel panel;
-        panel.surface = figure_surface(r, from, keys, figure);
-        const MapSurface& s = figure.surfaces[at(panel.surface)];
-        MapValues v = field_values(file, row[i], s.surface, from.surface, r.options.field, r.minus == nullptr);
-        if (r.minus != nullptr)
-          v = take_away(r, from, s.surface, v, figure);
-        else
-          std::replace(v.facets.begin(), v.facets.end(), 0.0, kNaN);
-        set_title(r, from, panel);
-        if (!from.same_times && r.minus == nullptr)
-          figure.remarks.push_back("warning: the files' last states are at different times; --at T shows one time");
-        const std::string nothing = nothing_there(r, from);
-        if (!nothing.empty()) panel.numbers = {nothing};
-        panel.facets = v.facets;
-        panel.points = point_values(s.mesh, v.vertices);
-        values.push_back(std::move(v));
-        figure.panels.push_back(std::move(panel));
-      }
+/// A figure in the making.
+struct Work {
+  MapRequest request;
+  MapFigure figure;
+  SurfaceKeys keys;                   ///< of the figure's surfaces
+  Together together;                  ///< of all panels
+  std::vector<char> misleading = {};  ///< per surface, see remark_hidden
+};
+
+/// Adds the panels of a state, by surface and file, and their values; panels of which there is nothing to describe have
+/// their numbers already.
+void add_row(Work& work, const Row& row, std::vector<MapValues>& values) {
+  const MapRequest& r = work.request;
+  MapFigure& figure = work.figure;
+  for (const std::string& name : r.names) {
+    for (std::size_t i = 0; i < r.files.size(); ++i) {
+      const ResultFile& file = r.files[i];
+      const double time = file.xplt.states[at(row[i])].time;
+      PanelSource from = {i, row[i], require_surface(file, row[i], name), name, time, row_at_one_time(r, row, time)};
+      MapPanel panel;
+      panel.surface = figure_surface(r, from, work.keys, figure);
+      const MapSurface& s = figure.surfaces[at(panel.surface)];
+      MapValues v = field_values(file, row[i], s.surface, from.surface, r.options.field, r.minus == nullptr);
+      if (r.minus != nullptr)
+        v = take_away(r, from, s.surface, v, figure);
+      else
+        std::replace(v.facets.begin(), v.facets.end(), 0.0, kNaN);
+      set_title(r, from, panel);
+      if (!from.same_times && r.minus == nullptr)
+        figure.remarks.push_back("warning: the files' last states are at different times; --at T shows one time");
+      const std::string nothing = nothing_there(r, from);
+      if (!nothing.empty()) panel.numbers = {nothing};
+      panel.facets = v.facets;
+      panel.points = point_values(s.mesh, v.vertices);
+      values.push_back(std::move(v));
+      figure.panels.push_back(std::move(panel));
     }
   }
-  return values;
-}
-
-/// Per facet: the sum of all panels of this surface.
-std::vector<double> facet_load(const MapFigure& figure, int surface) {
-  std::vector<double> load(at(figure.surfaces[at(surface)].surface.facets()), 0.0);
-  for (const MapPanel& panel : figure.panels)
-    for (std::size_t f = 0; panel.surface == surface && f < load.size(); ++f)
-      if (std::isfinite(panel.facets[f])) load[f] += std::abs(panel.facets[f]);
-  return load;
 }
 
 MapView choose_view(const MapRequest& r, const MapSurface& s, const std::vector<double>& load) {
@@ -620,12 +652,12 @@ MapView choose_view(const MapRequest& r, const MapSurface& s, const std::vector<
 }
 
 /// One view for a surface in all files and states, found in the first.
-void project_surfaces(const MapRequest& r, MapFigure& figure) {
+void project_surfaces(const MapRequest& r, const Together& panels, MapFigure& figure) {
   for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
     MapSurface& s = figure.surfaces[k];
     const auto same = std::find_if(figure.surfaces.begin(), figure.surfaces.end(),
                                    [&](const MapSurface& other) { return other.name == s.name; });
-    const std::vector<double> load = facet_load(figure, static_cast<int>(k));
+    const std::vector<double>& load = panels.surfaces[k].load;
     std::vector<double> weights(s.mesh.triangles.size(), 0.0);
     for (std::size_t t = 0; t < weights.size(); ++t) weights[t] = s.mesh.areas[t] * load[at(s.mesh.facet[t])];
     s.view = &*same != &s ? same->view : choose_view(r, s, load);
@@ -635,38 +667,108 @@ void project_surfaces(const MapRequest& r, MapFigure& figure) {
   }
 }
 
-}  // namespace
+ColourMap chosen_map(const MapOptions& o, bool difference) {
+  const ColourMap map = o.colours.value_or(difference ? ColourMap::Diverging : ColourMap::Sequential);
+  if (difference && !is_diverging(map))
+    throw UsageError("--colour-map: found one that goes from dark to light, expected blue-white-red: a difference needs a "
+                     "middle");
+  if (!difference && is_diverging(map))
+    throw UsageError("--colour-map blue-white-red: belongs to differences, expected one that goes from dark to light");
+  return map;
+}
 
-MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o) {
-  MapFigure figure;
+Work begin(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o, bool animated) {
+  Work work = {{files, minus, o, choose_states(files, o), {}, {}, animated}, {}, {}, {}};
+  MapFigure& figure = work.figure;
   figure.smooth = o.smooth;
   figure.pressure = is_pressure(o.field);
-  figure.map = minus != nullptr || is_difference(o.field) ? ColourMap::Diverging : ColourMap::Sequential;
+  figure.map = chosen_map(o, minus != nullptr || is_difference(o.field));
   std::vector<const ResultFile*> all;
   for (const ResultFile& file : files) all.push_back(&file);
   if (minus != nullptr) all.push_back(minus);
   for (const ResultFile* file : all) require_field(*file, o.field);
   choose_units(all, o, figure);
   figure.quantity = minus != nullptr ? "difference of " + o.field : o.field;
+  work.request.names = choose_names(files, work.request.rows, o, figure);
+  work.request.without = remark_files(all, work.request.names, o, figure);
+  figure.columns = choose_columns(work.request);
+  return work;
+}
 
-  MapRequest request = {files, minus, o, choose_states(files, o), {}, {}};
-  request.names = choose_names(files, request.rows, o, figure);
-  request.without = remark_files(all, request.names, o, figure);
-  figure.columns = choose_columns(request);
-  const std::vector<MapValues> values = add_panels(request, figure);
-  project_surfaces(request, figure);
+/// View, scale and what the legend explains, by what all panels show.
+void settle(Work& work) {
+  const MapRequest& r = work.request;
+  MapFigure& figure = work.figure;
+  project_surfaces(r, work.together, figure);
+  choose_scale(r.files, r.minus, r.names, r.options, work.together, figure);
+  work.misleading = remark_hidden(work.together, figure);
+  std::sort(figure.remarks.begin(), figure.remarks.end());
+  figure.remarks.erase(std::unique(figure.remarks.begin(), figure.remarks.end()), figure.remarks.end());
+  figure.signs.nothing = work.together.gaps;
+  for (std::size_t k = 0; k < figure.surfaces.size(); ++k) {
+    const MapSurface& s = figure.surfaces[k];
+    const Together::OfSurface& on = work.together.surfaces[k];
+    for (int best : on.largest) figure.signs.peak = figure.signs.peak || place_of(figure, s, best);
+    figure.signs.center_of_pressure =
+        figure.signs.center_of_pressure ||
+        (on.pressed && !is_diverging(figure.map) && !work.misleading[k]);
+    for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
+      figure.signs.turned_away = figure.signs.turned_away || (s.projection.back[t] && s.projection.layer[t] >= 0 &&
+                                                              s.projection.hidden[t] < 0.99);
+  }
+}
+
+void finish_panels(Work& work, const std::vector<MapValues>& values) {
+  MapFigure& figure = work.figure;
   for (std::size_t k = 0; k < figure.panels.size(); ++k) {
     MapPanel& panel = figure.panels[k];
     const MapSurface& s = figure.surfaces[at(panel.surface)];
-    panel.edge = figure.map == ColourMap::Sequential && zero_without_contact(o.field)
+    panel.edge = !is_diverging(figure.map) && zero_without_contact(work.request.options.field)
                      ? edge_level(s.mesh, panel.facets, panel.points)
                      : -kInfinity;
     if (panel.numbers.empty()) describe(figure, values[k], panel);
-    mark_peak(figure, panel);
+    if (work.misleading[at(panel.surface)]) panel.center_of_pressure.reset();
+    panel.peak = place_of(figure, s, largest(figure, panel));
   }
-  choose_scale(files, minus, request.names, o, figure);
-  remark_hidden(figure);
-  return figure;
+}
+
+}  // namespace
+
+MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o) {
+  Work work = begin(files, minus, o, false);
+  std::vector<MapValues> values;
+  for (const Row& row : work.request.rows) add_row(work, row, values);
+  add_panels(work.figure, o, minus, work.together);
+  settle(work);
+  finish_panels(work, values);
+  return std::move(work.figure);
+}
+
+std::vector<std::string> each_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus,
+                                         const MapOptions& o,
+                                         const std::function<void(MapFigure&, int frame, int frames)>& show) {
+  Work work = begin(files, minus, o, true);
+  MapFigure& figure = work.figure;
+  const std::vector<Row>& rows = work.request.rows;
+  std::vector<MapValues> values;
+  const auto only = [&](const Row& row) {
+    figure.panels.clear();
+    values.clear();
+    add_row(work, row, values);
+  };
+  for (const Row& row : rows) {  // nothing of them is kept but what they have together
+    only(row);
+    add_panels(figure, o, minus, work.together);
+  }
+  settle(work);
+  const std::vector<std::string> remarks = figure.remarks;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    only(rows[i]);
+    finish_panels(work, values);
+    figure.remarks = remarks;
+    show(figure, static_cast<int>(i), static_cast<int>(rows.size()));
+  }
+  return remarks;
 }
 
 }  // namespace dea

@@ -1,6 +1,7 @@
 // febiodea/views/map/map_figure.h – plot files and wishes become panels with one scale, ready to be drawn. No pens, no
 // paper.
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct MapOptions {
   Vector3d up = Vector3d::Zero();  ///< zero: found
   bool smooth = false;             ///< nodal averages, interpolated; else facets as they are
   bool scale_of_shown = false;     ///< the scale covers the panels; else all states of the files
+  std::optional<ColourMap> colours;  ///< none: Sequential, of differences Diverging
   std::optional<double> low, high;
   std::optional<std::vector<double>> contours;  ///< none: at the colour bar's ticks
 };
@@ -45,6 +47,11 @@ struct MapPanel {
   std::optional<Vector2d> peak, center_of_pressure;  ///< on the map; none where not to be seen
 };
 
+/// What the legend explains: what panels have.
+struct MapSigns {
+  bool peak = false, center_of_pressure = false, nothing = false, turned_away = false;
+};
+
 struct MapFigure {
   std::string title;
   std::vector<MapSurface> surfaces;
@@ -56,6 +63,7 @@ struct MapFigure {
   double low = 0.0, high = 1.0;
   bool beyond_low = false, beyond_high = false;  ///< values outside the scale exist
   std::vector<double> ticks, contours;
+  MapSigns signs;
   std::string quantity, unit, length_unit;  ///< units: empty if the files name none
   std::vector<std::string> remarks;         ///< for the user: what is not to be seen, what is cut off or missing
 };
@@ -63,5 +71,11 @@ struct MapFigure {
 /// `minus`: the result to take away, on the same surface; nullptr: none. Throws InputError: no such field, surface or
 /// state, no scalar; UsageError: a surface that cannot be unrolled, a scale without width.
 MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& options);
+
+/// The states of MapOptions one after the other, each a figure of its own, all with one scale, view and legend: frames
+/// of an animation. Holds one at a time. Returns the remarks, which each figure has too.
+std::vector<std::string> each_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus,
+                                         const MapOptions& options,
+                                         const std::function<void(MapFigure& figure, int frame, int frames)>& show);
 
 }  // namespace dea

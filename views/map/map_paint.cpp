@@ -16,10 +16,15 @@ Rgb band_colour(ColourMap map, int band) { return colour(map, (band + 0.5) / kBa
 
 Paper paper(bool dark, ColourMap map) {
   const auto grey = [](double x) { return Rgb{x, x, x + 0.012}; };
-  const double nothing =
-      dark ? (map == ColourMap::Diverging ? 0.24 : 0.36) : (map == ColourMap::Diverging ? 0.72 : 0.89);
-  if (dark) return {{0.051, 0.067, 0.09}, grey(0.92), grey(0.66), grey(0.75), grey(nothing), grey(nothing - 0.1)};
-  return {{1, 1, 1}, grey(0.08), grey(0.35), grey(0.3), grey(nothing), grey(nothing - 0.12)};
+  const bool middle = is_diverging(map);
+  const double nothing = dark ? (middle ? 0.24 : 0.36) : (middle ? 0.72 : 0.89);
+  Paper p = dark ? Paper{{0.051, 0.067, 0.09}, grey(0.92), grey(0.66), grey(0.75), grey(nothing), grey(nothing - 0.1)}
+                 : Paper{{1, 1, 1}, grey(0.08), grey(0.35), grey(0.3), grey(nothing), grey(nothing - 0.12)};
+  if (map == ColourMap::Gray) {  // grey is a value
+    p.nothing = dark ? Rgb{0.15, 0.21, 0.32} : Rgb{0.80, 0.87, 0.96};
+    p.turned_away = dark ? Rgb{0.10, 0.15, 0.24} : Rgb{0.69, 0.77, 0.89};
+  }
+  return p;
 }
 
 PanelMasks panel_masks(const MapFigure& figure, const MapPanel& panel, int layer) {

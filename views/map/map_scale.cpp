@@ -78,7 +78,7 @@ double most_of_area_below(std::vector<std::pair<double, double>> found) {
 
 MapScale map_scale(const ScaleKind& kind, const ValueRange& range) {
   const double least = range.least, most = range.most;
-  const bool sequential = kind.map == ColourMap::Sequential, zero = least == 0 && most == 0;
+  const bool sequential = !is_diverging(kind.map), zero = least == 0 && most == 0;
   MapScale s;
   s.empty = range.empty() || (zero && sequential);
   if (s.empty) {
@@ -122,7 +122,7 @@ std::vector<double> scale_lines(const MapScale& s, ColourMap map) {
   std::vector<double> lines;
   const double margin = 1e-6 * s.step;
   for (double t : scale_ticks(s))
-    if (t > s.low + margin && t < s.high - margin && (t != 0 || map == ColourMap::Sequential)) lines.push_back(t);
+    if (t > s.low + margin && t < s.high - margin && (t != 0 || !is_diverging(map))) lines.push_back(t);
   return lines;
 }
 

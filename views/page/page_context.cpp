@@ -1,7 +1,9 @@
 #include <febiodea/views/page/page_context.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <unordered_map>
 
@@ -73,6 +75,30 @@ std::vector<Triangles> outer_triangles(const XpltMesh& mesh, const Faces& faces,
   return triangles;
 }
 
+/// Of a great many nodes some that are spread evenly: a rigid motion needs no more.
+constexpr std::size_t kMostMotionNodes = 2000;
+
+std::vector<int> some_of(std::vector<int> nodes) {
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  const std::size_t step = nodes.size() / kMostMotionNodes + 1;
+  std::vector<int> some;
+  for (std::size_t i = 0; i < nodes.size(); i += step) some.push_back(nodes[i]);
+  return some;
+}
+
+std::vector<int> nodes_of_part(const XpltMesh& mesh, const std::string& part) {
+  std::vector<int> nodes;
+  for (const XpltDomain& domain : mesh.domains)
+    if (domain.part >= 1 && domain.part <= static_cast<int>(mesh.parts.size()) && mesh.parts[at(domain.part - 1)] == part)
+      nodes.insert(nodes.end(), domain.nodes.begin(), domain.nodes.end());
+  return some_of(std::move(nodes));
+}
+
+bool is_motion(const std::optional<PagePose>& pose, double length) {
+  return pose && (pose->translation.norm() > 1e-9 * length || pose->rotation.vec().norm() > 1e-9);
+}
+
 }  // namespace
 
 PageContext make_context(const XpltMesh& mesh) {
@@ -103,6 +129,58 @@ PageContext make_context(const XpltMesh& mesh) {
     context.begin.push_back(static_cast<std::int32_t>(context.triangles.size() / 3));
   }
   return context;
+}
+
+std::optional<PagePose> motion_of(const ResultFile& file, int state, const std::vector<int>& nodes) {
+  const XpltMesh& mesh = mesh_of(file, state);
+  const int index = find_variable(file.xplt, XpltGroup::Nodal, "displacement");
+  if (index < 0 || nodes.size() < 3) return std::nullopt;
+  for (const XpltRegion& region : file.xplt.states[at(state)].variables[at(index)]) {
+    if (region.values.size() != mesh.coordinates.size()) continue;
+    Eigen::Matrix3Xd from(3, nodes.size()), to(3, nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (int k = 0; k < 3; ++k) {
+        const std::size_t place = 3 * at(nodes[i]) + at(k);
+        from(k, static_cast<Eigen::Index>(i)) = mesh.coordinates[place];
+        to(k, static_cast<Eigen::Index>(i)) =
+            static_cast<double>(mesh.coordinates[place]) + static_cast<double>(region.values[place]);
+      }
+    if (!from.allFinite() || !to.allFinite()) return std::nullopt;
+    const Eigen::Matrix3Xd around = from.colwise() - from.rowwise().mean();
+    const Eigen::Vector3d spread = Eigen::JacobiSVD<Eigen::Matrix3d>(around * around.transpose()).singularValues();
+    if (!(spread[1] > 1e-12 * spread[0])) return std::nullopt;
+    const Eigen::Matrix4d m = Eigen::umeyama(from, to, false);
+    return PagePose{Eigen::Quaterniond(Eigen::Matrix3d(m.topLeftCorner<3, 3>())).normalized(),
+                    m.topRightCorner<3, 1>()};
+  }
+  return std::nullopt;
+}
+
+void add_motion(const ResultFile& file, int state, const std::vector<int>& surfaces, PageContext& context) {
+  if (context.triangles.empty()) return;
+  const int mesh_index = file.xplt.states[at(state)].mesh;
+  const XpltMesh& mesh = mesh_of(file, state);
+  std::vector<std::vector<int>> parts, sides;
+  for (const std::string& part : context.parts) parts.push_back(nodes_of_part(mesh, part));
+  for (int surface : surfaces) sides.push_back(some_of(mesh.surfaces[at(surface)].nodes));
+  double length = 0.0;
+  for (float x : context.vertices) length = std::max(length, std::abs(static_cast<double>(x)));
+  bool moves = false;
+  const auto motions = [&](int s, const std::vector<std::vector<int>>& of) {
+    std::vector<std::optional<PagePose>> out;
+    for (const std::vector<int>& nodes : of) {
+      out.push_back(file.xplt.states[at(s)].mesh == mesh_index ? motion_of(file, s, nodes) : std::nullopt);
+      moves = moves || is_motion(out.back(), length);
+    }
+    return out;
+  };
+  for (int s = 0; s < static_cast<int>(file.xplt.states.size()); ++s) {
+    context.parts_move.push_back(motions(s, parts));
+    context.surfaces_move.push_back(motions(s, sides));
+  }
+  if (moves) return;
+  context.parts_move.clear();
+  context.surfaces_move.clear();
 }
 
 }  // namespace dea

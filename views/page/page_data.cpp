@@ -552,7 +552,12 @@ PageData compare_page(const std::vector<ResultFile>& files, const CompareOptions
         make_surface(files, comparison.states, surface.names, options, &surface, data, data.warnings));
     if (!surface.asked_for) data.surfaces.back().note = "not every result has pressure here";
   }
-  data.context = make_context(mesh_of(files.front(), comparison.states.front()));
+  const int state = comparison.states.front();
+  std::vector<int> surfaces;
+  for (const ComparedSurface& surface : comparison.surfaces)
+    surfaces.push_back(find_surface(files.front(), state, surface.names.front()));
+  data.context = make_context(mesh_of(files.front(), state));
+  add_motion(files.front(), state, surfaces, data.context);
   data.tables = compare_tables(comparison, true);
   drop_folders(data, comparison.paths);
   return data;
@@ -572,12 +577,15 @@ PageData run_page(const JointModel& model, const Analysis& analysis, const Resul
   if (!file.xplt.states.empty()) {
     const int last = static_cast<int>(file.xplt.states.size()) - 1;
     make_frames(files, {last}, data);
+    std::vector<int> surfaces;
     for (const std::string& name : contact_surfaces(model, analysis.joint)) {
       const int surface = find_surface(file, last, name);
       if (surface < 0 || !(result_surface(file, last, surface).mesh.size() > 0)) continue;
+      surfaces.push_back(surface);
       data.surfaces.push_back(make_surface(files, {last}, {name}, {}, nullptr, data, data.warnings));
     }
     data.context = make_context(mesh_of(file, last));
+    add_motion(file, last, surfaces, data.context);
   }
   data.charts = run_charts(analysis);
   data.tables = run_tables(analysis, false, data.units);

@@ -155,6 +155,15 @@ Json chart_json(const PageChart& c) {
           {"values", list_json(c.values, [](const auto& v) { return list_json(v, short_number); })}};
 }
 
+/// Quaternion x, y, z, w and translation of each.
+Json poses_json(const std::vector<std::optional<PagePose>>& poses) {
+  return list_json(poses, [](const std::optional<PagePose>& p) -> Json {
+    if (!p) return nullptr;
+    const Eigen::Vector4d& q = p->rotation.coeffs();
+    return {q[0], q[1], q[2], q[3], p->translation[0], p->translation[1], p->translation[2]};
+  });
+}
+
 std::size_t values_of(const PageData& data) {
   std::size_t n = 0;
   for (const PageSurface& s : data.surfaces)
@@ -190,7 +199,9 @@ Json page_json(const PageData& data, PageArrays& arrays) {
     j["context"] = {{"vertices", arrays.add(pack_floats(data.context.vertices))},
                     {"triangles", arrays.add(pack_integers(data.context.triangles))},
                     {"parts", data.context.parts},
-                    {"begin", data.context.begin}};
+                    {"begin", data.context.begin},
+                    {"parts_move", list_json(data.context.parts_move, poses_json)},
+                    {"surfaces_move", list_json(data.context.surfaces_move, poses_json)}};
   j["context_note"] = data.context.note;
   j["charts"] = list_json(data.charts, chart_json);
   j["tables"] = list_json(data.tables, table_json);

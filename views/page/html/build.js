@@ -59,7 +59,7 @@ const Page = (() => {
     if (bodies.some((b) => b.mesh !== null)) controls.append(makeToggle("solid", "solid bones", false, (on) => { state.solid = on; drawJoint(); }));
     controls.append(makeToggle("joint-mesh", "mesh", false, (on) => { whole.options.lines = on; whole.request(); }),
       make("button", { id: "joint-reset", text: "reset view", onclick: () => whole.setView(Report.view) }),
-      make("button", { id: "joint-png", text: "save PNG", title: "On white, with the colours", onclick: async () => Figures.save(await mapsPicture(whole, whole.panels, [whole.panels[0].what.scale]), fileName("joint") + ".png") }));
+      make("button", { id: "joint-png", text: "save PNG", title: "On white, with the colours", onclick: async () => Figures.save(await mapsPicture(whole, whole.panels, [whole.panels[0].what.scale], { head: [Report.title] }), fileName("joint") + ".png") }));
     const canvas = make("canvas", { id: "whole", tabindex: "0", role: "img", "aria-label": "The bones and their cartilage, coloured by its thickness" });
     makeSection("joint", "The joint", controls, whole.fault ? make("p", { class: "fault", id: "nowebgl", text: whole.fault }) : null,
       make("div", { class: "panels" }, make("div", { class: "panel" }, canvas)), make("div", { class: "bars" }, make("canvas", { id: "whole-bar" })),
@@ -124,7 +124,7 @@ const Page = (() => {
       make("span", { class: "group", role: "group" }, makeToggle("contours", "contours", true, (on) => { parts.options.contours = on; drawLayer(); }), makeToggle("lines", "mesh", false, (on) => { parts.options.lines = on; parts.request(); }),
         makeToggle("marks", "marks", true, (on) => { parts.options.marks = on; parts.request(); }), makeToggle("veil", "bones", true, (on) => { parts.options.veil = on; parts.request(); })),
       make("button", { id: "reset", text: "reset view", onclick: resetLayer }),
-      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles and colours, on white", onclick: async () => Figures.save(await mapsPicture(parts, panels, panels.map((p) => p.what.scale)), fileName(layers[state.layer].name) + ".png") }));
+      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles, numbers and colours, on white", onclick: async () => Figures.save(await mapsPicture(parts, panels, panels.map((p) => p.what.scale), { head: [Report.title], numbers: (p) => [p.readout.textContent], foot: parts.options.marks ? "Ring: the thickest place, the least gap, the least Jacobian." : "" }), fileName(layers[state.layer].name) + ".png") }));
     makeSection("layers", "Layers", controls, make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }),
       make("p", { class: "keys", text: `${keys} Gap: along the normal to the articular surface that it is in contact with, as built, before any load; grey where none faces it within ${Format.with(Report.reach, "length", 3)}. Jacobian: the least at a corner of the column's ${Report.elements_through} elements; 1 is a straight prism on an equilateral triangle, 0 or less is inside out. Ring: the thickest place, the least gap, the least Jacobian.` }));
     parts.onpick = readouts;

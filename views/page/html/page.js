@@ -3,7 +3,7 @@
 
 const Page = (() => {
   const compared = Report.kind === "compare", results = Report.results, last = results.length - 1;
-  const state = { surface: null, frame: Report.frame, region: 0, quantity: "pressure", smooth: true, pair: null, range: "all", most: null, theme: "light" };
+  const state = { surface: null, frame: Report.frame, region: 0, quantity: "pressure", smooth: true, pair: null, range: "all", most: null, poses: true, theme: "light" };
   const maps = new Maps();
   const quantities = {
     pressure: { title: "contact pressure", dimension: "pressure", none: "none", noneText: "no contact", shown: (x) => x > 0 },
@@ -70,11 +70,12 @@ const Page = (() => {
       makeToggle("contours", "contours", true, (on) => { maps.options.contours = on; update(); }),
       makeToggle("marks", "marks", true, (on) => { maps.options.marks = on; maps.request(); }),
       makeToggle("lines", "mesh", false, (on) => { maps.options.lines = on; maps.request(); }),
-      Report.context ? makeToggle("veil", "rest of the model", true, (on) => { maps.options.veil = on; maps.request(); }) : null));
+      Report.context ? makeToggle("veil", "rest of the model", true, (on) => { maps.options.veil = on; maps.request(); }) : null,
+      Report.context && Report.context.parts_move.length ? makeToggle("poses", "in its pose", true, (on) => { state.poses = on; update(); }) : null));
     controls.append(makeSelect("range", "Scale", [["all", "all states"], ["state", "this state"]], "all", (v) => { state.range = v; update(); }),
       make("label", {}, "up to", make("input", { id: "most", type: "number", min: "0", step: "any", placeholder: "auto", onchange: (e) => { const x = Number(e.target.value); state.most = x > 0 ? x : null; update(); } })),
       make("button", { id: "reset", text: "reset view", onclick: resetView }),
-      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles and colours, on white", onclick: saveMaps }));
+      make("button", { id: "save-maps", text: "save PNG", title: "All maps with their titles, numbers, time and colours, on white", onclick: saveMaps }));
     section.append(controls);
     if (maps.fault) section.append(make("p", { class: "fault", id: "nowebgl", text: maps.fault }));
     section.append(make("div", { class: "panels", id: "panels" }), make("div", { class: "bars", id: "bars" }));
@@ -83,7 +84,7 @@ const Page = (() => {
       make("input", { id: "slider", type: "range", min: "0", max: String(Report.frames.length - 1), step: "1", value: String(state.frame), "aria-label": "State", oninput: (e) => setFrame(Number(e.target.value)) }),
       make("output", { id: "now" })));
     if (Report.frames.length < 2) { $("play").hidden = true; $("slider").hidden = true; $("time").style.position = "static"; }
-    section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration. Ring: peak; cross: centre of pressure." }));
+    section.append(make("p", { class: "keys", text: "Drag turns all maps, Shift + drag shifts, Ctrl + wheel or a pinch enlarges, a double click resets; ← → step through the states, space plays. Surfaces are shown in the reference configuration" + (Report.context && Report.context.parts_move.length ? ", the rest of the model as it stands to them in each state" : "") + ". Ring: peak; cross: centre of pressure." }));
     section.append(make("p", { class: "keys", id: "kinds", text: Report.headline + ", with smooth maps or without: below the maps, in curves, and first in the tables. Springs are where dea run works out the pressure; a facet has the force of all its springs over its whole area (on the surface without springs: pressure carried over), and a node the average of the facets around it: peaks fall and contact areas grow from springs to facets to nodes. With “smooth” the edge of contact encloses as much area as the facets with pressure do." }));
     if (Report.context_note) section.append(make("p", { class: "keys", text: Report.context_note }));
   }
@@ -241,12 +242,20 @@ const Page = (() => {
       maps.paint(p, what);
       p.canvas.setAttribute("aria-label", `${p.title()}: ${scale.title}`);
     }
+    pose();
     bars(scales);
     readouts();
     const frame = Report.frames[state.frame];
     $("slider").value = String(state.frame);
     $("now").textContent = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}` + (Report.frames.length > 1 ? ` (${state.frame + 1} of ${Report.frames.length})` : "");
     drawFigures();
+  }
+
+  // The rest of the model as it stands to the surface in this state, by the first result.
+  function pose() {
+    if (!Report.context || !Report.context.parts_move.length) return;
+    const at = Report.frames[state.frame].states[0], moves = state.poses && at >= 0;
+    maps.moveVeil(moves ? [...Report.context.parts_move[at], Report.context.surfaces_move[at][state.surface.index]] : null);
   }
 
   function peakPlace(what) {
@@ -304,18 +313,18 @@ const Page = (() => {
         continue;
       }
       delete p.readout.dataset.facet;
-      let words = [];
-      if (p.quantity === "pressure" && !p.message) {
-        if (p.difference) {
-          const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
-          if (pattern) words = line(`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`, "nodes");
-        } else {
-          const d = measures(p.result), h = d && d.headline;
-          if (d) words = line(`p99 ${Format.printed(h.p99, "pressure")}`, `mean ${Format.printed(h.mean, "pressure")}`, `area ${Format.printed(h.area, "area")}`, `peak ${Format.printed(h.peak, "pressure")}`, `force ${Format.printed(d.force, "force")}`);
-        }
-      }
-      p.readout.replaceChildren(...words);
+      p.readout.replaceChildren(...line(...numbersOf(p)));
     }
+  }
+  // Of the whole surface, as short texts.
+  function numbersOf(p) {
+    if (p.quantity !== "pressure" || p.message) return [];
+    if (p.difference) {
+      const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
+      return pattern ? [`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`, "nodes"] : [];
+    }
+    const d = measures(p.result), h = d && d.headline;
+    return d ? [`p99 ${Format.printed(h.p99, "pressure")}`, `mean ${Format.printed(h.mean, "pressure")}`, `area ${Format.printed(h.area, "area")}`, `peak ${Format.printed(h.peak, "pressure")}`, `force ${Format.printed(d.force, "force")}`] : [];
   }
   maps.onpick = readouts;
   maps.onreset = resetView;
@@ -387,7 +396,10 @@ const Page = (() => {
 
   // ---- all maps in one picture, on white ----
   async function saveMaps() {
-    Figures.save(await mapsPicture(maps, panels, state.bars), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
+    const frame = Report.frames[state.frame], marked = maps.options.marks && panels.some((p) => p.marks.length);
+    const when = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}`;
+    const words = { head: [Report.title, `${state.surface.about.title}, ${when}`], numbers: numbersOf, foot: (marked ? "Ring: peak; cross: centre of pressure. " : "") + (panels.some((p) => numbersOf(p).length) ? Report.headline + "." : "") };
+    Figures.save(await mapsPicture(maps, panels, state.bars, words), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
   }
 
   // ---- tables, texts, provenance ----

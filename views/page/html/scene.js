@@ -283,18 +283,38 @@ class Maps {
     this.loading = true;
     const x = await Data.array(about.vertices), t = await Data.array(about.triangles);
     this.loading = false;
-    this.drawVeil(x, t);
+    this.drawVeil(x, t, about.begin);
   }
 
-  // `x`: three floats per point; `t`: an Int32Array, three points per triangle.
-  drawVeil(x, t) {
+  // `x`: three floats per point; `t`: an Int32Array, three points per triangle; `begin`: where each part's triangles begin, and the end.
+  drawVeil(x, t, begin = [0, t.length / 3]) {
     if (this.fault) return;
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(x, 3));
-    geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(t.buffer, t.byteOffset, t.length), 1));
-    this.veil = new THREE.Mesh(geometry, this.veilMaterial);
-    this.veil.frustumCulled = false;
-    this.veil.renderOrder = 3;
+    const points = new THREE.BufferAttribute(x, 3), triangles = new Uint32Array(t.buffer, t.byteOffset, t.length);
+    this.veil = [];
+    for (let i = 0; i + 1 < begin.length; ++i) {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", points);
+      geometry.setIndex(new THREE.BufferAttribute(triangles.subarray(3 * begin[i], 3 * begin[i + 1]), 1));
+      const part = new THREE.Mesh(geometry, this.veilMaterial);
+      part.frustumCulled = false;
+      part.renderOrder = 3;
+      part.matrixAutoUpdate = false;
+      this.veil.push(part);
+    }
+    this.moveVeil(this.motions);
+  }
+
+  // `motions`: per part of the veil quaternion and translation, or null; the last one is the surface's own, which stays where it is.
+  moveVeil(motions) {
+    this.motions = motions;
+    if (!this.veil) return;
+    const matrix = (m) => new THREE.Matrix4().compose(new THREE.Vector3(m[4], m[5], m[6]), new THREE.Quaternion(m[0], m[1], m[2], m[3]), new THREE.Vector3(1, 1, 1));
+    const own = motions && motions[motions.length - 1], back = own ? matrix(own).invert() : null;
+    this.veil.forEach((part, i) => {
+      part.matrix.identity();
+      if (back && motions[i]) part.matrix.multiplyMatrices(back, matrix(motions[i]));
+      part.matrixWorldNeedsUpdate = true;
+    });
     this.request();
   }
 
@@ -332,7 +352,7 @@ class Maps {
     this.scene.clear();
     this.scene.add(panel.object, g.rim);
     if (this.options.lines) this.scene.add(g.lines);
-    if (this.options.veil && this.veil && !this.plain) this.scene.add(this.veil);
+    if (this.options.veil && this.veil && !this.plain) this.scene.add(...this.veil);
     this.renderer.setClearColor(0x000000, 0);
     this.renderer.render(this.scene, this.camera);
   }
@@ -623,13 +643,27 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
   c.restore();
 }
 
-// Panels with their titles, and the colour bars of their scales, as one PNG on white.
-async function mapsPicture(maps, panels, scales) {
-  const k = 2.5, ink = Colours.ink.light, side = 340, gap = 14, headHeight = 34, pad = 16;
+// Panels with their titles and numbers, and the colour bars of their scales, as one PNG on white. `words`: head, lines above all
+// (the first in bold); numbers(panel), a list of short texts below it; foot, what the marks are.
+async function mapsPicture(maps, panels, scales, words = {}) {
+  const k = 2.5, ink = Colours.ink.light, side = 340, gap = 14, titleHeight = 34, line = 18, small = 13, pad = 16;
   const columns = Math.min(panels.length, 4), rows = Math.ceil(panels.length / columns);
-  const width = Math.max(2 * pad + columns * side + (columns - 1) * gap, 420), barHeight = 76;
+  const width = Math.max(2 * pad + columns * side + (columns - 1) * gap, 420), inner = width - 2 * pad, barHeight = 76;
   const perRow = width > 1000 ? 2 : 1, barRows = Math.ceil(scales.length / perRow);
-  const height = 2 * pad + rows * (side + headHeight) + (rows - 1) * gap + barRows * (barHeight + 6) + 8;
+  const wrapped = (parts, room, between) => {
+    const lines = [];
+    for (const part of parts) {
+      const longer = lines.length ? lines[lines.length - 1] + between + part : part;
+      if (lines.length && Figures.textWidth(longer, small) <= room) lines[lines.length - 1] = longer;
+      else lines.push(part);
+    }
+    return lines;
+  };
+  const head = (words.head || []).filter(Boolean), foot = words.foot ? wrapped(words.foot.split(" "), inner, " ") : [];
+  const numbers = panels.map((p) => (words.numbers ? wrapped(words.numbers(p), side, " · ") : []));
+  const top = pad + (head.length ? 26 * head.length + 8 : 0), below = line * Math.max(0, ...numbers.map((n) => n.length));
+  const each = titleHeight + side + below, bars = top + rows * each + (rows - 1) * gap + 14;
+  const height = bars + barRows * (barHeight + 6) + line * foot.length + pad;
   const canvas = document.createElement("canvas"), c = canvas.getContext("2d");
   maps.plain = false;
   canvas.width = Math.round(width * k);
@@ -637,19 +671,25 @@ async function mapsPicture(maps, panels, scales) {
   c.fillStyle = ink.paper;
   c.fillRect(0, 0, canvas.width, canvas.height);
   const font = getComputedStyle(document.body).fontFamily;
-  panels.forEach((p, i) => {
-    const x = pad + (i % columns) * (side + gap), y = pad + Math.floor(i / columns) * (side + headHeight + gap);
-    c.fillStyle = ink.ink;
-    c.font = `600 ${16 * k}px ${font}`;
+  const text = (t, x, y, size, bold, colour) => {
+    c.fillStyle = colour;
+    c.font = `${bold ? "600 " : ""}${size * k}px ${font}`;
     c.textAlign = "left";
     c.textBaseline = "alphabetic";
-    c.fillText(Figures.cut(p.title(), 17, side), x * k, (y + 20) * k);
-    maps.drawPanel(p, c, Math.round(x * k), Math.round((y + headHeight - 6) * k), Math.round(side * k), Math.round(side * k), k, ink);
+    c.fillText(t, x * k, y * k);
+  };
+  head.forEach((t, i) => text(Figures.cut(t, i ? 16 : 19, inner), pad, pad + 20 + 26 * i, i ? 15 : 18, i === 0, ink.ink));
+  panels.forEach((p, i) => {
+    const x = pad + (i % columns) * (side + gap), y = top + Math.floor(i / columns) * (each + gap);
+    text(Figures.cut(p.title(), 17, side), x, y + 20, 16, true, ink.ink);
+    maps.drawPanel(p, c, Math.round(x * k), Math.round((y + titleHeight - 6) * k), Math.round(side * k), Math.round(side * k), k, ink);
+    numbers[i].forEach((t, n) => text(t, x, y + titleHeight - 6 + side + line * (n + 1), small, false, ink.soft));
   });
   scales.forEach((scale, i) => {
-    const each = Math.min(700, (width - 2 * pad - (perRow - 1) * 30) / perRow);
-    drawBar(c, (pad + (i % perRow) * (each + 30)) * k, (height - pad - (barRows - Math.floor(i / perRow)) * (barHeight + 6)) * k, each, k, scale, ink, maps.options.contours);
+    const wide = Math.min(700, (inner - (perRow - 1) * 30) / perRow);
+    drawBar(c, (pad + (i % perRow) * (wide + 30)) * k, (bars + Math.floor(i / perRow) * (barHeight + 6)) * k, wide, k, scale, ink, maps.options.contours);
   });
+  foot.forEach((t, i) => text(t, pad, bars + barRows * (barHeight + 6) + line * (i + 0.6), small, false, ink.soft));
   const blob = await new Promise((done) => canvas.toBlob(done, "image/png"));
   maps.request();
   return blob;
