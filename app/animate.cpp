@@ -1,7 +1,7 @@
 #include <febiodea/app/animate.h>
 
-#include <fmt/format.h>
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -102,10 +102,12 @@ class Encoder {
   void add(const Image& frame) {
     for (std::size_t done = 0; done < frame.rgb.size();) {
       const ssize_t n = ::write(pipe_, frame.rgb.data() + done, frame.rgb.size() - done);
-      if (n > 0)
+      if (n > 0) {
         done += static_cast<std::size_t>(n);
-      else if (n < 0 && errno != EINTR)
+      } else if (n < 0 && errno != EINTR) {
         end();  // it has ended before its time, and says why
+        throw WriteError(fmt::format("{}: ffmpeg ended before the last frame", path_));
+      }
     }
   }
 
@@ -181,8 +183,7 @@ constexpr const char* kFrame = "frame-";
 
 /// "frame-0012.png": in order by name too, so with as many digits as the last needs.
 std::string frame_name(int frame, int frames) {
-  return fmt::format("{}{:0{}}.png", kFrame, frame + 1,
-                     std::max<std::size_t>(4, fmt::formatted_size("{}", frames)));
+  return fmt::format("{}{:0{}}.png", kFrame, frame + 1, std::max<std::size_t>(4, fmt::formatted_size("{}", frames)));
 }
 
 bool is_frame(const std::string& name) {
@@ -207,16 +208,18 @@ AnimationFormat animation_format(const std::string& path) {
   if (extension == ".gif") return AnimationFormat::Gif;
   if (extension == ".mp4") return AnimationFormat::Mp4;
   if (extension.empty() && !path.empty() && path != "-") return AnimationFormat::Folder;
-  throw UsageError(fmt::format("--animate {}: found \"{}\", expected a name that ends in .gif or .mp4, or a folder for "
-                               "a PNG of each state",
-                               path, extension.empty() ? path : extension));
+  throw UsageError(
+      fmt::format("--animate {}: found \"{}\", expected a name that ends in .gif or .mp4, or a folder for "
+                  "a PNG of each state",
+                  path, extension.empty() ? path : extension));
 }
 
 void require_encoder(const Animation& animation) {
   if (animation.format == AnimationFormat::Mp4 && !has_ffmpeg())
-    throw WriteError(fmt::format("{}: MP4 is made by ffmpeg, which is not found; install it (Debian: ffmpeg), or give "
-                                 "--animate a name that ends in .gif",
-                                 animation.path));
+    throw WriteError(
+        fmt::format("{}: MP4 is made by ffmpeg, which is not found; install it (Debian: ffmpeg), or give "
+                    "--animate a name that ends in .gif",
+                    animation.path));
 }
 
 Animated animate(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& options,

@@ -148,7 +148,8 @@ PictureOptions picture_options(const PlotArguments& a, const std::string& output
   if (!a.text_as.empty() && a.text_as != "shapes" && a.text_as != "text")
     throw wrong_word("text-as", a.text_as, "shapes or text", {"shapes", "text"});
   if (!a.text_as.empty() && look.format != PictureFormat::Svg)
-    throw UsageError(fmt::format("--text-as {}: belongs to SVG, found {}; letters of a PDF are text", a.text_as, output));
+    throw UsageError(
+        fmt::format("--text-as {}: belongs to SVG, found {}; letters of a PDF are text", a.text_as, output));
   look.text = a.text_as == "text";
   if (!a.dpi.empty() && look.format != PictureFormat::Png)
     throw UsageError(fmt::format("--dpi {}: belongs to PNG; {} has no pixels", a.dpi, output));

@@ -52,8 +52,8 @@ void write_and_close(int file, const std::string& path, const Pieces& write) {
   if (::close(file) != 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
 }
 
-/// The temporary file of write_text, the temporary folder of write_folder and its files, for remove_unfinished; nullptr:
-/// none.
+/// The temporary file of write_text, the temporary folder of write_folder and its files, for remove_unfinished;
+/// nullptr: none.
 std::atomic<const char*> unfinished = nullptr;
 struct FileOfFolder {
   std::string path;
@@ -183,7 +183,8 @@ void write_folder(
   fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
   if (!target.has_filename()) target = target.parent_path();  // "frames/"
   const bool there = fs::exists(target, error);
-  if (there && !fs::is_directory(target, error)) throw WriteError(fmt::format("{}: is a file, expected a folder", path));
+  if (there && !fs::is_directory(target, error))
+    throw WriteError(fmt::format("{}: is a file, expected a folder", path));
   for (fs::directory_iterator entry(target, error), end; there && !error && entry != end; entry.increment(error))
     if (!entry->is_regular_file() || !old(entry->path().filename().string()))
       throw WriteError(fmt::format("{}: holds {}; expected a new name, an empty folder or one with earlier frames only",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -154,13 +155,12 @@ TEST(Animation, FramesHaveOneScaleViewLegendAndSize) {
     EXPECT_EQ(f.panels[0].title, fmt::format("a \u2212 b, time {}", frame));
   });
   o.states = "3";
-  each_map_figure({a}, nullptr, o,
-                  [&](MapFigure& f, int, int) { EXPECT_EQ(f.panels[0].title, "surface, time 3"); });
+  each_map_figure({a}, nullptr, o, [&](MapFigure& f, int, int) { EXPECT_EQ(f.panels[0].title, "surface, time 3"); });
 }
 
 TEST(Gif, ThePaletteHoldsTheMapAndThePaper) {
-  for (ColourMap map : {ColourMap::Sequential, ColourMap::Diverging, ColourMap::Viridis, ColourMap::Cividis,
-                        ColourMap::Gray})
+  for (ColourMap map :
+       {ColourMap::Sequential, ColourMap::Diverging, ColourMap::Viridis, ColourMap::Cividis, ColourMap::Gray})
     for (bool dark : {false, true}) {
       const std::vector<ByteColour> palette = gif_palette(map, dark);
       ASSERT_EQ(palette.size(), 256u);
@@ -261,7 +261,8 @@ struct AnimationFolder : ::testing::Test {
 };
 
 TEST_F(AnimationFolder, WritesAGif) {
-  const Finished f = plot({"a.xplt", "b.xplt", "--animate", "walk.gif", "--fps", "4", "--dpi", "60", "--title", "Walk"});
+  const Finished f =
+      plot({"a.xplt", "b.xplt", "--animate", "walk.gif", "--fps", "4", "--dpi", "60", "--title", "Walk"});
   EXPECT_EQ(f.code, 0) << f.err;
   EXPECT_EQ(f.err, "walk.gif: 4 frames, 2 panels each\n");
   const Gif gif = decoded(file_text(folder.path / "walk.gif"));
@@ -276,8 +277,8 @@ TEST_F(AnimationFolder, WritesAGif) {
 
 TEST_F(AnimationFolder, WritesPicturesIntoAFolder) {
   ASSERT_EQ(plot({"a.xplt", "--animate", "frames/", "--dpi", "50"}).code, 0);
-  EXPECT_EQ(names(folder.path / "frames"), (std::vector<std::string>{"frame-0001.png", "frame-0002.png",
-                                                                     "frame-0003.png", "frame-0004.png"}));
+  EXPECT_EQ(names(folder.path / "frames"),
+            (std::vector<std::string>{"frame-0001.png", "frame-0002.png", "frame-0003.png", "frame-0004.png"}));
   const std::string first = file_text(folder.path / "frames" / "frame-0001.png");
   EXPECT_EQ(first.substr(1, 3), "PNG");
   // Again, with fewer: none of the earlier ones stays.
@@ -293,7 +294,8 @@ TEST_F(AnimationFolder, WritesPicturesIntoAFolder) {
 
 TEST_F(AnimationFolder, GivesFramesToFfmpeg) {
   // Stands for ffmpeg: notes its words and how many bytes it gets, writes to the file it is given.
-  const std::string path = ffmpeg("printf '%s\\n' \"$@\" > words\nwc -c > bytes\nfor last; do :; done\necho film > $last\n");
+  const std::string path =
+      ffmpeg("printf '%s\\n' \"$@\" > words\nwc -c > bytes\nfor last; do :; done\necho film > $last\n");
   const Finished f = plot({"a.xplt", "--animate", "walk.mp4", "--fps", "5", "--dpi", "60"}, path);
   EXPECT_EQ(f.code, 0) << f.err;
   EXPECT_EQ(file_text(folder.path / "walk.mp4"), "film\n");
@@ -311,7 +313,8 @@ TEST_F(AnimationFolder, SaysWhenFfmpegIsMissingOrFails) {
   EXPECT_EQ(missing.code, 4);
   EXPECT_NE(missing.err.find("MP4 is made by ffmpeg, which is not found"), std::string::npos) << missing.err;
   // One that ends at once, while frames are on their way; and one that ends after them.
-  for (const char* script : {"echo no room >&2\nexit 1\n", "cat > /dev/null\necho line >&2\necho no room >&2\nexit 1\n"}) {
+  for (const char* script :
+       {"echo no room >&2\nexit 1\n", "cat > /dev/null\necho line >&2\necho no room >&2\nexit 1\n"}) {
     const Finished f = plot(words, ffmpeg(script));
     EXPECT_EQ(f.code, 4);
     EXPECT_NE(f.err.find("walk.mp4: ffmpeg failed: no room"), std::string::npos) << f.err;
@@ -332,7 +335,9 @@ TEST_F(AnimationFolder, RefusesInOneLine) {
       {{"a.xplt", "--fps", "3"}, 2, "--fps 3: belongs to --animate"},
       {{"a.xplt", "--animate", "walk.gif", "--fps", "0"}, 2, "expected a number from 0.1 to 50"},
       {{"a.xplt", "--animate", "frames", "--fps", "3"}, 2, "pictures in a folder have no time"},
-      {{"a.xplt", "--animate", "walk.avi"}, 2, "found \".avi\", expected a name that ends in .gif or .mp4, or a folder"},
+      {{"a.xplt", "--animate", "walk.avi"},
+       2,
+       "found \".avi\", expected a name that ends in .gif or .mp4, or a folder"},
       {{"a.xplt", "--animate", "-"}, 2, "--animate -"},
       {{"a.xplt", "--animate", "a.xplt"}, 2, "--animate a.xplt"},
       {{"a.xplt", "--animate", "nowhere/walk.gif"}, 4, "there is no folder nowhere"},

@@ -88,8 +88,9 @@ TEST(ColourMap, NamesAreMatplotlibs) {
   struct Known {
     const char *name, *first, *middle, *last;
   };
-  for (const Known& k : {Known{"viridis", "#440154", "#21918c", "#fde725"}, Known{"cividis", "#00224e", "#7d7c78", "#fee838"},
-                         Known{"gray", "#000000", "#808080", "#ffffff"}, Known{"grey", "#000000", "#808080", "#ffffff"}}) {
+  for (const Known& k :
+       {Known{"viridis", "#440154", "#21918c", "#fde725"}, Known{"cividis", "#00224e", "#7d7c78", "#fee838"},
+        Known{"gray", "#000000", "#808080", "#ffffff"}, Known{"grey", "#000000", "#808080", "#ffffff"}}) {
     const std::optional<ColourMap> map = colour_map_named(k.name);
     ASSERT_TRUE(map) << k.name;
     EXPECT_EQ(hex(colour(*map, 0)), k.first);
@@ -141,8 +142,8 @@ TEST(ColourMap, DivergingHalvesDifferForEveryEye) {
 }
 
 TEST(ColourMap, TableIsTheMapRounded) {
-  for (ColourMap map : {ColourMap::Sequential, ColourMap::Diverging, ColourMap::Viridis, ColourMap::Cividis,
-                        ColourMap::Gray}) {
+  for (ColourMap map :
+       {ColourMap::Sequential, ColourMap::Diverging, ColourMap::Viridis, ColourMap::Cividis, ColourMap::Gray}) {
     const ColourTable& table = colour_table(map);
     for (std::size_t i = 0; i < table.size(); ++i) {
       const Rgb c = colour(map, static_cast<double>(i) / 255);

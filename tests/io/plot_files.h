@@ -53,7 +53,7 @@ inline Patch cap(double radius, double degrees, int rings, int spokes, bool sock
 
 /// A file with one surface, "contact pressure" per facet and state, and the same field under another name.
 inline ResultFile result_of(const std::string& label, const Patch& p, const std::vector<std::vector<double>>& pressures,
-                     const std::string& units = "") {
+                            const std::string& units = "") {
   XpltFile file;
   file.software = "test";
   file.units = units;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -386,6 +387,31 @@ TEST(MapFigure, PanelsScaleAndNumbers) {
   EXPECT_EQ(make_map_figure({a}, nullptr, o).panels[1].title, "time 1");
   o.high = 2;
   EXPECT_TRUE(make_map_figure({a}, nullptr, o).beyond_high);
+}
+
+TEST(MapFigure, SurfacesSideBySide) {
+  // Two plateaus with pressures to 4 and 6 in two files: a panel each, by surface and file, one scale, the time in each.
+  ResultFile a = result_of("a", sheet(2, 2, 2, 2), {{0, 0, 0, 0}, {1, 2, 3, 4}}), b = a;
+  a.xplt.states[1].variables[0].push_back({2, {1, 2, 3, 6}});
+  b.label = "b";
+  b.xplt.states[1].variables[0].push_back({2, {1, 1, 1, 1}});
+  MapOptions o = plain();
+  o.surfaces = {"surface", "bare"};
+  const auto titles = [](const MapFigure& f) {
+    std::vector<std::string> out;
+    for (const MapPanel& panel : f.panels) out.push_back(panel.title);
+    return out;
+  };
+  const MapFigure one = make_map_figure({a}, nullptr, o);
+  EXPECT_EQ(titles(one), (std::vector<std::string>{"surface, time 1", "bare, time 1"}));
+  EXPECT_EQ(one.high, 6);
+  EXPECT_EQ(one.surfaces.size(), 2u);
+  const MapFigure two = make_map_figure({a, b}, nullptr, o);
+  EXPECT_EQ(titles(two), (std::vector<std::string>{"a, surface", "b, surface", "a, bare", "b, bare"}));
+  EXPECT_EQ(two.columns, 2);
+  const MapFigure difference = make_map_figure({a}, &b, o);
+  EXPECT_EQ(difference.high, 5);
+  EXPECT_EQ(difference.panels.size(), 2u);
 }
 
 TEST(MapFigure, NumbersOfPressureAreOfNodesThoseOfDifferencesOfWhatIsDrawn) {
@@ -793,8 +819,12 @@ TEST_F(Folder, WritesWhatIsAskedFor) {
       {{"a.xplt", "--minus", "b.xplt", "--at", "1", "-o", "d.png"}, "d.png", "\x89PNG"},
       {{"a.xplt", "--view", "0,1,0", "-o", "side.png", "--dpi", "50", "--width", "80"}, "side.png", "\x89PNG"},
       {{"zero.xplt", "-o", "z.svg"}, "z.svg", "<?xml"},
-      {{"a.xplt", "-o", "text.svg", "--text-as", "text", "--font-size", "8", "--colour-map", "grey"}, "text.svg", "<?xml"},
-      {{"a.xplt", "--minus", "b.xplt", "--at", "1", "-o", "m.png", "--colour-map", "blue-white-red"}, "m.png", "\x89PNG"},
+      {{"a.xplt", "-o", "text.svg", "--text-as", "text", "--font-size", "8", "--colour-map", "grey"},
+       "text.svg",
+       "<?xml"},
+      {{"a.xplt", "--minus", "b.xplt", "--at", "1", "-o", "m.png", "--colour-map", "blue-white-red"},
+       "m.png",
+       "\x89PNG"},
       {{"flat.xplt", "--field", "joint space", "--min", "1", "--max", "3", "-o", "f.svg"}, "f.svg", "<?xml"},
       {{"flat.xplt", "--contours", "1.5,2.5", "--title", "A very long title that does not fit on paper", "-o", "t.svg",
         "--width", "60"},
@@ -861,7 +891,9 @@ TEST_F(Folder, RefusesInOneLine) {
       {{"a.xplt", "--minus", "b.xplt", "--at", "1", "--colour-map", "viridis"}, 2, "expected blue-white-red"},
       {{"a.xplt", "--colour-map", "blue-white-red"}, 2, "belongs to differences"},
       {{"a.xplt", "--font-size", "1"}, 2, "--font-size 1: found \"1\", expected a number from 3 to 100"},
-      {{"a.xplt", "--text-as", "letters", "-o", "a.svg"}, 2, "--text-as letters: found \"letters\", expected shapes or text"},
+      {{"a.xplt", "--text-as", "letters", "-o", "a.svg"},
+       2,
+       "--text-as letters: found \"letters\", expected shapes or text"},
       {{"a.xplt", "--text-as", "text"}, 2, "--text-as text: belongs to SVG"},
       {{"a.xplt", "--scale", "some"}, 2, "--scale some: found \"some\", expected all or shown"},
       {{"a.xplt", "--label", "x", "--label", "y"}, 2, "found 2 labels, expected one per file (1)"},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include <febiodea/views/map/map_scale.h>
 #include <febiodea/views/page/pack.h>
 #include <febiodea/views/page/write_page.h>
+#include "io/plot_files.h"
 #include "page_arrays.h"
 #include "program.h"
 #include "synthetic.h"
@@ -140,6 +142,54 @@ TEST(ReportPage, NamesAreNeverMarkup) {
   EXPECT_EQ(page.report["results"][0]["label"], "</script><b>&\"'\xc3\xa9\xef\xbf\xbd");
   EXPECT_EQ(page.report["surfaces"][0]["title"], "</script><b>&\"'\xc3\xa9\xef\xbf\xbd");
   EXPECT_EQ(page.report["context"]["parts"][0], "<img src=x onerror=alert(1)>");
+}
+
+/// A result of one shell, whose nodes are moved in each state as told.
+ResultFile moved(const std::vector<std::function<Vector3d(const Vector3d&)>>& motions) {
+  const test::Patch p = test::sheet(6, 4, 6, 4, [](double x, double y) { return Vector3d(x, y, 0.1 * x * y); });
+  ResultFile file =
+      test::result_of("moved", p, std::vector<std::vector<double>>(motions.size(), std::vector<double>(24, 1)));
+  file.xplt.variables.push_back(xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"));
+  for (std::size_t s = 0; s < motions.size(); ++s) {
+    std::vector<float> values;
+    for (const Vector3d& x : p.nodes)
+      for (int k = 0; k < 3; ++k) values.push_back(static_cast<float>((motions[s](x) - x)[k]));
+    file.xplt.states[s].variables.push_back({{0, values}});
+  }
+  return file;
+}
+
+TEST(ReportPage, PartsMoveAsTheirNodesDo) {
+  // On paper: a turn of 30 degrees about (1, 2, 2) / 3 and a shift; nothing; and a stretch along x about the middle,
+  // whose nearest rigid motion is none.
+  const Eigen::AngleAxisd turn(kPi / 6, Vector3d(1, 2, 2) / 3);
+  const Vector3d shift(3, -1, 0.5);
+  const ResultFile file =
+      moved({[&](const Vector3d& x) { return Vector3d(turn * x + shift); }, [](const Vector3d& x) { return x; },
+             [](const Vector3d& x) { return Vector3d(x[0] + 0.2 * (x[0] - 3), x[1], x[2]); }});
+  PageContext context = make_context(file.xplt.meshes[0]);
+  add_motion(file, 0, {0}, context);
+  ASSERT_EQ(context.parts_move.size(), 3u);
+  for (const auto* of : {&context.parts_move, &context.surfaces_move}) {
+    ASSERT_EQ((*of)[0].size(), 1u);
+    const PagePose& first = *(*of)[0][0];
+    EXPECT_LT(first.rotation.angularDistance(Eigen::Quaterniond(turn)), 1e-6);  // displacements are single
+    EXPECT_LT((first.translation - shift).norm(), 1e-5);
+    EXPECT_LT((*of)[1][0]->rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-7);
+    EXPECT_LT((*of)[1][0]->translation.norm(), 1e-7);
+  }
+  // A body that is stretched along x and is not a plane across y and z turns a little; nodes of a line have no pose.
+  EXPECT_TRUE(motion_of(file, 2, {0, 6, 28, 34}));
+  EXPECT_FALSE(motion_of(file, 0, {0, 1, 2, 3}));
+  EXPECT_FALSE(motion_of(file, 0, {0, 1}));
+
+  // Nothing is said where nothing moves, or where the file has no displacement.
+  for (ResultFile still : {moved({[](const Vector3d& x) { return x; }}),
+                           test::result_of("still", test::sheet(2, 2, 1, 1), {{1, 1, 1, 1}})}) {
+    PageContext none = make_context(still.xplt.meshes[0]);
+    add_motion(still, 0, {0}, none);
+    EXPECT_TRUE(none.parts_move.empty() && none.surfaces_move.empty());
+  }
 }
 
 TEST(ReportPage, HoldsTheFilesNumbersExactlyWhenFew) {

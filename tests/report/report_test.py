@@ -483,6 +483,94 @@ def figures_are_saved(b, pages):
 
 
 @check
+def saved_maps_say_what_they_are(b, pages):
+    """The words in the picture: whose it is, which surface and time, the numbers of each map, the colours' title, what marks are."""
+    for name in ("run", "three"):
+        ready(b, pages[name])
+        b.run("""
+          window.written = [];
+          const was = CanvasRenderingContext2D.prototype.fillText;
+          CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
+            if (this.canvas.width > 1500) window.written.push(text);
+            return was.call(this, text, ...rest);
+          }""")
+        b.click("#save-maps")
+        b.downloaded()
+        words = b.run("return window.written")
+        title, surface, now = b.run("return [document.querySelector('h1').textContent, Page.state.surface.about.title, document.getElementById('now').textContent]")
+        same(words[0], title, f"{name}: first line")
+        true(words[1].startswith(surface + ", "), f"{name}: {words[1]}")
+        when = re.match(r"time \S+", now)
+        true(when and when[0] in words[1], f"{name}: {words[1]!r} has no {now!r}")
+        numbers = b.run("return Page.panels.map(p => p.readout.textContent.trim()).filter(t => t)")
+        true(numbers, f"{name}: no numbers below the maps")
+        said = " ".join(words)
+        for line in numbers:
+            for part in line.split(" · "):
+                true(part.strip() in said, f"{name}: {part!r} is not in the picture")
+        for scale in b.run("return Page.state.bars.map(s => s.title)"):
+            true(scale in words, f"{name}: {scale!r} is not in the picture")
+        true("cross: centre of pressure" in said, f"{name}: {words[-3:]}")
+        no_faults(b, name)
+
+
+@check
+def two_surfaces_stand_side_by_side(b, pages):
+    """Both plateaus of a knee: each with the numbers that it has alone, in one scale, that of the one with more."""
+    def choose(id, title):
+        b.run("""
+          const s = document.getElementById(arguments[0]), o = [...s.options].find(o => o.textContent === arguments[1]);
+          s.value = o.value;
+          s.dispatchEvent(new Event('change'))""", id, title)
+
+    def alone(title):
+        choose("surface", title)
+        b.wait(f"Page.state.surface.about.title === '{title}'", 20, title)
+        settle(b)
+        p = "Page.panels.find(p => p.quantity === 'pressure')"
+        return b.run(f"return [{p}.readout.textContent, {p}.what.scale.most]")
+    ready(b, pages["knee"])
+    lateral, medial = alone("lateral_plateau"), alone("medial_plateau")
+    choose("beside", "lateral_plateau")
+    b.wait("Page.state.beside", 20, "the second surface")
+    pair = b.run("""
+      return Page.panels.filter(p => p.quantity === 'pressure').map(p => [p.readout.textContent, p.what.scale.most, p.title(), p.offset && p.offset.x])""")
+    same([p[0] for p in pair], [medial[0], lateral[0]], "numbers")
+    same([p[1] for p in pair], [max(medial[1], lateral[1])] * 2, "end of the scale")
+    same([p[2] for p in pair], ["Pressure, medial_plateau", "Pressure, lateral_plateau"], "titles")
+    true(pair[0][3] is None and abs(pair[1][3] - 44) < 1, f"the second stands 44 mm beside the first: {pair[1][3]}")
+    true(all(colours > 20 for _, colours in pictures(b)), "a map is empty")
+    # what lies under the pointer in the second is a facet of its own
+    index = b.run("return Page.panels.findIndex(p => p.surface === Page.state.beside)")
+    x, y = place(b, index)
+    b.pointer(("move", x, y))
+    b.wait(f"Page.panels[{index}].readout.dataset.facet", 10, "what lies under the pointer")
+    choose("beside", "none")
+    b.wait("!Page.state.beside", 20, "one surface again")
+    same(alone("medial_plateau"), medial, "alone again")
+    no_faults(b, "two surfaces")
+
+
+@check
+def the_rest_of_the_model_stands_in_its_pose(b, pages):
+    """Thickness is the same in all states: its map changes with the time only by what stands around it."""
+    ready(b, pages["knee"])
+    true(b.run("return Report.context.parts_move.length === Report.results[0].times.length"), "a motion for each state")
+    b.click("#marks")
+    index = b.run("return Page.panels.findIndex(p => p.quantity === 'thickness')")
+    last = b.run("return Report.frames.length - 1")
+    seen = {}
+    for poses in (True, False):
+        for frame in (0, last):
+            b.run("const s = document.getElementById('slider'); s.value = arguments[0]; s.dispatchEvent(new Event('input'))", frame)
+            seen[poses, frame] = pictures(b)[index]
+        b.click("#poses")
+    true(seen[True, 0] != seen[True, last], "the bones do not move with the time")
+    same(seen[False, 0], seen[False, last], "the bones move though they shall not")
+    no_faults(b, "poses")
+
+
+@check
 def light_and_dark(b, pages):
     def paper():
         return b.run("return getComputedStyle(document.body).backgroundColor")

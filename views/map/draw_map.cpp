@@ -574,11 +574,11 @@ Layout lay_out(Pen& pen, const MapFigure& figure, const PictureOptions& options,
   l.rows = (n + l.columns - 1) / l.columns;
   l.panel_width = panel_width(l.columns);
   if (!(l.panel_width >= 60))
-    throw UsageError(
-        fmt::format("--width {:g}: found {:.0f} mm for each of the panels side by side ({}), expected {:.0f} mm or more: "
-                    "about --width {:.0f}",
-                    millimetres, std::max(0.0, l.panel_width / millimetre), l.columns, std::ceil(60 / millimetre),
-                    std::ceil((62 * l.columns + 2 * kMargin + l.bar + (l.columns - 1) * kGap) / millimetre)));
+    throw UsageError(fmt::format(
+        "--width {:g}: found {:.0f} mm for each of the panels side by side ({}), expected {:.0f} mm or more: "
+        "about --width {:.0f}",
+        millimetres, std::max(0.0, l.panel_width / millimetre), l.columns, std::ceil(60 / millimetre),
+        std::ceil((62 * l.columns + 2 * kMargin + l.bar + (l.columns - 1) * kGap) / millimetre)));
   Vector2d most = Vector2d::Constant(1e-300);
   for (const MapSurface& s : figure.surfaces) {
     const Box box = extent(s);
@@ -672,7 +672,8 @@ Layout measured_layout(const MapFigure& figure, const PictureOptions& options, c
       lines = needed;
     }
   });
-  const double zoom = letter_scale(options) * options.dpi / 96.0, w = std::round(zoom * layout.width), h = std::round(zoom * layout.height);
+  const double zoom = letter_scale(options) * options.dpi / 96.0, w = std::round(zoom * layout.width),
+               h = std::round(zoom * layout.height);
   if (options.format == PictureFormat::Png && (w > kMostPixels || h > kMostPixels))
     throw UsageError(
         fmt::format("--dpi {:g}: found a picture of {:.0f} x {:.0f} pixels, expected {:.0f} or fewer "

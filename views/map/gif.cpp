@@ -12,6 +12,7 @@
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/views/map/map_paint.h>
+#include <febiodea/views/map/map_scale.h>
 
 namespace dea {
 

@@ -1,8 +1,9 @@
-// febiodea/views/map/known_maps.h – colour maps that users know by name, in 256 colours of 8 bits as matplotlib has them.
+// febiodea/views/map/known_maps.h – colour maps that users know by name, in 256 colours of 8 bits as matplotlib has
+// them.
 //
-// viridis: N. Smith, S. van der Walt, E. Firing (2015), CC0. cividis: J. R. Nunez, C. R. Anderton, R. S. Renslow (2018),
-// Optimizing colormaps with consideration for color vision deficiency to enable accurate interpretation of scientific
-// data, PLoS ONE 13: e0199239; the table is matplotlib's.
+// viridis: N. Smith, S. van der Walt, E. Firing (2015), CC0. cividis: J. R. Nunez, C. R. Anderton, R. S. Renslow
+// (2018), Optimizing colormaps with consideration for color vision deficiency to enable accurate interpretation of
+// scientific data, PLoS ONE 13: e0199239; the table is matplotlib's.
 #pragma once
 
 namespace dea {

@@ -580,7 +580,7 @@ void set_title(const MapRequest& r, const PanelSource& from, MapPanel& panel) {
     add(r.files[from.file].label);
   const bool alone = r.files.size() == 1 && r.minus == nullptr;
   if (r.names.size() > 1 || (alone && r.rows.size() == 1)) add(from.name);
-  if (r.rows.size() > 1 || r.animated || !from.same_times || (alone && r.names.size() == 1)) {
+  if (r.rows.size() > 1 || r.animated || !from.same_times || alone) {
     add("");
     panel.when = "time " + time_text(from.time);
     panel.title += panel.when;
@@ -670,8 +670,9 @@ void project_surfaces(const MapRequest& r, const Together& panels, MapFigure& fi
 ColourMap chosen_map(const MapOptions& o, bool difference) {
   const ColourMap map = o.colours.value_or(difference ? ColourMap::Diverging : ColourMap::Sequential);
   if (difference && !is_diverging(map))
-    throw UsageError("--colour-map: found one that goes from dark to light, expected blue-white-red: a difference needs a "
-                     "middle");
+    throw UsageError(
+        "--colour-map: found one that goes from dark to light, expected blue-white-red: a difference needs a "
+        "middle");
   if (!difference && is_diverging(map))
     throw UsageError("--colour-map blue-white-red: belongs to differences, expected one that goes from dark to light");
   return map;
@@ -710,11 +711,10 @@ void settle(Work& work) {
     const Together::OfSurface& on = work.together.surfaces[k];
     for (int best : on.largest) figure.signs.peak = figure.signs.peak || place_of(figure, s, best);
     figure.signs.center_of_pressure =
-        figure.signs.center_of_pressure ||
-        (on.pressed && !is_diverging(figure.map) && !work.misleading[k]);
+        figure.signs.center_of_pressure || (on.pressed && !is_diverging(figure.map) && !work.misleading[k]);
     for (std::size_t t = 0; t < s.mesh.triangles.size(); ++t)
-      figure.signs.turned_away = figure.signs.turned_away || (s.projection.back[t] && s.projection.layer[t] >= 0 &&
-                                                              s.projection.hidden[t] < 0.99);
+      figure.signs.turned_away = figure.signs.turned_away ||
+                                 (s.projection.back[t] && s.projection.layer[t] >= 0 && s.projection.hidden[t] < 0.99);
   }
 }
 

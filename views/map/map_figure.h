@@ -19,9 +19,9 @@ struct MapOptions {
   std::string states_option;          ///< how the user calls it, for messages: "--at 1,2"
   std::optional<Vector3d> toward;     ///< seen from there; none: along the surface's axis
   bool unrolled = false;
-  Vector3d up = Vector3d::Zero();  ///< zero: found
-  bool smooth = false;             ///< nodal averages, interpolated; else facets as they are
-  bool scale_of_shown = false;     ///< the scale covers the panels; else all states of the files
+  Vector3d up = Vector3d::Zero();    ///< zero: found
+  bool smooth = false;               ///< nodal averages, interpolated; else facets as they are
+  bool scale_of_shown = false;       ///< the scale covers the panels; else all states of the files
   std::optional<ColourMap> colours;  ///< none: Sequential, of differences Diverging
   std::optional<double> low, high;
   std::optional<std::vector<double>> contours;  ///< none: at the colour bar's ticks

@@ -41,10 +41,9 @@ using SurfaceHolder = std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*
 
 SurfaceHolder pixels(const PaperSize& size) {
   const double zoom = size.dpi / 96.0;
-  SurfaceHolder surface(
-      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::round(zoom * size.width)),
-                                 static_cast<int>(std::round(zoom * size.height))),
-      cairo_surface_destroy);
+  SurfaceHolder surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::round(zoom * size.width)),
+                                                   static_cast<int>(std::round(zoom * size.height))),
+                        cairo_surface_destroy);
   require(cairo_surface_status(surface.get()));
   return surface;
 }
@@ -102,7 +101,8 @@ void Pen::add_element(double x, double y, const std::string& text, const std::st
     place = fmt::format("x=\"{:.7g}\" y=\"{:.7g}\"", x + m.x0, y + m.y0);
   } else {
     cairo_matrix_transform_point(&m, &x, &y);
-    place = fmt::format("transform=\"matrix({:.7g} {:.7g} {:.7g} {:.7g} {:.7g} {:.7g})\"", m.xx, m.yx, m.xy, m.yy, x, y);
+    place =
+        fmt::format("transform=\"matrix({:.7g} {:.7g} {:.7g} {:.7g} {:.7g} {:.7g})\"", m.xx, m.yx, m.xy, m.yy, x, y);
   }
   std::string escaped;
   for (char c : utf8(text)) {
@@ -183,8 +183,7 @@ std::string drawn(const PaperSize& size, const std::function<void(Pen&)>& draw) 
     cairo_surface_finish(surface.get());
   require(cairo_surface_status(surface.get()));
   if (size.format == PictureFormat::Svg) drop_number(bytes);  // no word of ours is in it yet
-  if (text)
-    bytes.insert(bytes.rfind("</svg>"), fmt::format("<g font-family=\"sans-serif\">\n{}</g>\n", texts));
+  if (text) bytes.insert(bytes.rfind("</svg>"), fmt::format("<g font-family=\"sans-serif\">\n{}</g>\n", texts));
   return bytes;
 }
 

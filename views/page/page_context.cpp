@@ -90,7 +90,8 @@ std::vector<int> some_of(std::vector<int> nodes) {
 std::vector<int> nodes_of_part(const XpltMesh& mesh, const std::string& part) {
   std::vector<int> nodes;
   for (const XpltDomain& domain : mesh.domains)
-    if (domain.part >= 1 && domain.part <= static_cast<int>(mesh.parts.size()) && mesh.parts[at(domain.part - 1)] == part)
+    if (domain.part >= 1 && domain.part <= static_cast<int>(mesh.parts.size()) &&
+        mesh.parts[at(domain.part - 1)] == part)
       nodes.insert(nodes.end(), domain.nodes.begin(), domain.nodes.end());
   return some_of(std::move(nodes));
 }

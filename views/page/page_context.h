@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Geometry>
 #include <febiodea/io/results/result_file.h>
+#include <Eigen/Geometry>
 
 namespace dea {
 
@@ -31,8 +31,8 @@ struct PageContext {
 /// Triangles of faces that belong to one solid element only, and of shells.
 PageContext make_context(const XpltMesh& mesh);
 
-/// The rigid motion that is nearest to the `displacement` of nodes in a state (least squares: a rigid body's own, and of
-/// what is deformed its mean); none: the state has none, or the nodes lie on a line.
+/// The rigid motion that is nearest to the `displacement` of nodes in a state (least squares: a rigid body's own, and
+/// of what is deformed its mean); none: the state has none, or the nodes lie on a line.
 std::optional<PagePose> motion_of(const ResultFile& file, int state, const std::vector<int>& nodes);
 /// How the context of the mesh of `state` and surfaces of it (their indices) move in the file's states.
 void add_motion(const ResultFile& file, int state, const std::vector<int>& surfaces, PageContext& context);

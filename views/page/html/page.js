@@ -3,7 +3,7 @@
 
 const Page = (() => {
   const compared = Report.kind === "compare", results = Report.results, last = results.length - 1;
-  const state = { surface: null, frame: Report.frame, region: 0, quantity: "pressure", smooth: true, pair: null, range: "all", most: null, poses: true, theme: "light" };
+  const state = { surface: null, beside: null, frame: Report.frame, region: 0, quantity: "pressure", smooth: true, pair: null, range: "all", most: null, poses: true, theme: "light" };
   const maps = new Maps();
   const quantities = {
     pressure: { title: "contact pressure", dimension: "pressure", none: "none", noneText: "no contact", shown: (x) => x > 0 },
@@ -60,8 +60,9 @@ const Page = (() => {
   }
   function buildMaps(section) {
     const controls = make("div", { class: "controls" });
-    controls.append(makeSelect("surface", "Surface", Report.surfaces.map((s, i) => [String(i), s.title + (s.note ? ` (${s.note})` : "")]), "0", (v) => setSurface(Number(v))));
+    controls.append(makeSelect("surface", "Surface", Report.surfaces.map((s, i) => [String(i), s.title + (s.note ? ` (${s.note})` : "")]), "0", (v) => setSurface(Number(v), state.beside ? state.beside.index : -1)));
     if (Report.surfaces.length === 1) controls.lastChild.querySelector("select").disabled = true;
+    else if (!compared) controls.append(makeSelect("beside", "beside it", [["-1", "none"], ...Report.surfaces.map((s, i) => [String(i), s.title])], "-1", (v) => setSurface(state.surface.index, Number(v))));
     if (compared) controls.append(makeSelect("quantity", "Show", available().map((q) => [q, heads[q].toLowerCase()]), "pressure", (v) => { state.quantity = v; layPanels(); }));
     controls.append(make("span", { class: "group", role: "group" },
       make("button", { id: "smooth", text: "smooth", title: "Area-weighted averages at the nodes", "aria-pressed": "true", onclick: () => setSmooth(true) }),
@@ -101,10 +102,14 @@ const Page = (() => {
   // Panels: compare: a result each and a difference; run: a quantity each.
   function layPanels() {
     const host = $("panels"), s = state.surface;
-    const wanted = compared ? results.map((r, i) => ({ result: i, quantity: state.quantity })) : available().filter((q) => s.fields[q][0]).map((q) => ({ result: 0, quantity: q }));
-    if (compared) wanted.push({ difference: true, quantity: state.quantity });
-    host.style.setProperty("--least", wanted.length > 4 ? "250px" : wanted.length === 4 ? "285px" : "300px");
-    host.style.setProperty("--count", String(Math.min(4, wanted.length)));  // on paper
+    const of = (surface) => available().filter((q) => surface.fields[q][0]).map((q) => ({ result: 0, quantity: q, surface }));
+    const wanted = compared ? results.map((r, i) => ({ result: i, quantity: state.quantity, surface: s })) : shown().flatMap(of);
+    if (compared) wanted.push({ difference: true, quantity: state.quantity, surface: s });
+    const count = state.beside ? Math.max(...shown().map((x) => of(x).length)) : wanted.length;  // a surface below the other
+    state.columns = state.beside ? count : 0;
+    host.style.setProperty("--least", count > 4 ? "250px" : count === 4 ? "285px" : "300px");
+    host.style.setProperty("--count", String(Math.min(4, count)));  // on paper
+    host.classList.toggle("rows", Boolean(state.beside));
     host.replaceChildren();
     panels = wanted.map((w, i) => {
       const p = { ...w, canvas: make("canvas", { id: "map" + i, tabindex: "0", role: "img" }), readout: make("div", { class: "readout", id: "readout" + i }), marks: [] };
@@ -117,11 +122,13 @@ const Page = (() => {
         name.append(chooser);
         p.title = () => `${results[state.pair[0]].label} − ${results[state.pair[1]].label}`;
       } else {
-        const title = compared ? results[w.result].label : heads[w.quantity];
+        const title = compared ? results[w.result].label : heads[w.quantity] + (state.beside ? `, ${w.surface.about.title}` : "");
         name.append(make("h3", { text: title }));
         if (compared && w.result === last) name.append(make("span", { class: "role", text: "reference" }));
         p.title = () => title;
       }
+      const from = s.about.view.center, to = w.surface.about.view.center;
+      p.offset = w.surface === s || maps.fault ? null : new THREE.Vector3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
       if (maps.fault) p.canvas.hidden = true;
       host.append(make("div", { class: "panel" }, name, p.canvas, p.readout));
       return p;
@@ -130,21 +137,22 @@ const Page = (() => {
     update();
   }
 
-  const values = (q, i) => { const f = state.surface.fields[q][i]; return f ? f.state(Report.frames[state.frame].states[i]) : null; };
-  const edge = (q, i) => { const f = state.surface.fields[q][i]; return f ? f.edge(Report.frames[state.frame].states[i]) : null; };
+  const shown = () => (state.beside ? [state.surface, state.beside] : [state.surface]);
+  const values = (q, i, s = state.surface) => { const f = s.fields[q][i]; return f ? f.state(Report.frames[state.frame].states[i]) : null; };
+  const edge = (q, i, s = state.surface) => { const f = s.fields[q][i]; return f ? f.edge(Report.frames[state.frame].states[i]) : null; };
   const above = (list, level) => Float64Array.from(list, (x) => (Number.isNaN(x) ? -1 : x - level));
   const nodalCache = new Map();
-  function nodal(q, i) {
-    const key = [state.surface.index, q, i, Report.frames[state.frame].states[i]].join();
+  function nodal(q, i, s = state.surface) {
+    const key = [s.index, q, i, Report.frames[state.frame].states[i]].join();
     if (!nodalCache.has(key)) {
       if (nodalCache.size > 40) nodalCache.clear();
-      const v = values(q, i);
-      nodalCache.set(key, v ? Data.nodalAverage(state.surface.meshes[i], v) : null);
+      const v = values(q, i, s);
+      nodalCache.set(key, v ? Data.nodalAverage(s.meshes[i], v) : null);
     }
     return nodalCache.get(key);
   }
-  function measures(i) {
-    const k = Report.frames[state.frame].states[i], m = k < 0 ? null : state.surface.about.measures[i][k];
+  function measures(i, s = state.surface) {
+    const k = Report.frames[state.frame].states[i], m = k < 0 ? null : s.about.measures[i][k];
     return m ? m[0] : null;
   }
 
@@ -163,9 +171,15 @@ const Page = (() => {
     return scale;
   }
 
-  // One scale per quantity, for all its panels.
+  // One scale per quantity, for all its panels: of two surfaces it covers both.
   function scaleOf(q) {
-    const about = quantities[q], scale = scaleFrom(state.surface.about.scales.find((x) => x.field === q), about);
+    const about = quantities[q], all = shown().map((s) => s.about.scales.find((x) => x.field === q)).filter(Boolean);
+    const each = all.map((x) => scaleFrom(x, about)), scale = each[0] || scaleFrom(null, about);
+    if (each.length > 1) {
+      for (const k of ["least", "lowest"]) scale[k] = Math.min(...each.map((x) => x[k]));
+      for (const k of ["most", "highest"]) scale[k] = Math.max(...each.map((x) => x[k]));
+      scale.level = scaleStep(scale.least, scale.most);
+    }
     scale.title = Format.axis(about.title, about.dimension) + (q === "space" && scale.least < 0 ? ", below 0: overlap" : "");
     const most = said(q);
     if (most !== null && most > scale.least) { scale.most = most; scale.level = scaleStep(scale.least, most); }
@@ -205,10 +219,12 @@ const Page = (() => {
   // What the panels show at this state.
   function update() {
     if (!state.surface) return;
-    const s = state.surface, scales = new Map();
+    const scales = new Map(), moves = motions();
     for (const p of panels) {
+      const s = p.surface;
       p.message = "";
       p.marks = [];
+      p.motions = moves && [...moves.parts, moves.surfaces[s.index]];
       let what, scale;
       if (p.difference) {
         what = differenceOf(p.quantity);
@@ -218,22 +234,22 @@ const Page = (() => {
       } else {
         if (!scales.has(p.quantity)) scales.set(p.quantity, scaleOf(p.quantity));
         scale = scales.get(p.quantity);
-        const v = values(p.quantity, p.result), q = quantities[p.quantity];
+        const v = values(p.quantity, p.result, s), q = quantities[p.quantity];
         what = { mesh: s.meshes[p.result], facets: null, vertices: null, shown: q.shown };
         if (!v) p.message = Report.frames[state.frame].states[p.result] < 0 ? "no state at this time" : `no ${q.title} in this file`;
         else if (state.smooth) {
-          what.vertices = nodal(p.quantity, p.result);
-          const level = edge(p.quantity, p.result);
+          what.vertices = nodal(p.quantity, p.result, s);
+          const level = edge(p.quantity, p.result, s);
           what.from = level;
           if (level !== null) what.over = [above(what.vertices, level)];
         }
         else {
           what.facets = v;
-          what.lines = nodal(p.quantity, p.result);
-          what.from = edge(p.quantity, p.result);
+          what.lines = nodal(p.quantity, p.result, s);
+          what.from = edge(p.quantity, p.result, s);
         }
         if (v && p.quantity === "pressure") {
-          const m = measures(p.result), peak = peakPlace(what);
+          const m = measures(p.result, s), peak = peakPlace(what);
           if (m && m.center && m.center[0] !== null) p.marks.push({ kind: "center", at: m.center });
           if (peak) p.marks.push({ kind: "peak", at: peak });
         }
@@ -242,7 +258,6 @@ const Page = (() => {
       maps.paint(p, what);
       p.canvas.setAttribute("aria-label", `${p.title()}: ${scale.title}`);
     }
-    pose();
     bars(scales);
     readouts();
     const frame = Report.frames[state.frame];
@@ -251,11 +266,10 @@ const Page = (() => {
     drawFigures();
   }
 
-  // The rest of the model as it stands to the surface in this state, by the first result.
-  function pose() {
-    if (!Report.context || !Report.context.parts_move.length) return;
-    const at = Report.frames[state.frame].states[0], moves = state.poses && at >= 0;
-    maps.moveVeil(moves ? [...Report.context.parts_move[at], Report.context.surfaces_move[at][state.surface.index]] : null);
+  // How the rest of the model and the surfaces stand in this state, by the first result.
+  function motions() {
+    const c = Report.context, at = Report.frames[state.frame].states[0];
+    return c && c.parts_move.length && state.poses && at >= 0 ? { parts: c.parts_move[at], surfaces: c.surfaces_move[at] } : null;
   }
 
   function peakPlace(what) {
@@ -298,12 +312,12 @@ const Page = (() => {
       const q = quantities[p.quantity], m = p.what && p.what.mesh;
       if (maps.hover && p.hit && m && !p.message) {
         const hit = p.hit, node = `node ${m.nodes[hit.vertex]}`, facet = `facet ${hit.facet + 1}`, rows = [];
-        const facetValue = (quantity, i) => { const v = values(quantity, i); return v ? v[hit.facet] : null; };
+        const facetValue = (quantity, i) => { const v = values(quantity, i, p.surface); return v ? v[hit.facet] : null; };
         if (p.difference) {
           const w = p.what, x = w.facets ? w.facets[hit.facet] : w.vertices[hit.vertex];
           rows.push(line(w.facets ? facet : node, bold(Format.with(x, q.dimension))));
         } else {
-          const x = facetValue(p.quantity, p.result), n = nodal(p.quantity, p.result);
+          const x = facetValue(p.quantity, p.result), n = nodal(p.quantity, p.result, p.surface);
           const t = p.quantity === "thickness" ? null : facetValue("thickness", p.result);
           rows.push(line(facet, bold(Format.with(x, q.dimension)), t === null ? null : `thickness ${Format.with(t, "length", 3)}`));
           rows.push([make("br"), ...line(`${node}, average ${Format.with(n[hit.vertex], q.dimension)}`)]);
@@ -323,21 +337,24 @@ const Page = (() => {
       const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
       return pattern ? [`r ${Format.number(pattern.r, 3)}`, `rms ${Format.with(pattern.rms, "pressure", 3)}`, `mean ${Format.with(pattern.mean, "pressure", 2)}`, `largest ${Format.with(pattern.largest, "pressure", 3)}`, "nodes"] : [];
     }
-    const d = measures(p.result), h = d && d.headline;
+    const d = measures(p.result, p.surface), h = d && d.headline;
     return d ? [`p99 ${Format.printed(h.p99, "pressure")}`, `mean ${Format.printed(h.mean, "pressure")}`, `area ${Format.printed(h.area, "area")}`, `peak ${Format.printed(h.peak, "pressure")}`, `force ${Format.printed(d.force, "force")}`] : [];
   }
   maps.onpick = readouts;
   maps.onreset = resetView;
 
-  function resetView() { maps.setView(state.surface.about.view); }
+  // As the first surface is looked at best, and near enough for the larger one.
+  function resetView() { maps.setView({ ...state.surface.about.view, radius: Math.max(...shown().map((s) => s.about.view.radius)) }); }
 
-  async function setSurface(index) {
+  async function setSurface(index, beside) {
     const ticket = ++busy, surface = await Data.surface(index);
+    const other = beside >= 0 && beside !== index ? await Data.surface(beside) : null;
     if (ticket !== busy) return;
     state.surface = surface;
+    state.beside = other;
     state.region = Math.min(state.region, surface.about.regions.length - 1);
     nodalCache.clear();
-    if (!maps.fault) maps.setView(surface.about.view);
+    if (!maps.fault) resetView();
     layPanels();
   }
 
@@ -398,7 +415,7 @@ const Page = (() => {
   async function saveMaps() {
     const frame = Report.frames[state.frame], marked = maps.options.marks && panels.some((p) => p.marks.length);
     const when = frame.time === null ? "compared states, at different times" : `time ${Format.time(frame)}`;
-    const words = { head: [Report.title, `${state.surface.about.title}, ${when}`], numbers: numbersOf, foot: (marked ? "Ring: peak; cross: centre of pressure. " : "") + (panels.some((p) => numbersOf(p).length) ? Report.headline + "." : "") };
+    const words = { columns: state.columns, head: [Report.title, `${shown().map((s) => s.about.title).join(" and ")}, ${when}`], numbers: numbersOf, foot: (marked ? "Ring: peak; cross: centre of pressure. " : "") + (panels.some((p) => numbersOf(p).length) ? Report.headline + "." : "") };
     Figures.save(await mapsPicture(maps, panels, state.bars, words), fileName(`${state.surface.about.title} ${Format.time(Report.frames[state.frame])}`) + ".png");
   }
 
@@ -469,7 +486,7 @@ const Page = (() => {
     let before = "light";
     window.addEventListener("beforeprint", () => { before = state.theme; player.play(false); setTheme("light"); maps.draw(); [...figures.now, ...figures.time].forEach((f) => f.element.hidden || drawFigure(f)); });
     window.addEventListener("afterprint", () => setTheme(before));
-    if (Report.surfaces.length) await setSurface(0);
+    if (Report.surfaces.length) await setSurface(0, -1);
     else drawFigures();
     document.documentElement.dataset.ready = "true";
     maps.setVeil(Report.context);

@@ -301,13 +301,11 @@ class Maps {
       part.matrixAutoUpdate = false;
       this.veil.push(part);
     }
-    this.moveVeil(this.motions);
+    this.request();
   }
 
   // `motions`: per part of the veil quaternion and translation, or null; the last one is the surface's own, which stays where it is.
-  moveVeil(motions) {
-    this.motions = motions;
-    if (!this.veil) return;
+  placeVeil(motions) {
     const matrix = (m) => new THREE.Matrix4().compose(new THREE.Vector3(m[4], m[5], m[6]), new THREE.Quaternion(m[0], m[1], m[2], m[3]), new THREE.Vector3(1, 1, 1));
     const own = motions && motions[motions.length - 1], back = own ? matrix(own).invert() : null;
     this.veil.forEach((part, i) => {
@@ -315,17 +313,18 @@ class Maps {
       if (back && motions[i]) part.matrix.multiplyMatrices(back, matrix(motions[i]));
       part.matrixWorldNeedsUpdate = true;
     });
-    this.request();
   }
 
   // ---- drawing ----
-  aim(width, height, outset = 1.06) {
+  // `offset`: of the panel's surface from the one that the target is of.
+  aim(width, height, offset = null, outset = 1.06) {
     const half = this.radius * outset / this.zoom, wide = Math.max(1, width / height), tall = Math.max(1, height / width);
     const c = this.camera;
     c.left = -half * wide; c.right = half * wide; c.top = half * tall; c.bottom = -half * tall;
     const reach = 40 * this.radius;
     c.near = 0; c.far = 2 * reach;
     c.position.set(0, 0, reach).applyQuaternion(this.orientation).add(this.target);
+    if (offset) c.position.add(offset);
     c.quaternion.copy(this.orientation);
     c.updateProjectionMatrix();
     c.updateMatrixWorld();
@@ -352,14 +351,17 @@ class Maps {
     this.scene.clear();
     this.scene.add(panel.object, g.rim);
     if (this.options.lines) this.scene.add(g.lines);
-    if (this.options.veil && this.veil && !this.plain) this.scene.add(...this.veil);
+    if (this.options.veil && this.veil && !this.plain) {
+      this.placeVeil(panel.motions);
+      this.scene.add(...this.veil);
+    }
     this.renderer.setClearColor(0x000000, 0);
     this.renderer.render(this.scene, this.camera);
   }
 
   // Onto any 2-D context at (x, y); `k`: pixels per CSS pixel.
   drawPanel(panel, context, x, y, width, height, k, ink) {
-    const length = this.aim(width, height);
+    const length = this.aim(width, height, panel.offset);
     context.fillStyle = ink.panel;
     context.fillRect(x, y, width, height);
     this.render(panel, width, height, ink);
@@ -507,7 +509,8 @@ class Maps {
     this.hover = true;
     for (const panel of this.panels) {
       if (!panel.mesh) continue;
-      if (!known.has(panel.mesh)) known.set(panel.mesh, this.hit(panel.mesh, px, py));
+      const o = panel.offset ? panel.offset.clone().applyQuaternion(this.orientation.clone().invert()) : { x: 0, y: 0 };
+      if (!known.has(panel.mesh)) known.set(panel.mesh, this.hit(panel.mesh, px + o.x, py + o.y));
       panel.hit = known.get(panel.mesh);
     }
     if (this.onpick) this.onpick();
@@ -644,10 +647,10 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
 }
 
 // Panels with their titles and numbers, and the colour bars of their scales, as one PNG on white. `words`: head, lines above all
-// (the first in bold); numbers(panel), a list of short texts below it; foot, what the marks are.
+// (the first in bold); numbers(panel), a list of short texts below it; foot, what the marks are; columns, if not as many as there are panels.
 async function mapsPicture(maps, panels, scales, words = {}) {
   const k = 2.5, ink = Colours.ink.light, side = 340, gap = 14, titleHeight = 34, line = 18, small = 13, pad = 16;
-  const columns = Math.min(panels.length, 4), rows = Math.ceil(panels.length / columns);
+  const columns = words.columns || Math.min(panels.length, 4), rows = Math.ceil(panels.length / columns);
   const width = Math.max(2 * pad + columns * side + (columns - 1) * gap, 420), inner = width - 2 * pad, barHeight = 76;
   const perRow = width > 1000 ? 2 : 1, barRows = Math.ceil(scales.length / perRow);
   const wrapped = (parts, room, between) => {
