@@ -652,8 +652,7 @@ TEST(Hip, ANeckThatPointsOutwardsOrDownIsAWarning) {
     std::vector<BoneRequest> bones = bones_of(hip, 8);
     bones[0].surface = with_neck(bones[0].surface, hip.center, hip.head_radius, from_head);
     const std::optional<Vector3d> neck = neck_direction(bones[0].surface, {hip.center, hip.head_radius, 0});
-    EXPECT_TRUE(neck);
-    if (neck) EXPECT_LT((*neck + from_head).norm(), 1e-9);  // an even ring's middle lies on its axis
+    EXPECT_LT((neck.value_or(Vector3d::Zero()) + from_head).norm(), 1e-9);  // an even ring's middle lies on its axis
     return find_anatomy(bones, request_of(hip)).warnings;
   };
   EXPECT_FALSE(neck_direction(hip.head(8), {hip.center, hip.head_radius, 0}));
