@@ -503,7 +503,7 @@ def landmarks_in_another_unit_are_refused(folder):
     done = folder.build(*JOINT, "--landmarks", "metres.csv", "--landmark-units", "m", "-q")
     same(done.returncode, 0, done.stderr)
     for words, code, said in ((["--landmark-units", "m"], 2, "found no landmarks"), (["--landmarks", "metres.csv", "--landmark-units", "inch"], 2, "mm, cm or m"),
-                              (["--units", "m"], 3, "found bones 4.8e+04 mm large"), (["--scale", "0.001"], 3, "found bones 0.048 mm large")):
+                              (["--units", "m"], 3, "found bones 4.64e+04 mm large"), (["--scale", "0.001"], 3, "found bones 0.0464 mm large")):
         done = folder.build(*JOINT, *words, "-q")
         same(done.returncode, code, done.stderr)
         true(said in done.stderr, f"{said}: {done.stderr}")
