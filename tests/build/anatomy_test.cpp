@@ -509,7 +509,8 @@ TEST(Hip, LandmarksInAnotherUnitAreRefused) {
   EXPECT_TRUE(says(fault(1, 10), "multiplied by 0.1, expected both in one unit: the landmarks look like mm"));
   EXPECT_TRUE(says(fault(1e-3, 10), "multiplied by 100, expected both in one unit: the landmarks look like m"));
   EXPECT_TRUE(says(fault(1e-3, 1, 4), "the landmarks look like m"));  // the spines alone
-  EXPECT_TRUE(says(fault(7, 1000), "expected both of one size, in one unit (landmark-units) and in the same axes"));
+  // 5000 times too large in mm, and more in cm and m: no unit
+  EXPECT_TRUE(says(fault(5000, 1000), "expected both of one size, in one unit (landmark-units) and in the same axes"));
 }
 
 /// The first to be found fault with is not what is wrong: landmarks far from the bones are said too.

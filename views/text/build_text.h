@@ -8,10 +8,6 @@
 
 namespace dea {
 
-/// Loads that no joint bears, or that none would feel, a line each: their units are mixed up, or a body weight is in kg.
-std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildReport& report);
-/// What was measured against the axes or the side, loads that no joint bears, loads without a balance; a line each.
-std::vector<std::string> build_warnings(const BuildSummary& summary);
 /// Where layers are not as they were wanted, a line each.
 std::vector<std::string> layer_changes(const BuildSummary& summary);
 /// Layers, rims, contacts, balances, frames and angles; the page has the same.
