@@ -232,6 +232,8 @@ int build(const BuildArguments& a) {
 
   inputs.model.elements_through = inputs.request.elements_through;
   inputs.model.comment = fmt::format("Made by dea build of {} surfaces.", inputs.files.size());
+  const std::vector<std::string> questions = load_questions(joint, report);  // before a search that may take long
+  for (const std::string& question : questions) log("warning: " + question);
   const std::vector<BuildBalance> balances = find_balances(joint_feb(joint, inputs.model), joint, progress);
   if (balances.front().found) inputs.model.seat = balances.front().displacement;
   progress.now("writing " + file_name(a.output), "", "writing " + file_name(a.output));
@@ -248,7 +250,8 @@ int build(const BuildArguments& a) {
     for (const std::string& finding : report.findings) log("note: " + finding);
   if (!a.json.empty()) write_text(a.json, json_text(build_json(summary)));
   if (!a.quiet && a.json != "-") print(build_text(summary));
-  for (const std::string& warning : build_warnings(summary)) log("warning: " + warning);
+  for (const std::string& warning : build_warnings(summary))
+    if (std::find(questions.begin(), questions.end(), warning) == questions.end()) log("warning: " + warning);
   return all_balanced(summary) ? kSolved : kNoSolution;
 }
 

@@ -18,24 +18,38 @@ namespace {
 
 using Way = CartilageRequest::Way;
 
-/// "femur=2.0", cut at the last '='.
+/// "femur=2.0", cut at the first '=': a file's name may have more of them.
 struct Named {
   std::string name, value;
 };
 Named named(const char* option, const std::string& text, const char* form) {
-  const std::size_t cut = text.rfind('=');
-  if (cut == std::string::npos || cut == 0 || cut + 1 == text.size())
+  const std::size_t cut = text.find('=');
+  const std::string name = trimmed(text.substr(0, cut));
+  if (cut == std::string::npos || name.empty() || cut + 1 == text.size())
     throw UsageError(fmt::format("--{} {}: found \"{}\", expected {}", option, text, text, form));
   if (std::any_of(text.begin(), text.end(), [](char c) { return c >= 0 && c < ' '; }))
     throw UsageError(
         fmt::format("--{}: found a control character in the name, expected letters, digits, spaces", option));
-  return {trimmed(text.substr(0, cut)), trimmed(text.substr(cut + 1))};
+  return {name, trimmed(text.substr(cut + 1))};
 }
 
 std::vector<std::string> bone_names(const BuildRequest& request) {
   std::vector<std::string> names;
   for (const BoneRequest& b : request.bones) names.push_back(b.name);
   return names;
+}
+
+/// The model has parts of these names.
+void refuse_names_of_parts(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (name == "cartilage")
+      throw UsageError("--bone cartilage: found the name of the cartilage's material, expected another");
+    for (const std::string& other : names)
+      for (const char* part : {"_cartilage", "_bone"})
+        if (name.rfind(other + part, 0) == 0)
+          throw UsageError(fmt::format(
+              "--bone {}: found a name that a part of \"{}\" has in the model, expected another", name, other));
+  }
 }
 
 int bone_of(const BuildRequest& request, const char* option, const std::string& name) {
@@ -260,7 +274,14 @@ std::string refuse_size(const BuildSources& sources, const BuildRequest& request
     const auto box = box_of(b.surface);
     size = std::max(size, (box[1] - box[0]).maxCoeff());
   }
-  if (sources.scale_given) return "";
+  if (sources.scale_given) {
+    constexpr double kLeast = 0.5, kMost = 10000;  // a finger's joint of a mouse, a whale's jaw
+    if (size >= kLeast && size <= kMost) return "";
+    throw InputError(
+        fmt::format("found bones {:.3g} mm large in the unit that was given, expected {:g} to {:g}: is it "
+                    "the files' unit? (units, scale)",
+                    size, kLeast, kMost));
+  }
   if (size >= 10 && size <= 2000)
     return fmt::format("units: mm, by the size of the largest bone, {:.4g} (--units)", size);
   const char* looks = size < 1.5 ? "m" : size < 10 ? "cm" : "micrometres";
@@ -417,6 +438,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
   }
   if (request.bones.size() < 2)
     throw UsageError("--bone: found fewer than two, expected --bone NAME=FILE for each bone of the joint");
+  refuse_names_of_parts(bone_names(request));
   for (const std::string& text : a.cartilages) {
     const Named n = named("cartilage", text, "NAME=FILE");
     sources.outer.push_back({add_cartilage(request, "cartilage", n.name, Way::Segmented), n.value});
@@ -454,8 +476,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
     inputs.files.push_back({"--region", n.value});
   }
   sources.landmarks = a.landmarks;
-  sources.landmark_scale =
-      a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
+  sources.landmark_scale = a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
   inputs.anatomy.landmark_scale = sources.landmark_scale;
   sources.flip_landmarks = a.flip_landmarks;
   for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
@@ -479,15 +500,19 @@ std::vector<std::string> read_loads(BuildInputs& inputs) {
   read_tables(units, settings);
   const LoadTable& loads = settings.loads;
   BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "loads", loads.body))];
+  std::vector<std::string> findings = {
+      fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", loads.body, loads.words)};
   bool moments = false;
   for (const auto& load : loads.load) {
     bone.forces.push_back(load.head<3>());
     moments = moments || !load.tail<3>().isZero(0);
   }
   bone.force = bone.forces.front();
+  constexpr double kMostInKilograms = 150;
+  if (loads.body_weight && *loads.body_weight < kMostInKilograms)
+    findings.push_back(fmt::format("body weight: {:g} N; one of {:g} kg would be {:.4g} N (body-weight)",
+                                   *loads.body_weight, *loads.body_weight, 9.81 * *loads.body_weight));
   inputs.load_times = loads.time;
-  std::vector<std::string> findings = {
-      fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", loads.body, loads.words)};
   if (moments)
     findings.push_back(fmt::format("{}: the table's moments have no effect, for the bone does not turn", loads.body));
   return findings;

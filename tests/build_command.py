@@ -251,6 +251,7 @@ B = ball(12, 20)
 NAN = float("nan")
 READ = {
     "b.stl": stl(B), "solid.stl": stl(B, b"solid ball"), "text.stl": text_stl(B), "crlf.stl": text_stl(B, "\r\n"), "upper.STL": text_stl(B).upper(),
+    "marked.stl": b"\xef\xbb\xbf\n  " + text_stl(B).encode(), "name=1.stl": stl(B), "kost\u00fcm 1.stl": stl(B),
     "b.ply": ply(B), "crlf.ply": ply(B, ends="\r\n"), "quads.ply": ply(B, quads=True), "b.obj": obj(B), "negative.obj": obj(B, True), "crlf.obj": obj(B, ends="\r\n"),
     "b.vtk": vtk(B), "crlf.vtk": vtk(B, "\r\n"),
 }
@@ -455,6 +456,106 @@ def a_pose_that_leaves_force_over_is_no_balance(folder):
     same(done.returncode, 1, done.stderr)
     true("no balance" in done.stderr, done.stderr)
     same(json.loads(folder.read("j.json"))["balanced"], False, "balanced")
+
+
+# ---- anatomy, units, names ---------------------------------------------------------------------------------------------
+
+def landmarks(forwards, scale=1.0, move=(0, 0, 0)):
+    """Spines of a pelvis in which the made socket, which opens along -z, opens forwards by `forwards` (a sine), 0.6 downwards and else to
+    the right; the hip's centre is the origin."""
+    down = 0.6
+    right = math.sqrt(1 - forwards ** 2 - down ** 2)
+    # columns x, y, z of the body: each has z = -(its share of the opening); any such rotation does
+    z_row = [-forwards, down, -right]
+    first = [1 - z_row[0] * z_row[0], -z_row[0] * z_row[1], -z_row[0] * z_row[2]]
+    size = math.sqrt(sum(c * c for c in first))
+    x_row = [c / size for c in first]
+    y_row = [z_row[1] * x_row[2] - z_row[2] * x_row[1], z_row[2] * x_row[0] - z_row[0] * x_row[2], z_row[0] * x_row[1] - z_row[1] * x_row[0]]
+    rows = ["name,x,y,z"]
+    for name, p in {"RASIS": (50, 80, 35), "LASIS": (50, 80, -205), "RPSIS": (-100, 80, -40), "LPSIS": (-100, 80, -130)}.items():
+        rows.append(name + "," + ",".join("%.9g" % (scale * (sum(r[k] * p[k] for k in range(3)) + m)) for r, m in zip((x_row, y_row, z_row), move)))
+    return "\n".join(rows) + "\n"
+
+
+@check
+def a_hip_against_its_axes_is_a_warning_that_is_not_quiet(folder):
+    """On paper: the socket opens forwards by 0.3, or backwards: asin(0.3) = 17.5 degrees."""
+    for forwards in (0.3, -0.3):
+        folder.write("l.csv", landmarks(forwards))
+        done = folder.build(*JOINT, "--landmarks", "l.csv", "-q", "--json", "j.json")
+        same(done.returncode, 0, done.stderr)
+        made = json.loads(folder.read("j.json"))
+        close(made["hip"]["anteversion_radiographic"], math.degrees(math.asin(forwards)), 0.01, "anteversion")
+        same(made["side"], "right", "side")
+        said = [line for line in done.stderr.splitlines() if line.startswith("warning: hip: found a socket that opens backwards by 17.5 degrees")]
+        same(len(said), 1 if forwards < 0 else 0, done.stderr)
+        same(len(made["warnings"]), len(said), "warnings of JSON")
+
+
+@check
+def landmarks_in_another_unit_are_refused(folder):
+    folder.write("metres.csv", landmarks(0.3, scale=1e-3, move=(0, 0, 500)))
+    for name, shape in (("socket.stl", socket(16, 24)), ("ball.stl", ball(16, 20))):
+        folder.write(name, stl(moved(shape, lambda p: (p[0], p[1], p[2] + 500))))
+    # a landmark on the bone, so that it is known where they lie
+    folder.write("metres.csv", folder.read("metres.csv") + "HJC,0,0,0.5\n")
+    done = folder.build(*JOINT, "--landmarks", "metres.csv", "-q")
+    same(done.returncode, 3, done.stderr)
+    for words in ("metres.csv: found landmarks 0.", "from the bones, which are 4", "multiplied by 1000", "the landmarks look like m (landmark-units)"):
+        true(words.replace("from", "away from") in done.stderr, f"{words}: {done.stderr}")
+    done = folder.build(*JOINT, "--landmarks", "metres.csv", "--landmark-units", "m", "-q")
+    same(done.returncode, 0, done.stderr)
+    for words, code, said in ((["--landmark-units", "m"], 2, "found no landmarks"), (["--landmarks", "metres.csv", "--landmark-units", "inch"], 2, "mm, cm or m"),
+                              (["--units", "m"], 3, "found bones 4.64e+04 mm large"), (["--scale", "0.001"], 3, "found bones 0.0464 mm large")):
+        done = folder.build(*JOINT, *words, "-q")
+        same(done.returncode, code, done.stderr)
+        true(said in done.stderr, f"{said}: {done.stderr}")
+
+
+@check
+def loads_that_no_joint_bears_are_questioned(folder):
+    folder.write("walk.csv", "time,fx,fy,fz\n0,0,0,500\n1,0,0,0\n")
+    for words, said in (((), ""), (("--load-units", "mN-m"), "ball: found a table whose largest force is 0.5 N on "), (("--body-weight", "80"), "")):
+        done = folder.build(*JOINT[:6], "--loads", "ball=walk.csv", *words, "--json", "j.json")
+        warnings = [w for w in json.loads(folder.read("j.json"))["warnings"] if "joint surface" in w]
+        same([w.startswith(said) and "(load-units, body-weight)" in w for w in warnings], [True] if said else [], done.stderr)
+        true(("body weight: 80 N; one of 80 kg would be 784.8 N" in done.stderr) == ("80" in words), done.stderr)
+    done = folder.build(*JOINT[:-1], "ball=0,0,0.5", "-q")
+    true("ball: found a force of 0.5 N on " in done.stderr, done.stderr)
+
+
+@check
+def what_is_no_cartilage_name_region_or_edge_is_refused(folder):
+    folder.write("in.stl", stl(ball(12, 18)))
+    folder.write("far.csv", "x,y,z,thickness\n0,0,20000,2\n")
+    plain = ("--bone", "socket=socket.stl", "--bone", "ball=ball.stl", "--force", "ball=0,0,500", "-q")
+    for words, code, said in (((*plain, "--cartilage", "ball=in.stl"), 3, "inside the bone, expected the cartilage's outer surface; are the files of bone and cartilage exchanged?"),
+                              ((*plain, "--cartilage", "ball=ball.stl"), 3, "is the file the bone's own?"),
+                              ((*plain, "--thickness-at", "ball=far.csv"), 3, "found its nearest point 1.998e+04 away from the bone, expected points on the bone"),
+                              ((*JOINT, "--region", "ball=sphere:500,0,0,5", "-q"), 3, "found no part of it in the region that was given"),
+                              ((*JOINT, "--edge", "0.01", "-q"), 3, "expected one that makes no more than 1e+06"),
+                              (("--bone", " =socket.stl", *JOINT[2:], "-q"), 2, "expected NAME=FILE"),
+                              (("--bone", "ball_cartilage=socket.stl", *JOINT[2:], "-q"), 2, "a part of \"ball\" has in the model"),
+                              (("--bone", "cartilage=socket.stl", *JOINT[2:], "-q"), 2, "the cartilage's material")):
+        done = folder.build(*words)
+        same(done.returncode, code, f"{words}: {done.stderr}")
+        true(said in done.stderr, f"{said}: {done.stderr}")
+
+
+@check
+def landmarks_as_slicer_5_writes_them(folder):
+    """Two values more in each row than there are names."""
+    rows = [r.split(",") for r in landmarks(0.3).split()[1:]]
+    folder.write("l.fcsv", "# Markups fiducial file version = 5.2\n# CoordinateSystem = LPS\n"
+                 "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+                 + "".join(f"{i},{x},{y},{z},0,0,0,1,1,1,0,{name},,,2,0\n" for i, (name, x, y, z) in enumerate(rows)))
+    done = folder.build(*JOINT, "--landmarks", "l.fcsv", "-q", "--json", "j.json")
+    same(done.returncode, 0, done.stderr)
+    close(json.loads(folder.read("j.json"))["hip"]["anteversion_radiographic"], math.degrees(math.asin(0.3)), 0.01, "anteversion")
+    folder.write("l.csv", landmarks(0.3).encode("utf-16"))
+    done = folder.build(*JOINT, "--landmarks", "l.csv", "-q")
+    same(done.returncode, 3, done.stderr)
+    true("l.csv: found text as UTF-16, expected UTF-8" in done.stderr, done.stderr)
 
 
 def main():

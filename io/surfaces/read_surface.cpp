@@ -28,6 +28,14 @@ std::string content_of(const std::string& path) {
 
 bool begins(const std::string& content, const char* word) { return content.rfind(word, 0) == 0; }
 
+/// Without a byte order mark and blanks at its beginning.
+std::string_view begun(const std::string& content) {
+  std::string_view text = content;
+  if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first == std::string_view::npos ? std::string_view() : text.substr(first);
+}
+
 std::uint32_t stl_count(const std::string& content) {
   std::uint32_t count = 0;
   std::memcpy(&count, content.data() + 80, 4);
@@ -48,8 +56,9 @@ TriangleSurface read_content(const std::string& path, const std::string& content
   if (begins(content, "# vtk DataFile")) return read_vtk(text);
   if (begins(content, "<?xml") || begins(content, "<VTKFile")) return read_vtp(path, content);
   if (extension == ".obj") return read_obj(text);
-  if (begins(content, "solid") && content.find("facet") < 2000) return read_stl_text(text);
-  if (begins(content, "SOLID")) {  // some programs shout
+  const std::string_view word = begun(content).substr(0, 5);
+  if (word == "solid" && content.find("facet") < 2000) return read_stl_text(text);
+  if (word == "SOLID") {  // some programs shout
     std::string small = content;
     for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
     return read_content(path, small);

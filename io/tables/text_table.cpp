@@ -71,11 +71,14 @@ std::string text_of(const std::string& path) {
   std::optional<std::string> text = whole_file(path, kMemoryPerByte);
   if (!text) throw InputError(fmt::format("{}: found no readable file, expected a table", path));
   if (text->rfind("\xef\xbb\xbf", 0) == 0) text->erase(0, 3);  // a byte order mark
+  if (text->rfind("\xff\xfe", 0) == 0 || text->rfind("\xfe\xff", 0) == 0)
+    throw InputError(fmt::format("{}: found text as UTF-16, expected UTF-8 (in a spreadsheet: CSV UTF-8)", path));
   return std::move(*text);
 }
 
-/// A word for each name.
-std::vector<std::string> cells_of(const TextTable& table, std::vector<std::string> words, int line) {
+/// A word for each name. `surplus`: words beyond that have no name and are left out.
+std::vector<std::string> cells_of(const TextTable& table, std::vector<std::string> words, int line, bool surplus) {
+  if (surplus && words.size() > table.names.size()) words.resize(table.names.size());
   if (words.size() != table.names.size())
     throw table_fault(table.path, line,
                       fmt::format("found {} values, expected {}: one for each name in the line of names", words.size(),
@@ -145,7 +148,8 @@ TextTable read_text_table(const std::string& path) {
       check_column_names(path, number, {table.names.begin() + (rows_have_names ? 1 : 0), table.names.end()});
       continue;
     }
-    table.rows.push_back(cells_of(table, words_of_line(line, separator, table.names.size()), number));
+    table.rows.push_back(cells_of(table, words_of_line(line, separator, table.names.size()), number,
+                                  markups));  // Slicer 5 writes two values more than it names
     table.lines.push_back(number);
   }
   if (header)

@@ -71,13 +71,16 @@ void refuse_other_unit(const std::vector<RayCaster>& bones, double bone_size, co
   const bool fits = alike(1, kAlike);
   if (as_is <= kFar && fits) return;
   const Unit* unit = nullptr;
-  double nearest = fits ? std::min(kFar, 0.3 * as_is) : kFar;
+  const double near_by = fits ? std::min(kFar, 0.3 * as_is) : std::max(kFar, 2 * bone_size);
+  double least = kInfinity, nearest = 0;
   for (const Unit& u : kUnits) {
     const double factor = u.size / scale;
     if (std::abs(factor - 1) < 1e-9 || !alike(factor, kAlike)) continue;
     const double there =
         std::min(distance_to_bones(bones, landmarks, factor, 1), distance_to_bones(bones, landmarks, factor, -1));
-    if (there >= nearest) continue;
+    const double odd = landmarks.size() < 2 ? there : std::abs(std::log(factor * size / bone_size));
+    if (there >= near_by || odd >= least) continue;
+    least = odd;
     nearest = there;
     unit = &u;
   }

@@ -210,6 +210,19 @@ double fade_of(const CartilageRequest& c, const BuildRequest& request) {
   return request.fade.value_or(c.way == Way::HalfGap ? request.rim_length : 0.0);
 }
 
+/// Points with a thickness lie on their bone.
+void refuse_far_places(const CartilageRequest& c, const BuildRequest& request, const std::vector<Bone>& bones) {
+  const Bone& bone = bones[at(c.bone)];
+  double nearest = kInfinity;
+  for (const Vector3d& x : c.places)
+    nearest = std::min(nearest, (position(bone.caster.mesh(), bone.caster.closest(x)) - x).norm());
+  if (nearest > 0.2 * size_of(bone.surface))
+    throw InputError(
+        fmt::format("thickness of \"{}\": found its nearest point {:.4g} away from the bone, expected points on the "
+                    "bone; are both in one frame and unit?",
+                    request.bones[at(c.bone)].name, nearest));
+}
+
 std::vector<double> thickness_of(const CartilageRequest& c, const BuildRequest& request, const std::vector<Bone>& bones,
                                  const TriangleSurface& region, double reach) {
   std::vector<double> thickness(region.points.size(), c.thickness);
@@ -222,6 +235,7 @@ std::vector<double> thickness_of(const CartilageRequest& c, const BuildRequest& 
     for (double& t : thickness) t = std::clamp(t / 2, c.least, c.most);
     thickness = smoothed(region, std::move(thickness), request.rim_length);
   } else if (c.way == Way::Points) {
+    refuse_far_places(c, request, bones);
     tbb::parallel_for(std::size_t{0}, thickness.size(), [&](std::size_t i) {
       double nearest = kInfinity;
       for (std::size_t p = 0; p < c.places.size(); ++p) {
@@ -294,13 +308,13 @@ std::vector<TriangleSurface> parts_of(const TriangleSurface& s) {
 
 TriangleSurface with_edge(const BuildRequest& request, TriangleSurface s) {
   if (!request.edge) return s;
-  constexpr double kMostTriangles = 2e6;
-  const double edge = *request.edge, triangles = area_of(s) / (std::sqrt(3.0) / 4 * edge * edge);
-  if (triangles > kMostTriangles)
+  const double area = area_of(s), of_one = std::sqrt(3.0) / 4 * *request.edge * *request.edge;
+  if (area / of_one > kMostTriangles)
     throw InputError(
-        fmt::format("edge {:.4g}: found {:.2g} triangles of that size in an area of {:.4g}, expected at "
-                    "most {:.0f}: longer edges",
-                    edge, triangles, area_of(s), kMostTriangles));
+        fmt::format("found an edge of {:g}, which would make {:.2g} triangles of a region of {:.4g}, expected one that "
+                    "makes no more than {:.2g}: {:.2g} or longer (edge)",
+                    *request.edge, area / of_one, area, kMostTriangles,
+                    1.05 * std::sqrt(area / kMostTriangles * 4 / std::sqrt(3.0))));
   s = remeshed(s, *request.edge);
   return part_of(s, std::vector<char>(s.triangles.size(), 1));
 }
@@ -316,11 +330,29 @@ BoneRegion region_of(const BuildRequest& request, const CartilageRequest& c, con
   const BoneRegion region = find_region(
       bone.surface, gaps_to_others(bones, at(c.bone), bone.surface.points, bone.normals, 2 * reach), options);
   if (region.surface.triangles.empty())
-    throw InputError(fmt::format(
-        "bone \"{}\": found no part of it that faces another bone within {:.4g}, expected one; a larger reach or "
-        "a region says where the cartilage is",
-        request.bones[at(c.bone)].name, reach));
+    throw InputError(
+        c.region
+            ? fmt::format("bone \"{}\": found no part of it in the region that was given, expected one (region)",
+                          request.bones[at(c.bone)].name)
+            : fmt::format("bone \"{}\": found no part of it that faces another bone within {:.4g}, expected one; a "
+                          "larger reach, a smaller rim or a region may do (reach, rim, region)",
+                          request.bones[at(c.bone)].name, reach));
   return region;
+}
+
+/// A surface within the bone, or the bone's own.
+void refuse_no_cartilage(const std::string& name, const Bone& bone, const Beneath& beneath, double mean) {
+  const auto under = static_cast<std::size_t>(std::count(beneath.under.begin(), beneath.under.end(), 1));
+  if (2 * under > beneath.under.size())
+    throw InputError(fmt::format(
+        "cartilage of \"{}\": found {} of {} points inside the bone, expected the cartilage's outer surface; "
+        "are the files of bone and cartilage exchanged?",
+        name, under, beneath.under.size()));
+  if (mean < 1e-5 * size_of(bone.surface))
+    throw InputError(
+        fmt::format("cartilage of \"{}\": found its surface {:.2g} from the bone in the mean, expected the cartilage's "
+                    "outer surface; is the file the bone's own?",
+                    name, mean));
 }
 
 std::string way_words(const CartilageRequest& c) {
@@ -367,6 +399,7 @@ void add_cartilage(const BuildRequest& request, const CartilageRequest& c, const
       const Beneath beneath = bone_beneath(surface, bone.caster);
       double mean = 0;
       for (const double t : beneath.thickness) mean += t / static_cast<double>(beneath.thickness.size());
+      refuse_no_cartilage(request.bones[at(c.bone)].name, bone, beneath, mean);
       const double least = request.least_thickness.value_or(0.1 * mean);
       said.missed = static_cast<int>(std::count(beneath.missed.begin(), beneath.missed.end(), 1));
       said.under = static_cast<int>(std::count(beneath.under.begin(), beneath.under.end(), 1));
@@ -447,11 +480,12 @@ void tell_below_least(const BuildRequest& request, const BuiltJoint& joint, Buil
     }
     report.layers[l].below_least = static_cast<int>(below);
     if (below > 0)
-      report.findings.push_back(fmt::format(
-          "{}: {} of {} points thinner than the least thickness that was asked for, {:.4g}: {:.3g} at the least, at {}; "
-          "the bones are closer there than two such layers, or elements would be inside out",
-          layer.name, below, layer.articular.size(), cartilage->least, thickness(thinnest),
-          place_text(layer.articular[thinnest])));
+      report.findings.push_back(
+          fmt::format("{}: {} of {} points thinner than the least thickness that was asked for, {:.4g}: {:.3g} at the "
+                      "least, at {}; "
+                      "the bones are closer there than two such layers, or elements would be inside out",
+                      layer.name, below, layer.articular.size(), cartilage->least, thickness(thinnest),
+                      place_text(layer.articular[thinnest])));
   }
 }
 

@@ -67,10 +67,10 @@ struct BuildRequest {
 struct LayerReport {
   std::string way;  ///< in words
   int holes_filled = 0, parts_left_out = 0;
-  int raised = 0;  ///< vertices with less than the least thickness
+  int raised = 0;       ///< vertices with less than the least thickness
   int below_least = 0;  ///< vertices of half the gap that are thinner than the least thickness that was asked for
-  int missed = 0;  ///< thickness to the closest point
-  int under = 0;   ///< vertices inside the bone
+  int missed = 0;       ///< thickness to the closest point
+  int under = 0;        ///< vertices inside the bone
   SheetChanges changes;
   SheetQuality quality;
   double fade = 0.0;  ///< width over which it thins out before its rim; 0: it ends there
@@ -91,6 +91,9 @@ struct BuildReport {
 
 /// Open surfaces become oriented such that they face the other bones; build_joint does that by itself.
 void turn_open_bones(BuildRequest& request, BuildReport& report);
+
+/// More triangles than these are not made of one layer's surface.
+inline constexpr double kMostTriangles = 1'000'000;
 
 /// Throws InputError: bones far apart or inside each other, no region, a cartilage surface that is nowhere near its
 /// bone, prisms that cannot be made sound.

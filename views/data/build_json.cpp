@@ -1,9 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/version.h>
 #include <febiodea/views/data/build_json.h>
-#include <febiodea/views/text/build_text.h>
 
 namespace dea {
 
@@ -108,6 +109,50 @@ Json hip_json(const HipMeasures& m) {
 
 bool all_balanced(const BuildSummary& s) {
   return std::all_of(s.balances.begin(), s.balances.end(), [](const BuildBalance& b) { return b.found; });
+}
+
+namespace {
+
+/// The joint surface that can bear a body's load: of each of its contacts the smaller side [mm^2].
+double bearing_area(const BuiltJoint& joint, const BuildReport& report, int body) {
+  double area = 0;
+  for (const BuiltContact& c : joint.contacts) {
+    const std::size_t sides[] = {at(c.primary), at(c.secondary)};
+    if (joint.layers[sides[0]].body == body || joint.layers[sides[1]].body == body)
+      area += std::min(report.layers[sides[0]].quality.area, report.layers[sides[1]].quality.area);
+  }
+  return area;
+}
+
+}  // namespace
+
+std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildReport& report) {
+  std::vector<std::string> lines;
+  constexpr double kMost = 50, kLeast = 2e-3;  // MPa over all of the joint's surface; a walking hip's has 1
+  for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+    const BuiltBody& body = joint.bodies[b];
+    double most = 0;
+    for (std::size_t i = 0; i < joint.loads(); ++i) most = std::max(most, force_of(body, i).norm());
+    const double area = bearing_area(joint, report, static_cast<int>(b)), pressure = most / area;
+    if (body.fixed || most == 0 || !(area > 0) || (pressure <= kMost && pressure >= kLeast)) continue;
+    lines.push_back(fmt::format(
+        "{}: {} {:.4g} N on {:.4g} mm^2 of joint surface, {:.2g} MPa, expected 0.1 to 10: {}", body.name,
+        body.forces.empty() ? "found a force of" : "found a table whose largest force is", most, area, pressure,
+        body.forces.empty() ? "is it in N (force)?"
+                            : "check the table's units, and the body weight in N (load-units, body-weight)"));
+  }
+  return lines;
+}
+
+std::vector<std::string> build_warnings(const BuildSummary& s) {
+  std::vector<std::string> lines = s.anatomy.warnings;
+  for (const std::string& question : load_questions(s.joint, s.report)) lines.push_back(question);
+  for (const BuildBalance& b : s.balances)
+    if (!b.found)
+      lines.push_back(s.balances.size() == 1
+                          ? "dea finds no balance under the force: " + b.words
+                          : fmt::format("dea finds no balance under the load at time {:g}: {}", b.time, b.words));
+  return lines;
 }
 
 Json build_json(const BuildSummary& s) {

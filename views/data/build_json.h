@@ -1,6 +1,7 @@
 // febiodea/views/data/build_json.h – what dea build made, as JSON.
 #pragma once
 #include <string>
+#include <vector>
 
 #include <febiodea/build/anatomy.h>
 #include <febiodea/build/build_joint.h>
@@ -34,6 +35,12 @@ struct BuildSummary {
 };
 
 bool all_balanced(const BuildSummary& summary);
+
+/// Loads that no joint bears, or that none would feel, a line each: their units are mixed up, or a body weight is in
+/// kg.
+std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildReport& report);
+/// What was measured against the axes or the side, loads that no joint bears, loads without a balance; a line each.
+std::vector<std::string> build_warnings(const BuildSummary& summary);
 
 /// docs/results.md says what its keys are.
 Json build_json(const BuildSummary& summary);

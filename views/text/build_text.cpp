@@ -10,49 +10,6 @@
 
 namespace dea {
 
-namespace {
-
-/// The joint surface that can bear a body's load: of each of its contacts the smaller side [mm^2].
-double bearing_area(const BuildSummary& s, int body) {
-  double area = 0;
-  for (const BuiltContact& c : s.joint.contacts) {
-    const std::size_t sides[] = {at(c.primary), at(c.secondary)};
-    if (s.joint.layers[sides[0]].body == body || s.joint.layers[sides[1]].body == body)
-      area += std::min(s.report.layers[sides[0]].quality.area, s.report.layers[sides[1]].quality.area);
-  }
-  return area;
-}
-
-/// Loads that no joint bears, or that none would feel: their units are mixed up, or a body weight is in kg.
-void question_loads(const BuildSummary& s, std::vector<std::string>& lines) {
-  constexpr double kMost = 50, kLeast = 2e-3;  // MPa over all of the joint's surface; a walking hip's has 1
-  for (std::size_t b = 0; b < s.joint.bodies.size(); ++b) {
-    const BuiltBody& body = s.joint.bodies[b];
-    double most = 0;
-    for (std::size_t i = 0; i < s.joint.loads(); ++i) most = std::max(most, force_of(body, i).norm());
-    const double area = bearing_area(s, static_cast<int>(b)), pressure = most / area;
-    if (body.fixed || most == 0 || !(area > 0) || (pressure <= kMost && pressure >= kLeast)) continue;
-    lines.push_back(fmt::format(
-        "{}: {} {:.4g} N on {:.4g} mm^2 of joint surface, {:.2g} MPa, expected 0.1 to 10: {}", body.name,
-        body.forces.empty() ? "found a force of" : "found a table whose largest force is", most, area, pressure,
-        body.forces.empty() ? "is it in N (force)?"
-                            : "check the table's units, and the body weight in N (load-units, body-weight)"));
-  }
-}
-
-}  // namespace
-
-std::vector<std::string> build_warnings(const BuildSummary& s) {
-  std::vector<std::string> lines = s.anatomy.warnings;
-  question_loads(s, lines);
-  for (const BuildBalance& b : s.balances)
-    if (!b.found)
-      lines.push_back(s.balances.size() == 1
-                          ? "dea finds no balance under the force: " + b.words
-                          : fmt::format("dea finds no balance under the load at time {:g}: {}", b.time, b.words));
-  return lines;
-}
-
 std::vector<std::string> layer_changes(const BuildSummary& s) {
   std::vector<std::string> lines;
   for (std::size_t l = 0; l < s.joint.layers.size(); ++l) {

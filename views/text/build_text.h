@@ -8,8 +8,6 @@
 
 namespace dea {
 
-/// What was measured against the axes or the side, loads that no joint bears, loads without a balance; a line each.
-std::vector<std::string> build_warnings(const BuildSummary& summary);
 /// Where layers are not as they were wanted, a line each.
 std::vector<std::string> layer_changes(const BuildSummary& summary);
 /// Layers, rims, contacts, balances, frames and angles; the page has the same.
