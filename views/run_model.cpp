@@ -12,6 +12,7 @@
 #include <febiodea/base/say.h>
 #include <febiodea/base/time_text.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/files/spool.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/vtu/write_vtu.h>
 #include <febiodea/views/data/run_csv.h>
@@ -29,43 +30,53 @@ StatesAsked asked_states(const std::string& states, const std::string& option) {
   }
 }
 
-/// The plot file as it grows with the states, and what it takes of the time.
-struct GrowingPlot {
+/// What is as large as the mesh, and grows with every state: on disk, but for the plot file that `with_plot` takes.
+struct GrowingResults {
   const Recognition& recognition;
   const States& states;
+  const RunOptions& options;
   PlotHead head;
-  XpltWriter file;
+  std::optional<XpltWriter> plot;
+  std::optional<VtuWriter> vtu;
+  std::optional<Spool> facets;  ///< the lines of --facets-csv
+  bool inside = false;          ///< these have columns of the inside of layers
+  std::vector<XpltState> kept;  ///< with_plot alone
   double seconds_writing = 0.0;
 
-  GrowingPlot(const Recognition& r, const States& s, const RunOptions& options)
-      : recognition(r),
-        states(s),
-        head(plot_head(r.model, r.joint, options.compress, r.settings.inside)),
-        file(options.outputs.output, head.file) {}
+  GrowingResults(const Recognition& r, const States& s, const RunOptions& o)
+      : recognition(r), states(s), options(o), head(plot_head(r.model, r.joint, o.compress, r.settings.inside)) {
+    const OutputSettings& outputs = o.outputs;
+    if (!outputs.output.empty()) plot.emplace(outputs.output, head.file);
+    if (!outputs.vtu.empty()) vtu.emplace(outputs.vtu, head.file);
+    if (!outputs.facets_csv.empty()) facets.emplace(outputs.facets_csv);
+  }
   void add(const StateResult& state, std::size_t index) {
     if (!states.wanted[index]) return;
     const double start = seconds();
-    file.add(plot_state(recognition.model, recognition.joint, head, state));
+    if (plot || vtu || options.with_plot) add_plot(plot_state(recognition.model, recognition.joint, head, state));
+    if (facets) add_facets(state);
     seconds_writing += seconds() - start;
+  }
+  void add_plot(XpltState&& state) {
+    if (plot) plot->add(state);
+    if (vtu) vtu->add(state);
+    if (options.with_plot) kept.push_back(std::move(state));
+  }
+  void add_facets(const StateResult& state) {
+    inside = inside || has_inside(state);
+    facets->add(facets_csv_lines(recognition.model, recognition.joint, state, inside));
   }
 };
 
-/// Must whole fields of all states be there at the end?
-bool needs_fields(const RunOptions& options) {
-  return options.with_plot || !options.outputs.vtu.empty() || !options.outputs.facets_csv.empty();
-}
-
-/// `plot`: may be null.
-AnalysisOptions analysis_options(const RunOptions& options, const States& states, GrowingPlot* plot) {
+AnalysisOptions analysis_options(const RunOptions& options, const States& states, GrowingResults& growing) {
   AnalysisOptions out;
-  out.keep_fields = needs_fields(options);
+  out.keep_fields = false;
   out.times = states.times;
   out.keep_state = states.wanted;
   out.activity = options.on_activity;
   out.equilibrium.stop = options.stop;
-  if (!options.progress && !options.on_state && plot == nullptr) return out;
-  out.progress = [&options, plot](const StateResult& s, std::size_t index, std::size_t count) {
-    if (plot != nullptr) plot->add(s, index);
+  out.progress = [&options, &growing](const StateResult& s, std::size_t index, std::size_t count) {
+    growing.add(s, index);
     if (options.on_state) options.on_state(s, index, count);
     if (!options.progress) return;
     options.progress(fmt::format("state {} of {}, time {}: {}, {} iterations", index + 1, count, time_text(s.when.time),
@@ -89,15 +100,20 @@ std::string warnings_of(const JointModel& model, const Analysis& analysis) {
   return all;
 }
 
-/// Everything but the plot file itself.
+/// Everything but plot file and VTK files.
 void write_others(const JointModel& model, const Settings& settings, const RunOptions& options,
-                  const RunResult& result) {
+                  const GrowingResults& growing, const RunResult& result) {
   const OutputSettings& outputs = options.outputs;
   if (!outputs.json.empty())
-    write_text(outputs.json, json_text(run_json(model, settings, result.analysis, result.timings)));
+    write_pieces(outputs.json,
+                 [&](const auto& put) { put_run_json(model, settings, result.analysis, result.timings, put); });
   if (!outputs.csv.empty()) write_text(outputs.csv, run_csv(result.analysis, warnings_of(model, result.analysis)));
   if (!outputs.compartments_csv.empty()) write_text(outputs.compartments_csv, compartments_csv(result.analysis));
-  if (!outputs.facets_csv.empty()) write_text(outputs.facets_csv, facets_csv(model, result.analysis));
+  if (growing.facets)
+    write_pieces(outputs.facets_csv, [&](const auto& put) {
+      put(facets_csv_names(growing.inside));
+      growing.facets->read(0, growing.facets->size(), put);
+    });
 }
 
 }  // namespace
@@ -162,34 +178,34 @@ RunResult run_model(const Recognition& recognition, const RunOptions& options) {
   } catch (const InputError&) {
     if (recognition.faults.empty()) throw;
   }
-  if (options.on_times && recognition.faults.empty()) options.on_times(times_to_write(states));
+  throw_if_any(recognition.faults);
+  if (options.on_times) options.on_times(times_to_write(states));
   RunResult result;
   Timings& timings = result.timings;
   timings.read = options.seconds_reading + seconds() - start;
-  std::optional<GrowingPlot> plot;
-  if (!outputs.output.empty() && recognition.faults.empty()) plot.emplace(recognition, states, options);
-  result.analysis = analyse(recognition, analysis_options(options, states, plot ? &*plot : nullptr));
+  GrowingResults growing(recognition, states, options);
+  result.analysis = analyse(recognition, analysis_options(options, states, growing));
   if (!options.with_plot) {  // the bulk of the memory
     result.analysis.beds = {};
     result.analysis.maps = {};
   }
   note_states(model, options, states, result.analysis.joint.findings);
   timings.joint = result.analysis.seconds_joint;
-  timings.solve = result.analysis.seconds_solve - (plot ? plot->seconds_writing : 0.0);
+  timings.solve = result.analysis.seconds_solve - growing.seconds_writing;
 
   const double write_start = seconds();
   if (options.on_writing) options.on_writing(outputs.output.empty() ? "results" : outputs.output);
-  if (plot) plot->file.finish();
+  if (growing.plot) growing.plot->finish();
   end_if_stopped(options.stop);
-  XpltFile xplt;
-  if (!outputs.vtu.empty() || options.with_plot) xplt = make_plot_file(model, result.analysis, options.compress);
-  if (!outputs.vtu.empty()) write_vtu(outputs.vtu, xplt);
-  timings.write = seconds() - write_start + (plot ? plot->seconds_writing : 0.0);
+  if (growing.vtu) growing.vtu->finish();
+  timings.write = seconds() - write_start + growing.seconds_writing;
   timings.total = options.seconds_reading + seconds() - start;
   end_if_stopped(options.stop);
-  write_others(model, recognition.settings, options, result);
+  write_others(model, recognition.settings, options, growing, result);
   end_if_stopped(options.stop);
-  if (options.with_plot) options.with_plot(result.analysis, std::move(xplt));
+  if (!options.with_plot) return result;
+  growing.head.file.states = std::move(growing.kept);
+  options.with_plot(result.analysis, std::move(growing.head.file));
   return result;
 }
 

@@ -7,9 +7,11 @@
 #include <bit>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <system_error>
 #include <unordered_map>
+#include <utility>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
@@ -222,15 +224,15 @@ std::string element_data(const XpltFile& file, const XpltMesh& mesh, const XpltS
 
 std::string file_name(const char* what, std::size_t state) { return fmt::format("{}_{:04}.vtu", what, state); }
 
-std::string pvd(const XpltFile& file) {
+std::string pvd(const std::vector<float>& times) {
   std::string out = fmt::format(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"{}\">\n<Collection>\n",
       kByteOrder);
-  for (std::size_t i = 0; i < file.states.size(); ++i) {
+  for (std::size_t i = 0; i < times.size(); ++i) {
     int part = 0;
     for (const char* what : {"mesh", "surfaces"})
       out += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" name=\"{}\" file=\"{}\"/>\n",
-                         time_text(file.states[i].time), part++, what, file_name(what, i));
+                         time_text(times[i]), part++, what, file_name(what, i));
   }
   return out + "</Collection>\n</VTKFile>\n";
 }
@@ -330,7 +332,13 @@ std::string surfaces_vtu(const XpltFile& file, std::size_t index) {
                   cell_data + data_array("surface", 1, out.cell_surface) + data_array("facet", 1, out.cell_facet));
 }
 
-void write_vtu(const std::string& folder, const XpltFile& file) {
+namespace {
+
+using Put = std::function<void(const std::string& piece)>;
+
+/// `give`: gives one of the texts, those of mesh and surfaces of each state in turn, to `put`.
+void write_folder(const std::string& folder, const std::vector<float>& times,
+                  const std::function<void(std::size_t text, const Put& put)>& give) {
   std::error_code error;
   const auto fail = [](const fs::path& path, const std::string& why) {
     throw WriteError(fmt::format("{}: {}", path.string(), why));
@@ -345,21 +353,21 @@ void write_vtu(const std::string& folder, const XpltFile& file) {
     const TemporaryFolder temporary{own};
 
     std::vector<std::string> names;
-    const auto add = [&](const std::string& name, const std::string& text) {
+    const auto add = [&](const std::string& name, const std::function<void(const Put&)>& text) {
       if (fs::is_directory(target / name, error)) fail(target / name, "is a folder");
       const std::string path = (temporary.path / name).string();
       try {
-        write_text(path, text);
+        write_pieces(path, text);
       } catch (const WriteError& e) {  // the user knows no temporary folder
         fail(target / name, std::string(e.what()).substr(path.size() + 2));
       }
       names.push_back(name);
     };
-    for (std::size_t i = 0; i < file.states.size(); ++i) {
-      add(file_name("mesh", i), mesh_vtu(file, i));
-      add(file_name("surfaces", i), surfaces_vtu(file, i));
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      add(file_name("mesh", i), [&](const Put& put) { give(2 * i, put); });
+      add(file_name("surfaces", i), [&](const Put& put) { give(2 * i + 1, put); });
     }
-    add("results.pvd", pvd(file));
+    add("results.pvd", [&](const Put& put) { put(pvd(times)); });
     for (const std::string& name : names) {
       fs::rename(temporary.path / name, target / name, error);
       if (error) fail(target / name, error.message());
@@ -368,6 +376,44 @@ void write_vtu(const std::string& folder, const XpltFile& file) {
     if (made) fs::remove(target, error);  // only when it is empty
     throw;
   }
+}
+
+/// "results/" is the folder "results".
+std::string without_slash(const std::string& folder) {
+  const fs::path path = folder;
+  return path.has_filename() ? folder : path.parent_path().string();
+}
+
+}  // namespace
+
+void write_vtu(const std::string& folder, const XpltFile& file) {
+  std::vector<float> times;
+  for (const XpltState& state : file.states) times.push_back(state.time);
+  write_folder(folder, times, [&](std::size_t text, const Put& put) {
+    put(text % 2 == 0 ? mesh_vtu(file, text / 2) : surfaces_vtu(file, text / 2));
+  });
+}
+
+VtuWriter::VtuWriter(std::string folder, XpltFile head)
+    : folder_(std::move(folder)), head_(std::move(head)), texts_(without_slash(folder_)) {
+  head_.states.clear();
+}
+
+void VtuWriter::add(XpltState state) {
+  times_.push_back(state.time);
+  head_.states.push_back(std::move(state));
+  texts_.add(mesh_vtu(head_, 0));
+  ends_.push_back(texts_.size());
+  texts_.add(surfaces_vtu(head_, 0));
+  ends_.push_back(texts_.size());
+  head_.states.clear();
+}
+
+void VtuWriter::finish() {
+  write_folder(folder_, times_, [&](std::size_t text, const Put& put) {
+    const std::uint64_t begin = text == 0 ? 0 : ends_[text - 1];
+    texts_.read(begin, ends_[text] - begin, put);
+  });
 }
 
 }  // namespace dea

@@ -1,9 +1,11 @@
 // febiodea/io/vtu/write_vtu.h – a plot file's content for ParaView: VTK XML files, read by everything that rests on
 // VTK. What is in them: docs/vtk.md.
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include <febiodea/io/files/spool.h>
 #include <febiodea/io/xplt/xplt.h>
 
 namespace dea {
@@ -34,5 +36,22 @@ std::string surfaces_vtu(const XpltFile& file, std::size_t state);
 /// times. `folder` is made if it is missing. All files are complete before the first replaces an older one of its name,
 /// results.pvd comes last; files of other names stay. Throws WriteError.
 void write_vtu(const std::string& folder, const XpltFile& file);
+
+/// The same state by state, so that memory holds one at a time. They wait on disk (Spool), and nothing is in `folder`
+/// before finish.
+class VtuWriter {
+ public:
+  /// `head`: header, dictionary and meshes; its states are left out.
+  VtuWriter(std::string folder, XpltFile head);
+  void add(XpltState state);
+  void finish();
+
+ private:
+  std::string folder_;
+  XpltFile head_;  ///< with one state while its texts are made
+  Spool texts_;
+  std::vector<std::uint64_t> ends_;  ///< of each text
+  std::vector<float> times_;
+};
 
 }  // namespace dea

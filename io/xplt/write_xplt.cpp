@@ -4,7 +4,6 @@
 // crashes or shows noise. So everything it relies on is checked here before the first byte is written.
 #include <fmt/format.h>
 
-#include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cmath>
@@ -20,6 +19,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/packed_bytes.h>
+#include <febiodea/io/files/spool.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/io/xplt/xplt_format.h>
 
@@ -541,7 +541,13 @@ bool put_all(std::FILE* stream, const std::string& bytes) {
 // 0, or the system's reason why not all bytes arrived. Buffered data may fail as late as in fclose.
 int write_and_close(std::FILE* stream, const Fill& fill) {
   errno = 0;
-  bool failed = !fill(stream);
+  bool failed = false;
+  try {
+    failed = !fill(stream);
+  } catch (...) {
+    std::fclose(stream);
+    throw;
+  }
   int error = errno;
   if (std::fclose(stream) != 0 && !failed) {
     failed = true;
@@ -549,20 +555,6 @@ int write_and_close(std::FILE* stream, const Fill& fill) {
   }
   if (!failed) return 0;
   return error != 0 ? error : EIO;
-}
-
-// Exclusively created, with a short name of its own: the result's name may already be as long as is allowed.
-std::FILE* create_temporary(const std::filesystem::path& directory, std::filesystem::path& temporary) {
-  static std::atomic<unsigned> counter{0};
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    const auto stamp =
-        static_cast<unsigned long long>(std::filesystem::file_time_type::clock::now().time_since_epoch().count());
-    temporary = directory / fmt::format(".dea-{:x}-{}.tmp", stamp, counter++);
-    errno = 0;
-    if (std::FILE* stream = std::fopen(temporary.string().c_str(), "w+bx")) return stream;
-    if (errno != EEXIST) break;
-  }
-  return nullptr;
 }
 
 }  // namespace
@@ -624,12 +616,16 @@ void replace_file(const std::string& path, const Fill& fill) {
   fs::path temporary;
   std::FILE* stream = create_temporary(target.parent_path(), temporary);
   if (stream == nullptr) fail(cause_of(errno));
-  const int why = write_and_close(stream, fill);
-  if (why == 0) fs::rename(temporary, target, error);
-  if (why == 0 && !error) return;
-  std::error_code ignored;  // the first error is the one to report
-  fs::remove(temporary, ignored);
-  fail(why != 0 ? cause_of(why) : error.message());
+  try {
+    const int why = write_and_close(stream, fill);
+    if (why != 0) fail(cause_of(why));
+    fs::rename(temporary, target, error);
+    if (error) fail(error.message());
+  } catch (...) {
+    std::error_code ignored;  // the first error is the one to report
+    fs::remove(temporary, ignored);
+    throw;
+  }
 }
 
 // What `make` gives, whose faults are told of the file.
@@ -640,25 +636,6 @@ auto of_file(const std::string& path, const Make& make) {
   } catch (const WriteError& error) {
     throw WriteError(fmt::format("{}: {}", path, error.what()));
   }
-}
-
-// Beside the file it is for, where there is room for it; else among the system's temporary files. It goes with the
-// process.
-std::FILE* nameless_file(const std::string& beside) {
-  std::filesystem::path temporary;
-  std::FILE* stream = create_temporary(std::filesystem::path(beside).parent_path(), temporary);
-  if (stream == nullptr) return std::tmpfile();
-  std::error_code error;
-  std::filesystem::remove(temporary, error);
-  return stream;
-}
-
-bool copy_all(std::FILE* from, std::FILE* to) {
-  if (std::fseek(from, 0, SEEK_SET) != 0) return false;
-  std::string buffer(1 << 20, '\0');
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), from)) > 0;)
-    if (std::fwrite(buffer.data(), 1, n, to) != n) return false;
-  return std::ferror(from) == 0;
 }
 
 }  // namespace
@@ -675,28 +652,14 @@ XpltWriter::XpltWriter(std::string path, XpltFile head) : path_(std::move(path))
   std::error_code error;
   const auto type = std::filesystem::status(path_, error).type();
   using std::filesystem::file_type;
-  if (type != file_type::regular && type != file_type::not_found) return;
-  states_ = nameless_file(path_);
-  if (states_ == nullptr) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
-}
-
-XpltWriter::XpltWriter(XpltWriter&& other) noexcept
-    : path_(std::move(other.path_)),
-      bytes_(std::move(other.bytes_)),
-      head_(std::move(other.head_)),
-      states_(std::exchange(other.states_, nullptr)) {}
-
-XpltWriter::~XpltWriter() {
-  if (states_ != nullptr) std::fclose(states_);
+  if (type == file_type::regular || type == file_type::not_found) states_.emplace(path_);
 }
 
 void XpltWriter::put(const std::string& bytes) {
-  if (states_ == nullptr) {
+  if (states_)
+    states_->add(bytes);
+  else
     bytes_ += bytes;
-    return;
-  }
-  errno = 0;
-  if (!put_all(states_, bytes)) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
 }
 
 void XpltWriter::add(const XpltState& state) {
@@ -710,10 +673,11 @@ void XpltWriter::add(const XpltState& state) {
 }
 
 void XpltWriter::finish() {
-  errno = 0;
-  if (states_ != nullptr && std::fflush(states_) != 0) throw WriteError(fmt::format("{}: {}", path_, cause_of(errno)));
   replace_file(path_, [&](std::FILE* stream) {
-    return put_all(stream, bytes_) && (states_ == nullptr || copy_all(states_, stream));
+    bool all = put_all(stream, bytes_);
+    if (states_)
+      states_->read(0, states_->size(), [&](const std::string& piece) { all = all && put_all(stream, piece); });
+    return all;
   });
 }
 

@@ -3,11 +3,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <febiodea/io/files/spool.h>
 #include <febiodea/model/joint_model.h>
 
 namespace dea {
@@ -152,9 +152,6 @@ class XpltWriter {
  public:
   /// `head`: header, dictionary and one mesh; its states are left out. Throws as write_xplt.
   XpltWriter(std::string path, XpltFile head);
-  XpltWriter(XpltWriter&& other) noexcept;
-  XpltWriter& operator=(XpltWriter&&) = delete;
-  ~XpltWriter();
   void add(const XpltState& state);
   void finish();
 
@@ -162,7 +159,7 @@ class XpltWriter {
   void put(const std::string& bytes);
   std::string path_, bytes_;  ///< all before the states; where `path` is a device or a pipe, the states too
   XpltFile head_;
-  std::FILE* states_ = nullptr;
+  std::optional<Spool> states_;
 };
 
 /// Reads a plot file of version 0x30 to 0x35, compressed or not. A truncated last state is dropped and

@@ -190,6 +190,52 @@ TEST(CompareFiles, RegionsAreFacetSetsAndElementSets) {
   EXPECT_THROW(compare_files(files, options), InputError);  // exists, but holds none of top's facets
 }
 
+/// The same file with all places moved along x.
+XpltFile shifted(XpltFile file, float by) {
+  std::vector<float>& x = file.meshes[0].coordinates;
+  for (std::size_t i = 0; i < x.size(); i += 3) x[i] += by;
+  return file;
+}
+
+/// The same file, twice as wide along x.
+XpltFile widened(XpltFile file) {
+  std::vector<float>& x = file.meshes[0].coordinates;
+  for (std::size_t i = 0; i < x.size(); i += 3) x[i] *= 2;
+  return file;
+}
+
+// Squares of 1 x 1 and 2 x 1, 20 facets along an edge: a node counts as covered within a facet of the other's rim, and
+// stands for half a facet on either side.
+TEST(CompareFiles, TellsHowMuchOfTheLargerSurfaceIsCovered) {
+  const auto one = [](double, double, double) { return 1.0; };
+  const ResultFile narrow = named("narrow", make_file(20, {1}, one)),
+                   wide = named("wide", widened(make_file(20, {1}, one)));
+  const double facet = 0.1, tolerance = 1.5 * facet / 2;
+  const auto said = [](const Comparison& c, const std::string& text) {
+    return std::count_if(c.warnings.begin(), c.warnings.end(),
+                         [&](const std::string& line) { return line.find(text) != std::string::npos; });
+  };
+  const Comparison larger = compare_files({wide, narrow}, {});
+  EXPECT_EQ(larger.surfaces[0].covered[0], 1.0);
+  EXPECT_NEAR(larger.surfaces[0].covered_by_reference[0], 0.5, tolerance);
+  EXPECT_EQ(said(larger, "warning: surface \"top\" of wide reaches beyond: only 5"), 1);
+  EXPECT_EQ(said(larger, "covers only"), 0);
+  const Comparison smaller = compare_files({narrow, wide}, {});
+  EXPECT_NEAR(smaller.surfaces[0].covered[0], 0.5, tolerance);
+  EXPECT_EQ(smaller.surfaces[0].covered_by_reference[0], 1.0);
+  EXPECT_EQ(said(smaller, "warning: surface \"top\" of narrow covers only 5"), 1);
+  EXPECT_EQ(said(smaller, "reaches beyond"), 0);
+  // each goes on where the other ends
+  const Comparison beside = compare_files({named("moved", shifted(make_file(20, {1}, one), 0.5F)), narrow}, {});
+  EXPECT_NEAR(beside.surfaces[0].covered[0], 0.5, 1.5 / 20);
+  EXPECT_NEAR(beside.surfaces[0].covered_by_reference[0], 0.5, 1.5 / 20);
+  EXPECT_EQ(said(beside, "covers only"), 1);
+  EXPECT_EQ(said(beside, "covered by"), 1);
+  const Comparison same = compare_files({narrow, narrow}, {});
+  EXPECT_EQ(same.surfaces[0].covered_by_reference[0], 1.0);
+  EXPECT_EQ(said(same, "cover"), 0);
+}
+
 TEST(CompareFiles, DifferentMeshesAndNamesAreProjected) {
   XpltFile fine = make_file(30, {1}, hill);
   fine.meshes[0].surfaces[1].name = "cartilage";

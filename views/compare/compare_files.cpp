@@ -337,6 +337,7 @@ struct SurfaceInFiles {
   std::vector<TimeSums> sums;                ///< per file, over `summed_states`
   std::vector<std::size_t> summed_states;    ///< per file
   std::vector<NodeMatch> matches;            ///< per file but the reference
+  std::vector<double> by_reference;          ///< the same: share of its area that the reference covers
   std::vector<std::vector<double>> carried;  ///< nodal pressure of each of them on the reference's nodes
 };
 
@@ -376,6 +377,12 @@ void match_sides(const std::vector<ResultFile>& files, const std::vector<std::st
           fmt::format("warning: surface \"{}\" of {} covers only {:.1f}% of \"{}\" of {}; the rest is left out of "
                       "correlation, rms and Dice",
                       names[i], files[i].label, 100 * match.covered, names.back(), last.label));
+    in.by_reference.push_back(match.same_mesh ? 1.0 : match_nodes(side.geometry, reference.geometry).covered);
+    if (in.by_reference.back() < 0.99)
+      warnings.push_back(fmt::format(
+          "warning: surface \"{}\" of {} reaches beyond: only {:.1f}% of it is covered by \"{}\" of {}; the rest "
+          "counts in its own numbers, and is left out of correlation, rms and Dice",
+          names[i], files[i].label, 100 * in.by_reference.back(), names.back(), last.label));
     if (std::abs(side.facts.carried - 1) > 0.01)
       warnings.push_back(fmt::format(
           "note: {}: its map of \"{}\", projected onto the mesh of {}, carries {:.1f}% of its own resultant there; "
@@ -423,6 +430,7 @@ ComparedSurface compare_surface(const std::vector<ResultFile>& files, const std:
     compared.same_mesh.push_back(match.same_mesh);
     compared.covered.push_back(match.covered);
   }
+  compared.covered_by_reference = in.by_reference;
   for (const Side& side : in.sides) {
     compared.facets.push_back(side.geometry.facets());
     compared.facts.push_back(side.facts);

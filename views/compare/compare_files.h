@@ -68,6 +68,7 @@ struct ComparedSurface {
   bool asked_for = true;                          ///< false: taken by itself though a file has no pressure on it
   std::vector<char> same_mesh;                    ///< one per file but the last
   std::vector<double> covered;                    ///< the same: share of the reference's area
+  std::vector<double> covered_by_reference;       ///< the same: share of its own area that the reference covers
   std::vector<ComparedRegion> regions;            ///< the whole surface first
   std::vector<std::vector<ProfileBin>> profiles;  ///< one per file; empty: not asked for
   Vector3d axis = Vector3d::Zero(), center = Vector3d::Zero();  ///< of the profiles

@@ -99,6 +99,7 @@ Json difference_json(const Comparison& c, const ComparedSurface& surface, const 
   for (const HeadlineNumber& number : kHeadlineNumbers)
     p["headline"][number.name] =
         json_number(percent_difference(region.headlines[i].*number.value, region.headlines.back().*number.value));
+  j["covered_by_reference"] = json_number(surface.covered_by_reference[i]);
   return j;
 }
 
@@ -316,6 +317,8 @@ std::string compare_csv(const Comparison& c) {
       std::vector<Quantity> last = last_csv_quantities(region);
       if (inside)
         for (Quantity& q : inside_quantities(c, surface, region)) last.push_back(std::move(q));
+      last.push_back({"", "covered_by_reference", surface.covered_by_reference});
+      last.back().values.push_back(kNaN);
       if (text.empty()) {
         text = "label,file,time,surface,region";
         for (const Quantity& q : quantities) text += fmt::format(",{}", q.key);

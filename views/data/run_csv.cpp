@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -51,12 +52,8 @@ struct ContactRow {
   const ContactStatistics& statistics() const { return state.statistics[contact]; }
 };
 
-/// Was the inside of the layers asked for?
 bool with_inside(const Analysis& analysis) {
-  for (const StateResult& state : analysis.states)
-    for (const ContactStatistics& s : state.statistics)
-      if (s.inside[0] || s.inside[1]) return true;
-  return false;
+  return std::any_of(analysis.states.begin(), analysis.states.end(), has_inside);
 }
 
 /// `inside`: also those of the inside of layers.
@@ -203,26 +200,37 @@ std::string compartments_csv(const Analysis& analysis) {
   return text;
 }
 
-std::string facets_csv(const JointModel& model, const Analysis& analysis) {
-  const Joint& joint = analysis.joint;
-  const std::vector<Column<FacetRow>> columns = facet_columns(with_inside(analysis));
-  std::string text = header(columns);
-  for (const StateResult& state : analysis.states) {
-    for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-      for (int side = 0; side < 2; ++side) {
-        const Layer& layer = joint.contacts[c].layers[side];
-        const SideFields& fields = state.fields[c].sides[side];
-        const Body& body = joint.bodies[at(layer.body)];
-        const Pose& pose = state.equilibrium.poses[at(layer.body)];
-        const FacetShape shape = facet_shape(model, layer, fields.vertex_thickness);
-        const std::string start = fmt::format("{},{},{},{},{}", csv_number(state.when.time),
-                                              name(state.equilibrium.outcome), csv_word(joint.contacts[c].name),
-                                              csv_word(model.surfaces[at(layer.surface)].name), csv_word(body.name));
-        for (std::size_t f = 0; f < shape.area.size(); ++f)
-          text += line(columns, FacetRow{start, body, pose, fields, shape, f});
-      }
+bool has_inside(const StateResult& state) {
+  return std::any_of(state.statistics.begin(), state.statistics.end(),
+                     [](const ContactStatistics& s) { return s.inside[0] || s.inside[1]; });
+}
+
+std::string facets_csv_names(bool inside) { return header(facet_columns(inside)); }
+
+std::string facets_csv_lines(const JointModel& model, const Joint& joint, const StateResult& state, bool inside) {
+  const std::vector<Column<FacetRow>> columns = facet_columns(inside);
+  std::string text;
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    for (int side = 0; side < 2; ++side) {
+      const Layer& layer = joint.contacts[c].layers[side];
+      const SideFields& fields = state.fields[c].sides[side];
+      const Body& body = joint.bodies[at(layer.body)];
+      const Pose& pose = state.equilibrium.poses[at(layer.body)];
+      const FacetShape shape = facet_shape(model, layer, fields.vertex_thickness);
+      const std::string start = fmt::format("{},{},{},{},{}", csv_number(state.when.time),
+                                            name(state.equilibrium.outcome), csv_word(joint.contacts[c].name),
+                                            csv_word(model.surfaces[at(layer.surface)].name), csv_word(body.name));
+      for (std::size_t f = 0; f < shape.area.size(); ++f)
+        text += line(columns, FacetRow{start, body, pose, fields, shape, f});
     }
   }
+  return text;
+}
+
+std::string facets_csv(const JointModel& model, const Analysis& analysis) {
+  const bool inside = with_inside(analysis);
+  std::string text = facets_csv_names(inside);
+  for (const StateResult& state : analysis.states) text += facets_csv_lines(model, analysis.joint, state, inside);
   return text;
 }
 

@@ -19,5 +19,10 @@ std::string compartments_csv(const Analysis& analysis);
 /// reference configuration; `x,y,z`: that centroid moved with the surface's body, not compressed; `thickness`: mean
 /// over the facet. The rest: SideFields.
 std::string facets_csv(const JointModel& model, const Analysis& analysis);
+/// The same in pieces: the line of names, and the lines of a state. `inside`: with the inside of layers, as has_inside
+/// says of any of the states.
+std::string facets_csv_names(bool inside);
+std::string facets_csv_lines(const JointModel& model, const Joint& joint, const StateResult& state, bool inside);
+bool has_inside(const StateResult& state);
 
 }  // namespace dea

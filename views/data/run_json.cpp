@@ -188,7 +188,10 @@ Json settings_json(const Settings& settings) {
   return j;
 }
 
-Json run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings) {
+namespace {
+
+/// With no states in it.
+Json frame_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings) {
   const Joint& joint = analysis.joint;
   Json j;
   j["schema"] = "dea.run/1";
@@ -205,11 +208,41 @@ Json run_json(const JointModel& model, const Settings& settings, const Analysis&
   j["bodies"] = Json::array();
   for (int b : reported_bodies(joint)) j["bodies"].push_back(joint.bodies[at(b)].name);
   j["states"] = Json::array();
-  for (const StateResult& state : analysis.states) j["states"].push_back(state_json(model, joint, state));
   j["units"] = json_word(model.units);
   j["findings"] = run_remarks(model, analysis);
   j["unit_names"] = units_json(model.units);
   return j;
+}
+
+/// A text of json_text as an entry of a list in an object: no line feed at the end, all lines two farther in. Line
+/// feeds in values are written as \n, so each is one of the layout.
+std::string entry(const std::string& text) {
+  std::string out = "  ";
+  for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+    out += text[i];
+    if (text[i] == '\n') out += "  ";
+  }
+  return out;
+}
+
+}  // namespace
+
+Json run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings) {
+  Json j = frame_json(model, settings, analysis, timings);
+  for (const StateResult& state : analysis.states) j["states"].push_back(state_json(model, analysis.joint, state));
+  return j;
+}
+
+void put_run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings,
+                  const std::function<void(const std::string& piece)>& put) {
+  const std::string frame = json_text(frame_json(model, settings, analysis, timings));
+  const std::string empty_list = "\n \"states\": [";  // one space: of the object itself, not of one in it
+  const std::size_t states = frame.find(empty_list) + empty_list.size();
+  put(frame.substr(0, states));
+  for (std::size_t i = 0; i < analysis.states.size(); ++i)
+    put((i > 0 ? ",\n" : "\n") + entry(json_text(state_json(model, analysis.joint, analysis.states[i]))));
+  if (!analysis.states.empty()) put("\n ");
+  put(frame.substr(states));
 }
 
 Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies,

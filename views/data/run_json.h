@@ -1,5 +1,7 @@
 // febiodea/views/data/run_json.h – settings, runs and convergence studies as JSON. Undefined numbers are null.
 #pragma once
+#include <functional>
+
 #include <febiodea/run/analysis.h>
 #include <febiodea/run/convergence.h>
 #include <febiodea/views/data/json.h>
@@ -17,6 +19,9 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
 Json contact_json(const JointModel& model, const Joint& joint, const ContactPair& pair,
                   const ContactStatistics& statistics, const ContactFields& fields);
 Json run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings);
+/// The text of run_json in pieces, with one state at a time in memory.
+void put_run_json(const JointModel& model, const Settings& settings, const Analysis& analysis, const Timings& timings,
+                  const std::function<void(const std::string& piece)>& put);
 Json converge_json(const JointModel& model, const Settings& settings, const std::vector<Convergence>& studies,
                    double target, int max_springs);
 

@@ -1,0 +1,36 @@
+// febiodea/io/files/spool.h – bytes that wait on disk until what they are part of is complete.
+#pragma once
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace dea {
+
+/// A file without a name, beside the result it is for or, where there is no room for it (no folder to write to, a
+/// device, standard output), among the system's temporary files. It goes with the process, killed or not.
+class Spool {
+ public:
+  /// `path`: of the result, for its place and its faults. Throws WriteError.
+  explicit Spool(std::string path);
+  Spool(Spool&& other) noexcept;
+  Spool& operator=(Spool&&) = delete;
+  ~Spool();
+  /// At the end. Throws WriteError.
+  void add(const std::string& bytes);
+  std::uint64_t size() const { return size_; }
+  /// Gives `count` bytes from `begin` on to `put`, in pieces. Throws WriteError: they are not there any more.
+  void read(std::uint64_t begin, std::uint64_t count, const std::function<void(const std::string& piece)>& put) const;
+
+ private:
+  std::string path_;
+  std::FILE* file_ = nullptr;
+  std::uint64_t size_ = 0;
+};
+
+/// A new file in `directory`, opened to write and read, under a short name of its own, `name`: the result's may already
+/// be as long as is allowed. nullptr and errno: there is none.
+std::FILE* create_temporary(const std::filesystem::path& directory, std::filesystem::path& name);
+
+}  // namespace dea
