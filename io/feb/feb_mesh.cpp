@@ -556,9 +556,11 @@ std::vector<ElementPlace> places_of_set(const Reading& reading, const XMLElement
   }
   const auto domains = reading.domain_index.find(name);
   if (domains == reading.domain_index.end()) {
+    auto there = reading.element_set_index;
+    for (const auto& entry : reading.domain_index) there.emplace(entry.first, 0);
     fail(reading, element,
          fmt::format("elem_set = {}, expected the name of an ElementSet or Elements section{}", quote(name),
-                     those_there(name, reading.element_set_index)));
+                     those_there(name, there)));
   }
   for (const int domain : domains->second) {
     const std::size_t count = model.domains[static_cast<std::size_t>(domain)].element_ids.size();

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -292,7 +293,11 @@ void read_nodes(const Chunk& nodes, std::uint32_t version, XpltMesh& mesh) {
         // Before version 0x33 the number here was not the node's id.
         mesh.node_ids.push_back(version < 0x33 ? static_cast<int>(mesh.node_ids.size()) + 1
                                                : int_at(*child.source, at));
-        for (std::size_t k = 1; k <= 3; ++k) mesh.coordinates.push_back(float_at(*child.source, at + 4 * k));
+        for (std::size_t k = 1; k <= 3; ++k) {
+          mesh.coordinates.push_back(float_at(*child.source, at + 4 * k));
+          if (!std::isfinite(mesh.coordinates.back()))
+            fail(child, fmt::format("node {} has a coordinate that is no finite number", mesh.node_ids.size()));
+        }
       }
     } else {
       fail_unknown(child, "the nodes");

@@ -713,6 +713,23 @@ TEST_F(Cli, FineDivisionsTellTheirCost) {
 #endif
 }
 
+// With too few addresses for the search of the hip's bones: one line, whichever library runs out first.
+TEST_F(Cli, AFullMemoryIsSaid) {
+#ifndef __SANITIZE_ADDRESS__  // takes all addresses for itself
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+  for (const rlim_t megabytes : {100, 120, 150}) {
+    const rlimit small{megabytes << 20, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_AS, &small), 0);  // inherited by the program
+    const Finished f = dea({"run", DEA_SAMPLES_DIR "/hip/hip_walking.feb", "-q", "--states", "last", "--no-xplt"});
+    ASSERT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+    EXPECT_EQ(f.code, 3) << megabytes << ": " << f.err;
+    EXPECT_EQ(f.err.rfind("dea: the memory is full", 0), 0u) << f.err;
+    EXPECT_EQ(std::count(f.err.begin(), f.err.end(), '\n'), 1) << f.err;
+  }
+#endif
+}
+
 // Units stand where they are known, by the model or by --units, and nowhere else.
 TEST_F(Cli, UnitsOfTables) {
   write_model();

@@ -1027,7 +1027,7 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
       {"<load_controller id=\"2\" type=\"loadcurve\"", "<load_controller id=\"2\" type=\"math\"",
        "45: load controller of type math without <math>: add it, an expression in t"},
       {"type=\"zero displacement\" node_set=\"side\"", "type=\"zero displacement\"",
-       "28: <bc> without attribute node_set: add node_set=\"...\""},
+       "28: <bc> without attribute node_set: add it, with the name of a node set"},
       {"<value lc=\"1\">-50</value>", "", "41: <rigid_load> without <value>: add it"},
       {"<load_type>FOLLOW</load_type></rigid_load>",
        "</rigid_load><rigid_load type=\"rigid_cable\"><force>1</force></rigid_load>",
@@ -1428,7 +1428,7 @@ TEST_F(ReadFeb, FaultsOfOldFilesHaveTheirLine) {
     return fault_of(replaced(model, from, to));
   };
   EXPECT_EQ(old(kModel20, "name=\"lower\"", "name=\"upper\""),
-            "model.feb:14: several materials are called \"upper\": name it by its id");
+            "model.feb:18: several materials are called \"upper\": name it by its id");
   EXPECT_EQ(old(kModel20, "<surface type=\"slave\" set=\"bottom\"/>",
                 "<surface type=\"slave\" set=\"bottom\"/><surface type=\"slave\" set=\"bottom\"/>"),
             "model.feb:26: contact with two slave surfaces, expected one");

@@ -503,6 +503,10 @@ TEST(XpltRead, FaultsNamePlaceAndReason) {
   EXPECT_EQ(fault(with(87, 5)), "hip.xplt: byte 83: chunk 01020002 has 5 bytes, expected 4");
   EXPECT_EQ(fault(with(91, 8)), "hip.xplt: byte 91: variable of type 8, need 0 to 7");
   EXPECT_EQ(fault(with(347, 9)), "hip.xplt: byte 363: chunk 01041200 has 128 bytes, expected 144");
+  std::string infinite =
+      with(377, 0x80);  // the first coordinate, 0 until now; a plot file with it could not be written
+  infinite[378] = 0x7f;
+  EXPECT_EQ(fault(infinite), "hip.xplt: byte 371: node 1 has a coordinate that is no finite number");
   EXPECT_EQ(fault(with(531, 99)), "hip.xplt: byte 531: unknown element type 99");
   EXPECT_EQ(fault(with(543, 2)), "hip.xplt: byte 323: domain 1 is of part 2, but there are 1 parts");
   EXPECT_EQ(fault(with(555, 2)), "hip.xplt: byte 515: domain of 1 elements, 2 expected");
