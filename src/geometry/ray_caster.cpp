@@ -1,6 +1,10 @@
 #include <febiodea/geometry/ray_caster.h>
 
+#if DEA_EMBREE >= 4  // the version that CMake found
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +15,23 @@
 namespace dea {
 
 namespace {
+
+#if DEA_EMBREE >= 4
+void intersect_scene(RTCScene scene, RTCRayQueryContext* context, RTCRayHit* ray) {
+  rtcInitRayQueryContext(context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = context;
+  rtcIntersect1(scene, ray, &arguments);
+}
+#else
+using RTCRayQueryContext = RTCIntersectContext;
+
+void intersect_scene(RTCScene scene, RTCRayQueryContext* context, RTCRayHit* ray) {
+  rtcInitIntersectContext(context);
+  rtcIntersect1(scene, context, ray);
+}
+#endif
 
 // A barycentric tolerance: a line that meets the shared edge of two triangles belongs to both.
 constexpr double kEdgeTolerance = 1e-9;
@@ -23,7 +44,7 @@ struct Candidate {
 
 /// What the intersection callback needs and collects; Embree hands the pointer to its first member back to us.
 struct LineQuery {
-  RTCIntersectContext context;  // must be first
+  RTCRayQueryContext context;  // must be first
   Vector3d origin, direction;
   double from, limit, to, min_facing;
   double best;  // smallest |distance| of a valid crossing so far
@@ -213,7 +234,6 @@ LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direct
   thread_local std::vector<Candidate> found;
   found.clear();
   LineQuery query;
-  rtcInitIntersectContext(&query.context);
   query.origin = origin;
   query.direction = direction;
   query.min_facing = min_facing;
@@ -245,7 +265,7 @@ LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direct
   ray.ray.flags = 0;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(s.scene, &query.context, &ray);
+  intersect_scene(s.scene, &query.context, &ray);
 
   // The nearest valid crossing, or the nearest too deep one; of those at the same place the lowest number.
   const bool any_valid = std::isfinite(query.best);

@@ -2,7 +2,7 @@
 //
 // Embree (single precision) only narrows the search to candidate triangles, with boxes a little too large; every
 // intersection and every closest point is computed in double precision, so that results do not depend on the
-// library's rounding. The only file that knows Embree (version 3) is ray_caster.cpp.
+// library's rounding. The only file that knows Embree (versions 3 and 4) is ray_caster.cpp.
 #pragma once
 #include <array>
 #include <memory>
