@@ -101,7 +101,7 @@ def measured(words, folder):
     told = process.stderr.read()
     _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, time.perf_counter() - start, used.ru_utime + used.ru_stime, used.ru_maxrss / 1e6, told
+    return process.returncode, time.perf_counter() - start, used.ru_utime + used.ru_stime, used.ru_maxrss * 1024 / 1e9, told
 
 
 def line(dea, folder, words, title):

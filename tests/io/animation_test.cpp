@@ -370,7 +370,7 @@ TEST_F(AnimationFolder, LeavesNothingWhenStopped) {
   for (const char* output : {"walk.gif", "frames"}) {
     // stops it as soon as it has begun to write
     const std::string script = fmt::format(
-        "{} plot many.xplt --animate {} -q & p=$!\nwhile ! ls -A | grep -q '^[.].*tmp$'; do sleep 0.01; done\n"
+        "{} plot many.xplt --animate {} -q & p=$!\nwhile kill -0 $p && ! ls -A | grep -q '^[.].*tmp$'; do sleep 0.01; done\n"
         "sleep 0.3\nkill -TERM $p\nwait $p\necho $?\n",
         DEA_PROGRAM, output);
     const Finished f = run_program(folder.path, {"/bin/sh", "-c", script}, 60);

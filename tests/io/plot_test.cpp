@@ -887,7 +887,7 @@ TEST_F(Folder, RefusesInOneLine) {
       {{"a.xplt", "--dpi", "100", "-o", "a.svg"}, 2, "belongs to PNG"},
       {{"a.xplt", "--contours", "many"}, 2, "--contours many"},
       {{"a.xplt", "--colour-map", "virids"}, 2, "(did you mean \"viridis\"?)"},
-      {{"a.xplt", "--colour-map", "jet"}, 2, "expected one of \"dea\", \"viridis\""},
+      {{"a.xplt", "--colour-map", "jet"}, 2, "expected \"dea\", \"viridis\""},
       {{"a.xplt", "--minus", "b.xplt", "--at", "1", "--colour-map", "viridis"}, 2, "expected blue-white-red"},
       {{"a.xplt", "--colour-map", "blue-white-red"}, 2, "belongs to differences"},
       {{"a.xplt", "--font-size", "1"}, 2, "--font-size 1: found \"1\", expected a number from 3 to 100"},
