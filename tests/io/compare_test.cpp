@@ -670,7 +670,8 @@ TEST_F(CompareCommand, SaysWhichAreasAndHowFarTheContactGivesWay) {
   std::istringstream lines(csv.out);
   std::string line;
   ASSERT_TRUE(std::getline(lines, line));
-  const std::string last = ",areas,headline_p99,headline_mean,headline_area,headline_peak,headline_above";
+  const std::string last =
+      ",areas,headline_p99,headline_mean,headline_area,headline_peak,headline_above,covered_by_reference";
   EXPECT_EQ(line.substr(line.size() - last.size()), last);
   ASSERT_TRUE(std::getline(lines, line));
   EXPECT_NE(line.find(",deformed,"), std::string::npos);

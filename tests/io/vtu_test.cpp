@@ -623,7 +623,7 @@ TEST(VtuRun, WhatCannotBeWrittenLeavesNothing) {
       "ulimit -f 1; exec '{}' run '{}' -o /dev/null -q --law linear --states last --vtu v", DEA_PROGRAM, kModel);
   const auto f = test::run_program(folder.path, {"/bin/sh", "-c", script}, 60);
   EXPECT_EQ(f.code, 4);
-  EXPECT_EQ(f.err, "dea: cannot write v/mesh_0000.vtu: File too large\n");
+  EXPECT_EQ(f.err, "dea: cannot write v: File too large\n");  // while its states wait to be written
   EXPECT_EQ(names_in(folder.path), Names{});
 }
 
