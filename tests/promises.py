@@ -55,7 +55,8 @@ if shutil.which("nm"):
     for function in ("socket", "connect", "bind", "getaddrinfo", "gethostbyname", "sendto", "system", "popen", "posix_spawn", "dlopen"):
         check(function not in called, f"dea calls {function}")
     users = [path.name for path, code in text.items() if re.search(r"\b(?:::)?(fork|exec[lv]p?e?|popen|posix_spawn|system) ?\(", code)]
-    check(users == ["plugin_build.cpp"], f"other programs are started by {users}, expected plugin_build.cpp alone")
+    allowed = ["animate.cpp", "plugin_build.cpp"]
+    check(sorted(users) == allowed, f"other programs are started by {users}, expected {allowed} alone")
 
 
 # Files
