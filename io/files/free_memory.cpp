@@ -17,37 +17,24 @@ namespace {
 
 constexpr double kBytesOfKilobyte = 1024;
 
-/// The number behind a word at the start of a line of a file of the kernel's; infinity: none.
-double kernel_number(const char* path, const std::string& word) {
-  std::ifstream in(path);
-  for (std::string line; std::getline(in, line);) {
-    if (line.rfind(word, 0) != 0) continue;
-    try {
-      return std::stod(line.substr(word.size()));
-    } catch (const std::exception&) {  // "max": no limit
-    }
-  }
-  return kInfinity;
-}
-
 /// What the address space still has room for.
 double free_addresses() {
   rlimit limit = {};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kInfinity;
-  const double taken = kernel_number("/proc/self/status", "VmSize:") * kBytesOfKilobyte;
+  const double taken = number_after("/proc/self/status", "VmSize:") * kBytesOfKilobyte;
   return std::max(0.0, static_cast<double>(limit.rlim_cur) - (taken < kInfinity ? taken : 0.0));
 }
 
 /// What Slurm's job may still take on this node, where all of it is this process.
 double free_of_job() {
-  const double taken = kernel_number("/proc/self/status", "VmRSS:") * kBytesOfKilobyte;
+  const double taken = number_after("/proc/self/status", "VmRSS:") * kBytesOfKilobyte;
   return std::max(0.0, memory_of_job() - (taken < kInfinity ? taken : 0.0));
 }
 
 }  // namespace
 
 double free_memory() {
-  return std::min({kernel_number("/proc/meminfo", "MemAvailable:") * kBytesOfKilobyte,
+  return std::min({number_after("/proc/meminfo", "MemAvailable:") * kBytesOfKilobyte,
                    free_of_groups("/proc/self/cgroup", "/sys/fs/cgroup"), free_of_job(), free_addresses()});
 }
 

@@ -17,19 +17,6 @@ namespace {
 
 constexpr double kMegabyte = 1024.0 * 1024.0;
 
-/// The number behind a word at the start of a line of a file; infinity: none, or no number ("max": no limit).
-double number_in(const fs::path& path, const std::string& word) {
-  std::ifstream in(path);
-  for (std::string line; std::getline(in, line);) {
-    if (line.rfind(word, 0) != 0) continue;
-    try {
-      return std::stod(line.substr(word.size()));
-    } catch (const std::exception&) {
-    }
-  }
-  return kInfinity;
-}
-
 /// Where the kernel says how much memory a group may take, and how much its processes hold: version 2, version 1.
 struct GroupFiles {
   const char *limit, *held;
@@ -41,7 +28,8 @@ double free_of_branch(const fs::path& mount, std::string group, const GroupFiles
   double least = kInfinity;
   for (;;) {
     const fs::path folder = mount / fs::path(group).relative_path();
-    const double most = number_in(folder / files.limit, ""), held = number_in(folder / "memory.stat", files.held);
+    const double most = number_after((folder / files.limit).string(), ""),
+                 held = number_after((folder / "memory.stat").string(), files.held);
     if (std::isfinite(most) && std::isfinite(held)) least = std::min(least, std::max(0.0, most - held));
     if (group.empty() || group == "/") return least;
     group = fs::path(group).parent_path().string();
@@ -77,6 +65,18 @@ int of_node(const std::string& counts, int node) {
 }
 
 }  // namespace
+
+double number_after(const std::string& path, const std::string& word) {
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);) {
+    if (line.rfind(word, 0) != 0) continue;
+    try {
+      return std::stod(line.substr(word.size()));
+    } catch (const std::exception&) {
+    }
+  }
+  return kInfinity;
+}
 
 double free_of_groups(const std::string& memberships, const std::string& root) {
   double least = std::min(free_of_branch(root, "", kUnified), free_of_branch(fs::path(root) / "memory", "", kMemory));

@@ -4,6 +4,10 @@
 
 namespace dea {
 
+/// The number behind a word at the start of a line of a file, as the kernel writes them. Infinity: there is none, or no
+/// number ("max": no limit).
+double number_after(const std::string& path, const std::string& word);
+
 /// Bytes that the control groups of a process may still take, the least of all levels. Infinity: none has a limit.
 /// `memberships`: a file as /proc/self/cgroup; `root`: where the groups are mounted, as /sys/fs/cgroup.
 double free_of_groups(const std::string& memberships, const std::string& root);

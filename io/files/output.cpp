@@ -38,18 +38,25 @@ int write_all(int file, const std::string& text) {
 
 using Pieces = std::function<void(const std::function<void(const std::string& piece)>& put)>;
 
-/// All pieces to an open file, which is closed. `path`: as the user calls it.
-void write_and_close(int file, const std::string& path, const Pieces& write) {
+/// An open file is written, then closed. `path`: as the user calls it.
+void write_and_close(int file, const std::string& path, const std::function<void(int file)>& write) {
   try {
-    write([&](const std::string& piece) {
-      const int why = write_all(file, piece);
-      if (why != 0) throw WriteError(fmt::format("{}: {}", path, reason(why)));
-    });
+    write(file);
   } catch (...) {
     ::close(file);
     throw;
   }
   if (::close(file) != 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
+}
+
+/// The same of all pieces.
+void put_and_close(int file, const std::string& path, const Pieces& write) {
+  write_and_close(file, path, [&](int open) {
+    write([&](const std::string& piece) {
+      const int why = write_all(open, piece);
+      if (why != 0) throw WriteError(fmt::format("{}: {}", path, reason(why)));
+    });
+  });
 }
 
 /// The temporary file of write_text, the temporary folder of write_folder and its files, for remove_unfinished;
@@ -123,8 +130,7 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
   for (const NamedPath& output : outputs) {
     if (output.path == "-") continue;
     std::error_code error;
-    fs::path path = output.path;
-    if (output.folder && !path.has_filename()) path = path.parent_path();  // "results/"
+    const fs::path path = output.folder ? without_slash(output.path) : output.path;
     const fs::path folder = path.parent_path();
     if (!folder.empty() && !fs::is_directory(folder, error))
       throw WriteError(fmt::format("{}: there is no folder {}", output.path, folder.string()));
@@ -152,10 +158,10 @@ void write_pieces(const std::string& path, const Pieces& write) {
   if (fs::exists(status) && !fs::is_regular_file(status)) {  // a device or a pipe cannot be replaced by renaming
     const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
     if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
-    write_and_close(file, path, write);
+    put_and_close(file, path, write);
     return;
   }
-  write_beside(path, target, [&](int file) { write_and_close(file, path, write); });
+  write_beside(path, target, [&](int file) { put_and_close(file, path, write); });
 }
 
 void write_open_file(const std::string& path, const std::function<void(int file)>& write) {
@@ -164,15 +170,7 @@ void write_open_file(const std::string& path, const std::function<void(int file)
   const fs::file_status status = fs::status(target, error);
   if (fs::exists(status) && !fs::is_regular_file(status))
     throw WriteError(fmt::format("{}: is no file, expected one or a new name", path));
-  write_beside(path, target, [&](int file) {
-    try {
-      write(file);
-    } catch (...) {
-      ::close(file);
-      throw;
-    }
-    if (::close(file) != 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
-  });
+  write_beside(path, target, [&](int file) { write_and_close(file, path, write); });
 }
 
 void write_folder(
@@ -180,8 +178,7 @@ void write_folder(
     const std::function<void(const std::function<void(const std::string& name, const std::string& text)>& put)>&
         write) {
   std::error_code error;
-  fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
-  if (!target.has_filename()) target = target.parent_path();  // "frames/"
+  const fs::path target = fs::weakly_canonical(fs::absolute(without_slash(path), error), error);
   const bool there = fs::exists(target, error);
   if (there && !fs::is_directory(target, error))
     throw WriteError(fmt::format("{}: is a file, expected a folder", path));
@@ -194,6 +191,11 @@ void write_folder(
   const fs::path aside = target.parent_path() / fmt::format(".{}.{}.old", name, ::getpid());
   if (!fs::create_directory(temporary, error)) throw WriteError(fmt::format("{}: {}", path, reason(error.value())));
   std::deque<FileOfFolder> files;
+  const auto finish = [&](const fs::path& left) {
+    files_of_folder = nullptr;
+    unfinished_folder = nullptr;
+    fs::remove_all(left, error);
+  };
   unfinished_folder = temporary.c_str();
   try {
     write([&](const std::string& file_name, const std::string& text) {
@@ -202,25 +204,20 @@ void write_folder(
       const std::string shown = fmt::format("{}/{}", path, file_name);
       const int file = ::open(files.back().path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
       if (file < 0) throw WriteError(fmt::format("{}: {}", shown, reason(errno)));
-      write_and_close(file, shown, [&](const std::function<void(const std::string&)>& put) { put(text); });
+      put_and_close(file, shown, [&](const std::function<void(const std::string&)>& put) { put(text); });
     });
-    if (there) fs::rename(target, aside);
-    fs::rename(temporary, target);
-  } catch (const fs::filesystem_error& e) {
-    if (fs::exists(aside, error)) fs::rename(aside, target, error);
-    files_of_folder = nullptr;
-    unfinished_folder = nullptr;
-    fs::remove_all(temporary, error);
-    throw WriteError(fmt::format("{}: {}", path, e.code().message()));
+    if (there) fs::rename(target, aside, error);
+    if (!error) fs::rename(temporary, target, error);
+    if (error) {
+      const std::error_code why = error;
+      if (fs::exists(aside, error)) fs::rename(aside, target, error);
+      throw WriteError(fmt::format("{}: {}", path, why.message()));
+    }
   } catch (...) {
-    files_of_folder = nullptr;
-    unfinished_folder = nullptr;
-    fs::remove_all(temporary, error);
+    finish(temporary);
     throw;
   }
-  files_of_folder = nullptr;
-  unfinished_folder = nullptr;
-  if (there) fs::remove_all(aside, error);
+  finish(aside);
 }
 
 void remove_unfinished() {
@@ -240,6 +237,11 @@ void log(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
 std::string default_output(const std::string& model, const std::string& extension) {
   const fs::path path = model;
   return (path.parent_path() / (path.stem().string() + "_dea" + extension)).string();
+}
+
+std::string without_slash(const std::string& folder) {
+  const fs::path path = folder;
+  return path.has_filename() ? folder : path.parent_path().string();
 }
 
 std::string extension_of(const std::string& path) { return lower_case(fs::path(path).extension().string()); }

@@ -43,6 +43,9 @@ void log(const std::string& line);
 /// "hip.feb" -> "hip_dea.xplt", in the same folder, as FEBio does.
 std::string default_output(const std::string& model, const std::string& extension = ".xplt");
 
+/// "results/" is the folder "results".
+std::string without_slash(const std::string& folder);
+
 /// ".feb" of "hip.FEB": in small letters, as names are compared.
 std::string extension_of(const std::string& path);
 

@@ -337,7 +337,7 @@ namespace {
 using Put = std::function<void(const std::string& piece)>;
 
 /// `give`: gives one of the texts, those of mesh and surfaces of each state in turn, to `put`.
-void write_folder(const std::string& folder, const std::vector<float>& times,
+void write_files(const std::string& folder, const std::vector<float>& times,
                   const std::function<void(std::size_t text, const Put& put)>& give) {
   std::error_code error;
   const auto fail = [](const fs::path& path, const std::string& why) {
@@ -378,18 +378,12 @@ void write_folder(const std::string& folder, const std::vector<float>& times,
   }
 }
 
-/// "results/" is the folder "results".
-std::string without_slash(const std::string& folder) {
-  const fs::path path = folder;
-  return path.has_filename() ? folder : path.parent_path().string();
-}
-
 }  // namespace
 
 void write_vtu(const std::string& folder, const XpltFile& file) {
   std::vector<float> times;
   for (const XpltState& state : file.states) times.push_back(state.time);
-  write_folder(folder, times, [&](std::size_t text, const Put& put) {
+  write_files(folder, times, [&](std::size_t text, const Put& put) {
     put(text % 2 == 0 ? mesh_vtu(file, text / 2) : surfaces_vtu(file, text / 2));
   });
 }
@@ -410,7 +404,7 @@ void VtuWriter::add(XpltState state) {
 }
 
 void VtuWriter::finish() {
-  write_folder(folder_, times_, [&](std::size_t text, const Put& put) {
+  write_files(folder_, times_, [&](std::size_t text, const Put& put) {
     const std::uint64_t begin = text == 0 ? 0 : ends_[text - 1];
     texts_.read(begin, ends_[text] - begin, put);
   });
