@@ -1,6 +1,6 @@
 # Debian packages, by cpack -G DEB in a folder configured with the preset `package` (docs/packages.md):
 #   febiodea                the program, its manual pages and completion
-#   libfebiodea0.1          the shared library
+#   libfebiodea1.0          the shared library
 #   libfebiodea-dev         headers, CMake's files, the static libraries
 #   python3-febiodea        the Python module
 #   febiodea-plugin-source  what `dea plugin-build` compiles the plugin for FEBio from

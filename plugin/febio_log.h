@@ -10,7 +10,7 @@ namespace dea {
 /// WriteError.
 void open_log_file(FEModel& fem);
 
-/// "dea 0.1.0, SDK 4.11.0": what is running here.
+/// "dea 1.0.0, SDK 4.11.0": what is running here.
 std::string version_line();
 
 /// Prints every line of `text`.

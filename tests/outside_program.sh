@@ -11,6 +11,9 @@ trap 'rm -rf "$folder"' EXIT
 [ ! -e "$folder/rest" ] || { echo "files of no package:"; find "$folder/rest" -type f; exit 1; }
 ls "$folder/prefix/share/man/man1/dea-run.1"* "$folder/prefix/share/bash-completion/completions/dea" \
   "$folder/prefix/share/febiodea/source/CMakeLists.txt" >/dev/null
+# The library's name in programs that are linked with it: major.minor.
+version=$("$dea" --version | sed -n 's/^FEBioDEA \([0-9]*\.[0-9]*\)\..*/\1/p')
+[ -n "$(find "$folder/prefix" -name "libfebiodea.so.$version")" ] || { echo "no libfebiodea.so.$version"; exit 1; }
 "$cmake" -S "$source/tests/outside" -B "$folder/build" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH="$folder/prefix" \
   >"$folder/configure.log"
 "$cmake" --build "$folder/build" >"$folder/build.log" || { cat "$folder/build.log"; exit 1; }
