@@ -975,6 +975,30 @@ TEST(Solved, SomeOfVeryManyTimeSteps) {
   EXPECT_NEAR(result["states"][0]["contacts"][0]["force"][2].get<double>(), 5.0, 5e-6);  // balances the push of 5
 }
 
+TEST(Solved, SomeOfVeryManySteps) {
+  std::string steps;
+  for (int s = 1; s <= 12000; ++s)
+    steps += fmt::format(
+        "<step id=\"{}\"><Control><time_steps>1</time_steps><step_size>0.5</step_size></Control></step>\n", s);
+  const std::string text = without("<step id=\"1\"", "</step>");
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << edited({{"<Step>", "<Step>" + steps}}, text);
+  const test::Finished some =
+      test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--json", "some.json"}, kLimit);
+  EXPECT_EQ(some.code, 0) << some.err;
+  EXPECT_NE(some.err.find("note: of the model's 12000 time steps 925 are solved, evenly chosen: each"),
+            std::string::npos)
+      << some.err;
+  const nlohmann::json states = nlohmann::json::parse(test::file_text(folder.path / "some.json"))["states"];
+  ASSERT_EQ(states.size(), 925u);  // of time 0 and 12000 ends of steps each 13th, and the last
+  EXPECT_NEAR(states[1]["time"].get<double>(), 13 * 0.5, 1e-9);
+  EXPECT_NEAR(states.back()["time"].get<double>(), 12000 * 0.5, 1e-6);
+  EXPECT_NEAR(states.back()["contacts"][0]["force"][2].get<double>(), 5.0, 5e-6);  // balances the push of 5
+  const test::Finished info = test::run_program(folder.path, {DEA_PROGRAM, "info", "model.feb"}, kLimit);
+  EXPECT_NE(info.out.find("... 11975 more steps"), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("step 12000"), std::string::npos) << info.out;
+}
+
 TEST(BadInput, OptionsAndSettings) {
   const auto settings = [](const std::string& body) {
     return std::map<std::string, std::string>{

@@ -310,13 +310,25 @@ bool regularised_step(Search& s) {
   return moved_on;
 }
 
+/// Along what is loaded and nothing resists no surface moves on its partner: following it leads nowhere. False.
+bool says_nothing_holds_them(Search& s) {
+  s.solution.outcome = Outcome::NoEquilibrium;
+  s.solution.message =
+      fmt::format("{:.2g} of the load moves the bodies together, none on its partner, and nothing holds them: {};",
+                  s.d.drift.norm() / s.e.load, direction_in_words(s.problem, s.e, s.d.drift.normalized()));
+  s.solution.advice = against_free_motion();
+  return false;
+}
+
 /// To the next iterate. False: the search ends.
 bool go_on(Search& s) {
   ++s.solution.iterations;
   ++s.problem.status.iterations;
   const double drift = s.d.drift.norm();
-  if (drift > s.options.tolerance * s.e.load && drift >= 0.5 * s.size)
+  if (drift > s.options.tolerance * s.e.load && drift >= 0.5 * s.size) {
+    if (moves_together(s.problem, s.e, s.d.drift)) return says_nothing_holds_them(s);
     return touching(s.e) ? follow_load(s) : go_to_touch(s);
+  }
   // the next step is cut short, and not because springs close: balance is far along a motion that little resists
   const double predicted = surface_motion(s.problem, s.e, s.d.newton);
   s.beyond = predicted > s.cap && closing_motion(s.problem, s.e, s.d.newton) < 0.5 * predicted;

@@ -27,6 +27,21 @@ constexpr double kMostStates = 10000, kThinned = 1000;
 
 const NamedSetting kSomeStates = {"states", "", "t1,t2,..."};
 
+/// Ends of steps and must points: kept when time steps are thinned out, unless they are very many themselves.
+double count_kept(const JointModel& model) {
+  double count = 0.0;
+  for (const Step& step : model.steps) count += 1.0 + static_cast<double>(step.must_points.size());
+  return count;
+}
+
+/// Every so many of the times, and the last.
+std::vector<TimePoint> every(const std::vector<TimePoint>& times, std::size_t stride) {
+  std::vector<TimePoint> some;
+  for (std::size_t i = 0; i + 1 < times.size(); i += stride) some.push_back(times[i]);
+  some.push_back(times.back());
+  return some;
+}
+
 }  // namespace
 
 double count_time_steps(const JointModel& model) {
@@ -71,6 +86,8 @@ std::vector<TimePoint> model_times(const JointModel& model, bool thin) {
       if (!same_to_rounding(t, times.back().time, scale)) times.push_back({t, s});
     }
   }
+  if (very_many && count_kept(model) > kThinned)
+    return every(times, static_cast<std::size_t>(std::ceil(static_cast<double>(times.size()) / kThinned)));
   return times;
 }
 
@@ -88,9 +105,10 @@ std::vector<TimePoint> place_times(const JointModel& model, const std::vector<do
 
 Sentence thinned_note(const JointModel& model, std::size_t solved) {
   return say(
-      "of the model's {:.0f} time steps {} are solved, evenly chosen besides ends of steps and must points: each is an "
-      "equilibrium of its own; others with {}",
-      count_time_steps(model), solved, kSomeStates);
+      "of the model's {:.0f} time steps {} are solved, evenly chosen{}: each is an equilibrium of its own; others with "
+      "{}",
+      count_time_steps(model), solved, count_kept(model) > kThinned ? "" : " besides ends of steps and must points",
+      kSomeStates);
 }
 
 bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>& times) {

@@ -14,7 +14,8 @@ struct TimePoint {
   int row = -1;  ///< of settings.loads and settings.motion; -1: a state of the model's own
 };
 /// Times of a model's states: 0, every step_size, ends of steps, must points. More than 10000 are refused (InputError),
-/// or, if `thin`, reduced evenly to about 1000 besides ends of steps and must points.
+/// or, if `thin`, reduced evenly to about 1000 besides ends of steps and must points; where these alone are more than
+/// 1000, they are thinned out too.
 std::vector<TimePoint> model_times(const JointModel& model, bool thin = false);
 
 /// How many time steps the model has, and whether that is more than 10000.

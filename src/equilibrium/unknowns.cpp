@@ -56,6 +56,8 @@ Sparse scaled_stiffness(const Problem& problem, const Evaluation& e) {
 std::optional<std::vector<Pose>> poses_after(Problem& problem, const Evaluation& e, const VectorXd& motion) {
   std::vector<Pose> result = e.poses;
   move_bodies(result, on_all_dofs(problem, e, motion));
+  for (const Pose& pose : result)
+    if (!pose.center.allFinite() || !pose.rotation.allFinite()) return std::nullopt;
   if (problem.joined() && !close_connectors(problem.joint, problem.load_case, problem.connectors, result))
     return std::nullopt;
   if (std::string fault = undefined_force(problem.joint, problem.load_case, result); !fault.empty()) {
@@ -87,6 +89,14 @@ double surface_motion(const Problem& problem, const Evaluation& e, const VectorX
     if (!in_contact[b])
       reach(all.segment<3>(6 * static_cast<Eigen::Index>(b)), all.segment<3>(6 * static_cast<Eigen::Index>(b) + 3));
   return largest;
+}
+
+bool moves_together(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  const VectorXd all = on_all_dofs(problem, e, motion);
+  double farthest = 0.0;
+  for (Eigen::Index b = 0; b < all.size(); b += 6)
+    farthest = std::max(farthest, all.segment<3>(b).norm() + all.segment<3>(b + 3).norm() * problem.beds.reach);
+  return !(surface_motion(problem, e, motion) > 1e-6 * farthest);
 }
 
 VectorXd motion_at_new_pose(const Problem& problem, const Evaluation& e, const VectorXd& all) {

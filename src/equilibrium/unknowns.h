@@ -30,11 +30,14 @@ Eigen::VectorXd scaled_residual(const Problem& problem, const Evaluation& e);
 /// Stiffness K = -dr/du over the unknowns.
 Eigen::SparseMatrix<double> scaled_stiffness(const Problem& problem, const Evaluation& e);
 
-/// Poses after a small motion of the unknowns; connectors closed again. Nothing: they cannot be, or a ligament's force
-/// is undefined there (Problem::undefined).
+/// Poses after a small motion of the unknowns; connectors closed again. Nothing: they cannot be, a ligament's force is
+/// undefined there (Problem::undefined), or a pose is no finite number.
 std::optional<std::vector<Pose>> poses_after(Problem& problem, const Evaluation& e, const Eigen::VectorXd& motion);
 
 /// The farthest any articular surface moves on its partner by a motion of the unknowns, to first order.
 double surface_motion(const Problem& problem, const Evaluation& e, const Eigen::VectorXd& motion);
+
+/// Does a motion of the unknowns move all bodies together, none on its partner? To a millionth of it.
+bool moves_together(const Problem& problem, const Evaluation& e, const Eigen::VectorXd& motion);
 
 }  // namespace dea

@@ -204,9 +204,15 @@ std::string connector_text(const Joint& joint, const Connector& c) {
 }
 
 std::string steps_text(const JointCheck& check) {
+  constexpr std::size_t kBegin = 20, kEnd = 5, kMany = 40;  // of very many steps the first and last
   std::string text;
   for (std::size_t s = 0; s < check.steps.size(); ++s) {
     const StepCheck& step = check.steps[s];
+    if (check.steps.size() > kMany && s == kBegin) {
+      s = check.steps.size() - kEnd - 1;
+      text += fmt::format("  ... {} more steps\n", check.steps.size() - kBegin - kEnd);
+      continue;
+    }
     text += fmt::format("  step {}{}: time {} to {}, step size {}, {} states; at its end:\n", s + 1,
                         step.name.empty() ? "" : fmt::format(" \"{}\"", step.name), time_text(step.start),
                         time_text(step.end), number_text(step.step_size), step.states);
