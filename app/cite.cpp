@@ -15,21 +15,22 @@ namespace dea {
 namespace {
 
 constexpr const char* kCiteFooter = R"(
-Prints what dea run does with this model and these options, in sentences to be taken into the methods of a paper, with
-version, settings and references. Nothing is solved: whether states are solutions, dea run says. Give the options that
-dea run was given. A model that dea run refuses is refused here too.
+Prints what dea run does with this model and these options, as a paragraph for the methods of a paper, with version,
+settings and references. Give the same options as to dea run. Nothing is solved: look in the table of dea run whether all
+states are solved. A model that dea run refuses is refused here too.
 
 Examples:
   dea cite hip.feb
   dea cite hip.feb --law linear --E 8 > methods.txt
-  dea cite hip.feb --compared hip.xplt    hip.xplt: FEBio's result that was compared with)";
+  dea cite hip.feb --compared hip.xplt    hip.xplt: FEBio's result, with which you compared)";
 
 }  // namespace
 
 CLI::App* add_cite(CLI::App& app, CiteArguments& a) {
   CLI::App* c =
       add_model_command(app, "cite", "Print a methods paragraph for a paper, with references", kCiteFooter, a.model);
-  add_once(*c, "--compared", a.compared, "FEA.xplt", "Output", "Results were compared with this one of FEBio");
+  add_once(*c, "--compared", a.compared, "FEA.xplt", "Output",
+           "Say that results were compared with this result of FEBio");
   add_solving_options(*c, a.settings, a.threads, {"squash"});
   return c;
 }

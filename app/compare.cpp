@@ -21,34 +21,35 @@ namespace dea {
 namespace {
 
 constexpr const char* kCompareFooter = R"(
-The LAST file is the reference, usually FEA: differences are (FILE - LAST) / LAST. Files may be ours or FEBio's, compressed
-or not. Nothing is solved.
+The LAST file is the reference, usually FEBio's result: differences are (FILE - LAST) / LAST. Files may be dea's or FEBio's,
+compressed or not. Nothing is solved.
 
-Like is compared with like: every file's `contact pressure` per facet, at its place in the reference configuration. "nodes"
-are area-weighted averages of the facets around each node, each node with a quarter of each quad around it (a third of each
-triangle): FEA's single facets are noisy, averages are the numbers to trust.
+Compared is the `contact pressure` per facet of every file, in the reference configuration. "nodes" are area-weighted
+averages of the facets around each node; the area of a node is a quarter of each quad around it and a third of each triangle.
+Single facets of finite elements are noisy: trust the averages.
 
-p99, mean, area and peak are one set of numbers for every result, the same as of `dea run`: of nodes above 5 % of the load's
-mean pressure (the sum of p^2 A over that of p A, of the whole surface), weighted by the nodes' areas. --details adds what else
-there is: peak, mean, median and percentiles, of nodes and of facets, area-weighted and over places with p > 0 or above a
---threshold; "resultant" is |sum of p A n|.
+p99, mean, area and peak have one definition for every result, that of `dea run`: of nodes above 5 % of the load's mean
+pressure (the sum of p^2 A over the sum of p A, of the whole surface), weighted by the nodes' areas. --details adds peak, mean,
+median and percentiles of nodes and of facets, area-weighted, over places with p > 0 or above a --threshold. "resultant" is
+|sum of p A n|.
 
-Correlation (Pearson), rms, mean and largest difference are of nodes where either pressure is above 0, area-weighted; Dice is
-twice the common contact area over the sum of both. Where meshes differ, nodal values are carried to the reference's nodes
-from the closest point, with linear interpolation. JSON also has facet_correlation (same mesh only: all facets, each counted
-once, those without pressure too) and p99_unweighted (every node or facet counts once).
+Correlation (Pearson), rms, mean and largest difference are of nodes where either pressure is above 0, area-weighted. Dice is
+twice the common contact area over the sum of both areas. If meshes differ, nodal values are carried to the reference's nodes
+from the closest point, with linear interpolation. JSON also has facet_correlation (same mesh only: all facets, also those
+without pressure, each counted once) and p99_unweighted (every node or facet counts once).
 
-Areas are those of the mesh, or with --areas deformed those of its facets with the nodes moved by the file's own displacement
-at the compared state (sums over time use the same). dea's pressure is force per area of the mesh, so its files keep those. That
-of FEBio's sliding-elastic contact is per deformed area: its contact force is the sum of p A n with deformed areas only.
-sliding-facet-on-facet and sliding-node-on-facet integrate over the reference areas. "resultant, % of it" and notes say which
-areas fit a file, and where an interpolated map carries not all of its contact force.
+Areas are those of the mesh. With --areas deformed they are those of the facets with the nodes moved by the file's own
+displacement in the compared state (also in sums over time). dea's pressure is force per area of the mesh, so its files keep
+those. The pressure of FEBio's sliding-elastic contact is per deformed area: its contact force is the sum of p A n with deformed
+areas only. sliding-facet-on-facet and sliding-node-on-facet integrate over the reference areas. "resultant, % of it" and notes
+say which areas fit a file, and if an interpolated map does not carry all of its contact force.
 
-A penalty contact gives way by gap / pressure, as one more spring in series. Where a file has both, that is printed per surface,
+A penalty contact gives way by gap / pressure, like one more spring in series. If a file has both, this is printed per surface,
 with the --interface-stiffness that makes `dea run` give way as much.
 
-Exposure is the integral of p dt, dose that of max(0, p - MPA) dt, from a file's first state to the compared one; static
-models have no time but their steps'. Files with different states are only as equal as their states are fine.
+Exposure is the integral of p dt, dose that of max(0, p - P) dt with P of --dose-above, from a file's first state to the
+compared one. In static models t is the time of the steps. Between files with different states these agree only as closely as
+the states lie in time.
 
 Examples:
   dea compare hip_dea.xplt hip.xplt
@@ -147,30 +148,34 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
       ->type_name("");
   add_repeated(*c, "--label", a.labels, "NAME", "Comparison",
                "Name of a file in tables and fields, once per file in their order [file names]");
-  add_repeated(*c, "--surface", a.surfaces, "NAME|A=B", "Comparison",
-               "Compare this surface only, A=B where its names differ; may be repeated [those in all files that have "
-               "pressure in at least one]");
+  add_repeated(
+      *c, "--surface", a.surfaces, "NAME|A=B", "Comparison",
+      "Compare only this surface; A=B if its name differs between the files; may be repeated [surfaces that all files "
+      "have, with pressure in at least one]");
   add_once(*c, "--at", a.at, "TIME", "Comparison", "Compare the states at this time [the last state of each file]");
   add_repeated(
       *c, "--threshold", a.thresholds, "PRESSURE", "Comparison",
-      "Also Dice, and in --details, JSON and CSV all numbers above this pressure; may be repeated [0.1 and 0.5]");
+      "Pressure above which Dice and, in --details, JSON and CSV, all numbers are given too; may be repeated [0.1 and "
+      "0.5]");
   add_once(*c, "--areas", a.areas, "reference|deformed", "Comparison",
-           "Facet areas of the mesh, or with nodes moved by each file's own displacement [reference]");
+           "Facet areas of the mesh, or with the nodes moved by each file's own displacement [reference]");
   add_once(*c, "--dose-above", a.dose_above, "PRESSURE", "Comparison",
-           "Integrate over time what exceeds this pressure");
-  add_repeated(*c, "--regions", a.regions, "NAME,NAME", "Regions and profiles",
-               "The same for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: a "
-               "socket's thirds (Abraham et al. 2013), with --up and --anterior; may be repeated");
-  add_once(*c, "--up", a.up, "x,y,z", "Regions and profiles", "Direction to the top");
-  add_once(*c, "--anterior", a.anterior, "x,y,z", "Regions and profiles", "Direction to the front");
+           "Also the dose: what exceeds this pressure, integrated over time");
+  add_repeated(
+      *c, "--regions", a.regions, "NAME,NAME", "Regions and profiles",
+      "The same numbers for facet sets, surfaces or element sets of the files, or for anterior-superior-posterior: "
+      "the thirds of a socket (Abraham et al. 2013), with --up and --anterior; may be repeated");
+  add_once(*c, "--up", a.up, "x,y,z", "Regions and profiles", "Direction to the top of the socket");
+  add_once(*c, "--anterior", a.anterior, "x,y,z", "Regions and profiles", "Direction to the front of the socket");
   c->add_flag("--profile", a.profile, "Mean pressure against the angle from an axis")->group("Regions and profiles");
   add_once(*c, "--axis", a.axis, "x,y,z", "Regions and profiles",
            "Axis of thirds and profile [mean normal of the reference's surface]");
   add_once(*c, "--center", a.center, "x,y,z", "Regions and profiles",
            "Centre of thirds and profile [that of the reference surface's sphere]");
   add_once(*c, "--bin", a.bin, "DEGREES", "Regions and profiles", "Width of the profile's bins [5]");
-  add_once(*c, "-o", a.output, "both.xplt", "Output",
-           "Plot file with all pressures and their differences on the first file's mesh, at the times all files have");
+  add_once(
+      *c, "-o", a.output, "both.xplt", "Output",
+      "Plot file with all pressures and their differences on the first file's mesh, at the times that all files have");
   add_once(*c, "--report", a.report, "FILE.html", "Output",
            "Also write a page for any browser: maps side by side, differences, box plots, scatter, curves, tables");
   c->add_flag("--time-fields", a.time_fields, "In -o also peak, exposure and dose up to each state")->group("Output");
@@ -180,7 +185,7 @@ CLI::App* add_compare(CLI::App& app, CompareArguments& a) {
   add_once(*c, "--csv", a.csv, "FILE|-", "Output",
            "Also write CSV, a line per surface, region and file, \"-\" to standard output instead of the table");
   add_quiet_flag(*c, a.quiet);
-  c->add_flag("--details", a.details, "Print more numbers of every surface and region, each named in full")
+  c->add_flag("--details", a.details, "Print more numbers of every surface and region, with their full names")
       ->group("Output");
   return c;
 }

@@ -14,8 +14,8 @@ namespace dea {
 namespace {
 
 constexpr const char* kCompletionFooter = R"(
-Prints what the shell needs to complete commands, options and their words with the tab key. cmake --install and Debian's
-packages put it where the shells look; otherwise, for one user:
+Prints what the shell needs to complete commands, options and their values with the tab key. cmake --install and Debian's
+packages put it where the shells look. Otherwise, for one user:
 
   bash   dea completion bash > ~/.local/share/bash-completion/completions/dea
   zsh    dea completion zsh > FOLDER/_dea, where FOLDER is one of $fpath

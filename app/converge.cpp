@@ -21,10 +21,9 @@ namespace dea {
 namespace {
 
 constexpr const char* kConvergeFooter = R"(
-Solves the model again and again with each spring's triangle divided into 1, 4, 16, 64, ... and compares peak pressure,
-mean pressure and contact area of the springs in the last state with those before. Ends when all changes are below the
-target, or when the next division would need more springs than allowed: then the target is not reached and the exit code
-is 1.
+Solves the last state of the model again and again, with each spring's triangle divided into 1, 4, 16, 64, ..., and compares
+peak pressure, mean pressure and contact area of the springs with those of the division before. It ends when all changes are
+below --target. If the next division would need more than --max-springs, the target is not reached and the exit code is 1.
 
 Examples:
   dea converge hip.feb
@@ -35,8 +34,8 @@ Examples:
 
 CLI::App* add_converge(CLI::App& app, ConvergeArguments& a) {
   CLI::App* c = add_model_command(app, "converge", "Find how many springs the result needs", kConvergeFooter, a.model);
-  add_once(*c, "--target", a.target, "CHANGE", "Study", "Largest change to reach, between 0 and 1: 0.05 for 5% [0.01]");
-  add_once(*c, "--max-springs", a.max_springs, "N", "Study", "Most springs of a contact to try [400000]");
+  add_once(*c, "--target", a.target, "CHANGE", "Study", "Largest change allowed, between 0 and 1: 0.05 for 5% [0.01]");
+  add_once(*c, "--max-springs", a.max_springs, "N", "Study", "Most springs per contact to try [400000]");
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the table");
   CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose, "Print a line per contact and division as it is solved")

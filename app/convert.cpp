@@ -16,12 +16,12 @@ namespace {
 
 constexpr const char* kConvertFooter = R"(
 Writes the same joint for FEBio with the FEBioDEA plugin: its contacts are of type dea, the spring bed of dea run, and the
-cartilage is rigid with its bone. Modulus and thickness, measured here, are the contact's. A model of version 4.0 is
-edited, all else in it stays byte for byte; one of 2.5 or 3.0 is written anew as 4.0. Standard output lists what changed.
+cartilage is rigid with its bone. The contacts get the modulus and the thickness that dea finds. A model of version 4.0 is
+edited, and all else in it stays byte for byte; an older one is written anew as 4.0. Standard output lists what changed.
 docs/convert.md has more.
 
-Options mean what they mean in dea run. --springs-at bone, --free, --force, --load-at and --set cannot be said in the
-file.
+Options are those of dea run. A converted file cannot hold --springs-at bone, --free, --force, --load-at, --set, --skip-steps,
+--interface-stiffness, --layer-terms and tables of loads and motion: they are refused.
 
 Examples:
   dea convert hip.feb
@@ -32,7 +32,7 @@ Examples:
 }  // namespace
 
 CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
-  CLI::App* c = add_model_command(app, "convert", "Write the model anew for FEBio with the FEBioDEA plugin",
+  CLI::App* c = add_model_command(app, "convert", "Write a model of the same joint for FEBio with the FEBioDEA plugin",
                                   kConvertFooter, a.model);
   add_once(*c, "-o", a.output, "FILE.feb", "Output",
            "Converted model [MODEL without .feb + _dea.feb, beside the model]");

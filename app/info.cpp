@@ -18,13 +18,15 @@ namespace dea {
 namespace {
 
 constexpr const char* kInfoFooter = R"(
-Units are the model's own. All options mean what they mean in dea run, so what is printed is what dea run would use. A
-model that dea run refuses is printed as far as it can be, then come all reasons, and the exit code is 3.
+All units are the model's own. Options are those of dea run, so dea info prints what dea run would use with them. A model
+that dea run refuses is printed as far as possible, followed by all reasons; the exit code is then 3.
 
-The plot file of -o shows cartilage thickness, initial gap ("joint space"), missed normals, what is beyond the rim of the
-selected facets ("rim": 1 nothing, a free edge; 2 more of the layer; 3 a plane of symmetry; 4 cartilage bonded to bone) and
-facets that are not used ("left out": 1 side wall, 2 bonded to bone) on the contact surfaces, and the springs that face
-something within five thicknesses as lines.
+The plot file of -o shows the contact surfaces with
+  cartilage thickness, and the initial gap ("joint space")
+  missed normals: places whose normal meets no bone
+  "rim", what is beyond the rim: 1 nothing, a free edge; 2 more of the layer; 3 a plane of symmetry; 4 cartilage bonded to bone
+  "left out", facets that are not used: 1 side wall; 2 bonded to bone
+and, as lines, the springs that face something within five thicknesses.
 
 Examples:
   dea info hip.feb
@@ -34,10 +36,10 @@ Examples:
 }  // namespace
 
 CLI::App* add_info(CLI::App& app, InfoArguments& a) {
-  CLI::App* c = add_model_command(app, "info", "Print what is recognised in a model: bodies, cartilage, springs, loads",
-                                  kInfoFooter, a.model);
+  CLI::App* c = add_model_command(
+      app, "info", "Print what dea recognises in a model: bodies, cartilage, springs, loads", kInfoFooter, a.model);
   add_once(*c, "-o", a.output, "check.xplt", "Output",
-           "Plot file with thickness, gap, missed normals, rims, facets left out and springs");
+           "Plot file of what was recognised: thickness, gap, missed normals, rims, facets left out, springs");
   add_overwrite_flag(*c, a.overwrite);
   add_once(*c, "--json", a.json, "FILE|-", "Output", "Also write JSON, \"-\" to standard output instead of the text");
   add_solving_options(*c, a.settings, a.threads, {"squash", "inside"});

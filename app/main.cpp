@@ -20,23 +20,23 @@ namespace {
 using namespace dea;
 
 constexpr const char* kFooter = R"(
-Exit codes: 0 solved; 1 a valid answer that is no solution (not converged, surfaces apart); 2 wrong use; 3 input
-refused; 4 output cannot be written; 70 a fault of the program; 130 stopped by Ctrl-C (143: by SIGTERM).
+Exit codes: 0 solved; 1 not all results are solutions (not converged, surfaces apart): do not use those; 2 wrong use; 3 input refused; 4 output cannot be written; 70 a fault of the program, please report; 130 stopped by Ctrl-C
+(143: by SIGTERM).
 
 Examples:
-  dea run hip.feb                    pressure in every state, written beside the model as hip_dea.xplt
+  dea run hip.feb                    pressure in every state: a table, and hip_dea.xplt beside the model
   dea study hip.feb --vary "E: E={8|12}" -o plan.db  thousands of cases into one file
   dea info hip.feb                   what is recognised in the model, without solving
   dea converge hip.feb               how many springs the result needs
   dea convert hip.feb                the same joint for FEBio with the plugin, as hip_dea.feb
 )"
 #ifdef DEA_HAS_BUILD
-                                "  dea build --help                   surfaces of bones and cartilage become a model\n"
+                                "  dea build --help                   a model from surfaces of bones and cartilage\n"
 #endif
-                                R"(  dea plugin-build /opt/febio        the plugin for the FEBio that is installed there
-  dea compare hip_dea.xplt hip.xplt  how far that is from FEBio's result
+                                R"(  dea plugin-build /opt/febio        the plugin for the FEBio in this folder
+  dea compare hip_dea.xplt hip.xplt  differences between dea's result and FEBio's
   dea plot hip_dea.xplt              its pressure map as hip_dea.png
-  dea cite hip.feb                   what was done, for the methods of a paper, with references
+  dea cite hip.feb                   a paragraph for the methods of a paper, with references
   dea run --help                     all options of a command
   dea man run | man -l -             the same as a manual page)";
 

@@ -18,8 +18,8 @@ namespace dea {
 namespace {
 
 constexpr const char* kManFooter = R"(
-Pages are those of the options of this very program: each has what --help has. cmake --install and Debian's packages put
-them where man finds them.
+Each page has what --help has. If dea was installed by cmake --install or as a Debian package, `man dea-run` shows
+the page of dea run.
 
 Examples:
   dea man run | man -l -             a command's page

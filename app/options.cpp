@@ -65,9 +65,10 @@ void add_solving_options(CLI::App& command, SettingsArguments& arguments, std::s
   });
   add_once(
       command, "--settings", arguments.file, "FILE", "Settings file",
-      "XML file with any of the options above (docs/settings.md); the command line comes first, then the file, then "
-      "the model");
-  add_once(command, "--threads", threads, "N", "Computer", "Threads to use; results do not depend on it [all cores]");
+      "XML file with any of the options above (docs/settings.md); the command line overrides it, and it overrides the "
+      "model");
+  add_once(command, "--threads", threads, "N", "Computer",
+           "Number of threads; results do not depend on it [all cores]");
 }
 
 Settings effective_settings(const SettingsArguments& arguments, OutputSettings* outputs) {
@@ -117,7 +118,7 @@ void add_repeated(CLI::App& command, const char* name, std::vector<std::string>&
 }
 
 CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet) {
-  return command.add_flag("-q,--quiet", quiet, "Print nothing but errors and what is no solution")->group("Output");
+  return command.add_flag("-q,--quiet", quiet, "Print only errors, and what has no solution")->group("Output");
 }
 
 void add_compress_flag(CLI::App& command, bool& compress) {
@@ -127,8 +128,8 @@ void add_compress_flag(CLI::App& command, bool& compress) {
 void add_overwrite_flag(CLI::App& command, bool& overwrite) {
   command
       .add_flag("--overwrite", overwrite,
-                "Replace a plot file that is there already, whoever wrote it [replaced are dea's own of the same mesh, "
-                "if no states are lost]")
+                "Replace any existing plot file [only one that dea wrote, of the same mesh, if no state would be "
+                "lost]")
       ->group("Output");
 }
 

@@ -19,19 +19,21 @@ namespace dea {
 namespace {
 
 constexpr const char* kPlotFooter = R"(
-Files may be ours or FEBio's, compressed or not. Facets are drawn as they are, in the reference configuration, all panels
-with one scale, that of all states of the files, as on the page of --report; colours are in 128 steps. Lines and --smooth are of nodal averages (area-weighted, of the facets around each
-node); with --smooth the edge of contact encloses as much area as the facets with pressure do. Numbers of pressure are those of
-`dea run` and `dea compare` with either: of nodes above 5 % of the load's mean pressure. Numbers of other fields and of
-differences are of facets, with --smooth of nodes. Grey: no contact, or a value of exactly 0.
+Files may be dea's or FEBio's, compressed or not. Facets are drawn as they are, in the reference configuration. All panels have
+one scale, that of all states of the files, as on the page of --report; colours have 128 steps. Lines of equal value, and
+--smooth, are of nodal averages (area-weighted, of the facets around each node). With --smooth the edge of contact encloses as
+much area as the facets with pressure do. Numbers of pressure are those of `dea run` and `dea compare`: of nodes above 5 % of
+the load's mean pressure. Numbers of other fields and of differences are of facets, with --smooth of nodes. Grey is no contact,
+or a value of exactly 0.
 
 Sockets and flat surfaces are seen along their mean normal; balls, and surfaces whose pressure would be out of sight,
 against the force on them. --view unrolled is for balls and sockets: Lambert's equal-area map about the axis of the fitted
 sphere, seen from the joint, with circles of equal angle from the axis. Files lie side by side, further surfaces and states
 below them; --columns 1 stacks all panels.
 
---animate shows the states (all of the first file, or those of --at and --states) one after the other, each once, in one scale and view. A GIF
-has the map's colours as they are, and plays again and again. MP4 needs the program ffmpeg. A folder gets frame-0001.png, frame-0002.png and so on.
+--animate shows the states (all of the first file, or those of --at or --states) one after the other, in one scale and view. A
+GIF has exactly the map's colours, and plays again and again. MP4 needs the program ffmpeg. A folder gets frame-0001.png,
+frame-0002.png and so on.
 
 Examples:
   dea plot hip_dea.xplt
@@ -163,12 +165,13 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   c->footer(kPlotFooter);
   c->add_option("FILES", a.files, "Plot files (.xplt), a panel each")->required()->type_name("");
   add_once(*c, "-o", a.output, "FILE.png|svg|pdf", "Output", "Picture [the first file's name with .png, beside it]");
-  add_once(*c, "--animate", a.animate, "FILE.gif|FILE.mp4|FOLDER", "Output",
-           "The states one after the other instead, as a GIF, an MP4 (by ffmpeg) or a PNG each in a folder");
+  add_once(
+      *c, "--animate", a.animate, "FILE.gif|FILE.mp4|FOLDER", "Output",
+      "Instead of one picture, show the states one after the other: a GIF, an MP4 (by ffmpeg) or a folder of PNGs");
   add_once(*c, "--fps", a.fps, "N", "Output", "States per second of --animate [12]");
   add_quiet_flag(*c, a.quiet);
   add_repeated(*c, "--surface", a.surfaces, "NAME", "What",
-               "Surface to draw; may be repeated [the one with springs, or with the highest pressure anywhere]");
+               "Surface to draw; may be repeated [the one with springs, or else with the highest pressure]");
   add_once(*c, "--field", a.field, "NAME", "What", "Field of the surface [contact pressure]");
   add_once(*c, "--at", a.at, "TIME,TIME", "What",
            "States at these times, a panel each [the last state of each file; all for --animate]");
@@ -177,24 +180,24 @@ CLI::App* add_plot(CLI::App& app, PlotArguments& a) {
   add_repeated(*c, "--label", a.labels, "NAME", "What",
                "Title of a file's panels, once per file in their order, then --minus [file names]");
   add_once(*c, "--view", a.view, "x,y,z|unrolled", "View",
-           "Direction from which the surface is seen, or unrolled [its axis]");
-  add_once(*c, "--up", a.up, "x,y,z", "View", "What is up in the picture [z, y or x, the first that lies across]");
-  c->add_flag("--smooth", a.smooth, "Nodal averages instead of facets as they are")->group("Look");
+           "Direction from which the surface is seen, or unrolled [sockets: mean normal; balls: against the force]");
+  add_once(*c, "--up", a.up, "x,y,z", "View", "What is up in the picture [z, or y if z is too nearly along the view]");
+  c->add_flag("--smooth", a.smooth, "Draw nodal averages instead of facets as they are")->group("Look");
   add_once(*c, "--contours", a.contours, "none|v1,v2,...", "Look",
            "Lines of equal value [at the colour bar's numbers]");
   add_once(*c, "--max", a.high, "VALUE", "Look",
-           "Upper end of the colours [the largest value; joint space: what 95 % lie below]");
-  add_once(*c, "--min", a.low, "VALUE", "Look", "Lower end of the colours [0, or the least value]");
+           "Upper end of the colours [the largest value; joint space: the value that 95 % of the area is below]");
+  add_once(*c, "--min", a.low, "VALUE", "Look", "Lower end of the colours [0; other fields also their least value]");
   add_once(*c, "--scale", a.scale, "all|shown", "Look",
-           "States whose values the colours' ends cover: all of the files, or those shown [all]");
+           "The colours cover the values of all states of the files, or only of the states shown [all]");
   add_once(*c, "--title", a.title, "TEXT", "Look", "Title above all panels");
-  add_once(*c, "--width", a.width, "MM", "Look", "Width on paper; letters keep their size [130 to 230, by the panels]");
+  add_once(*c, "--width", a.width, "MM", "Look",
+           "Width on paper; letters keep their size [130 to 230, depending on the panels]");
   add_once(*c, "--columns", a.columns, "N", "Look", "Panels side by side [as many as there are files, or as fit]");
   add_once(*c, "--dpi", a.dpi, "DPI", "Look", "Pixels per inch of a PNG [200; 120 for --animate]");
-  add_once(*c, "--font-size", a.font_size, "PT", "Look",
-           "Size of letters on paper, and with them of lines and marks [11.25]");
+  add_once(*c, "--font-size", a.font_size, "PT", "Look", "Size of letters on paper; lines and marks follow [11.25]");
   add_once(*c, "--colour-map", a.colour_map, "NAME", "Look",
-           "dea, viridis, cividis or gray; of differences blue-white-red [dea]");
+           "dea, viridis, cividis or gray; for differences blue-white-red [dea]");
   add_once(*c, "--text-as", a.text_as, "shapes|text", "Look",
            "Letters of an SVG: shapes that look the same everywhere, or text that can be edited [shapes]");
   c->add_flag("--dark", a.dark, "Dark paper")->group("Look");

@@ -23,12 +23,12 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kPluginBuildFooter = R"(
-The plugin works with the version of FEBio it was compiled for and no other, so it is made where FEBio is. FEBIO_DIR is
-FEBio's installation or SDK folder, the one with include and lib/cmake/FEBio (also looked for in its folder sdk).
-Needed: cmake, a C++20 compiler and the libraries in packages.txt beside the source. It takes about a minute.
+The plugin works only with the version of FEBio it was compiled for, so you compile it for your FEBio. FEBIO_DIR is
+FEBio's installation or SDK folder: the one with include and lib/cmake/FEBio, in it or in its folder sdk.
+This needs cmake, a C++20 compiler and the libraries in packages.txt beside the source. It takes about a minute.
 
-Standard output has the library's path and the line that febio.xml needs. FEBio's own folder is left alone unless -o
-names it. docs/plugin.md has what comes next.
+Standard output has the library's path and the line to put into febio.xml. Nothing is written into FEBio's folder unless -o
+names it. docs/plugin.md has the next steps.
 
 Examples:
   dea plugin-build /opt/febio
@@ -173,7 +173,7 @@ std::string xml(const std::string& text) {
 }  // namespace
 
 CLI::App* add_plugin_build(CLI::App& app, PluginBuildArguments& a) {
-  CLI::App* c = app.add_subcommand("plugin-build", "Compile the plugin for the FEBio that is installed");
+  CLI::App* c = app.add_subcommand("plugin-build", "Compile the plugin for your FEBio");
   c->footer(kPluginBuildFooter);
   c->add_option("FEBIO_DIR", a.febio, "Folder of FEBio or of its SDK")->required()->type_name("");
   add_once(*c, "-o", a.output, "DIR", "Output", "Folder for the library [the current one]");

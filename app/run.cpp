@@ -26,16 +26,17 @@ namespace dea {
 namespace {
 
 constexpr const char* kRunFooter = R"(
-Units are the model's own everywhere; the ones in brackets are those of a model in mm, N, MPa. Names may hold spaces: put
-the word in quotes, as in --thickness "femoral cartilage=1.8". A name and its value are cut at the last '='.
+All units are the model's own; the ones in brackets, (mm), (N), (MPa), are those of a model in mm, N, MPa. Square brackets have
+the default. If a name has spaces, put the word in quotes: --thickness "femoral cartilage=1.8". The last '=' separates name
+and value.
 
-Standard output holds the table of results, or nothing but JSON or CSV with --json -, --csv - or --facets-csv -; all else
-is on standard error.
+Standard output has the table of results, or only JSON or CSV with --json -, --csv -, --compartments-csv - or --facets-csv -.
+All else is on standard error.
 
-p99, mean, area and peak are one set of numbers for every result, also of `dea compare`, `dea plot`, pages, JSON (headline) and
-CSV (headline_...): of nodes (area-weighted averages of the facets around each) above 5 % of the load's mean pressure, the sum
-of p^2 A over that of p A, weighted by the nodes' areas; on the surface with springs. --details prints all others.
-docs/results.md says what every key of JSON and column of CSV is.
+p99, mean, area and peak have one definition, also in `dea compare`, `dea plot`, pages, JSON (headline) and CSV (headline_...).
+They are of the nodes of the surface with springs, weighted by the nodes' areas; a node has the area-weighted average of the
+facets around it. Nodes count above 5 % of the load's mean pressure, which is the sum of p^2 A over the sum of p A. --details
+prints all other numbers. docs/results.md explains every key of JSON and column of CSV.
 
 Examples:
   dea run hip.feb
@@ -56,19 +57,19 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   };
   for (const OutputOption& o : output_options())
     if (o.kind != OutputOption::Kind::States) add_output(o);
-  c->add_flag("--no-xplt", a.no_xplt, "Write no plot file, only what else is asked for")->group("Output");
+  c->add_flag("--no-xplt", a.no_xplt, "Write no plot file, only the outputs that are named")->group("Output");
   add_overwrite_flag(*c, a.overwrite);
   CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose,
-              "Print what is begun, every iteration, and a line per state: iterations, residual, seconds")
+              "Also print every iteration, and a line per state: iterations, residual, seconds")
       ->excludes(q)
       ->group("Output");
-  c->add_flag("--details", a.details, "Print more numbers of every contact and state, each named in full")
+  c->add_flag("--details", a.details, "Print more numbers of every contact and state, with their full names")
       ->group("Output");
   for (const OutputOption& o : output_options())
     if (o.kind == OutputOption::Kind::States) add_output(o);
   add_once(*c, "--times-from", a.times_from, "FEA.xplt", "Output",
-           "Take the times of this FEA result instead of the model's");
+           "Solve the times of this FEA result instead of the model's");
   add_compress_flag(*c, a.compress);
   add_solving_options(*c, a.settings, a.threads);
   return c;

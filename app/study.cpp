@@ -22,15 +22,15 @@ namespace dea {
 namespace {
 
 constexpr const char* kStudyFooter = R"(
-A factor is an option of dea run that differs from case to case, with its values in braces:
+A factor is an option of dea run whose value differs from case to case. Its values are in braces:
   {-20:20:5}        from -20 to 20 by 5, both ends        {8|12|16}       these, numbers or words
-  {uniform(8,16)}   {normal(12,2)}   {lognormal(2.5,0.2)} drawn by --sample; lognormal: of the logarithm
-  {}                from the column of its name in --cases
-Its name, before the colon, is a column of results. Cases are all combinations of models and values, with each row of --cases
-or point of --sample. Options act in the order of the line, a factor's where it stands. All other options of dea run hold for
-all cases; rows of --loads and --motion are a case's states.
+  {uniform(8,16)}   {normal(12,2)}   {lognormal(2.5,0.2)} drawn by --sample; lognormal: mean and deviation of the logarithm
+  {}                from the column of that name in --cases
+The factor's name, before the colon, is a column of the results. Cases are all combinations of models and values, for each row
+of --cases or point of --sample. Options act in the order in which they are given, also those of factors. All other options of
+dea run hold for all cases. With --loads and --motion the rows are the states of each case.
 
-The same command again goes on where it stopped. FILE.db is a SQLite database: docs/studies.md says what is in it.
+To go on after a stop, give the same command again. FILE.db is a SQLite database: docs/studies.md says what is in it.
 
 Examples:
   dea study hip.feb --vary "stiffness: E={8|12|16}" --vary "tilt: rotate pelvis=0,1,0,{-10:10:5}" --states last -o plan.db
@@ -43,35 +43,38 @@ Examples:
 
 void add_case_options(CLI::App& c, StudyArguments& a) {
   const char* group = "Cases";
-  add_repeated(c, "--vary", a.settings.values["vary"], "\"NAME: OPTION VALUE\"", group,
-               "An option of dea run with {START:STOP:STEP}, {a|b|c} or a spread in its value; may be repeated");
+  add_repeated(
+      c, "--vary", a.settings.values["vary"], "\"NAME: OPTION VALUE\"", group,
+      "A factor: an option of dea run with {START:STOP:STEP}, {a|b|c} or a random spread as value; may be repeated");
   add_repeated(c, "--factor", a.settings.values["factor"], "\"NAME: OPTION VALUE\"", group,
                "The same; with {} the values come from --cases; may be repeated");
   add_once(c, "--cases", a.cases, "FILE", group,
-           "Table with a row a case: CSV, columns are the names of factors, and \"model\" if it differs");
-  add_once(c, "--sample", a.sample, "sobol|latin|saltelli", group, "Draw the values of all factors with a spread");
+           "Table (CSV), one case per row: columns are the names of factors, and \"model\" if it differs");
+  add_once(c, "--sample", a.sample, "sobol|latin|saltelli", group,
+           "How to draw the values of all factors with a random spread");
   add_once(c, "--count", a.count, "N", group, "Points to draw; saltelli makes N times (factors + 2) cases of them");
   add_once(c, "--seed", a.seed, "S", group, "The same seed draws the same points [1]");
-  add_once(c, "--states", a.states, "all|last|t1,t2:t3,...", group, "States of every case, as dea run has it [all]");
-  add_once(c, "--again", a.again, "failed", group, "Solve cases of the file that are no solution again");
+  add_once(c, "--states", a.states, "all|last|t1,t2:t3,...", group, "States of every case, as in dea run [all]");
+  add_once(c, "--again", a.again, "failed", group, "Solve those cases of the file again that have no solution");
   add_once(c, "--shard", a.shard, "I/N|auto", group,
-           "Only the I-th of N parts, into FILE.I-of-N.db; auto: as Slurm, Open MPI or PMI say");
-  c.add_flag("--dry-run", a.dry_run, "Count the cases, solve a few of them and tell how long all take")->group(group);
+           "Solve only the I-th of N parts, into FILE.I-of-N.db; auto: I and N from Slurm, Open MPI or PMI");
+  c.add_flag("--dry-run", a.dry_run, "Count the cases, solve a few of them and say how long all will take")
+      ->group(group);
 }
 
 }  // namespace
 
 CLI::App* add_study(CLI::App& app, StudyArguments& a) {
-  CLI::App* c = app.add_subcommand("study", "Solve thousands of cases of models and options into one file");
+  CLI::App* c = app.add_subcommand("study", "Solve thousands of cases (models and options) into one file");
   c->footer(kStudyFooter);
-  c->add_option("FILE", a.files, "FEBio models, or a study's file to be read")->type_name("");
+  c->add_option("FILE", a.files, "FEBio models, or a study's file (.db) to read")->type_name("");
   add_case_options(*c, a);
-  add_once(*c, "-o", a.output, "FILE.db", "Output", "The study's results; they are added to it as they come");
+  add_once(*c, "-o", a.output, "FILE.db", "Output", "File of the study; results are added to it as they come");
   add_once(*c, "--csv", a.csv, "FILE|-", "Output", "Also write CSV, a line per case, state and contact");
   add_repeated(*c, "--keep", a.keep, "fields|xplt", "Output",
                "Also keep pressures at the nodes in the file, or a plot file per case in the folder FILE_xplt");
-  c->add_flag("--merge", a.merge, "Join the files of shards in the one of -o")->group("Output");
-  c->add_flag("--overwrite", a.overwrite, "Begin anew where there is a file already [go on with it]")->group("Output");
+  c->add_flag("--merge", a.merge, "Join the files of shards into that of -o")->group("Output");
+  c->add_flag("--overwrite", a.overwrite, "Begin anew if the file exists [go on with it]")->group("Output");
   CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose, "Print a line per case")->excludes(q)->group("Output");
   add_study_report_options(*c, a);

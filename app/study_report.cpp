@@ -66,24 +66,26 @@ void read_dose_options(const StudyArguments& a, StudyMapOptions& o) {
 void add_study_report_options(CLI::App& c, StudyArguments& a) {
   const char* group = "Page";
   add_once(c, "--report", a.report, "FILE.html", group, "Write the study as one page for any browser");
-  add_once(
-      c, "--subjects", a.subjects, "FILE", group,
-      "Table with a row a model (or value of a factor, or case_id): subject, sex, side, ... as columns of the page");
+  add_once(c, "--subjects", a.subjects, "FILE", group,
+           "Table about the models (or values of a factor, or cases by case_id), one per row; its columns (subject, "
+           "sex, side, "
+           "...) can be used on the page");
   add_once(c, "--group", a.group, "COLUMN", group,
-           "A factor, \"model\" or a column of --subjects, whose values are compared as groups");
-  add_once(c, "--pair", a.pair, "COLUMN[=A,B]", group, "A column of which two values pair cases alike in all others");
+           "Compare groups: the values of a factor, of \"model\" or of a column of --subjects");
+  add_once(c, "--pair", a.pair, "COLUMN[=A,B]", group,
+           "Compare pairs: cases that differ in this column (values A and B) and are alike in all others");
   add_once(c, "--pair-by", a.pair_by, "COLUMN", group,
-           "Of the columns of --subjects only this one must be alike in a pair, such as subject [all]");
+           "The only column of --subjects that must be alike in a pair, such as subject [all]");
   add_once(c, "--regions", a.regions, "socket|sectors=N", group,
-           "Numbers of regions: six of a socket, or sectors about its axis; of --keep fields");
+           "Numbers by region: six of a socket, or N sectors about its axis; needs a study with --keep fields");
   add_once(c, "--up", a.up, "x,y,z", group, "Direction to the top; sectors begin there");
   add_once(c, "--anterior", a.anterior, "x,y,z", group, "Direction to the front");
   add_once(c, "--axis", a.axis, "x,y,z", group, "Axis of regions [mean normal of the surface]");
   add_once(c, "--center", a.center, "x,y,z", group, "Centre of regions [that of the surface's sphere]");
   add_once(c, "--dose-above", a.dose_above, "P", group,
-           "Exposure over the cycle, and overpressure above this pressure; of --keep fields");
-  add_once(c, "--cycles-per-year", a.cycles_per_year, "N", group, "The dose of years of cycles; with --years");
-  add_once(c, "--years", a.years, "N", group, "How many years");
+           "Exposure over the cycle, and overpressure above this pressure; needs a study with --keep fields");
+  add_once(c, "--cycles-per-year", a.cycles_per_year, "N", group, "Cycles per year, for the dose of --years");
+  add_once(c, "--years", a.years, "N", group, "Years of cycles that the dose is for");
   add_once(c, "--cycle-seconds", a.cycle_seconds, "S", group,
            "How long a cycle takes [from the first state to the last, in seconds]");
 }

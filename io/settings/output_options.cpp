@@ -14,8 +14,7 @@ const std::vector<OutputOption>& output_options() {
       {"csv", &O::csv, Kind::File, "a file name", "FILE|-",
        "Also write CSV, a line per state and contact, \"-\" to standard output"},
       {"compartments-csv", &O::compartments_csv, Kind::File, "a file name", "FILE|-",
-       "Also write CSV, a line per state, contact and compartment, where a surface is of several pieces; \"-\" to "
-       "standard "
+       "Also write CSV, a line per state, contact and compartment, for surfaces in several pieces; \"-\" to standard "
        "output"},
       {"facets-csv", &O::facets_csv, Kind::File, "a file name", "FILE|-",
        "Also write CSV, a line per state, contact and facet: pressure, joint space, overlap; \"-\" to standard output"},
@@ -24,8 +23,9 @@ const std::vector<OutputOption>& output_options() {
       {"vtu", &O::vtu, Kind::Folder, "the name of a folder", "FOLDER",
        "Also write files for ParaView into this folder: open its results.pvd"},
       {"states", &O::states, Kind::States, "all, last, times t1,t2,... or ranges t1:t2", "all|last|t1,t2:t3,...",
-       "States to write: all, last, times t1,t2,... or ranges t1:t2; no others are solved but ends of steps [all; "
-       "about 1000 where there are more than 10000]"},
+       "States to solve and write: all, last, times t1,t2,... or ranges t1:t2; ends of steps before them are solved "
+       "too "
+       "[all; about 1000 if there are more than 10000]"},
   };
   return options;
 }

@@ -294,10 +294,10 @@ SettingContent forces_of(const Settings& settings) {
 std::vector<SettingOption> joint_options() {
   using S = Settings;
   return {
-      {"contact", nullptr, false, "NAME", nullptr, kJoint, "Analyse this contact only [all that join two bodies]",
+      {"contact", nullptr, false, "NAME", nullptr, kJoint, "Analyse only this contact [all that join two bodies]",
        [](S& s, Text, Text text) { s.contact = text; }, [](const S& s) { return word_or_nothing(s.contact); }},
       {"source", nullptr, false, "BODY", nullptr, kJoint,
-       "Body whose layer carries the springs [each contact's primary side]",
+       "Body whose cartilage carries the springs [each contact's primary side]",
        [](S& s, Text, Text text) { s.source = text; }, [](const S& s) { return word_or_nothing(s.source); }},
   };
 }
@@ -306,38 +306,37 @@ std::vector<SettingOption> spring_options() {
   using S = Settings;
   return {
       {"springs-at", nullptr, false, "articular|bone", nullptr, kCartilage,
-       "Surface of the source's layer on which the springs stand [articular]",
+       "Where the springs stand: on the articular surface or on the bone [articular]",
        [](S& s, Text, Text text) {
          s.springs_at = parse_word(text, {SpringsAt::Articular, SpringsAt::Bone});
        },
        [](const S& s) { return one(std::string(name(s.springs_at))); }},
       {"law", nullptr, false, "linear|logarithmic|neo-Hookean|layer", nullptr, kCartilage,
-       "Pressure as a function of strain; layer: springs that share the cartilage's sideways flow; the others: a "
-       "spring "
-       "bed [layer; springs at the bone: linear]",
+       "Pressure law; layer: springs share the cartilage's sideways flow; the others: each spring for itself [layer; "
+       "with springs at the bone: linear]",
        [](S& s, Text, Text text) {
          s.law = parse_word(text, {Law::Linear, Law::Logarithmic, Law::NeoHookean, Law::Layer});
        },
        [](const S& s) { return word_or_nothing(s.law); }},
       {"layer-terms", nullptr, false, "1|2", nullptr, kCartilage,
-       "Law layer: terms of the law; one is faster, and too wide at the edge of contact [2]",
+       "Terms of law layer; 1 is faster, but makes the contact too wide at its edge [2]",
        [](S& s, Text, Text text) {
          s.layer_fit = parse_count(text, 1, 2) == 1 ? LayerFit::OneTerm : LayerFit::TwoTerms;
        },
        [](const S& s) { return one(s.layer_fit == LayerFit::OneTerm ? 1 : 2); }},
       {"interface-stiffness", nullptr, false, "NUMBER", "STIFFNESS", kCartilage,
-       "Stiffness per area between the surfaces, in series with the cartilage, as a contact penalty has (MPa/mm) "
+       "Stiffness per area (MPa/mm) between the surfaces, in series with the cartilage, as of FEBio's contact penalty "
        "[none]",
        [](S& s, Text, Text text) { s.interface_stiffness = parse_positive(text); },
        [](const S& s) { return number_or_nothing(s.interface_stiffness); }},
       {"facets", nullptr, false, "curved|flat", nullptr, kCartilage,
-       "Take facets as the smooth surface they stand for, or as they are [curved]",
+       "Treat facets as a smooth curved surface, or use them as meshed (flat) [curved]",
        [](S& s, Text, Text text) {
          s.facets = parse_word(text, {Facets::Curved, Facets::Flat});
        },
        [](const S& s) { return word_or_nothing(s.facets); }},
       {"refine", nullptr, false, "N", nullptr, kCartilage,
-       "Divide every facet of the springs and, with law layer, of both layers into N*N [1]",
+       "Divide every triangle into N*N springs; with law layer also the meshes of both layers [1]",
        [](S& s, Text, Text text) { s.refine = parse_count(text, 1, 1000); },
        [](const S& s) { return number_or_nothing(s.refine); }},
   };
@@ -355,8 +354,8 @@ std::vector<SettingOption> recognition_options() {
        "Bone surface under a contact surface; may be repeated [faces held by the body]",
        [](S& s, Text key, Text text) { s.bone[key] = text; }, [](const S& s) { return by_name(s.bone); }},
       {"keep-facets", nullptr, true, "SURFACE", nullptr, kJoint,
-       "Leave no facet of this contact surface out, though it looks like a side wall or is bonded to bone; may be "
-       "repeated",
+       "Keep facets of this contact surface that look like a side wall or are bonded to bone; may be repeated [left "
+       "out]",
        [](S& s, Text, Text text) { add_once(s.keep_facets, text); }, [](const S& s) { return one(s.keep_facets); }},
   };
 }
@@ -365,7 +364,7 @@ std::vector<SettingOption> cartilage_options() {
   using S = Settings;
   return {
       {"thickness", "surface", false, "NUMBER", "LENGTH", kCartilage,
-       "Constant cartilage thickness, in the model's length (mm); may be repeated [measured]",
+       "Constant cartilage thickness, in the model's unit of length (mm); may be repeated [measured]",
        [](S& s, Text key, Text text) { s.thickness[key] = parse_length(text); },
        [](const S& s) { return by_name(s.thickness); }, &S::thickness},
       {"thickness-from", "surface", false, "FILE", nullptr, kCartilage,
@@ -376,12 +375,11 @@ std::vector<SettingOption> cartilage_options() {
        },
        [](const S& s) { return by_name(s.thickness_from); }},
       {"thickness-scale", "surface", false, "NUMBER", "FACTOR", kCartilage,
-       "Cartilage thickness, measured or given, times this; articular surfaces stay where they are; may be repeated "
-       "[1]",
+       "Factor on the cartilage thickness, measured or given; articular surfaces stay in place; may be repeated [1]",
        [](S& s, Text key, Text text) { s.thickness_scale[key] = parse_positive(text); },
        [](const S& s) { return by_name(s.thickness_scale); }, &S::thickness_scale},
       {"E", "surface", false, "NUMBER", "MODULUS", kCartilage,
-       "Young's modulus, in the model's pressure (MPa); may be repeated [the material's]",
+       "Young's modulus, in the model's unit of pressure (MPa); may be repeated [the material's]",
        [](S& s, Text key, Text text) { s.E[key] = parse_positive(text); }, [](const S& s) { return by_name(s.E); },
        &S::E},
       {"nu", "surface", false, "NUMBER", "RATIO", kCartilage,
@@ -395,18 +393,19 @@ std::vector<SettingOption> placing_options() {
   using S = Settings;
   return {
       {"rotate", "body", true, "x,y,z,DEGREES", nullptr, kPlacing,
-       "Turn a body, with all that is attached to it, before anything moves or loads it: axis in global directions, "
-       "right-handed, or frame:NAME,AXIS,DEGREES, AXIS being x, y, z or three numbers; may be repeated",
+       "Turn a body, and all that is attached to it, before anything moves or loads it: axis in global directions, "
+       "right-handed; or frame:NAME,AXIS,DEGREES, AXIS being x, y, z or three numbers; may be repeated",
        [](S& s, Text key, Text text) { s.placements.push_back(parse_turn(key, text)); },
        [](const S& s) { return placements_of(s, Placement::Kind::Rotate); }, nullptr, nullptr, true},
       {"rotate-about", "body", false, "sphere-center|com|x,y,z", nullptr, kPlacing,
-       "Point of the body about which it is turned: of its reference position, it goes along with earlier moves "
-       "[sphere-center: of the least-squares sphere through its articular surface]",
+       "Point about which the body is turned, in its reference position; it goes along with earlier moves of the body "
+       "[sphere-center: centre of the least-squares sphere through its articular surface]",
        [](S& s, Text key, Text text) { s.rotate_about[key] = parse_turn_point(text); },
        [](const S& s) { return by_name(s.rotate_about); }},
       {"move", "body", true, "x,y,z", nullptr, kPlacing,
-       "Move a body, with all that is attached to it, before anything else moves or loads it; frame:NAME,x,y,z: along "
-       "its axes; may be repeated",
+       "Move a body, and all that is attached to it, before anything else moves or loads it; frame:NAME,x,y,z: along "
+       "the "
+       "frame's axes; may be repeated",
        [](S& s, Text key, Text text) {
          const FramedVector shift = parse_framed(text);
          s.placements.push_back({Placement::Kind::Move, key, shift.vector, 0.0, shift.frame});
@@ -419,12 +418,13 @@ std::vector<SettingOption> load_options() {
   using S = Settings;
   return {
       {"free", "body", false, "x,y,z,Ru,Rv,Rw", nullptr, kLoads,
-       "Dofs left free, all others that are not prescribed are held (\"none\": all held); may be repeated [the "
-       "model's]",
+       "Motions to solve for (\"none\": no motion). All others are fixed unless the model prescribes them; may be "
+       "repeated "
+       "[the model's]",
        [](S& s, Text key, Text text) { s.free[key] = parse_dofs(text); }, [](const S& s) { return by_name(s.free); }},
       {"force", "body", false, "x,y,z", nullptr, kLoads,
-       "Force in place of the model's, growing from 0 over the last step, in the model's force (N); frame:NAME,x,y,z: "
-       "along its axes; may be repeated",
+       "Force that replaces the model's, growing from 0 over the last step, in the model's unit of force (N); "
+       "frame:NAME,x,y,z: along the frame's axes; may be repeated",
        [](S& s, Text key, Text text) {
          const FramedVector force = parse_framed(text);
          s.force[key] = force.vector;
@@ -438,26 +438,27 @@ std::vector<SettingOption> load_options() {
        [](S& s, Text key, Text text) { s.load_at[key] = parse_load_point(text); },
        [](const S& s) { return by_name(s.load_at); }},
       {"set", "name", false, "NUMBER", "VALUE", kLoads,
-       "stiffness, slack-length or force of a spring, ligament, cable, muscle or rigid force of this name, in place of "
-       "the model's number; a load controller still scales it; may be repeated [the model's]",
+       "New stiffness, slack-length or force of the spring, ligament, cable, muscle or rigid force NAME; a load "
+       "controller still scales it; may be repeated [the model's]",
        [](S& s, Text key, Text text) { s.set_values[need_parameter(key)] = parse_number(text); },
        [](const S& s) { return by_name(s.set_values); }},
       {"skip-steps", nullptr, false, "true|false", nullptr, kLoads,
-       "Do not walk through the model's steps: what holds at the end of the last one starts from the starting poses",
+       "Do not solve the model's steps one after the other: apply what holds at the end of the last one to the "
+       "starting "
+       "poses",
        [](S& s, Text, Text text) { s.skip_steps = parse_switch(text); }, [](const S& s) { return one(s.skip_steps); },
-       nullptr, "Walk through the model's steps [default]"},
+       nullptr, "Solve the model's steps one after the other [default]"},
       {"units", nullptr, false, "SYSTEM", nullptr, kLoads,
-       "The model's system of units where it names none: FEBio's SI, mm-N-s, CGS, ...",
+       "The model's system of units, if it names none: FEBio's SI, mm-N-s, CGS, ...",
        [](S& s, Text, Text text) { s.units = text; }, [](const S& s) { return word_or_nothing(s.units); }},
       {"squash", nullptr, false, "true|false", nullptr, kOutput, "Show cartilage compressed [default]",
        [](S& s, Text, Text text) { s.squash = parse_switch(text); }, [](const S& s) { return one(s.squash); }, nullptr,
        "Show cartilage rigid with its bone, not compressed"},
       {"inside", nullptr, false, "true|false", nullptr, kOutput,
-       "Also stress and strain inside the cartilage: of its elements, at the bone, at the surface (law layer); takes "
-       "up "
+       "Also stress and strain inside the cartilage: of its elements, at the bone, at the surface (law layer only); up "
        "to half as long again",
        [](S& s, Text, Text text) { s.inside = parse_switch(text); }, [](const S& s) { return one(s.inside); }, nullptr,
-       "Pressures on the surfaces alone [default]"},
+       "Only pressures on the surfaces [default]"},
   };
 }
 
@@ -465,48 +466,46 @@ std::vector<SettingOption> table_options() {
   using S = Settings;
   return {
       {"loads", nullptr, false, "FILE", nullptr, kTables,
-       "Forces and moments on one body, a row a state: CSV with a line of names, or OpenSim's .sto, .mot; they take "
-       "the "
-       "place of all that the model puts on that body, at the end of its last step",
+       "Forces and moments on one body, one state per row: CSV with a line of names, or OpenSim's .sto, .mot; they "
+       "replace all that the model puts on that body at the end of its last step",
        [](S& s, Text, Text text) { s.loads.file = text; }, [](const S& s) { return word_or_nothing(s.loads.file); }},
       {"load-body", nullptr, false, "BODY", nullptr, kTables,
-       "The body on which they act; force and moment's point: see load-at",
+       "The body on which the loads act; at which point: see load-at",
        [](S& s, Text, Text text) { s.loads.body = text; }, [](const S& s) { return word_or_nothing(s.loads.body); }},
       {"load-columns", nullptr, false, "FX,FY,FZ[,MX,MY,MZ]", nullptr, kTables,
        "Names of the columns [found by name: fx, force_x, ..._fx, mx, moment_x, ...]",
        [](S& s, Text, Text text) { s.loads.columns = text; },
        [](const S& s) { return word_or_nothing(s.loads.columns); }},
       {"load-frame", nullptr, false, "global|BODY|frame:NAME[,BODY]|x,y,z/x,y,z/x,y,z", nullptr, kTables,
-       "Axes of the table: global; a body's (the global ones in its reference position, turning with it); those of a "
-       "frame, which turn with a body if one is named; three axes in global directions [global]",
+       "Axes of the table: global; BODY: the global ones in its reference position, which turn with it; a frame's, "
+       "which turn with BODY if it is named; or three axes in global directions [global]",
        [](S& s, Text, Text text) { s.loads.frame = parse_frame(text); },
        [](const S& s) { return frame_of(s.loads.frame); }},
       {"load-units", nullptr, false, "FORCE-LENGTH", nullptr, kTables,
        "Units of the table: N-m, N-mm, kN-m, ... [the model's; OpenSim's: N-m]",
        [](S& s, Text, Text text) { s.loads.units = text; }, [](const S& s) { return word_or_nothing(s.loads.units); }},
       {"body-weight", nullptr, false, "NUMBER", "FORCE", kTables,
-       "Columns are in % of this body weight (a force, in the model's)",
+       "Columns are in % of this body weight (a force, in the model's unit)",
        [](S& s, Text, Text text) { s.loads.body_weight = parse_positive(text); },
        [](const S& s) { return number_or_nothing(s.loads.body_weight); }},
       {"motion", nullptr, false, "FILE", nullptr, kTables,
-       "Poses of one body, a row a state: columns tx, ty, tz and, if it turns, rx, ry, rz, from its starting pose, "
-       "global "
-       "axes; they prescribe these dofs",
+       "Poses of one body, one state per row: columns tx, ty, tz and, if it turns, rx, ry, rz, from its starting pose, "
+       "in global axes; these motions are prescribed",
        [](S& s, Text, Text text) { s.motion.file = text; }, [](const S& s) { return word_or_nothing(s.motion.file); }},
       {"motion-body", nullptr, false, "BODY", nullptr, kTables,
-       "The body that is moved; it turns about its centre of mass, or the point of rotate-about",
+       "The body that the motion moves; it turns about its centre of mass or the point of rotate-about",
        [](S& s, Text, Text text) { s.motion.body = text; }, [](const S& s) { return word_or_nothing(s.motion.body); }},
       {"motion-columns", nullptr, false, "TX,TY,TZ[,RX,RY,RZ]", nullptr, kTables,
        "Names of the columns [found by name]", [](S& s, Text, Text text) { s.motion.columns = text; },
        [](const S& s) { return word_or_nothing(s.motion.columns); }},
       {"motion-rotation", nullptr, false, "vector|xyz|zxy|...", nullptr, kTables,
-       "What the three rotations are: a rotation vector, or angles about x, y and z, taken in this order, each about "
-       "the "
-       "body's axis as the ones before have turned it",
+       "What rx, ry, rz are: a rotation vector, or angles about x, y and z, applied in the order given (zxy: z first), "
+       "each about the body's axis as turned so far",
        [](S& s, Text, Text text) { s.motion.rotation = parse_rotation(text); },
        [](const S& s) { return word_or_nothing(s.motion.rotation); }},
       {"motion-units", nullptr, false, "ANGLE-LENGTH", nullptr, kTables,
-       "Units of the table: deg-mm, rad-m, ... [needed where it turns; OpenSim's: as it says, m]",
+       "Units of the table: deg-mm, rad-m, ... [must be given if the body turns; OpenSim files say degrees or radians, "
+       "m]",
        [](S& s, Text, Text text) { s.motion.units = text; },
        [](const S& s) { return word_or_nothing(s.motion.units); }},
   };
@@ -516,8 +515,8 @@ std::vector<SettingOption> frame_options() {
   using S = Settings;
   return {
       {"frame", "name", false, "x,y,z/x,y,z/x,y,z", nullptr, kFrames,
-       "Axes x, y, z of a frame in global directions, which rotate, move, force and load-frame may name; `dea build` "
-       "writes those of landmarks; may be repeated",
+       "Axes x, y, z of a frame in global directions, for frame:NAME in rotate, move, force and load-frame; `dea "
+       "build` makes frames from landmarks; may be repeated",
        [](S& s, Text key, Text text) {
          if (key.find(',') != std::string::npos) throw bad_value(key, "a frame's name without a comma");
          s.frames[key] = parse_axes(text);
