@@ -5,8 +5,8 @@
 #include <csignal>
 #include <cstring>
 
-#include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/files/system.h>
 
 namespace dea {
 
@@ -19,18 +19,13 @@ std::atomic<int> received = SIGINT;
 std::atomic<bool> terminal = false;
 static_assert(StopFlag::is_always_lock_free && std::atomic<UnderWay>::is_always_lock_free);
 
-void write_all(const char* text) {
-  if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) return;  // nobody is left to be told
-}
-
 void on_signal(int signal) {
   const bool again = stop.exchange(true);
   received = signal;
   if (!again && under_way != UnderWay::NothingToLose) return;
   remove_unfinished();
-  remove_held();
-  if (terminal) write_all("\r\033[K");  // half a line of progress may be there
-  write_all("dea: stopped\n");
+  if (terminal) write_all(kStandardError, "\r\033[K");  // half a line of progress may be there
+  write_all(kStandardError, "dea: stopped\n");
   ::_exit(128 + signal);
 }
 
