@@ -1,24 +1,17 @@
 #include <febiodea/app/animate.h>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <sstream>
 
+#include <febiodea/app/process.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/files/system.h>
 #include <febiodea/views/map/gif.h>
 #include <febiodea/views/map/map_paint.h>
 
@@ -29,27 +22,12 @@ namespace {
 using Show = std::function<void(MapFigure&, int frame, int frames)>;
 using EachFrame = std::function<void(const Show&)>;
 
-/// The rest of a program that is gone shall not take ours with it: writing fails instead.
-struct IgnoreBrokenPipes {
-  struct sigaction before = {};
-  IgnoreBrokenPipes() {
-    struct sigaction ignore = {};
-    ignore.sa_handler = SIG_IGN;
-    ::sigaction(SIGPIPE, &ignore, &before);
-  }
-  ~IgnoreBrokenPipes() { restore(); }
-  void restore() const { ::sigaction(SIGPIPE, &before, nullptr); }
-};
-
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
 /// ffmpeg, which takes pixels from a pipe and writes to an open file.
 class Encoder {
  public:
   Encoder(const std::string& path, const Image& first, double fps, const Rgb& background, int file)
-      : path_(path), said_(std::tmpfile(), std::fclose) {
-    constexpr int kFile = 3;  // in the child
-    std::vector<std::string> words = {
+      : path_(path), said_(open_nameless()) {
+    const std::vector<std::string> words = {
         "ffmpeg", "-hide_banner", "-nostats", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24",
         "-video_size", fmt::format("{}x{}", first.width, first.height), "-framerate", fmt::format("{:.6f}", fps), "-i",
         "pipe:0",
@@ -62,77 +40,48 @@ class Encoder {
         "-color_primaries", "bt709", "-color_trc", "bt709",
         // the same bytes every time, on machines with however many cores
         "-threads", "1", "-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags",
-        "+faststart", "-f", "mp4", fmt::format("/dev/fd/{}", kFile)};
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    int ends[2];
-    if (::pipe(ends) != 0) throw WriteError(fmt::format("{}: no pipe to ffmpeg", path_));
-    const int said = said_ ? ::fileno(said_.get()) : STDERR_FILENO;
-    child_ = ::fork();
-    if (child_ == 0) {
-      broken_pipes_.restore();
-      // to numbers above those that are set, so that none is overwritten before it has been copied
-      const int from = ::fcntl(ends[0], F_DUPFD, 10), to = ::fcntl(file, F_DUPFD, 10), err = ::fcntl(said, F_DUPFD, 10);
-      ::dup2(from, STDIN_FILENO);
-      ::dup2(err, STDOUT_FILENO);
-      ::dup2(err, STDERR_FILENO);
-      ::dup2(to, kFile);
-      for (const int done : {from, to, err}) ::close(done);
-      if (ends[1] != kFile && ends[1] > STDERR_FILENO) ::close(ends[1]);
-      ::execvp(argv[0], argv.data());
-      ::_exit(127);
-    }
-    ::close(ends[0]);
-    pipe_ = ends[1];
+        "+faststart", "-f", "mp4", "/dev/fd/3"};
+    int frames = -1;
+    if (!open_pipe(frames, pipe_)) throw WriteError(fmt::format("{}: no pipe to ffmpeg", path_));
+    const int said = said_ < 0 ? kStandardError : said_;
+    child_ = start_program(words, {frames, said, said, file});
+    close_file(frames);
     if (child_ < 0) {
-      ::close(pipe_);
+      close_file(pipe_);
       throw WriteError(fmt::format("{}: ffmpeg cannot be started", path_));
     }
   }
   ~Encoder() {
+    close_file(said_);
     if (child_ <= 0) return;
-    ::close(pipe_);
-    ::kill(child_, SIGKILL);  // what it has written is taken away
-    wait();
+    close_file(pipe_);
+    kill_program(child_);  // what it has written is taken away
+    wait_for(child_);
   }
   Encoder(const Encoder&) = delete;
   Encoder& operator=(const Encoder&) = delete;
 
   void add(const Image& frame) {
-    for (std::size_t done = 0; done < frame.rgb.size();) {
-      const ssize_t n = ::write(pipe_, frame.rgb.data() + done, frame.rgb.size() - done);
-      if (n > 0) {
-        done += static_cast<std::size_t>(n);
-      } else if (n < 0 && errno != EINTR) {
-        end();  // it has ended before its time, and says why
-        throw WriteError(fmt::format("{}: ffmpeg ended before the last frame", path_));
-      }
-    }
+    const std::string_view pixels(reinterpret_cast<const char*>(frame.rgb.data()), frame.rgb.size());
+    if (write_all(pipe_, pixels) == 0) return;
+    end();  // it has ended before its time, and says why
+    throw WriteError(fmt::format("{}: ffmpeg ended before the last frame", path_));
   }
 
   void end() {
-    ::close(pipe_);
-    const int status = wait();
+    close_file(pipe_);
+    const int code = wait_for(child_);
     child_ = 0;
-    if (status == 0) return;
+    if (code == 0) return;
     const std::string why = last_line();
     throw WriteError(fmt::format("{}: ffmpeg failed{}", path_, why.empty() ? "" : ": " + why));
   }
 
  private:
-  int wait() const {
-    int status = 0;
-    while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
-    }
-    return status;
-  }
   std::string last_line() const {
-    if (!said_) return "";
-    std::rewind(said_.get());
-    std::string text;
-    char part[4096];
-    for (std::size_t n; (n = std::fread(part, 1, sizeof part, said_.get())) > 0;) text.append(part, n);
+    std::string text, part;
+    do text += part = read_at(said_, text.size(), 4096);
+    while (!part.empty());
     std::string last;
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);)
@@ -141,19 +90,11 @@ class Encoder {
   }
 
   std::string path_;
-  File said_;
-  IgnoreBrokenPipes broken_pipes_;
-  pid_t child_ = 0;
+  int said_;
+  const Ignored broken_pipe_{Signal::BrokenPipe};  // writing fails instead of ending us too
+  int child_ = 0;
   int pipe_ = -1;
 };
-
-bool has_ffmpeg() {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (::access((std::filesystem::path(folder) / "ffmpeg").c_str(), X_OK) == 0) return true;
-  return false;
-}
 
 void write_gif(const Animation& animation, const PictureOptions& look, const EachFrame& each) {
   write_pieces(animation.path, [&](const std::function<void(const std::string&)>& put) {
@@ -215,7 +156,7 @@ AnimationFormat animation_format(const std::string& path) {
 }
 
 void require_encoder(const Animation& animation) {
-  if (animation.format == AnimationFormat::Mp4 && !has_ffmpeg())
+  if (animation.format == AnimationFormat::Mp4 && !on_path("ffmpeg"))
     throw WriteError(
         fmt::format("{}: MP4 is made by ffmpeg, which is not found; install it (Debian: ffmpeg), or give "
                     "--animate a name that ends in .gif",

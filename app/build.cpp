@@ -1,10 +1,7 @@
 // `dea build`: bones' and cartilages' surfaces become a joint model.
 #include <fmt/format.h>
 
-#include <stdlib.h>
-#include <unistd.h>
 #include <algorithm>
-
 #include <filesystem>
 #include <map>
 
@@ -19,6 +16,7 @@
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/files/system.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/views/build_page/build_page.h>
 #include <febiodea/views/data/build_json.h>
@@ -73,19 +71,13 @@ void tell_held_forces(const BuildRequest& request, std::vector<std::string>& fin
 /// The pose that balances each load, by dea itself.
 std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoint& built, Progress& progress) {
   progress.now("balance", "", built.loads() > 1 ? "balance of the loads" : "balance of the load");
-  std::string name = (std::filesystem::temp_directory_path() / "dea_build_XXXXXX").string();
-  const int file = ::mkstemp(name.data());
-  if (file < 0) throw WriteError(name + ": no temporary file");
-  ::close(file);
-  struct Removed {
-    std::string path;
-    ~Removed() {
-      std::error_code error;
-      std::filesystem::remove(path, error);
-    }
-  } removed{name};
-  write_text(name, text);
-  JointModel model = read_feb(name);
+  std::filesystem::path name;
+  const int file = create_temporary(std::filesystem::temp_directory_path(), name);
+  if (file < 0) throw WriteError(name.string() + ": no temporary file");
+  close_file(file);
+  const Temporary temporary(name);
+  write_text(temporary.path, text);
+  JointModel model = read_feb(temporary.path);
   const std::vector<TimePoint> times = model_times(model);
   AnalysisOptions options;
   options.times.assign(times.end() - static_cast<std::ptrdiff_t>(built.loads()), times.end());

@@ -1,12 +1,10 @@
 #include <febiodea/app/interrupt.h>
 
-#include <unistd.h>
+#include <cstdlib>
 
-#include <csignal>
-#include <cstring>
-
-#include <febiodea/io/files/held_outputs.h>
+#include <febiodea/app/process.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/files/system.h>
 
 namespace dea {
 
@@ -15,37 +13,25 @@ namespace {
 // A handler may read and write nothing else.
 StopFlag stop = false;
 std::atomic<UnderWay> under_way = UnderWay::NothingToLose;
-std::atomic<int> received = SIGINT;
+std::atomic<int> received = 0;
 std::atomic<bool> terminal = false;
 static_assert(StopFlag::is_always_lock_free && std::atomic<UnderWay>::is_always_lock_free);
 
-void write_all(const char* text) {
-  if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) return;  // nobody is left to be told
-}
-
 void on_signal(int signal) {
-  const bool again = stop.exchange(true);
   received = signal;
+  const bool again = stop.exchange(true);
   if (!again && under_way != UnderWay::NothingToLose) return;
   remove_unfinished();
-  remove_held();
-  if (terminal) write_all("\r\033[K");  // half a line of progress may be there
-  write_all("dea: stopped\n");
-  ::_exit(128 + signal);
+  if (terminal) write_all(kStandardError, "\r\033[K");  // half a line of progress may be there
+  write_all(kStandardError, "dea: stopped\n");
+  std::_Exit(128 + signal);
 }
 
 }  // namespace
 
 void watch_interrupts() {
   terminal = stderr_is_terminal();
-  for (const int signal : {SIGINT, SIGTERM}) {
-    struct sigaction action = {};
-    if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
-    action = {};
-    action.sa_handler = on_signal;
-    action.sa_flags = SA_RESTART;
-    ::sigaction(signal, &action, nullptr);
-  }
+  handle_interrupts(on_signal);
 }
 
 void now_under_way(UnderWay what) {

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
 #include <exception>
 #include <new>
 #include <sstream>
 
 #include <febiodea/app/commands.h>
 #include <febiodea/app/interrupt.h>
+#include <febiodea/app/process.h>
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/io/files/free_memory.h>
@@ -190,7 +190,7 @@ int parse_and_run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails the write, like a full disk, and is reported
+  outlive_file_size_limit();
   watch_interrupts();
   try {
     std::vector<std::string> words = help_words(argc, argv);

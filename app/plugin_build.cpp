@@ -1,20 +1,16 @@
 // `dea plugin-build`: compiles the plugin for the FEBio that is installed, from the source that came with the program.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/app/process.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/files/system.h>
 
 namespace dea {
 
@@ -78,7 +74,7 @@ struct Workshop {
   Workshop() {
     std::error_code error;
     std::string name = (fs::temp_directory_path(error) / "febiodea_plugin_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw WriteError(fmt::format("{}: no temporary folder", name));
+    if (!make_own_folder(name)) throw WriteError(fmt::format("{}: no temporary folder", name));
     path = name;
   }
   ~Workshop() {
@@ -90,50 +86,16 @@ struct Workshop {
   fs::path log_file() const { return path / "log.txt"; }
 };
 
-/// Our child gets Ctrl-C too and ends; we stay to tidy up.
-struct IgnoreInterrupts {
-  struct sigaction interrupt = {}, quit = {};
-  IgnoreInterrupts() {
-    struct sigaction ignore = {};
-    ignore.sa_handler = SIG_IGN;
-    ::sigaction(SIGINT, &ignore, &interrupt);
-    ::sigaction(SIGQUIT, &ignore, &quit);
-  }
-  ~IgnoreInterrupts() { restore(); }
-  void restore() const {
-    ::sigaction(SIGINT, &interrupt, nullptr);
-    ::sigaction(SIGQUIT, &quit, nullptr);
-  }
-};
-
-constexpr int kNotFound = 127;
-
 /// Runs a program of the path with these words, no shell between. What it prints goes to the end of `log_file`, or to
 /// standard error when that is empty.
-int run_program(std::vector<std::string> words, const std::string& log_file) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  int out = STDERR_FILENO;
-  if (!log_file.empty()) {
-    out = ::open(log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-    if (out < 0) throw WriteError(fmt::format("{}: the log of the build", log_file));
-  }
-  const IgnoreInterrupts ignoring;
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ignoring.restore();
-    ::dup2(out, STDOUT_FILENO);
-    ::dup2(out, STDERR_FILENO);
-    ::execvp(argv[0], argv.data());
-    ::_exit(kNotFound);
-  }
-  int status = 0;
-  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (out != STDERR_FILENO) ::close(out);
-  if (child < 0) return kNotFound;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+int run_program(const std::vector<std::string>& words, const std::string& log_file) {
+  const int said = log_file.empty() ? kStandardError : open_file(log_file, OpenAs::Log);
+  if (said < 0) throw WriteError(fmt::format("{}: the log of the build", log_file));
+  const Ignored interrupt(Signal::Interrupt), quit(Signal::Quit);  // they end our child; we stay to tidy up
+  const int child = start_program(words, {0, said, said});
+  const int code = child < 0 ? kNotFound : wait_for(child);
+  if (said != kStandardError) close_file(said);
+  return code;
 }
 
 std::string stripped(const std::string& line) {

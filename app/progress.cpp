@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/files/system.h>
 
 namespace dea {
 

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <sys/stat.h>
-
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <utility>
@@ -108,12 +107,15 @@ py::tuple said_again(const SaidSettings& said) {
 }
 
 std::vector<FileThen> files_now(const std::vector<std::string>& paths) {
+  namespace fs = std::filesystem;
   std::vector<FileThen> files;
   for (const std::string& path : paths) {
-    struct stat now = {};
-    const std::string whole = std::filesystem::absolute(path).string();
-    if (::stat(whole.c_str(), &now) == 0)
-      files.push_back({whole, now.st_size, std::int64_t{now.st_mtim.tv_sec} * 1000000000 + now.st_mtim.tv_nsec});
+    std::error_code error;
+    const auto written = fs::last_write_time(path, error);
+    if (error) continue;
+    const std::chrono::nanoseconds since_1970 = std::chrono::file_clock::to_sys(written).time_since_epoch();
+    files.push_back(
+        {fs::absolute(path).string(), static_cast<std::int64_t>(fs::file_size(path, error)), since_1970.count()});
   }
   return files;
 }

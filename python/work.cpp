@@ -1,11 +1,11 @@
 #include <febiodea/python/work.h>
 
-#include <unistd.h>
-
 #include <atomic>
 #include <chrono>
 #include <set>
 #include <thread>
+
+#include <febiodea/io/files/system.h>
 
 namespace dea::python {
 
@@ -24,7 +24,7 @@ struct Worker {
 
 /// All workers of this process. Never destroyed: threads may outlive this library's statics.
 struct Workshop {
-  pid_t process = ::getpid();
+  int process = process_id();
   std::mutex mutex;
   std::condition_variable changed;
   std::vector<std::shared_ptr<Worker>> idle;
@@ -35,7 +35,7 @@ struct Workshop {
 Workshop& workshop() {
   static std::atomic<Workshop*> current = new Workshop;
   Workshop* shop = current.load();
-  if (shop->process == ::getpid()) return *shop;
+  if (shop->process == process_id()) return *shop;
   Workshop* own = new Workshop;
   if (current.compare_exchange_strong(shop, own)) return *own;
   delete own;

@@ -1,5 +1,5 @@
-"""Who includes whom: python3 includes.py SOURCE. Fails on an include that goes up the house, and on circles. And who words
-settings: src has no text with an option of the command line.
+"""Who includes whom: python3 includes.py SOURCE. Fails on an include that goes up the house, and on circles. Who words
+settings: src has no text with an option of the command line. And who knows POSIX: two files, and the plugin.
 
 Floors, lowest first. A file includes its own floor and those below; plugin and python never include app, nor each other."""
 import pathlib
@@ -8,6 +8,8 @@ import sys
 
 FLOORS = ["base", "model", "geometry", "build", "joint", "springs", "equilibrium", "results", "run", "study", "io", "views", "app"]
 ASIDE = ["plugin", "python"]  # beside the program, on the same floors
+POSIX = {"io/files/system.cpp", "app/process.cpp"}  # who may ask the operating system
+LIBRARIES = {"cairo.h", "cholmod.h", "gif_lib.h", "muParser.h", "sqlite3.h", "tinyxml2.h", "zlib.h"}  # other headers of such names are the system's
 source = pathlib.Path(sys.argv[1])
 
 
@@ -30,6 +32,11 @@ for file in files:
         faults.append(f"{name(file)}: an include in quotes; write <febiodea/...> in full")
     if re.search(r"^#include <sqlite3\.h>", text, re.M) and not name(file).startswith("io/study/"):
         faults.append(f"{name(file)} includes sqlite3.h: only io/study does, which is a library by itself")
+    if name(file) not in POSIX and not name(file).startswith("plugin/"):
+        headers = re.findall(r"^ *# *include *<(csignal|(?:sys|net|netinet|arpa|linux)/[^>]+|\w+\.h)>", text, re.M)
+        calls = re.findall(r"(?<![\w:>])::[a-z]\w* ?\(", re.sub(r"//.*", "", text))  # ::open(
+        for found in [h for h in headers if h not in LIBRARIES] + calls:
+            faults.append(f"{name(file)} has {found}: only {' and '.join(sorted(POSIX))} know POSIX")
     for other in re.findall(r"^#include <febiodea/([^>]+)>", text, re.M):
         if "/" not in other:
             continue  # version.h

@@ -1,7 +1,6 @@
 #include <febiodea/io/files/free_memory.h>
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/files/job_limits.h>
+#include <febiodea/io/files/system.h>
 
 namespace dea {
 
@@ -19,10 +19,8 @@ constexpr double kBytesOfKilobyte = 1024;
 
 /// What the address space still has room for.
 double free_addresses() {
-  rlimit limit = {};
-  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kInfinity;
   const double taken = number_after("/proc/self/status", "VmSize:") * kBytesOfKilobyte;
-  return std::max(0.0, static_cast<double>(limit.rlim_cur) - (taken < kInfinity ? taken : 0.0));
+  return std::max(0.0, address_limit() - (taken < kInfinity ? taken : 0.0));
 }
 
 /// What Slurm's job may still take on this node, where all of it is this process.

@@ -1,6 +1,6 @@
 // febiodea/io/files/held_outputs.h – output files that one command at a time works for.
 #pragma once
-#include <string>
+#include <memory>
 #include <vector>
 
 #include <febiodea/io/files/output.h>
@@ -21,7 +21,7 @@ class HeldOutputs {
   friend HeldOutputs hold_outputs(const std::vector<NamedPath>& outputs);
   struct Held {
     int file;
-    std::string path;
+    std::unique_ptr<Temporary> name;
   };
   std::vector<Held> held_;
 };
@@ -32,8 +32,5 @@ class HeldOutputs {
 
 /// check_outputs, then hold_outputs.
 [[nodiscard]] HeldOutputs claim_outputs(const std::vector<NamedPath>& inputs, const std::vector<NamedPath>& outputs);
-
-/// Takes away the files of all locks. For signal handlers, before they end the program.
-void remove_held();
 
 }  // namespace dea

@@ -1,20 +1,18 @@
 #include <febiodea/io/files/output.h>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <system_error>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/io/files/system.h>
 
 namespace dea {
 
@@ -22,77 +20,62 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string reason(int error) { return std::generic_category().message(error); }
-
-/// All bytes to an open file. 0 or the error.
-int write_all(int file, const std::string& text) {
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = ::write(file, text.data() + done, text.size() - done);
-    if (n > 0)
-      done += static_cast<std::size_t>(n);
-    else if (n < 0 && errno != EINTR)
-      return errno;
-  }
-  return 0;
-}
-
 using Pieces = std::function<void(const std::function<void(const std::string& piece)>& put)>;
 
-/// An open file is written, then closed. `path`: as the user calls it.
-void write_and_close(int file, const std::string& path, const std::function<void(int file)>& write) {
-  try {
-    write(file);
-  } catch (...) {
-    ::close(file);
-    throw;
-  }
-  if (::close(file) != 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
-}
-
-/// The same of all pieces.
-void put_and_close(int file, const std::string& path, const Pieces& write) {
-  write_and_close(file, path, [&](int open) {
-    write([&](const std::string& piece) {
-      const int why = write_all(open, piece);
-      if (why != 0) throw WriteError(fmt::format("{}: {}", path, reason(why)));
-    });
-  });
-}
-
-/// The temporary file of write_text, the temporary folder of write_folder and its files, for remove_unfinished;
-/// nullptr: none.
-std::atomic<const char*> unfinished = nullptr;
-struct FileOfFolder {
-  std::string path;
-  const FileOfFolder* before;
+/// The paths of all Temporary. Places stay for ever, for a signal may come while others come and go.
+struct Place {
+  std::atomic<const char*> path;  ///< nullptr: free
+  Place* before;
 };
-std::atomic<const char*> unfinished_folder = nullptr;
-std::atomic<const FileOfFolder*> files_of_folder = nullptr;
+std::atomic<Place*> places = nullptr;
+
+void note(const char* path) {
+  for (Place* p = places; p != nullptr; p = p->before) {
+    const char* nothing = nullptr;
+    if (p->path.compare_exchange_strong(nothing, path)) return;
+  }
+  Place* added = new Place{path, places};
+  while (!places.compare_exchange_weak(added->before, added)) {
+  }
+}
+
+void forget(const char* path) {
+  for (Place* p = places; p != nullptr; p = p->before)
+    if (p->path == path) p->path = nullptr;
+}
 
 /// Where a path leads: links stay, what they lead to is written.
 fs::path target_of(const std::string& path) {
   std::error_code error;
   const fs::path target = path;
-  return fs::is_symlink(fs::symlink_status(target, error)) ? fs::weakly_canonical(target, error) : target;
+  if (!fs::is_symlink(fs::symlink_status(target, error))) return target;
+  const fs::path last = fs::weakly_canonical(target, error);
+  if (error) cannot_write(path, error.value());
+  return last;
 }
 
-/// A new file beside the target becomes the target when it is complete. `write` closes it.
-void write_beside(const std::string& path, const fs::path& target, const std::function<void(int file)>& write) {
-  std::error_code error;
-  const fs::path temporary = target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), ::getpid());
-  const int file = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
-  unfinished = temporary.c_str();
+/// An open file is written, then closed. `path`: as the user calls it.
+void write_and_close(int file, const std::string& path, const std::function<void(int file)>& write) {
+  if (file < 0) cannot_write(path, errno);
   try {
     write(file);
-    fs::rename(temporary, target, error);
-    if (error) throw WriteError(fmt::format("{}: {}", path, reason(error.value())));
   } catch (...) {
-    fs::remove(temporary, error);
-    unfinished = nullptr;
+    close_file(file);
     throw;
   }
-  unfinished = nullptr;
+  if (!close_file(file)) cannot_write(path, errno);
+}
+
+/// A new file beside the target becomes the target when it is complete.
+void write_beside(const std::string& path, const fs::path& target, const std::function<void(int file)>& write) {
+  fs::path name;
+  const int file = create_temporary(target.parent_path(), name);
+  if (file < 0) cannot_write(path, errno);
+  const Temporary temporary(name);
+  write_and_close(file, path, write);
+  std::error_code error;
+  fs::rename(name, target, error);
+  if (error) cannot_write(path, error.value());
 }
 
 bool same_file(const std::string& a, const std::string& b) {
@@ -138,8 +121,7 @@ void check_outputs(const std::vector<NamedPath>& inputs, const std::vector<Named
     if (!output.folder && fs::is_directory(status)) throw WriteError(fmt::format("{}: is a folder", output.path));
     if (output.folder && fs::exists(status) && !fs::is_directory(status))
       throw WriteError(fmt::format("{}: is a file, expected a folder or a new name", output.path));
-    if (output.folder && fs::is_directory(status) && ::access(path.c_str(), W_OK | X_OK) != 0)
-      throw WriteError(fmt::format("{}: {}", output.path, reason(errno)));
+    if (output.folder && fs::is_directory(status) && !may_fill(path.string())) cannot_write(output.path, errno);
   }
 }
 
@@ -152,16 +134,18 @@ void write_pieces(const std::string& path, const Pieces& write) {
     write(print);
     return;
   }
+  const auto put_all = [&](int file) {
+    write([&](const std::string& piece) {
+      if (const int why = write_all(file, piece)) cannot_write(path, why);
+    });
+  };
   std::error_code error;
   const fs::path target = target_of(path);
   const fs::file_status status = fs::status(target, error);
-  if (fs::exists(status) && !fs::is_regular_file(status)) {  // a device or a pipe cannot be replaced by renaming
-    const int file = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file < 0) throw WriteError(fmt::format("{}: {}", path, reason(errno)));
-    put_and_close(file, path, write);
-    return;
-  }
-  write_beside(path, target, [&](int file) { put_and_close(file, path, write); });
+  if (fs::exists(status) && !fs::is_regular_file(status))  // a device or a pipe cannot be replaced by renaming
+    write_and_close(open_file(target.string(), OpenAs::Writing), path, put_all);
+  else
+    write_beside(path, target, put_all);
 }
 
 void write_open_file(const std::string& path, const std::function<void(int file)>& write) {
@@ -170,7 +154,7 @@ void write_open_file(const std::string& path, const std::function<void(int file)
   const fs::file_status status = fs::status(target, error);
   if (fs::exists(status) && !fs::is_regular_file(status))
     throw WriteError(fmt::format("{}: is no file, expected one or a new name", path));
-  write_beside(path, target, [&](int file) { write_and_close(file, path, write); });
+  write_beside(path, target, write);
 }
 
 void write_folder(
@@ -187,49 +171,61 @@ void write_folder(
       throw WriteError(fmt::format("{}: holds {}; expected a new name, an empty folder or one with earlier frames only",
                                    path, entry->path().filename().string()));
   const std::string name = target.filename().string();
-  const fs::path temporary = target.parent_path() / fmt::format(".{}.{}.tmp", name, ::getpid());
-  const fs::path aside = target.parent_path() / fmt::format(".{}.{}.old", name, ::getpid());
-  if (!fs::create_directory(temporary, error)) throw WriteError(fmt::format("{}: {}", path, reason(error.value())));
-  std::deque<FileOfFolder> files;
-  const auto finish = [&](const fs::path& left) {
-    files_of_folder = nullptr;
-    unfinished_folder = nullptr;
-    fs::remove_all(left, error);
-  };
-  unfinished_folder = temporary.c_str();
-  try {
-    write([&](const std::string& file_name, const std::string& text) {
-      files.push_back({(temporary / file_name).string(), files.empty() ? nullptr : &files.back()});
-      files_of_folder = &files.back();
-      const std::string shown = fmt::format("{}/{}", path, file_name);
-      const int file = ::open(files.back().path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-      if (file < 0) throw WriteError(fmt::format("{}: {}", shown, reason(errno)));
-      put_and_close(file, shown, [&](const std::function<void(const std::string&)>& put) { put(text); });
+  const fs::path folder = target.parent_path() / fmt::format(".{}.{}.tmp", name, process_id());
+  const fs::path aside = target.parent_path() / fmt::format(".{}.{}.old", name, process_id());
+  if (!fs::create_directory(folder, error)) cannot_write(path, error.value());
+  const Temporary temporary(folder);
+  std::deque<Temporary> files;
+  write([&](const std::string& file_name, const std::string& text) {
+    files.emplace_back(folder / file_name);
+    const std::string shown = fmt::format("{}/{}", path, file_name);
+    write_and_close(open_file(files.back().path, OpenAs::New), shown, [&](int file) {
+      if (const int why = write_all(file, text)) cannot_write(shown, why);
     });
-    if (there) fs::rename(target, aside, error);
-    if (!error) fs::rename(temporary, target, error);
-    if (error) {
-      const std::error_code why = error;
-      if (fs::exists(aside, error)) fs::rename(aside, target, error);
-      throw WriteError(fmt::format("{}: {}", path, why.message()));
-    }
-  } catch (...) {
-    finish(temporary);
-    throw;
+  });
+  if (there) fs::rename(target, aside, error);
+  if (!error) fs::rename(folder, target, error);
+  if (error) {
+    const int why = error.value();
+    if (fs::exists(aside, error)) fs::rename(aside, target, error);
+    cannot_write(path, why);
   }
-  finish(aside);
+  fs::remove_all(aside, error);
+}
+
+int create_temporary(const fs::path& folder, fs::path& name) {
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    const auto stamp = static_cast<unsigned long long>(fs::file_time_type::clock::now().time_since_epoch().count());
+    name = folder / fmt::format(".dea-{:x}-{}.tmp", stamp, counter++);
+    const int file = open_file(name.string(), OpenAs::New);
+    if (file >= 0 || errno != EEXIST) return file;
+  }
+  return -1;
+}
+
+Temporary::Temporary(const fs::path& name) : path(name.string()) { note(path.c_str()); }
+
+Temporary::~Temporary() {
+  std::error_code error;
+  fs::remove_all(path, error);
+  forget(path.c_str());
 }
 
 void remove_unfinished() {
-  if (const char* path = unfinished) ::unlink(path);
-  for (const FileOfFolder* file = files_of_folder; file != nullptr; file = file->before) ::unlink(file->path.c_str());
-  if (const char* path = unfinished_folder) ::rmdir(path);
+  for (const auto remove : {remove_file, remove_empty_folder})  // a folder goes after what is in it
+    for (const Place* p = places; p != nullptr; p = p->before)
+      if (const char* path = p->path) remove(path);
+}
+
+void cannot_write(const std::string& path, int error) {
+  throw WriteError(fmt::format("{}: {}", path, reason_of(error)));
 }
 
 void print(const std::string& text) {
   errno = 0;
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw WriteError(fmt::format("standard output: {}", reason(errno)));
+    cannot_write("standard output", errno);
 }
 
 void log(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
@@ -245,8 +241,6 @@ std::string without_slash(const std::string& folder) {
 }
 
 std::string extension_of(const std::string& path) { return lower_case(fs::path(path).extension().string()); }
-
-bool stderr_is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 

@@ -1,5 +1,6 @@
 // febiodea/io/files/output.h – where results go: files that are complete or not there, standard output that is checked.
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -31,8 +32,23 @@ void write_folder(
     const std::string& path, const std::function<bool(const std::string& name)>& old,
     const std::function<void(const std::function<void(const std::string& name, const std::string& text)>& put)>& write);
 
-/// Takes away what write_text has begun and not finished. For signal handlers, before they end the program.
+/// A new file in `folder`, opened to write and read, under a short name of its own: the result's may already be as long
+/// as is allowed. -1 and errno: there is none.
+int create_temporary(const std::filesystem::path& folder, std::filesystem::path& name);
+
+/// A file or folder that is taken away at the end, if it has not got another name by then.
+struct Temporary {
+  const std::string path;
+  explicit Temporary(const std::filesystem::path& name);
+  ~Temporary();
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+};
+/// Takes away all Temporary there are. For signal handlers, before they end the program.
 void remove_unfinished();
+
+/// Throws WriteError: what the system says of `error`, errno.
+[[noreturn]] void cannot_write(const std::string& path, int error);
 
 /// Throws WriteError when standard output took not all of it.
 void print(const std::string& text);
@@ -48,9 +64,6 @@ std::string without_slash(const std::string& folder);
 
 /// ".feb" of "hip.FEB": in small letters, as names are compared.
 std::string extension_of(const std::string& path);
-
-/// Is somebody watching standard error?
-bool stderr_is_terminal();
 
 /// Seconds of a clock that never goes back.
 double seconds();

@@ -1,8 +1,6 @@
 // febiodea/io/files/spool.h – bytes that wait on disk until what they are part of is complete.
 #pragma once
 #include <cstdint>
-#include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -25,12 +23,8 @@ class Spool {
 
  private:
   std::string path_;
-  std::FILE* file_ = nullptr;
+  int file_ = -1;
   std::uint64_t size_ = 0;
 };
-
-/// A new file in `directory`, opened to write and read, under a short name of its own, `name`: the result's may already
-/// be as long as is allowed. nullptr and errno: there is none.
-std::FILE* create_temporary(const std::filesystem::path& directory, std::filesystem::path& name);
 
 }  // namespace dea

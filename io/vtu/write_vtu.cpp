@@ -1,7 +1,6 @@
 #include <febiodea/io/vtu/write_vtu.h>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -18,6 +17,7 @@
 #include <febiodea/base/time_text.h>
 #include <febiodea/io/files/encoded_text.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/files/system.h>
 
 namespace dea {
 
@@ -237,15 +237,6 @@ std::string pvd(const std::vector<float>& times) {
   return out + "</Collection>\n</VTKFile>\n";
 }
 
-/// A folder that vanishes with what is left in it.
-struct TemporaryFolder {
-  fs::path path;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
-
 }  // namespace
 
 const VtkCell& vtk_cell(int element_type) {
@@ -338,7 +329,7 @@ using Put = std::function<void(const std::string& piece)>;
 
 /// `give`: gives one of the texts, those of mesh and surfaces of each state in turn, to `put`.
 void write_files(const std::string& folder, const std::vector<float>& times,
-                  const std::function<void(std::size_t text, const Put& put)>& give) {
+                 const std::function<void(std::size_t text, const Put& put)>& give) {
   std::error_code error;
   const auto fail = [](const fs::path& path, const std::string& why) {
     throw WriteError(fmt::format("{}: {}", path.string(), why));
@@ -347,15 +338,15 @@ void write_files(const std::string& folder, const std::vector<float>& times,
   const bool made = fs::create_directory(target, error);  // false, without an error: it is there
   if (error) fail(target, error.message());
   try {
-    const fs::path own = target / fmt::format(".dea-{}.tmp", ::getpid());
+    const fs::path own = target / fmt::format(".dea-{}.tmp", process_id());
     if (!fs::create_directory(own, error))
       fail(target, error ? error.message() : fmt::format("{} is in the way", own.filename().string()));
-    const TemporaryFolder temporary{own};
+    const Temporary temporary(own);
 
     std::vector<std::string> names;
     const auto add = [&](const std::string& name, const std::function<void(const Put&)>& text) {
       if (fs::is_directory(target / name, error)) fail(target / name, "is a folder");
-      const std::string path = (temporary.path / name).string();
+      const std::string path = (own / name).string();
       try {
         write_pieces(path, text);
       } catch (const WriteError& e) {  // the user knows no temporary folder
@@ -369,7 +360,7 @@ void write_files(const std::string& folder, const std::vector<float>& times,
     }
     add("results.pvd", [&](const Put& put) { put(pvd(times)); });
     for (const std::string& name : names) {
-      fs::rename(temporary.path / name, target / name, error);
+      fs::rename(own / name, target / name, error);
       if (error) fail(target / name, error.message());
     }
   } catch (...) {

@@ -3,7 +3,6 @@
 // Files come from programs that were killed, disks that were full and copies that broke off, so no length
 // and no index is believed before it is checked, and nothing is allocated that the file does not fill.
 #include <fmt/format.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -21,6 +20,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/free_memory.h>
+#include <febiodea/io/files/system.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/io/xplt/xplt_format.h>
 
@@ -763,11 +763,11 @@ void read_mesh_or_state(const Chunk& chunk, XpltFile& file) {
 std::string bytes_of_file(const std::string& path) {
   const auto fail_reading = [&](int error) {
     if (error == ENOENT || error == ENOTDIR) throw InputError(path + ": no such file: check the path");
-    throw InputError(fmt::format("{}: {}", path, std::generic_category().message(error != 0 ? error : EIO)));
+    throw InputError(fmt::format("{}: {}", path, reason_of(error != 0 ? error : EIO)));
   };
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) fail_reading(EISDIR);
-  if (::access(path.c_str(), R_OK) != 0) fail_reading(errno);
+  if (!may_read(path)) fail_reading(errno);
   std::optional<std::string> bytes = whole_file(path, kXpltMemory);
   if (!bytes) fail_reading(EIO);
   return std::move(*bytes);

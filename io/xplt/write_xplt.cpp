@@ -5,19 +5,16 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <set>
 #include <stdexcept>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/files/output.h>
 #include <febiodea/io/files/packed_bytes.h>
 #include <febiodea/io/files/spool.h>
 #include <febiodea/io/xplt/xplt.h>
@@ -527,36 +524,6 @@ void put_state(Chunks& out, const XpltFile& file, const XpltState& state) {
   end(out);
 }
 
-// ----------------------------------------------------------------------------------------------- disk
-
-std::string cause_of(int error) { return error == 0 ? "write error" : std::generic_category().message(error); }
-
-// Writes all that belongs into a stream; false: not all of it arrived.
-using Fill = std::function<bool(std::FILE*)>;
-
-bool put_all(std::FILE* stream, const std::string& bytes) {
-  return std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size();
-}
-
-// 0, or the system's reason why not all bytes arrived. Buffered data may fail as late as in fclose.
-int write_and_close(std::FILE* stream, const Fill& fill) {
-  errno = 0;
-  bool failed = false;
-  try {
-    failed = !fill(stream);
-  } catch (...) {
-    std::fclose(stream);
-    throw;
-  }
-  int error = errno;
-  if (std::fclose(stream) != 0 && !failed) {
-    failed = true;
-    error = errno;
-  }
-  if (!failed) return 0;
-  return error != 0 ? error : EIO;
-}
-
 }  // namespace
 
 std::string xplt_bytes(const XpltFile& file) {
@@ -588,44 +555,10 @@ std::string xplt_bytes(const XpltFile& file) {
 
 namespace {
 
-// A complete file at `path`, or the one that was there.
-void replace_file(const std::string& path, const Fill& fill) {
-  namespace fs = std::filesystem;
-  const auto fail = [&](const std::string& why) { throw WriteError(fmt::format("{}: {}", path, why)); };
-  std::error_code error;
-  fs::path target = path;
-  const fs::file_type link = fs::symlink_status(target, error).type();
-  if (link == fs::file_type::symlink) {  // write to where it points, keep the link
-    target = fs::weakly_canonical(target, error);
-    if (error) fail(error.message());
-  }
-  const fs::file_type type = fs::status(target, error).type();
-  if (type == fs::file_type::directory) fail(cause_of(EISDIR));
-
-  // A device or a pipe cannot be replaced by renaming a file over it.
-  if (type != fs::file_type::regular && type != fs::file_type::not_found && type != fs::file_type::none &&
-      type != fs::file_type::unknown) {
-    errno = 0;
-    std::FILE* stream = std::fopen(target.string().c_str(), "wb");
-    if (stream == nullptr) fail(cause_of(errno));
-    const int why = write_and_close(stream, fill);
-    if (why != 0) fail(cause_of(why));
-    return;
-  }
-
-  fs::path temporary;
-  std::FILE* stream = create_temporary(target.parent_path(), temporary);
-  if (stream == nullptr) fail(cause_of(errno));
-  try {
-    const int why = write_and_close(stream, fill);
-    if (why != 0) fail(cause_of(why));
-    fs::rename(temporary, target, error);
-    if (error) fail(error.message());
-  } catch (...) {
-    std::error_code ignored;  // the first error is the one to report
-    fs::remove(temporary, ignored);
-    throw;
-  }
+// A complete file at `path`, or the one that was there. "-" is a name too.
+template <class Write>
+void replace_file(const std::string& path, const Write& write) {
+  write_pieces(path == "-" ? "./-" : path, write);
 }
 
 // What `make` gives, whose faults are told of the file.
@@ -642,7 +575,7 @@ auto of_file(const std::string& path, const Make& make) {
 
 void write_xplt(const std::string& path, const XpltFile& file) {
   const std::string bytes = of_file(path, [&] { return xplt_bytes(file); });
-  replace_file(path, [&](std::FILE* stream) { return put_all(stream, bytes); });
+  replace_file(path, [&](const auto& put) { put(bytes); });
 }
 
 XpltWriter::XpltWriter(std::string path, XpltFile head) : path_(std::move(path)), head_(std::move(head)) {
@@ -673,11 +606,9 @@ void XpltWriter::add(const XpltState& state) {
 }
 
 void XpltWriter::finish() {
-  replace_file(path_, [&](std::FILE* stream) {
-    bool all = put_all(stream, bytes_);
-    if (states_)
-      states_->read(0, states_->size(), [&](const std::string& piece) { all = all && put_all(stream, piece); });
-    return all;
+  replace_file(path_, [&](const auto& put) {
+    put(bytes_);
+    if (states_) states_->read(0, states_->size(), put);
   });
 }
 

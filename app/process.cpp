@@ -1,0 +1,85 @@
+#include <febiodea/app/process.h>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+namespace dea {
+
+namespace {
+
+using Handler = void (*)(int);
+
+/// The handler there was; a signal that is ignored stays so.
+Handler handle(int signal, Handler handler) {
+  struct sigaction action = {}, before = {};
+  if (::sigaction(signal, nullptr, &before) != 0 || before.sa_handler == SIG_IGN) return SIG_IGN;
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  ::sigaction(signal, &action, nullptr);
+  return before.sa_handler;
+}
+
+}  // namespace
+
+bool on_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (::access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+bool open_pipe(int& out, int& in) {
+  int ends[2];
+  if (::pipe(ends) != 0) return false;
+  for (const int end : ends) ::fcntl(end, F_SETFD, FD_CLOEXEC);  // who reads and holds `in` too waits for ever
+  out = ends[0];
+  in = ends[1];
+  return true;
+}
+
+int start_program(std::vector<std::string> words, std::vector<int> files) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child != 0) return child;
+  // to numbers above those that are set, so that none is overwritten before it has been copied
+  for (int& file : files) file = ::fcntl(file, F_DUPFD_CLOEXEC, 10);
+  for (std::size_t i = 0; i < files.size(); ++i) ::dup2(files[i], static_cast<int>(i));
+  ::execvp(argv[0], argv.data());
+  ::_exit(kNotFound);
+}
+
+int wait_for(int process) {
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+void kill_program(int process) { ::kill(process, SIGKILL); }
+
+void handle_interrupts(void (*handler)(int signal)) {
+  for (const int signal : {SIGINT, SIGTERM}) handle(signal, handler);
+}
+
+// By a handler that does nothing: other than SIG_IGN, it does not pass on to what is started.
+Ignored::Ignored(Signal signal)
+    : signal_(signal == Signal::Interrupt ? SIGINT
+              : signal == Signal::Quit    ? SIGQUIT
+                                          : SIGPIPE),
+      before_(handle(signal_, [](int) {})) {}
+
+Ignored::~Ignored() { handle(signal_, before_); }
+
+void outlive_file_size_limit() { std::signal(SIGXFSZ, SIG_IGN); }
+
+}  // namespace dea

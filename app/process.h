@@ -1,0 +1,42 @@
+// febiodea/app/process.h – other programs, and signals: with io/files/system.h all that dea asks of POSIX.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace dea {
+
+/// Is there such a program on the path?
+bool on_path(const std::string& program);
+
+/// What is written into `in` comes out of `out`. False: there is no pipe to be had.
+bool open_pipe(int& out, int& in);
+
+/// Starts a program of the path with these words, the first its name; no shell between. `files`: what it has as its
+/// files 0 (standard input), 1 (output), 2 (errors), 3 and so on. Its process; -1: none can be had.
+int start_program(std::vector<std::string> words, std::vector<int> files);
+/// Waits for its end: its exit code, 128 + the signal that ended it, or kNotFound.
+int wait_for(int process);
+inline constexpr int kNotFound = 127;
+void kill_program(int process);
+
+/// A signal that does nothing to this program for as long as this lives, but to what it starts meanwhile.
+enum class Signal { Interrupt, Quit, BrokenPipe };
+class Ignored {
+ public:
+  explicit Ignored(Signal signal);
+  ~Ignored();
+  Ignored(const Ignored&) = delete;
+  Ignored& operator=(const Ignored&) = delete;
+
+ private:
+  int signal_;
+  void (*before_)(int);
+};
+
+/// From here on SIGINT and SIGTERM call it; one that the program was started without (nohup) stays ignored.
+void handle_interrupts(void (*handler)(int signal));
+
+/// From here on a limit on file size fails the write, like a full disk, and is reported.
+void outlive_file_size_limit();
+
+}  // namespace dea

@@ -1,0 +1,91 @@
+#include <febiodea/io/files/system.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <system_error>
+
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+std::string reason_of(int error) { return error == 0 ? "write error" : std::generic_category().message(error); }
+
+int open_file(const std::string& path, OpenAs as) {
+  const int how = as == OpenAs::New       ? O_RDWR | O_CREAT | O_EXCL
+                  : as == OpenAs::Shared  ? O_RDWR | O_CREAT
+                  : as == OpenAs::Reading ? O_RDONLY
+                  : as == OpenAs::Writing ? O_WRONLY
+                                          : O_WRONLY | O_CREAT | O_APPEND;
+  return ::open(path.c_str(), how | O_CLOEXEC, 0666);
+}
+
+int open_nameless() {
+  std::FILE* stream = std::tmpfile();
+  if (stream == nullptr) return -1;
+  const int file = ::fcntl(::fileno(stream), F_DUPFD_CLOEXEC, 0);
+  std::fclose(stream);
+  return file;
+}
+
+bool close_file(int file) { return ::close(file) == 0; }
+
+int write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(file, bytes.data(), bytes.size());
+    if (n > 0)
+      bytes.remove_prefix(static_cast<std::size_t>(n));
+    else if (n < 0 && errno != EINTR)
+      return errno;
+  }
+  return 0;
+}
+
+std::string read_at(int file, std::uint64_t place, std::size_t most) {
+  std::string bytes(most, '\0');
+  ssize_t n = -1;
+  do {
+    errno = 0;
+    n = ::pread(file, bytes.data(), most, static_cast<off_t>(place));
+  } while (n < 0 && errno == EINTR);
+  bytes.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+  return bytes;
+}
+
+void remove_file(const char* path) { ::unlink(path); }
+void remove_empty_folder(const char* path) { ::rmdir(path); }
+
+bool make_own_folder(std::string& name) { return ::mkdtemp(name.data()) != nullptr; }
+
+bool may_read(const std::string& path) { return ::access(path.c_str(), R_OK) == 0; }
+bool may_fill(const std::string& folder) { return ::access(folder.c_str(), W_OK | X_OK) == 0; }
+
+Lock lock_file(int file) {
+  while (::flock(file, LOCK_EX | LOCK_NB) != 0)
+    if (errno != EINTR) return errno == EWOULDBLOCK ? Lock::OfAnother : Lock::Impossible;
+  return Lock::Taken;
+}
+
+bool is_named(int file, const std::string& path) {
+  struct stat opened = {}, named = {};
+  return ::fstat(file, &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+         opened.st_dev == named.st_dev;
+}
+
+int process_id() { return ::getpid(); }
+
+bool stderr_is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
+
+double address_limit() {
+  rlimit limit = {};
+  const bool limited = ::getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  return limited ? static_cast<double>(limit.rlim_cur) : kInfinity;
+}
+
+}  // namespace dea
