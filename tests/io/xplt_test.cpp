@@ -828,23 +828,68 @@ TEST(XpltWrite, FullDevice) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
+// What `act` gives where no file can have more than so many bytes.
+std::string with_room_for(rlim_t bytes, const std::function<std::string()>& act) {
+  struct rlimit before = {};
+  getrlimit(RLIMIT_FSIZE, &before);
+  struct rlimit small = before;
+  small.rlim_cur = bytes;
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  const std::string result = act();
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  return result;
+}
+
 // A disk that fills up half way: nothing of the new file is left, the old one is untouched.
 TEST(XpltWrite, DiskFullInTheMiddle) {
   Folder folder;
   const std::string path = folder / "joint.xplt";
   std::ofstream(path) << "old";
-  struct rlimit before = {};
-  getrlimit(RLIMIT_FSIZE, &before);
-  struct rlimit small = before;
-  small.rlim_cur = 500;
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  setrlimit(RLIMIT_FSIZE, &small);
-  const std::string message = write_fault(path);
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, old_handler);
-  EXPECT_EQ(message, path + ": File too large");
+  EXPECT_EQ(with_room_for(500, [&] { return write_fault(path); }), path + ": File too large");
   EXPECT_EQ(content(path), "old");
   EXPECT_EQ(folder.files(), 1);
+}
+
+// The same state by state, where the disk has room for the states that wait: for what is before them, or not even that.
+TEST(XpltWrite, DiskFullStateByState) {
+  Folder folder;
+  const std::string path = folder / "joint.xplt";
+  std::ofstream(path) << "old";
+  XpltFile head = cube();
+  for (int i = 2; i <= 1000; ++i) head.meshes[0].parts.push_back(fmt::format("part {}", i));
+  const std::size_t before_states = xplt_bytes(head).size() - xplt_bytes(cube()).size();
+  ASSERT_GT(before_states, 80000u);
+  const auto write = [&]() -> std::string {
+    try {
+      XpltWriter writer(path, head);
+      for (int i = 0; i < 100; ++i) writer.add(cube().states.front());
+      writer.finish();
+    } catch (const WriteError& error) {
+      return error.what();
+    }
+    return "no fault";
+  };
+  for (const std::size_t room : {before_states / 2, before_states + 2000}) {
+    SCOPED_TRACE(room);
+    EXPECT_EQ(with_room_for(room, write), path + ": File too large");
+    EXPECT_TRUE(content(path) == "old");
+    EXPECT_EQ(folder.files(), 1);
+  }
+}
+
+// A device takes the states as a file does.
+TEST(XpltWrite, DeviceStateByState) {
+  if (!fs::is_character_file("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  XpltWriter writer("/dev/full", cube());
+  writer.add(cube().states.front());
+  try {
+    writer.finish();
+    FAIL() << "no fault";
+  } catch (const WriteError& error) {
+    EXPECT_STREQ(error.what(), "/dev/full: No space left on device");
+  }
 }
 #endif
 
