@@ -87,12 +87,10 @@ std::vector<int> some_of(std::vector<int> nodes) {
   return some;
 }
 
-std::vector<int> nodes_of_part(const XpltMesh& mesh, const std::string& part) {
+std::vector<int> nodes_of_part(const XpltMesh& mesh, int part) {
   std::vector<int> nodes;
   for (const XpltDomain& domain : mesh.domains)
-    if (domain.part >= 1 && domain.part <= static_cast<int>(mesh.parts.size()) &&
-        mesh.parts[at(domain.part - 1)] == part)
-      nodes.insert(nodes.end(), domain.nodes.begin(), domain.nodes.end());
+    if (domain.part == part) nodes.insert(nodes.end(), domain.nodes.begin(), domain.nodes.end());
   return some_of(std::move(nodes));
 }
 
@@ -127,6 +125,7 @@ PageContext make_context(const XpltMesh& mesh) {
       }
     }
     context.parts.push_back(mesh.parts[p]);
+    context.numbers.push_back(static_cast<int>(p) + 1);
     context.begin.push_back(static_cast<std::int32_t>(context.triangles.size() / 3));
   }
   return context;
@@ -162,7 +161,7 @@ void add_motion(const ResultFile& file, int state, const std::vector<int>& surfa
   const int mesh_index = file.xplt.states[at(state)].mesh;
   const XpltMesh& mesh = mesh_of(file, state);
   std::vector<std::vector<int>> parts, sides;
-  for (const std::string& part : context.parts) parts.push_back(nodes_of_part(mesh, part));
+  for (int part : context.numbers) parts.push_back(nodes_of_part(mesh, part));
   for (int surface : surfaces) sides.push_back(some_of(mesh.surfaces[at(surface)].nodes));
   double length = 0.0;
   for (float x : context.vertices) length = std::max(length, std::abs(static_cast<double>(x)));
