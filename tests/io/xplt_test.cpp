@@ -623,20 +623,24 @@ TEST(XpltRead, RandomDamage) {
   }));
 }
 
+std::string deflated(const std::string& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string out(size, '\0');
+  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                     static_cast<uLong>(bytes.size())),
+            Z_OK);
+  out.resize(size);
+  return out;
+}
+
 // A compressed state may not unpack to more than it says: here 2 MB behind a chunk of 8 bytes.
 TEST(XpltRead, CompressedStateThatNeverEnds) {
   Writer state;
   state.u32(0x02000000);
   state.u32(8);
   state.bytes.resize(2'000'000, '\0');
-  uLongf size = compressBound(static_cast<uLong>(state.bytes.size()));
-  std::string packed(size, '\0');
-  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(state.bytes.data()),
-                     static_cast<uLong>(state.bytes.size())),
-            Z_OK);
-  packed.resize(size);
   const std::string start = xplt_bytes(compressed(cube())).substr(0, 842);
-  EXPECT_EQ(fault(start + packed), "hip.xplt: byte 842: compressed chunk longer than it says");
+  EXPECT_EQ(fault(start + deflated(state.bytes)), "hip.xplt: byte 842: compressed chunk longer than it says");
 }
 
 // Nor to more than the memory holds: here a state says that it has 4 GB, and the process may have 1 MB.
@@ -644,15 +648,9 @@ TEST(XpltRead, CompressedStateLargerThanTheMemory) {
   Writer state;
   state.u32(0x02000000);
   state.u32(0xFFFFFFF0);
-  uLongf size = compressBound(static_cast<uLong>(state.bytes.size()));
-  std::string packed(size, '\0');
-  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(state.bytes.data()),
-                     static_cast<uLong>(state.bytes.size())),
-            Z_OK);
-  packed.resize(size);
   const std::string start = xplt_bytes(compressed(cube())).substr(0, 842);
   ::setenv("SLURM_MEM_PER_NODE", "1", 1);
-  const std::string found = fault(start + packed);
+  const std::string found = fault(start + deflated(state.bytes));
   ::unsetenv("SLURM_MEM_PER_NODE");
   EXPECT_EQ(found,
             "hip.xplt: to read it needs about 8.6 GB of memory, and 0 GB are free: take a smaller file, or a "
