@@ -192,8 +192,9 @@ TEST(ReportPage, PartsMoveAsTheirNodesDo) {
   }
 }
 
-TEST(ReportPage, PartsOfOneNameMoveApart) {
-  // Three strips of a shell: the first stays, the last is lifted by 5; both materials have no name.
+TEST(ReportPage, DomainsOfOneMaterialMoveApart) {
+  // Three strips of a shell: the first stays, the last is lifted by 5. Both are cartilage, of one material or of two that
+  // have no name.
   const Vector3d lift(0, 0, 5);
   ResultFile file = moved({[&](const Vector3d& x) { return x.y() < 2.5 ? x : Vector3d(x + lift); }});
   XpltMesh& mesh = file.xplt.meshes[0];
@@ -205,14 +206,16 @@ TEST(ReportPage, PartsOfOneNameMoveApart) {
     d.nodes = {whole.nodes.begin() + 4 * begin, whole.nodes.begin() + 4 * end};
     return d;
   };
-  mesh.domains = {strip(1, 0, 6), strip(2, 6, 18), strip(3, 18, 24)};
   mesh.parts = {"", "between", ""};
-  PageContext context = make_context(mesh);
-  add_motion(file, 0, {0}, context);
-  ASSERT_EQ(context.parts_move.size(), 1u);
-  ASSERT_EQ(context.parts_move[0].size(), 3u);
-  EXPECT_LT(context.parts_move[0][0]->translation.norm(), 1e-5);
-  EXPECT_LT((context.parts_move[0][2]->translation - lift).norm(), 1e-5);
+  for (const int of_last : {1, 3}) {
+    mesh.domains = {strip(1, 0, 6), strip(2, 6, 18), strip(of_last, 18, 24)};
+    PageContext context = make_context(mesh);
+    add_motion(file, 0, {0}, context);
+    ASSERT_EQ(context.parts_move.size(), 1u);
+    ASSERT_EQ(context.parts_move[0].size(), 3u);
+    EXPECT_LT(context.parts_move[0][0]->translation.norm(), 1e-5);
+    EXPECT_LT((context.parts_move[0][2]->translation - lift).norm(), 1e-5);
+  }
 }
 
 TEST(ReportPage, HoldsTheFilesNumbersExactlyWhenFew) {

@@ -20,8 +20,8 @@ struct PagePose {
 struct PageContext {
   std::vector<float> vertices;            ///< 3 each
   std::vector<std::int32_t> triangles;    ///< 3 each
-  std::vector<std::string> parts;         ///< materials; several may have one name, or none
-  std::vector<int> numbers;               ///< of each part in the mesh, from 1
+  std::vector<std::string> parts;         ///< per domain of the mesh its material: bodies that move apart may share one
+  std::vector<std::size_t> domains;       ///< which these are
   std::vector<std::int32_t> begin = {0};  ///< per part + 1: range of its triangles
   std::string note;                       ///< why there is none
   /// Where the parts, and the page's surfaces, stand in each state; none: the state has no displacement. Empty: nothing
