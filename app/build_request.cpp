@@ -269,11 +269,7 @@ double scale_of(const BuildArguments& a) {
 
 /// Bones of a joint are some cm to some dm long. What was taken for granted; empty: nothing.
 std::string refuse_size(const BuildSources& sources, const BuildRequest& request) {
-  double size = 0;
-  for (const BoneRequest& b : request.bones) {
-    const auto box = box_of(b.surface);
-    size = std::max(size, (box[1] - box[0]).maxCoeff());
-  }
+  const double size = size_of_bones(request.bones);
   if (sources.scale_given) {
     constexpr double kLeast = 0.5, kMost = 10000;  // a finger's joint of a mouse, a whale's jaw
     if (size >= kLeast && size <= kMost) return "";
@@ -405,7 +401,7 @@ void read_all_landmarks(const BuildSources& sources, AnatomyRequest& anatomy, st
                        fmt::format("found landmarks in {}, and in {} before, expected one of them", file.axes, axes));
     if (!file.axes.empty()) axes = file.axes;
     for (Landmark l : file.landmarks) {
-      l.point *= sources.landmark_scale;
+      l.point *= anatomy.landmark_scale;
       l.file = path;
       if (sources.flip_landmarks) l.point.head<2>() *= -1;
       anatomy.landmarks.push_back(l);
@@ -476,8 +472,8 @@ BuildInputs build_inputs(const BuildArguments& a) {
     inputs.files.push_back({"--region", n.value});
   }
   sources.landmarks = a.landmarks;
-  sources.landmark_scale = a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
-  inputs.anatomy.landmark_scale = sources.landmark_scale;
+  inputs.anatomy.landmark_scale =
+      a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
   sources.flip_landmarks = a.flip_landmarks;
   for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
   add_loads(a, inputs);

@@ -25,13 +25,12 @@ struct CartilageFile {
 
 /// What is to be read, and how.
 struct BuildSources {
-  double scale = 1.0;        ///< of all coordinates, to mm
+  double scale = 1.0;        ///< of all coordinates, to mm; of landmarks: AnatomyRequest::landmark_scale
   bool scale_given = false;  ///< else the bones' size has to fit
   std::vector<MirrorPlane> mirrors;
   std::vector<std::string> bones;  ///< as the request's
   std::vector<CartilageFile> outer, places, regions;
   std::vector<std::string> landmarks;
-  double landmark_scale = 1.0;  ///< of theirs
   bool flip_landmarks = false;
   LoadTable loads;  ///< no file: none
 };

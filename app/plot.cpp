@@ -127,7 +127,7 @@ std::vector<std::string> labels(const PlotArguments& a) {
   return a.labels;
 }
 
-/// Ends of the name that are -o's and --animate's are told apart.
+/// A picture or an animation, each under its own option's name.
 void refuse_mixed_outputs(const PlotArguments& a) {
   if (!a.animate.empty() && !a.output.empty())
     throw UsageError("-o and --animate: found both, expected one of them: a picture or an animation");

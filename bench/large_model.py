@@ -39,7 +39,7 @@ def hemisphere(n):
 
 
 def write_model(path, n, cartilage, bone, states=1):
-    """Both layers `cartilage` hexahedra deep on bones `bone` hexahedra deep, 3 n n in each sheet. Returns how many hexahedra there are."""
+    """Both layers `cartilage` hexahedra deep on bones `bone` hexahedra deep, 3 n n in each sheet. Returns how many hexahedra and nodes there are."""
     points, quads = hemisphere(n)
     count, elements = len(points), 0
 

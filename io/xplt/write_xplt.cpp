@@ -578,27 +578,17 @@ void write_xplt(const std::string& path, const XpltFile& file) {
   replace_file(path, [&](const auto& put) { put(bytes); });
 }
 
-XpltWriter::XpltWriter(std::string path, XpltFile head) : path_(std::move(path)), head_(std::move(head)) {
+XpltWriter::XpltWriter(std::string path, XpltFile head)
+    : path_(std::move(path)), head_(std::move(head)), states_(path_) {
   head_.states.clear();
   require(head_.meshes.size() == 1, "state by state: one mesh");
   bytes_ = of_file(path_, [&] { return xplt_bytes(head_); });
-  std::error_code error;
-  const auto type = std::filesystem::status(path_, error).type();
-  using std::filesystem::file_type;
-  if (type == file_type::regular || type == file_type::not_found) states_.emplace(path_);
-}
-
-void XpltWriter::put(const std::string& bytes) {
-  if (states_)
-    states_->add(bytes);
-  else
-    bytes_ += bytes;
 }
 
 void XpltWriter::add(const XpltState& state) {
   require(state.mesh == 0, "mesh of a state");
   check_state(head_, state);
-  put(of_file(path_, [&] {
+  states_.add(of_file(path_, [&] {
     Chunks chunk;
     put_state(chunk, head_, state);
     return head_.compressed ? packed_bytes(chunk.bytes) : std::move(chunk.bytes);
@@ -608,7 +598,7 @@ void XpltWriter::add(const XpltState& state) {
 void XpltWriter::finish() {
   replace_file(path_, [&](const auto& put) {
     put(bytes_);
-    if (states_) states_->read(0, states_->size(), put);
+    states_.read(0, states_.size(), put);
   });
 }
 

@@ -145,9 +145,8 @@ std::string xplt_bytes(const XpltFile& file);
 /// older result stays until the new one is complete. Devices and pipes are written directly. Throws WriteError.
 void write_xplt(const std::string& path, const XpltFile& file);
 
-/// A plot file that is written state by state, so that memory holds one at a time. States lie in a file without a name,
-/// beside `path`, until finish brings all to `path` as write_xplt does: whoever ends before leaves nothing behind,
-/// killed or not.
+/// A plot file that is written state by state, so that memory holds one at a time. States wait on disk (Spool) until
+/// finish brings all to `path` as write_xplt does: whoever ends before leaves nothing behind, killed or not.
 class XpltWriter {
  public:
   /// `head`: header, dictionary and one mesh; its states are left out. Throws as write_xplt.
@@ -156,10 +155,9 @@ class XpltWriter {
   void finish();
 
  private:
-  void put(const std::string& bytes);
-  std::string path_, bytes_;  ///< all before the states; where `path` is a device or a pipe, the states too
+  std::string path_, bytes_;  ///< bytes: all before the states
   XpltFile head_;
-  std::optional<Spool> states_;
+  Spool states_;
 };
 
 /// Reads a plot file of version 0x30 to 0x35, compressed or not. A truncated last state is dropped and

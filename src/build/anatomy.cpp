@@ -102,12 +102,8 @@ void refuse_other_unit(const std::vector<RayCaster>& bones, double bone_size, co
 /// Landmarks lie on bones, or near them where a scan is cut off. Returns how far they lie if that is far; empty: near.
 std::string check_place(const std::vector<BoneRequest>& bones, const AnatomyRequest& request) {
   std::vector<RayCaster> casters;
-  double size = 0;
-  for (const BoneRequest& b : bones) {
-    casters.emplace_back(mesh_of(b.surface));
-    const auto box = box_of(b.surface);
-    size = std::max(size, (box[1] - box[0]).maxCoeff());
-  }
+  for (const BoneRequest& b : bones) casters.emplace_back(mesh_of(b.surface));
+  const double size = size_of_bones(bones);
   std::map<std::string, std::vector<Landmark>> files;
   for (const Landmark& l : request.landmarks) files[l.file].push_back(l);
   for (const auto& [file, landmarks] : files) refuse_other_unit(casters, size, landmarks, request.landmark_scale);
@@ -317,6 +313,15 @@ const AnatomicalFrame& frame_called(const Anatomy& anatomy, const std::string& n
 }
 
 }  // namespace
+
+double size_of_bones(const std::vector<BoneRequest>& bones) {
+  double size = 0;
+  for (const BoneRequest& b : bones) {
+    const auto box = box_of(b.surface);
+    size = std::max(size, (box[1] - box[0]).maxCoeff());
+  }
+  return size;
+}
 
 const char* name(ScanAxes axes) { return word_of(axes, {"LPS", "RAS"}); }
 

@@ -22,6 +22,9 @@ const char* name(ScanAxes axes);
 /// Columns forwards, up, to the right.
 Eigen::Matrix3d body_axes(ScanAxes axes);
 
+/// The longest side of the boxes around the bones.
+double size_of_bones(const std::vector<BoneRequest>& bones);
+
 struct AnatomyRequest {
   std::vector<Landmark> landmarks;  ///< in the bones' axes and unit; empty: the scanner's axes are the body's
   double landmark_scale = 1.0;      ///< what the numbers of their files were multiplied by, to mm

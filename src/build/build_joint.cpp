@@ -70,11 +70,6 @@ TriangleSurface turned(TriangleSurface s) {
   return s;
 }
 
-double size_of(const TriangleSurface& s) {
-  const auto box = box_of(s);
-  return (box[1] - box[0]).norm();
-}
-
 std::string place_text(const Vector3d& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x.x(), x.y(), x.z()); }
 
 /// Between the points of one and the surface of the other.
@@ -482,8 +477,7 @@ void tell_below_least(const BuildRequest& request, const BuiltJoint& joint, Buil
     if (below > 0)
       report.findings.push_back(
           fmt::format("{}: {} of {} points thinner than the least thickness that was asked for, {:.4g}: {:.3g} at the "
-                      "least, at {}; "
-                      "the bones are closer there than two such layers, or elements would be inside out",
+                      "least, at {}; the bones are closer there than two such layers, or elements would be inside out",
                       layer.name, below, layer.articular.size(), cartilage->least, thickness(thinnest),
                       place_text(layer.articular[thinnest])));
   }

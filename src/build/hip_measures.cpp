@@ -107,11 +107,6 @@ std::optional<Face> face_of(const TriangleSurface& bone, const std::vector<Vecto
   return face;
 }
 
-double size_of(const TriangleSurface& s) {
-  const auto box = box_of(s);
-  return (box[1] - box[0]).norm();
-}
-
 // ---- edges ---------------------------------------------------------------------------------------------------------
 
 /// The socket's surface as the head's centre sees it.

@@ -58,9 +58,7 @@ class PointMerger {
 };
 
 TriangleSurface with_points_once(const TriangleSurface& s, SurfaceFaults& faults) {
-  const auto box = box_of(s);
-  const double size = (box[1] - box[0]).norm();
-  PointMerger merger(std::max(1e-7 * size, 1e-300));
+  PointMerger merger(std::max(1e-7 * size_of(s), 1e-300));
   TriangleSurface result;
   std::vector<int> now(s.points.size(), -1);
   std::set<Triangle> seen;
@@ -346,6 +344,11 @@ std::array<Vector3d, 2> box_of(const TriangleSurface& s) {
     box[1] = box[1].cwiseMax(x);
   }
   return box;
+}
+
+double size_of(const TriangleSurface& s) {
+  const auto box = box_of(s);
+  return (box[1] - box[0]).norm();
 }
 
 double mean_edge(const TriangleSurface& s) {

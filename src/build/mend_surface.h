@@ -54,6 +54,8 @@ double area_of(const TriangleSurface& surface);
 double volume_of(const TriangleSurface& surface);
 /// Corners of the box around it.
 std::array<Eigen::Vector3d, 2> box_of(const TriangleSurface& surface);
+/// That box's diagonal.
+double size_of(const TriangleSurface& surface);
 double mean_edge(const TriangleSurface& surface);
 
 }  // namespace dea

@@ -1,10 +1,10 @@
 // A run of many states: what is as large as the mesh is written as it is solved, and not kept.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <malloc.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
-#include <fstream>
+#include <csignal>
 #include <vector>
 
 #include <febiodea/base/error.h>
@@ -17,18 +17,12 @@
 #include <febiodea/views/data/run_json.h>
 #include <febiodea/views/run_model.h>
 #include "program.h"
+#include "resident.h"
 
 namespace dea {
 namespace {
 
-/// Pages that this process holds [bytes], without those that the allocator could give back.
-double resident() {
-  ::malloc_trim(0);
-  std::ifstream in("/proc/self/statm");
-  double all = 0, resident = 0;
-  in >> all >> resident;
-  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE));
-}
+using test::resident;
 
 /// Two plateaus under a femur, in one step of so many states.
 Recognition of_states(int states) {

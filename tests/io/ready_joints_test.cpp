@@ -1,10 +1,7 @@
 // The memory of joints that are ready: what is said of it is what the kernel counts, and no more than was allowed is
 // kept.
 #include <gtest/gtest.h>
-#include <malloc.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <string>
@@ -14,20 +11,13 @@
 #include <febiodea/views/joint_uses.h>
 #include <febiodea/views/ready_joints.h>
 #include <febiodea/views/run_study.h>
+#include "resident.h"
 
 namespace dea {
 namespace {
 
+using test::resident;
 using Joints = std::vector<std::shared_ptr<const ReadyJoint>>;
-
-/// Pages that this process holds [bytes], without those that the allocator could give back.
-double resident() {
-  ::malloc_trim(0);
-  std::ifstream in("/proc/self/statm");
-  double all = 0, resident = 0;
-  in >> all >> resident;
-  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE));
-}
 
 Settings of_stiffness(Law law, int refine, double E) {
   Settings settings;

@@ -623,20 +623,24 @@ TEST(XpltRead, RandomDamage) {
   }));
 }
 
+std::string deflated(const std::string& bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string out(size, '\0');
+  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                     static_cast<uLong>(bytes.size())),
+            Z_OK);
+  out.resize(size);
+  return out;
+}
+
 // A compressed state may not unpack to more than it says: here 2 MB behind a chunk of 8 bytes.
 TEST(XpltRead, CompressedStateThatNeverEnds) {
   Writer state;
   state.u32(0x02000000);
   state.u32(8);
   state.bytes.resize(2'000'000, '\0');
-  uLongf size = compressBound(static_cast<uLong>(state.bytes.size()));
-  std::string packed(size, '\0');
-  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(state.bytes.data()),
-                     static_cast<uLong>(state.bytes.size())),
-            Z_OK);
-  packed.resize(size);
   const std::string start = xplt_bytes(compressed(cube())).substr(0, 842);
-  EXPECT_EQ(fault(start + packed), "hip.xplt: byte 842: compressed chunk longer than it says");
+  EXPECT_EQ(fault(start + deflated(state.bytes)), "hip.xplt: byte 842: compressed chunk longer than it says");
 }
 
 // Nor to more than the memory holds: here a state says that it has 4 GB, and the process may have 1 MB.
@@ -644,15 +648,9 @@ TEST(XpltRead, CompressedStateLargerThanTheMemory) {
   Writer state;
   state.u32(0x02000000);
   state.u32(0xFFFFFFF0);
-  uLongf size = compressBound(static_cast<uLong>(state.bytes.size()));
-  std::string packed(size, '\0');
-  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(state.bytes.data()),
-                     static_cast<uLong>(state.bytes.size())),
-            Z_OK);
-  packed.resize(size);
   const std::string start = xplt_bytes(compressed(cube())).substr(0, 842);
   ::setenv("SLURM_MEM_PER_NODE", "1", 1);
-  const std::string found = fault(start + packed);
+  const std::string found = fault(start + deflated(state.bytes));
   ::unsetenv("SLURM_MEM_PER_NODE");
   EXPECT_EQ(found,
             "hip.xplt: to read it needs about 8.6 GB of memory, and 0 GB are free: take a smaller file, or a "
@@ -828,23 +826,68 @@ TEST(XpltWrite, FullDevice) {
   EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
 
+// What `act` gives where no file can have more than so many bytes.
+std::string with_room_for(rlim_t bytes, const std::function<std::string()>& act) {
+  struct rlimit before = {};
+  getrlimit(RLIMIT_FSIZE, &before);
+  struct rlimit small = before;
+  small.rlim_cur = bytes;
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &small);
+  const std::string result = act();
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  return result;
+}
+
 // A disk that fills up half way: nothing of the new file is left, the old one is untouched.
 TEST(XpltWrite, DiskFullInTheMiddle) {
   Folder folder;
   const std::string path = folder / "joint.xplt";
   std::ofstream(path) << "old";
-  struct rlimit before = {};
-  getrlimit(RLIMIT_FSIZE, &before);
-  struct rlimit small = before;
-  small.rlim_cur = 500;
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  setrlimit(RLIMIT_FSIZE, &small);
-  const std::string message = write_fault(path);
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, old_handler);
-  EXPECT_EQ(message, path + ": File too large");
+  EXPECT_EQ(with_room_for(500, [&] { return write_fault(path); }), path + ": File too large");
   EXPECT_EQ(content(path), "old");
   EXPECT_EQ(folder.files(), 1);
+}
+
+// The same state by state, where the disk has room for the states that wait: for what is before them, or not even that.
+TEST(XpltWrite, DiskFullStateByState) {
+  Folder folder;
+  const std::string path = folder / "joint.xplt";
+  std::ofstream(path) << "old";
+  XpltFile head = cube();
+  for (int i = 2; i <= 1000; ++i) head.meshes[0].parts.push_back(fmt::format("part {}", i));
+  const std::size_t before_states = xplt_bytes(head).size() - xplt_bytes(cube()).size();
+  ASSERT_GT(before_states, 80000u);
+  const auto write = [&]() -> std::string {
+    try {
+      XpltWriter writer(path, head);
+      for (int i = 0; i < 100; ++i) writer.add(cube().states.front());
+      writer.finish();
+    } catch (const WriteError& error) {
+      return error.what();
+    }
+    return "no fault";
+  };
+  for (const std::size_t room : {before_states / 2, before_states + 2000}) {
+    SCOPED_TRACE(room);
+    EXPECT_EQ(with_room_for(room, write), path + ": File too large");
+    EXPECT_TRUE(content(path) == "old");
+    EXPECT_EQ(folder.files(), 1);
+  }
+}
+
+// A device takes the states as a file does.
+TEST(XpltWrite, DeviceStateByState) {
+  if (!fs::is_character_file("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  XpltWriter writer("/dev/full", cube());
+  writer.add(cube().states.front());
+  try {
+    writer.finish();
+    FAIL() << "no fault";
+  } catch (const WriteError& error) {
+    EXPECT_STREQ(error.what(), "/dev/full: No space left on device");
+  }
 }
 #endif
 

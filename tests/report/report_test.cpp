@@ -192,6 +192,32 @@ TEST(ReportPage, PartsMoveAsTheirNodesDo) {
   }
 }
 
+TEST(ReportPage, DomainsOfOneMaterialMoveApart) {
+  // Three strips of a shell: the first stays, the last is lifted by 5. Both are cartilage, of one material or of two that
+  // have no name.
+  const Vector3d lift(0, 0, 5);
+  ResultFile file = moved({[&](const Vector3d& x) { return x.y() < 2.5 ? x : Vector3d(x + lift); }});
+  XpltMesh& mesh = file.xplt.meshes[0];
+  const XpltDomain whole = mesh.domains[0];
+  const auto strip = [&](int part, std::ptrdiff_t begin, std::ptrdiff_t end) {
+    XpltDomain d = whole;
+    d.part = part;
+    d.element_ids = {whole.element_ids.begin() + begin, whole.element_ids.begin() + end};
+    d.nodes = {whole.nodes.begin() + 4 * begin, whole.nodes.begin() + 4 * end};
+    return d;
+  };
+  mesh.parts = {"", "between", ""};
+  for (const int of_last : {1, 3}) {
+    mesh.domains = {strip(1, 0, 6), strip(2, 6, 18), strip(of_last, 18, 24)};
+    PageContext context = make_context(mesh);
+    add_motion(file, 0, {0}, context);
+    ASSERT_EQ(context.parts_move.size(), 1u);
+    ASSERT_EQ(context.parts_move[0].size(), 3u);
+    EXPECT_LT(context.parts_move[0][0]->translation.norm(), 1e-5);
+    EXPECT_LT((context.parts_move[0][2]->translation - lift).norm(), 1e-5);
+  }
+}
+
 TEST(ReportPage, HoldsTheFilesNumbersExactlyWhenFew) {
   const std::vector<ResultFile> files = test::awkward_results();
   const PageParts page(page_of(files));

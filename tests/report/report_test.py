@@ -50,6 +50,17 @@ const hash = (canvas) => {
 """
 
 
+# Words of the pictures that are saved from here on, and where they stand: window.written.
+KEEP_WORDS = """
+window.written = [];
+const was = CanvasRenderingContext2D.prototype.fillText;
+CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
+  if (this.canvas.width > 1500) window.written.push([text, ...rest]);
+  return was.call(this, text, ...rest);
+};
+"""
+
+
 def ready(b, page):
     b.open("file://" + page)
     b.wait("document.documentElement.dataset.ready", 120, "the page to be ready")
@@ -487,16 +498,10 @@ def saved_maps_say_what_they_are(b, pages):
     """The words in the picture: whose it is, which surface and time, the numbers of each map, the colours' title, what marks are."""
     for name in ("run", "three"):
         ready(b, pages[name])
-        b.run("""
-          window.written = [];
-          const was = CanvasRenderingContext2D.prototype.fillText;
-          CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
-            if (this.canvas.width > 1500) window.written.push(text);
-            return was.call(this, text, ...rest);
-          }""")
+        b.run(KEEP_WORDS)
         b.click("#save-maps")
         b.downloaded()
-        words = b.run("return window.written")
+        words = b.run("return window.written.map(w => w[0])")
         title, surface, now = b.run("return [document.querySelector('h1').textContent, Page.state.surface.about.title, document.getElementById('now').textContent]")
         same(words[0], title, f"{name}: first line")
         true(words[1].startswith(surface + ", "), f"{name}: {words[1]}")
@@ -545,8 +550,29 @@ def two_surfaces_stand_side_by_side(b, pages):
     x, y = place(b, index)
     b.pointer(("move", x, y))
     b.wait(f"Page.panels[{index}].readout.dataset.facet", 10, "what lies under the pointer")
+    # the second begins a row of its own, on the page and in the picture, though the first has fewer maps
+    b.run("Report.surfaces[Page.state.surface.index].fields.space[0] = null")
     choose("beside", "none")
     b.wait("!Page.state.beside", 20, "one surface again")
+    choose("beside", "lateral_plateau")
+    b.wait("Page.state.beside", 20, "the second surface")
+    settle(b)
+    first, second = b.run("""
+      const of = (s) => Page.panels.filter(p => p.surface === s).map(p => p.canvas.getBoundingClientRect()).map(r => [r.left, r.top]);
+      return [of(Page.state.surface), of(Page.state.beside)]""")
+    true(len(first) < len(second), f"{len(first)} and {len(second)} maps")
+    same(second[0][0], first[0][0], "where the second row begins")
+    true(len({y for _, y in first}) == len({y for _, y in second}) == 1 and second[0][1] > first[0][1], f"rows: {first}, {second}")
+    b.run(KEEP_WORDS)
+    b.click("#save-maps")
+    b.downloaded()
+    places = b.run("return window.written.filter(w => w[0].startsWith('Pressure, ')).map(w => [w[1], w[2]])")
+    true(len(places) == 2 and places[0][0] == places[1][0] and places[0][1] < places[1][1], f"in the picture: {places}")
+    # the same surface twice is one
+    choose("beside", "medial_plateau")
+    b.wait("!Page.state.beside", 20, "one surface again")
+    same(b.run("return document.getElementById('beside').value"), "-1", "what is said to stand beside it")
+    ready(b, pages["knee"])
     same(alone("medial_plateau"), medial, "alone again")
     no_faults(b, "two surfaces")
 

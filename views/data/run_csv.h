@@ -23,6 +23,7 @@ std::string facets_csv(const JointModel& model, const Analysis& analysis);
 /// says of any of the states.
 std::string facets_csv_names(bool inside);
 std::string facets_csv_lines(const JointModel& model, const Joint& joint, const StateResult& state, bool inside);
+/// Was the inside of the layers asked for, and has one of the state's contacts numbers of it?
 bool has_inside(const StateResult& state);
 
 }  // namespace dea

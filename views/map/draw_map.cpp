@@ -4,15 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <functional>
-#include <memory>
-#include <stdexcept>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
-#include <febiodea/io/files/encoded_text.h>
 #include <febiodea/views/map/map_paint.h>
 #include <febiodea/views/map/map_scale.h>
 #include <febiodea/views/map/pen.h>
@@ -682,28 +678,27 @@ Layout measured_layout(const MapFigure& figure, const PictureOptions& options, c
   return layout;
 }
 
-}  // namespace
-
-std::string picture(const MapFigure& figure, const PictureOptions& options) {
+/// The figure laid out and drawn by `on_paper`: drawn or drawn_image.
+template <class OnPaper>
+auto laid_out(const MapFigure& figure, const PictureOptions& options, const OnPaper& on_paper) {
   const Paper colours = paper(options.dark, figure.map);
   const Layout layout = measured_layout(figure, options, colours);
   const double letters = letter_scale(options);
-  PaperSize size = {options.format, letters * layout.width, letters * layout.height, options.dpi};
-  size.text = options.text;
-  return drawn(size, [&](Pen& pen) {
+  const PaperSize size = {options.format, letters * layout.width, letters * layout.height, options.dpi, options.text};
+  return on_paper(size, [&](Pen& pen) {
     cairo_scale(pen.get(), letters, letters);
     draw(pen, figure, layout, colours);
   });
 }
 
+}  // namespace
+
+std::string picture(const MapFigure& figure, const PictureOptions& options) { return laid_out(figure, options, drawn); }
+
 Image map_image(const MapFigure& figure, const PictureOptions& options) {
-  const Paper colours = paper(options.dark, figure.map);
-  const Layout layout = measured_layout(figure, options, colours);
-  const double letters = letter_scale(options);
-  return drawn_image({PictureFormat::Png, letters * layout.width, letters * layout.height, options.dpi}, [&](Pen& pen) {
-    cairo_scale(pen.get(), letters, letters);
-    draw(pen, figure, layout, colours);
-  });
+  PictureOptions png = options;
+  png.format = PictureFormat::Png;
+  return laid_out(figure, png, drawn_image);
 }
 
 }  // namespace dea

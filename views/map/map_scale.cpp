@@ -8,8 +8,6 @@
 
 namespace dea {
 
-namespace {}  // namespace
-
 bool is_pressure(const std::string& field) {
   return field == "contact pressure" || field.rfind("contact pressure ", 0) == 0 || field == "nodal contact pressure" ||
          field.rfind("peak pressure", 0) == 0;

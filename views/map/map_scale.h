@@ -37,9 +37,10 @@ struct ValueRange {
   void add(const ValueRange& other);
 };
 
-/// The value that 95 % of the area stays below; values of 0 or none do not count. Adds to `found`: value, area.
+/// Adds value and area of each facet to `found`; values of 0 or none do not count.
 void add_areas(const ResultSurface& surface, const std::vector<double>& facets,
                std::vector<std::pair<double, double>>& found);
+/// The value that 95 % of the area stays below; 0: there is no area.
 double most_of_area_below(std::vector<std::pair<double, double>> found);
 
 struct MapScale {

@@ -18,7 +18,8 @@ constexpr std::size_t kMostContextTriangles = 150000;
 
 struct Face {
   std::vector<int> nodes;
-  int part = 0, times = 0;
+  std::size_t domain = 0;
+  int times = 0;
   bool shell = false;
 };
 using Faces = std::map<std::vector<int>, Face>;  // by sorted corners
@@ -39,7 +40,8 @@ void add_face(Faces& faces, Face face) {
 
 Faces faces_of(const XpltMesh& mesh) {
   Faces faces;
-  for (const XpltDomain& domain : mesh.domains) {
+  for (std::size_t d = 0; d < mesh.domains.size(); ++d) {
+    const XpltDomain& domain = mesh.domains[d];
     const std::optional<ElementShape> shape = xplt_element_shape(domain.element_type);
     if (!shape || domain.part < 1 || domain.part > static_cast<int>(mesh.parts.size())) continue;
     const int n = nodes_per_element(*shape);
@@ -48,7 +50,7 @@ Faces faces_of(const XpltMesh& mesh) {
       for (const std::vector<int>& local : element_faces(*shape)) {
         Face face;
         for (int k : local) face.nodes.push_back(domain.nodes[at(e * n + k)]);
-        face.part = domain.part - 1;
+        face.domain = d;
         face.shell = is_shell(*shape);
         add_face(faces, std::move(face));
       }
@@ -59,10 +61,10 @@ Faces faces_of(const XpltMesh& mesh) {
 
 using Triangles = std::vector<std::array<int, 3>>;
 
-/// Per part the triangles of faces that are seen from outside.
+/// Per domain the triangles of faces that are seen from outside.
 std::vector<Triangles> outer_triangles(const XpltMesh& mesh, const Faces& faces,
                                        const std::vector<Vector3d>& positions) {
-  std::vector<Triangles> triangles(mesh.parts.size());
+  std::vector<Triangles> triangles(mesh.domains.size());
   for (const auto& entry : faces) {
     const Face& face = entry.second;
     if (face.times > 1 && !face.shell) continue;
@@ -70,7 +72,7 @@ std::vector<Triangles> outer_triangles(const XpltMesh& mesh, const Faces& faces,
         std::all_of(face.nodes.begin(), face.nodes.end(), [&](int i) { return positions[at(i)].allFinite(); });
     if (!finite) continue;
     const Triangles parts = split_facet(face.nodes.data(), static_cast<int>(face.nodes.size()), positions);
-    triangles[at(face.part)].insert(triangles[at(face.part)].end(), parts.begin(), parts.end());
+    triangles[face.domain].insert(triangles[face.domain].end(), parts.begin(), parts.end());
   }
   return triangles;
 }
@@ -85,15 +87,6 @@ std::vector<int> some_of(std::vector<int> nodes) {
   std::vector<int> some;
   for (std::size_t i = 0; i < nodes.size(); i += step) some.push_back(nodes[i]);
   return some;
-}
-
-std::vector<int> nodes_of_part(const XpltMesh& mesh, const std::string& part) {
-  std::vector<int> nodes;
-  for (const XpltDomain& domain : mesh.domains)
-    if (domain.part >= 1 && domain.part <= static_cast<int>(mesh.parts.size()) &&
-        mesh.parts[at(domain.part - 1)] == part)
-      nodes.insert(nodes.end(), domain.nodes.begin(), domain.nodes.end());
-  return some_of(std::move(nodes));
 }
 
 bool is_motion(const std::optional<PagePose>& pose, double length) {
@@ -126,7 +119,8 @@ PageContext make_context(const XpltMesh& mesh) {
         context.triangles.push_back(added.first->second);
       }
     }
-    context.parts.push_back(mesh.parts[p]);
+    context.parts.push_back(mesh.parts[at(mesh.domains[p].part - 1)]);
+    context.domains.push_back(p);
     context.begin.push_back(static_cast<std::int32_t>(context.triangles.size() / 3));
   }
   return context;
@@ -162,7 +156,7 @@ void add_motion(const ResultFile& file, int state, const std::vector<int>& surfa
   const int mesh_index = file.xplt.states[at(state)].mesh;
   const XpltMesh& mesh = mesh_of(file, state);
   std::vector<std::vector<int>> parts, sides;
-  for (const std::string& part : context.parts) parts.push_back(nodes_of_part(mesh, part));
+  for (const std::size_t domain : context.domains) parts.push_back(some_of(mesh.domains[domain].nodes));
   for (int surface : surfaces) sides.push_back(some_of(mesh.surfaces[at(surface)].nodes));
   double length = 0.0;
   for (float x : context.vertices) length = std::max(length, std::abs(static_cast<double>(x)));

@@ -130,7 +130,9 @@ const Page = (() => {
       const from = s.about.view.center, to = w.surface.about.view.center;
       p.offset = w.surface === s || maps.fault ? null : new THREE.Vector3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
       if (maps.fault) p.canvas.hidden = true;
-      host.append(make("div", { class: "panel" }, name, p.canvas, p.readout));
+      const element = make("div", { class: "panel" }, name, p.canvas, p.readout);
+      if (i > 0 && w.surface !== wanted[i - 1].surface) element.style.gridColumnStart = "1";  // the first may have fewer
+      host.append(element);
       return p;
     });
     maps.setPanels(panels);
@@ -352,6 +354,7 @@ const Page = (() => {
     if (ticket !== busy) return;
     state.surface = surface;
     state.beside = other;
+    if ($("beside")) $("beside").value = String(other ? other.index : -1);
     state.region = Math.min(state.region, surface.about.regions.length - 1);
     nodalCache.clear();
     if (!maps.fault) resetView();

@@ -648,9 +648,15 @@ function drawBar(c, x, y, width, k, scale, ink, contours) {
 
 // Panels with their titles and numbers, and the colour bars of their scales, as one PNG on white. `words`: head, lines above all
 // (the first in bold); numbers(panel), a list of short texts below it; foot, what the marks are; columns, if not as many as there are panels.
+// Panels of another surface begin a row.
 async function mapsPicture(maps, panels, scales, words = {}) {
   const k = 2.5, ink = Colours.ink.light, side = 340, gap = 14, titleHeight = 34, line = 18, small = 13, pad = 16;
-  const columns = words.columns || Math.min(panels.length, 4), rows = Math.ceil(panels.length / columns);
+  const columns = words.columns || Math.min(panels.length, 4), cells = [];
+  panels.forEach((p, i) => {
+    const [column, row] = i ? cells[i - 1] : [-1, 0], same = !i || p.surface === panels[i - 1].surface;
+    cells.push(same && column + 1 < columns ? [column + 1, row] : [0, row + 1]);
+  });
+  const rows = cells[cells.length - 1][1] + 1;
   const width = Math.max(2 * pad + columns * side + (columns - 1) * gap, 420), inner = width - 2 * pad, barHeight = 76;
   const perRow = width > 1000 ? 2 : 1, barRows = Math.ceil(scales.length / perRow);
   const wrapped = (parts, room, between) => {
@@ -683,7 +689,7 @@ async function mapsPicture(maps, panels, scales, words = {}) {
   };
   head.forEach((t, i) => text(Figures.cut(t, i ? 16 : 19, inner), pad, pad + 20 + 26 * i, i ? 15 : 18, i === 0, ink.ink));
   panels.forEach((p, i) => {
-    const x = pad + (i % columns) * (side + gap), y = top + Math.floor(i / columns) * (each + gap);
+    const [column, row] = cells[i], x = pad + column * (side + gap), y = top + row * (each + gap);
     text(Figures.cut(p.title(), 17, side), x, y + 20, 16, true, ink.ink);
     maps.drawPanel(p, c, Math.round(x * k), Math.round((y + titleHeight - 6) * k), Math.round(side * k), Math.round(side * k), k, ink);
     numbers[i].forEach((t, n) => text(t, x, y + titleHeight - 6 + side + line * (n + 1), small, false, ink.soft));
