@@ -154,6 +154,23 @@ Fault no_cartilage(const JointModel& model, const Contact& c) {
           NamedSetting{"nu", "SURFACE", "VALUE"}));
 }
 
+/// Layers that are next to nothing beside their facets: thickness in another unit. Empty: there are none.
+std::optional<Fault> too_thin_for_layer_law(const JointModel& model, const Contact& c, const ContactPair& pair) {
+  if (pair.law != Law::Layer) return std::nullopt;
+  for (const Layer& layer : pair.layers) {
+    const int thin = layer.without_thickness(kLayerLawThickness), all = static_cast<int>(layer.thickness.size());
+    if (2 * thin <= all) continue;
+    const std::string& name = model.surfaces[at(layer.surface)].name;
+    return make_fault(model, c.origin,
+                      say("surface \"{}\": at {} of {} vertices its thickness, {:.3g} in the mean, is less than {:g}% of "
+                          "the facets' size, which law layer has no answer for;",
+                          name, thin, all, layer.mean_thickness(), 100 * kLayerLawThickness),
+                      say("check its bone surface and the units, give {}, or take {}",
+                          NamedSetting{"thickness", name, "VALUE"}, NamedSetting{"law", "", "linear"}));
+  }
+  return std::nullopt;
+}
+
 /// How far a surface reaches sideways, its images behind planes of symmetry included: radius of the circle of its area;
 /// between two planes across one axis, where it has no end, half its width; without an end either way: infinity.
 struct Reach {
@@ -273,6 +290,7 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
   turn_shells(parts, pair, found.findings);
   for (Layer& layer : pair.layers)
     if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
+  if (auto fault = too_thin_for_layer_law(model, c, pair)) return fault;
   find_selected_faces(parts, pair);
   for (Layer& layer : pair.layers)
     if (!layer.rigid) layer.half_held = half_held_planes(parts, layer);

@@ -21,10 +21,10 @@ double Layer::facet_size() const {
   return area > 0 ? sum / area : 0.0;
 }
 
-int Layer::without_thickness() const {
+int Layer::without_thickness(double part) const {
   int count = 0;
   for (std::size_t v = 0; v < thickness.size(); ++v)
-    count += !(thickness[v] > kNoThickness * std::sqrt(spring_surface().vertex_areas[v]));
+    count += !(thickness[v] > part * std::sqrt(spring_surface().vertex_areas[v]));
   return rigid ? 0 : count;
 }
 
