@@ -350,7 +350,8 @@ void write_files(const std::string& folder, const std::vector<float>& times,
       try {
         write_pieces(path, text);
       } catch (const WriteError& e) {  // the user knows no temporary folder
-        fail(target / name, std::string(e.what()).substr(path.size() + 2));
+        const std::string why = e.what();
+        fail(target / name, why.rfind(path + ": ", 0) == 0 ? why.substr(path.size() + 2) : why);
       }
       names.push_back(name);
     };
