@@ -1016,7 +1016,7 @@ TEST(BadInput, OptionsAndSettings) {
                 3,
                 "",
                 {"of 4 vertices its thickness, 0.0004 in the mean, is less than 0.5% of the facets' size", "--law linear"},
-                {"--thickness", "0.0004"}},
+                {"--thickness", "top=0.0004"}},
            Case{"thickness negative",
                 kModel,
                 2,

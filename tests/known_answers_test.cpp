@@ -643,8 +643,8 @@ TEST(Remarks, NoThicknessIsTold) {
   const Told wedge = told(*layer([](double u) { return 1e-9 + 8 * u; }));
   EXPECT_TRUE(wedge.says("at 13 of 169 vertices its thickness is zero or next to it")) << wedge.text;
   EXPECT_FALSE(wedge.says("warning: contact")) << wedge.text;
-  const Told thin = told(*layer([](double) { return 0.008; }));
-  EXPECT_TRUE(thin.says("at 169 of 169 vertices its thickness is zero or next to it")) << thin.text;
+  const Told thin = told(*layer([](double) { return 0.006; }));
+  EXPECT_TRUE(thin.says("at 165 of 169 vertices its thickness is zero or next to it")) << thin.text;
   EXPECT_TRUE(thin.says("this is hardly a layer of cartilage")) << thin.text;
   const Told coarse = told(*layer([](double) { return 0.02; }));
   EXPECT_TRUE(coarse.says("mesh it finer, or is its thickness wrong?")) << coarse.text;
