@@ -629,6 +629,168 @@ TEST(BadInput, Unsupported) {
     check(c);
 }
 
+// A parameter that is not found has its default: one that may be meant for it is refused.
+TEST(BadInput, MisspeltParameters) {
+  const auto constants = [](const std::string& what) { return edited({{"<E>10</E><v>0.3</v>", what}}); };
+  const auto material = [](const std::string& what) {
+    return edited({{"type=\"neo-Hookean\"><density>1</density><E>10</E><v>0.3</v>", what}});
+  };
+  const auto connector = [](const std::string& what) {
+    return edited({{"</Rigid>", "<rigid_connector name=\"join\" " + what + "\n</rigid_connector>\n</Rigid>"}});
+  };
+  const std::string spring =
+      "<Discrete>\n<discrete_material id=\"1\" name=\"d\" type=\"linear spring\"><e>3</e></discrete_material>\n"
+      "<discrete dmat=\"1\" discrete_set=\"d\"/>\n</Discrete>";
+  for (const Case& c : {
+           Case{"nu",
+                constants("<E>10</E>\n<nu>0.45</nu>"),
+                3,
+                "<nu>",
+                {"<nu> in material \"cartilage\" is none of FEBio's words: did you mean <v>?"}},
+           Case{"poisson", constants("<E>10</E>\n<poisson>0.45</poisson>"), 3, "<poisson>", {"did you mean <v>?"}},
+           Case{"V", constants("<E>10</E>\n<V>0.45</V>"), 3, "<V>", {"did you mean <v>?"}},
+           Case{"e", constants("<e>10</e><v>0.45</v>"), 3, "<e>", {"did you mean <E>?"}},
+           Case{"nu of a biphasic's solid",
+                material("type=\"biphasic\"><solid type=\"neo-Hookean\"><E>10</E>\n<nu>0.45</nu></solid>"),
+                3,
+                "<nu>",
+                {"<nu> in solid \"neo-Hookean\" of material \"cartilage\"", "did you mean <v>?"}},
+           Case{"solid of a mixture",
+                material("type=\"solid mixture\"><solid type=\"neo-Hookean\"><E>10</E><v>0.3</v></solid>\n"
+                         "<sold type=\"neo-Hookean\"><E>10</E><v>0.3</v></sold>"),
+                3,
+                "<sold",
+                {"did you mean <solid>?"}},
+           Case{"C1 of Mooney-Rivlin",
+                material("type=\"Mooney-Rivlin\">\n<C1>1</C1><c2>1</c2><k>100</k>"),
+                3,
+                "<C1>",
+                {"<C1> in material \"cartilage\"", "did you mean <c1>?"}},
+           Case{"centre of mass",
+                edited({{"<center_of_mass>0,0,1</center_of_mass>", "<center_of_mas>0,0,1</center_of_mas>"}}),
+                3,
+                "<center_of_mas>",
+                {"<center_of_mas> in material \"plate\"", "did you mean <center_of_mass>?"}},
+           Case{"fixed dof",
+                edited({{"<rb>plate</rb>\n<Rx_dof>1</Rx_dof>", "<rb>plate</rb>\n<Rxdof>1</Rxdof>"}}),
+                3,
+                "<Rxdof>",
+                {"<Rxdof> in rigid_bc \"hold plate\"", "did you mean <Rx_dof>?"}},
+           Case{"kind of load",
+                edited({{"<value lc=\"1\">-5</value>", "<value lc=\"1\">-5</value>\n<load_typ>FOLLOW</load_typ>"}}),
+                3,
+                "<load_typ>",
+                {"<load_typ> in rigid_load \"push\"", "did you mean <load_type>?"}},
+           Case{"load controller of a value",
+                edited({{"<value lc=\"1\">", "<value LC=\"1\">"}}),
+                3,
+                "<value LC",
+                {"<value> with LC = \"1\": did you mean lc?"}},
+           Case{"fixed nodes",
+                edited({{"<Rigid>",
+                         "<Boundary>\n<bc name=\"hold\" type=\"zero displacement\" node_set=\"corner\">"
+                         "<x_dof>1</x_dof>\n<ydof>1</ydof>\n</bc>\n</Boundary>\n<Rigid>"}}),
+                3,
+                "<ydof>",
+                {"<ydof> in bc \"hold\"", "did you mean <y_dof>?"}},
+           Case{"stiffness of a connector",
+                connector("type=\"rigid spring\"><body_a>base</body_a><body_b>plate</body_b>\n<K>3</K>"),
+                3,
+                "<K>",
+                {"<K> in rigid_connector \"join\"", "did you mean <k>?"}},
+           Case{
+               "prescribed motion of a joint",
+               connector("type=\"rigid cylindrical joint\"><body_a>base</body_a><body_b>plate</body_b><joint_axis>0,0,1"
+                         "</joint_axis><transverse_axis>1,0,0</transverse_axis>\n<prescribed_translaton>1"
+                         "</prescribed_translaton>"),
+               3,
+               "<prescribed_translaton>",
+               {"did you mean <prescribed_translation>?"}},
+           Case{"spring between nodes",
+                edited({{"</Surface>\n<SurfacePair",
+                         "</Surface>\n<DiscreteSet name=\"d\">\n<delem>1,9</delem>\n</DiscreteSet>\n<SurfacePair"},
+                        {"</Contact>", "</Contact>\n" + spring}}),
+                3,
+                "<discrete_material",
+                {"<e> in discrete_material \"d\"", "did you mean <E>?"}},
+           Case{"tied contact",
+                edited({{"</Contact>",
+                         "<contact name=\"tie\" type=\"tied-node-on-facet\" surface_pair=\"pair\">\n<max_distanc>1"
+                         "</max_distanc>\n</contact>\n</Contact>"}}),
+                3,
+                "<max_distanc>",
+                {"<max_distanc> in contact \"tie\"", "did you mean <max_distance>?"}},
+           Case{"load controller",
+                edited({{"<interpolate>LINEAR</interpolate>", "<interpolat>STEP</interpolat>"}}),
+                3,
+                "<interpolat>",
+                {"<interpolat> in load_controller \"loadcurve\"", "did you mean <interpolate>?"}},
+       })
+    check(c);
+}
+
+// FEBio takes the last of two, and dea took the first.
+TEST(BadInput, ParametersGivenTwice) {
+  const std::string E = edited({{"<E>10</E>", "<E>10</E>\n<E>1</E>"}});
+  for (const Case& c : {
+           Case{"E",
+                E,
+                3,
+                "<E>1</E>",
+                {fmt::format("<E> = \"1\" in material \"cartilage\", which has <E> = \"10\" in line {} already",
+                             line_of(E, "<E>10")),
+                 "keep one"}},
+           Case{"force",
+                edited({{"<value lc=\"1\">-5</value>", "<value lc=\"1\">-5</value>\n<value>-5</value>"}}),
+                3,
+                "<value>-5",
+                {"<value> = \"-5\" in rigid_load \"push\"", "with lc = 1"}},
+           Case{"points",
+                edited({{"</points>", "</points>\n<points><pt>0,0</pt></points>"}}),
+                3,
+                "<points><pt>0,0",
+                {"<points> in load_controller \"loadcurve\", which has <points> in line"}},
+       })
+    check(c);
+  const test::TemporaryFolder folder;  // the same value twice says nothing else
+  std::ofstream(folder.path / "model.feb") << edited({{"<E>10</E>", "<E>10</E><E> 1e1 </E>"}});
+  EXPECT_EQ(test::run_program(folder.path, {DEA_PROGRAM, "info", "model.feb"}, kLimit).code, 0);
+}
+
+// What dea passes over or repairs is told, by dea run and dea info.
+TEST(BadInput, WhatIsPassedOverOrRepairedIsTold) {
+  const std::pair<Edits, const char*> cases[] = {
+      {{{"<v>0.3</v>", "<v>0.3</v>\n<stickiness>3</stickiness>"}},
+       "ignored: model.feb:6: <stickiness> in material \"neo-Hookean\", none of FEBio's words"},
+      {{{"surface_pair=\"pair\"/>",
+         "surface_pair=\"pair\">\n<fric_coef>0.3</fric_coef><penalty>1</penalty></contact>"}},
+       "<fric_coef> in contact \"sliding-elastic\", none of FEBio's words (did you mean \"fric_coeff\"?)"},
+      {{{"<v>0.3</v>", ""}},
+       "ignored: model.feb:5: material \"cartilage\": \"neo-Hookean\" without <v>; nu = 0 is taken, FEBio's default"},
+      {{{"<quad4 id=\"1\">5,6,7,8</quad4>", "<quad4 id=\"1\">8,7,6,5</quad4>"}},
+       "note: surface \"top\": 1 of its 1 facets have their nodes in the reverse order, facing into their elements: "
+       "turned outwards"},
+      {{{"</Nodes>",
+         "<node id=\"13\">0,-1,-2</node><node id=\"14\">0,1,-2</node><node id=\"15\">0,-1,0</node>"
+         "<node id=\"16\">0,1,0</node></Nodes>"},
+        {"1,2,3,4,5,6,7,8</elem>", "1,13,14,4,5,15,16,8</elem><elem id=\"4\">13,2,3,14,15,6,7,16</elem>"},
+        {"1,2,3,4</elem>", "1,13,14,4</elem><elem id=\"5\">13,2,3,14</elem>"},
+        {"5,6,7,8</quad4>", "5,15,16,8</quad4><quad4 id=\"2\">16,7,6,15</quad4>"}},
+       "note: surface \"top\": 1 of its 2 facets have their nodes in the reverse order"},
+  };
+  for (const auto& c : cases) {
+    const test::TemporaryFolder folder;
+    std::ofstream(folder.path / "model.feb") << edited(c.first);
+    const test::Finished info = test::run_program(folder.path, {DEA_PROGRAM, "info", "model.feb"}, kLimit);
+    EXPECT_EQ(info.code, 0) << info.err;
+    EXPECT_NE(info.out.find(c.second), std::string::npos) << info.out;
+    EXPECT_EQ(info.out.find("<penalty>"), std::string::npos) << info.out;
+    const test::Finished run = test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb"}, kLimit);
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.err.find(c.second), std::string::npos) << run.err;
+  }
+}
+
 // What stands there, what may have been meant, and what there is.
 TEST(BadInput, Misspelt) {
   const auto prescribed = [](const std::string& type) {

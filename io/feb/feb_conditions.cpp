@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/io/febio/known_words.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea::feb {
@@ -44,11 +45,13 @@ febio::OnNodes on_nodes(Reading& reading, const XMLElement& element) {
 
 void prescribe_nodes(Reading& reading, const XMLElement& element, std::string_view dof, const char* value) {
   const febio::Component component = component_of(reading, element);
+  febio::check_words(reading, febio::Place::Boundary, component);
   febio::prescribe_nodes(reading, on_nodes(reading, element), dof, febio::find(component, value),
                          febio::flag_of(reading, component, "relative"));
 }
 
 void rigid_nodes(Reading& reading, const XMLElement& element, const std::string& body) {
+  febio::check_words(reading, febio::Place::Boundary, component_of(reading, element));
   RigidNodes rigid;
   rigid.material = need_rigid(reading, element, body);
   rigid.nodes = nodes_of(reading, element);
@@ -63,6 +66,7 @@ void rigid_nodes(Reading& reading, const XMLElement& element, const std::string&
 void read_rigid(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     const febio::Component component = component_of(reading, child);
+    febio::check_words(reading, febio::Place::Rigid, component);
     if (febio::rigid_condition(reading, component, steps_of(reading)) || rigid_connector(reading, component)) continue;
     unsupported_word(reading, child, fmt::format("{} {}", child.Name(), quote(component.type)),
                      febio::WordOf::RigidCondition, component.type);
@@ -228,6 +232,7 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   contact.primary = primary;
   contact.secondary = secondary;
   const febio::Component component = component_of(reading, element);
+  febio::check_words(reading, febio::Place::Contact, component);
   contact.max_distance = febio::number_of(reading, component, "max_distance", 0.0);
   contact.ignored = febio::ignored_contact_parameters(component);
   if (contact.type == "dea") contact.dea = read_dea(reading, element);
@@ -257,6 +262,7 @@ void read_contact(Reading& reading, const XMLElement& section) {
 
 bool nodal_load(Reading& reading, const XMLElement& element, febio::Component component) {
   if (!component.type.empty() && component.type != "nodal_load" && component.type != "nodal_force") return false;
+  febio::check_words(reading, febio::Place::Load, component);
   if (element.Attribute("bc") != nullptr) {  // 2.5
     component.parts.insert(component.parts.begin(), febio::Component());
     component.parts.front().tag = "dof";
@@ -268,6 +274,7 @@ bool nodal_load(Reading& reading, const XMLElement& element, febio::Component co
 
 void read_load(Reading& reading, const XMLElement& element) {
   const febio::Component component = component_of(reading, element);
+  if (component.tag == "rigid_load") febio::check_words(reading, febio::Place::Rigid, component);
   if (febio::rigid_condition(reading, component, steps_of(reading))) return;
   if (component.tag == "nodal_load" && nodal_load(reading, element, component)) return;
   febio::other_load(reading, component);
@@ -288,6 +295,7 @@ void read_initial(Reading& reading, const XMLElement& section) {
 void read_constraint(Reading& reading, const XMLElement& element) {
   const febio::Component component = component_of(reading, element);
   const std::string& type = component.type;
+  febio::check_words(reading, febio::Place::Rigid, component);
   if (std::string_view(element.Name()) != "constraint") {
     unsupported(reading, element, fmt::format("<{}> in Constraints", element.Name()), "expected <constraint type=>");
   } else if (type.empty()) {

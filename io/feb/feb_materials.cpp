@@ -6,6 +6,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/feb_reading.h>
 #include <febiodea/io/febio/febio_material.h>
+#include <febiodea/io/febio/known_words.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea::feb {
@@ -75,6 +76,7 @@ void read_material(Reading& reading, const XMLElement& element) {
   }
   material.type = need_attribute(reading, element, "type");
   material.rigid = material.type == "rigid body";
+  febio::check_material_words(reading, component_of(reading, element));
   const MaterialTree tree = read_tree(reading, element);
   if (material.rigid) {
     if (const XMLElement* com = element.FirstChildElement("center_of_mass"))

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/io/febio/known_words.h>
 
 namespace dea::feb {
 namespace {
@@ -74,6 +75,7 @@ std::vector<NodeValues> node_values(Reading& reading, const XMLElement& element,
     NodeValues group;
     group.dof = child.Attribute("bc") != nullptr ? attribute(child, "bc") : bc;
     if (group.dof.empty()) need_attribute(reading, child, "bc");
+    check_attributes(reading, child);
     group.controller = child.Attribute("lc") != nullptr ? read_lc(reading, child) : lc;
     group.value = trim(text_of(child)).empty() ? usual : read_double(reading, child);
     group.element = &child;
@@ -102,6 +104,7 @@ febio::DiscreteMaterial old_material(Reading& reading, const XMLElement& element
   std::string& type = component.type;
   if (type.empty() || type == "linear" || type == "tension-only linear" || type == "nonlinear")
     type += type.empty() ? "linear spring" : " spring";
+  febio::check_words(reading, febio::Place::Spring, component);
   febio::DiscreteMaterial material = febio::discrete_material(reading, component);
   if (!material.advice.empty()) material.unsupported = fmt::format("spring {}", quote(type));
   return material;
@@ -112,7 +115,9 @@ febio::DiscreteMaterial old_material(Reading& reading, const XMLElement& element
 void read_old_contact(Reading& reading, const XMLElement& element) {
   const std::string type = need_attribute(reading, element, "type");
   if (type == "rigid") return read_rigid_nodes(reading, element);
-  if (rigid_connector(reading, component_of(reading, element))) return;
+  const febio::Component component = component_of(reading, element);
+  febio::check_words(reading, febio::Place::Rigid, component);
+  if (rigid_connector(reading, component)) return;
   if (!febio::contact_kind(type))
     return unsupported_word(reading, element, fmt::format("contact {}", quote(type)), febio::WordOf::Contact, type);
   std::string name = attribute(element, "name");

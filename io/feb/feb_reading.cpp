@@ -114,7 +114,22 @@ Vector3d read_vector(const Reading& reading, const XMLElement& element) {
   return febio::to_vector(reading, origin_of(reading, element), element.Name(), text_of(element));
 }
 
+void check_attributes(const Reading& reading, const XMLElement& element) {
+  static const std::vector<std::string> taken = {"lc", "type", "bc", "scale", "relative", "extend"};
+  for (const tinyxml2::XMLAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
+    const std::string word = a->Name();
+    if (std::find(taken.begin(), taken.end(), word) != taken.end() ||
+        febio::one_of(word, {"name", "id", "sol", "rb", "mat", "set", "node_set", "surface", "ref"}))
+      continue;
+    const std::string meant = nearest_name(word, taken);
+    if (!meant.empty() && element.Attribute(meant.c_str()) == nullptr)
+      fail(reading, element,
+           fmt::format("<{}> with {} = {}: did you mean {}?", element.Name(), word, quote(a->Value()), meant));
+  }
+}
+
 int read_lc(const Reading& reading, const XMLElement& element) {
+  check_attributes(reading, element);
   const char* lc = element.Attribute("lc");
   return lc == nullptr ? 0 : febio::to_controller(reading, origin_of(reading, element), element.Name(), lc);
 }
@@ -124,6 +139,7 @@ Scaled read_scaled(const Reading& reading, const XMLElement& element) {
 }
 
 febio::Component component_of(const Reading& reading, const XMLElement& element) {
+  check_attributes(reading, element);
   febio::Component component;
   component.tag = element.Name();
   component.type = attribute(element, "type");

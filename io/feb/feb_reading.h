@@ -204,6 +204,8 @@ auto need_named(const Reading& reading, const XMLElement& element, const char* a
 double read_double(const Reading& reading, const XMLElement& element);
 int read_int(const Reading& reading, const XMLElement& element);
 Vector3d read_vector(const Reading& reading, const XMLElement& element);
+/// Refuses an attribute that may be meant for one that changes what the element says: LC, typ. FEBio passes over it.
+void check_attributes(const Reading& reading, const XMLElement& element);
 /// The id of the element's `lc`, 0: none.
 int read_lc(const Reading& reading, const XMLElement& element);
 /// A number with an optional `lc`; its `controller` holds the id (0: none) until all is read.

@@ -5,6 +5,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/io/febio/known_words.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea::feb {
@@ -12,11 +13,15 @@ namespace {
 
 void read_discrete_material(Reading& reading, const XMLElement& element) {
   need_attribute(reading, element, "type");
-  reading.discrete_materials.push_back(febio::discrete_material(reading, component_of(reading, element)));
+  const febio::Component component = component_of(reading, element);
+  febio::check_words(reading, febio::Place::Spring, component);
+  reading.discrete_materials.push_back(febio::discrete_material(reading, component));
 }
 
 void read_cable(Reading& reading, const XMLElement& element) {
-  febio::rigid_cable(reading, component_of(reading, element), steps_of(reading));
+  const febio::Component component = component_of(reading, element);
+  febio::check_words(reading, febio::Place::Rigid, component);
+  febio::rigid_cable(reading, component, steps_of(reading));
 }
 
 void read_discrete_springs(Reading& reading, const XMLElement& element) {
@@ -41,7 +46,9 @@ void read_discrete_springs(Reading& reading, const XMLElement& element) {
 }  // namespace
 
 void read_axial_force(Reading& reading, const XMLElement& element) {
-  febio::rigid_axial_force(reading, component_of(reading, element), steps_of(reading));
+  const febio::Component component = component_of(reading, element);
+  febio::check_words(reading, febio::Place::Rigid, component);
+  febio::rigid_axial_force(reading, component, steps_of(reading));
 }
 
 void add_springs(Reading& reading, const XMLElement& element, const febio::DiscreteMaterial& material, int set) {

@@ -6,6 +6,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/io/febio/known_words.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea::feb {
@@ -142,11 +143,7 @@ const std::vector<std::string> kControlSteers = {"adaptor_re_solve",
 void check_control_word(Reading& reading, const XMLElement& child) {
   const std::string word = child.Name();
   if (std::find(kControlSteers.begin(), kControlSteers.end(), word) != kControlSteers.end()) return;
-  const std::string meant = nearest_name(word, kControlTaken);
-  if (!meant.empty())
-    fail(reading, child, fmt::format("<{}> in Control is none of FEBio's words: did you mean <{}>?", word, meant));
-  ignore(reading, child,
-         fmt::format("<{}> in Control, none of FEBio's words{}", word, did_you_mean(word, kControlSteers)));
+  febio::unknown_word(reading, origin_of(reading, child), word, {"Control", "Control"}, kControlTaken, kControlSteers);
 }
 
 void read_control(Reading& reading, const XMLElement& section) {
@@ -195,6 +192,8 @@ void read_load_data(Reading& reading, const XMLElement& section) {
     curve.name = attribute(child, "name");
     curve.origin = origin_of(reading, child);
     const std::string type = attribute(child, "type");
+    check_attributes(reading, child);
+    if (tag == "load_controller") febio::check_words(reading, febio::Place::Controller, component_of(reading, child));
     if (tag == "loadcurve" || type.empty() || type == "loadcurve") {
       read_curve(reading, child, tag == "loadcurve", curve);
     } else if (type == "math") {

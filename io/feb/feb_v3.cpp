@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/io/febio/known_words.h>
 
 namespace dea::feb {
 namespace {
@@ -10,6 +11,7 @@ void read_boundary_30(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     const std::string type = attribute(child, "type");
     if (type == "fix") {
+      febio::check_words(reading, febio::Place::Boundary, component_of(reading, child));
       febio::fix_nodes(reading, on_nodes(reading, child), child_text(child, "dofs"));
     } else if (type == "prescribe") {
       prescribe_nodes(reading, child, child_text(child, "dof"), "scale");

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <febiodea/io/feb/feb_reading.h>
+#include <febiodea/io/febio/known_words.h>
 
 namespace dea::feb {
 namespace {
@@ -12,7 +13,9 @@ void read_boundary_40(Reading& reading, const XMLElement& section) {
     const std::string what =
         type.empty() ? fmt::format("<{}> in Boundary", child.Name()) : fmt::format("bc {}", quote(type));
     if (type == "zero displacement") {
-      febio::zero_displacement(reading, component_of(reading, child), on_nodes(reading, child));
+      const febio::Component component = component_of(reading, child);
+      febio::check_words(reading, febio::Place::Boundary, component);
+      febio::zero_displacement(reading, component, on_nodes(reading, child));
     } else if (type == "prescribed displacement") {
       prescribe_nodes(reading, child, child_text(child, "dof"), "value");
     } else if (type == "rigid") {

@@ -114,6 +114,9 @@ Stiffness from_E_and_v(const Reading& reading, const MaterialTree& material) {
     throw fault_at(reading.model, place_of(material, "v"),
                    fmt::format("material {}: v = {:g}, need -1 < v < 0.5", quote(reading.name), nu));
   }
+  if (material.constants.count("v") == 0)
+    leave_out(reading, material, fmt::format("{} without <v>", quote(material.type)),
+              "nu = 0 is taken, FEBio's default");
   if (std::isnan(E) || std::isnan(nu)) return s;
   set_from_E_nu(s, E, nu);
   return s;

@@ -18,16 +18,18 @@ Vector3d area_vector(const JointModel& model, const int* nodes, int count) {
 }
 
 /// Turns the facet to the sense of rotation of the element's outward face. Asked by area, for a collapsed face repeats
-/// a node.
-void turn_outward(const JointModel& model, const ElementFace& c, std::vector<int>& facet) {
+/// a node. True: it was the other one.
+bool turn_outward(const JointModel& model, const ElementFace& c, std::vector<int>& facet) {
   const Domain& d = model.domains[at(c.domain)];
   const auto& face = element_faces(d.shape)[at(c.face)];
   int face_nodes[9];
   for (std::size_t k = 0; k < face.size(); ++k)
     face_nodes[k] = d.nodes[at(c.element * nodes_per_element(d.shape) + face[k])];
   const int count = static_cast<int>(facet.size());
-  if (area_vector(model, facet.data(), count).dot(area_vector(model, face_nodes, static_cast<int>(face.size()))) < 0)
-    turn_round(facet);
+  if (area_vector(model, facet.data(), count).dot(area_vector(model, face_nodes, static_cast<int>(face.size()))) >= 0)
+    return false;
+  turn_round(facet);
+  return true;
 }
 
 Fault no_face(const JointModel& model, const Surface& s, int facet) {
@@ -79,7 +81,7 @@ CarriedSurface carry(const ModelParts& parts, int surface) {
       out.on_shells = true;
     } else {
       out.fault = volume_fault(model, model.domains[at(c->domain)], c->element);
-      turn_outward(model, *c, facet);
+      out.turned += turn_outward(model, *c, facet) ? 1 : 0;
     }
     out.facets.add(facet);
   }

@@ -14,6 +14,7 @@ struct CarriedSurface {
   FacetList facets;
   std::vector<ElementFace> carriers;  ///< one per facet
   bool on_shells = false;             ///< a shell has two sides: the surface's own orientation tells which
+  int turned = 0;                     ///< facets that the model winds into their solid element
   std::optional<Fault> fault;         ///< of the surface or an element; then the rest is not complete
 };
 CarriedSurface carry(const ModelParts& parts, int surface);

@@ -201,7 +201,7 @@ void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, c
     draft.faults = {*others.fault};
     return;
   }
-  layer.notes = std::move(others.notes);
+  layer.notes.insert(layer.notes.end(), others.notes.begin(), others.notes.end());
   find_bone(in, carried, support.regions, draft);
   if (draft.faults.empty()) draft.faults = leave_out_facets(in, carried, draft.boundary, layer);
   if (draft.faults.empty() && layer.bone.size() == 0) draft.faults = do_without_bone(in, layer);
@@ -369,6 +369,11 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
   layer.surface = in.index;
   layer.springs_at = in.parts.settings.springs_at;
   std::vector<int> zero;
+  if (carried.turned > 0)
+    layer.notes.push_back(
+        say("surface \"{}\": {} of its {} facets have their nodes in the reverse order, facing into their elements: "
+            "turned outwards",
+            in.surface.name, carried.turned, in.surface.size()));
   FacetList facets = carried.facets;
   if (support.regions.empty()) {  // the elements under a map on solids know their own nodes
     BareSurface bare = bare_surface(in, carried, carried.on_shells || !in.given.map);

@@ -792,6 +792,32 @@ TEST_F(ReadFeb, WhatIsHarmlessIsListedOnceAsIgnored) {
   }
 }
 
+// FEBio's parameters that dea needs not are passed over in silence; those of nobody are listed once per word, and those
+// that may be meant for one of dea's are refused, in every version.
+TEST_F(ReadFeb, ParametersThatNobodyKnowsAreListedOnce) {
+  const std::pair<const char*, const char*> cases[] = {
+      {R"(<Material><material id="9" name="m" type="Mooney-Rivlin"><c1>1</c1><c2>0</c2><k>9</k><pressure_model>1</pressure_model><glue>1</glue><glue>2</glue></material></Material>)",
+       "<glue> in material \"Mooney-Rivlin\", none of FEBio's words"},
+      {R"(<Contact><contact type="sliding-elastic" surface_pair="pair"><laugon>0</laugon><tolerance>0.1</tolerance><glue>1</glue></contact><contact type="sliding-elastic" surface_pair="pair"><glue>1</glue></contact></Contact>)",
+       "<glue> in contact \"sliding-elastic\", none of FEBio's words"},
+      {R"(<Rigid><rigid_connector type="rigid lock"><body_a>1</body_a><body_b>4</body_b><first_axis>1,0,0</first_axis><second_axis>0,1,0</second_axis><laugon>0</laugon><gaptol>0</gaptol><glue>1</glue><glue>1</glue></rigid_connector></Rigid>)",
+       "<glue> in rigid_connector \"rigid lock\", none of FEBio's words"},
+  };
+  for (const auto& c : cases) {
+    const JointModel m = read(model_and(c.first));
+    ASSERT_EQ(m.ignored.size(), 1u) << c.first;
+    EXPECT_EQ(m.ignored[0].what, c.second);
+    EXPECT_EQ(m.ignored[0].count, 2);
+  }
+  EXPECT_NE(fault_of(replaced(kModel25, "<prescribed bc=\"z\" lc=", "<prescribed bc=\"z\" LC="))
+                .find("<prescribed> with LC = \"1\": did you mean lc?"),
+            std::string::npos);
+  for (const std::string* model : {&kModel12, &kModel20, &kModel25, &kModel30, &kModel40}) {
+    EXPECT_NE(fault_of(replaced(*model, "<v>0.1</v>", "<nu>0.1</nu>")).find("did you mean <v>?"), std::string::npos);
+    EXPECT_NE(fault_of(replaced(*model, "<E>4</E>", "<e>4</e>")).find("did you mean <E>?"), std::string::npos);
+  }
+}
+
 TEST_F(ReadFeb, DofsOfFixedNodesMayBeJoinedButFluidVelocitiesAreNoDisplacement) {
   const std::pair<const char*, std::array<bool, 3>> cases[] = {{"x,y,z", {true, true, true}},
                                                                {"xz", {true, false, true}},

@@ -1,0 +1,257 @@
+#include <febiodea/io/febio/known_words.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <febiodea/base/names.h>
+
+namespace dea::febio {
+namespace {
+
+/// Lists with commas: types, or <tags> of what has no type. A parameter that may stand several times has a star.
+struct Row {
+  Place place;
+  const char* types;
+  const char* taken;  ///< DEA takes them
+  const char* others = "";
+};
+
+constexpr const char* kUncoupledOthers = "pressure_model,laugon,atol,mat_axis,fiber";
+constexpr const char* kFibres = "c3,c4,c5,lam_max,active_contraction,pressure_model,laugon,atol,mat_axis,fiber";
+constexpr const char* kRelaxation = "t1,t2,t3,t4,t5,t6,g1,g2,g3,g4,g5,g6,pressure_model,laugon,atol,mat_axis,fiber";
+constexpr const char* kFluid =
+    "permeability,phi0,fluid_density,tau,solvent_supply,active_supply,osmotic_coefficient,solute,fixed_charge_density,"
+    "penalty,solid_bound,reaction,membrane_reaction,mat_axis,fiber";
+constexpr const char* kJoint =
+    "laugon,tolerance,gaptol,angtol,force_penalty,moment_penalty,penalty,auto_penalty,minaug,maxaug,force_damping,"
+    "moment_damping,symmetric_stiffness";
+constexpr const char* kContact =
+    "ambient_concentration,ambient_pressure,auto_penalty,concentration_penalty,contact_frac,ctol,dual_proj,dxtol,"
+    "flip_primary,flip_secondary,fric_coeff,fric_penalty,gap_offset,gaptol,knmult,ktmult,laugon,max_penalty_sf,"
+    "max_traction,maxaug,minaug,mu,node_reloc,offset,offset_shells,penalty,penalty_sf,pressure_penalty,ptol,"
+    "search_radius,search_tol,search_tolerance,seg_up,shell_bottom_primary,shell_bottom_secondary,smooth_aug,"
+    "smooth_fls,snap_tol,special,symmetric_stiffness,tension,tolerance,two_pass,update_penalty";
+
+/// FEBio 4's parameters, and those of older files that it passes over.
+constexpr Row kRows[] = {
+    {Place::Material,
+     "neo-Hookean,isotropic elastic,St.Venant-Kirchhoff,natural neo-Hookean,isotropic Hencky,Holmes-Mow,EFD "
+     "neo-Hookean",
+     "E,v,density", "beta,ksi,mat_axis,fiber"},
+    {Place::Material, "Mooney-Rivlin,Veronda-Westmann,coupled Mooney-Rivlin,coupled Veronda-Westmann",
+     "c1,c2,k,density", kUncoupledOthers},
+    {Place::Material, "trans iso Mooney-Rivlin,trans iso Veronda-Westmann", "c1,c2,k,density", kFibres},
+    {Place::Material, "Ogden", "c1,c2,c3,c4,c5,c6,k,density",
+     "m1,m2,m3,m4,m5,m6,pressure_model,laugon,atol,mat_axis,fiber"},
+    {Place::Material, "Ogden unconstrained", "c1,c2,c3,c4,c5,c6,cp,density", "m1,m2,m3,m4,m5,m6,mat_axis,fiber"},
+    {Place::Material, "incomp neo-Hookean,Gent", "G,k,density", "Jm,pressure_model,laugon,atol,mat_axis,fiber"},
+    {Place::Material, "Yeoh", "c1,k,density", "c2,c3,c4,c5,c6,pressure_model,laugon,atol,mat_axis,fiber"},
+    {Place::Material, "Arruda-Boyce", "mu,N,k,density", kUncoupledOthers},
+    {Place::Material, "uncoupled Holmes-Mow", "mu,k,density", "beta,pressure_model,laugon,atol,mat_axis,fiber"},
+    {Place::Material, "solid mixture", "*solid,*elastic,*mat,density", "mat_axis,fiber"},
+    {Place::Material, "uncoupled solid mixture", "*solid,*elastic,*mat,k,density", kUncoupledOthers},
+    {Place::Material, "viscoelastic", "elastic,solid,g0,density", kRelaxation},
+    {Place::Material, "uncoupled viscoelastic", "elastic,solid,g0,k,density", kRelaxation},
+    {Place::Material, "prestrain elastic", "elastic,solid,density", "prestrain,mat_axis,fiber"},
+    {Place::Material, "uncoupled prestrain elastic", "elastic,solid,k,density",
+     "prestrain,pressure_model,laugon,atol,mat_axis,fiber"},
+    {Place::Material, "biphasic,biphasic-solute,triphasic,multiphasic", "solid,elastic,density", kFluid},
+    {Place::Material, "rigid body", "center_of_mass,density", "E,v,override_com,parent_id,mat_axis,fiber"},
+
+    {Place::Rigid, "rigid_fixed", "rb,Rx_dof,Ry_dof,Rz_dof,Ru_dof,Rv_dof,Rw_dof"},
+    {Place::Rigid, "fix", "rb,dofs"},
+    {Place::Rigid, "rigid_displacement,rigid_rotation,prescribe", "rb,dof,value,relative"},
+    {Place::Rigid, "rigid_rotation_vector", "rb,vx,vy,vz,relative"},
+    {Place::Rigid, "rigid_euler_angles", "rb,Ex,Ey,Ez", "convention,relative"},
+    {Place::Rigid, "rigid_force,rigid_moment,force", "rb,dof,value,load_type,relative"},
+    {Place::Rigid, "rigid_follower_force,follower force", "rb,force,insertion,relative"},
+    {Place::Rigid, "rigid_follower_moment,follower moment", "rb,moment", "relative"},
+    {Place::Rigid, "rigid_axial_force,<rigid_axial_force>", "rbA,rbB,ra,rb,force,relative"},
+    {Place::Rigid, "rigid_cable,<rigid_cable>", "force,force_direction,relative,*rigid_cable_point"},
+    {Place::Rigid, "<rigid_cable_point>", "rigid_body_id,position"},
+    {Place::Rigid, "rigid spring", "body_a,body_b,insertion_a,insertion_b,k,free_length"},
+    {Place::Rigid, "rigid contractile force", "body_a,body_b,insertion_a,insertion_b,f0"},
+    {Place::Rigid, "rigid spherical joint",
+     "body_a,body_b,joint_origin,laugon,prescribed_rotation,rotation_x,rotation_y,rotation_z,moment_x,moment_y,"
+     "moment_z",
+     kJoint},
+    {Place::Rigid, "rigid revolute joint",
+     "body_a,body_b,joint_origin,laugon,rotation_axis,transverse_axis,prescribed_rotation,rotation,moment,"
+     "torsion_stiffness",
+     kJoint},
+    {Place::Rigid, "rigid prismatic joint",
+     "body_a,body_b,joint_origin,laugon,translation_axis,transverse_axis,prescribed_translation,translation,force",
+     kJoint},
+    {Place::Rigid, "rigid cylindrical joint",
+     "body_a,body_b,joint_origin,laugon,joint_axis,transverse_axis,prescribed_translation,translation,force,"
+     "prescribed_rotation,rotation,moment",
+     kJoint},
+    {Place::Rigid, "rigid planar joint",
+     "body_a,body_b,joint_origin,laugon,rotation_axis,translation_axis_1,prescribed_rotation,rotation,"
+     "prescribed_translation_1,translation_1,prescribed_translation_2,translation_2",
+     kJoint},
+    {Place::Rigid, "rigid lock", "body_a,body_b,joint_origin,first_axis,second_axis", kJoint},
+    {Place::Rigid, "generic rigid joint",
+     "body_a,body_b,joint,prescribe_x,prescribe_y,prescribe_z,prescribe_Rx,prescribe_Ry,prescribe_Rz", kJoint},
+    {Place::Rigid, "rigid joint", "body_a,body_b,joint", kJoint},
+
+    {Place::Boundary, "zero displacement", "x_dof,y_dof,z_dof"},
+    {Place::Boundary, "prescribed displacement", "dof,value,relative"},
+    {Place::Boundary, "fix", "dofs"},
+    {Place::Boundary, "prescribe", "dof,scale,relative"},
+    {Place::Boundary, "<prescribe>", "scale,value,relative"},
+    {Place::Boundary, "rigid", "rb", "clamp_shells"},
+    {Place::Load, "nodal_load,nodal_force,<nodal_load>", "dof,scale,value,relative,shell_bottom"},
+
+    {Place::Contact,
+     "sliding-elastic,sliding-facet-on-facet,sliding-node-on-facet,sliding-biphasic,tied-elastic,tied-node-on-facet,"
+     "tied-facet-on-facet,sticky,sliding-biphasic-mixed,sliding-biphasic-solute,sliding-multiphasic,sliding2,sliding3,"
+     "mortar-sliding,sliding-tension-compression,facet-to-facet sliding,sliding_with_gaps,sliding,tied-biphasic,"
+     "tied-multiphasic,tied,facet-to-facet tied,mortar-tied",
+     "max_distance", kContact},
+
+    {Place::Spring, "linear spring,tension-only linear spring", "E", "mat_axis"},
+    {Place::Spring, "nonlinear spring", "force,measure,scale", "mat_axis"},
+    {Place::Spring, "experimental spring", "E,sM,sm", "mat_axis"},
+    {Place::Function, "point", "points,interpolate,extend,log"},
+    {Place::Function, "math", "math"},
+    {Place::Function, "const", "value"},
+    {Place::Function, "linear ramp", "slope,intercept"},
+    {Place::Controller, "loadcurve,<load_controller>", "points,interpolate,extend"},
+    {Place::Controller, "math", "math,*var"},
+};
+
+/// Usual names elsewhere, no slips of the keyboard.
+constexpr const char* kOtherNames[][2] = {{"nu", "v"},
+                                          {"poisson", "v"},
+                                          {"poissons_ratio", "v"},
+                                          {"poisson_ratio", "v"},
+                                          {"poisson_s", "v"},
+                                          {"young", "E"},
+                                          {"youngs", "E"},
+                                          {"youngs_modulus", "E"},
+                                          {"young_modulus", "E"},
+                                          {"elastic_modulus", "E"},
+                                          {"modulus", "E"},
+                                          {"com", "center_of_mass"},
+                                          {"bulk_modulus", "k"},
+                                          {"shear_modulus", "G"},
+                                          {"value", "scale"},
+                                          {"scale", "value"}};
+
+struct Known {
+  std::vector<std::string> taken, repeated, others;
+};
+
+void add_words(const char* list, std::vector<std::string>& words) {
+  if (*list == '\0') return;
+  for (std::string& word : split_words(list)) words.push_back(std::move(word));
+}
+
+/// False: no such type is looked into.
+bool known_in(Place place, const std::string& type, Known& known) {
+  for (const Row& row : kRows) {
+    if (row.place != place) continue;
+    const std::vector<std::string> types = split_words(row.types);
+    if (std::find(types.begin(), types.end(), type) == types.end()) continue;
+    add_words(row.taken, known.taken);
+    add_words(row.others, known.others);
+    for (std::string& word : known.taken)
+      if (word[0] == '*') known.repeated.push_back(word.erase(0, 1));
+    return true;
+  }
+  return false;
+}
+
+bool holds(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// As numbers, if they are some.
+bool same_text(std::string_view a, std::string_view b) {
+  const std::vector<std::string> one = split_words(a), two = split_words(b);
+  return std::equal(one.begin(), one.end(), two.begin(), two.end(), [](const std::string& x, const std::string& y) {
+    const auto first = whole_double(x), second = whole_double(y);
+    return first && second ? *first == *second : trim(x) == trim(y);
+  });
+}
+
+bool same(const Component& a, const Component& b) {
+  return a.tag == b.tag && a.type == b.type && a.lc == b.lc && same_text(a.text, b.text) &&
+         std::equal(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end(), same);
+}
+
+[[noreturn]] void fail_twice(const Draft& draft, const Component& first, const Component& again,
+                             const std::string& in) {
+  const auto said = [](const Component& part) {
+    return part.parts.empty() ? fmt::format(" = {}{}", quote(trim(part.text)), part.lc ? " with lc = " + *part.lc : "")
+                              : std::string();
+  };
+  fail(draft, again.origin,
+       fmt::format("<{}>{} in {}, which has <{}>{} in line {} already: keep one (FEBio takes the last)", again.tag,
+                   said(again), in, first.tag, said(first), first.origin.line));
+}
+
+/// `in`: the component in a refusal; `kind`: the same for all of its type.
+void check_parts(Draft& draft, const Component& component, const Known& known, const std::string& in,
+                 const std::string& kind) {
+  std::vector<std::string> missing;  // what DEA takes and does not find
+  for (const std::string& word : known.taken)
+    if (find(component, word) == nullptr || holds(known.repeated, word)) missing.push_back(word);
+  std::vector<std::string> all = known.taken;
+  all.insert(all.end(), known.others.begin(), known.others.end());
+  for (const Component& part : component.parts) {
+    if (holds(known.taken, part.tag)) {
+      const Component* first = find(component, part.tag);
+      if (first != &part && !holds(known.repeated, part.tag) && !same(*first, part))
+        fail_twice(draft, *first, part, in);
+    } else if (!holds(known.others, part.tag)) {
+      unknown_word(draft, part.origin, part.tag, {in, kind}, missing, all);
+    }
+  }
+}
+
+std::string kind_of(const Component& component) {
+  return component.type.empty() ? component.tag : fmt::format("{} {}", component.tag, quote(component.type));
+}
+
+std::string name_of(const Component& component) {
+  return component.name.empty() ? kind_of(component) : fmt::format("{} {}", component.tag, quote(component.name));
+}
+
+/// `outer`: " of material "cartilage"", empty for the material itself.
+void check_material(Draft& draft, const Component& material, const std::string& outer) {
+  Known known;
+  if (!known_in(Place::Material, material.type.empty() ? material.tag : material.type, known)) return;
+  check_parts(draft, material, known, name_of(material) + outer, kind_of(material));
+  const std::string within = outer.empty() ? " of " + name_of(material) : outer;
+  for (const Component& part : material.parts)
+    if (holds({"solid", "elastic", "mat"}, part.tag)) check_material(draft, part, within);
+}
+
+}  // namespace
+
+void unknown_word(Draft& draft, Origin origin, std::string_view word, const InWords& in,
+                  const std::vector<std::string>& taken, const std::vector<std::string>& others) {
+  std::string meant = nearest_name(word, taken);
+  for (const auto& other : kOtherNames)
+    if (same_word(word, other[0]) && holds(taken, other[1])) meant = other[1];
+  if (!meant.empty())
+    fail(draft, origin, fmt::format("<{}> in {} is none of FEBio's words: did you mean <{}>?", word, in.one, meant));
+  ignore(draft, origin, fmt::format("<{}> in {}, none of FEBio's words{}", word, in.all, did_you_mean(word, others)));
+}
+
+void check_words(Draft& draft, Place place, const Component& component) {
+  Known known;
+  if (!known_in(place, component.type.empty() ? "<" + component.tag + ">" : component.type, known)) return;
+  check_parts(draft, component, known, name_of(component), kind_of(component));
+  for (const Component& part : component.parts) {
+    if (place == Place::Rigid && part.tag == "rigid_cable_point") check_words(draft, place, part);
+    if (place == Place::Spring && part.tag == "force") check_words(draft, Place::Function, part);
+  }
+}
+
+void check_material_words(Draft& draft, const Component& material) { check_material(draft, material, ""); }
+
+}  // namespace dea::febio

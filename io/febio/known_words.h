@@ -1,0 +1,41 @@
+// febiodea/io/febio/known_words.h – the parameters that FEBio knows in a material, condition, contact or controller:
+// those that DEA takes and those that it does not need. What is neither is told, or refused if one that DEA takes may
+// be meant.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <febiodea/io/febio/component.h>
+
+namespace dea::febio {
+
+/// Where a type stands in a file: one word may mean two things ("force", "prescribe").
+enum class Place {
+  Material,
+  Rigid,     ///< conditions and loads of rigid bodies, connectors
+  Boundary,  ///< conditions on nodes
+  Load,      ///< loads on nodes
+  Contact,
+  Spring,      ///< discrete materials
+  Function,    ///< the force of a spring
+  Controller,  ///< load controllers
+};
+
+/// What a word stands in: in a refusal, `material "cartilage"`; in a remark, which is listed once for all of a kind,
+/// `material "neo-Hookean"`.
+struct InWords {
+  std::string one, all;
+};
+/// A word that is none of FEBio's: refused where one of `taken` may be meant, whose default would stand in for it
+/// unseen; else told, with the one of `others` that may be meant.
+void unknown_word(Draft& draft, Origin origin, std::string_view word, const InWords& in,
+                  const std::vector<std::string>& taken, const std::vector<std::string>& others);
+
+/// The parameters of a component, by its type. Refuses one that DEA takes and that is given twice with different
+/// values, for FEBio takes the last. A type that DEA does not read is not looked into.
+void check_words(Draft& draft, Place place, const Component& component);
+/// The same of a material and of those nested in it.
+void check_material_words(Draft& draft, const Component& material);
+
+}  // namespace dea::febio
