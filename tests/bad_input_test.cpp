@@ -744,7 +744,7 @@ TEST(BadInput, ParametersGivenTwice) {
                 edited({{"<value lc=\"1\">-5</value>", "<value lc=\"1\">-5</value>\n<value>-5</value>"}}),
                 3,
                 "<value>-5",
-                {"<value> = \"-5\" in rigid_load \"push\"", "with lc = 1"}},
+                {"<value> = \"-5\" in rigid_load \"push\"", "with lc = \"1\""}},
            Case{"points",
                 edited({{"</points>", "</points>\n<points><pt>0,0</pt></points>"}}),
                 3,

@@ -127,7 +127,6 @@ constexpr const char* kOtherNames[][2] = {{"nu", "v"},
                                           {"poisson", "v"},
                                           {"poissons_ratio", "v"},
                                           {"poisson_ratio", "v"},
-                                          {"poisson_s", "v"},
                                           {"young", "E"},
                                           {"youngs", "E"},
                                           {"youngs_modulus", "E"},
@@ -185,8 +184,9 @@ bool same(const Component& a, const Component& b) {
 [[noreturn]] void fail_twice(const Draft& draft, const Component& first, const Component& again,
                              const std::string& in) {
   const auto said = [](const Component& part) {
-    return part.parts.empty() ? fmt::format(" = {}{}", quote(trim(part.text)), part.lc ? " with lc = " + *part.lc : "")
-                              : std::string();
+    return part.parts.empty()
+               ? fmt::format(" = {}{}", quote(trim(part.text)), part.lc ? " with lc = " + quote(*part.lc) : "")
+               : std::string();
   };
   fail(draft, again.origin,
        fmt::format("<{}>{} in {}, which has <{}>{} in line {} already: keep one (FEBio takes the last)", again.tag,
