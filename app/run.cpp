@@ -209,6 +209,7 @@ int run(const RunArguments& a) {
     if (!name_note.empty()) log(name_note);
     print_result(recognition.model, options, result, told, a.details);
   } else {
+    for (const std::string& line : idle_load_lines(result.analysis)) log(line);
     for (const std::string& line : no_solution_lines(result.analysis)) log(line);
   }
   return all_solved(result.analysis) ? kSolved : kNoSolution;

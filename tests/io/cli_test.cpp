@@ -363,6 +363,48 @@ TEST_F(Cli, QuietNamesTheStatesThatAreNoSolution) {
             "");  // the reference state is none that failed
 }
 
+// Forces that somebody asks for and nothing follows: told with -q too. The plate is free along z alone.
+TEST_F(Cli, QuietNamesForcesWithoutEffect) {
+  write_model("push.feb", -12.0);
+  const auto quiet = [&](const std::string& force) {
+    const Finished f = dea({"run", "push.feb", "-q", "--no-xplt", "--force", force});
+    EXPECT_EQ(f.code, 0) << f.err;
+    return f.err;
+  };
+  EXPECT_EQ(quiet("plate=0,0,-9"), "");
+  EXPECT_EQ(quiet("base=0,0,0"), "");
+  EXPECT_EQ(
+      quiet("base=0,0,-9"),
+      "warning: --force base: body \"base\" is not free to move along z at the end of the last step; this load has "
+      "no effect\n");
+  EXPECT_EQ(quiet("plate=1,0,-9"),
+            "warning: --force plate: body \"plate\" is not free to move along x at the end of the last step; this part "
+            "of the force has no effect\n");
+  write_model();  // the plate's motion is prescribed
+  const Finished f =
+      dea({"run", "flat.feb", "--no-xplt", "--force", "plate=1,0,-9", "--json", "r.json", "--csv", "r.csv"});
+  const std::string line =
+      "--force plate: body \"plate\" is not free to move along x, z at the end of the last step; this load has no "
+      "effect";
+  EXPECT_NE(f.err.find("warning: " + line), std::string::npos) << f.err;
+  const Json findings = Json::parse(file_text(folder / "r.json"))["findings"];
+  EXPECT_EQ(std::count(findings.begin(), findings.end(), Json("warning: " + line)), 1) << findings;
+  EXPECT_NE(file_text(folder / "r.csv").find("this load has no effect"), std::string::npos);
+}
+
+// A force beside the centre of mass turns a body that cannot follow it.
+TEST_F(Cli, ForcesThatTurnABodyHaveAnEffect) {
+  write_model("push.feb", -12.0);
+  const auto quiet = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"run",           "push.feb", "-q",           "--no-xplt", "--free",
+                                      "plate=z,Ru,Rv", "--force",  "plate=1,0,-9", "--load-at"};
+    words.insert(words.end(), more.begin(), more.end());
+    return dea(words).err;
+  };
+  EXPECT_NE(quiet({"plate=1.5,1.5,1"}).find("along x at the end"), std::string::npos);
+  EXPECT_EQ(quiet({"plate=1.5,1.5,1.001"}).find("along x at the end"), std::string::npos);
+}
+
 TEST_F(Cli, TimesArePrintedAsTheyWereMeant) {
   write_model();
   std::string text = file_text(folder / "flat.feb");
