@@ -405,6 +405,27 @@ TEST_F(Cli, ForcesThatTurnABodyHaveAnEffect) {
   EXPECT_EQ(quiet({"plate=1.5,1.5,1.001"}).find("along x at the end"), std::string::npos);
 }
 
+TEST_F(Cli, ATableOfCompartmentsWithoutRowsIsExplained) {
+  write_model();
+  const Finished f = dea({"run", "flat.feb", "--no-xplt", "--compartments-csv", "parts.csv"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  const std::string csv = file_text(folder / "parts.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1) << csv;
+  EXPECT_NE(f.err.find("note: parts.csv has the names of its columns and no rows: every surface is in one piece\n"),
+            std::string::npos)
+      << f.err;
+}
+
+TEST_F(Cli, CiteHasFourDigitsUnitsAndFebiosPaper) {
+  write_model();
+  const Finished f = dea({"cite", "flat.feb", "--thickness", "top=1.581793", "--E", "8.123456"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  for (const char* text : {"of the FEBio model flat.feb (Maas et al., 2012; format 4.0,", "was 1.582 mm thick",
+                           "E = 8.123 MPa", "* Maas SA, Ellis BJ"})
+    EXPECT_NE(f.out.find(text), std::string::npos) << text << "\n" << f.out;
+  EXPECT_EQ(f.out.find("1.58179 "), std::string::npos) << f.out;
+}
+
 TEST_F(Cli, TimesArePrintedAsTheyWereMeant) {
   write_model();
   std::string text = file_text(folder / "flat.feb");
@@ -990,8 +1011,10 @@ TEST_F(Cli, InfoSaysWhatIsRecognised) {
   for (const char* text :
        {"units: the model's, mm-N-s", "plate: material \"plate\"; centre of mass (1.5, 1.5, 1) (given)",
         "\"touch\": type sliding-elastic, springs on base", "thickness: min 2, mean 2, max 2", "initial gap min 0.1",
-        "z prescribed -0.3", "0 0.25 0.5 0.75 1", "rim of the selected facets: free 12\n"})
+        "z prescribed -0.3", "0 0.25 0.5 0.75 1", "rim of the selected facets: free 12\n",
+        "least-squares sphere: none, the surface is flat or not round\n"})
     EXPECT_NE(f.out.find(text), std::string::npos) << text << "\n" << f.out;
+  EXPECT_EQ(f.out.find("radius"), std::string::npos) << f.out;
   const Json j = Json::parse(file_text(folder / "i.json"));
   EXPECT_EQ(j["schema"], "dea.info/1");
   EXPECT_EQ(keys(j).front(), "schema");
@@ -1071,8 +1094,13 @@ TEST_F(Cli, ConvergeOnAPlaneLayerNeedsNoMoreSprings) {
   ASSERT_EQ(j["contacts"][0]["rows"].size(), 2u);
   EXPECT_EQ(j["contacts"][0]["rows"][1]["springs"], 72);
   EXPECT_EQ(j["contacts"][0]["springs_1_percent"], 18);
+  const Finished run = dea({"run", "flat.feb", "--law", "linear", "--states", "last", "--no-xplt", "--json", "-"});
+  EXPECT_EQ(j["contacts"][0]["rows"][0]["headline"]["p99"],
+            Json::parse(run.out)["states"][0]["contacts"][0]["headline"]["p99"]);
   const Finished few = dea({"converge", "flat.feb", "--max-springs", "20"});
   EXPECT_EQ(few.code, 1);  // one row says nothing about change
+  EXPECT_NE(few.out.find("refine  p99 [MPa]  mean [MPa]  area [mm²]  peak [MPa]  springs"), std::string::npos)
+      << few.out;
   EXPECT_NE(few.out.find("changes below 1%: not reached"), std::string::npos) << few.out;
 }
 
