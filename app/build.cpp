@@ -92,7 +92,9 @@ std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoin
     for (std::size_t i = 0; i < balances.size(); ++i) {
       const StateResult& state = analysis.states.at(i);
       balances[i].found = solved(state.equilibrium.outcome);
-      balances[i].words = state.equilibrium.message;
+      std::string& words = balances[i].words;
+      words = state.equilibrium.message;
+      if (!words.empty() && words.back() == ';') words.pop_back();  // dea run's advice would follow: its options
       for (std::size_t b = 0; b < built.bodies.size(); ++b)
         for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
           if (analysis.joint.bodies[j].name == built.bodies[b].name)

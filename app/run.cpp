@@ -123,6 +123,13 @@ void watch(RunOptions& options, Progress& progress) {
   };
 }
 
+bool has_compartments(const Analysis& analysis) {
+  const auto divided = [](const ContactStatistics& s) { return !s.compartments.empty(); };
+  return std::any_of(analysis.states.begin(), analysis.states.end(), [&](const StateResult& state) {
+    return std::any_of(state.statistics.begin(), state.statistics.end(), divided);
+  });
+}
+
 /// `told`: remarks that were printed before solving.
 void print_result(const JointModel& model, const RunOptions& options, const RunResult& result,
                   const std::vector<std::string>& told, bool details) {
@@ -131,6 +138,9 @@ void print_result(const JointModel& model, const RunOptions& options, const RunR
   const OutputSettings& o = options.outputs;
   if (o.json != "-" && o.csv != "-" && o.compartments_csv != "-" && o.facets_csv != "-")
     print(run_text(model, result.analysis, details));
+  if (!o.compartments_csv.empty() && !has_compartments(result.analysis))
+    log(fmt::format("note: {} has the names of its columns and no rows: every surface is in one piece",
+                    o.compartments_csv == "-" ? "the table of compartments" : o.compartments_csv));
   log(run_summary(options, result));
 }
 
@@ -210,6 +220,7 @@ int run(const RunArguments& a) {
     if (!name_note.empty()) log(name_note);
     print_result(recognition.model, options, result, told, a.details);
   } else {
+    for (const std::string& line : idle_load_lines(result.analysis)) log(line);
     for (const std::string& line : no_solution_lines(result.analysis)) log(line);
   }
   return all_solved(result.analysis) ? kSolved : kNoSolution;

@@ -162,7 +162,9 @@ int solve_study(const StudyArguments& a) {
   return end_study(open.path, a,
                    fmt::format("{}: {} in {:.2f} s, {:.3g} per second{}", open.path, plural(tally.done, "case"), took,
                                static_cast<double>(tally.done) / std::max(1e-3, took),
-                               tally.before > 0 ? fmt::format("; {} were there", tally.before) : ""));
+                               tally.before > 0 ? fmt::format("; {} {} there already", tally.before,
+                                                              tally.before == 1 ? "was" : "were")
+                                                : ""));
 }
 
 /// A few cases from first to last, in pairs of neighbours: the second of a pair finds the work on its joint done, as

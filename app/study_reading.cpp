@@ -50,6 +50,19 @@ std::string failed_line(const std::string& path, const StudyHead& head) {
       words, first.message);
 }
 
+/// "shard 2", "cases 4-6".
+std::string numbered(const char* word, const std::string& numbers) {
+  return fmt::format("{}{} {}", word, numbers.find_first_of(",-") == std::string::npos ? "" : "s", numbers);
+}
+
+/// How many cases have warnings, and one of them; empty: none has.
+std::string warned_line(const std::string& path) {
+  const StudyWarned warned = count_warned(path);
+  if (warned.cases == 0) return "";
+  return fmt::format("{}: {} of {} with warnings, such as case {}: {}", path, warned.cases,
+                     plural(count_cases(path).all(), "case"), warned.first, warned.text);
+}
+
 /// Options that have no place where nothing is solved.
 void refuse_solving_options(const StudyArguments& a, const char* what) {
   std::string option;
@@ -87,6 +100,7 @@ int end_study(const std::string& path, const StudyArguments& a, const std::strin
   if (!a.csv.empty()) write_csv(path, a.csv);
   write_study_report(a, path);
   if (!a.quiet) log(summary);
+  if (const std::string warned = warned_line(path); !a.quiet && !warned.empty()) log(warned);
   const std::string failed = failed_line(path, head);
   if (!failed.empty()) log(failed);
   return failed.empty() ? kSolved : kNoSolution;
@@ -132,9 +146,9 @@ int merge_shards(const StudyArguments& a) {
   const int code = end_study(
       a.output, a, fmt::format("{}: {} of {}", a.output, plural(merged.cases, "case"), plural(a.files.size(), "file")));
   if (merged.missing.empty()) return code;
-  log(fmt::format("{}: missing are {}cases {}; the command of the study without --shard, with -o {}, solves them",
-                  a.output, merged.missing_shards.empty() ? "" : fmt::format("shards {}, ", merged.missing_shards),
-                  merged.missing, a.output));
+  const std::string shards = merged.missing_shards.empty() ? "" : numbered("shard", merged.missing_shards) + ", ";
+  log(fmt::format("{}: lacks {}{}; the command of the study without --shard, with -o {}, solves what is missing",
+                  a.output, shards, numbered("case", merged.missing), a.output));
   return kNoSolution;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <febiodea/base/say.h>
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/equilibrium/rows.h>
 #include <febiodea/equilibrium/times.h>
@@ -15,6 +16,7 @@
 #include <febiodea/python/plain.h>
 #include <febiodea/python/views.h>
 #include <febiodea/python/work.h>
+#include <febiodea/run/idle_loads.h>
 #include <febiodea/views/memory.h>
 
 namespace dea::python {
@@ -189,10 +191,34 @@ GivenLoad given_load(const PreparedJoint& joint, const std::string& body, const 
   return given;
 }
 
+/// A load of this call that the body cannot follow: UsageError if nothing of it has an effect, else a warning. Also one
+/// of the recognition.
+void check_loads(const PreparedJoint& joint, const Settings& settings, const GivenLoad& given) {
+  for (const IdleLoad& idle : idle_loads(joint.recognised->recognition.model, joint.prepared.joint, settings)) {
+    const bool of_call = !given.body.empty() && idle.given.setting == "loads";
+    const char* place = given.load.head<3>().isZero(0) ? "moment" : "force";
+    const std::string words = idle_in_words(idle);
+    if (!idle.all) {
+      if (of_call && PyErr_WarnEx(PyExc_UserWarning, fmt::format("{}: {}", place, words).c_str(), 2) != 0)
+        throw py::error_already_set();
+      continue;
+    }
+    Fault fault{.found = words + ";",
+                .expected = say("load another body, or let it move ({})",
+                                NamedSetting{.setting = "free", .of = idle.body, .value = "x,y,z"})};
+    if (of_call)
+      fault.place = place;
+    else
+      fault.given = idle.given;
+    throw UsageError(fault);
+  }
+}
+
 StateView solve_joint(const Joint_& joint, const std::string& body, const py::object& force, const py::object& moment,
                       const SaidValues& values, const py::object& start, const py::object& progress) {
   const GivenLoad given = given_load(*joint, body, force, moment);
   const Settings settings = settings_with(*joint, values, given);
+  check_loads(*joint, settings, given);
   const std::vector<Pose> placed =
       starting_poses(joint->recognised->recognition.model, joint->prepared.joint, settings);
   const LoadCase load_case = load_case_of(*joint, settings, placed);

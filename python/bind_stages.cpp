@@ -10,6 +10,7 @@
 
 #include <febiodea/base/names.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/base/say.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/output.h>
@@ -22,6 +23,7 @@
 #include <febiodea/python/views.h>
 #include <febiodea/python/work.h>
 #include <febiodea/run/check.h>
+#include <febiodea/run/idle_loads.h>
 #include <febiodea/views/data/info_json.h>
 #include <febiodea/views/memory.h>
 #include <febiodea/views/run_model.h>
@@ -197,6 +199,7 @@ std::shared_ptr<Analysed> analysed(const std::shared_ptr<const Recognised>& reco
   const double start = seconds();
   const Recognition& recognition = recognised->recognition;
   throw_if_any(recognition.faults);
+  refuse_idle_loads(recognition);
   spring_cost_note(recognition, python_wording());
   const States states = wanted_states(recognition.model, recognition.settings, asked);
   const auto a = std::make_shared<Analysed>();
@@ -334,6 +337,15 @@ void bind_progress(py::module_& m) {
 }
 
 }  // namespace
+
+void refuse_idle_loads(const Recognition& r) {
+  for (const IdleLoad& idle : idle_loads(r.model, r.joint, r.settings))
+    if (idle.all)
+      throw UsageError(Fault{.given = idle.given,
+                             .found = idle_in_words(idle) + ";",
+                             .expected = say("load another body, or let it move ({})",
+                                             NamedSetting{.setting = "free", .of = idle.body, .value = "x,y,z"})});
+}
 
 Settings with_values(Settings settings, const SaidValues& values) {
   std::vector<SettingValue> all;

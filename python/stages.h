@@ -73,4 +73,8 @@ struct PressedJoint {
   Pressed pressed;
 };
 
+/// UsageError: a load of the settings acts on a body that is not free to follow it at all. Whoever calls wants its
+/// effect.
+void refuse_idle_loads(const Recognition& recognition);
+
 }  // namespace dea::python

@@ -310,6 +310,33 @@ def test_ctrl_c_keeps_what_is_done(f):
     assert not (f.path / ".plan.db.lock").exists()
 
 
+def test_states_that_are_no_solution_are_told_from_the_others(f):
+    """The ball pulled out of its socket: its rows have numbers, and `solved` is 0."""
+    f.run("ball.feb", *LAW, "--vary", "pull: force ball=0,0,{900|-900}", "--free", "ball=z", "--states", "last", "-q", "-o",
+          "plan.db", code=1)
+    rows = f.query("plan.db", "SELECT outcome, solved FROM results ORDER BY case_id")
+    assert {solved for outcome, solved in rows} == {0, 1}, rows
+    assert all(solved == (outcome in ("Prescribed", "Balanced", "BalancedToOneSpring")) for outcome, solved in rows), rows
+    names = [c[1] for c in f.query("plan.db", "PRAGMA table_info(results)")]
+    assert names[-1] == "solved" and names[-2] == "seconds", names
+    _, err = f.run("ball.feb", *LAW, "--vary", "pull: force ball=0,0,{900|-900}", "--free", "ball=z", "--states", "last", "-o",
+                   "plan.db", "--again", "failed", code=1)
+    expect(err, "; 1 was there already")
+    out, _ = f.run("plan.db", "--csv", "-", "-q", code=1)
+    assert [row["solved"] for row in csv.DictReader(io.StringIO(out))] == [str(solved) for _, solved in rows]
+
+
+def test_warnings_are_counted_at_the_end(f):
+    """Law layer on long facets: each case has a warning."""
+    line = ["ball.feb", "--vary", "E: E={11|12}", "--states", "last"]
+    _, err = f.run(*line, "-o", "plan.db")
+    last = err.splitlines()[-1]
+    warning = f.query("plan.db", "SELECT text FROM warnings WHERE case_id = 1 ORDER BY number")[0][0]
+    assert last == f"plan.db: 2 of 2 cases with warnings, such as case 1: {warning}", err
+    _, err = f.run("ball.feb", "--vary", "E: E={11|12}", "--states", "last", "-q", "-o", "plan.db")
+    assert err == "", err
+
+
 def test_failed_cases_are_rows_and_are_solved_again(f):
     f.write("bad.feb", "<febio_spec")
     line = ["ball.feb", "bad.feb", *LAW, "--vary", "E: E={8|9}", "--states", "last", "-o", "plan.db"]
@@ -468,7 +495,7 @@ def test_shards_merged_are_the_whole(f):
     assert f.results("all.db") == f.results("whole.db")
     expect(f.fault("--merge", *names, "-o", "all.db", code=4), "is there already; --overwrite replaces it")
     _, err = f.run("--merge", names[0], names[2], "-o", "part.db", code=1)
-    expect(err, "missing are shards 2, cases 4-6")
+    expect(err, "lacks shard 2, cases 4-6; ")
     f.run(*line, "-o", "part.db")
     assert f.results("part.db") == f.results("whole.db")
     f.run(*many(11), "--shard", "2/3", "-o", "other.db", "-q")

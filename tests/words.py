@@ -55,14 +55,14 @@ with tempfile.TemporaryDirectory() as temporary:
     info = json.loads(run("info", HIP, "--json", "-"))
     contact = info["contacts"][0]
     layers = [contact["primary"], contact["secondary"]]
-    check(plain, [f"FEBioDEA {version[0]} (commit {version[1]})", "hip_walking.feb (format 4.0, 11220 nodes", '"femur" and "pelvis" were rigid',
+    check(plain, [f"FEBioDEA {version[0]} (commit {version[1]})", "hip_walking.feb (Maas et al., 2012; format 4.0, 11220 nodes", '"femur" and "pelvis" were rigid',
                   f"{contact['springs']} springs stood on the articular surface of \"acetabular_articulating\"",
                   "law layer", "two terms", "smooth surfaces", "frictionless", "23 states (time 0 to 2)", "force (432, -262, 1834)",
                   "10.1016/j.jbiomech.2013.01.012", "at 157 of 2809 vertices", "small-strain constants of the model's materials",
-                  "All settings were inferred"],
-          ["confined modulus", "Blankevoort", "Maas SA, Ellis", "series", "ligament", "Settings given", "inside the cartilage", "skip", "nan"], "dea cite")
+                  "All settings were inferred", "* Maas SA, Ellis"],
+          ["confined modulus", "Blankevoort", "series", "ligament", "Settings given", "inside the cartilage", "skip", "nan"], "dea cite")
     for layer in layers:
-        check(plain, [f"{layer['thickness_mean']:.6g} thick (mean; {layer['thickness_min']:.6g} to {layer['thickness_max']:.6g})"
+        check(plain, [f"{layer['thickness_mean']:.4g} thick (mean; {layer['thickness_min']:.4g} to {layer['thickness_max']:.4g})"
                       if "thickness_mean" in layer else "thick (mean;", f"E = {layer['E']:g}, nu = {layer['nu']:g}"], of="dea cite, layers")
 
     # Each option changes its own sentence, and no other

@@ -148,6 +148,19 @@ StudyCounts count_cases(const std::string& path) {
   });
 }
 
+StudyWarned count_warned(const std::string& path) {
+  return reading(path, [](const Database& d) {
+    StudyWarned warned;
+    Statement count(d, "SELECT count(DISTINCT case_id) FROM warnings");
+    if (count.step()) warned.cases = static_cast<std::size_t>(count.integer(0));
+    Statement first(d, "SELECT case_id, text FROM warnings ORDER BY case_id, number LIMIT 1");
+    if (!first.step()) return warned;
+    warned.first = static_cast<std::size_t>(first.integer(0));
+    warned.text = first.text(1);
+    return warned;
+  });
+}
+
 std::vector<StudyCase> read_cases(const std::string& path, bool only_failed, std::size_t most) {
   return reading(path, [&](const Database& d) {
     std::vector<StudyCase> cases;

@@ -34,6 +34,13 @@ struct StudyCounts {
 };
 StudyCounts count_cases(const std::string& path);
 
+/// Cases with warnings, solved or not, and the first warning of the first of them.
+struct StudyWarned {
+  std::size_t cases = 0, first = 0;  ///< first: its number; 0: there is none
+  std::string text;
+};
+StudyWarned count_warned(const std::string& path);
+
 /// A case as the file has it.
 struct StudyCase {
   std::size_t number = 0;

@@ -7,6 +7,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
+#include <febiodea/equilibrium/search.h>
 #include <febiodea/results/contact_numbers.h>
 
 namespace dea {
@@ -129,6 +130,15 @@ constexpr const char* kInsideOfParts =
     "\n  LEFT JOIN inside_parts i ON i.case_id = t.case_id AND i.state = t.state AND i.contact_id = t.contact_id AND "
     "i.part_id = t.part_id";
 
+/// 1 where a state is a solution: those that are none have numbers too.
+std::string solved_column() {
+  std::string outcomes;
+  for (int o = 0; o <= static_cast<int>(Outcome::BeyondStrainLimit); ++o)
+    if (solved(static_cast<Outcome>(o)))
+      outcomes += fmt::format("{}'{}'", outcomes.empty() ? "" : ", ", name(static_cast<Outcome>(o)));
+  return fmt::format(", coalesce(s.outcome IN ({}), 0) AS solved", outcomes);
+}
+
 /// "a, b, " as ", a, b".
 std::string listed_last(const std::string& names) { return ", " + names.substr(0, names.size() - 2); }
 
@@ -140,18 +150,18 @@ std::string views(const std::vector<Factor>& factors, bool inside) {
 CREATE VIEW results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, c.case_message, s.state, s.time,
   t.contact_id, t.contact, t.source, t.target, s.outcome, s.message, s.iterations, s.residual_force, s.residual_moment,
   {contact_numbers}
-  (SELECT group_concat(w.text, '; ') FROM warnings w WHERE w.case_id = c.case_id) AS warnings, c.seconds{inside}
+  (SELECT group_concat(w.text, '; ') FROM warnings w WHERE w.case_id = c.case_id) AS warnings, c.seconds{inside}{solved}
   FROM cases c JOIN models m ON m.model_id = c.model_id LEFT JOIN states s ON s.case_id = c.case_id
   LEFT JOIN statistics t ON t.case_id = s.case_id AND t.state = s.state{inside_of};
 CREATE VIEW part_results AS SELECT c.case_id, m.path AS model, {factors}c.case_outcome, s.state, s.time,
-  t.contact_id, t.contact, t.part_id, t.part, {part_numbers}s.outcome{inside_parts}
+  t.contact_id, t.contact, t.part_id, t.part, {part_numbers}s.outcome{inside_parts}{solved}
   FROM cases c JOIN models m ON m.model_id = c.model_id JOIN states s ON s.case_id = c.case_id
   JOIN parts t ON t.case_id = s.case_id AND t.state = s.state{inside_of_parts};
 )",
       fmt::arg("factors", names), fmt::arg("contact_numbers", number_names(contact_numbers())),
       fmt::arg("part_numbers", number_names(compartment_numbers())),
       fmt::arg("inside", inside ? listed_last(number_names(inside_numbers(), "i")) : ""),
-      fmt::arg("inside_of", inside ? kInsideOf : ""),
+      fmt::arg("solved", solved_column()), fmt::arg("inside_of", inside ? kInsideOf : ""),
       fmt::arg("inside_parts", inside ? listed_last(number_names(compartment_inside_numbers(), "i")) : ""),
       fmt::arg("inside_of_parts", inside ? kInsideOfParts : ""));
 }

@@ -155,9 +155,11 @@ std::string column_names(const NumberTable& table, const std::vector<int>& colum
 std::string table_in_words(const NumberTable& table, const std::vector<int>& columns,
                            const std::vector<double>& times) {
   const int time = time_column(table);
-  return fmt::format("{}: {} rows, {} {} to {}, columns {}", table.path, table.rows.size(),
-                     time < 0 ? "numbered" : fmt::format("{}", table.names[at(time)]), time_text(times.front()),
-                     time_text(times.back()), column_names(table, columns));
+  const std::string first = time_text(times.front()), last = time_text(times.back());
+  return fmt::format("{}: {} row{}, {} {}{}, columns {}", table.path, table.rows.size(),
+                     table.rows.size() == 1 ? "" : "s",
+                     time < 0 ? "numbered" : fmt::format("{}", table.names[at(time)]), first,
+                     table.rows.size() == 1 ? "" : " to " + last, column_names(table, columns));
 }
 
 std::vector<Eigen::Matrix<double, 6, 1>> values_of(const NumberTable& table, const std::vector<int>& columns) {

@@ -158,8 +158,8 @@ TextTable read_text_table(const std::string& path) {
   if (table.rows.empty()) throw table_fault(path, number, kNoRow);
   if (!said_rows.empty() && said_rows != std::to_string(table.rows.size()))
     throw table_fault(path, number,
-                      fmt::format("found {} rows, expected the {} that nRows says: is the file cut off?",
-                                  table.rows.size(), said_rows));
+                      fmt::format("found {} row{}, expected the {} that nRows says: is the file cut off?",
+                                  table.rows.size(), table.rows.size() == 1 ? "" : "s", said_rows));
   return table;
 }
 

@@ -104,7 +104,8 @@ def _solve(self, body=None, force=None, moment=None, about=None, rotate=None, mo
     rotate, move, placements: where the bodies stand, as in recognise; for a body that is named they take the place of what
     was said there, and turns come before moves: placements has both in any order. rotate_about, free: as in recognise.
     start: where free motions begin, a state or {"BODY": 4 x 4 array}; None: where the bodies are placed. What is held stays
-    where it is placed. The same call gives the same bits. Answers a State. Raises UsageError.
+    where it is placed. The same call gives the same bits. Answers a State. Raises UsageError, also for a load that the body
+    is not free to follow; if a part of it has no effect: UserWarning.
     """
     keywords = {"rotate_about": rotate_about, "rotate": rotate, "move": move, "placements": placements, "free": free}
     if about is not None and body is None:

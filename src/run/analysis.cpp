@@ -10,6 +10,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
+#include <febiodea/run/idle_loads.h>
 
 namespace dea {
 
@@ -116,19 +117,6 @@ void drop_fields(StateResult& state) {
   std::vector<Vector3d>().swap(state.displacements);  // "= {}" would keep the memory
 }
 
-/// A force given for a body that is not free to move in the last step.
-void note_idle_forces(const Recognition& recognition, const TimePoint& last, Joint& joint) {
-  const JointModel& model = recognition.model;
-  const double end = last.row >= 0 ? step_starts(model).back() : last.time;  // a row's time is the table's
-  for (const auto& entry : recognition.settings.force) {
-    const LoadCase load_case = make_load_case(model, joint, recognition.settings, last.step, end);
-    const auto& dofs = load_case.bodies[at(joint.find_body(model, entry.first))].dofs;
-    if (std::count(dofs.begin(), dofs.begin() + 3, DofState::Free) == 0)
-      joint.findings.push_back(say("{}: the body is not free to move in the last step; the force has no effect",
-                                   NamedSetting{.setting = "force", .of = entry.first, .bare = true}));
-  }
-}
-
 }  // namespace
 
 void add_fields(const Prepared& prepared, const FieldMaps& maps, const InsideMaps* inside, StateResult& state) {
@@ -177,6 +165,8 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
   const std::vector<Vector6> no_reaction(joint.bodies.size(), Vector6::Zero());
   SolvedStates solved;
   solved.start = starting_poses(model, joint, settings);
+  if (times.back().row >= 0 || times.back().step == last_step(model))  // the others have no such loads
+    solved.idle = idle_warnings(idle_loads(model, joint, settings));
   Walk walk{{solved.start, solved.start}, no_reaction, no_reaction, {}, options.equilibrium};
   Activity activity{Activity::Stage::State, 0, times.size(), {}};
   if (options.activity) {
@@ -239,7 +229,6 @@ Analysis analyse(const Recognition& recognition, const AnalysisOptions& given) {
   static_cast<SolvedStates&>(analysis) = solve_states(model, recognition.settings, prepared, analysis.maps, options);
   analysis.joint = std::move(prepared.joint);
   analysis.beds = std::move(prepared.beds);
-  note_idle_forces(recognition, options.times.back(), analysis.joint);
   analysis.seconds_solve = now() - clock;
   return analysis;
 }

@@ -30,6 +30,7 @@ struct SolvedStates {
   std::vector<StateResult> states;  ///< those that were kept, in order of time
   std::vector<Pose> start;          ///< per body: where it began
   std::vector<char> free_to_turn;   ///< per body: about some axis, in the last state that was kept
+  std::vector<Sentence> idle;       ///< loads that the settings give and that have no effect (idle_loads.h)
 };
 
 struct Analysis : SolvedStates {

@@ -25,6 +25,7 @@ ConvergenceRow convergence_row(int refine, const ContactStatistics& s, Outcome o
   row.springs = s.springs;
   row.springs_hit = s.springs_hit;
   row.springs_active = s.springs_active;
+  row.headline = s.headline;
   row.peak = s.peak;
   row.mean = s.mean;
   row.area = s.contact_area;

@@ -363,6 +363,69 @@ TEST_F(Cli, QuietNamesTheStatesThatAreNoSolution) {
             "");  // the reference state is none that failed
 }
 
+// Forces that somebody asks for and nothing follows: told with -q too. The plate is free along z alone.
+TEST_F(Cli, QuietNamesForcesWithoutEffect) {
+  write_model("push.feb", -12.0);
+  const auto quiet = [&](const std::string& force) {
+    const Finished f = dea({"run", "push.feb", "-q", "--no-xplt", "--force", force});
+    EXPECT_EQ(f.code, 0) << f.err;
+    return f.err;
+  };
+  EXPECT_EQ(quiet("plate=0,0,-9"), "");
+  EXPECT_EQ(quiet("base=0,0,0"), "");
+  EXPECT_EQ(
+      quiet("base=0,0,-9"),
+      "warning: --force base: body \"base\" is not free to move along z at the end of the last step; this load has "
+      "no effect\n");
+  EXPECT_EQ(quiet("plate=1,0,-9"),
+            "warning: --force plate: body \"plate\" is not free to move along x at the end of the last step; this part "
+            "of the force has no effect\n");
+  write_model();  // the plate's motion is prescribed
+  const Finished f =
+      dea({"run", "flat.feb", "--no-xplt", "--force", "plate=1,0,-9", "--json", "r.json", "--csv", "r.csv"});
+  const std::string line =
+      "--force plate: body \"plate\" is not free to move along x, z at the end of the last step; this load has no "
+      "effect";
+  EXPECT_NE(f.err.find("warning: " + line), std::string::npos) << f.err;
+  const Json findings = Json::parse(file_text(folder / "r.json"))["findings"];
+  EXPECT_EQ(std::count(findings.begin(), findings.end(), Json("warning: " + line)), 1) << findings;
+  EXPECT_NE(file_text(folder / "r.csv").find("this load has no effect"), std::string::npos);
+}
+
+// A force beside the centre of mass turns a body that cannot follow it.
+TEST_F(Cli, ForcesThatTurnABodyHaveAnEffect) {
+  write_model("push.feb", -12.0);
+  const auto quiet = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"run",           "push.feb", "-q",           "--no-xplt", "--free",
+                                      "plate=z,Ru,Rv", "--force",  "plate=1,0,-9", "--load-at"};
+    words.insert(words.end(), more.begin(), more.end());
+    return dea(words).err;
+  };
+  EXPECT_NE(quiet({"plate=1.5,1.5,1"}).find("along x at the end"), std::string::npos);
+  EXPECT_EQ(quiet({"plate=1.5,1.5,1.001"}).find("along x at the end"), std::string::npos);
+}
+
+TEST_F(Cli, ATableOfCompartmentsWithoutRowsIsExplained) {
+  write_model();
+  const Finished f = dea({"run", "flat.feb", "--no-xplt", "--compartments-csv", "parts.csv"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  const std::string csv = file_text(folder / "parts.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1) << csv;
+  EXPECT_NE(f.err.find("note: parts.csv has the names of its columns and no rows: every surface is in one piece\n"),
+            std::string::npos)
+      << f.err;
+}
+
+TEST_F(Cli, CiteHasFourDigitsUnitsAndFebiosPaper) {
+  write_model();
+  const Finished f = dea({"cite", "flat.feb", "--thickness", "top=1.581793", "--E", "8.123456"});
+  ASSERT_EQ(f.code, 0) << f.err;
+  for (const char* text : {"of the FEBio model flat.feb (Maas et al., 2012; format 4.0,", "was 1.582 mm thick",
+                           "E = 8.123 MPa", "* Maas SA, Ellis BJ"})
+    EXPECT_NE(f.out.find(text), std::string::npos) << text << "\n" << f.out;
+  EXPECT_EQ(f.out.find("1.58179 "), std::string::npos) << f.out;
+}
+
 TEST_F(Cli, TimesArePrintedAsTheyWereMeant) {
   write_model();
   std::string text = file_text(folder / "flat.feb");
@@ -948,7 +1011,8 @@ TEST_F(Cli, InfoSaysWhatIsRecognised) {
   for (const char* text :
        {"units: the model's, mm-N-s", "plate: material \"plate\"; centre of mass (1.5, 1.5, 1) (given)",
         "\"touch\": type sliding-elastic, springs on base", "thickness: min 2, mean 2, max 2", "initial gap min 0.1",
-        "z prescribed -0.3", "0 0.25 0.5 0.75 1", "rim of the selected facets: free 12\n"})
+        "z prescribed -0.3", "0 0.25 0.5 0.75 1", "rim of the selected facets: free 12\n",
+        "least-squares sphere: none, the surface is flat or not round\n"})
     EXPECT_NE(f.out.find(text), std::string::npos) << text << "\n" << f.out;
   const Json j = Json::parse(file_text(folder / "i.json"));
   EXPECT_EQ(j["schema"], "dea.info/1");
@@ -1029,8 +1093,13 @@ TEST_F(Cli, ConvergeOnAPlaneLayerNeedsNoMoreSprings) {
   ASSERT_EQ(j["contacts"][0]["rows"].size(), 2u);
   EXPECT_EQ(j["contacts"][0]["rows"][1]["springs"], 72);
   EXPECT_EQ(j["contacts"][0]["springs_1_percent"], 18);
+  const Finished run = dea({"run", "flat.feb", "--law", "linear", "--states", "last", "--no-xplt", "--json", "-"});
+  EXPECT_EQ(j["contacts"][0]["rows"][0]["headline"]["p99"],
+            Json::parse(run.out)["states"][0]["contacts"][0]["headline"]["p99"]);
   const Finished few = dea({"converge", "flat.feb", "--max-springs", "20"});
   EXPECT_EQ(few.code, 1);  // one row says nothing about change
+  EXPECT_NE(few.out.find("refine  p99 [MPa]  mean [MPa]  area [mm²]  peak [MPa]  springs"), std::string::npos)
+      << few.out;
   EXPECT_NE(few.out.find("changes below 1%: not reached"), std::string::npos) << few.out;
 }
 

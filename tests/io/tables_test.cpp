@@ -50,6 +50,13 @@ TEST(Tables, CsvInTheModelsUnits) {
   }
 }
 
+TEST(Tables, ATableOfOneRowIsToldAsOne) {
+  const std::string one = file("one.csv", "time,fx,fy,fz\n1,1,2,3\n"),
+                    two = file("two.csv", "fx,fy,fz\n1,2,3\n4,5,6\n");
+  EXPECT_NE(loads_of(one).loads.words.find(": 1 row, time 1, columns fx, fy, fz"), std::string::npos);
+  EXPECT_NE(loads_of(two).loads.words.find(": 2 rows, numbered 1 to 2, columns"), std::string::npos);
+}
+
 TEST(Tables, InMemoryAsFromAFile) {
   const std::string path = file("memory.csv", "time,fx,fy,fz\n0,1,2,3\n0.5,4,5,6\n");
   Settings settings;
@@ -206,7 +213,7 @@ TEST(Tables, OneLoadsColumnsAndWholeFiles) {
   const std::string names = "time,hip_fx,hip_fy,hip_fz,knee_mx,knee_my,knee_mz\n0,1,2,3,4,5,6\n";
   EXPECT_NE(refusal(file("a.csv", names)).find("the force is that of hip, the moment that of knee"), std::string::npos);
   EXPECT_NE(
-      refusal(file("a.sto", "nRows=5\nendheader\ntime\tfx\tfy\tfz\n0\t1\t2\t3\n")).find("found 1 rows, expected the 5"),
+      refusal(file("a.sto", "nRows=5\nendheader\ntime\tfx\tfy\tfz\n0\t1\t2\t3\n")).find("found 1 row, expected the 5"),
       std::string::npos);
   const Settings s = loads_of(file("p.csv", "time,fx,fy,fz,px,py,pz\n0,1,2,3,4,5,6\n"));
   EXPECT_NE(s.loads.words.find("where the force acts (px, py, pz) is not read from it"), std::string::npos);

@@ -172,3 +172,28 @@ def test_loads_that_are_none(joint, keywords, place):
 def test_a_load_that_nothing_carries_is_an_answer(joint):
     state = joint.solve(body="femur", force=(0, 0, -500))
     assert not state.solved and state.message and np.isfinite(state.poses["femur"]).all()
+
+
+def test_loads_that_a_body_cannot_follow_are_refused(joint, hip):
+    """The pelvis is held, and the femur does not turn: what is asked for would change nothing."""
+    with pytest.raises(febiodea.UsageError, match='"pelvis" is not free to move along z') as caught:
+        joint.solve(body="pelvis", force=(0, 0, -50))
+    assert caught.value.place == "force" and caught.value.remedy
+    with pytest.raises(febiodea.UsageError, match="not free to turn about x") as caught:
+        joint.solve(body="femur", moment=(50, 0, 0))
+    assert caught.value.place == "moment"
+    with pytest.warns(UserWarning, match="not free to turn about y at the end of the last step; these parts"):
+        assert joint.solve(body="femur", force=(0, 0, 1500), moment=(0, 10, 0)).solved
+    with pytest.warns(UserWarning, match="not free to move along x at"):
+        joint.solve(body="femur", force=(100, 0, 1500), free={"femur": ["y", "z"]})
+    held = febiodea.recognise(hip.model, force={"pelvis": (0, 0, -50)})
+    for solve in (febiodea.analyse, lambda r: febiodea.prepare(r).solve()):
+        with pytest.raises(febiodea.UsageError, match="no effect") as caught:
+            solve(held)
+        assert "pelvis" in caught.value.place
+    partly = febiodea.analyse(febiodea.recognise(hip.model, force={"femur": (100, 0, 1500)}, free={"femur": ["y", "z"]}), "last")
+    assert [f for f in partly.findings if "this part of the force has no effect" in f and f.startswith("warning: ")]
+
+
+def test_loads_of_nothing_are_no_idle_ones(joint):
+    assert joint.solve(body="pelvis", force=(0, 0, 0)).solved

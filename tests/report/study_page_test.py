@@ -166,6 +166,20 @@ def everything_is_saved(b, pages):
 
 
 @check
+def axes_have_a_unit_and_whole_numbers(b, pages):
+    ready(b, pages["turn"])
+    b.run("Study.columns[0].numbers = Study.columns[0].numbers.map(v => 12500 * v)")  # -100000 to 100000
+    slide(b, "x", 1)
+    slide(b, "x", 0)
+    b.wait("[...document.querySelectorAll('#figure-response text')].some(t => t.textContent === '100000')", 10, "the numbers")
+    true("P99 [the model's unit]" in b.run("return [...document.querySelectorAll('#figure-response text')].map(t => t.textContent)"),
+         "what the numbers are in")
+    true(b.run("const edge = document.querySelector('#figure-response svg').getBoundingClientRect().right;"
+               "return [...document.querySelectorAll('#figure-response text')].every(t => t.getBoundingClientRect().right <= edge)"),
+         "a number at the right end is cut")
+
+
+@check
 def subjects_are_groups_pairs_and_colours(b, pages):
     ready(b, pages["subjects"])
     b.wait("document.querySelector('#figure-response svg')", 10, "the response")

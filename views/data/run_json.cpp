@@ -275,6 +275,7 @@ Json converge_json(const JointModel& model, const Settings& settings, const std:
       r["change_peak"] = json_number(row.change_peak);
       r["change_mean"] = json_number(row.change_mean);
       r["change_area"] = json_number(row.change_area);
+      r["headline"] = headline_json(row.headline);
       c["rows"].push_back(r);
     }
     j["contacts"].push_back(c);

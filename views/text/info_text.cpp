@@ -78,6 +78,19 @@ std::string unit_behind(const JointModel& model, Dimension dimension) {
   return unit.empty() ? "" : " " + unit;
 }
 
+// A sphere about which nothing is turned is not shown either (src/joint/placing.cpp).
+constexpr double kRoundRms = 0.1;     // of the radius
+constexpr double kFlatRadius = 10.0;  // of the surface's radius of gyration
+
+/// Nothing of a sphere where the surface is none: its centre and radius would mean nothing.
+std::string sphere_text(const Layer& layer, const SphereFit& sphere, const std::string& length) {
+  const double size = surface_extent(layer.articular).radius_of_gyration;
+  if (!(sphere.radius <= kFlatRadius * size) || !(sphere.rms <= kRoundRms * sphere.radius))
+    return "      least-squares sphere: none, the surface is flat or not round\n";
+  return fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}{}\n",
+                     vector_text(sphere.center), number_text(sphere.radius), number_text(sphere.rms), length);
+}
+
 std::string layer_text(const JointModel& model, const JointCheck& check, const Layer& layer, const SideCheck& side,
                        const char* role) {
   const Surface& surface = model.surfaces[at(layer.surface)];
@@ -108,10 +121,7 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
   if (side.side_walls + side.bonded > 0)
     text += fmt::format("      left out: {} facets, {} side wall, {} bonded to bone; area of those kept {}{}\n",
                         side.side_walls + side.bonded, side.side_walls, side.bonded, number_text(side.area), area);
-  text += fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}{}\n",
-                      vector_text(side.sphere.center), number_text(side.sphere.radius), number_text(side.sphere.rms),
-                      length);
-  return text;
+  return text + sphere_text(layer, side.sphere, length);
 }
 
 /// ", only in step 2"; in all: "".

@@ -103,8 +103,8 @@ void say_model(Methods& m, const JointModel& model) {
       model.files.empty() ? "" : " " + std::filesystem::path(model.files.front()).filename().string();
   m.say(fmt::format("Contact pressure was computed by discrete element analysis ({}) with FEBioDEA {} (commit {}).",
                     m.cite(kAbraham), kVersion, kCommit));
-  m.say(fmt::format("The joint was that of the FEBio model{} (format {}, {} nodes, {} elements).", file, model.version,
-                    model.nodes.size(), elements));
+  m.say(fmt::format("The joint was that of the FEBio model{} ({}; format {}, {} nodes, {} elements).", file,
+                    m.cite(kFebio), model.version, model.nodes.size(), elements));
 }
 
 void say_bodies(Methods& m, const Joint& joint) {
@@ -149,9 +149,9 @@ void say_layers(Methods& m, const JointModel& model, const Settings& settings, c
       }
       cartilage = true;
       m.say(fmt::format("Cartilage under {} on {} was {}{} thick (mean; {} to {}), {}; E = {}{}, nu = {}.", surface,
-                        body, number_text(layer.mean_thickness()), unit(Dimension::Length),
-                        number_text(layer.min_thickness()), number_text(layer.max_thickness()), thickness_words(layer),
-                        number_text(layer.elasticity.E), unit(Dimension::Pressure), number_text(layer.elasticity.nu)));
+                        body, four_digits(layer.mean_thickness()), unit(Dimension::Length),
+                        four_digits(layer.min_thickness()), four_digits(layer.max_thickness()), thickness_words(layer),
+                        four_digits(layer.elasticity.E), unit(Dimension::Pressure), four_digits(layer.elasticity.nu)));
     }
   }
   if (cartilage)

@@ -447,10 +447,17 @@ std::vector<std::string> no_solution_lines(const Analysis& analysis, const Wordi
   return lines;
 }
 
+std::vector<std::string> idle_load_lines(const SolvedStates& result, const Wording& wording) {
+  std::vector<std::string> lines;
+  for (const Sentence& words : result.idle) lines.push_back("warning: " + worded(words, wording));
+  return lines;
+}
+
 std::vector<std::string> result_remarks(const JointModel& model, const Joint& joint, const SolvedStates& result,
                                         const Wording& wording) {
   std::vector<std::string> lines;
   if (result.states.empty()) return lines;
+  for (const std::string& line : idle_load_lines(result, wording)) add_once(lines, line);
   add_outcomes(result, wording, lines);
   add_held_motions(result, lines);
   const StateResult& last = result.states.back();  // stands for all: turns and factors change slowly

@@ -27,6 +27,9 @@ std::vector<std::string> warnings_in(const std::vector<std::string>& lines);
 /// The states that are no solution, a line each, and how many they are; none: nothing.
 std::vector<std::string> no_solution_lines(const Analysis& analysis, const Wording& wording = command_line_wording());
 
+/// Loads that were asked for and have no effect, a line each: what is printed even if nothing else is.
+std::vector<std::string> idle_load_lines(const SolvedStates& result, const Wording& wording = command_line_wording());
+
 /// The sentence behind a state's outcome.
 std::string outcome_text(const Equilibrium& e, const Wording& wording = command_line_wording());
 

@@ -290,28 +290,28 @@ std::string run_text(const JointModel& model, const Analysis& analysis, bool det
 }
 
 std::string converge_text(const JointModel& model, const std::vector<Convergence>& studies, int max_springs) {
-  std::string text = units_text(model) + "\n";
+  std::string text = units_text(model) + "\n" + headline_words() +
+                     ", of the surface with springs; changes are of the springs' numbers\n";
   const UnitNames units = unit_names(model.units);
   const auto pressure = [&](const char* name) { return with_unit(name, units, Dimension::Pressure); };
   for (const Convergence& study : studies) {
     text += fmt::format("\ncontact \"{}\", last state; changes against the row above\n", study.contact);
     Table table;
-    table.headings = {"refine",
-                      "springs",
-                      "active",
-                      pressure("peak, springs"),
-                      pressure("mean, springs"),
-                      with_unit("area, springs", units, Dimension::Area),
-                      "peak changes",
-                      "mean changes",
-                      "area changes",
-                      "outcome"};
-    table.left = "rrrrrrrrrl";
-    for (const ConvergenceRow& r : study.rows)
-      table.rows.push_back({fmt::format("{}", r.refine), fmt::format("{}", r.springs),
-                            fmt::format("{}", r.springs_active), four_digits(r.peak), four_digits(r.mean),
-                            four_digits(r.area), share_in_percent(r.change_peak), share_in_percent(r.change_mean),
-                            share_in_percent(r.change_area), name(r.outcome)});
+    table.headings = {"refine"};
+    for (const HeadlineNumber& number : kHeadlineNumbers) table.headings.push_back(heading_of(number, units));
+    table.headings.insert(table.headings.end(),
+                          {"springs", "active", pressure("peak, springs"), pressure("mean, springs"),
+                           with_unit("area, springs", units, Dimension::Area), "peak changes", "mean changes",
+                           "area changes", "outcome"});
+    table.left = std::string(table.headings.size() - 1, 'r') + "l";
+    for (const ConvergenceRow& r : study.rows) {
+      std::vector<std::string> row = {fmt::format("{}", r.refine)};
+      for (const HeadlineNumber& number : kHeadlineNumbers) row.push_back(four_digits(r.headline.*number.value));
+      row.insert(row.end(), {fmt::format("{}", r.springs), fmt::format("{}", r.springs_active), four_digits(r.peak),
+                             four_digits(r.mean), four_digits(r.area), share_in_percent(r.change_peak),
+                             share_in_percent(r.change_mean), share_in_percent(r.change_area), name(r.outcome)});
+      table.rows.push_back(std::move(row));
+    }
     text += table_text(table);
     const auto needed = [&](int springs, const char* limit) {
       return springs < 0

@@ -63,7 +63,7 @@ const Figures = (() => {
 
   function base(width, height, ink) {
     return { width, height, style: { background: "none", color: ink.ink, fontFamily, fontSize: "13px", overflow: "visible" },
-      marginLeft: 62, marginBottom: 44, marginTop: 14, marginRight: 14 };
+      marginLeft: 62, marginBottom: 44, marginTop: 14, marginRight: 28 };  // right: half of the last number of the x axis
   }
   const grid = (ink) => ({ stroke: ink.line, strokeOpacity: 1 });
   const axis = { labelAnchor: "center", labelArrow: "none", tickSize: 4, tickPadding: 4, labelOffset: 38 };

@@ -38,7 +38,10 @@ const StudyFigures = (() => {
   const cut = Figures.cut, textWidth = Figures.textWidth, kMostLines = 12, kMostPanels = 12, kMostDots = 3000;
 
   const statistic = (state) => Report.statistics[state.statistic];
-  const axisOf = (state) => Format.axis(statistic(state).quantity, statistic(state).dimension);
+  const axisOf = (state) => {
+    const { quantity, dimension } = statistic(state);
+    return Format.axis(quantity, dimension) + (dimension === "none" || Format.unit(dimension) ? "" : " [the model's unit]");
+  };
   // Numbers of the inside of the layers are of whole contacts, and not of each.
   const isInside = (s) => /^(source|target)_/.test(Report.statistics[s].name);
   const hasPlace = (s, p) => !isInside(s) || Report.summary[s][p].some((b) => b.count > 0);

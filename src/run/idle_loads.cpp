@@ -1,0 +1,121 @@
+#include <febiodea/run/idle_loads.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
+#include <febiodea/equilibrium/load_case.h>
+#include <febiodea/equilibrium/times.h>
+#include <febiodea/joint/placing.h>
+
+namespace dea {
+
+namespace {
+
+constexpr double kNone = 1e-6;     // of the whole force or moment: digits of turned axes
+constexpr std::size_t kRows = 50;  // of a table that are looked at, spread evenly
+
+bool is_free(const BodyConditions& body, int dof) { return body.dofs[at(dof)] == DofState::Free; }
+
+/// The force along axis k moves the body, or turns it.
+bool force_acts(const BodyConditions& body, int k) {
+  if (is_free(body, k)) return true;
+  const Vector3d moment = body.arm.cross(Vector3d::Unit(k));
+  for (int j = 0; j < 3; ++j)
+    if (is_free(body, 3 + j) && std::abs(moment[j]) > kNone * body.arm.norm()) return true;
+  return false;
+}
+
+/// Adds what one load case loses. `acts`: something of it has an effect.
+void add_lost(const BodyConditions& body, const Vector6& load, IdleLoad& idle, bool& acts) {
+  for (int k = 0; k < kDofs; ++k) {
+    const double whole = k < 3 ? load.head<3>().norm() : load.tail<3>().norm();
+    if (!(std::abs(load[k]) > kNone * whole)) continue;
+    const bool effect = k < 3 ? force_acts(body, k) : is_free(body, k);
+    acts = acts || effect;
+    idle.lost[at(k)] = idle.lost[at(k)] || !effect;
+  }
+}
+
+void keep(IdleLoad idle, bool acts, std::vector<IdleLoad>& found) {
+  if (std::none_of(idle.lost.begin(), idle.lost.end(), [](bool lost) { return lost; })) return;
+  idle.all = !acts;
+  found.push_back(std::move(idle));
+}
+
+std::string axes_of(const IdleLoad& load, int begin) {
+  std::string axes;
+  for (int k = 0; k < 3; ++k)
+    if (load.lost[at(begin + k)]) axes += fmt::format("{}{}", axes.empty() ? "" : ", ", "xyz"[k]);
+  return axes;
+}
+
+}  // namespace
+
+std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
+  std::vector<IdleLoad> found;
+  const LoadTable& table = settings.loads;
+  if (settings.force.empty() && table.time.empty()) return found;
+  const std::vector<Pose> start = starting_poses(model, joint, settings);
+  const std::size_t rows = row_count(settings);
+  const auto row_case = [&](std::size_t row) {
+    return make_row_case(model, joint, settings, static_cast<int>(row), start, start);
+  };
+  const LoadCase end = rows > 0 ? row_case(rows - 1)
+                                : make_load_case(model, joint, settings, static_cast<int>(model.steps.size()) - 1,
+                                                 step_starts(model).back());
+  for (const auto& entry : settings.force) {
+    const BodyConditions& body = end.bodies[at(joint.find_body(model, entry.first))];
+    Vector6 load = Vector6::Zero();
+    load.head<3>() = global_force(settings, entry.first);
+    IdleLoad idle{.given = NamedSetting{.setting = "force", .of = entry.first, .bare = true}, .body = entry.first};
+    bool acts = false;
+    add_lost(body, load, idle, acts);
+    keep(std::move(idle), acts, found);
+  }
+  if (table.time.empty()) return found;
+  const std::size_t b = at(joint.find_body(model, table.body)), count = std::min(rows, kRows);
+  IdleLoad idle{.given = NamedSetting{.setting = "loads", .value = table.file, .bare = true}, .body = table.body};
+  bool acts = false;
+  for (std::size_t i = 0; i < count; ++i) {
+    const LoadCase c = row_case(count > 1 ? i * (rows - 1) / (count - 1) : 0);
+    const BodyConditions& body = c.bodies[b];
+    const Eigen::Matrix3d turned = start[b].rotation;  // loads along the body's own axes
+    Vector6 load = body.dead;
+    load.head<3>() += turned * body.follower.head<3>();
+    load.tail<3>() += turned * body.follower.tail<3>();
+    add_lost(body, load, idle, acts);
+  }
+  keep(std::move(idle), acts, found);
+  return found;
+}
+
+std::string idle_in_words(const IdleLoad& load) {
+  const std::string along = axes_of(load, 0), about = axes_of(load, 3);
+  const std::string ways =
+      fmt::format("{}{}{}", along.empty() ? "" : "move along " + along, along.empty() || about.empty() ? "" : " or ",
+                  about.empty() ? "" : "turn about " + about);
+  std::string what;
+  if (load.all)
+    what = "this load has no effect";
+  else if (about.empty())
+    what = "this part of the force has no effect";
+  else
+    what = "these parts of the load have no effect";
+  return fmt::format("body \"{}\" is not free to {} at the end of the last step; {}", load.body, ways, what);
+}
+
+std::vector<Sentence> idle_warnings(const std::vector<IdleLoad>& loads) {
+  std::vector<Sentence> words;
+  for (IdleLoad load : loads) {
+    if (!load.all) std::fill(load.lost.begin() + 3, load.lost.end(), false);
+    if (std::none_of(load.lost.begin(), load.lost.end(), [](bool lost) { return lost; })) continue;
+    words.push_back(say("{}: {}", load.given, idle_in_words(load)));
+  }
+  return words;
+}
+
+}  // namespace dea

@@ -1,0 +1,32 @@
+// febiodea/run/idle_loads.h – loads that the user gives and that move nothing: the body is not free to go their way.
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include <febiodea/base/sentence.h>
+#include <febiodea/joint/joint.h>
+
+namespace dea {
+
+/// A load of the settings (a force, or a table of loads) on a body that is held or moved against it at the end of the
+/// model's last step.
+struct IdleLoad {
+  NamedSetting given;
+  std::string body;
+  std::array<bool, kDofs> lost = {};  ///< components of force and moment, global axes, that have no effect
+  bool all = false;                   ///< nothing of the load has an effect
+};
+
+/// Of each force and table of the settings with an idle component. A force of zero is none. Where a component acts
+/// beside the centre of mass of a body that is free to turn, its moment counts as an effect.
+std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, const Settings& settings);
+
+/// Why it has no effect: "the body "tibia" is not free to move along x, y, z; this load has no effect".
+std::string idle_in_words(const IdleLoad& load);
+
+/// What the user is to be warned of, a sentence each. Of a table's moments nothing is said unless its forces are idle
+/// too: measured tables have them, and bones that do not turn are usual.
+std::vector<Sentence> idle_warnings(const std::vector<IdleLoad>& loads);
+
+}  // namespace dea
