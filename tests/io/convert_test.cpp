@@ -944,6 +944,22 @@ TEST(Convert, RefusalsOfModels) {
        "fixed nodes \"fix\" hold bone \"base\", which becomes a rigid body, in one step only: make it a rigid body of "
        "the "
        "model and hold that"},
+      {"a bone that holds two rigid materials together",
+       changed(
+           soft_base,
+           {{"<material id=\"3\"",
+             "<material id=\"4\" name=\"holder\" type=\"rigid body\"><density>1</density><center_of_mass>0,0,-5"
+             "</center_of_mass></material>\n<material id=\"5\" name=\"other\" type=\"rigid body\"><density>1</density>"
+             "<center_of_mass>0,0,-5</center_of_mass></material>\n<material id=\"3\""},
+            nodes("left", "1,2,3,4"),
+            nodes("right", "13,14,15,16"),
+            {"<Rigid>",
+             "<Boundary>\n<bc name=\"a\" type=\"rigid\" node_set=\"left\">\n<rb>holder</rb>\n</bc>\n<bc name=\"b\" "
+             "type=\"rigid\" node_set=\"right\">\n<rb>other</rb>\n</bc>\n</Boundary>\n<Rigid>"}}),
+       {{"rigid", "", "base"}},
+       "materials \"holder\" and \"other\" are one body through rigid node sets; as rigid materials they would be two: "
+       "give "
+       "their elements one material"},
       {"cartilage with nodes of both bodies",
        changed(plain, {{"<Elements type=\"quad4\" name=\"plate\">\n",
                         "<Elements type=\"quad4\" name=\"plate\">\n<elem id=\"999\">17,18,34,33</elem>\n"}}),
