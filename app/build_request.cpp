@@ -111,14 +111,15 @@ void add_half_gap(const std::string& text, BuildRequest& request) {
     throw UsageError(fmt::format("--half-gap {}: every bone has its cartilage already, expected one without", text));
 }
 
-GivenRegion region_of(const std::string& text) {
+/// `text`: the whole option; `value`: without the bone's name.
+GivenRegion region_of(const std::string& text, const std::string& value) {
   GivenRegion region;
-  const bool sphere = text.rfind("sphere:", 0) == 0, plane = text.rfind("plane:", 0) == 0;
+  const bool sphere = value.rfind("sphere:", 0) == 0, plane = value.rfind("plane:", 0) == 0;
   if (!sphere && !plane) {
     region.kind = GivenRegion::Kind::Surface;
     return region;
   }
-  const FramedText framed = argument("region", text.substr(text.find(':') + 1), split_frame);
+  const FramedText framed = argument("region", value.substr(value.find(':') + 1), split_frame);
   region.frame = framed.frame;
   const std::vector<double> v = argument("region", framed.rest, parse_numbers);
   if (v.size() != (sphere ? 4U : 6U))
@@ -465,7 +466,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
                       "--thickness-at for it",
                       text));
     refuse_second("region", text, c->region.has_value());
-    c->region = region_of(n.value);
+    c->region = region_of(text, n.value);
     refuse_lopsided(text, *c->region, sources.mirrors);
     if (c->region->kind != GivenRegion::Kind::Surface) continue;
     sources.regions.push_back({static_cast<std::size_t>(c - request.cartilages.begin()), n.value});

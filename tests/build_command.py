@@ -460,11 +460,11 @@ def a_pose_that_leaves_force_over_is_no_balance(folder):
 
 # ---- anatomy, units, names ---------------------------------------------------------------------------------------------
 
-def landmarks(forwards, scale=1.0, move=(0, 0, 0)):
+def landmarks(forwards, scale=1.0, move=(0, 0, 0), side=1):
     """Spines of a pelvis in which the made socket, which opens along -z, opens forwards by `forwards` (a sine), 0.6 downwards and else to
-    the right; the hip's centre is the origin."""
+    the right, with a `side` of -1 to the left; the hip's centre is the origin, on the right of the pelvis."""
     down = 0.6
-    right = math.sqrt(1 - forwards ** 2 - down ** 2)
+    right = side * math.sqrt(1 - forwards ** 2 - down ** 2)
     # columns x, y, z of the body: each has z = -(its share of the opening); any such rotation does
     z_row = [-forwards, down, -right]
     first = [1 - z_row[0] * z_row[0], -z_row[0] * z_row[1], -z_row[0] * z_row[2]]
@@ -556,6 +556,59 @@ def landmarks_as_slicer_5_writes_them(folder):
     done = folder.build(*JOINT, "--landmarks", "l.csv", "-q")
     same(done.returncode, 3, done.stderr)
     true("l.csv: found text as UTF-16, expected UTF-8" in done.stderr, done.stderr)
+
+
+@check
+def options_that_no_joint_has_are_refused(folder):
+    """Each by its own line, before a surface is read."""
+    folder.write("points.csv", "x,y,z,thickness\n0,0,20,2\n")
+    bones = ("--bone", "socket=socket.stl", "--bone", "ball=ball.stl")
+    force = ("--force", "ball=0,0,500")
+    for words, said in (
+            ((*JOINT[:2], "--bone", "ba\tll=ball.stl", *JOINT[4:]), "--bone: found a control character in the name, expected letters, digits, spaces"),
+            ((*JOINT, "--bone", "ball=socket.stl"), '--bone ball=socket.stl: found the name "ball" twice, expected another'),
+            ((*JOINT[:2], *JOINT[4:]), "--bone: found fewer than two, expected --bone NAME=FILE for each bone of the joint"),
+            ((*bones, *force, "--uniform", "ball=2", "--thickness-at", "ball=points.csv"), "--thickness-at ball: found a second cartilage of this bone, expected one"),
+            ((*bones, *force, "--half-gap", "most=3,min=0.5"), '--half-gap most=3,min=0.5: found "most", expected max=A,min=B'),
+            ((*JOINT, "--uniform", "ball=2", "--uniform", "socket=2"), "--half-gap max=3,min=0.5: every bone has its cartilage already, expected one without"),
+            ((*JOINT, "--region", "ball=sphere:0,0,20,0"), "--region ball=sphere:0,0,20,0: found a radius of 0, expected one above 0"),
+            ((*JOINT, "--region", "ball=plane:0,0,0,0,0,0"), "--region ball=plane:0,0,0,0,0,0: found a normal of no length, expected a direction"),
+            ((*bones, *force, "--cartilage", "ball=in.stl", "--uniform", "socket=2", "--region", "ball=sphere:0,0,20,12"),
+             "--region ball=sphere:0,0,20,12: the bone has no cartilage that is made here, expected --uniform, --half-gap or --thickness-at for it"),
+            ((*JOINT, "--hip", "ball,ball"), "--hip ball,ball: found one bone twice, expected two bones, SOCKET,HEAD"),
+            ((*JOINT, "--nu", "0.5"), '--nu 0.5: found "0.5", expected a number below 0.5')):
+        done = folder.build(*words, "-q")
+        same(done.returncode, 2, f"{words}: {done.stderr}")
+        true(said in done.stderr, f"{said!r}: {done.stderr!r}")
+
+
+@check
+def files_beside_the_bones_are_refused(folder):
+    plain = ("--bone", "socket=socket.stl", "--bone", "ball=ball.stl", "--force", "ball=0,0,500")
+    folder.write("no_thickness.csv", "x,y,z,t\n0,0,20,2\n")
+    folder.write("zero.csv", "x,y,z,thickness\n0,0,20,2\n0,0,20,0\n")
+    markups = "# Markups fiducial file version = 4.11\n# CoordinateSystem = %s\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n1,%s,0,0,0,0,0,1,1,1,0,%s,,\n"
+    folder.write("lps.fcsv", markups % ("LPS", 1, "RASIS"))
+    folder.write("ras.fcsv", markups % ("RAS", 2, "LASIS"))
+    folder.write("far.stl", stl(ball(12, 19, (100, 0, 0))))
+    folder.write("left.csv", landmarks(0.3, side=-1))
+    folder.write("plate.stl", stl(block(12, 12, 30, 30, -10, True, lambda x, y: 0.0)))
+    folder.write("top.stl", stl(sheet(12, 12, lambda u, v: (40 * u - 20, 40 * v - 20, 1.0))))
+    folder.write("beside.stl", stl(ball(12, 20, (53, 0, -5))))
+    folder.write("in.stl", stl(ball(12, 23)))
+    for words, said in (
+            ((*plain, "--thickness-at", "ball=no_thickness.csv"), 'no_thickness.csv: found no column "thickness", expected x, y, z, thickness'),
+            ((*plain, "--thickness-at", "ball=zero.csv"), "zero.csv:3: found a thickness of 0, expected one above 0"),
+            ((*JOINT, "--landmarks", "lps.fcsv", "--landmarks", "ras.fcsv"), "ras.fcsv: found landmarks in RAS, and in LPS before, expected one of them"),
+            ((*JOINT, "--landmarks", "left.csv"),
+             "hip: found the socket open towards the middle of the body, for the landmarks, expected it to open to the right; are they in the bones' axes?"),
+            ((*plain, "--cartilage", "ball=far.stl"), 'cartilage of "ball": found it 61.19 away from the bone where it is nearest, expected it on the bone'),
+            ((*plain, "--cartilage", "socket=in.stl"), 'cartilage of "socket": found a closed surface with no side away from the bone, expected one'),
+            (("--bone", "plate=plate.stl", "--bone", "ball=beside.stl", "--cartilage", "plate=top.stl", "--force", "ball=0,0,-500"),
+             "found no two articular surfaces that face each other, expected a contact")):
+        done = folder.build(*words, "-q")
+        same(done.returncode, 3, f"{words}: {done.stderr}")
+        true(said in done.stderr, f"{said!r}: {done.stderr!r}")
 
 
 def main():

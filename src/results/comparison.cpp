@@ -304,8 +304,15 @@ double percent_difference(double a, double b) {
 
 SurfaceFrame surface_frame(const ResultSurface& s) {
   SurfaceFrame frame;
-  for (const Vector3d& a : s.area_vectors) frame.axis += a;
-  frame.axis.normalize();  // 0 stays 0: a closed surface has no axis
+  double area = 0.0;
+  for (const Vector3d& a : s.area_vectors) {
+    frame.axis += a;
+    area += a.norm();
+  }
+  if (frame.axis.norm() > 1e-9 * area)
+    frame.axis.normalize();
+  else
+    frame.axis.setZero();  // a closed surface has no axis: what is left of the sum is rounding
   const SurfaceExtent extent = surface_extent(s.mesh);
   const SphereFit sphere = fit_sphere(s.mesh);
   frame.center = sphere.radius > 0 && sphere.radius < 10 * extent.radius_of_gyration ? sphere.center : extent.centroid;

@@ -71,6 +71,7 @@ Regions sectors(const std::vector<Vector3d>& points, const Vector3d& center, con
 Regions socket_regions(const std::vector<Vector3d>& points, const SurfaceFrame& frame, const Vector3d& up,
                        const Vector3d& anterior) {
   require_finite(points);
+  if (!(frame.axis.norm() > 0)) throw UsageError("the surface is closed and has no axis of its own");
   const std::vector<int> third = third_of(points, frame, up, anterior);
   Regions regions;
   regions.index.assign(points.size(), -1);

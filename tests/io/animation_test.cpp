@@ -320,7 +320,14 @@ TEST_F(AnimationFolder, SaysWhenFfmpegIsMissingOrFails) {
     EXPECT_NE(f.err.find("walk.mp4: ffmpeg failed: no room"), std::string::npos) << f.err;
     EXPECT_EQ(std::count(f.err.begin(), f.err.end(), '\n'), 1) << f.err;
   }
+  const Finished content = plot(words, ffmpeg("exit 0\n"));  // while frames are on their way
+  EXPECT_EQ(content.code, 4);
+  EXPECT_EQ(content.err, "dea: cannot write walk.mp4: ffmpeg ended before the last frame\n");
   EXPECT_EQ(names(folder.path), before);
+  fs::create_symlink("/dev/null", folder.path / "null.mp4");
+  const Finished device = plot({"a.xplt", "--animate", "null.mp4", "--dpi", "60"}, ffmpeg("cat > /dev/null\n"));
+  EXPECT_EQ(device.code, 4);
+  EXPECT_EQ(device.err, "dea: cannot write null.mp4: is no file, expected one or a new name\n");
 }
 
 TEST_F(AnimationFolder, RefusesInOneLine) {

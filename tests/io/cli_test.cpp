@@ -533,6 +533,17 @@ TEST_F(Cli, StatesAndTimesFrom) {
   EXPECT_EQ(dea({"run", "flat.feb", "--states", "some"}).err,
             "dea: --states some: found \"some\", expected all, last, times t1,t2,... or ranges t1:t2\n");
   EXPECT_EQ(dea({"run", "flat.feb", "--states", "-1"}).code, 2);
+  // A result of later times than the model's, and one that was cut off before its first state was complete.
+  std::ofstream(folder / "late.csv") << "time,fx,fy,fz\n0,0,0,0\n5,0,0,0\n";
+  ASSERT_NE(dea({"run", "flat.feb", "--loads", "late.csv", "--load-body", "plate", "-o", "late.xplt"}).code, 3);
+  const Finished late = dea({"run", "flat.feb", "--times-from", "late.xplt"});
+  EXPECT_EQ(late.code, 3);
+  EXPECT_EQ(late.err, "late.xplt: found a state at time 5, expected times from 0 to 1, those of the model\n");
+  ASSERT_EQ(dea({"run", "flat.feb", "--states", "last", "-o", "one.xplt"}).code, 0);
+  fs::resize_file(folder / "one.xplt", fs::file_size(folder / "one.xplt") - 100);
+  const Finished cut = dea({"run", "flat.feb", "--times-from", "one.xplt"});
+  EXPECT_EQ(cut.code, 3);
+  EXPECT_EQ(cut.err, "one.xplt: found no complete state, expected the times of at least one\n");
   const Finished no_fea = dea({"run", "flat.feb", "--times-from", "flat.feb"});
   EXPECT_EQ(no_fea.code, 3);
   EXPECT_EQ(no_fea.err.rfind("flat.feb", 0), 0u) << no_fea.err;
@@ -559,6 +570,7 @@ TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
       {{"run", "flat.feb", "--E", "inf"}, "dea: --E inf: found \"inf\", expected a number\n"},
       {{"run", "flat.feb", "--threads", "0"},
        "dea: --threads 0: found \"0\", expected a whole number from 1 to 1024\n"},
+      {{"run", "flat.feb", "--vtu", "-"}, "dea: --vtu -: a folder cannot go to standard output, give it a name\n"},
       {{"run", "flat.feb", "-o", "-"}, "dea: -o -: the plot file cannot go to standard output, give it a name\n"},
       {{"run", "flat.feb", "--no-xplt", "-o", "r.xplt"},
        "dea: --no-xplt and -o r.xplt: found both, expected one of them\n"},
@@ -575,6 +587,9 @@ TEST_F(Cli, WrongUseIsOneLineAndCodeTwo) {
       {{"run", "flat.feb", "--force", "femur=1,2,3"},
        "dea: --force femur: the model has no rigid body of this name; it has \"base\", \"plate\", \"ground\"\n"},
       {{"converge", "flat.feb", "--target", "2"}, "dea: --target 2: found \"2\", expected a number between 0 and 1\n"},
+      {{"converge", "flat.feb", "--loads", "t.csv", "--load-body", "plate"},
+       "dea: converge: found a table of loads or motion, expected none: it divides the springs of the model's own last "
+       "state\n"},
       {{"converge", "flat.feb", "--max-springs", "many"},
        "dea: --max-springs many: found \"many\", expected a whole number from 1 to 100000000\n"},
   };

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -475,6 +476,55 @@ TEST(CompareFiles, DeformedAreasNeedADisplacement) {
   }
 }
 
+// The program reads no file with such positions or facets; others that fill the structs may have them.
+TEST(CompareFiles, FacetsThatAreNoneAreRefused) {
+  const auto refusal = [](const XpltFile& file, CompareAreas areas) {
+    CompareOptions options;
+    options.areas = areas;
+    try {
+      compare_files({named("bad", file), named("b", two_halves())}, options);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  XpltFile five = two_halves();
+  for (XpltFacets& facets : five.meshes[0].surfaces) {
+    facets.nodes.insert(facets.nodes.end(), {0, 1, 2, 3, 4});
+    facets.begin.push_back(static_cast<int>(facets.nodes.size()));
+  }
+  EXPECT_NE(refusal(five, CompareAreas::Reference).find("found a facet of 5 nodes, expected triangles and quads"),
+            std::string::npos);
+  XpltFile nowhere = two_halves();
+  for (float& x : nowhere.states[0].variables[0][0].values) x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(refusal(nowhere, CompareAreas::Deformed),
+            "bad.xplt: surface \"top\": found a node whose position is not a number");
+}
+
+// The sum of its areas is 0 but for rounding, which is no axis.
+TEST(CompareFiles, AClosedSurfaceHasNoAxis) {
+  XpltFile file = make_file(7, {1}, hill);
+  XpltFacets& top = file.meshes[0].surfaces[1];
+  const int facets = top.size();
+  for (int f = 0; f < facets; ++f) {  // each once more, from below
+    const std::vector<int> nodes(top.nodes.begin() + 4 * f, top.nodes.begin() + 4 * f + 4);
+    top.nodes.insert(top.nodes.end(), nodes.rbegin(), nodes.rend());
+    top.begin.push_back(static_cast<int>(top.nodes.size()));
+  }
+  for (std::size_t v : {std::size_t{2}, std::size_t{3}})
+    file.states[0].variables[v][0].values.resize(static_cast<std::size_t>(2 * facets), 0.0f);
+  CompareOptions options;
+  options.profile = true;
+  try {
+    compare_files({named("a", file), named("b", file)}, options);
+    FAIL();
+  } catch (const UsageError& e) {
+    EXPECT_STREQ(e.what(), "surface \"top\" is closed and has no axis of its own: --axis x,y,z");
+  }
+  options.axis = Vector3d(0, 0, 1);
+  EXPECT_NO_THROW(compare_files({named("a", file), named("b", file)}, options));
+}
+
 TEST(CompareFiles, AMapThatCarriesNotAllOfItsForceIsNamed) {
   XpltFile half_lost = two_halves();
   add_contact_force(half_lost, -5.0f);  // sum of p A is 2.5
@@ -733,6 +783,11 @@ TEST_F(CompareCommand, RefusesWithOneLineAndTheRightCode) {
       {"a.xplt", 2, "dea: compare a.xplt: found one file, expected two or more"},
       {"a.xplt b.xplt --label x", 2, "dea: --label: found 1 labels, expected one per file (2)"},
       {"a.xplt b.xplt --label x --label x", 2, "dea: --label x: given twice"},
+      {"a.xplt b.xplt --label x --label ''", 2, "dea: --label : found 0 bytes, expected 1 to 40"},
+      {"a.xplt b.xplt --label x --label 12345678901234567890123456789012345678901", 2,
+       "dea: --label 12345678901234567890123456789012345678901: found 41 bytes, expected 1 to 40"},
+      {"a.xplt b.xplt --axis 0,0,1", 2,
+       "dea: --axis and --center belong to --profile or --regions anterior-superior-posterior"},
       {"a.xplt b.xplt --threshold 0", 2, "dea: --threshold 0: found \"0\", expected a pressure above 0"},
       {"a.xplt b.xplt --areas current", 2, "dea: --areas current: found \"current\", expected reference or deformed"},
       {"a.xplt b.xplt --at soon", 2, "dea: --at soon: found \"soon\""},

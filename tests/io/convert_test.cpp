@@ -3,14 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/convert/convert_feb.h>
 #include <febiodea/io/convert/xml_places.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/settings/setting_words.h>
+#include <febiodea/model/settings_table.h>
 #include <febiodea/run/analysis.h>
 #include "program.h"
 
@@ -808,6 +811,14 @@ TEST(Convert, IncludedFiles) {
   const Conversion elsewhere = convert_feb(read_feb(path), {}, (fs::temp_directory_path() / "x.feb").string());
   EXPECT_FALSE(elsewhere.edited);
   EXPECT_NE(elsewhere.changes[0].text.find("it includes files from its own folder"), std::string::npos);
+  // The materials, of which one changes: not here.
+  rest = whole;
+  cut("Material", rest);
+  write(path, rest);
+  const Converted other = expect_same_joint(folder.path, path);
+  EXPECT_FALSE(other.conversion.edited);
+  EXPECT_NE(other.conversion.changes[0].text.find("material \"base\" is not in this file itself"), std::string::npos)
+      << other.conversion.changes[0].text;
   // The domains: not here.
   rest = whole;
   cut("MeshDomains", rest);
@@ -839,6 +850,17 @@ TEST(Convert, Refusals) {
   s.set_values["load.force"] = 2;
   EXPECT_EQ(fault(path, s),
             "--set load.force: a converted file keeps the model's own springs and forces; change them in the model");
+  s = {};
+  s.layer_fit = LayerFit::OneTerm;
+  EXPECT_EQ(fault(path, s), "--layer-terms 1: a contact of type dea takes two; leave it out");
+  for (const char* option : {"loads", "motion", "skip-steps"}) {
+    s = {};
+    find_setting_option(option)->set(s, "", std::string(option) == "skip-steps" ? "true" : "t.csv");
+    EXPECT_EQ(fault(path, s),
+              fmt::format("--{}: a converted file keeps the model's own motion, loads and steps; change "
+                          "them in the model",
+                          option));
+  }
   // --attach to the other body: rigid with it, the layer would make both one body.
   s = {};
   s.attach["top"] = "plate";
@@ -848,6 +870,147 @@ TEST(Convert, Refusals) {
   const Converted c = convert(folder.path, path);
   EXPECT_NE(fault(c.path).find("contact \"joint\" is of type dea already: nothing to convert"), std::string::npos)
       << fault(c.path);
+}
+
+/// A text with others in it: each replaces the first of its kind.
+std::string changed(std::string text, const std::vector<std::pair<std::string, std::string>>& changes) {
+  for (const auto& [from, to] : changes) {
+    const std::size_t at = text.find(from);
+    if (at == text.npos) throw std::logic_error("not in the model: " + from);
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+// What the converted file could not say, or would say differently.
+TEST(Convert, RefusalsOfModels) {
+  struct Case {
+    std::string name, model;
+    std::vector<std::array<std::string, 3>> settings;  ///< option, name, value
+    std::string says;
+  };
+  const auto nodes = [](const std::string& name, const std::string& ids) {
+    return std::pair<std::string, std::string>(
+        "<Surface name=\"top\">", "<NodeSet name=\"" + name + "\">" + ids + "</NodeSet>\n<Surface name=\"top\">");
+  };
+  const std::string plain = model_text({}),
+                    connector = "type=\"{}\"><body_a>base</body_a><body_b>plate</body_b></rigid_connector>\n</Rigid>",
+                    fix =
+                        "<Boundary>\n<bc name=\"fix\" type=\"zero displacement\" node_set=\"{}\">\n<x_dof>1</x_dof>\n"
+                        "<y_dof>{}</y_dof>\n<z_dof>{}</z_dof>\n</bc>\n</Boundary>\n<Rigid>";
+  std::string step_rigid = "</Control>\n<Rigid>";
+  const std::string soft_base = changed(
+      plain,
+      {{"<material id=\"2\" name=\"base\" type=\"rigid body\"><density>1</density></material>",
+        "<material id=\"2\" name=\"base\" type=\"neo-Hookean\"><E>1000</E><v>0.3</v></material>"},
+       {"<rigid_bc type=\"rigid_fixed\"><rb>base</rb><Rx_dof>1</Rx_dof><Ry_dof>1</Ry_dof><Rz_dof>1</Rz_dof><Ru_dof>1"
+        "</Ru_dof><Rv_dof>1</Rv_dof><Rw_dof>1</Rw_dof></rigid_bc>\n",
+        ""}});
+  const Case cases[] = {
+      {"planes of symmetry",
+       changed(plain,
+               {nodes("side", "1,5,9,13,17,21,25,29"), {"<Rigid>", fmt::format(fmt::runtime(fix), "side", 0, 0)}}),
+       {{"law", "", "layer"}},
+       "the model has planes of symmetry, which end where its cartilage becomes rigid, and a contact of type dea with "
+       "law "
+       "layer would take the rim there for a free edge; convert with --law linear, or a model without such planes"},
+      {"a contact that is of type dea, beside another",
+       changed(plain, {{"type=\"sliding-elastic\" surface_pair=\"joint\">\n<penalty>20</penalty>\n",
+                        "type=\"dea\" surface_pair=\"joint\">\n"},
+                       {"</Contact>",
+                        "<contact name=\"other\" type=\"sliding-elastic\" surface_pair=\"joint\"/>\n</Contact>"}}),
+       {{"contact", "", "joint"}},
+       "contact \"joint\" is of type dea already: nothing to convert"},
+      {"one layer of two bodies",
+       changed(plain, {{"<material id=\"3\"",
+                        "<material id=\"4\" name=\"other\" type=\"rigid body\"><density>1</density>"
+                        "<center_of_mass>0,0,1</center_of_mass></material>\n<material id=\"3\""},
+                       {"<Surface name=\"plate face\">",
+                        "<Surface name=\"side\">\n<quad4 id=\"1\">4,8,24,20</quad4>\n</Surface>\n<Surface "
+                        "name=\"plate face\">"},
+                       {"<SurfacePair",
+                        "<SurfacePair name=\"more\"><primary>side</primary><secondary>plate face</secondary>"
+                        "</SurfacePair>\n<SurfacePair"},
+                       {"</Contact>",
+                        "<contact name=\"other\" type=\"sliding-elastic\" surface_pair=\"more\"/>\n</Contact>"}}),
+       {{"attach", "side", "other"}, {"thickness", "side", "2"}, {"thickness", "top", "2"}},
+       "the cartilage under surface \"side\" belongs to body \"base\" for one contact and to \"other\" for another; it "
+       "can "
+       "be rigid with one of them only"},
+      {"a bone that is held in one step",
+       changed(soft_base, {nodes("low", "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16"),
+                           {step_rigid, "</Control>\n" + fmt::format(fmt::runtime(fix), "low", 1, 1)}}),
+       {{"rigid", "", "base"}},
+       "fixed nodes \"fix\" hold bone \"base\", which becomes a rigid body, in one step only: make it a rigid body of "
+       "the "
+       "model and hold that"},
+      {"a bone that holds two rigid materials together",
+       changed(
+           soft_base,
+           {{"<material id=\"3\"",
+             "<material id=\"4\" name=\"holder\" type=\"rigid body\"><density>1</density><center_of_mass>0,0,-5"
+             "</center_of_mass></material>\n<material id=\"5\" name=\"other\" type=\"rigid body\"><density>1</density>"
+             "<center_of_mass>0,0,-5</center_of_mass></material>\n<material id=\"3\""},
+            nodes("left", "1,2,3,4"),
+            nodes("right", "13,14,15,16"),
+            {"<Rigid>",
+             "<Boundary>\n<bc name=\"a\" type=\"rigid\" node_set=\"left\">\n<rb>holder</rb>\n</bc>\n<bc name=\"b\" "
+             "type=\"rigid\" node_set=\"right\">\n<rb>other</rb>\n</bc>\n</Boundary>\n<Rigid>"}}),
+       {{"rigid", "", "base"}},
+       "materials \"holder\" and \"other\" are one body through rigid node sets; as rigid materials they would be two: "
+       "give "
+       "their elements one material"},
+      {"cartilage with nodes of both bodies",
+       changed(plain, {{"<Elements type=\"quad4\" name=\"plate\">\n",
+                        "<Elements type=\"quad4\" name=\"plate\">\n<elem id=\"999\">17,18,34,33</elem>\n"}}),
+       {{"attach", "top", "base"}},
+       "the cartilage shares nodes with bodies \"base\" and \"plate\", which would become one rigid body; give each "
+       "its own "
+       "nodes"},
+      {"cartilage beyond the surface",
+       changed(model_text({.held = Held::RigidNodes}), {{"<quad4 id=\"1\">17,18,22,21</quad4>\n", ""}}),
+       {{"law", "", "layer"}},
+       "surface \"top\": its cartilage goes on beyond the selected facets, which the converted model cannot tell (it "
+       "knows "
+       "those under contact surfaces that share nodes with their bone): select the whole face, or convert with --law "
+       "linear"},
+      {"a connector that dea does not know, in a file that is written anew",
+       changed(model_text({.upper_layer = true, .one_section = true}),
+               {{"</Rigid>", "<rigid_connector name=\"x\" " + fmt::format(fmt::runtime(connector), "rigid muscle")}}),
+       {},
+       "rigid connector \"rigid muscle\" cannot be carried over: the file would have to be written anew, for an "
+       "Elements "
+       "section holds cartilage of several bodies, or other parts too, and is divided; open it in FEBio Studio and "
+       "save "
+       "it as one file of version 4.0"},
+      {"a joint, in a file that is written anew",
+       changed(model_text({.upper_layer = true, .one_section = true}),
+               {{"</Rigid>", "<rigid_connector name=\"x\" " + fmt::format(fmt::runtime(connector), "rigid joint")}}),
+       {},
+       "rigid joint cannot be written into a new file: save the model as 4.0 in FEBio Studio, then dea convert leaves "
+       "it as "
+       "it is"},
+      {"a load that turns with its body, which is placed turned",
+       changed(plain, {{"<dof>Rz</dof>", "<dof>Rz</dof><load_type>1</load_type>"}}),
+       {{"rotate", "plate", "0,0,1,5"}, {"rotate-about", "plate", "0,0,0"}},
+       "load \"push\" turns with a body that is placed turned; turn its components in the model, or place the body "
+       "without "
+       "turning it"},
+      {"a spring whose end is placed",
+       model_text({.ligament = true}),
+       {{"move", "plate", "0,0,-0.01"}},
+       "and they are placed 2."},
+  };
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path / "model.feb").string();
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    write(path, c.model);
+    Settings s;
+    for (const auto& [option, name, value] : c.settings) find_setting_option(option)->set(s, name, value);
+    const std::string found = fault(path, s);
+    EXPECT_NE(found.find(c.says), std::string::npos) << found;
+  }
 }
 
 // ---- the program

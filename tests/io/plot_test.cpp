@@ -390,7 +390,8 @@ TEST(MapFigure, PanelsScaleAndNumbers) {
 }
 
 TEST(MapFigure, SurfacesSideBySide) {
-  // Two plateaus with pressures to 4 and 6 in two files: a panel each, by surface and file, one scale, the time in each.
+  // Two plateaus with pressures to 4 and 6 in two files: a panel each, by surface and file, one scale, the time in
+  // each.
   ResultFile a = result_of("a", sheet(2, 2, 2, 2), {{0, 0, 0, 0}, {1, 2, 3, 4}}), b = a;
   a.xplt.states[1].variables[0].push_back({2, {1, 2, 3, 6}});
   b.label = "b";
@@ -796,6 +797,11 @@ struct Folder : ::testing::Test {
     write_xplt((folder.path / "flat.xplt").string(), result_of("f", sheet(2, 2, 1, 1), {{1, 2, 3, 4}}).xplt);
     ResultFile bad = result_of("n", sheet(2, 2, 1, 1), {{1, 2, 3, 4}});
     write_xplt((folder.path / "zero.xplt").string(), result_of("z", p, {none}).xplt);
+    XpltFile other = result_of("o", p, {none, some}).xplt;
+    for (XpltFacets& surface : other.meshes[0].surfaces) surface.name = "other " + surface.name;
+    write_xplt((folder.path / "other.xplt").string(), other);
+    write_xplt((folder.path / "many.xplt").string(),
+               result_of("m", sheet(2, 2, 1, 1), std::vector<std::vector<double>>(101, {1, 2, 3, 4})).xplt);
     std::ofstream(folder.path / "text.xplt") << "no plot file";
     std::ofstream(folder.path / "hip.feb") << "<?xml version=\"1.0\"?>\n<febio_spec version=\"4.0\">\n</febio_spec>\n";
   }
@@ -877,6 +883,13 @@ TEST_F(Folder, RefusesInOneLine) {
       {{"a.xplt", "--min", "1e17", "--max", "1.0000000000000002e17"}, 2, "found no width of the colour scale"},
       {{"flat.xplt", "--view", "unrolled"}, 2, "is no part of a sphere"},
       {{"a.xplt", "--max", "0"}, 2, "--max 0"},
+      {{"a.xplt", "--minus", "b.xplt", "--min", "1"},
+       2,
+       "--min and --minus: found both; a difference's scale goes from -max to max"},
+      {{"a.xplt", "other.xplt"}, 3, "a.xplt: found no surface of this and the other files with \"contact pressure\""},
+      {{"many.xplt", "--states", "all"},
+       2,
+       "found 101 panels to draw, expected 100 or fewer: choose states with --at t1,t2,..., or --animate FILE.gif"},
       {{"a.xplt", "--max", "many"}, 2, "--max many"},
       {{"a.xplt", "--max", "1", "--min", "2"}, 2, "expected more than --min 2"},
       {{"a.xplt", "--minus", "b.xplt", "--max", "-1"}, 2, "expected a difference above 0"},

@@ -314,6 +314,36 @@ TEST(Recognition, AFacetTwiceIsRefused) {
   EXPECT_NE(refusal(model).find("facets 1 and 17 are the same"), std::string::npos) << refusal(model);
 }
 
+// The readers of files refuse these before; who fills a JointModel otherwise is told here.
+TEST(Recognition, WhatNoFileSaysIsRefusedToo) {
+  const JointModel plates = flat_plates(4, 10, 2, 0.0);
+  JointModel model = plates;
+  model.contacts[0].secondary = -1;
+  EXPECT_NE(refusal(model).find("contact \"press\" lacks a surface: give it two"), std::string::npos) << refusal(model);
+  model = plates;
+  Surface& s = model.surfaces[static_cast<std::size_t>(model.contacts[0].primary)];
+  s.nodes.clear();
+  s.begin = {0};
+  EXPECT_NE(refusal(model).find(" has no facets: define it again, or take its contact out"), std::string::npos)
+      << refusal(model);
+  model = plates;
+  model.rigid_cables.push_back({});
+  model.rigid_cables[0].name = "muscle";
+  EXPECT_NE(refusal(model).find("cable \"muscle\" has no points: add those it runs through"), std::string::npos)
+      << refusal(model);
+  model = plates;
+  DiscreteSprings springs;
+  springs.set = 0;
+  springs.name = "ACL";
+  springs.force = LoadController{};
+  springs.force->unsupported = "type PID";
+  model.discrete_sets.push_back({"ACL", {{0, 1}}, {}});
+  model.discrete_springs.push_back(springs);
+  EXPECT_NE(refusal(model).find("spring \"ACL\": its force is given by type PID, which is not supported; give points"),
+            std::string::npos)
+      << refusal(model);
+}
+
 // Relative to the pose when it became active: outside steps at the start, inside a step at the step's start.
 TEST(Conditions, RelativeMotion) {
   for (bool in_step : {false, true}) {

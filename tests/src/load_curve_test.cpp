@@ -249,6 +249,16 @@ TEST(LoadCurve, AnExpressionWithoutValueIsRefusedWithItsPlace) {
   }
 }
 
+// Readers ask for the fault before.
+TEST(LoadCurve, AnExpressionThatIsNoneIsRefused) {
+  try {
+    value(expression("foo(t)"), 0.5);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).rfind("expression \"foo(t)\": ", 0), 0U) << error.what();
+  }
+}
+
 TEST(LoadCurve, WhatCannotBeEvaluatedIsALogicError) {
   LoadController pid = curve(Interpolate::Linear, Extend::Constant, {{0, 0}, {1, 1}});
   pid.unsupported = "type PID";

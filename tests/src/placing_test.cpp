@@ -435,6 +435,11 @@ TEST(Rows, RefuseTablesInPart) {
   settings = rows({six({0, 0, 800})});
   settings.loads.body.clear();
   EXPECT_THROW(recognise(slanted(), settings), UsageError);
+  settings = {};
+  settings.motion.body = "ball";
+  settings.motion.time = {0.0, 1.0};
+  settings.motion.motion = {Vector6::Zero()};
+  EXPECT_THROW(recognise(slanted(), settings), UsageError);
 }
 
 TEST(Rows, RefuseWhatDoesNotFit) {

@@ -701,6 +701,7 @@ TEST(StudyStatistics, RegionsOfASocket) {
     const int third = i % 12 >= 2 && i % 12 < 6 ? 0 : i % 12 < 2 || i % 12 >= 10 ? 1 : 2;  // 75 to 165: anterior
     EXPECT_EQ(r.index[i], 2 * third + (i / 12 < 2 ? 0 : 1)) << i;
   }
+  EXPECT_THROW(socket_regions(points, {Vector3d::Zero(), Vector3d::Zero()}, {1, 0, 3}, {0, 1, 0}), UsageError);
   const FacetMask mask = region_mask(r, 4);
   EXPECT_EQ(std::accumulate(mask.begin(), mask.end(), 0), 8);
   const auto centroids = triangle_centroids({{0, 0, 0}, {3, 0, 0}, {0, 3, 0}}, {{0, 1, 2}});
