@@ -72,8 +72,10 @@ void tell_held_forces(const BuildRequest& request, std::vector<std::string>& fin
 std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoint& built, Progress& progress) {
   progress.now("balance", "", built.loads() > 1 ? "balance of the loads" : "balance of the load");
   std::filesystem::path name;
-  const int file = create_temporary(std::filesystem::temp_directory_path(), name);
-  if (file < 0) throw WriteError(name.string() + ": no temporary file");
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  const int file = error ? -1 : create_temporary(folder, name);
+  if (file < 0) throw WriteError("a temporary file: set TMPDIR to a folder that takes one");
   close_file(file);
   const Temporary temporary(name);
   write_text(temporary.path, text);

@@ -104,7 +104,10 @@ CLI::App* add_model_command(CLI::App& app, const char* name, const char* help, c
 
 void add_once(CLI::App& command, const char* name, std::string& value, const char* type, const char* group,
               const char* help) {
-  command.add_option(name, value, help)->type_name(type)->group(group);
+  const auto is_there = [](const std::string& text) {  // a script's variable without a value
+    return text.empty() ? std::string("found nothing, expected a value") : std::string();
+  };
+  command.add_option(name, value, help)->type_name(type)->group(group)->check(CLI::Validator(is_there, ""));
 }
 
 void add_repeated(CLI::App& command, const char* name, std::vector<std::string>& values, const char* type,

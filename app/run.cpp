@@ -53,7 +53,7 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   CLI::App* c = add_model_command(
       app, "run", "Solve the contact of a model and write a plot file, a table, JSON or CSV", kRunFooter, a.model);
   const auto add_output = [&](const OutputOption& o) {
-    c->add_option(command_line_name(o), a.outputs.*o.text, o.help)->type_name(o.type)->group("Output");
+    add_once(*c, command_line_name(o).c_str(), a.outputs.*o.text, o.type, "Output", o.help);
   };
   for (const OutputOption& o : output_options())
     if (o.kind != OutputOption::Kind::States) add_output(o);

@@ -603,6 +603,7 @@ TEST(VtuRun, RefusalsAreOneLineBeforeAnyWork) {
       {{"--vtu", "a", "--csv", "./a"}, 2, "dea: --vtu a: is the file of --csv too\n"},
       {{"--csv", "-", "--facets-csv", "-"}, 2, "dea: only one of --csv and --facets-csv can go to standard output\n"},
       {{"--json", "a", "--facets-csv", "a"}, 2, "dea: --facets-csv a: is the file of --json too\n"},
+      {{"--json", ""}, 2, "dea run: --json: found nothing, expected a value (dea run --help lists the options)\n"},
       {{"--facets-csv", "no/f.csv"}, 4, "dea: cannot write no/f.csv: there is no folder no\n"},
   };
   for (const auto& [words, code, text] : cases) {
