@@ -118,8 +118,8 @@ bool many_states_left_out(const JointModel& model, const std::vector<TimePoint>&
 
 Sentence states_left_out_note(const JointModel& model, std::size_t solved) {
   return say(
-      "of the model's {:.0f} time steps {} were solved on the way to the states asked for: each is an equilibrium of "
-      "its own",
+      "of the model's {:.0f} time steps only the states asked for and the ends of steps before them are solved, {} in "
+      "all: each is an equilibrium of its own",
       count_time_steps(model), solved);
 }
 

@@ -165,8 +165,10 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
   const std::vector<Vector6> no_reaction(joint.bodies.size(), Vector6::Zero());
   SolvedStates solved;
   solved.start = starting_poses(model, joint, settings);
-  if (times.back().row >= 0 || times.back().step == last_step(model))  // the others have no such loads
+  if (times.back().row >= 0 || times.back().step == last_step(model)) {  // the others have no such loads
     solved.idle = idle_warnings(idle_loads(model, joint, settings));
+    for (Sentence& words : idle_model_loads(model, joint, settings)) solved.idle.push_back(std::move(words));
+  }
   Walk walk{{solved.start, solved.start}, no_reaction, no_reaction, {}, options.equilibrium};
   Activity activity{Activity::Stage::State, 0, times.size(), {}};
   if (options.activity) {

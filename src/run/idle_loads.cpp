@@ -10,6 +10,7 @@
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/joint/placing.h>
+#include <febiodea/model/load_curve.h>
 
 namespace dea {
 
@@ -91,6 +92,29 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
   }
   keep(std::move(idle), acts, found);
   return found;
+}
+
+std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
+  std::vector<Sentence> words;
+  if (model.rigid_loads.empty()) return words;
+  const int last = static_cast<int>(model.steps.size()) - 1;
+  const LoadCase end = make_load_case(model, joint, settings, last, step_starts(model).back());
+  for (const RigidLoad& load : model.rigid_loads) {
+    const int b = joint.body_of(load.material);
+    if (b < 0 || (load.step >= 0 && load.step != last)) continue;
+    if (load.kind != RigidLoad::Kind::Dead || load.relative) continue;
+    const std::string& body = joint.bodies[at(b)].name;
+    const bool replaced = settings.force.count(body) > 0 || settings.loads.body == body;
+    const DofState state = end.bodies[at(b)].dofs[at(load.dof)];
+    if (replaced || state == DofState::Free || value(model, load.value, end.time) == 0) continue;
+    const bool force = load.dof < 3;
+    words.push_back(
+        fmt::format("{}{} \"{}\" {} {} has no effect: body \"{}\" is {} {} that axis at the end of the last step",
+                    where(model, load.origin), force ? "force" : "moment", load.name, force ? "along" : "about",
+                    "xyz"[load.dof % 3], body, state == DofState::Held ? "held" : "moved as prescribed",
+                    force ? "along" : "about"));
+  }
+  return words;
 }
 
 std::string idle_in_words(const IdleLoad& load) {

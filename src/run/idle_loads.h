@@ -1,4 +1,4 @@
-// febiodea/run/idle_loads.h – loads that the user gives and that move nothing: the body is not free to go their way.
+// febiodea/run/idle_loads.h – loads that move nothing: the body is not free to go their way.
 #pragma once
 #include <array>
 #include <string>
@@ -24,6 +24,11 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
 
 /// Why it has no effect: "the body "tibia" is not free to move along x, y, z; this load has no effect".
 std::string idle_in_words(const IdleLoad& load);
+
+/// Forces and moments of the model that act in its last step on a body that is held or moved in their direction then, a
+/// sentence each with the file's line. Not those that the settings replace, those of value 0, and those of kind Target
+/// or relative ones, which FEBio counts from the reaction.
+std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// What the user is to be warned of, a sentence each. Of a table's moments nothing is said unless its forces are idle
 /// too: measured tables have them, and bones that do not turn are usual.

@@ -101,5 +101,54 @@ TEST(Plausibility, AForceOnAHandfulOfSpringsIsTold) {
   EXPECT_EQ(s.springs_active, 128);
 }
 
+/// A block of w x w facets presses a layer of many: springs under (2 w)^2 mm2, and the (w + 1)^2 nodes of these facets
+/// have averages above the threshold, each with 4 mm2. The same force on both.
+TEST(Plausibility, AMapTooCoarseForItsContactIsTold) {
+  const auto pressed = [](int n, double block) {
+    JointModel model = test::flat_plates(n, 20, 2, 0.0, block);
+    test::fix(model, 2, {true, true, false, true, true, true});
+    test::prescribe(model, 2, 2, -0.01);
+    const Analysis analysis = analyse(model, test::linear());
+    return std::pair(analysis.states.back().statistics[0], result_remarks(model, analysis));
+  };
+  const auto [s, lines] = pressed(10, 8.0);
+  EXPECT_NEAR(s.contact_area, 64.0, 1e-9);
+  EXPECT_NEAR(s.headline.area, 100.0, 1e-4);
+  EXPECT_NEAR(s.headline.mean / s.mean, 0.64, 1e-6);
+  EXPECT_TRUE(has(lines, "averages at its nodes give area 100, ")) << lines.back();
+  EXPECT_TRUE(has(lines, "the springs themselves 64, "));
+  const auto [fine, quiet] = pressed(40, 16.0);  // 32 facets across: 1.06 times the area
+  EXPECT_NEAR(fine.headline.area / fine.contact_area, std::pow(33.0 / 32.0, 2), 1e-5);
+  EXPECT_FALSE(has(quiet, "too long for this contact"));
+}
+
+/// A force of the model along a motion that the model prescribes or holds presses nothing.
+TEST(Plausibility, LoadsOfTheModelThatMoveNothingAreTold) {
+  JointModel model = test::flat_plates(4, 10, 2, 0.0);
+  test::fix(model, 2, {true, true, false, true, true, true});
+  const auto add = [&model](int material, int dof, double value, const char* name) {
+    RigidLoad load;
+    load.material = material;
+    load.dof = dof;
+    load.value.factor = value;
+    load.name = name;
+    model.rigid_loads.push_back(load);
+  };
+  add(2, 2, -5, "down");
+  add(2, 4, 1, "twist");
+  add(1, 0, 0.0, "nothing");
+  Settings given = test::linear();
+  const auto lines = [&] { return result_remarks(model, analyse(model, given)); };
+  EXPECT_FALSE(has(lines(), "\"down\""));  // the plate is free to move so
+  EXPECT_TRUE(has(lines(), "moment \"twist\" about y has no effect: body \"plate\" is held about that axis"));
+  EXPECT_FALSE(has(lines(), "\"nothing\""));
+  test::prescribe(model, 2, 2, -0.01);
+  EXPECT_TRUE(
+      has(lines(), "force \"down\" along z has no effect: body \"plate\" is moved as prescribed along that axis"));
+  given.force["plate"] = Vector3d(0, 0, -3);  // takes its place, and is told for itself
+  EXPECT_FALSE(has(lines(), "\"down\""));
+  EXPECT_TRUE(has(lines(), "not free to move along z"));
+}
+
 }  // namespace
 }  // namespace dea

@@ -316,6 +316,20 @@ void add_crowded_force(const ContactPair& pair, const StateResult& state, std::s
                   wording({"refine", "", std::to_string(2 * pair.refine)})));
 }
 
+/// A map whose facets are too long to show what presses them: averages at its nodes spread the pressure over
+/// neighbouring facets, which the springs see apart.
+void add_smeared_map(const ContactPair& pair, const StateResult& state, std::size_t contact, Lines& lines) {
+  constexpr double kFar = 1.2;  // where contact is a dozen facets across it is 1.1 at most
+  const ContactStatistics& s = state.statistics[contact];
+  if (s.springs_active == 0 || !(s.headline.area > kFar * s.contact_area)) return;
+  add_once(lines,
+           fmt::format("warning: contact \"{}\": at time {} the map's facets are too long for this contact: averages "
+                       "at its nodes give area {:.3g}, mean {:.3g}, p99 {:.3g}, the springs themselves {:.3g}, "
+                       "{:.3g}, {:.3g}; mesh this surface finer",
+                       pair.name, time_text(state.when.time), s.headline.area, s.headline.mean, s.headline.p99,
+                       s.contact_area, s.mean, s.p99));
+}
+
 /// Cartilage pressed together by more than half, in any state.
 void add_large_strains(const ContactPair& pair, const SolvedStates& result, std::size_t contact, Lines& lines) {
   constexpr double kLarge = 0.5;
@@ -467,6 +481,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
     if (parted(joint, last)) continue;
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_crowded_force(joint.contacts[c], last, c, wording, lines);
+    add_smeared_map(joint.contacts[c], last, c, lines);
     add_large_strains(joint.contacts[c], result, c, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
