@@ -150,5 +150,21 @@ TEST(Plausibility, LoadsOfTheModelThatMoveNothingAreTold) {
   EXPECT_TRUE(has(lines(), "not free to move along z"));
 }
 
+/// 2.5 where 2500 N were meant.
+TEST(Plausibility, ALoadThatIsNextToNothingIsTold) {
+  JointModel model = test::flat_plates(8, 20, 2, 0.0);
+  test::fix(model, 2, {true, true, false, true, true, true});
+  RigidLoad load;
+  load.material = 2;
+  load.dof = 2;
+  model.rigid_loads.push_back(load);
+  const auto lines = [&](double share) {
+    model.rigid_loads.back().value.factor = -share * model.materials[0].E * 400;
+    return result_remarks(model, analyse(model, test::linear()));
+  };
+  EXPECT_TRUE(has(lines(1e-4), "are next to nothing for this cartilage (0.0001 of its modulus times its area)"));
+  EXPECT_FALSE(has(lines(1e-3), "next to nothing"));
+}
+
 }  // namespace
 }  // namespace dea

@@ -252,16 +252,31 @@ void add_large_turns(const JointModel& model, const Joint& joint, const SolvedSt
   }
 }
 
-/// Nothing presses a free body, and the surfaces have parted: no forces but such as are none against the cartilage's
-/// modulus.
-bool parted(const Joint& joint, const StateResult& state) {
-  constexpr double kNothing = 1e-9;
-  if (state.equilibrium.outcome != Outcome::Balanced) return false;
+/// What a load is measured against: modulus times area of the stiffest layer.
+double stiffest_layer(const Joint& joint) {
   double most = 0.0;
   for (const ContactPair& pair : joint.contacts)
     for (const Layer& layer : pair.layers)
       if (!layer.rigid) most = std::max(most, layer.elasticity.E * surface_extent(layer.articular).area);
-  return state.equilibrium.load <= kNothing * most;
+  return most;
+}
+
+/// Nothing presses a free body, and the surfaces have parted: no forces but such as are none against the cartilage's
+/// modulus.
+bool parted(const Joint& joint, const StateResult& state) {
+  constexpr double kNothing = 1e-9;
+  return state.equilibrium.outcome == Outcome::Balanced && state.equilibrium.load <= kNothing * stiffest_layer(joint);
+}
+
+/// A load too small for any joint: 2 kPa over the whole surface of cartilage of 10 MPa. 2.5 for 2500 N is such a one.
+void add_tiny_load(const Joint& joint, const StateResult& last, Lines& lines) {
+  constexpr double kTiny = 2e-4;
+  const double load = last.equilibrium.load, stiffest = stiffest_layer(joint);
+  if (last.equilibrium.outcome != Outcome::Balanced || !(load < kTiny * stiffest)) return;
+  lines.push_back(fmt::format(
+      "warning: at time {} forces of at most {:.3g} are next to nothing for this cartilage ({:.2g} of its modulus "
+      "times its area): is the load in another unit, as kN?",
+      time_text(last.when.time), load, load / stiffest));
 }
 
 /// Surfaces that do not touch, at the end or ever.
@@ -477,6 +492,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
   const StateResult& last = result.states.back();  // stands for all: turns and factors change slowly
   add_large_turns(model, joint, result, wording, lines);
   add_no_contact(joint, result, wording, lines);
+  if (!parted(joint, last)) add_tiny_load(joint, last, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     if (parted(joint, last)) continue;
     add_few_springs(joint.contacts[c], last, c, wording, lines);
