@@ -91,7 +91,7 @@ class Encoder {
 
   std::string path_;
   int said_;
-  const Ignored broken_pipe_{Signal::BrokenPipe};  // writing fails instead of ending us too
+  const IgnoredBrokenPipe broken_pipe_;
   int child_ = 0;
   int pipe_ = -1;
 };

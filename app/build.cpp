@@ -14,6 +14,7 @@
 #include <febiodea/io/build/joint_feb.h>
 #include <febiodea/io/build/landmarks.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/files/existing_model.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/files/system.h>
@@ -197,6 +198,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--frames", a.frames, "FILE.xml", "Output",
            "Also write the frames as a settings file for dea run and dea study: --settings FILE.xml");
   add_once(*c, "--hip-figure", a.hip_figure, "FILE.svg|png|pdf", "Output", "Also draw what was measured in the hip");
+  add_model_overwrite_flag(*c, a.overwrite);
   add_quiet_flag(*c, a.quiet);
   add_once(*c, "--threads", a.threads, "N", "Output", "Number of threads [all cores]");
   return c;
@@ -216,6 +218,7 @@ int build(const BuildArguments& a) {
   if (!a.frames.empty()) outputs.push_back({"--frames", a.frames});
   if (!a.hip_figure.empty()) outputs.push_back({"--hip-figure", a.hip_figure});
   const HeldOutputs held = claim_outputs(inputs.files, outputs);
+  if (!a.overwrite) refuse_to_replace(a.output, why_kept_model(a.output, kBuiltMark, "dea build"));
   Progress progress(progress_style(a.quiet, false));
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;
@@ -235,7 +238,7 @@ int build(const BuildArguments& a) {
   const BuiltJoint joint = build_joint(inputs.request, report);
 
   inputs.model.elements_through = inputs.request.elements_through;
-  inputs.model.comment = fmt::format("Made by dea build of {} surfaces.", inputs.files.size());
+  inputs.model.comment = fmt::format("{} of {} surfaces.", kBuiltMark, inputs.files.size());
   const std::vector<std::string> questions = load_questions(joint, report);  // before a search that may take long
   for (const std::string& question : questions) log("warning: " + question);
   const std::vector<BuildBalance> balances = find_balances(joint_feb(joint, inputs.model), joint, progress);

@@ -59,7 +59,7 @@ int converge_command(const ConvergeArguments& arguments);
 
 struct ConvertArguments {
   std::string model, output;
-  bool quiet = false;
+  bool overwrite = false, quiet = false;
   SettingsArguments settings;
   std::string threads;
 };
@@ -74,7 +74,7 @@ struct BuildArguments {
   std::string side, scan_axes, hip, frames, hip_figure, landmark_units;
   std::string mirror, loads, load_columns, load_units, body_weight;
   std::string output, json, report, threads;
-  bool keep_holes = false, flip_landmarks = false, quiet = false;
+  bool keep_holes = false, flip_landmarks = false, overwrite = false, quiet = false;
 };
 CLI::App* add_build(CLI::App& app, BuildArguments& arguments);
 int build(const BuildArguments& arguments);

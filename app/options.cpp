@@ -136,9 +136,15 @@ void add_overwrite_flag(CLI::App& command, bool& overwrite) {
       ->group("Output");
 }
 
+void add_model_overwrite_flag(CLI::App& command, bool& overwrite) {
+  command
+      .add_flag("--overwrite", overwrite,
+                fmt::format("Replace any existing file [only one that dea {} made]", command.get_name()))
+      ->group("Output");
+}
+
 void refuse_to_replace(const std::string& path, const std::string& why) {
-  if (!why.empty())
-    throw WriteError(fmt::format("{}: {}; --overwrite replaces it, -o FILE.xplt writes another", path, why));
+  if (!why.empty()) throw WriteError(fmt::format("{}: {}; --overwrite replaces it, -o writes another", path, why));
 }
 
 std::vector<NamedPath> input_files(const std::string& model, const SettingsArguments& settings) {

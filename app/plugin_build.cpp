@@ -1,12 +1,14 @@
 // `dea plugin-build`: compiles the plugin for the FEBio that is installed, from the source that came with the program.
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
 
 #include <febiodea/app/commands.h>
+#include <febiodea/app/interrupt.h>
 #include <febiodea/app/process.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/output.h>
@@ -56,7 +58,9 @@ Origins find_origins() {
 /// The folder with include/FECore and lib/cmake/FEBio.
 fs::path sdk_folder(const std::string& febio) {
   std::error_code error;
-  if (!fs::is_directory(febio, error)) throw InputError(fmt::format("{}: no such folder", febio));
+  if (!fs::is_directory(febio, error))
+    throw InputError(febio + (fs::exists(febio, error) ? ": found a file, expected the folder of FEBio or of its SDK"
+                                                       : ": no such folder"));
   for (const fs::path& place : {fs::path(febio), fs::path(febio) / "sdk"})
     if (fs::exists(place / "lib" / "cmake" / "FEBio" / "FEBioConfig.cmake", error)) {
       if (!fs::exists(place / "include" / "FECore" / "version.h", error))
@@ -74,7 +78,7 @@ struct Workshop {
   Workshop() {
     std::error_code error;
     std::string name = (fs::temp_directory_path(error) / "febiodea_plugin_XXXXXX").string();
-    if (!make_own_folder(name)) throw WriteError(fmt::format("{}: no temporary folder", name));
+    if (error || !make_own_folder(name)) throw WriteError("a temporary folder: set TMPDIR to a folder that takes one");
     path = name;
   }
   ~Workshop() {
@@ -87,14 +91,14 @@ struct Workshop {
 };
 
 /// Runs a program of the path with these words, no shell between. What it prints goes to the end of `log_file`, or to
-/// standard error when that is empty.
+/// standard error when that is empty. Throws Stopped, once it has ended with all that it started, if dea was asked to.
 int run_program(const std::vector<std::string>& words, const std::string& log_file) {
   const int said = log_file.empty() ? kStandardError : open_file(log_file, OpenAs::Log);
   if (said < 0) throw WriteError(fmt::format("{}: the log of the build", log_file));
-  const Ignored interrupt(Signal::Interrupt), quit(Signal::Quit);  // they end our child; we stay to tidy up
-  const int child = start_program(words, {0, said, said});
-  const int code = child < 0 ? kNotFound : wait_for(child);
+  const int child = start_program(words, {0, said, said}, true);
+  const int code = child < 0 ? kNotFound : wait_for(child, stop_flag());
   if (said != kStandardError) close_file(said);
+  end_if_stopped(stop_flag());
   return code;
 }
 
@@ -108,10 +112,13 @@ std::string first_error(const std::string& log) {
   std::istringstream lines(log);
   std::string fault;
   bool in_error = false;
+  int paragraphs = 0;
   for (std::string line; std::getline(lines, line);) {
-    if (in_error) {  // cmake's: an indented paragraph
+    if (in_error) {  // cmake's: indented paragraphs, of which the first may end in the middle of a sentence
+      constexpr int kMost = 3;
       const std::string text = stripped(line);
-      if (!fault.empty() && text.empty()) return fault;
+      if (!fault.empty() && !text.empty() && line[0] != ' ') return fault;
+      if (!fault.empty() && text.empty() && (fault.back() == '.' || ++paragraphs == kMost)) return fault;
       fault += (fault.empty() || text.empty() ? "" : " ") + text;
     } else if (line.rfind("CMake Error", 0) == 0) {
       in_error = true;
@@ -151,9 +158,14 @@ int plugin_build(const PluginBuildArguments& a) {
   std::error_code error;
   const fs::path output = a.output.empty() ? fs::current_path(error) : fs::absolute(a.output, error).lexically_normal();
   const fs::path sdk = sdk_folder(a.febio);
+  if (fs::exists(output, error) && !fs::is_directory(output, error))
+    throw WriteError(fmt::format("{}: found a file, expected a folder: the library is named after FEBio's version",
+                                 output.string()));
   if (!fs::is_directory(output, error)) throw WriteError(fmt::format("{}: there is no such folder", output.string()));
+  if (!may_fill(output.string())) cannot_write(output.string(), errno);
   const Origins origins = find_origins();
 
+  now_under_way(UnderWay::Search);
   Workshop workshop;
   const fs::path prefix = workshop.path / "build" / "installed";
   const fs::path source = origins.build.empty() ? origins.source : prefix / "share" / "febiodea" / "source";

@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
+#include <thread>
 
 namespace dea {
 
@@ -45,12 +47,16 @@ bool open_pipe(int& out, int& in) {
   return true;
 }
 
-int start_program(std::vector<std::string> words, std::vector<int> files) {
+int start_program(std::vector<std::string> words, std::vector<int> files, bool own_group) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   const pid_t child = ::fork();
-  if (child != 0) return child;
+  if (child != 0) {
+    if (child > 0 && own_group) ::setpgid(child, child);  // both of us: whoever comes first
+    return child;
+  }
+  if (own_group) ::setpgid(0, 0);
   // to numbers above those that are set, so that none is overwritten before it has been copied
   for (int& file : files) file = ::fcntl(file, F_DUPFD_CLOEXEC, 10);
   for (std::size_t i = 0; i < files.size(); ++i) ::dup2(files[i], static_cast<int>(i));
@@ -58,9 +64,16 @@ int start_program(std::vector<std::string> words, std::vector<int> files) {
   ::_exit(kNotFound);
 }
 
-int wait_for(int process) {
+int wait_for(int process, const StopFlag* stop) {
   int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  bool asked = false;
+  for (;;) {
+    const pid_t ended = ::waitpid(process, &status, stop != nullptr ? WNOHANG : 0);
+    if (ended == process || (ended < 0 && errno != EINTR)) break;
+    if (ended != 0) continue;
+    if (*stop && !asked) ::kill(-process, SIGTERM);
+    asked = asked || *stop;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
@@ -68,17 +81,13 @@ int wait_for(int process) {
 void kill_program(int process) { ::kill(process, SIGKILL); }
 
 void handle_interrupts(void (*handler)(int signal)) {
-  for (const int signal : {SIGINT, SIGTERM}) handle(signal, handler);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) handle(signal, handler);
 }
 
 // By a handler that does nothing: other than SIG_IGN, it does not pass on to what is started.
-Ignored::Ignored(Signal signal)
-    : signal_(signal == Signal::Interrupt ? SIGINT
-              : signal == Signal::Quit    ? SIGQUIT
-                                          : SIGPIPE),
-      before_(handle(signal_, [](int) {})) {}
+IgnoredBrokenPipe::IgnoredBrokenPipe() : before_(handle(SIGPIPE, [](int) {})) {}
 
-Ignored::~Ignored() { handle(signal_, before_); }
+IgnoredBrokenPipe::~IgnoredBrokenPipe() { handle(SIGPIPE, before_); }
 
 void outlive_file_size_limit() { std::signal(SIGXFSZ, SIG_IGN); }
 

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/base/stop.h>
+
 namespace dea {
 
 /// Is there such a program on the path?
@@ -13,27 +15,28 @@ bool open_pipe(int& out, int& in);
 
 /// Starts a program of the path with these words, the first its name; no shell between. `files`: what it has as its
 /// files 0 (standard input), 1 (output), 2 (errors), 3 and so on. Its process; -1: none can be had.
-int start_program(std::vector<std::string> words, std::vector<int> files);
-/// Waits for its end: its exit code, 128 + the signal that ended it, or kNotFound.
-int wait_for(int process);
+/// `own_group`: what it starts itself is ended with it by wait_for, and no key of the terminal reaches them.
+int start_program(std::vector<std::string> words, std::vector<int> files, bool own_group = false);
+/// Waits for its end: its exit code, 128 + the signal that ended it, or kNotFound. Once `stop` is set, its whole group
+/// is asked to end; start it with `own_group` then.
+int wait_for(int process, const StopFlag* stop = nullptr);
 inline constexpr int kNotFound = 127;
 void kill_program(int process);
 
-/// A signal that does nothing to this program for as long as this lives, but to what it starts meanwhile.
-enum class Signal { Interrupt, Quit, BrokenPipe };
-class Ignored {
+/// A pipe that nobody reads any more does nothing to this program for as long as this lives, but to what it starts
+/// meanwhile: writing fails.
+class IgnoredBrokenPipe {
  public:
-  explicit Ignored(Signal signal);
-  ~Ignored();
-  Ignored(const Ignored&) = delete;
-  Ignored& operator=(const Ignored&) = delete;
+  IgnoredBrokenPipe();
+  ~IgnoredBrokenPipe();
+  IgnoredBrokenPipe(const IgnoredBrokenPipe&) = delete;
+  IgnoredBrokenPipe& operator=(const IgnoredBrokenPipe&) = delete;
 
  private:
-  int signal_;
   void (*before_)(int);
 };
 
-/// From here on SIGINT and SIGTERM call it; one that the program was started without (nohup) stays ignored.
+/// From here on SIGINT, SIGTERM and SIGHUP call it; one that the program was started without (nohup) stays ignored.
 void handle_interrupts(void (*handler)(int signal));
 
 /// From here on a limit on file size fails the write, like a full disk, and is reported.

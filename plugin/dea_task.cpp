@@ -9,6 +9,7 @@
 #include <febiodea/base/time_text.h>
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
+#include <febiodea/io/results/existing_plot.h>
 #include <febiodea/io/settings/settings_xml.h>
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/plugin/febio_log.h>
@@ -88,6 +89,11 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
                      file.outputs.output, words, files);
     };
   }
+  options.on_times = [&](const std::vector<double>& times) {
+    const std::string kept = why_kept(file.outputs.output, recognition.model, times);
+    if (!kept.empty())
+      throw WriteError(fmt::format("{}: {}; name another with <output>, or take it away", file.outputs.output, kept));
+  };
   const RunResult result = run_model(recognition, options);
 
   for (const std::string& line : run_remarks(model, result.analysis, febio_wording())) log_text(fem, line);

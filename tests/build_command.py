@@ -559,6 +559,19 @@ def landmarks_as_slicer_5_writes_them(folder):
 
 
 @check
+def a_model_of_somebody_elses_stays(folder):
+    """One that dea build made gives way."""
+    folder.write("mine.feb", "<febio_spec/>\n")
+    done = folder.dea("build", "-o", "mine.feb", *JOINT, "-q")
+    same((done.returncode, done.stdout), (4, ""), done.stderr)
+    true("mine.feb: it is there already, not made by dea build; --overwrite replaces it" in done.stderr, done.stderr)
+    same(folder.read("mine.feb"), "<febio_spec/>\n", "the model")
+    for more in (("--overwrite",), ()):
+        same(folder.dea("build", "-o", "mine.feb", *JOINT, "-q", *more).returncode, 0, more)
+    true("Made by dea build" in folder.read("mine.feb"), "the mark")
+
+
+@check
 def options_that_no_joint_has_are_refused(folder):
     """Each by its own line, before a surface is read."""
     folder.write("points.csv", "x,y,z,thickness\n0,0,20,2\n")

@@ -48,7 +48,7 @@ class Cli : public ::testing::Test {
     const int o = ::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600),
               e = ::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     if (::chdir(in.c_str()) != 0 || o < 0 || e < 0) ::_exit(99);
-    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);  // whatever starts the tests ignores
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);  // whatever starts the tests ignores
     ::dup2(o, 1);
     ::dup2(e, 2);
     ::execv(program.c_str(), argv.data());
@@ -887,7 +887,7 @@ TEST_F(Cli, PlotFilesThatAreThereAlready) {
   const auto expect_kept = [&](const Finished& f, const std::string& name, const std::string& why,
                                const std::string& before) {
     EXPECT_EQ(f.code, 4);
-    EXPECT_EQ(f.err, fmt::format("dea: cannot write {}: it is there already, {}; --overwrite replaces it, -o FILE.xplt "
+    EXPECT_EQ(f.err, fmt::format("dea: cannot write {}: it is there already, {}; --overwrite replaces it, -o "
                                  "writes another\n",
                                  name, why));
     EXPECT_TRUE(file_text(folder / name) == before) << name;
@@ -1170,7 +1170,7 @@ TEST_F(Cli, HelpAndVersion) {
 // (a busy machine is given more), with nothing written.
 TEST_F(Cli, CtrlCEndsASearch) {
   const std::string hip = DEA_SAMPLES_DIR "/hip/hip_walking.feb";
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     double seconds = 0.0;
     const Finished f = interrupted({"run", hip, "--law", "layer", "--refine", "4", "-v", "-o", "hip.xplt", "--json",
                                     "hip.json", "--vtu", "paraview"},

@@ -1042,6 +1042,20 @@ TEST(ConvertProgram, WritesBesideTheModelAndListsWhatChanged) {
   EXPECT_EQ(code({"none.feb"}), 3);
   EXPECT_EQ(code({"hip_dea.feb"}), 3);
   EXPECT_EQ(code({"hip.feb", "-o", "nowhere/x.feb"}), 4);
+
+  // a model of somebody else's stays; one that this command made gives way, and so does an empty file
+  write(folder.path / "other.feb", "<febio_spec version=\"4.0\"></febio_spec>\n");
+  write(folder.path / "empty.feb", "");
+  EXPECT_EQ(code({"hip.feb", "-o", "other.feb"}), 4);
+  EXPECT_EQ(test::file_text(folder.path / "other.feb"), "<febio_spec version=\"4.0\"></febio_spec>\n");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"-o", "other.feb", "--overwrite"}, {"--law", "linear"}, {"-o", "empty.feb"}}) {
+    std::vector<std::string> all = {DEA_PROGRAM, "convert", "hip.feb", "-q"};
+    all.insert(all.end(), words.begin(), words.end());
+    EXPECT_EQ(test::run_program(folder.path, all, 60).code, 0) << words.back();
+  }
+  for (const char* name : {"other.feb", "empty.feb", "hip_dea.feb"})
+    EXPECT_NE(test::file_text(folder.path / name).find("type=\"dea\""), std::string::npos) << name;
   const test::Finished help = test::run_program(folder.path, {DEA_PROGRAM, "convert", "--help"}, 60);
   EXPECT_EQ(help.code, 0);
   EXPECT_NE(help.out.find("Examples:"), std::string::npos);

@@ -38,6 +38,17 @@ TEST(PluginBuild, FromAnInstalledProgram) {
   EXPECT_EQ(lines_of(f.err).size(), 1u) << f.err;
   EXPECT_TRUE(fs::is_empty(folder.path / "tmp"));
 
+  // Asked to end while it compiles: it does, with all that it started, and leaves nothing.
+  fs::create_directory(folder.path / "stopped");
+  f = run_program(folder.path,
+                  {"/usr/bin/timeout", "--signal=TERM", "8", "/usr/bin/env", temporary, dea, "plugin-build",
+                   sdk.string(), "-o", "stopped"},
+                  60);
+  EXPECT_EQ(f.code, 124) << f.err;  // timeout's word for it
+  EXPECT_NE(f.err.find("dea: stopped, nothing was written\n"), std::string::npos) << f.err;
+  EXPECT_TRUE(fs::is_empty(folder.path / "stopped"));
+  EXPECT_TRUE(fs::is_empty(folder.path / "tmp"));
+
   // FEBio takes it from there
   write(folder.path / "m.feb", model_40(false));
   f = febio(folder.path, "m.feb", "dea", "", {}, library);

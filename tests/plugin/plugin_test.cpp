@@ -408,6 +408,34 @@ TEST(Plugin, NoSolutionIsWrittenAndSaid) {
   EXPECT_FALSE(fs::exists(folder.path / "m.xplt"));
 }
 
+// As dea run: a result of FEBio's, another file, and states that would be lost stay.
+TEST(Plugin, WhatIsThereAlreadyStays) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  const auto settings = [&](const std::string& elements) {
+    write(folder.path / "s.xml", "<febiodea_settings version=\"1\">" + elements + "</febiodea_settings>");
+  };
+  const auto kept = [&](const std::string& name, const std::string& why) {
+    const std::string before = file_text(folder.path / name);
+    const Finished f = febio(folder.path, "m.feb", "dea", "s.xml");
+    EXPECT_EQ(f.code, 1) << name;
+    EXPECT_EQ(errors_of(f.out),
+              std::vector<std::string>{
+                  fmt::format("dea: cannot write {}: it is there already, {}; name another with <output>, or take "
+                              "it away",
+                              name, why)});
+    EXPECT_TRUE(file_text(folder.path / name) == before) << name;
+  };
+  write(folder.path / "notes.txt", "notes\n");
+  settings("<output>notes.txt</output>");
+  kept("notes.txt", "and is no whole plot file");
+  settings("");
+  ASSERT_EQ(febio(folder.path, "m.feb", "dea", "s.xml").code, 0);
+  ASSERT_EQ(febio(folder.path, "m.feb", "dea", "s.xml").code, 0);  // the same again
+  settings("<states>last</states>");
+  kept("m_dea.xplt", "results of this model with 4 states that would be lost (times 0 to 0.75)");
+}
+
 TEST(Plugin, PlotFileLogAndTable) {
   const TemporaryFolder folder;
   write(folder.path / "m.feb", model_40(false));
