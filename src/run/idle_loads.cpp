@@ -101,18 +101,17 @@ std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joi
   const LoadCase end = make_load_case(model, joint, settings, last, step_starts(model).back());
   for (const RigidLoad& load : model.rigid_loads) {
     const int b = joint.body_of(load.material);
-    if (b < 0 || (load.step >= 0 && load.step != last)) continue;
+    if (b < 0 || load.dof >= 3 || (load.step >= 0 && load.step != last)) continue;
     if (load.kind != RigidLoad::Kind::Dead || load.relative) continue;
-    const std::string& body = joint.bodies[at(b)].name;
-    const bool replaced = settings.force.count(body) > 0 || settings.loads.body == body;
+    const bool replaced = std::any_of(settings.force.begin(), settings.force.end(),
+                                      [&](const auto& given) { return joint.find_body(model, given.first) == b; }) ||
+                          (!settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == b);
     const DofState state = end.bodies[at(b)].dofs[at(load.dof)];
     if (replaced || state == DofState::Free || value(model, load.value, end.time) == 0) continue;
-    const bool force = load.dof < 3;
     words.push_back(
-        fmt::format("{}{} \"{}\" {} {} has no effect: body \"{}\" is {} {} that axis at the end of the last step",
-                    where(model, load.origin), force ? "force" : "moment", load.name, force ? "along" : "about",
-                    "xyz"[load.dof % 3], body, state == DofState::Held ? "held" : "moved as prescribed",
-                    force ? "along" : "about"));
+        fmt::format("force{} along {} has no effect: body \"{}\" is {} along that axis at the end of the last step",
+                    load.name.empty() ? "" : fmt::format(" \"{}\"", load.name), "xyz"[load.dof],
+                    joint.bodies[at(b)].name, state == DofState::Held ? "held" : "moved as prescribed"));
   }
   return words;
 }

@@ -25,8 +25,8 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
 /// Why it has no effect: "the body "tibia" is not free to move along x, y, z; this load has no effect".
 std::string idle_in_words(const IdleLoad& load);
 
-/// Forces and moments of the model that act in its last step on a body that is held or moved in their direction then, a
-/// sentence each with the file's line. Not those that the settings replace, those of value 0, and those of kind Target
+/// Forces of the model that act in its last step on a body that is held or moved in their direction then, a sentence
+/// each. Not moments, of which one is a joint's and has its opposite on another body; not forces that the settings replace, those of value 0, and those of kind Target
 /// or relative ones, which FEBio counts from the reaction.
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 

@@ -139,9 +139,11 @@ TEST(Plausibility, LoadsOfTheModelThatMoveNothingAreTold) {
   add(1, 0, 0.0, "nothing");
   Settings given = test::linear();
   const auto lines = [&] { return result_remarks(model, analyse(model, given)); };
-  EXPECT_FALSE(has(lines(), "\"down\""));  // the plate is free to move so
-  EXPECT_TRUE(has(lines(), "moment \"twist\" about y has no effect: body \"plate\" is held about that axis"));
+  EXPECT_FALSE(has(lines(), "\"down\""));   // the plate is free to move so
+  EXPECT_FALSE(has(lines(), "\"twist\""));  // a joint's moments act on both bodies
   EXPECT_FALSE(has(lines(), "\"nothing\""));
+  add(1, 1, -2, "aside");
+  EXPECT_TRUE(has(lines(), "force \"aside\" along y has no effect: body \"base\" is held along that axis"));
   test::prescribe(model, 2, 2, -0.01);
   EXPECT_TRUE(
       has(lines(), "force \"down\" along z has no effect: body \"plate\" is moved as prescribed along that axis"));

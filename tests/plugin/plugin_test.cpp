@@ -67,6 +67,7 @@ void expect_the_same(const fs::path& folder, const std::string& model, const std
         "<febiodea_settings version=\"1\"><output>task.xplt</output><json>task.json</json><csv>task.csv</csv>" +
             settings + "</febiodea_settings>");
   write(folder / "cli.xml", "<febiodea_settings version=\"1\">" + settings + "</febiodea_settings>");
+  fs::remove(folder / "task.xplt");  // of another model
   const Finished task = febio(folder, model, "dea", "task.xml");
   const Finished cli = run_program(folder,
                                    {DEA_PROGRAM, "run", model, "-o", "cli.xplt", "--json", "cli.json", "--csv",
@@ -126,7 +127,7 @@ TEST(Plugin, ForeignModelsEndAsWithDeaRun) {
   for (const fs::path& model : models_in(DEA_CORPUS_DIR)) {
     SCOPED_TRACE(model);
     const std::string name = model.filename().string();
-    for (const char* old : {"task.json", "cli.json"}) fs::remove(folder.path / old);
+    for (const char* old : {"task.json", "cli.json", "o.xplt"}) fs::remove(folder.path / old);
     fs::copy(model, folder.path / name, fs::copy_options::overwrite_existing);
     write(folder.path / "s.xml",
           "<febiodea_settings version=\"1\"><output>o.xplt</output><json>task.json</json></febiodea_settings>");
