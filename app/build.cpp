@@ -198,7 +198,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
   add_once(*c, "--frames", a.frames, "FILE.xml", "Output",
            "Also write the frames as a settings file for dea run and dea study: --settings FILE.xml");
   add_once(*c, "--hip-figure", a.hip_figure, "FILE.svg|png|pdf", "Output", "Also draw what was measured in the hip");
-  add_model_overwrite_flag(*c, a.overwrite);
+  add_model_overwrite_flag(*c, a.overwrite, "one that dea build made");
   add_quiet_flag(*c, a.quiet);
   add_once(*c, "--threads", a.threads, "N", "Output", "Number of threads [all cores]");
   return c;
@@ -218,7 +218,7 @@ int build(const BuildArguments& a) {
   if (!a.frames.empty()) outputs.push_back({"--frames", a.frames});
   if (!a.hip_figure.empty()) outputs.push_back({"--hip-figure", a.hip_figure});
   const HeldOutputs held = claim_outputs(inputs.files, outputs);
-  if (!a.overwrite) refuse_to_replace(a.output, why_kept_model(a.output, kBuiltMark, "dea build"));
+  if (!a.overwrite) refuse_to_replace(a.output, why_kept_model(a.output, ModelOf::Build));
   Progress progress(progress_style(a.quiet, false));
   progress.now("reading surfaces", "", "reading surfaces");
   BuildReport report;

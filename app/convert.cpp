@@ -37,7 +37,7 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
                                   kConvertFooter, a.model);
   add_once(*c, "-o", a.output, "FILE.feb", "Output",
            "Converted model [MODEL without .feb + _dea.feb, beside the model]");
-  add_model_overwrite_flag(*c, a.overwrite);
+  add_model_overwrite_flag(*c, a.overwrite, "one with a contact of type dea");
   add_quiet_flag(*c, a.quiet);
   add_solving_options(*c, a.settings, a.threads, {"squash", "inside"});
   return c;
@@ -55,7 +55,7 @@ int convert(const ConvertArguments& a) {
   settle_units(model, settings);
   for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});
   const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
-  if (!a.overwrite) refuse_to_replace(output, why_kept_model(output, kConvertedMark, "dea convert"));
+  if (!a.overwrite) refuse_to_replace(output, why_kept_model(output, ModelOf::Convert));
 
   const Conversion conversion = convert_feb(model, settings, output);
   write_text(output, conversion.text);

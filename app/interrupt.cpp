@@ -21,6 +21,7 @@ void on_signal(int signal) {
   received = signal;
   const bool again = stop.exchange(true);
   if (!again && under_way != UnderWay::NothingToLose) return;
+  kill_group();
   remove_unfinished();
   if (terminal) write_all(kStandardError, "\r\033[K");  // half a line of progress may be there
   write_all(kStandardError, "dea: stopped\n");

@@ -12,8 +12,8 @@ enum class UnderWay {
   Writing         ///< the stop flag is set, and looked at between files
 };
 
-/// From here on SIGINT, SIGTERM and SIGHUP end the program as UnderWay says; a second one ends it at once, whatever is
-/// under way. A signal that the program was started without (nohup) stays ignored.
+/// From here on SIGINT, SIGQUIT, SIGTERM and SIGHUP end the program as UnderWay says; a second one ends it at once,
+/// whatever is under way. A signal that the program was started without (nohup) stays ignored.
 void watch_interrupts();
 
 /// Throws Stopped if a stop was asked for in what was under way until now.

@@ -136,11 +136,8 @@ void add_overwrite_flag(CLI::App& command, bool& overwrite) {
       ->group("Output");
 }
 
-void add_model_overwrite_flag(CLI::App& command, bool& overwrite) {
-  command
-      .add_flag("--overwrite", overwrite,
-                fmt::format("Replace any existing file [only one that dea {} made]", command.get_name()))
-      ->group("Output");
+void add_model_overwrite_flag(CLI::App& command, bool& overwrite, const std::string& only) {
+  command.add_flag("--overwrite", overwrite, fmt::format("Replace any existing file [only {}]", only))->group("Output");
 }
 
 void refuse_to_replace(const std::string& path, const std::string& why) {

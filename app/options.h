@@ -46,8 +46,8 @@ CLI::Option* add_quiet_flag(CLI::App& command, bool& quiet);
 void add_compress_flag(CLI::App& command, bool& compress);
 /// --overwrite of a plot file that is there already.
 void add_overwrite_flag(CLI::App& command, bool& overwrite);
-/// The same of a model, which only one that `dea NAME` made gives way to unasked.
-void add_model_overwrite_flag(CLI::App& command, bool& overwrite);
+/// The same of a model. `only`: what gives way unasked.
+void add_model_overwrite_flag(CLI::App& command, bool& overwrite, const std::string& only);
 /// WriteError that ends in what to do; `why` (existing_plot.h) is empty: nothing.
 void refuse_to_replace(const std::string& path, const std::string& why);
 

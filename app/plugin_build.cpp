@@ -95,9 +95,11 @@ struct Workshop {
 int run_program(const std::vector<std::string>& words, const std::string& log_file) {
   const int said = log_file.empty() ? kStandardError : open_file(log_file, OpenAs::Log);
   if (said < 0) throw WriteError(fmt::format("{}: the log of the build", log_file));
-  const int child = start_program(words, {0, said, said}, true);
+  const int nothing = open_file("/dev/null", OpenAs::Reading);
+  const int child = start_program(words, {nothing < 0 ? 0 : nothing, said, said}, true);
   const int code = child < 0 ? kNotFound : wait_for(child, stop_flag());
   if (said != kStandardError) close_file(said);
+  if (nothing >= 0) close_file(nothing);
   end_if_stopped(stop_flag());
   return code;
 }

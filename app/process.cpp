@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -17,6 +18,8 @@ namespace dea {
 namespace {
 
 using Handler = void (*)(int);
+
+std::atomic<int> group = 0;  // that was started and has not ended; 0: none
 
 /// The handler there was; a signal that is ignored stays so.
 Handler handle(int signal, Handler handler) {
@@ -51,12 +54,19 @@ int start_program(std::vector<std::string> words, std::vector<int> files, bool o
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  std::signal(SIGCHLD, SIG_DFL);  // ignored by whoever started us, its exit code would be lost
   const pid_t child = ::fork();
   if (child != 0) {
-    if (child > 0 && own_group) ::setpgid(child, child);  // both of us: whoever comes first
+    if (child > 0 && own_group) {
+      ::setpgid(child, child);  // both of us: whoever comes first
+      group = child;
+    }
     return child;
   }
-  if (own_group) ::setpgid(0, 0);
+  if (own_group) {
+    ::setpgid(0, 0);
+    std::signal(SIGTTOU, SIG_IGN);  // it may write to the terminal all the same
+  }
   // to numbers above those that are set, so that none is overwritten before it has been copied
   for (int& file : files) file = ::fcntl(file, F_DUPFD_CLOEXEC, 10);
   for (std::size_t i = 0; i < files.size(); ++i) ::dup2(files[i], static_cast<int>(i));
@@ -65,23 +75,41 @@ int start_program(std::vector<std::string> words, std::vector<int> files, bool o
 }
 
 int wait_for(int process, const StopFlag* stop) {
+  constexpr auto kPatience = std::chrono::seconds(5);
+  using Clock = std::chrono::steady_clock;
   int status = 0;
-  bool asked = false;
+  Clock::time_point asked;
+  bool stopping = false;
   for (;;) {
     const pid_t ended = ::waitpid(process, &status, stop != nullptr ? WNOHANG : 0);
-    if (ended == process || (ended < 0 && errno != EINTR)) break;
+    if (ended == process) break;
+    if (ended < 0 && errno != EINTR) return kNotFound;  // no child of ours
     if (ended != 0) continue;
-    if (*stop && !asked) ::kill(-process, SIGTERM);
-    asked = asked || *stop;
+    if (*stop && !stopping) {
+      stopping = true;
+      asked = Clock::now();
+      ::kill(-process, SIGTERM);
+      ::kill(-process, SIGCONT);  // one that the terminal holds hears nothing
+    }
+    if (stopping && Clock::now() - asked > kPatience) ::kill(-process, SIGKILL);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
+  if (group == process) {
+    if (stopping) ::kill(-process, SIGKILL);  // whoever is left
+    group = 0;
+  }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+void kill_group() {
+  const int now = group;
+  if (now > 0) ::kill(-now, SIGKILL);
 }
 
 void kill_program(int process) { ::kill(process, SIGKILL); }
 
 void handle_interrupts(void (*handler)(int signal)) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) handle(signal, handler);
+  for (const int signal : {SIGINT, SIGQUIT, SIGTERM, SIGHUP}) handle(signal, handler);
 }
 
 // By a handler that does nothing: other than SIG_IGN, it does not pass on to what is started.

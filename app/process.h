@@ -15,11 +15,15 @@ bool open_pipe(int& out, int& in);
 
 /// Starts a program of the path with these words, the first its name; no shell between. `files`: what it has as its
 /// files 0 (standard input), 1 (output), 2 (errors), 3 and so on. Its process; -1: none can be had.
-/// `own_group`: what it starts itself is ended with it by wait_for, and no key of the terminal reaches them.
+/// `own_group`: what it starts itself is ended with it by wait_for, and no key of the terminal reaches them; one such
+/// at a time.
 int start_program(std::vector<std::string> words, std::vector<int> files, bool own_group = false);
 /// Waits for its end: its exit code, 128 + the signal that ended it, or kNotFound. Once `stop` is set, its whole group
-/// is asked to end; start it with `own_group` then.
+/// is asked to end, and killed if the process is still there five seconds later, or any of the others when it has
+/// ended; start it with `own_group` then.
 int wait_for(int process, const StopFlag* stop = nullptr);
+/// Kills a group that was started and has not ended. Signal handlers may call it.
+void kill_group();
 inline constexpr int kNotFound = 127;
 void kill_program(int process);
 
@@ -36,7 +40,8 @@ class IgnoredBrokenPipe {
   void (*before_)(int);
 };
 
-/// From here on SIGINT, SIGTERM and SIGHUP call it; one that the program was started without (nohup) stays ignored.
+/// From here on SIGINT, SIGQUIT, SIGTERM and SIGHUP call it; one that the program was started without (nohup) stays
+/// ignored.
 void handle_interrupts(void (*handler)(int signal));
 
 /// From here on a limit on file size fails the write, like a full disk, and is reported.

@@ -1,20 +1,38 @@
 #include <febiodea/io/files/existing_model.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 namespace dea {
 
-std::string why_kept_model(const std::string& path, std::string_view mark, const std::string& command) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return "";
+namespace {
+
+/// Is the word in it? Read in pieces: a model may be as large as the memory.
+bool has(const std::string& path, std::string_view word) {
+  constexpr std::size_t kPiece = 1 << 20, kLongest = 64;  // of words, which may lie across two pieces
   std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  const std::string there = text.str();
-  if (there.empty() || there.find(mark) != there.npos) return "";
-  return "it is there already, not made by " + command;
+  std::string text;
+  while (in) {
+    const std::size_t kept = std::min(text.size(), kLongest);
+    text.erase(0, text.size() - kept);
+    text.resize(kept + kPiece);
+    in.read(text.data() + kept, kPiece);
+    text.resize(kept + static_cast<std::size_t>(in.gcount()));
+    if (text.find(word) != text.npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string why_kept_model(const std::string& path, ModelOf command) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return "";
+  if (!std::ifstream(path, std::ios::binary)) return "it is there already, and cannot be read";
+  const bool converted = has(path, kConvertedMark);
+  if (command == ModelOf::Convert) return converted ? "" : "it is there already, a model without a contact of type dea";
+  return has(path, kBuiltMark) && !converted ? "" : "it is there already, not made by dea build";
 }
 
 }  // namespace dea

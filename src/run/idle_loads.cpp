@@ -95,25 +95,40 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
 }
 
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
-  std::vector<Sentence> words;
-  if (model.rigid_loads.empty()) return words;
-  const int last = static_cast<int>(model.steps.size()) - 1;
-  const LoadCase end = make_load_case(model, joint, settings, last, step_starts(model).back());
+  std::vector<Sentence> prescribed, held;
+  if (model.rigid_loads.empty()) return held;
+  const std::vector<double> starts = step_starts(model);
+  const std::size_t steps = model.steps.size(), count = std::min(steps, kRows);
+  std::vector<LoadCase> ends;  // of steps, spread evenly
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t s = count > 1 ? i * (steps - 1) / (count - 1) : 0;
+    ends.push_back(make_load_case(model, joint, settings, static_cast<int>(s), starts[s + 1]));
+  }
+  bool acts = !model.rigid_followers.empty() || !joint.point_loads.empty();  // another load presses
   for (const RigidLoad& load : model.rigid_loads) {
     const int b = joint.body_of(load.material);
-    if (b < 0 || load.dof >= 3 || (load.step >= 0 && load.step != last)) continue;
-    if (load.kind != RigidLoad::Kind::Dead || load.relative) continue;
+    if (b < 0) continue;
+    bool idle = true, any = false;
+    for (const LoadCase& end : ends) {
+      if (load.step >= 0 && load.step != end.step) continue;
+      const BodyConditions& body = end.bodies[at(b)];
+      any = any || value(model, load.value, end.time) != 0;
+      idle = idle && !(load.dof < 3 ? force_acts(body, load.dof) : is_free(body, load.dof));
+    }
+    acts = acts || (any && !idle);
     const bool replaced = std::any_of(settings.force.begin(), settings.force.end(),
                                       [&](const auto& given) { return joint.find_body(model, given.first) == b; }) ||
                           (!settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == b);
-    const DofState state = end.bodies[at(b)].dofs[at(load.dof)];
-    if (replaced || state == DofState::Free || value(model, load.value, end.time) == 0) continue;
-    words.push_back(
-        fmt::format("force{} along {} has no effect: body \"{}\" is {} along that axis at the end of the last step",
-                    load.name.empty() ? "" : fmt::format(" \"{}\"", load.name), "xyz"[load.dof],
-                    joint.bodies[at(b)].name, state == DofState::Held ? "held" : "moved as prescribed"));
+    if (!any || !idle || replaced || load.dof >= 3 || load.kind != RigidLoad::Kind::Dead || load.relative) continue;
+    const bool moved = ends.back().bodies[at(b)].dofs[at(load.dof)] == DofState::Prescribed;
+    (moved ? prescribed : held)
+        .push_back(fmt::format("force{} along {} has no effect: body \"{}\" is {} along that axis",
+                               load.name.empty() ? "" : fmt::format(" \"{}\"", load.name), "xyz"[load.dof],
+                               joint.bodies[at(b)].name, moved ? "moved as prescribed" : "held"));
   }
-  return words;
+  if (!acts && settings.force.empty() && settings.loads.time.empty())
+    prescribed.insert(prescribed.end(), held.begin(), held.end());
+  return prescribed;
 }
 
 std::string idle_in_words(const IdleLoad& load) {

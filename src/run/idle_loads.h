@@ -25,9 +25,10 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
 /// Why it has no effect: "the body "tibia" is not free to move along x, y, z; this load has no effect".
 std::string idle_in_words(const IdleLoad& load);
 
-/// Forces of the model that act in its last step on a body that is held or moved in their direction then, a sentence
-/// each. Not moments, of which one is a joint's and has its opposite on another body; not forces that the settings replace, those of value 0, and those of kind Target
-/// or relative ones, which FEBio counts from the reaction.
+/// Forces of the model along a motion that it prescribes, in all steps in which they act, a sentence each. Where no
+/// load of the model or the settings has an effect, also forces on bodies that are held; else these are the other ends
+/// of muscles. Not moments, of which a joint puts one on each of its bodies; not forces that the settings replace,
+/// those of value 0, and those of kind Target or relative ones, which FEBio counts from the reaction.
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// What the user is to be warned of, a sentence each. Of a table's moments nothing is said unless its forces are idle

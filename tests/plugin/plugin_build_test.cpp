@@ -41,8 +41,8 @@ TEST(PluginBuild, FromAnInstalledProgram) {
   // Asked to end while it compiles: it does, with all that it started, and leaves nothing.
   fs::create_directory(folder.path / "stopped");
   f = run_program(folder.path,
-                  {"/usr/bin/timeout", "--signal=TERM", "8", "/usr/bin/env", temporary, dea, "plugin-build",
-                   sdk.string(), "-o", "stopped"},
+                  {"/usr/bin/timeout", "--foreground", "--signal=TERM", "8", "/usr/bin/env", temporary, dea,
+                   "plugin-build", sdk.string(), "-o", "stopped"},
                   60);
   EXPECT_EQ(f.code, 124) << f.err;  // timeout's word for it
   EXPECT_NE(f.err.find("dea: stopped, nothing was written\n"), std::string::npos) << f.err;

@@ -67,12 +67,14 @@ void expect_the_same(const fs::path& folder, const std::string& model, const std
         "<febiodea_settings version=\"1\"><output>task.xplt</output><json>task.json</json><csv>task.csv</csv>" +
             settings + "</febiodea_settings>");
   write(folder / "cli.xml", "<febiodea_settings version=\"1\">" + settings + "</febiodea_settings>");
-  fs::remove(folder / "task.xplt");  // of another model
+  for (const char* old : {"task.xplt", "task.json", "task.csv", "cli.xplt", "cli.json", "cli.csv"})
+    fs::remove(folder / old);
   const Finished task = febio(folder, model, "dea", "task.xml");
   const Finished cli = run_program(folder,
                                    {DEA_PROGRAM, "run", model, "-o", "cli.xplt", "--json", "cli.json", "--csv",
                                     "cli.csv", "--settings", "cli.xml", "--overwrite"},
                                    300);
+  ASSERT_LE(cli.code, 1) << cli.err;
   ASSERT_EQ(cli.code == 0, task.code == 0) << cli.err << task.out;
   ASSERT_TRUE(fs::exists(folder / "task.json")) << task.out << task.err;
   const Json a = Json::parse(file_text(folder / "task.json")), b = Json::parse(file_text(folder / "cli.json"));
@@ -201,8 +203,8 @@ TEST(Plugin, SettingsHoldForTheTask) {
   write(folder.path / "m.feb", model_40(false));
   for (const char* settings :
        {"<law>logarithmic</law><refine>3</refine><states>last</states>",
-        "<thickness>1.5</thickness><E surface=\"top\">3</E>", "<source>plate</source><states>0.3,1</states>",
-        "<facets>flat</facets><squash>false</squash>",
+        "<thickness surface=\"top\">1.5</thickness><E surface=\"top\">3</E>",
+        "<source>plate</source><states>0.3,1</states>", "<facets>flat</facets><squash>false</squash>",
         "<free body=\"plate\">x,y</free><force body=\"plate\">0,0,-3</force><load-at body=\"plate\">1,1,1</load-at>"})
     expect_the_same(folder.path, "m.feb", settings);
 }

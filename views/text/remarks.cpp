@@ -268,15 +268,18 @@ bool parted(const Joint& joint, const StateResult& state) {
   return state.equilibrium.outcome == Outcome::Balanced && state.equilibrium.load <= kNothing * stiffest_layer(joint);
 }
 
-/// A load too small for any joint: 2 kPa over the whole surface of cartilage of 10 MPa. 2.5 for 2500 N is such a one.
-void add_tiny_load(const Joint& joint, const StateResult& last, Lines& lines) {
-  constexpr double kTiny = 2e-4;
-  const double load = last.equilibrium.load, stiffest = stiffest_layer(joint);
-  if (last.equilibrium.outcome != Outcome::Balanced || !(load < kTiny * stiffest)) return;
+/// Loads too small for any joint in all states: 1 kPa over the whole surface of cartilage of 10 MPa. 2.5 for 2500 N are
+/// such.
+void add_tiny_load(const Joint& joint, const SolvedStates& result, Lines& lines) {
+  constexpr double kTiny = 1e-4;
+  double load = 0.0;
+  for (const StateResult& state : result.states) load = std::max(load, state.equilibrium.load);
+  const double stiffest = stiffest_layer(joint);
+  if (result.states.back().equilibrium.outcome != Outcome::Balanced || !(load < kTiny * stiffest)) return;
   lines.push_back(fmt::format(
-      "warning: at time {} forces of at most {:.3g} are next to nothing for this cartilage ({:.2g} of its modulus "
-      "times its area): is the load in another unit, as kN?",
-      time_text(last.when.time), load, load / stiffest));
+      "warning: forces of at most {:.3g} are next to nothing for this cartilage ({:.2g} of its modulus times "
+      "its area): is the load in another unit, as kN?",
+      load, load / stiffest));
 }
 
 /// Surfaces that do not touch, at the end or ever.
@@ -333,16 +336,20 @@ void add_crowded_force(const ContactPair& pair, const StateResult& state, std::s
 
 /// A map whose facets are too long to show what presses them: averages at its nodes spread the pressure over
 /// neighbouring facets, which the springs see apart.
-void add_smeared_map(const ContactPair& pair, const StateResult& state, std::size_t contact, Lines& lines) {
-  constexpr double kFar = 1.2;  // where contact is a dozen facets across it is 1.1 at most
+void add_smeared_map(const JointModel& model, const ContactPair& pair, const StateResult& state, std::size_t contact,
+                     Lines& lines) {
+  constexpr double kFar = 1.2;  // pressure that fades out over a dozen facets: 1.1; a block of 10 facets: 1.21
   const ContactStatistics& s = state.statistics[contact];
   if (s.springs_active == 0 || !(s.headline.area > kFar * s.contact_area)) return;
-  add_once(lines,
-           fmt::format("warning: contact \"{}\": at time {} the map's facets are too long for this contact: averages "
-                       "at its nodes give area {:.3g}, mean {:.3g}, p99 {:.3g}, the springs themselves {:.3g}, "
-                       "{:.3g}, {:.3g}; mesh this surface finer",
-                       pair.name, time_text(state.when.time), s.headline.area, s.headline.mean, s.headline.p99,
-                       s.contact_area, s.mean, s.p99));
+  add_once(
+      lines,
+      fmt::format(
+          "warning: contact \"{}\": at time {} the facets of surface \"{}\" are too long for this contact's map: "
+          "averages at its "
+          "nodes give area {:.3g}, mean {:.3g}, p99 {:.3g}, the springs themselves {:.3g}, {:.3g}, {:.3g}; mesh this "
+          "surface finer",
+          pair.name, time_text(state.when.time), model.surfaces[at(pair.source_layer().surface)].name, s.headline.area,
+          s.headline.mean, s.headline.p99, s.contact_area, s.mean, s.p99));
 }
 
 /// Cartilage pressed together by more than half, in any state.
@@ -492,12 +499,12 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
   const StateResult& last = result.states.back();  // stands for all: turns and factors change slowly
   add_large_turns(model, joint, result, wording, lines);
   add_no_contact(joint, result, wording, lines);
-  if (!parted(joint, last)) add_tiny_load(joint, last, lines);
+  if (!parted(joint, last)) add_tiny_load(joint, result, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     if (parted(joint, last)) continue;
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_crowded_force(joint.contacts[c], last, c, wording, lines);
-    add_smeared_map(joint.contacts[c], last, c, lines);
+    add_smeared_map(model, joint.contacts[c], last, c, lines);
     add_large_strains(joint.contacts[c], result, c, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
