@@ -181,7 +181,8 @@ int plugin_build(const PluginBuildArguments& a) {
           fmt::format("dea plugin-build: no program {} on the path; install it ({} lists all that is needed)", words[0],
                       (source / "packages.txt").string()));
     workshop.keep_log = !a.verbose;
-    const std::string fault = a.verbose ? "" : first_error(text_of(log_file));
+    std::string fault = a.verbose ? "" : first_error(text_of(log_file));
+    if (!fault.empty() && fault.back() == '.') fault.pop_back();
     throw InputError(fmt::format("dea plugin-build: {} failed{}{}; {}", doing, fault.empty() ? "" : ": ", fault,
                                  a.verbose ? "see above" : "all that was said is in " + log_file));
   };
