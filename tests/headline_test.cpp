@@ -244,7 +244,7 @@ TEST_P(HeadlineProgram, PrintsTheSameDigitsEverywhere) {
     MapOptions options;
     options.smooth = smooth;
     const MapFigure figure = make_map_figure({file}, nullptr, options);
-    EXPECT_EQ(figure.surfaces[0].name, contact["surface"]);
+    EXPECT_EQ(figure.surfaces[0].name, contact["surface"].get<std::string>());
     const std::vector<std::string> parts = cells(figure.panels[0].numbers[0]);
     ASSERT_EQ(parts.size(), 4u) << figure.panels[0].numbers[0];
     for (std::size_t k = 0; k < 4; ++k) {

@@ -3,8 +3,12 @@
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
-#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
+#if __has_include(<CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Edge_count_stop_predicate.h>)
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Edge_count_stop_predicate.h>
+#else
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
+#endif
 
 #include <vector>
 
@@ -15,6 +19,11 @@ namespace {
 namespace pmp = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Simple_cartesian<double>;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+#if __has_include(<CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Edge_count_stop_predicate.h>)
+using EdgesLeft = CGAL::Surface_mesh_simplification::Edge_count_stop_predicate<Mesh>;
+#else
+using EdgesLeft = CGAL::Surface_mesh_simplification::Count_stop_predicate<Mesh>;  // its name before CGAL 5.6
+#endif
 
 /// The surface is a manifold: mend_surface has been over it.
 Mesh to_cgal(const TriangleSurface& surface) {
@@ -55,7 +64,7 @@ TriangleSurface decimated(const TriangleSurface& surface, std::size_t triangles)
   namespace sms = CGAL::Surface_mesh_simplification;
   if (surface.triangles.size() <= triangles) return surface;
   Mesh mesh = to_cgal(surface);
-  sms::edge_collapse(mesh, sms::Count_stop_predicate<Mesh>(triangles * 3 / 2));  // a closed mesh has 3/2 edges a face
+  sms::edge_collapse(mesh, EdgesLeft(triangles * 3 / 2));  // a closed mesh has 3/2 edges a face
   return from_cgal(mesh);
 }
 

@@ -534,7 +534,7 @@ TEST(VtuRun, NumbersAreThoseOfThePlotFileAndTheJson) {
           for (const char* column : {"thickness", "joint_space", "overlap", "strain", "x", "reference_z"})
             ASSERT_TRUE(std::isfinite(std::stod(r.at(column)))) << column;
         }
-        if (body == contact["source"]) {
+        if (body == contact["source"].get<std::string>()) {
           source_peak = peak;
           EXPECT_NEAR(area, contact["facet_contact_area"].get<double>(), 1e-9 * area + 1e-12);
         }
@@ -564,7 +564,7 @@ TEST(VtuRun, FacetsCsvCarriesTheForce) {
   double force = 0.0;
   Vector3d moment = Vector3d::Zero();
   for (const auto& r : rows(f.out)) {  // nothing but CSV
-    if (r.at("body") != contact["source"]) continue;
+    if (r.at("body") != contact["source"].get<std::string>()) continue;
     const double load = std::stod(r.at("pressure")) * std::stod(r.at("area"));
     force += load;
     moment += load * Vector3d(std::stod(r.at("x")), std::stod(r.at("y")), std::stod(r.at("z")));
