@@ -14,7 +14,8 @@ ls "$folder/prefix/share/man/man1/dea-run.1"* "$folder/prefix/share/bash-complet
 # The library's name in programs that are linked with it: major.minor.
 version=$("$dea" --version | sed -n 's/^FEBioDEA \([0-9]*\.[0-9]*\)\..*/\1/p')
 [ -n "$(find "$folder/prefix" -name "libfebiodea.so.$version")" ] || { echo "no libfebiodea.so.$version"; exit 1; }
-"$cmake" -S "$source/tests/outside" -B "$folder/build" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH="$folder/prefix" \
+generator=$(sed -n 's/^CMAKE_GENERATOR:INTERNAL=//p' "$build/CMakeCache.txt")
+"$cmake" -S "$source/tests/outside" -B "$folder/build" -G "$generator" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH="$folder/prefix" \
   >"$folder/configure.log"
 "$cmake" --build "$folder/build" >"$folder/build.log" || { cat "$folder/build.log"; exit 1; }
 "$folder/build/outside" "$source/samples/hip/hip_walking.feb" "$folder/outside.xplt"

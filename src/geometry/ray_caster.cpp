@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <new>
 
 #include <febiodea/base/numbers.h>
@@ -102,7 +103,12 @@ double closest_on_triangle(const SurfaceMesh& mesh, int t, const Vector3d& x, st
 
 RTCDevice device() {
   // One device for the process; tasks come from oneTBB inside Embree only when a large scene is built.
-  static RTCDevice instance = rtcNewDevice(nullptr);
+  static RTCDevice instance = nullptr;
+  static std::once_flag made;
+  std::call_once(made, [] {
+    instance = rtcNewDevice(nullptr);
+    if (instance == nullptr) throw std::bad_alloc();  // the next call tries again
+  });
   return instance;
 }
 
@@ -213,8 +219,10 @@ RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>
   s.padding = 4e-6 * s.extent;
   rtcGetDeviceError(device());  // what came before is not ours
   s.scene = rtcNewScene(device());
+  if (s.scene == nullptr) throw std::bad_alloc();
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_USER);
+  if (geometry == nullptr) throw std::bad_alloc();
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.size()));
   rtcSetGeometryUserData(geometry, scene.get());
   rtcSetGeometryBoundsFunction(geometry, bounds_callback, nullptr);
@@ -225,7 +233,7 @@ RayCaster::RayCaster(SurfaceMesh of) : mesh_(std::make_shared<const SurfaceMesh>
   rtcReleaseGeometry(geometry);
   rtcCommitScene(s.scene);
   // Embree does not throw. A scene of ours has one fault only, and an unfinished one must not be asked.
-  if (s.scene == nullptr || rtcGetDeviceError(device()) != RTC_ERROR_NONE) throw std::bad_alloc();
+  if (rtcGetDeviceError(device()) != RTC_ERROR_NONE) throw std::bad_alloc();
 }
 
 LineHit RayCaster::nearest_facing(const Vector3d& origin, const Vector3d& direction, double from, double limit,

@@ -682,7 +682,8 @@ TEST(Picture, VectorsWithoutBitmapsAndTheSameEveryTime) {
           EXPECT_LT(once.size(), 700000u);
         }
         if (format == PictureFormat::Pdf) {
-          EXPECT_NE(once.find("20000101000000Z"), std::string::npos);
+          if (once.find("/ObjStm") == once.npos)  // cairo 1.18 packs it
+            EXPECT_NE(once.find("20000101000000Z"), std::string::npos);
           EXPECT_EQ(once.find("/Subtype /Image"), std::string::npos);
         }
       }
@@ -764,8 +765,11 @@ TEST(Picture, LettersOfAnSvgAsText) {
   const std::string text = picture(f, look);
   EXPECT_TRUE(text == picture(f, look));
   EXPECT_EQ(shapes.find("<text"), std::string::npos);
-  EXPECT_NE(shapes.find("<symbol"), std::string::npos);
-  EXPECT_EQ(text.find("<symbol"), std::string::npos);  // no letter is a shape
+  const auto letters_are_shapes = [](const std::string& svg) {  // cairo 1.16, 1.18
+    return svg.find("<symbol") != svg.npos || svg.find("id=\"glyph-") != svg.npos;
+  };
+  EXPECT_TRUE(letters_are_shapes(shapes));
+  EXPECT_FALSE(letters_are_shapes(text));  // no letter is a shape
   EXPECT_NE(text.find(">Walking &lt;1&gt; &amp; surface7</text>"), std::string::npos);
   for (const char* word : {">surface, time 0<", ">contact pressure<", ">centre of pressure<", ">30\u00b0<", ">2.0<"})
     EXPECT_NE(text.find(word), std::string::npos) << word;

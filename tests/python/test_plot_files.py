@@ -169,9 +169,9 @@ def test_a_notebook_shows_table_and_map(hip_result):
 def band_fills(svg):
     """Colours of the map's values, and the outline of its surface: from the fill that says "no contact" to the first stroke."""
     fills, outline = [], None
-    for style, path in re.findall(r'<path style="([^"]*)" d="([^"]*)"', svg):
-        numbers = re.search(r"fill:rgb\(([\d.]+)%,([\d.]+)%,([\d.]+)%\)", style)
-        if outline is not None and ("fill:none" in style or numbers is None):
+    for style, path in re.findall(r'<path ([^>]*?) ?\bd="([^"]*)"', svg):  # cairo 1.16 writes styles, 1.18 attributes
+        numbers = re.search(r'\bfill(?:=")?:?rgb\(([\d.]+)%, ?([\d.]+)%, ?([\d.]+)%\)', style)
+        if outline is not None and (re.search('fill(:|=")none', style) or numbers is None):
             return fills, outline
         if numbers is None:  # a letter
             continue
@@ -197,12 +197,17 @@ def test_plot_is_the_picture_on_axes(file, dea, tmp_path, smooth):
     figure, axes = pyplot.subplots()
     assert febiodea.plot(file, axes, smooth=smooth) is axes
     figure.canvas.draw()
-    if smooth:  # contours of matplotlib
-        shown = [c for c in axes.collections
-                 if isinstance(c, collections.PathCollection) and any(len(p.vertices) for p in c.get_paths())]
-    else:
-        shown = [c for c in axes.collections if isinstance(c, collections.PolyCollection) and c.get_array() is not None]
-    colours = {tuple(round(x * 255) for x in one[:3]) for c in shown for one in c.get_facecolor()}
+    colours = set()
+    for c in axes.collections:
+        # contours: before matplotlib 3.8 a collection for each band, since then one with a path for each
+        if smooth and (isinstance(c, collections.PathCollection) or type(c).__name__.endswith("ContourSet")):
+            one_each = len(c.get_paths()) == len(c.get_facecolor())
+            drawn = [len(p.vertices) > 0 for p in c.get_paths()] if one_each else [any(len(p.vertices) for p in c.get_paths())]
+        elif not smooth and isinstance(c, collections.PolyCollection) and c.get_array() is not None:
+            drawn = [True] * len(c.get_facecolor())
+        else:
+            continue
+        colours |= {tuple(round(x * 255) for x in face[:3]) for face, there in zip(c.get_facecolor(), drawn) if there}
     assert len(colours) > 50 and colours == set(fills)
     # the same outline, but for scale and place: up is down on paper
     rim = np.vstack([line for c in axes.collections if isinstance(c, collections.LineCollection) for line in c.get_segments()

@@ -423,8 +423,8 @@ def test_a_cluster_that_drops_the_work(ball, client, monkeypatch):
 
 def test_memory_of_workers_is_shared_by_all_studies_that_they_keep(client):
     from febiodea import _study_dask
-    shares = client.run(_study_dask._memory)
     limits = client.run(lambda dask_worker: dask_worker.memory_manager.memory_limit)
+    shares = {worker: client.submit(_study_dask._memory, workers=[worker], pure=False).result() for worker in limits}
     assert shares
     for worker, share in shares.items():
         assert 0 < share * _study_dask._MOST_STUDIES <= 0.5 * limits[worker]
