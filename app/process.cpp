@@ -84,7 +84,7 @@ int wait_for(int process, const StopFlag* stop) {
     const pid_t ended = ::waitpid(process, &status, stop != nullptr ? WNOHANG : 0);
     if (ended == process) break;
     if (ended < 0 && errno != EINTR) return kNotFound;  // no child of ours
-    if (ended != 0) continue;
+    if (ended != 0 || stop == nullptr) continue;
     if (*stop && !stopping) {
       stopping = true;
       asked = Clock::now();
