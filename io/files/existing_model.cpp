@@ -30,9 +30,10 @@ std::string why_kept_model(const std::string& path, ModelOf command) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return "";
   if (!std::ifstream(path, std::ios::binary)) return "it is there already, and cannot be read";
-  const bool converted = has(path, kConvertedMark);
-  if (command == ModelOf::Convert) return converted ? "" : "it is there already, a model without a contact of type dea";
-  return has(path, kBuiltMark) && !converted ? "" : "it is there already, not made by dea build";
+  if (command == ModelOf::Convert)
+    return has(path, kConvertedMark) ? "" : "it is there already, a model without a contact of type dea";
+  const bool ours = has(path, kBuiltMark) && !has(path, kConvertedMark);
+  return ours ? "" : "it is there already, not made by dea build";
 }
 
 }  // namespace dea

@@ -341,15 +341,14 @@ void add_smeared_map(const JointModel& model, const ContactPair& pair, const Sta
   constexpr double kFar = 1.2;  // pressure that fades out over a dozen facets: 1.1; a block of 10 facets: 1.21
   const ContactStatistics& s = state.statistics[contact];
   if (s.springs_active == 0 || !(s.headline.area > kFar * s.contact_area)) return;
-  add_once(
-      lines,
-      fmt::format(
-          "warning: contact \"{}\": at time {} the facets of surface \"{}\" are too long for this contact's map: "
-          "averages at its "
-          "nodes give area {:.3g}, mean {:.3g}, p99 {:.3g}, the springs themselves {:.3g}, {:.3g}, {:.3g}; mesh this "
-          "surface finer",
-          pair.name, time_text(state.when.time), model.surfaces[at(pair.source_layer().surface)].name, s.headline.area,
-          s.headline.mean, s.headline.p99, s.contact_area, s.mean, s.p99));
+  add_once(lines,
+           fmt::format(
+               "warning: contact \"{}\": at time {} the facets of surface \"{}\" are too long for this contact's map: "
+               "averages at its nodes give area {:.3g}, mean {:.3g}, p99 {:.3g}, the springs themselves {:.3g}, "
+               "{:.3g}, {:.3g}; "
+               "mesh this surface finer",
+               pair.name, time_text(state.when.time), model.surfaces[at(pair.source_layer().surface)].name,
+               s.headline.area, s.headline.mean, s.headline.p99, s.contact_area, s.mean, s.p99));
 }
 
 /// Cartilage pressed together by more than half, in any state.
@@ -499,9 +498,9 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
   const StateResult& last = result.states.back();  // stands for all: turns and factors change slowly
   add_large_turns(model, joint, result, wording, lines);
   add_no_contact(joint, result, wording, lines);
-  if (!parted(joint, last)) add_tiny_load(joint, result, lines);
+  if (parted(joint, last)) return lines;
+  add_tiny_load(joint, result, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
-    if (parted(joint, last)) continue;
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_crowded_force(joint.contacts[c], last, c, wording, lines);
     add_smeared_map(model, joint.contacts[c], last, c, lines);
