@@ -71,7 +71,7 @@ py::list options_of_python() {
 }
 
 /// A table that Python gives: names of its columns, (rows, columns) numbers.
-NumberTable table_of(const std::string& path, const std::vector<std::string>& names, const DoubleArray& numbers) {
+NumberTable numbers_of(const std::string& path, const std::vector<std::string>& names, const DoubleArray& numbers) {
   std::vector<std::vector<double>> rows;
   for (py::ssize_t r = 0; r < numbers.shape(0); ++r)
     rows.emplace_back(numbers.data(r, 0), numbers.data(r, 0) + numbers.shape(1));
@@ -93,7 +93,7 @@ SaidSettings laid_over(SaidSettings said, const SaidValues& values,
                        const std::map<std::string, TableOfPython>& tables) {
   said.settings = with_values(std::move(said.settings), values);
   said.layers.push_back(values);
-  for (const auto& [path, table] : tables) said.tables[path] = table_of(path, table.first, table.second);
+  for (const auto& [path, table] : tables) said.tables[path] = numbers_of(path, table.first, table.second);
   return said;
 }
 

@@ -192,7 +192,7 @@ StudyPageOptions page_options(const py::dict& given) {
   return o;
 }
 
-py::list write_report(const std::string& study, const std::string& path, const py::dict& given) {
+py::list write_study_report(const std::string& study, const std::string& path, const py::dict& given) {
   const StudyPageOptions options = page_options(given);
   const auto summary = result_of<StudyPageSummary>([study, path, options](Work&) {
     return std::make_shared<StudyPageSummary>(write_study_page(path, study, options));
@@ -229,7 +229,7 @@ void bind_numbers_of_studies(py::module_& m) {
       .def("groups", &groups_of_study)
       .def("pairs", &pairs_of_study);
   m.def("study_numbers", &held_numbers);
-  m.def("study_report", &write_report);
+  m.def("study_report", &write_study_report);
 }
 
 }  // namespace

@@ -21,8 +21,7 @@
 #include "plot_files.h"
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::animation_test {
 
 namespace fs = std::filesystem;
 using test::cap;
@@ -387,5 +386,4 @@ TEST_F(AnimationFolder, LeavesNothingWhenStopped) {
   }
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::animation_test

@@ -23,8 +23,7 @@
 #include <febiodea/io/xplt/xplt.h>
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::cli_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -1242,5 +1241,4 @@ TEST_F(Cli, ReferenceHipLiesBesideFebiosResult) {
   }
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::cli_test

@@ -7,8 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace dea {
-namespace {
+namespace dea::colour_map_test {
 
 double difference(const Rgb& x, const Rgb& y) {
   const OkLab a = oklab(x), b = oklab(y);
@@ -157,5 +156,4 @@ TEST(ColourMap, TableIsTheMapRounded) {
   EXPECT_EQ(hex({0, 1, 0.5}), "#00ff80");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::colour_map_test

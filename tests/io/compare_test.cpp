@@ -17,8 +17,7 @@
 #include <febiodea/views/compare/compare_files.h>
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::compare_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -828,5 +827,4 @@ TEST_F(CompareCommand, HelpHasExamples) {
   EXPECT_NE(f.out.find("dea compare hip_dea.xplt hip.xplt"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::compare_test

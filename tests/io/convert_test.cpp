@@ -17,8 +17,7 @@
 #include <febiodea/run/analysis.h>
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::convert_test {
 
 namespace fs = std::filesystem;
 
@@ -1061,5 +1060,4 @@ TEST(ConvertProgram, WritesBesideTheModelAndListsWhatChanged) {
   EXPECT_NE(help.out.find("Examples:"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::convert_test

@@ -13,8 +13,7 @@
 #include <febiodea/model/element_shape.h>
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::inside_test {
 
 namespace fs = std::filesystem;
 using Eigen::Matrix3d;
@@ -359,5 +358,4 @@ TEST_F(InsideFiles, Study) {
   EXPECT_GT(std::stod(rows[1][static_cast<std::size_t>(column)]), own);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::inside_test

@@ -18,8 +18,7 @@
 #include <febiodea/io/tables/text_table.h>
 #include <febiodea/io/xplt/xplt.h>
 
-namespace dea {
-namespace {
+namespace dea::job_limits_test {
 
 namespace fs = std::filesystem;
 
@@ -167,5 +166,4 @@ TEST(JobLimits, TasksAndProcessorsOfANode) {
   EXPECT_EQ(tasks({{"MPI_LOCALNRANKS", "2"}}), std::pair(2, 0));
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::job_limits_test

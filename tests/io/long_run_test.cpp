@@ -19,8 +19,7 @@
 #include "program.h"
 #include "resident.h"
 
-namespace dea {
-namespace {
+namespace dea::long_run_test {
 
 using test::resident;
 
@@ -134,5 +133,4 @@ TEST(Spool, TellsOfAFullDisk) {
   EXPECT_EXIT(limited(), testing::ExitedWithCode(4), "");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::long_run_test

@@ -11,8 +11,7 @@
 #include <febiodea/views/text/remarks.h>
 #include "src/test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::plausibility_test {
 
 using Lines = std::vector<std::string>;
 
@@ -171,5 +170,4 @@ TEST(Plausibility, ALoadThatIsNextToNothingIsTold) {
   EXPECT_FALSE(has(lines(1e-3), "next to nothing"));
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::plausibility_test

@@ -20,8 +20,7 @@
 #include "plot_files.h"
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::plot_test {
 
 namespace fs = std::filesystem;
 using test::cap;
@@ -943,5 +942,4 @@ TEST(PlotOfFebio, HipBesideItselfIsSmall) {
   }
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::plot_test

@@ -7,8 +7,7 @@
 #include <chrono>
 #include <thread>
 
-namespace dea {
-namespace {
+namespace dea::progress_test {
 
 /// A clock that is set, and all that was written.
 struct Watch {
@@ -163,5 +162,4 @@ TEST(Progress, EveryStepOrNone) {
   EXPECT_EQ(w.text, "state 1 of 2, time 0: Prescribed\n  iteration 1, pose 2\n");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::progress_test

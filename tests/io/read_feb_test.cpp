@@ -15,8 +15,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/model/load_curve.h>
 
-namespace dea {
-namespace {
+namespace dea::read_feb_test {
 
 namespace fs = std::filesystem;
 
@@ -1741,5 +1740,4 @@ TEST(CorpusModels, TheSameProblemIsTheSameInEveryFormat) {
   EXPECT_GT(compared, 100);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::read_feb_test

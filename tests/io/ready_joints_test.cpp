@@ -13,8 +13,7 @@
 #include <febiodea/views/run_study.h>
 #include "resident.h"
 
-namespace dea {
-namespace {
+namespace dea::ready_joints_test {
 
 using test::resident;
 using Joints = std::vector<std::shared_ptr<const ReadyJoint>>;
@@ -138,5 +137,4 @@ TEST(JointUses, MemoryOfAStudyDoesNotGrowWithItsCases) {
   EXPECT_LT(held.back() - held[3], 4 * joint) << "of 40 joints";
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::ready_joints_test

@@ -10,8 +10,7 @@
 #include <febiodea/run/states.h>
 #include <febiodea/views/run_study.h>
 
-namespace dea {
-namespace {
+namespace dea::run_study_test {
 
 const std::string kHip = DEA_SAMPLES_DIR "/hip/hip_walking.feb";
 
@@ -183,5 +182,4 @@ TEST(RunStudy, AStopEndsIt) {
   EXPECT_LT(count, 4u);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::run_study_test

@@ -10,8 +10,7 @@
 
 #include <febiodea/base/error.h>
 
-namespace dea {
-namespace {
+namespace dea::settings_xml_test {
 
 std::string message_of(const std::function<void()>& action) {
   try {
@@ -333,5 +332,4 @@ TEST(SettingsXml, RefusalsNameTheLine) {
   EXPECT_NE(message_of([] { read_settings("/tmp"); }), "nothing thrown");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::settings_xml_test

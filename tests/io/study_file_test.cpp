@@ -17,8 +17,7 @@
 
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::study_file_test {
 
 using test::TemporaryFolder;
 
@@ -380,5 +379,4 @@ TEST_F(StudyFile, TablesOfCasesAsOtherProgramsWriteThem) {
   EXPECT_NE(input_fault([&] { read("tilt,E\n1,2\n3\n"); }).find(":3: found 1 values, expected 2"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::study_file_test

@@ -13,8 +13,7 @@
 
 #include "io/text_file.h"
 
-namespace dea {
-namespace {
+namespace dea::surfaces_test {
 
 using test::file;
 
@@ -230,5 +229,4 @@ TEST(Surfaces, BytesThatAreNoNumberAreRefused) {
   EXPECT_THROW(read_surface(file("infinite.stl", text)), InputError);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::surfaces_test

@@ -13,8 +13,7 @@
 
 #include "io/text_file.h"
 
-namespace dea {
-namespace {
+namespace dea::tables_test {
 
 using test::file;
 
@@ -288,5 +287,4 @@ TEST(Tables, ThicknessPerNodeRefusedWithItsLine) {
   EXPECT_EQ(thickness_refusal("nowhere.csv"), ": found no readable file, expected a table");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::tables_test

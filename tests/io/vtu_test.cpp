@@ -16,8 +16,7 @@
 #include <febiodea/model/element_faces.h>
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::vtu_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -628,5 +627,4 @@ TEST(VtuRun, WhatCannotBeWrittenLeavesNothing) {
   EXPECT_EQ(names_in(folder.path), Names{});
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::vtu_test

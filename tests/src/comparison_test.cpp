@@ -10,8 +10,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 
-namespace dea {
-namespace {
+namespace dea::comparison_test {
 
 using Field = std::function<double(const Vector3d&)>;
 
@@ -333,5 +332,4 @@ TEST(Comparison, PoseDifferenceTakesTheSecondPoseToTheFirst) {
   EXPECT_EQ(pose_difference(b, b).rotation->norm(), 0.0);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::comparison_test

@@ -12,8 +12,7 @@
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::compartments_test {
 
 /// One surface of all facets of several.
 int join_surfaces(JointModel& model, const std::string& name, const std::vector<int>& surfaces) {
@@ -158,5 +157,4 @@ TEST(Compartments, PartsOnDifferentBonesAreRefused) {
   EXPECT_NE(refusal_of_model(model).find("one of its layer's parts is held by no rigid body"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::compartments_test

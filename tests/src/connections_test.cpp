@@ -12,8 +12,7 @@
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::connections_test {
 
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
@@ -843,5 +842,4 @@ TEST(SingularParts, SmallOnesOfASparseMatrixAreThoseOfTheDenseOne) {
   EXPECT_NEAR(least_symmetric_eigenvalue(K, dense.V.rightCols(10), 1000), -3, 0.1);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::connections_test

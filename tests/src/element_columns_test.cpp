@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dea {
-namespace {
+namespace dea::element_columns_test {
 
 using Column = std::vector<int>;
 
@@ -70,5 +69,4 @@ TEST(ElementColumns, Ring) {
   EXPECT_TRUE(c.of_facet[0].empty());  // two elements have this face
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::element_columns_test

@@ -6,8 +6,7 @@
 #include <set>
 #include <string>
 
-namespace dea {
-namespace {
+namespace dea::element_shape_test {
 
 // The table is looked up by place, and its faces are faces of the element itself.
 TEST(ElementTypes, RowsInOrderWithNodesOfTheirOwn) {
@@ -24,5 +23,4 @@ TEST(ElementTypes, RowsInOrderWithNodesOfTheirOwn) {
   EXPECT_EQ(element_types().size(), static_cast<std::size_t>(ElementShape::Line3) + 1);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::element_shape_test

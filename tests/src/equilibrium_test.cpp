@@ -11,8 +11,7 @@
 #include "analytic/concentric_spheres.h"
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::equilibrium_test {
 
 using analytic::ConcentricSpheres;
 
@@ -527,5 +526,4 @@ TEST(EquilibriumTest, NoThicknessInTheContactIsAnError) {
   EXPECT_THROW(last_state(model), InputError);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::equilibrium_test

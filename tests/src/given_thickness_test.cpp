@@ -7,8 +7,7 @@
 #include <febiodea/run/check.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::given_thickness_test {
 
 using namespace test;
 
@@ -288,5 +287,4 @@ TEST(ThicknessFrom, Refusals) {
             "\"layer\", \"plate\"");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::given_thickness_test

@@ -8,8 +8,7 @@
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::given_values_test {
 
 constexpr double kSize = 10, kThick = 2;
 
@@ -239,5 +238,4 @@ TEST(GivenValues, Refusals) {
   EXPECT_EQ(refusal(model, with("muscle.force", 0)), "taken");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::given_values_test

@@ -9,8 +9,7 @@
 #include <febiodea/run/analysis.h>
 #include "src/test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::inside_fields_test {
 
 using namespace test;
 using Eigen::Matrix3d;
@@ -218,5 +217,4 @@ TEST(InsideFields, OtherLawsAreRefused) {
   EXPECT_NE(fault().find("found law layer of one term, expected"), std::string::npos) << fault();
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::inside_fields_test

@@ -6,8 +6,7 @@
 
 #include "src/layer_meshes.h"
 
-namespace dea {
-namespace {
+namespace dea::inside_test {
 
 using namespace test;
 
@@ -83,5 +82,4 @@ TEST(Inside, Turned) {
   EXPECT_LT((after.normal - Vector3d::UnitY()).norm(), 1e-14);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::inside_test

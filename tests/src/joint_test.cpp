@@ -9,8 +9,7 @@
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::joint_test {
 
 using namespace test;
 
@@ -591,5 +590,4 @@ TEST(DeaContact, RefusesALayerItCannotMeasure) {
   EXPECT_EQ(found.faults[0].expected.settings[1], (NamedSetting{"thickness", "layer", "VALUE", "primary_thickness"}));
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::joint_test

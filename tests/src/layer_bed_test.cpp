@@ -17,8 +17,7 @@
 #include "finite_differences.h"
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::layer_bed_test {
 
 using namespace test;
 
@@ -372,5 +371,4 @@ TEST(LayerBed, NeedsArticularSprings) {
   EXPECT_EQ(make_joint(concentric_spheres(8, 100, true), settings).contacts[0].law, Law::Layer);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::layer_bed_test

@@ -15,8 +15,7 @@
 #include "analytic/neo_hookean_layer.h"
 #include "src/layer_meshes.h"
 
-namespace dea {
-namespace {
+namespace dea::layer_contact_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -591,5 +590,4 @@ TEST(LayerContact, UnlikeMeshes) {
   }
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::layer_contact_test

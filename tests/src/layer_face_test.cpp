@@ -16,8 +16,7 @@
 #include <febiodea/model/element_faces.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::layer_face_test {
 
 using namespace test;
 
@@ -601,5 +600,4 @@ TEST(LayerFace, OrderAndPlaceDoNotMatter) {
   EXPECT_EQ(count(before, FaceKind::SideWall), 20);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::layer_face_test

@@ -12,8 +12,7 @@
 #include "src/inside_cases.h"
 #include "src/layer_meshes.h"
 
-namespace dea {
-namespace {
+namespace dea::layer_inside_test {
 
 using Eigen::Matrix3d;
 using Eigen::VectorXd;
@@ -380,5 +379,4 @@ TEST(LayerInside, LargeStrainOfAConfinedLayer) {
   }
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::layer_inside_test

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace dea {
-namespace {
+namespace dea::layer_kernel_test {
 
 double relative_error(const Elasticity& layer, LayerFit fit, double up_to) {
   const LayerLaw law = layer_law(layer, fit);
@@ -162,5 +161,4 @@ TEST(LayerKernel, FreeEdges) {
   }
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::layer_kernel_test

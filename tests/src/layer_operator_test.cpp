@@ -8,8 +8,7 @@
 
 #include "src/layer_meshes.h"
 
-namespace dea {
-namespace {
+namespace dea::layer_operator_test {
 
 using Eigen::VectorXd;
 using namespace test;
@@ -493,5 +492,4 @@ TEST(FootParts, ContinuousInThePose) {
   }
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::layer_operator_test

@@ -7,8 +7,7 @@
 
 #include <febiodea/base/error.h>
 
-namespace dea {
-namespace {
+namespace dea::load_curve_test {
 
 using Interpolate = LoadController::Interpolate;
 using Extend = LoadController::Extend;
@@ -272,5 +271,4 @@ TEST(LoadCurve, AControllerScalesTheNumberOfTheFile) {
   EXPECT_DOUBLE_EQ(value(model, Scaled{-50.0, -1}, 0.5), -50.0);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::load_curve_test

@@ -9,8 +9,7 @@
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::moved_nodes_test {
 
 void move_nodes(JointModel& model, const std::vector<int>& nodes, int component, double value, int step = -1,
                 bool relative = false) {
@@ -252,5 +251,4 @@ TEST(MovedNodes, RelativeMotionStartsWhereTheStepDoes) {
   EXPECT_NEAR(found.states[2].displacements[at(nodes[0])].z(), 0.15, 1e-12);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::moved_nodes_test

@@ -5,8 +5,7 @@
 
 #include <set>
 
-namespace dea {
-namespace {
+namespace dea::names_test {
 
 TEST(Names, EditDistance) {
   EXPECT_EQ(edit_distance("hip", "hip"), 0);
@@ -65,5 +64,4 @@ TEST(Names, FreeNameCountsOn) {
   EXPECT_EQ(names.size(), 4u);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::names_test

@@ -12,8 +12,7 @@
 #include <febiodea/run/states.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::placing_test {
 
 using Eigen::Matrix3d;
 
@@ -495,5 +494,4 @@ TEST(States, OfRowsSolveNoOthers) {
   EXPECT_THROW(row_states(model, settings, parse_states("7"), "--states"), UsageError);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::placing_test

@@ -13,8 +13,7 @@
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::prepared_test {
 
 using Law::Layer;
 
@@ -233,5 +232,4 @@ TEST(Stop, EndsWithinAContact) {
   EXPECT_THROW(solve(joint, loads(model, joint, settings, 1.0), at_rest(joint), search), Stopped);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::prepared_test

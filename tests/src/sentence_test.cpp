@@ -8,8 +8,7 @@
 #include <febiodea/io/settings/setting_words.h>
 #include <febiodea/plugin/febio_wording.h>
 
-namespace dea {
-namespace {
+namespace dea::sentence_test {
 
 const NamedSetting kThickness = {"thickness", "knee", "VALUE", "primary_thickness"}, kRigid = {"rigid", "", "a bone"};
 
@@ -67,5 +66,4 @@ TEST(Fault, ALineBeginsWithThePlaceOrTheSettingThatWasGiven) {
   EXPECT_STREQ(InputError("hip.feb", 3, "a {brace}").what(), "hip.feb:3: a {brace}");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::sentence_test

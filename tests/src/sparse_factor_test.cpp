@@ -9,8 +9,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace dea {
-namespace {
+namespace dea::sparse_factor_test {
 
 using Eigen::MatrixXd;
 
@@ -176,5 +175,4 @@ TEST(SparseFactor, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_THROW(factorise(grid.pattern, grid.values), std::runtime_error);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::sparse_factor_test

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace dea {
-namespace {
+namespace dea::spring_law_test {
 
 const Elasticity kSoft{11.85, 0.45}, kStiff{20.0, 0.3};
 const Law kLaws[] = {Law::Linear, Law::Logarithmic, Law::NeoHookean};
@@ -100,5 +99,4 @@ TEST(SpringLaw, OnlyCompressionCarries) {
   EXPECT_EQ(spring_response(Law::NeoHookean, kSoft, kSoft, 1.0, 1.0, 0.0).pressure, 0.0);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::spring_law_test

@@ -12,8 +12,7 @@
 #include "finite_differences.h"
 #include "test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::springs_test {
 
 using test::kPi;
 
@@ -302,5 +301,4 @@ TEST(ClosingStiffness, TakesAForceToFirstTouch) {
   EXPECT_TRUE(away.allFinite());
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::springs_test

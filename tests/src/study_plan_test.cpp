@@ -8,8 +8,7 @@
 #include <febiodea/base/parse.h>
 #include <febiodea/study/plan.h>
 
-namespace dea {
-namespace {
+namespace dea::study_plan_test {
 
 using Texts = std::vector<std::string>;
 
@@ -278,5 +277,4 @@ TEST(StudySampling, Quantiles) {
   EXPECT_TRUE(std::isfinite(quantile({Spread::Kind::Normal, 12, 2}, 0.0)));
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::study_plan_test

@@ -22,8 +22,7 @@
 
 #include "src/study_statistics_numbers.h"
 
-namespace dea {
-namespace {
+namespace dea::study_statistics_test {
 
 using Values = std::vector<double>;
 
@@ -813,5 +812,4 @@ TEST(StudyStatistics, SectorsThatMakeNoSenseAreRefused) {
                    }}});
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::study_statistics_test

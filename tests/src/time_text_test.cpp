@@ -5,8 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dea {
-namespace {
+namespace dea::time_text_test {
 
 TEST(TimeText, NoDigitsThatNobodyMeant) {
   EXPECT_EQ(time_text(1.985), "1.985");
@@ -48,5 +47,4 @@ TEST(TimeText, TheNumberBehindIt) {
   EXPECT_EQ(time_text(std::numeric_limits<double>::infinity()), "-");
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::time_text_test
