@@ -194,6 +194,7 @@ int run(const RunArguments& a) {
   const HeldOutputs held = claim_outputs(files, outputs);
   files.insert(files.end(), outputs.begin(), outputs.end());
   const std::string name_note = output.empty() ? "" : plot_name_note(output_option, output);
+  const bool replaces = would_replace(output);
   options.seconds_reading = seconds() - start;
   watch(options, progress);
   show_activity(progress, {});
@@ -219,6 +220,7 @@ int run(const RunArguments& a) {
   if (!a.quiet) {
     if (!name_note.empty()) log(name_note);
     print_result(recognition.model, options, result, told, a.details);
+    if (replaces) log(fmt::format("note: {} replaced the file that was there; -o writes another", output));
   } else {
     for (const std::string& line : idle_load_lines(result.analysis)) log(line);
     for (const std::string& line : no_solution_lines(result.analysis)) log(line);

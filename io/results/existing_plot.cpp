@@ -36,15 +36,9 @@ const char* words_of(PlotKind kind) {
   return "";
 }
 
-/// A file that has something in it and could be replaced by renaming.
-bool is_there(const std::string& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 && !error;
-}
-
 /// `outline`: filled if the file may be of this kind and ours.
 std::string why_foreign(const std::string& path, PlotKind kind, std::optional<XpltFile>& outline) {
-  if (!is_there(path)) return "";
+  if (!would_replace(path)) return "";
   try {
     outline = read_xplt_outline(path);
   } catch (const InputError&) {
@@ -76,6 +70,11 @@ std::string mesh_words(const XpltMesh& mesh) {
 }
 
 }  // namespace
+
+bool would_replace(const std::string& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && fs::file_size(path, error) > 0 && !error;
+}
 
 std::string why_kept(const std::string& path, PlotKind kind) {
   std::optional<XpltFile> outline;

@@ -891,7 +891,10 @@ TEST_F(Cli, PlotFilesThatAreThereAlready) {
                                  name, why));
     EXPECT_TRUE(file_text(folder / name) == before) << name;
   };
-  ASSERT_EQ(run({"--states", "last"}).code, 0);
+  const std::string note = "note: flat_dea.xplt replaced the file that was there; -o writes another\n";
+  EXPECT_EQ(dea({"run", "flat.feb", "--states", "last"}).err.find("replaced"), std::string::npos);
+  EXPECT_NE(dea({"run", "flat.feb", "--states", "last"}).err.find(note), std::string::npos);
+  ASSERT_EQ(run({"--states", "last"}).err, "");
   ASSERT_EQ(run({}).code, 0);  // with more states: nothing is lost
   ASSERT_EQ(run({"--law", "linear"}).code, 0);
   const std::string all = file_text(folder / "flat_dea.xplt");
