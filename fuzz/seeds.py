@@ -1,8 +1,11 @@
 """Seeds of all targets: python3 seeds.py DEA MAKE_SAMPLES FOLDER. One folder each, from the samples and from what dea writes."""
+import base64
 import pathlib
 import re
+import struct
 import subprocess
 import sys
+import zlib
 
 dea, make_samples, top = (pathlib.Path(p).resolve() for p in sys.argv[1:4])
 source = pathlib.Path(__file__).resolve().parents[1]
@@ -48,6 +51,8 @@ gait = (source / "samples/osteotomy/gait.csv").read_bytes()
 (tables / "cases").write_bytes(b'\4tilt,model,"E, MPa"\n10,"a.feb",8\n-10,b.feb,"12"\n')
 (tables / "landmarks").write_bytes(b"\5name,x,y,z\nASIS left,1,2,3\nASIS right,-1,2,3e0\n")
 (tables / "markups").write_bytes(b"\6# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n# columns = id,x,y,z,label,defined\n1,1,2,3,hip,1\n2,0,0,0,knee,0\n")
+(tables / "json").write_bytes(b'\7{"markups": [{"coordinateSystem": "LPS", "controlPoints": [{"label": "RASIS", "position": [1.5, -2, 3e0], '
+                             b'"positionStatus": "defined"}]}]}')
 
 # One small shape in each format
 surfaces = folder("surfaces")
@@ -67,6 +72,28 @@ text = {
 for kind, content in text.items():
     (surfaces / str(kind)).write_bytes(bytes([kind]) + content.encode())
 (surfaces / "binary_stl").write_bytes(b"\0" + b"binary".ljust(80) + (1).to_bytes(4, "little") + bytes(12) + bytes.fromhex("0000803f" * 9) + bytes(2))
+
+
+
+def vtp(packed, appended):
+    """Numbers as bytes: in base64, or raw behind the XML."""
+    raw, arrays = b"", []
+    for kind, name, code, numbers in (("Float32", "Points", "f", sum(corners, ())), ("Int32", "connectivity", "i", sum(facets, ())),
+                                      ("Int32", "offsets", "i", (3, 6, 9, 12))):
+        data = struct.pack(f"<{len(numbers)}{code}", *numbers)
+        short = zlib.compress(data)
+        parts = [struct.pack("<4I", 1, len(data), 0, len(short)), short] if packed else [struct.pack("<I", len(data)) + data]
+        arrays.append(f'<DataArray type="{kind}" Name="{name}" ' + (f'format="appended" offset="{len(raw)}"/>' if appended else
+                      'format="binary">' + "".join(base64.b64encode(p).decode() for p in parts) + "</DataArray>"))
+        raw += b"".join(parts)
+    head = ('<VTKFile type="PolyData" byte_order="LittleEndian" header_type="UInt32"' + (' compressor="vtkZLibDataCompressor"' if packed else "")
+            + f"><PolyData><Piece><Points>{arrays[0]}</Points><Polys>{arrays[1]}{arrays[2]}</Polys></Piece></PolyData>")
+    return head.encode() + (b'<AppendedData encoding="raw">_' + raw + b"</AppendedData>" if appended else b"") + b"</VTKFile>"
+
+
+for packed in (False, True):
+    for appended in (False, True):
+        (surfaces / f"vtp{packed:d}{appended:d}").write_bytes(b"\4" + vtp(packed, appended))
 
 studies = folder("study")
 (studies / "study.db").unlink(missing_ok=True)

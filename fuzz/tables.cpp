@@ -7,8 +7,9 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  const int kind = data[0] % 7;
-  const std::string path = dea::fuzz::file_of(data + 1, size - 1, kind == 1 ? ".sto" : kind == 6 ? ".fcsv" : ".csv");
+  const int kind = data[0] % 8;
+  const char* ending = kind == 1 ? ".sto" : kind == 6 ? ".fcsv" : kind == 7 ? ".mrk.json" : ".csv";
+  const std::string path = dea::fuzz::file_of(data + 1, size - 1, ending);
   dea::fuzz::answer_or_refusal([&] {
     if (kind == 4) {
       dea::read_case_table(path);

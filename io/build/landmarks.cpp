@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/io/febio/febio_text.h>
+#include <febiodea/io/files/free_memory.h>
+#include <febiodea/io/files/output.h>
 #include <febiodea/io/tables/text_table.h>
 
 namespace dea {
@@ -45,15 +48,66 @@ Columns columns_of(const TextTable& table) {
                                 fmt::join(table.names, ", ")));
 }
 
+using Json = nlohmann::json;
+
+/// A member's text; "": there is none.
+std::string text_of(const Json& object, const char* member) {
+  const auto found = object.find(member);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+/// Slicer's own file of markups, .mrk.json: lists of control points.
+LandmarkFile read_markups(const std::string& path) {
+  const std::optional<std::string> content = whole_file(path, 20);
+  if (!content) throw table_fault(path, 0, "found no file that can be read, expected landmarks");
+  Json all;
+  try {
+    all = Json::parse(*content);
+  } catch (const Json::parse_error& e) {
+    const auto end = content->begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, content->size()));
+    throw table_fault(path, 1 + static_cast<int>(std::count(content->begin(), end, '\n')),
+                      "found something else, expected JSON: the file is damaged or cut off");
+  } catch (const Json::exception&) {  // a number beyond all bounds
+    throw table_fault(path, 0, "found a number that is none of use, expected coordinates");
+  }
+  const auto lists = all.find("markups");
+  if (lists == all.end() || !lists->is_array())
+    throw table_fault(path, 0,
+                      "found no \"markups\", expected a list of markups as Slicer saves it (.mrk.json), or CSV");
+  LandmarkFile file;
+  for (const Json& list : *lists) {
+    const std::string axes = text_of(list, "coordinateSystem");
+    if (axes != "LPS" && axes != "RAS")
+      throw table_fault(path, 0,
+                        fmt::format("coordinateSystem: found {}, expected \"LPS\" or \"RAS\"", febio::quote(axes)));
+    const auto points = list.find("controlPoints");
+    if (points == list.end()) continue;
+    if (!file.landmarks.empty() && axes != file.axes)
+      throw table_fault(path, 0, "coordinateSystem: found both LPS and RAS, expected one; save the lists as two files");
+    file.axes = axes;
+    for (const Json& point : *points) {
+      const std::string status = text_of(point, "positionStatus");
+      if (!status.empty() && status != "defined") continue;
+      Landmark landmark;
+      landmark.name = text_of(point, "label");
+      const auto position = point.find("position");
+      if (position == point.end() || !position->is_array() || position->size() != 3 ||
+          std::any_of(position->begin(), position->end(), [](const Json& x) { return !x.is_number(); }))
+        throw table_fault(
+            path, 0,
+            fmt::format("position of {}: found something else, expected three numbers", febio::quote(landmark.name)));
+      for (std::size_t k = 0; k < 3; ++k) landmark.point[static_cast<Eigen::Index>(k)] = (*position)[k].get<double>();
+      file.landmarks.push_back(landmark);
+    }
+  }
+  if (file.landmarks.empty()) throw table_fault(path, 0, "found no control point with a position, expected landmarks");
+  return file;
+}
+
 }  // namespace
 
 LandmarkFile read_landmarks(const std::string& path) {
-  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
-  if (extension == ".json")
-    throw table_fault(
-        path, 0,
-        "found JSON, expected CSV; in Slicer, export the control points to a table and save it as .csv, or "
-        "save the list as .fcsv");
+  if (extension_of(path) == ".json") return read_markups(path);
   const TextTable table = read_text_table(path);
   const Columns columns = columns_of(table);
   LandmarkFile file;

@@ -13,7 +13,7 @@ struct LandmarkFile {
 };
 
 /// CSV with a column of names (name, label or landmark) and x, y, z, or Slicer's: its table of control points (label
-/// and r, a, s or l, p, s) and .fcsv. Points that Slicer calls undefined are passed over. Throws InputError.
+/// and r, a, s or l, p, s), .fcsv and .mrk.json. Points that Slicer calls undefined are passed over. Throws InputError.
 LandmarkFile read_landmarks(const std::string& path);
 
 /// A settings file with the frames, for dea run and dea study.

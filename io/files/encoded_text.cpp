@@ -18,6 +18,30 @@ std::string base64(const std::string& bytes) {
   return out;
 }
 
+std::optional<std::string> bytes_of_base64(std::string_view text) {
+  std::string out;
+  unsigned word = 0;
+  int digits = 0, padding = 0;
+  for (const char c : text) {
+    const int value = c >= 'A' && c <= 'Z'   ? c - 'A'
+                      : c >= 'a' && c <= 'z' ? c - 'a' + 26
+                      : c >= '0' && c <= '9' ? c - '0' + 52
+                      : c == '+'             ? 62
+                      : c == '/'             ? 63
+                      : c == '='             ? 0
+                                             : -1;
+    padding += c == '=';
+    if (value < 0 || (padding > 0 && c != '=') || padding > 2) return std::nullopt;
+    word = word << 6 | static_cast<unsigned>(value);
+    if (++digits % 4 != 0) continue;
+    for (const int shift : {16, 8, 0}) out += static_cast<char>(word >> shift & 0xffu);
+    word = 0;
+  }
+  if (digits % 4 != 0) return std::nullopt;
+  out.resize(out.size() - static_cast<std::size_t>(padding));
+  return out;
+}
+
 std::string utf8(const std::string& text) {
   using nlohmann::json;
   return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();

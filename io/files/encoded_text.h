@@ -1,5 +1,6 @@
 // febiodea/io/files/encoded_text.h – bytes and names as text inside other text.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -7,6 +8,9 @@ namespace dea {
 
 /// RFC 4648, with padding.
 std::string base64(const std::string& bytes);
+
+/// The bytes again. Nothing: it is no base64, or has white space.
+std::optional<std::string> bytes_of_base64(std::string_view text);
 
 /// The text with every byte that is no UTF-8 replaced by U+FFFD: names in plot files may be in any encoding.
 std::string utf8(const std::string& text);

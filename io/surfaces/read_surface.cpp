@@ -52,7 +52,7 @@ TriangleSurface read_content(const std::string& path, const std::string& content
   const std::string extension = extension_of(path);
   if (content.empty()) throw InputError(path, 0, "found an empty file, expected a triangle surface");
   if (is_binary_stl(content)) return read_stl_binary(text);
-  if (begins(content, "ply\n") || begins(content, "ply\r\n")) return read_ply(text);
+  if (begins(content, "ply\n") || begins(content, "ply\r")) return read_ply(text);
   if (begins(content, "# vtk DataFile")) return read_vtk(text);
   if (begins(content, "<?xml") || begins(content, "<VTKFile")) return read_vtp(path, content);
   if (extension == ".obj") return read_obj(text);

@@ -1,12 +1,9 @@
-// VTK's surfaces: legacy files of polydata, text or big-endian bytes, and VTP as text.
+// VTK's surfaces: legacy files of polydata, text or big-endian bytes.
 #include <fmt/format.h>
-#include <tinyxml2.h>
 
 #include <cmath>
 #include <cstdint>
-#include <functional>
 
-#include <febiodea/base/error.h>
 #include <febiodea/io/surfaces/surface_text.h>
 
 namespace dea {
@@ -127,85 +124,6 @@ TriangleSurface read_vtk(SurfaceText& text) {
                       shown(word)));
     }
   }
-  return surface;
-}
-
-namespace {
-
-using Xml = tinyxml2::XMLElement;
-
-/// Calls `use` with the text of a <DataArray>, of this name if one is given.
-void with_array(const std::string& path, const Xml* parent, const char* name,
-                const std::function<void(SurfaceText&)>& use) {
-  const Xml* array = parent == nullptr ? nullptr : parent->FirstChildElement("DataArray");
-  while (array != nullptr && name != nullptr && !array->Attribute("Name", name))
-    array = array->NextSiblingElement("DataArray");
-  if (array == nullptr)
-    throw InputError(path, parent == nullptr ? 0 : parent->GetLineNum(),
-                     fmt::format("found no <DataArray> of {}, expected one", name == nullptr ? "points" : name));
-  if (!array->Attribute("format", "ascii"))
-    throw InputError(path, array->GetLineNum(),
-                     "found data as bytes, expected format=\"ascii\": save the surface as text, or as STL or PLY");
-  SurfaceText text(path, array->GetText() == nullptr ? "" : array->GetText());
-  use(text);
-}
-
-std::vector<long long> numbers(const std::string& path, const Xml* parent, const char* name) {
-  std::vector<long long> values;
-  with_array(path, parent, name, [&](SurfaceText& text) {
-    for (;;) {
-      SurfaceText ahead = text;
-      if (ahead.next_word().empty()) return;
-      values.push_back(text.next_integer(name));
-    }
-  });
-  return values;
-}
-
-void read_piece(const std::string& path, const Xml* piece, TriangleSurface& all) {
-  TriangleSurface surface;
-  with_array(path, piece->FirstChildElement("Points"), nullptr, [&](SurfaceText& text) {
-    for (;;) {
-      SurfaceText ahead = text;
-      if (ahead.next_word().empty()) return;
-      Eigen::Vector3d x;
-      for (int c = 0; c < 3; ++c) x[c] = text.next_number("a coordinate");
-      surface.points.push_back(x);
-    }
-  });
-  const Xml* polygons = piece->FirstChildElement("Polys");
-  const std::vector<long long> corners = numbers(path, polygons, "connectivity"),
-                               ends = numbers(path, polygons, "offsets");
-  const SurfaceText place(path, "");
-  long long begin = 0;
-  for (const long long end : ends) {
-    if (end < begin || end > static_cast<long long>(corners.size()))
-      throw InputError(path, polygons->GetLineNum(),
-                       fmt::format("found the offset {}, expected offsets that grow to {}", end, corners.size()));
-    place.add_polygon(surface, {corners.begin() + begin, corners.begin() + end});
-    begin = end;
-  }
-  const int first = static_cast<int>(all.points.size());
-  all.points.insert(all.points.end(), surface.points.begin(), surface.points.end());
-  for (const auto& t : surface.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-}
-
-}  // namespace
-
-TriangleSurface read_vtp(const std::string& path, std::string_view content) {
-  tinyxml2::XMLDocument document;
-  if (content.find("AppendedData") != std::string_view::npos)
-    throw InputError(path, 0,
-                     "found appended data, expected format=\"ascii\": save the surface as text, or as STL or PLY");
-  if (document.Parse(content.data(), content.size()) != tinyxml2::XML_SUCCESS)
-    throw InputError(path, document.ErrorLineNum(), "found no XML, expected a VTP file");
-  const Xml* root = document.FirstChildElement("VTKFile");
-  const Xml* data = root == nullptr ? nullptr : root->FirstChildElement("PolyData");
-  if (data == nullptr) throw InputError(path, 0, "found XML without <VTKFile> and <PolyData>, expected a VTP surface");
-  TriangleSurface surface;
-  for (const Xml* piece = data->FirstChildElement("Piece"); piece != nullptr;
-       piece = piece->NextSiblingElement("Piece"))
-    read_piece(path, piece, surface);
   return surface;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -23,9 +24,9 @@ std::string shown(std::string_view word) {
 
 std::string_view SurfaceText::next_line() {
   const std::size_t begin = place_;
-  std::size_t end = content_.find('\n', begin);
-  place_ = end == std::string_view::npos ? content_.size() : end + 1;
-  if (end == std::string_view::npos) end = content_.size();
+  const std::size_t end = std::min(content_.find_first_of("\r\n", begin), content_.size());
+  const bool both = content_.substr(end, 2) == "\r\n";
+  place_ = std::min(end + (both ? 2 : 1), content_.size());
   ++line_;
   std::string_view found = content_.substr(begin, end - begin);
   while (!found.empty() && is_space(found.front())) found.remove_prefix(1);
@@ -34,7 +35,9 @@ std::string_view SurfaceText::next_line() {
 }
 
 std::string_view SurfaceText::next_word() {
-  while (place_ < content_.size() && is_space(content_[place_])) line_ += content_[place_++] == '\n';
+  for (; place_ < content_.size() && is_space(content_[place_]); ++place_)
+    line_ += content_[place_] == '\n' ||
+             (content_[place_] == '\r' && !(place_ + 1 < content_.size() && content_[place_ + 1] == '\n'));
   const std::size_t begin = place_;
   while (place_ < content_.size() && !is_space(content_[place_])) ++place_;
   return content_.substr(begin, place_ - begin);

@@ -18,7 +18,7 @@ class SurfaceText {
   std::size_t bytes_left() const { return content_.size() - place_; }
   int line() const { return line_; }
 
-  /// Up to the next end of line, which is passed; without white space at both ends.
+  /// Up to the next end of line (of Unix, Windows, or old Macs), which is passed; without white space at both ends.
   std::string_view next_line();
   /// The next word, over ends of lines; empty at the end of the file.
   std::string_view next_word();

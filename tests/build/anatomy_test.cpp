@@ -758,6 +758,44 @@ TEST(LandmarkFiles, PlainAndSlicers) {
   }
 }
 
+/// As Slicer 5 saves a list of points, shortened.
+std::string markups(const std::string& axes, const std::string& points) {
+  return fmt::format(R"({{
+    "@schema": "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#",
+    "markups": [
+        {{
+            "type": "Fiducial",
+            "coordinateSystem": "{}",
+            "coordinateUnits": "mm",
+            "controlPoints": [
+                {}
+            ]
+        }}
+    ]
+}}
+)",
+                     axes, points);
+}
+
+std::string control_point(const std::string& label, const std::string& position, const std::string& status) {
+  return fmt::format(R"({{"id": "1", "label": "{}", "position": {}, "locked": true, "positionStatus": "{}"}})", label,
+                     position, status);
+}
+
+TEST(LandmarkFiles, SlicersMarkups) {
+  const std::string two = control_point("RASIS", "[-19.9, 13.9, 29.4]", "defined") + ",\n" +
+                          control_point("HJC", "[0.0, 0.0, 0.0]", "undefined") + ",\n" +
+                          control_point("LASIS", "[20, 1e1, 3]", "defined");
+  for (const char* axes : {"LPS", "RAS"}) {
+    const LandmarkFile file = read_as("l.mrk.json", markups(axes, two));
+    ASSERT_EQ(file.landmarks.size(), 2U);
+    EXPECT_EQ(file.axes, axes);
+    EXPECT_EQ(file.landmarks[0].name, "RASIS");
+    EXPECT_EQ(file.landmarks[0].point, Vector3d(-19.9, 13.9, 29.4));
+    EXPECT_EQ(file.landmarks[1].point, Vector3d(20, 10, 3));
+  }
+}
+
 TEST(LandmarkFiles, WhatCannotBeReadIsRefused) {
   const auto fault = [](const std::string& name, const std::string& text) {
     const std::string what = refused([&] { read_as(name, text); });
@@ -767,10 +805,25 @@ TEST(LandmarkFiles, WhatCannotBeReadIsRefused) {
             "l.csv:1: found columns name, x, y, expected name (or label) and x, y, z (or l, p, s or r, a, s)");
   EXPECT_EQ(fault("l.csv", "name,x,y,z\nA,1,2,3\nB,1,nan,3\n"),
             "l.csv:3: y of \"B\": found \"nan\", expected a number with a decimal point");
-  EXPECT_EQ(
-      fault("l.mrk.json", "{}"),
-      "l.mrk.json: found JSON, expected CSV; in Slicer, export the control points to a table and save it as .csv, or "
-      "save the list as .fcsv");
+  EXPECT_EQ(fault("l.mrk.json", "{}"),
+            "l.mrk.json: found no \"markups\", expected a list of markups as Slicer saves it (.mrk.json), or CSV");
+  const std::string point = control_point("A", "[1, 2, 3]", "defined");
+  const std::string cut_off = markups("LPS", point).substr(0, 300);
+  EXPECT_EQ(fault("l.mrk.json", cut_off),
+            fmt::format("l.mrk.json:{}: found something else, expected JSON: the file is damaged or cut off",
+                        1 + std::count(cut_off.begin(), cut_off.end(), '\n')));
+  EXPECT_EQ(fault("l.mrk.json", markups("IJK", point)),
+            "l.mrk.json: coordinateSystem: found \"IJK\", expected \"LPS\" or \"RAS\"");
+  for (const char* position : {"[1, 2]", "[1, 2, \"3\"]", "{}", "7", "null"})
+    EXPECT_EQ(fault("l.mrk.json", markups("LPS", control_point("A", position, "defined"))),
+              "l.mrk.json: position of \"A\": found something else, expected three numbers");
+  EXPECT_EQ(fault("l.mrk.json", markups("LPS", control_point("A", "[1, 2, 1e999]", "defined"))),
+            "l.mrk.json: found a number that is none of use, expected coordinates");
+  EXPECT_EQ(fault("l.mrk.json", markups("LPS", control_point("A", "[0, 0, 0]", "undefined"))),
+            "l.mrk.json: found no control point with a position, expected landmarks");
+  EXPECT_EQ(fault("l.mrk.json", R"({"markups": [{"coordinateSystem": "LPS", "controlPoints": [)" + point +
+                                    R"(]}, {"coordinateSystem": "RAS", "controlPoints": [)" + point + "]}]}"),
+            "l.mrk.json: coordinateSystem: found both LPS and RAS, expected one; save the lists as two files");
 }
 
 /// What dea build writes is what dea run reads, to the last bit.

@@ -10,6 +10,8 @@
 #include <filesystem>
 
 #include <febiodea/base/error.h>
+#include <febiodea/io/files/encoded_text.h>
+#include <febiodea/io/files/packed_bytes.h>
 
 #include "io/text_file.h"
 
@@ -111,6 +113,169 @@ constexpr const char* kVtp =
     "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">3 6 9 "
     "12</DataArray></Polys></Piece></PolyData></VTKFile>\n";
 
+/// As VTK 9.1 wrote it: blocks packed by zlib, as base64 within the XML.
+constexpr const char* kVtpOfVtk = R"(<?xml version="1.0"?>
+<VTKFile type="PolyData" version="0.1" byte_order="LittleEndian" header_type="UInt32" compressor="vtkZLibDataCompressor">
+  <PolyData>
+    <Piece NumberOfPoints="4" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="4">
+      <Points>
+        <DataArray type="Float32" Name="Points" NumberOfComponents="3" format="binary" RangeMin="0" RangeMax="3">
+          AQAAAACAAAAwAAAAFAAAAA==eF5jYEAGDfYMqMABjesAAB5PAYA=
+          <InformationKey name="L2_NORM_RANGE" location="vtkDataArray" length="2">
+            <Value index="0">
+              0
+            </Value>
+          </InformationKey>
+        </DataArray>
+      </Points>
+      <Verts>
+        <DataArray type="Int64" Name="connectivity" format="binary" RangeMin="1e+299" RangeMax="-1e+299">
+          AAAAAACAAAAAAAAA
+        </DataArray>
+      </Verts>
+      <Polys>
+        <DataArray type="Int64" Name="connectivity" format="binary" RangeMin="0" RangeMax="3">
+          AQAAAACAAABgAAAAHgAAAA==eF5jYIAAJijNyIAKYHxmNHEYH10fjA+TBwADUAAT
+        </DataArray>
+        <DataArray type="Int64" Name="offsets" format="binary" RangeMin="3" RangeMax="12">
+          AQAAAACAAAAgAAAAEwAAAA==eF5jZoAANijNCaV5oDQAAgAAHw==
+        </DataArray>
+      </Polys>
+    </Piece>
+  </PolyData>
+</VTKFile>
+)";
+
+struct VtpKind {
+  bool appended = false, raw = false, packed = false, big = false, long_counts = false;
+  std::size_t block = 40;  // bytes: several blocks, the last one shorter
+};
+
+/// A VTP file with its numbers as bytes, as VTK's file format describes them.
+std::string vtp(const VtpKind& kind) {
+  std::string points, corners, ends, appended;
+  for (const auto& p : kPoints)
+    for (const float x : p) points += bytes<double>(x, kind.big);
+  for (const auto& t : kTriangles)
+    for (const int p : t) corners += bytes<std::int32_t>(p, kind.big);
+  for (std::uint64_t i = 3; i <= 12; i += 3) ends += bytes(i, kind.big);
+  const auto count = [&](std::size_t n) {
+    return kind.long_counts ? bytes<std::uint64_t>(n, kind.big)
+                            : bytes<std::uint32_t>(static_cast<std::uint32_t>(n), kind.big);
+  };
+  const auto text = [&](const std::string& all) { return kind.appended && kind.raw ? all : base64(all); };
+  const auto coded = [&](const std::string& all) {
+    if (!kind.packed) return text(count(all.size()) + all);
+    const std::size_t blocks = (all.size() + kind.block - 1) / kind.block;
+    std::string counts = count(blocks) + count(kind.block) + count(all.size() % kind.block), packed;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::string one = packed_bytes(all.substr(b * kind.block, kind.block));
+      counts += count(one.size());
+      packed += one;
+    }
+    return text(counts) + text(packed);
+  };
+  const auto array = [&](const char* type, const char* name, const std::string& all) {
+    std::string words = std::string("<DataArray type=\"") + type + "\" Name=\"" + name + "\" format=\"";
+    if (!kind.appended) return words + "binary\">\n  " + coded(all) + "\n</DataArray>";
+    words += "appended\" offset=\"" + std::to_string(appended.size()) + "\"/>";
+    appended += coded(all);
+    return words;
+  };
+  const std::string arrays = "<Points>" + array("Float64", "Points", points) + "</Points><Polys>" +
+                             array("Int32", "connectivity", corners) + array("UInt64", "offsets", ends) + "</Polys>";
+  return std::string("<VTKFile type=\"PolyData\" byte_order=\"") + (kind.big ? "BigEndian" : "LittleEndian") +
+         "\" header_type=\"" + (kind.long_counts ? "UInt64" : "UInt32") + "\"" +
+         (kind.packed ? " compressor=\"vtkZLibDataCompressor\"" : "") + ">\n<PolyData><Piece>" + arrays +
+         "</Piece></PolyData>" +
+         (kind.appended ? std::string("\n<AppendedData encoding=\"") + (kind.raw ? "raw" : "base64") + "\">\n   _" +
+                              appended + "\n</AppendedData>"
+                        : "") +
+         "\n</VTKFile>\n";
+}
+
+TEST(Surfaces, VtpInBytesOfEveryKind) {
+  EXPECT_EQ(volume(read_surface(file("vtk.vtp", kVtpOfVtk))), 1.0);
+  for (int i = 0; i < 32; ++i) {
+    const VtpKind kind = {.appended = (i & 1) != 0,
+                          .raw = (i & 2) != 0,
+                          .packed = (i & 4) != 0,
+                          .big = (i & 8) != 0,
+                          .long_counts = (i & 16) != 0};
+    const TriangleSurface s = read_surface(file("kind.vtp", vtp(kind)));
+    ASSERT_EQ(s.triangles.size(), 4U) << i;
+    EXPECT_EQ(volume(s), 1.0) << i;
+  }
+  EXPECT_EQ(volume(read_surface(file("even.vtp", vtp({.packed = true, .block = 48})))), 1.0);  // no shorter last block
+}
+
+TEST(Surfaces, DamagedVtpIsRefused) {
+  const auto fault = [](const std::string& text) {
+    try {
+      read_surface(file("damaged.vtp", text));
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const auto with = [](std::string text, const std::string& old, const std::string& now) {
+    return text.replace(text.find(old), old.size(), now);
+  };
+  const std::string own = kVtpOfVtk, raw = vtp({.appended = true, .raw = true, .packed = true});
+  const std::pair<std::string, const char*> cases[] = {
+      {with(own, "AQAAAACAAAAwAAAAFAAAAA==eF5j", "AQAAAACAAAAwAAAAFAAAAA==eF5k"),
+       ":6: found bytes that zlib cannot unpack"},
+      {with(own, "AQAAAACAAAAwAAAAFAAAAA==", "AQAAAACAAAAwAAAA/////w=="), ":6: found a block longer than the file"},
+      {with(own, "AQAAAACAAAAwAAAAFAAAAA==", "AQAAAACAAAD/////FAAAAA=="), ":6: found bytes that zlib cannot unpack"},
+      {with(own, "AQAAAACAAAAwAAAAFAAAAA==", "////////////////////////"), ":6: found 4294967295 blocks"},
+      {with(own, "AQAAAACAAAAwAAAAFAAAAA==", "AQAA!ACAAAAwAAAAFAAAAA=="), ":6: found text that is no base64"},
+      {with(own, "AQAAAACAAAAwAAAAFAAAAA==eF5jYEAGDfYMqMABjesAAB5PAYA=", "AQ"), ":6: found the end of its bytes"},
+      {with(own, "vtkZLibDataCompressor", "vtkLZ4DataCompressor"),
+       ":2: found the compressor \"vtkLZ4DataCompressor\", expected vtkZLibDataCompressor or none: save the surface as "
+       "STL"},
+      {with(own, "Float32", "Int8"), ":6: found the type \"Int8\", expected Float32 or Float64"},
+      {with(own, "Int64\" Name=\"offsets", "Int16\" Name=\"offsets"), "found the type \"Int16\", expected Int32"},
+      {with(own, "format=\"binary\"", "format=\"bytes\""),
+       ":6: found format=\"bytes\", expected ascii, binary or appended"},
+      {with(raw, "offset=\"0\"", "offset=\"99999\""), "found an offset outside the appended data"},
+      {with(raw, "offset=\"0\"", ""), "found an offset outside the appended data"},
+      {raw.substr(0, raw.find("   _")), "found appended data without \"_\""},
+      {raw.substr(0, raw.find("\n</AppendedData>") - 5),
+       "found blocks longer than the file, expected less: it is cut off"},
+      {with(own, "Float32", "Float64"), "found a corner at point 2"},
+  };
+  for (const auto& [text, expected] : cases)
+    EXPECT_NE(fault(text).find(expected), std::string::npos) << expected << "\n" << fault(text);
+  // whatever is cut off or changed: a surface or a fault, never anything else
+  for (const VtpKind& kind :
+       {VtpKind{.appended = true, .raw = true, .packed = true}, VtpKind{.packed = true}, VtpKind{}}) {
+    const std::string whole = vtp(kind);
+    for (std::size_t i = 0; i < whole.size(); i += 7) {
+      fault(whole.substr(0, i));
+      std::string changed = whole;
+      changed[i] = static_cast<char>(changed[i] ^ 0x41);
+      fault(changed);
+    }
+  }
+}
+
+TEST(Surfaces, LinesMayEndAsOnOldMacs) {
+  for (const char* end : {"\r", "\r\n"}) {
+    for (const auto& [name, text] :
+         {std::pair<const char*, std::string>{"mac.stl", stl_text()}, {"mac.obj", kObj}, {"mac.ply", ply("ascii")}}) {
+      std::string changed;
+      for (const char c : text) changed += c == '\n' ? std::string(end) : std::string(1, c);
+      EXPECT_EQ(volume(read_surface(file(name, changed))), 1.0) << name;
+    }
+    try {
+      read_surface(file("line.obj", std::string("v 0 0 0") + end + "v 1 zero 0" + end));
+      ADD_FAILURE();
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("line.obj:2:"), std::string::npos) << e.what();
+    }
+  }
+}
+
 TEST(Surfaces, OneShapeInEveryFormat) {
   const std::pair<const char*, std::string> files[] = {{"a.stl", stl_binary()},
                                                        {"b.stl", stl_text()},
@@ -196,7 +361,7 @@ TEST(Surfaces, WhatIsNoSurfaceIsRefusedWithItsPlace) {
       {"broken.vtp", "<VTKFile><PolyData>", "found no XML, expected a VTP file"},
       {"other.vtp", "<VTKFile><ImageData/></VTKFile>", ": found XML without <VTKFile> and <PolyData>"},
       {"binary.vtp", std::string(kVtp).replace(std::string(kVtp).find("ascii"), 5, "binary"),
-       "found data as bytes, expected format=\"ascii\""},
+       ":3: found more bytes named than there are, expected fewer"},
       {"none.vtp", std::string(kVtp).replace(std::string(kVtp).find("offsets"), 7, "ends"),
        ":4: found no <DataArray> of offsets, expected one"},
       {"offsets.vtp", std::string(kVtp).replace(std::string(kVtp).find("3 6 9"), 5, "3 2 9"),
@@ -206,8 +371,7 @@ TEST(Surfaces, WhatIsNoSurfaceIsRefusedWithItsPlace) {
        "endsolid\n",
        ": found a coordinate of point 2 that is no number of use"},
       {"grid.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n", ":4: found another data set"},
-      {"bytes.vtp", "<VTKFile><PolyData/><AppendedData/></VTKFile>",
-       ": found appended data, expected format=\"ascii\""},
+      {"bytes.vtp", "<VTKFile><PolyData/><AppendedData/></VTKFile>", ": found appended data without \"_\" before them"},
   };
   for (const auto& [name, text, expected] : cases) {
     const std::string path = file(name, text);
