@@ -505,10 +505,6 @@ std::vector<std::string> read_loads(BuildInputs& inputs) {
     moments = moments || !load.tail<3>().isZero(0);
   }
   bone.force = bone.forces.front();
-  constexpr double kMostInKilograms = 150;
-  if (loads.body_weight && *loads.body_weight < kMostInKilograms)
-    findings.push_back(fmt::format("body weight: {:g} N; one of {:g} kg would be {:.4g} N (body-weight)",
-                                   *loads.body_weight, *loads.body_weight, 9.81 * *loads.body_weight));
   inputs.load_times = loads.time;
   if (moments)
     findings.push_back(fmt::format("{}: the table's moments have no effect, for the bone does not turn", loads.body));

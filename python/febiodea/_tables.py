@@ -33,15 +33,17 @@ def _flat(row, name, value):
 
 
 def rows(states):
-    """A dictionary per state and contact: `time`, `step`, `outcome`, `contact`, then the contact's numbers by their names
-    in JSON (docs/results.md); vectors as three columns, the headline as `headline_...`; what is null there is NaN. Other
-    lists are in Contact.statistics alone."""
+    """A dictionary per state and contact: `time`, `step`, `outcome`, `contact`, the headline as `headline_...`, then the
+    contact's other numbers by their names in JSON (docs/results.md); vectors as three columns; what is null there is NaN.
+    Other lists are in Contact.statistics alone."""
     all_rows = []
     for state in states:
         for contact in state.contacts:
             row = {"time": state.time, "step": state.step, "outcome": state.outcome, "contact": contact.name}
-            for name, value in contact.statistics.items():
-                if name not in ("name", "compartments") and not (name == "inside" and value is None):
+            numbers = contact.statistics
+            _flat(row, "headline", numbers["headline"])  # first: it is what a map is summed up by
+            for name, value in numbers.items():
+                if name not in ("name", "headline", "compartments") and not (name == "inside" and value is None):
                     _flat(row, name, value)
             all_rows.append(row)
     return all_rows

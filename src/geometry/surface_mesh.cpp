@@ -456,6 +456,23 @@ SphereFit fit_sphere(const SurfaceMesh& surface) {
   return fit;
 }
 
+Roundness roundness(const SurfaceMesh& surface, const SphereFit& sphere) {
+  constexpr double kMostRms = 0.1;      // of the radius
+  constexpr double kFlatRadius = 10.0;  // of the radius of gyration
+  constexpr double kLeastAlong = 0.8;   // mean cosine between normals and radii
+  if (!(sphere.rms <= kMostRms * sphere.radius)) return Roundness::Uneven;
+  if (!(sphere.radius <= kFlatRadius * surface_extent(surface).radius_of_gyration)) return Roundness::Flat;
+  double along = 0.0, area = 0.0;
+  for (int t = 0; t < surface.size(); ++t) {
+    const double a = surface.areas[static_cast<std::size_t>(t)];
+    along +=
+        a *
+        std::abs(surface.normals[static_cast<std::size_t>(t)].dot((surface.centroid(t) - sphere.center).normalized()));
+    area += a;
+  }
+  return along >= kLeastAlong * area ? Roundness::Round : Roundness::Flat;
+}
+
 SurfaceExtent surface_extent(const SurfaceMesh& surface) {
   SurfaceExtent extent;
   for (int t = 0; t < surface.size(); ++t) {

@@ -85,6 +85,13 @@ struct SphereFit {
 };
 SphereFit fit_sphere(const SurfaceMesh& surface);
 
+/// Has a surface the shape of its sphere? Only then do the sphere's centre and radius mean something.
+/// Uneven: its vertices lie more than a tenth of the radius from the sphere (root mean square).
+/// Flat: the radius is more than ten radii of gyration, or the normals do not point along the radii; those of a plane
+/// do not, though a sphere goes through the four corners of a square.
+enum class Roundness { Round, Uneven, Flat };
+Roundness roundness(const SurfaceMesh& surface, const SphereFit& sphere);
+
 /// Centre and radius of gyration of a surface (area-weighted).
 struct SurfaceExtent {
   Vector3d centroid = Vector3d::Zero();

@@ -34,13 +34,16 @@ SphereFit articular_sphere(const Joint& joint, int body, const std::string& name
   if (surfaces.size() > 1)
     refuse(name, say("this body has {} articular surfaces, each with a sphere of its own;", surfaces.size()));
   const SphereFit sphere = fit_sphere(layer->articular);
-  if (!(sphere.rms <= 0.1 * sphere.radius))
-    refuse(name, say("its articular surface is no sphere: the points lie {:.3g} from one of radius {:.3g} (root mean "
-                     "square);",
-                     sphere.rms, sphere.radius));
-  // a flat surface has no centre: that of its sphere lies anywhere far away
-  if (sphere.radius > 10.0 * surface_extent(layer->articular).radius_of_gyration)
-    refuse(name, say("its articular surface is nearly flat (sphere of radius {:.3g});", sphere.radius));
+  switch (roundness(layer->articular, sphere)) {
+    case Roundness::Uneven:
+      refuse(name, say("its articular surface is no sphere: the points lie {:.3g} from one of radius {:.3g} (root mean "
+                       "square);",
+                       sphere.rms, sphere.radius));
+    case Roundness::Flat:  // it has no centre: that of its sphere lies anywhere
+      refuse(name, say("its articular surface is nearly flat (sphere of radius {:.3g});", sphere.radius));
+    case Roundness::Round:
+      break;
+  }
   return sphere;
 }
 

@@ -218,4 +218,36 @@ double pressed_end_of_selection(const Layer& layer, const std::vector<double>& p
   return length;
 }
 
+double facets_across(const Layer& layer, const std::vector<double>& pressure, double above) {
+  const SurfaceMesh& mesh = layer.articular;
+  const auto in_symmetry_plane = [&](int a, int b) {
+    return layer.mirror.size() == mesh.vertices.size() && (layer.mirror[at(a)] & layer.mirror[at(b)]) != 0;
+  };
+  const auto pressed = [&](int t) { return t >= 0 && pressure[at(mesh.facet[at(t)])] > above; };
+  std::vector<std::array<Vector3d, 2>> end;  // edges where contact ends
+  std::vector<Vector3d> inside;              // ends and middles of all pressed edges
+  double size = 0.0, area = 0.0;
+  for (int t = 0; t < mesh.size(); ++t) {
+    if (!pressed(t)) continue;
+    size += mesh.areas[at(t)] * std::sqrt(2 * mesh.areas[at(t)]);
+    area += mesh.areas[at(t)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = mesh.triangles[at(t)][k], b = mesh.triangles[at(t)][(k + 1) % 3];
+      const Vector3d &x = mesh.vertices[at(a)], &y = mesh.vertices[at(b)];
+      inside.insert(inside.end(), {x, 0.5 * (x + y)});
+      if (!pressed(mesh.neighbours[at(t)][k]) && !in_symmetry_plane(a, b)) end.push_back({x, y});
+    }
+  }
+  if (area == 0) return 0.0;
+  double farthest = 0.0;
+  for (const Vector3d& x : inside) {
+    double nearest = kInfinity;
+    // most places are nearer than the farthest so far to some edge: then the others do not matter
+    for (std::size_t e = 0; e < end.size() && nearest > farthest; ++e)
+      nearest = std::min(nearest, distance_to_segment(x, end[e][0], end[e][1]));
+    farthest = std::max(farthest, nearest);
+  }
+  return 2 * farthest * area / size;
+}
+
 }  // namespace dea

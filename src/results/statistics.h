@@ -61,4 +61,10 @@ void add_inside(const ContactPair& pair, std::array<std::optional<InsideSide>, 2
 /// edge of the selection, as under a punch.
 double pressed_end_of_selection(const Layer& layer, const std::vector<double>& pressure, double above);
 
+/// How many facets wide contact is at its widest: twice the greatest distance of a pressed facet's edges from where
+/// contact ends, over the mean size of the pressed facets, sqrt(2 area) of their triangles. A strip has its width,
+/// whatever its length. Contact does not end at a plane of symmetry. Pressed is a facet with more than `above`;
+/// `pressure`: per facet, SideFields::pressure. 0: none is. Infinity: it ends nowhere, on a closed surface.
+double facets_across(const Layer& layer, const std::vector<double>& pressure, double above);
+
 }  // namespace dea

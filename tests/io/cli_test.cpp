@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -1196,6 +1197,50 @@ TEST_F(Cli, CtrlCBeforeTheSearchEndsAtOnce) {
   EXPECT_LT(seconds, 5.0);
   EXPECT_NE(f.err.find("\ndea: stopped"), std::string::npos) << f.err;
   EXPECT_TRUE(fs::is_empty(folder));
+}
+
+// A cmake that does not end when it is asked to: the first Ctrl-C waits for it, the second one ends it and dea at once.
+TEST_F(Cli, SecondCtrlCEndsPluginBuildAtOnce) {
+  fs::create_directories(folder / "sdk/lib/cmake/FEBio");
+  fs::create_directories(folder / "sdk/include/FECore");
+  write("sdk/lib/cmake/FEBio/FEBioConfig.cmake", "");
+  write("sdk/include/FECore/version.h", "");
+  fs::create_directory(folder / "bin");
+  fs::create_directory(folder / "tmp");
+  const fs::path started = folder / "started";
+  write("bin/cmake", fmt::format("#!/bin/sh\ntrap '' TERM\necho $$ >'{0}.part'\nmv '{0}.part' '{0}'\n"
+                                 "while :; do sleep 0.1; done\n",
+                                 started.string()));
+  fs::permissions(folder / "bin/cmake", fs::perms::owner_all);
+  const std::string path = ::getenv("PATH");
+  const fs::path out = folder.string() + ".out", err = folder.string() + ".err";
+  ::setenv("PATH", ((folder / "bin").string() + ":" + path).c_str(), 1);
+  ::setenv("TMPDIR", (folder / "tmp").c_str(), 1);
+  const pid_t child = start(folder, {"plugin-build", "sdk"}, out, err);
+  ::setenv("PATH", path.c_str(), 1);
+  ::unsetenv("TMPDIR");
+  const auto now = [] { return std::chrono::steady_clock::now(); };
+  const auto pause = [](int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); };
+  for (const auto begin = now(); !fs::exists(started) && now() - begin < std::chrono::minutes(1);) pause(5);
+  const pid_t cmake = std::atoi(file_text(started).c_str());
+  ASSERT_GT(cmake, 0);
+  ::kill(child, SIGINT);
+  pause(300);
+  EXPECT_EQ(::waitpid(child, nullptr, WNOHANG), 0);  // it waits
+  // what has ended may still stand there as a zombie
+  const auto runs = [](pid_t process) {
+    const fs::path status = fmt::format("/proc/{}/status", process);
+    return fs::exists(status) && file_text(status).find("State:\tZ") == std::string::npos;
+  };
+  EXPECT_TRUE(runs(cmake));
+  ::kill(child, SIGINT);
+  const auto asked = now();
+  const Finished f = end_of(child, out, err);
+  EXPECT_LT(now() - asked, std::chrono::seconds(3));  // before its patience with cmake is over
+  EXPECT_EQ(f.code, 130) << f.err;
+  EXPECT_NE(f.err.find("dea: stopped\n"), std::string::npos) << f.err;
+  for (const auto begin = now(); runs(cmake) && now() - begin < std::chrono::seconds(5);) pause(5);
+  EXPECT_FALSE(runs(cmake));  // nothing goes on behind our backs
 }
 
 TEST_F(Cli, ResultsDoNotDependOnThreads) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -68,6 +69,45 @@ TEST(Plausibility, ALayerAsThickAsItsBallIsToldAndAPlaneHasNoRadius) {
   EXPECT_TRUE(has(told(model, 12, "mm-N-s"), "is more than half the radius of its sphere, 4:"));
   EXPECT_FALSE(has(told(test::concentric_spheres(6, 100), 12, ""), "radius"));
   EXPECT_FALSE(has(told(test::flat_plates(2, 4, 3.9, 0.0), 12, ""), "radius"));
+}
+
+/// A ball of radius 40 over a layer of 2, whose facets are 2.4 long, pressed `depth` deep: the surfaces as they were
+/// meet within sqrt(2 R depth) of the middle.
+JointModel ball_on_long_facets(double depth) {
+  JointModel model = test::empty_model();
+  const int cartilage = test::add_material(model, "cartilage", false), base = test::add_material(model, "base", true),
+            ball = test::add_material(model, "ball", true);
+  const auto flat = [](double z) {
+    return [z](double u, double v) { return Vector3d(36 * (u - 0.5), 36 * (v - 0.5), z); };
+  };
+  const int a = test::add_layer(model, "layer", 15, 15, 2, flat(-2), flat(0), cartilage, base);
+  const int b = test::add_rigid_surface(
+      model, "ball", 120, 120,
+      [](double u, double v) {
+        const double x = 36 * (v - 0.5), y = 36 * (u - 0.5);
+        return Vector3d(x, y, 40 - std::sqrt(1600 - x * x - y * y));
+      },
+      ball);
+  test::add_contact(model, "press", a, b);
+  test::fix(model, base, {true, true, true, true, true, true});
+  test::fix(model, ball, {true, true, false, true, true, true});
+  test::prescribe(model, ball, 2, -depth);
+  return model;
+}
+
+// Long facets are no fault by themselves: what counts is how many of them contact is wide (docs/layer_law.md, 4).
+TEST(Plausibility, LongFacetsAreOnlyWarnedOfWhereContactIsNarrow) {
+  const JointModel narrow = ball_on_long_facets(0.1), wide = ball_on_long_facets(1.0);
+  for (const JointModel& model : {narrow, wide}) {
+    const Lines lines = model_remarks(model, make_joint(model, {}));
+    EXPECT_TRUE(has(lines, "note: contact \"press\": facets are long against the cartilage's thickness (1.2 on"));
+    EXPECT_EQ(warnings_in(lines), Lines());
+  }
+  EXPECT_TRUE(has(warnings_in(result_remarks(narrow, analyse(narrow, {}))), "facets wide on surface \"layer\""));
+  EXPECT_FALSE(has(result_remarks(wide, analyse(wide, {})), "facets wide"));
+  Settings finer;  // what the warning asks for ends it
+  finer.refine = 3;
+  EXPECT_FALSE(has(result_remarks(narrow, analyse(narrow, finer)), "facets wide"));
 }
 
 /// The largest strain is (d / h) everywhere (S2): 0.6.

@@ -176,6 +176,24 @@ TEST(Tables, MomentsInPercentOfBodyWeightSayTheirLength) {
   EXPECT_NE(settings.loads.words.find("moments times the model's length"), std::string::npos);
 }
 
+TEST(Tables, AWeightThatMayBeInKilogramsIsQuestioned) {
+  const auto words = [](double weight, const char* units) {
+    JointModel model;
+    model.units = units;
+    Settings settings;
+    settings.loads.file = file("bw.csv", "cycle,fx,fy,fz\n0,100,0,250\n");
+    settings.loads.body = "femur";
+    settings.loads.body_weight = weight;
+    read_tables(model, settings);
+    EXPECT_EQ(settings.loads.load[0][2], 2.5 * weight);  // taken as it is all the same
+    return settings.loads.words;
+  };
+  EXPECT_NE(words(80, "mm-N-s").find("in % of 80 (80 kg would be 784.8 N)"), std::string::npos);
+  EXPECT_NE(words(80, "").find("(80 kg would be 784.8 N)"), std::string::npos);
+  EXPECT_EQ(words(785, "mm-N-s").find("kg"), std::string::npos);
+  EXPECT_EQ(words(80, "mm-kg-s").find("kg would"), std::string::npos);  // forces in mN: not a weight in kg
+}
+
 // What a column's name says in brackets is what it is taken in, or it is refused.
 TEST(Tables, UnitsInNamesOfColumnsMustBeThoseTaken) {
   const auto with = [](const std::string& names, const std::string& units, const std::string& model_units) {

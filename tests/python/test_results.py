@@ -90,6 +90,8 @@ def test_table_and_pandas(hip_result):
     row = hip_result.table()[-1]
     assert row["contact"] == "hip_contact" and row["headline_p99"] == hip_result.states[-1].contact().headline.p99
     assert row["force_x"] == hip_result.states[-1].contact().force[0]
+    assert [name for name in row if not name.startswith("headline_")][:4] == ["time", "step", "outcome", "contact"]
+    assert all(name.startswith("headline_") for name in list(row)[4:9]), list(row)[:10]
     if importlib.util.find_spec("pandas") is None:
         with pytest.raises(ImportError, match="needs pandas"):
             hip_result.to_pandas()

@@ -6,6 +6,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/results/percentile.h>
+#include <febiodea/results/statistics.h>
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
@@ -437,6 +438,67 @@ TEST(SurfaceMesh, SphereFit) {
   EXPECT_LT(fit.center.norm(), 1e-9);
   EXPECT_NEAR(fit.radius, 20.0, 1e-9);
   EXPECT_LT(fit.rms, 1e-9);
+}
+
+// A sphere goes through the corners of every rectangle, about its middle; only its normals tell that it is none.
+TEST(SurfaceMesh, CornersOfAFlatAreNoSphere) {
+  const auto rises = [](double height) {  // the middle of a square of side 2, lifted
+    return make_surface_mesh({0, 3, 6, 9, 12}, {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4},
+                             {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, height}});
+  };
+  const SurfaceMesh square = make_surface_mesh({0, 4}, {0, 1, 2, 3}, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}});
+  const SphereFit fit = fit_sphere(square);
+  EXPECT_NEAR(fit.radius, std::sqrt(2.0), 1e-12);
+  EXPECT_LT(fit.rms, 1e-12);
+  EXPECT_EQ(roundness(square, fit), Roundness::Flat);
+  // five points on a sphere of radius R = (2 + h^2)/(2h)
+  EXPECT_EQ(roundness(rises(0.5), fit_sphere(rises(0.5))), Roundness::Round);
+  EXPECT_NEAR(fit_sphere(rises(0.5)).radius, 2.25, 1e-12);
+  EXPECT_EQ(roundness(rises(0.05), fit_sphere(rises(0.05))), Roundness::Flat);  // R = 20, radius of gyration .82
+}
+
+TEST(SurfaceMesh, AnEllipsoidIsUneven) {
+  const Joint joint = make_joint(concentric_spheres(12, 1.0), {});
+  SurfaceMesh stretched = joint.contacts[0].layers[1].articular;
+  for (Vector3d& x : stretched.vertices) x.x() *= 2.5;
+  EXPECT_EQ(roundness(stretched, fit_sphere(stretched)), Roundness::Uneven);
+}
+
+// Squares of side 0.5, 20 by 20 of them, of which some are pressed.
+TEST(Statistics, FacetsAcrossContact) {
+  constexpr int kSquares = 20;
+  std::vector<Vector3d> points;
+  for (int j = 0; j <= kSquares; ++j)
+    for (int i = 0; i <= kSquares; ++i) points.emplace_back(0.5 * i, 0.5 * j, 0);
+  std::vector<int> begin = {0}, nodes;
+  for (int j = 0; j < kSquares; ++j)
+    for (int i = 0; i < kSquares; ++i) {
+      const int n = j * (kSquares + 1) + i;
+      for (const int corner : {n, n + 1, n + kSquares + 2, n + kSquares + 1}) nodes.push_back(corner);
+      begin.push_back(static_cast<int>(nodes.size()));
+    }
+  Layer layer;
+  layer.articular = make_surface_mesh(begin, nodes, points);
+  const auto across = [&](const auto& is_pressed) {
+    std::vector<double> pressure;
+    for (int j = 0; j < kSquares; ++j)
+      for (int i = 0; i < kSquares; ++i) pressure.push_back(is_pressed(i, j) ? 2.0 : 0.1);
+    return facets_across(layer, pressure, 0.1);
+  };
+  EXPECT_EQ(across([](int, int) { return false; }), 0.0);
+  EXPECT_NEAR(across([](int, int j) { return j >= 4 && j < 8; }), 4.0, 1e-12);  // a strip has its width
+  EXPECT_NEAR(across([](int i, int j) { return i >= 2 && i < 10 && j >= 3 && j < 9; }), 6.0,
+              1e-12);                            // the shorter side
+  for (const double radius : {3.0, 5.0, 8.0}) {  // a disc its diameter, but for half a square's diagonal on each side
+    const double diameter = across([&](int i, int j) { return std::hypot(i - 9.5, j - 9.5) < radius; });
+    EXPECT_NEAR(diameter, 2 * radius, std::sqrt(2.0));
+  }
+  EXPECT_NEAR(across([](int, int) { return true; }), 20.0, 1e-12);  // as far as the surface
+  // half of a strip of width 8, cut by the plane of symmetry y = 0
+  const auto half = [](int, int j) { return j < 4; };
+  EXPECT_NEAR(across(half), 4.0, 1e-12);
+  for (const Vector3d& x : points) layer.mirror.push_back(x.y() == 0 ? 2 : 0);
+  EXPECT_NEAR(across(half), 8.0, 1e-12);
 }
 
 // -- contacts of type "dea": the cartilage is rigid with its bone, its modulus and thickness are the contact's

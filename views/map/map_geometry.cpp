@@ -377,11 +377,9 @@ MapView view_from(const Vector3d& toward, const Vector3d& up) {
 }
 
 bool unroll(const ResultSurface& surface, const Vector3d& up, MapView& view) {
-  const SurfaceExtent extent = surface_extent(surface.mesh);
   const SphereFit sphere = fit_sphere(surface.mesh);
-  if (!(sphere.radius > 0) || sphere.radius > 10 * extent.radius_of_gyration || !(sphere.rms < 0.1 * sphere.radius))
-    return false;
-  Vector3d outward = extent.centroid - sphere.center;
+  if (roundness(surface.mesh, sphere) != Roundness::Round) return false;
+  Vector3d outward = surface_extent(surface.mesh).centroid - sphere.center;
   if (outward.norm() < 1e-3 * sphere.radius) outward = Vector3d::UnitZ();  // a whole ball has no middle
   double facing = 0.0;
   for (int t = 0; t < surface.mesh.size(); ++t)

@@ -78,14 +78,9 @@ std::string unit_behind(const JointModel& model, Dimension dimension) {
   return unit.empty() ? "" : " " + unit;
 }
 
-// A sphere about which nothing is turned is not shown either (src/joint/placing.cpp).
-constexpr double kRoundRms = 0.1;     // of the radius
-constexpr double kFlatRadius = 10.0;  // of the surface's radius of gyration
-
 /// Nothing of a sphere where the surface is none: its centre and radius would mean nothing.
 std::string sphere_text(const Layer& layer, const SphereFit& sphere, const std::string& length) {
-  const double size = surface_extent(layer.articular).radius_of_gyration;
-  if (!(sphere.radius <= kFlatRadius * size) || !(sphere.rms <= kRoundRms * sphere.radius))
+  if (roundness(layer.articular, sphere) != Roundness::Round)
     return "      least-squares sphere: none, the surface is flat or not round\n";
   return fmt::format("      least-squares sphere: centre {}, radius {}, rms distance {}{}\n",
                      vector_text(sphere.center), number_text(sphere.radius), number_text(sphere.rms), length);

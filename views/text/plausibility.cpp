@@ -48,22 +48,12 @@ std::string odd_together(const std::string& surface, const Layer& layer, double 
       surface, E, size, as_if, wording({"units", "", "mm-N-s"}));
 }
 
-/// Do the normals point along the radii? Those of a plane do not, though a sphere goes through its rim.
-bool is_spherical(const SurfaceMesh& mesh, const SphereFit& sphere) {
-  if (!(sphere.radius > 0) || !(sphere.rms < 0.1 * sphere.radius)) return false;
-  double along = 0.0, area = 0.0;
-  for (int t = 0; t < mesh.size(); ++t) {
-    along += mesh.areas[at(t)] * std::abs(mesh.normals[at(t)].dot((mesh.centroid(t) - sphere.center).normalized()));
-    area += mesh.areas[at(t)];
-  }
-  return along > 0.9 * area;
-}
-
 /// A layer thick against the radius it is curved with: nothing is thin about it.
 std::string thick_on_its_radius(const std::string& surface, const Layer& layer) {
   const SphereFit sphere = fit_sphere(layer.articular);
   const double thickness = layer.mean_thickness();
-  if (!(thickness > kMostThicknessOverRadius * sphere.radius) || !is_spherical(layer.articular, sphere)) return "";
+  if (!(thickness > kMostThicknessOverRadius * sphere.radius) || roundness(layer.articular, sphere) != Roundness::Round)
+    return "";
   return fmt::format(
       "surface \"{}\": its mean thickness, {:.3g}, is more than half the radius of its sphere, {:.3g}: springs and the "
       "layer law suppose a layer that is thin against it",

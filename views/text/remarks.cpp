@@ -59,53 +59,59 @@ double prescribed_turn(const JointModel& model, const Joint& joint, const Equili
   return sum;
 }
 
-/// How far force and peak were off on a sphere where contact is 2 to 4 facets wide (docs/layer_law.md, 4, Long facets).
+/// How far force and peak were off on a sphere, by how many facets contact is wide (docs/layer_law.md, 4, Long facets).
 struct CoarseError {
-  double size;  ///< of facets, in thicknesses
+  double across;  ///< facets, at most
   const char* text;
 };
 constexpr CoarseError kCoarseErrors[] = {
-    {1.25, "force may be 10%, peak 30% off"},
-    {1.6, "force may be 25%, peak 55% off"},
-    {2.2, "force may be 40%, peak 70% off"},
+    {1.5, "force may be 40%, peak 80% off and more"},
+    {2.0, "force may be 40%, peak 70% off"},
+    {2.5, "force may be 25%, peak 55% off"},
+    {4.0, "force may be 10%, peak 30% off"},
 };
+constexpr double kFineFacets = 0.3;  // thicknesses
+constexpr int kMostTimes = 16;       // more is no mesh to be mended by dividing it
+
+/// The facets of a layer in thicknesses, as they are divided. 0: bare.
+double facet_size(const ContactPair& pair, const Layer& layer) { return layer.facet_size() / pair.refine; }
+
+/// "type --refine 3 (9 times the springs)": facets of half a thickness. Empty: no division mends that.
+std::string finer_springs(const ContactPair& pair, double size, const Wording& wording) {
+  const double times = std::ceil(size / 0.5);
+  if (!(times <= kMostTimes)) return "";
+  const int n = std::max(2, static_cast<int>(times));
+  return fmt::format("type {} ({} times the springs)", wording({"refine", "", std::to_string(pair.refine * n)}), n * n);
+}
 
 /// Law layer follows what flows within the size of the facets: facets of half the thickness or less are within 2 %
 /// where contact is 8 of them wide, facets as long as the cartilage is thick 7 % and 17 % off in force and peak where
-/// it is 4 wide. Empty: they are fine.
+/// it is 4 wide. How wide it is the result tells (add_narrow_contact). Empty: they are fine.
 std::string coarse_facets(const JointModel& model, const ContactPair& pair, const Wording& wording) {
-  constexpr double kFine = 0.3, kCoarse = 1.05;  // thicknesses
+  constexpr double kCoarse = 1.05;  // thicknesses
   if (pair.law != Law::Layer) return "";
   double worst = 0.0;
   std::string sizes;
   for (const Layer& layer : pair.layers) {
-    const double size = layer.facet_size() / pair.refine;
-    if (!(size > kFine)) continue;
+    const double size = facet_size(pair, layer);
+    if (!(size > kFineFacets)) continue;
     worst = std::max(worst, size);
     sizes += fmt::format("{}{:.2g} on \"{}\"", sizes.empty() ? "" : ", ", size, model.surfaces[at(layer.surface)].name);
   }
   if (worst == 0) return "";
   const std::string text =
       fmt::format("contact \"{}\": facets are long against the cartilage's thickness ({})", pair.name, sizes);
+  const std::string finer = finer_springs(pair, worst, wording);
+  if (finer.empty()) return fmt::format("warning: {}: mesh it finer, or is its thickness wrong?", text);
   if (worst <= kCoarse)
     return fmt::format(
         "note: {}: right to about 3% where contact is 8 facets wide, less where it is narrower; "
         "dea converge or {} tell",
         text, wording({"refine", "", std::to_string(2 * pair.refine)}));
-  const char* off = "force may be 40%, peak 80% off and more";
-  for (const CoarseError& e : kCoarseErrors)
-    if (worst <= e.size) {
-      off = e.text;
-      break;
-    }
-  constexpr int kMostTimes = 16;  // more is no mesh to be mended by dividing it
-  const int times = static_cast<int>(std::min(std::ceil(worst / 0.5), kMostTimes + 1.0)), refine = pair.refine * times;
-  const std::string advice = times > kMostTimes
-                                 ? "mesh it finer, or is its thickness wrong?"
-                                 : fmt::format("type {} ({} times the springs)",
-                                               wording({"refine", "", std::to_string(refine)}), times * times);
-  return fmt::format("warning: {}: {} where contact is 2 to 4 facets wide, less where it is wider; {}", text, off,
-                     advice);
+  return fmt::format(
+      "note: {}: right to about 3% where contact is 8 facets wide, force may be 40%, peak 70% off where "
+      "it is 2 wide; once solved, a warning tells if it is narrow; to be safe {}",
+      text, finer);
 }
 
 /// Vertices without cartilage. Empty: there are none.
@@ -351,6 +357,33 @@ void add_smeared_map(const JointModel& model, const ContactPair& pair, const Sta
                s.headline.area, s.headline.mean, s.headline.p99, s.contact_area, s.mean, s.p99));
 }
 
+/// Contact of a few facets that are long against the cartilage: what flows between springs is not followed.
+void add_narrow_contact(const JointModel& model, const ContactPair& pair, const StateResult& state, std::size_t contact,
+                        const Wording& wording, Lines& lines) {
+  if (pair.law != Law::Layer) return;
+  double least = kInfinity;
+  const Layer* narrow = nullptr;
+  for (int side = 0; side < 2; ++side) {
+    const Layer& layer = pair.layers[side];
+    if (!(facet_size(pair, layer) > kFineFacets)) continue;
+    const std::vector<double>& pressure = state.fields[contact].sides[side].pressure;
+    if (pressure.empty()) continue;
+    const double across = pair.refine * facets_across(layer, pressure, state.statistics[contact].headline.above);
+    if (!(across > 0) || !(across < least)) continue;
+    least = across;
+    narrow = &layer;
+  }
+  const auto* off = std::find_if(std::begin(kCoarseErrors), std::end(kCoarseErrors),
+                                 [&](const CoarseError& e) { return least <= e.across; });
+  if (off == std::end(kCoarseErrors)) return;
+  const std::string finer = finer_springs(pair, facet_size(pair, *narrow), wording);
+  add_once(lines,
+           fmt::format("warning: contact \"{}\": at time {} contact is {:.1f} facets wide on surface \"{}\", and "
+                       "these are long against the cartilage ({:.2g} of its thickness): {}; {}",
+                       pair.name, time_text(state.when.time), least, model.surfaces[at(narrow->surface)].name,
+                       facet_size(pair, *narrow), off->text, finer.empty() ? "mesh it finer" : finer));
+}
+
 /// Cartilage pressed together by more than half, in any state.
 void add_large_strains(const ContactPair& pair, const SolvedStates& result, std::size_t contact, Lines& lines) {
   constexpr double kLarge = 0.5;
@@ -504,6 +537,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_crowded_force(joint.contacts[c], last, c, wording, lines);
     add_smeared_map(model, joint.contacts[c], last, c, lines);
+    add_narrow_contact(model, joint.contacts[c], last, c, wording, lines);
     add_large_strains(joint.contacts[c], result, c, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
