@@ -499,6 +499,7 @@ std::vector<std::string> read_loads(BuildInputs& inputs) {
   BoneRequest& bone = inputs.request.bones[at(bone_of(inputs.request, "loads", loads.body))];
   std::vector<std::string> findings = {
       fmt::format("{}: loads of {}; the model has row i, counted from 1, at time 1 + i", loads.body, loads.words)};
+  if (!loads.doubt.empty()) findings.push_back(fmt::format("{}: body weight: {}", loads.body, loads.doubt));
   bool moments = false;
   for (const auto& load : loads.load) {
     bone.forces.push_back(load.head<3>());

@@ -66,9 +66,9 @@ LandmarkFile read_markups(const std::string& path) {
   } catch (const Json::parse_error& e) {
     const auto end = content->begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, content->size()));
     throw table_fault(path, 1 + static_cast<int>(std::count(content->begin(), end, '\n')),
-                      "found something else, expected JSON: the file is damaged or cut off");
+                      "found no JSON, expected the list of markups as Slicer saves it: the file is damaged or cut off");
   } catch (const Json::exception&) {  // a number beyond all bounds
-    throw table_fault(path, 0, "found a number that is none of use, expected coordinates");
+    throw table_fault(path, 0, "found a number beyond 1e308, expected coordinates");
   }
   const auto lists = all.find("markups");
   if (lists == all.end() || !lists->is_array())
@@ -80,6 +80,10 @@ LandmarkFile read_markups(const std::string& path) {
     if (axes != "LPS" && axes != "RAS")
       throw table_fault(path, 0,
                         fmt::format("coordinateSystem: found {}, expected \"LPS\" or \"RAS\"", febio::quote(axes)));
+    const std::string units = text_of(list, "coordinateUnits");
+    if (!units.empty() && units != "mm")
+      throw table_fault(
+          path, 0, fmt::format("coordinateUnits: found {}, expected \"mm\": save the list in mm", febio::quote(units)));
     const auto points = list.find("controlPoints");
     if (points == list.end()) continue;
     if (!file.landmarks.empty() && axes != file.axes)
@@ -95,7 +99,10 @@ LandmarkFile read_markups(const std::string& path) {
           std::any_of(position->begin(), position->end(), [](const Json& x) { return !x.is_number(); }))
         throw table_fault(
             path, 0,
-            fmt::format("position of {}: found something else, expected three numbers", febio::quote(landmark.name)));
+            fmt::format("position of {}: found {}, expected three numbers in brackets", febio::quote(landmark.name),
+                        position == point.end()
+                            ? "nothing"
+                            : position->dump(-1, ' ', true, Json::error_handler_t::replace).substr(0, 40)));
       for (std::size_t k = 0; k < 3; ++k) landmark.point[static_cast<Eigen::Index>(k)] = (*position)[k].get<double>();
       file.landmarks.push_back(landmark);
     }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <febiodea/base/error.h>
@@ -58,8 +59,11 @@ int read_id(const Reading& reading, const XMLElement& element, const char* name 
 
 /// A number list of the wrong form: what is wrong with it.
 [[noreturn]] void fail_list(const Reading& reading, const XMLElement& element, std::string_view rest) {
+  rest = trim(rest);
+  const bool number = !rest.empty() && (rest.front() == '-' || (rest.front() >= '0' && rest.front() <= '9'));
   fail(reading, element,
-       fmt::format("<{}> lists {}, expected whole numbers and commas", element.Name(), quote(trim(rest))));
+       fmt::format("<{}> lists {}, expected whole numbers and commas{}", element.Name(), quote(rest),
+                   number ? ": a comma is missing before it, or it is no whole number" : ""));
 }
 
 /// Appends the nodes of an element, facet or edge. count 0: any number.
@@ -898,6 +902,13 @@ void read_mesh_domains(Reading& reading, const XMLElement& section) {
   }
 }
 
+/// "fem.material[0].E": a parameter of a material that its stiffness follows from.
+bool names_modulus(const std::string& variable) {
+  const std::string last = variable.substr(variable.find_last_of('.') + 1);
+  static const std::set<std::string> moduli = {"E", "v", "mu", "k", "K", "G", "lam", "lambda", "c1", "c2"};
+  return variable.find("material") != std::string::npos && moduli.count(last) > 0;
+}
+
 void read_mesh_data(Reading& reading, const XMLElement& section) {
   for (const XMLElement& child : children(section)) {
     const std::string variable = attribute(child, child.Attribute("var") != nullptr ? "var" : "type");
@@ -905,6 +916,12 @@ void read_mesh_data(Reading& reading, const XMLElement& section) {
       read_thickness(reading, child);
     } else if (std::strcmp(child.Name(), "SurfaceData") == 0 && child.Attribute("name") != nullptr) {
       read_surface_map(reading, child, fmt::format("{} {}", child.Name(), quote(variable)));
+    } else if (std::strcmp(child.Name(), "ElementData") == 0 && names_modulus(variable)) {
+      fail(reading, child,
+           fmt::format("ElementData gives {} element by element, expected one value for a material: a layer has one "
+                       "modulus here; "
+                       "take this ElementData out, and give the modulus in the material",
+                       quote(variable)));
     } else {
       ignore(reading, child, fmt::format("{} {}", child.Name(), quote(variable)));
     }

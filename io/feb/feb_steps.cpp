@@ -17,7 +17,7 @@ void read_analysis(Reading& reading, const XMLElement& element) {
   const bool solid = reading.model.module.empty() || reading.model.module.find("solid") != std::string::npos;
   if (same_word(trim(word), "DYNAMIC") || (solid && trim(word) == "1")) {
     ignore(reading, element, febio::analysis_remark("solid", true));
-  } else if (same_word(trim(word), "TRANSIENT")) {
+  } else if (same_word(trim(word), "TRANSIENT") || trim(word) == "1") {
     ignore(reading, element, febio::analysis_remark("biphasic", true));
   }
 }

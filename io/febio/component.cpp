@@ -44,8 +44,9 @@ int to_whole_number(const Draft& draft, Origin origin, std::string_view name, st
 }
 
 bool to_flag(const Draft& draft, Origin origin, std::string_view name, std::string_view text) {
+  if (trim(text) == "false" || trim(text) == "False") return false;
   const auto value = whole_int(text);
-  if (!value) fail_value(draft, origin, name, text, "0 or 1");
+  if (!value) fail_value(draft, origin, name, text, "0 or 1 (a word is 0 for FEBio, whatever it says)");
   return *value != 0;
 }
 

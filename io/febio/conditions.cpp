@@ -335,7 +335,7 @@ bool rigid_condition(Draft& draft, const Component& component, const Steps& step
     rigid_load(draft, component, dof_of(draft, component, kForces), steps);
   else if (type == "rigid_moment")
     rigid_load(draft, component, 3 + dof_of(draft, component, kRotations), steps);
-  else if (type == "force")  // 3.0
+  else if (type == "force" && component.tag != "surface_load")  // 3.0; on surfaces FEBio has another of this name
     rigid_load(draft, component, dof_of(draft, component, kAll), steps);
   else if (one_of(type, {"rigid_follower_force", "follower force"}))
     rigid_follower(draft, component, false, steps);

@@ -217,6 +217,8 @@ std::string word_advice(WordOf place, const std::string& word) {
   const Words& words = words_of(place);
   // A word of FEBio's own is no slip of the keyboard.
   const bool febio = one_of(word, words.febio);
+  if (!febio && std::find(words.read.begin(), words.read.end(), word) != words.read.end())
+    return fmt::format("{} is a word of another version than the file says; {}", quote(word), words.otherwise);
   const std::string meant = febio ? "" : nearest_name(word, words.read);
   std::vector<std::string> listed(words.read.begin(), words.read.begin() + words.current);
   if (!meant.empty() && std::find(listed.begin(), listed.end(), meant) == listed.end()) listed.push_back(meant);

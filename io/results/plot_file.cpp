@@ -149,23 +149,34 @@ std::vector<float> per_facet(const std::vector<double>& values) {
   return floats;
 }
 
-/// The side of a contact that a surface shows.
+/// What a surface shows.
 struct Shown {
-  int contact = -1, side = 0;
+  const Layer* layer = nullptr;  ///< nullptr: no contact has the surface
+  SideFields fields;             ///< of all its contacts together
 };
 
-/// Per model surface that has a contact: the one whose force on it is largest.
+/// Per model surface.
 std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint,
                                   const std::vector<ContactFields>& fields) {
+  std::vector<std::vector<const SideFields*>> sides(model.surfaces.size());  // the one that presses hardest first
   std::vector<Shown> shown(model.surfaces.size());
-  for (int c = 0; c < static_cast<int>(joint.contacts.size()); ++c) {
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c)
     for (int side = 0; side < 2; ++side) {
-      Shown& s = shown[at(joint.contacts[at(c)].layers[side].surface)];
-      if (s.contact >= 0 &&
-          !(fields[at(c)].sides[side].force.norm() > fields[at(s.contact)].sides[s.side].force.norm()))
-        continue;
-      s = {c, side};
+      const Layer& layer = joint.contacts[c].layers[side];
+      std::vector<const SideFields*>& all = sides[at(layer.surface)];
+      all.push_back(&fields[c].sides[side]);
+      if (all.size() > 1 && !(all.back()->force.norm() > all.front()->force.norm())) continue;
+      std::swap(all.front(), all.back());
+      shown[at(layer.surface)].layer = &layer;
     }
+  for (std::size_t s = 0; s < sides.size(); ++s) {
+    if (sides[s].empty()) continue;
+    const SideFields& first = *sides[s].front();
+    std::erase_if(sides[s], [&](const SideFields* other) {  // a contact of its own kind may take fewer facets
+      return other->pressure.size() != first.pressure.size() ||
+             other->vertex_pressure.size() != first.vertex_pressure.size();
+    });
+    shown[s].fields = added_sides(sides[s]);
   }
   return shown;
 }
@@ -295,11 +306,9 @@ void add_surface_fields(const JointModel& model, const std::vector<int>& surface
                         std::size_t first, XpltState& state) {
   const std::vector<Shown> shown = shown_contacts(model, joint, contacts);
   for (std::size_t s = 0; s < shown.size(); ++s) {
-    if (shown[s].contact < 0 || surface[s] == 0) continue;
-    const Layer& layer = joint.contacts[at(shown[s].contact)].layers[shown[s].side];
-    const SideFields& side = contacts[at(shown[s].contact)].sides[shown[s].side];
+    if (shown[s].layer == nullptr || surface[s] == 0) continue;
     for (std::size_t v = 0; v < fields.size(); ++v) {
-      std::vector<float> values = fields[v].values(model.surfaces[s], layer, side);
+      std::vector<float> values = fields[v].values(model.surfaces[s], *shown[s].layer, shown[s].fields);
       if (!values.empty()) state.variables[first + v].push_back({surface[s], std::move(values)});  // bare bone: none
     }
   }

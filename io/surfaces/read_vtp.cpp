@@ -4,10 +4,14 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <type_traits>
+#include <vector>
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/encoded_text.h>
+#include <febiodea/io/files/free_memory.h>
 #include <febiodea/io/files/packed_bytes.h>
 #include <febiodea/io/surfaces/surface_text.h>
 
@@ -100,6 +104,7 @@ std::string unpacked(const Vtp& file, const Xml* array, Stream& stream) {
     whole += counts[3 + b];
   }
   if (whole > stream.most()) refuse(file, array, "found blocks longer than the file, expected less: it is cut off");
+  if (blocks > 0) need_memory(file.path, 3.0 * static_cast<double>(blocks) * static_cast<double>(counts[1]));
   const std::string all = blocks == 0 ? "" : stream.peek(whole);
   std::string bytes;
   std::size_t place = 0;
@@ -235,7 +240,7 @@ TriangleSurface read_vtp(const std::string& path, std::string_view content) {
   const std::string xml = take_appended(content, file);
   tinyxml2::XMLDocument document;
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
-    throw InputError(path, document.ErrorLineNum(), "found no XML, expected a VTP file");
+    throw InputError(path, document.ErrorLineNum(), "found no XML, expected a VTP file: it is damaged or cut off");
   const Xml* root = document.FirstChildElement("VTKFile");
   const Xml* data = root == nullptr ? nullptr : root->FirstChildElement("PolyData");
   if (data == nullptr) throw InputError(path, 0, "found XML without <VTKFile> and <PolyData>, expected a VTP surface");

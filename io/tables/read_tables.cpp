@@ -157,13 +157,12 @@ NumberTable table_of(const std::string& file, const GivenTables& given) {
   return found == given.end() ? read_table(file) : found->second;
 }
 
-/// "800"; of a weight that may be meant in kg, what it would be in newtons: "80 (80 kg would be 784.8 N)".
-std::string weight_in_words(double weight, const std::optional<UnitNames>& system) {
+/// Of a weight that may be meant in kg what it would be in newtons: "80 kg would be 784.8 N". Empty: it may not.
+std::string weight_in_doubt(double weight, const std::optional<UnitNames>& system) {
   constexpr double kMostInKilograms = 150, kGravity = 9.81;
   const bool newtons = !system || system->newtons == 1.0;
-  return fmt::format("{:g}", weight) + (newtons && weight < kMostInKilograms
-                                            ? fmt::format(" ({:g} kg would be {:.4g} N)", weight, kGravity * weight)
-                                            : "");
+  return newtons && weight < kMostInKilograms ? fmt::format("{:g} kg would be {:.4g} N", weight, kGravity * weight)
+                                              : "";
 }
 
 void read_loads(const JointModel& model, const GivenTables& given, LoadTable& loads) {
@@ -198,11 +197,12 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
   }
   loads.words = fmt::format("{} {}", table_in_words(table, columns, loads.time),
                             loads.body_weight
-                                ? fmt::format("in % of {}{}", weight_in_words(*loads.body_weight, system),
+                                ? fmt::format("in % of {:g}{}", *loads.body_weight,
                                               columns.size() <= 3 ? ""
                                               : units.empty()     ? ", moments times the model's length"
                                                               : fmt::format(", moments times length {}", scale.words))
                                 : scale.words);
+  if (loads.body_weight) loads.doubt = weight_in_doubt(*loads.body_weight, system);
   const std::vector<int> points = like(table, {"px", "py", "pz"});
   if (!points.empty())
     loads.words += fmt::format("; where the force acts ({}) is not read from it", column_names(table, points));

@@ -87,6 +87,9 @@ std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint,
                    point = joint.bodies[b].center_of_mass + body.arm;
     words.push_back(say("loads of {}, on body \"{}\", {}", s.loads.words.empty() ? "a table" : s.loads.words,
                         s.loads.body, before));
+    if (!s.loads.doubt.empty())
+      words.push_back(
+          say("a body weight of {:g} is taken as it is; {}", s.loads.body_weight.value_or(0.0), s.loads.doubt));
     words.push_back(
         say("its first row in global axes: force ({:.6g}, {:.6g}, {:.6g}), moment ({:.6g}, {:.6g}, {:.6g}), at "
             "({:.6g}, {:.6g}, {:.6g}) of the body's reference position{}{}",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include <febiodea/base/numbers.h>
@@ -114,23 +115,69 @@ std::size_t count_holders(const Holders& holders) {
   return count;
 }
 
+/// The deformable part that a tie leads to at this place: a corner of the triangle is held by nothing but its part.
+/// -1: to bone.
+int soft_end(const Holders& holders, const Bodies& bodies, const std::vector<int>& region, const SurfaceMesh& to,
+             int triangle) {
+  for (const int v : to.triangles[at(triangle)]) {
+    const int node = to.model_nodes[at(v)];
+    if (region[at(node)] >= 0 && bodies.of_node[at(node)] < 0 && holders.of_node[at(node)].empty())
+      return region[at(node)];
+  }
+  return -1;
+}
+
+/// Does a node lie over the surface that it is tied to, and not beyond its rim? Measured across the surface's normal.
+bool lies_over(const SurfaceMesh& mesh, const SurfacePoint& closest, const Vector3d& x) {
+  constexpr double kBeyond = 0.5;  // of the facet's size: rims of different meshes need not match
+  const Vector3d away = x - position(mesh, closest), &n = mesh.normals[at(closest.triangle)];
+  return (away - away.dot(n) * n).norm() <= kBeyond * std::sqrt(2 * mesh.areas[at(closest.triangle)]);
+}
+
+/// A node that a tie fastens to a body, through a deformable part or not.
+struct TiedNode {
+  const Tie* tie;
+  int node, soft;  // soft: that part, -1: none
+};
+
+std::vector<TiedNode> tied_nodes(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
+                                 const Holders& holders, const std::vector<Tie>& ties) {
+  std::vector<TiedNode> tied;
+  for (const Tie& tie : ties) {
+    const SurfaceMesh mesh = make_surface_mesh(tie.to->begin, tie.to->nodes, model.nodes);
+    if (mesh.size() == 0) continue;
+    const RayCaster caster(mesh);
+    for (int node : tie.surface->nodes) {
+      const Vector3d& x = model.nodes[at(node)];
+      const SurfacePoint closest = caster.closest(x);
+      if (!lies_over(mesh, closest, x)) continue;
+      if (tie.contact->max_distance > 0 && (position(mesh, closest) - x).norm() > tie.contact->max_distance) continue;
+      tied.push_back({&tie, node, soft_end(holders, bodies, region, mesh, closest.triangle)});
+    }
+  }
+  return tied;
+}
+
 /// Passes, for layers tied to layers: each decides from what was known before it, so that a layer tied to two bodies is
-/// held by both, whatever the order. Every pass but the last adds a body to a part, so there is an end.
+/// held by both, whatever the order. Ties to bone come first: a part that bone holds is not held by what is tied to its
+/// side. Every pass but the last adds a body to a part, so there is an end.
 void note_ties(const JointModel& model, const Bodies& bodies, const std::vector<int>& region, Holders& holders) {
   for (;;) {
     const std::size_t before = count_holders(holders);
-    for (const Tie& tie : new_ties(model, bodies, region, holders)) {
-      const SurfaceMesh mesh = make_surface_mesh(tie.to->begin, tie.to->nodes, model.nodes);
-      if (mesh.size() == 0) continue;
-      const RayCaster caster(mesh);
-      for (int node : tie.surface->nodes) {
-        const Vector3d& x = model.nodes[at(node)];
-        if (tie.contact->max_distance > 0 && (position(mesh, caster.closest(x)) - x).norm() > tie.contact->max_distance)
-          continue;
-        note_holder(
-            holders, region, node, tie.body,
-            fmt::format("tied contact \"{}\" to body \"{}\"", tie.contact->name, bodies.bodies[at(tie.body)].name));
-      }
+    const std::vector<Tie> ties = new_ties(model, bodies, region, holders);
+    const std::vector<TiedNode> tied = tied_nodes(model, bodies, region, holders, ties);
+    const auto hold = [&](const TiedNode& t) {
+      note_holder(
+          holders, region, t.node, t.tie->body,
+          fmt::format("tied contact \"{}\" to body \"{}\"", t.tie->contact->name, bodies.bodies[at(t.tie->body)].name));
+    };
+    for (const TiedNode& t : tied)
+      if (t.soft < 0) hold(t);
+    const std::map<int, std::map<int, std::string>> by_bone = holders.of_region;
+    for (const TiedNode& t : tied) {
+      if (t.soft < 0 || region[at(t.node)] < 0 || by_bone.count(region[at(t.node)]) > 0) continue;
+      holders.soft_ties.try_emplace(region[at(t.node)], SoftTie{t.tie->contact->name, t.soft});
+      hold(t);
     }
     if (count_holders(holders) == before) return;
   }

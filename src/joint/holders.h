@@ -9,8 +9,15 @@
 
 namespace dea {
 
+/// A part that is tied to another deformable part, not to what holds that one.
+struct SoftTie {
+  std::string contact;
+  int part = -1;  ///< the other part's region
+};
+
 struct Holders {
   std::map<int, std::map<int, std::string>> of_region;  ///< region -> body -> how
+  std::map<int, SoftTie> soft_ties;                     ///< region -> what it is tied to, if that is deformable
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
   std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all

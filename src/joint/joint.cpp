@@ -180,6 +180,8 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   }
   joint.contacts = std::move(contacts.contacts);
 
+  joint.unmodelled = find_unmodelled_parts(parts, joint.contacts);
+  joint.dropped_ties = find_dropped_ties(parts);
   joint.node_body = find_carriers(parts, joint.contacts);
   Connections connections = find_connections(parts, joint.node_body);
   if (connections.fault) found.faults = {*connections.fault};

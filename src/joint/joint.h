@@ -8,6 +8,7 @@
 #include <febiodea/joint/connections.h>
 #include <febiodea/joint/contacts.h>
 #include <febiodea/joint/layer.h>
+#include <febiodea/joint/unmodelled.h>
 #include <febiodea/model/joint_model.h>
 #include <febiodea/model/settings.h>
 
@@ -21,7 +22,9 @@ struct Joint {
   std::vector<Connector> connectors;
   std::vector<PointLoad> point_loads;  ///< nodal forces
   std::vector<int> node_body;          ///< per model node: body that carries it, -1: none (stays where it is)
-  std::vector<Sentence> findings;      ///< what was concluded or left out, a sentence each, in order
+  std::vector<UnmodelledPart> unmodelled;
+  std::vector<DroppedTie> dropped_ties;
+  std::vector<Sentence> findings;  ///< what was concluded or left out, a sentence each, in order
 
   /// Index of the body with this name (of any of its materials), -1: none.
   int find_body(const JointModel& model, const std::string& name) const;

@@ -83,12 +83,15 @@ OtherMaterials other_materials(const ContactSide& in, int material, const std::m
     const Material& other = model.materials[at(m)];
     result.fault = deformable_bone(in, material, E, other);
     if (result.fault) return result;
-    const double nu = in.given.nu.value_or(own.nu), ratio = other.E / E;
-    if ((in.given.E && in.given.nu) || (std::abs(ratio - 1) < 0.01 && std::abs(other.nu - nu) < 0.002)) continue;
-    constexpr double kMostRatio = 1.25;
+    const double nu = in.given.nu.value_or(own.nu);  // what the user gives is of the whole part
+    const double other_E = in.given.E.value_or(other.E), other_nu = in.given.nu.value_or(other.nu), ratio = other_E / E;
+    if ((in.given.E && in.given.nu) || (std::abs(ratio - 1) < 0.01 && std::abs(other_nu - nu) < 0.002)) continue;
+    // Force goes with E, and less than in proportion with the confined modulus: about a fifth off at either limit.
+    constexpr double kMostRatio = 1.25, kMostConfined = 1.6;
+    const double confined = confined_modulus(other_E, other_nu) / confined_modulus(E, nu);
     const std::string both = fmt::format("\"{}\" (E {:g}, nu {:g}) and \"{}\" (E {:g}, nu {:g})", own.name, E, nu,
-                                         other.name, other.E, other.nu);
-    if (ratio > kMostRatio || ratio < 1 / kMostRatio) {
+                                         other.name, other_E, other_nu);
+    if (ratio > kMostRatio || ratio < 1 / kMostRatio || confined > kMostConfined || confined < 1 / kMostConfined) {
       result.fault = refusal_of(in, say("its part consists of {}, but a layer has one modulus here;", both),
                                 say("give one for all of it with {}, or make parts that are no cartilage rigid with {}",
                                     modulus_settings(in), NamedSetting{"rigid", "", other.name}));

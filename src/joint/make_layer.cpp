@@ -119,6 +119,40 @@ SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, cons
   return towards < 0 ? turned_round(bone, model.nodes) : bone;
 }
 
+/// A layer on another deformable part, by a tie: what is bonded to bone is that part's other side. Taken for bone
+/// itself it would make the layer too thin and too stiff.
+std::optional<Fault> tied_to_soft_part(const ContactSide& in, const Support& support) {
+  const ModelParts& parts = in.parts;
+  if (in.given.has_thickness() || !said_of(parts.settings.bone, in.surface.name).empty()) return std::nullopt;
+  for (int region : support.regions) {
+    const auto tie = parts.holders.soft_ties.find(region);
+    if (tie == parts.holders.soft_ties.end()) continue;
+    std::set<int> materials;
+    for (const Domain& d : parts.model.domains)
+      if (deformable(parts, d) && !d.nodes.empty() && parts.region[at(d.nodes[0])] == tie->second.part)
+        materials.insert(d.material);
+    std::string names;
+    Sentence rigid;
+    bool of_layer = false;  // then it cannot be made rigid without the layer
+    for (int m : materials) {
+      const std::string& name = parts.model.materials[at(m)].name;
+      names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", name);
+      rigid = rigid.empty() ? say("{}", NamedSetting{"rigid", "", name})
+                            : say("{} {}", rigid, NamedSetting{"rigid", "", name});
+      of_layer = of_layer || support.materials.count(m) > 0;
+    }
+    const Sentence one_mesh =
+        say("if both are cartilage, mesh them as one layer that shares nodes, or {}", name_bone_or_thickness(in));
+    return refusal_of(
+        in,
+        say("its layer is tied (\"{}\") to a deformable part of material {}, not to bone: it would lie on "
+            "something that gives way;",
+            tie->second.contact, names),
+        of_layer ? one_mesh : say("take that part as bone with {}, or, {}", rigid, one_mesh));
+  }
+  return std::nullopt;
+}
+
 /// Finds what the layer is bonded to: boundary and bone surface of the draft.
 void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::set<int>& regions, LayerDraft& draft) {
   const ModelParts& parts = in.parts;
@@ -147,6 +181,30 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
     find_side_walls(model, draft.layer.bone, draft.boundary);
   else
     find_side_walls(model, carried.facets, draft.boundary);
+}
+
+/// Nodes that the bone holds deeper in the layer than its face: the layer ends there, not at the face.
+std::optional<Fault> held_inside(const ContactSide& in, const std::set<int>& regions, const LayerDraft& draft) {
+  const LayerBoundary& boundary = draft.boundary;
+  if (in.given.has_thickness() || !said_of(in.parts.settings.bone, in.surface.name).empty()) return std::nullopt;
+  const JointModel& model = in.parts.model;
+  std::set<int> held;
+  for (const LayerElement& e : region_elements(in.parts, regions)) {
+    const Domain& d = model.domains[at(e.domain)];
+    const int n = nodes_per_element(d.shape);
+    for (int k = 0; k < n; ++k) {
+      const int node = d.nodes[at(e.element * n + k)];
+      if (boundary.node_held[at(node)]) held.insert(node);
+    }
+  }
+  for (int node : boundary.faces.nodes) held.erase(node);
+  if (held.empty()) return std::nullopt;
+  return refusal_of(in,
+                    say("{} inside its layer (node {}), held by body \"{}\", away from the layer's faces: it is "
+                        "thinner there than the mesh is;",
+                        held.size() == 1 ? "1 node is" : fmt::format("{} nodes are", held.size()),
+                        model.node_ids[at(*held.begin())], in.parts.bodies.bodies[at(draft.layer.body)].name),
+                    say("hold the nodes of its bone face alone, or {}", name_bone_or_thickness(in)));
 }
 
 /// No face of the layer is bonded to its body: without a bone surface the thickness must be given.
@@ -183,6 +241,13 @@ void finish_bare_surface(const ContactSide& in, LayerDraft& draft) {
                                "a thickness given for a bare rigid surface lies under that surface, and the bone under "
                                "it is not in the model:",
                                use_articular_springs())};
+  const bool for_all = in.contact.dea == std::nullopt && in.parts.settings.thickness.count(in.surface.name) == 0;
+  if (!layer.rigid && for_all && given.thickness)
+    layer.notes.push_back(
+        say("surface \"{}\": a bare surface of body \"{}\" is given {:g} of cartilage ({}, which is for all surfaces); "
+            "name a surface to give it to that alone",
+            in.surface.name, in.parts.bodies.bodies[at(layer.body)].name, *given.thickness,
+            NamedSetting{"thickness", "", fmt::format("{:g}", *given.thickness)}));
   layer.bone = layer.articular;
 }
 
@@ -202,7 +267,13 @@ void finish_bonded_layer(const ContactSide& in, const CarriedSurface& carried, c
     return;
   }
   layer.notes.insert(layer.notes.end(), others.notes.begin(), others.notes.end());
+  if (const auto fault = tied_to_soft_part(in, support)) {
+    draft.faults = {*fault};
+    return;
+  }
   find_bone(in, carried, support.regions, draft);
+  if (const auto fault = held_inside(in, support.regions, draft); fault && draft.faults.empty())
+    draft.faults = {*fault};
   if (draft.faults.empty()) draft.faults = leave_out_facets(in, carried, draft.boundary, layer);
   if (draft.faults.empty() && layer.bone.size() == 0) draft.faults = do_without_bone(in, layer);
   if (auto fault = touching_parts(in, layer); fault && draft.faults.empty()) draft.faults = {*fault};

@@ -90,6 +90,7 @@ struct LoadTable {
   std::vector<double> time;                       ///< one per row, rising
   std::vector<Eigen::Matrix<double, 6, 1>> load;  ///< one per row: force, moment; the model's units, the table's frame
   std::string words;                              ///< how the file was taken
+  std::string doubt;                              ///< what may be a slip: "80 kg would be 784.8 N"; empty: nothing
 };
 
 /// A table of one body's poses: a row is a state. Row: translation, and rotation vector [rad] about the point of

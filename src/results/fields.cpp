@@ -471,6 +471,39 @@ const std::vector<FacetField>& inside_facet_fields() {
   return fields;
 }
 
+SideFields added_sides(const std::vector<const SideFields*>& sides) {
+  SideFields sum = *sides.front();
+  const auto add = [](std::vector<double>& to, const std::vector<double>& more) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += more[i];
+  };
+  std::vector<const SideFields*> nearest(sum.pressure.size(), sides.front());  // per facet
+  for (std::size_t i = 1; i < sides.size(); ++i) {
+    const SideFields& side = *sides[i];
+    for (std::size_t f = 0; f < nearest.size(); ++f) {
+      const SideFields& best = *nearest[f];
+      const bool harder = side.pressure[f] > best.pressure[f];
+      if (harder || (side.pressure[f] == best.pressure[f] && side.joint_space[f] < best.joint_space[f]))
+        nearest[f] = &side;
+    }
+    for (std::size_t v = 0; v < sum.vertex_shortening.size(); ++v)
+      sum.vertex_shortening[v] = std::max(sum.vertex_shortening[v], side.vertex_shortening[v]);
+    add(sum.pressure, side.pressure);
+    add(sum.vertex_pressure, side.vertex_pressure);
+    sum.force += side.force;
+    sum.contact_area += side.contact_area;
+    sum.springs = sum.springs || side.springs;
+  }
+  for (const auto& table : {facet_fields(), inside_facet_fields()})
+    for (const FacetField& field : table) {
+      if (field.values == &SideFields::pressure) continue;
+      std::vector<double>& values = sum.*field.values;
+      for (std::size_t f = 0; f < values.size(); ++f)
+        if (const std::vector<double>& of_nearest = nearest[f]->*field.values; f < of_nearest.size())
+          values[f] = of_nearest[f];
+    }
+  return sum;
+}
+
 std::vector<Vector3d> node_displacements(const JointModel& model, const Joint& joint, const FieldMaps& maps,
                                          const Equilibrium& e, const std::vector<ContactFields>& fields, bool squash) {
   std::vector<Vector3d> u(model.nodes.size(), Vector3d::Zero());

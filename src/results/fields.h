@@ -48,6 +48,11 @@ struct ContactFields {
   SideFields sides[2];  ///< primary, secondary
 };
 
+/// What several contacts do to one surface: pressures, forces and areas add up; what else a facet or vertex has is that
+/// of the contact that presses it hardest, or, where none does, of the nearest. `sides`: not empty, of the same facets
+/// and vertices.
+SideFields added_sides(const std::vector<const SideFields*>& sides);
+
 /// What fields need of a joint again and again: closest points between surfaces, depth of cartilage nodes.
 struct FieldMaps {
   struct LayerMap {

@@ -218,6 +218,28 @@ double pressed_end_of_selection(const Layer& layer, const std::vector<double>& p
   return length;
 }
 
+bool passed_through(const Joint& joint, const ContactPair& pair, const std::vector<Pose>& poses) {
+  const Layer &source = pair.source_layer(), &target = pair.layers[1 - pair.source];
+  const SurfaceMesh& feet = source.articular;
+  const RayCaster caster(target.articular);
+  const double deep = 4.0 * (source.max_thickness() + target.max_thickness());
+  const Pose &from = poses[at(source.body)], &to = poses[at(target.body)];
+  const Vector3d &from_center = joint.bodies[at(source.body)].center_of_mass,
+                 &to_center = joint.bodies[at(target.body)].center_of_mass;
+  double sampled = 0.0, ahead = 0.0, behind = 0.0;  // areas
+  const int step = std::max(1, feet.size() / 400);  // a sample is enough
+  for (int t = 0; t < feet.size(); t += step) {
+    const Vector3d now = from.center + from.rotation * (feet.centroid(t) - from_center);
+    const Vector3d x = to_center + to.rotation.transpose() * (now - to.center);
+    const Vector3d n = to.rotation.transpose() * (from.rotation * feet.normals[at(t)]);
+    const LineHit hit = caster.nearest_facing(x, n, -kInfinity, -deep, kInfinity);
+    sampled += feet.areas[at(t)];
+    if (hit.point.triangle >= 0) (hit.distance > -deep ? ahead : behind) += feet.areas[at(t)];
+  }
+  constexpr double kSome = 0.05;  // of the surface: not the line of one facet at a rim
+  return behind > 3 * ahead && behind > kSome * sampled;
+}
+
 double facets_across(const Layer& layer, const std::vector<double>& pressure, double above) {
   const SurfaceMesh& mesh = layer.articular;
   const auto in_symmetry_plane = [&](int a, int b) {

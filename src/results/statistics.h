@@ -67,4 +67,8 @@ double pressed_end_of_selection(const Layer& layer, const std::vector<double>& p
 /// `pressure`: per facet, SideFields::pressure. 0: none is. Infinity: it ends nowhere, on a closed surface.
 double facets_across(const Layer& layer, const std::vector<double>& pressure, double above);
 
+/// Have the two bodies passed each other, so that no spring meets the other surface from its front any more? True if of
+/// the springs whose line meets it at all three quarters meet it behind, deeper than springs look (four thicknesses).
+bool passed_through(const Joint& joint, const ContactPair& pair, const std::vector<Pose>& poses);
+
 }  // namespace dea

@@ -809,16 +809,18 @@ TEST(LandmarkFiles, WhatCannotBeReadIsRefused) {
             "l.mrk.json: found no \"markups\", expected a list of markups as Slicer saves it (.mrk.json), or CSV");
   const std::string point = control_point("A", "[1, 2, 3]", "defined");
   const std::string cut_off = markups("LPS", point).substr(0, 300);
-  EXPECT_EQ(fault("l.mrk.json", cut_off),
-            fmt::format("l.mrk.json:{}: found something else, expected JSON: the file is damaged or cut off",
-                        1 + std::count(cut_off.begin(), cut_off.end(), '\n')));
+  EXPECT_EQ(fault("l.mrk.json", cut_off), fmt::format("l.mrk.json:{}: found no JSON, expected the list of markups as "
+                                                      "Slicer saves it: the file is damaged or cut off",
+                                                      1 + std::count(cut_off.begin(), cut_off.end(), '\n')));
   EXPECT_EQ(fault("l.mrk.json", markups("IJK", point)),
             "l.mrk.json: coordinateSystem: found \"IJK\", expected \"LPS\" or \"RAS\"");
-  for (const char* position : {"[1, 2]", "[1, 2, \"3\"]", "{}", "7", "null"})
+  for (const char* position : {"[1,2]", "[1,2,\"3\"]", "{}", "7", "null"})
     EXPECT_EQ(fault("l.mrk.json", markups("LPS", control_point("A", position, "defined"))),
-              "l.mrk.json: position of \"A\": found something else, expected three numbers");
+              fmt::format("l.mrk.json: position of \"A\": found {}, expected three numbers in brackets", position));
+  EXPECT_EQ(fault("l.mrk.json", R"({"markups": [{"coordinateSystem": "LPS", "coordinateUnits": "m"}]})"),
+            "l.mrk.json: coordinateUnits: found \"m\", expected \"mm\": save the list in mm");
   EXPECT_EQ(fault("l.mrk.json", markups("LPS", control_point("A", "[1, 2, 1e999]", "defined"))),
-            "l.mrk.json: found a number that is none of use, expected coordinates");
+            "l.mrk.json: found a number beyond 1e308, expected coordinates");
   EXPECT_EQ(fault("l.mrk.json", markups("LPS", control_point("A", "[0, 0, 0]", "undefined"))),
             "l.mrk.json: found no control point with a position, expected landmarks");
   EXPECT_EQ(fault("l.mrk.json", R"({"markups": [{"coordinateSystem": "LPS", "controlPoints": [)" + point +

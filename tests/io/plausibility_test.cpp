@@ -121,6 +121,19 @@ TEST(Plausibility, StrainsAboveOneHalfAreTold) {
   EXPECT_FALSE(has(result_remarks(model, analyse(model, test::linear())), "pressed together"));
 }
 
+// A layer of 2: springs look 8 deep. A plate that is moved by 9 is behind them; one that stays away is not.
+TEST(Plausibility, BodiesThatPassedEachOtherAreTold) {
+  JointModel model = test::flat_plates(8, 10, 2, 0.0);
+  test::fix(model, 2, {true, true, false, true, true, true});
+  test::prescribe(model, 2, 2, -9.0);
+  EXPECT_TRUE(has(result_remarks(model, analyse(model, test::linear())), "at time 1 the surfaces have passed through"));
+  model.rigid_prescribed.back().value.factor = 9.0;
+  const Lines apart = result_remarks(model, analyse(model, test::linear()));
+  EXPECT_FALSE(has(apart, "passed through"));
+  model.rigid_prescribed.back().value.factor = -1.0;
+  EXPECT_FALSE(has(result_remarks(model, analyse(model, test::linear())), "passed through"));
+}
+
 // A plate presses 128 springs alike: 116 of them carry nine tenths. With one node of it 0.5 lower than the rest, which
 // hardly touches, the few facets around that node carry it all.
 TEST(Plausibility, AForceOnAHandfulOfSpringsIsTold) {

@@ -746,6 +746,8 @@ TEST_F(ReadFeb, WhatChangesTheMechanicsIsListedAsUnsupported) {
        "nodal load with relative = 1"},
       {R"(<Loads><surface_load type="pressure" surface="top"><pressure lc="1">2</pressure></surface_load></Loads>)",
        "surface_load \"pressure\""},
+      {R"(<Loads><surface_load type="force" surface="top"><scale lc="1">-10</scale><force>0,0,1</force></surface_load></Loads>)",
+       "surface_load \"force\""},
       {R"(<Loads><body_load type="body force"><force>0,0,-9</force></body_load></Loads>)", "body_load \"body force\""},
       {R"(<LoadData><load_controller id="3" type="PID"/></LoadData>
 <Rigid><rigid_load type="rigid_force"><rb>femur</rb><dof>Rx</dof><value lc="3">1</value></rigid_load></Rigid>)",
@@ -776,6 +778,8 @@ TEST_F(ReadFeb, WhatIsHarmlessIsListedOnceAsIgnored) {
        "initial velocity of a rigid body"},
       {R"(<Control><analysis>dynamic</analysis></Control>)",
        "analysis DYNAMIC: DEA is quasi-static, inertia is left out"},
+      {R"(<Control><analysis>1</analysis></Control>)",  // the file's module is biphasic
+       "analysis TRANSIENT: DEA uses the drained solid, fluid flow is left out"},
       {R"(<Loads><surface_load type="pressure"><pressure lc="1">0</pressure></surface_load></Loads>)",
        "surface_load \"pressure\" of zero"},
       {R"(<Boundary><bc type="zero rotation" node_set="side"/></Boundary>)", "bc \"zero rotation\""},
@@ -808,6 +812,14 @@ TEST_F(ReadFeb, ParametersThatNobodyKnowsAreListedOnce) {
     EXPECT_EQ(m.ignored[0].what, c.second);
     EXPECT_EQ(m.ignored[0].count, 2);
   }
+  // FEBio reads a word as 0
+  EXPECT_EQ(fault_of(replaced(kModel40, "<x_dof>1<", "<x_dof>False<")), "");
+  // a modulus per element: the one of the material would be wrong without a word
+  EXPECT_NE(fault_of(replaced(kModel25, "<MeshData>",
+                              "<MeshData><ElementData var=\"fem.material[1].E\" elem_set=\"L\"><elem "
+                              "lid=\"1\">9</elem></ElementData>"))
+                .find("ElementData gives \"fem.material[1].E\" element by element, expected one value"),
+            std::string::npos);
   EXPECT_NE(fault_of(replaced(kModel25, "<prescribed bc=\"z\" lc=", "<prescribed bc=\"z\" LC="))
                 .find("<prescribed> with LC = \"1\": did you mean lc?"),
             std::string::npos);

@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/io/results/plot_file.h>
+#include <febiodea/io/xplt/xplt.h>
 #include <febiodea/run/analysis.h>
 #include "test_models.h"
 
@@ -104,6 +107,47 @@ TEST(Compartments, EachPadCarriesItsOwnArea) {
     EXPECT_LT((sum - all.force).norm(), 1e-12 * all.force.norm());
     EXPECT_NEAR(area, all.headline.area, 1e-9 * area);
   }
+}
+
+// A plate over two layers, a contact with each: in the plot file it has the pressure of both (facets of 2 mm, 25 over
+// each layer), and their forces together.
+TEST(Compartments, ASurfaceOfTwoContactsShowsBoth) {
+  JointModel model = test::empty_model();
+  const int cartilage = test::add_material(model, "cartilage", false), base = test::add_material(model, "base", true),
+            plate = test::add_material(model, "plate", true);
+  int layers[2];
+  for (int k = 0; k < 2; ++k) {
+    const auto flat = [k](double z) {
+      return [k, z](double u, double v) { return Vector3d(10 * (u - 0.5) + (k == 0 ? -7 : 7), 10 * (v - 0.5), z); };
+    };
+    layers[k] = test::add_layer(model, k == 0 ? "medial" : "lateral", 5, 5, 1, flat(-2), flat(0), cartilage, base);
+  }
+  const int above = test::add_rigid_surface(
+      model, "plate", 12, 5, [](double u, double v) { return Vector3d(24 * (0.5 - u), 10 * (v - 0.5), 0); }, plate);
+  for (int k = 0; k < 2; ++k) test::add_contact(model, k == 0 ? "medial" : "lateral", layers[k], above);
+  test::fix(model, base, {true, true, true, true, true, true});
+  test::fix(model, plate, {true, true, false, true, true, true});
+  test::prescribe(model, plate, 2, -0.1);
+  const Recognition recognition = recognise(model, test::linear());
+  ASSERT_TRUE(recognition.faults.empty());
+  const Analysis analysis = analyse(recognition);
+  const XpltFile plot = make_plot_file(recognition, analysis);
+  const double M = test::kE * (1 - test::kNu) / ((1 + test::kNu) * (1 - 2 * test::kNu)), p = M * 0.1 / 2.0;
+  const auto values = [&](const char* name) {
+    const auto& regions =
+        plot.states.back().variables[static_cast<std::size_t>(find_variable(plot, XpltGroup::Surface, name))];
+    const auto surface = std::find_if(plot.meshes.front().surfaces.begin(), plot.meshes.front().surfaces.end(),
+                                      [](const XpltFacets& s) { return s.name == "plate"; });
+    const int region = static_cast<int>(surface - plot.meshes.front().surfaces.begin()) + 1;
+    return std::find_if(regions.begin(), regions.end(), [&](const XpltRegion& r) { return r.region == region; })
+        ->values;
+  };
+  const std::vector<float> pressure = values("contact pressure"), force = values("contact force");
+  ASSERT_EQ(pressure.size(), 60u);
+  EXPECT_EQ(std::count_if(pressure.begin(), pressure.end(), [&](float x) { return std::abs(x - p) < 1e-5 * p; }), 50);
+  EXPECT_EQ(std::count(pressure.begin(), pressure.end(), 0.0f), 10);
+  EXPECT_NEAR(std::abs(force[2]), 2 * p * 100, 1e-5 * p * 200);
+  EXPECT_NEAR(values("contact area")[0], 200, 1e-3);
 }
 
 // Law layer: pads so far apart feel nothing of each other. Each gives what it gives alone.

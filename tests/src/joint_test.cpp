@@ -59,7 +59,185 @@ TEST(Recognition, TiedLayerTakesTheBodyItIsTiedTo) {
   tie(model, 1, 2);
   const Joint joint = make_joint(model, {});
   EXPECT_EQ(joint.bodies[static_cast<std::size_t>(joint.contacts[0].layers[0].body)].name, "left");
-  EXPECT_NEAR(joint.contacts[0].layers[0].mean_thickness(), 2.0, 1e-12);
+  const Layer& layer = joint.contacts[0].layers[0];
+  for (std::size_t v = 0; v < layer.thickness.size(); ++v) {
+    if (layer.articular.vertices[v].x() > 0.1) continue;
+    EXPECT_NEAR(layer.thickness[v], 2.0, 1e-12);  // over that half there is bone
+  }
+}
+
+// The part under the tie gives way: its upper side is no bone, and 2 no thickness of what lies on bone.
+TEST(Recognition, ALayerTiedToADeformablePartIsRefusedUnlessTheUserSaysWhatItLiesOn) {
+  JointModel model = floating_layer(2.0);
+  const int deep = add_material(model, "deep", false, 1.0, 0.3);
+  const auto flat = [](double z) {
+    return [z](double u, double v) { return Vector3d(10 * (u - 0.5), 10 * (v - 0.5), z); };
+  };
+  const int below = add_layer(model, "deep", 4, 4, 1, flat(-1), flat(0), deep, 1);
+  add_surface(model, "deep bone", model.domains.back().nodes);
+  tie(model, 1, below);
+  EXPECT_NE(
+      refusal(model).find("contact \"press\", surface \"layer\": its layer is tied (\"tie\") to a deformable part of "
+                          "material \"deep\", not to bone"),
+      std::string::npos)
+      << refusal(model);
+  const auto thickness = [&](const Settings& settings) {
+    return make_joint(model, settings).contacts[0].layers[0].mean_thickness();
+  };
+  Settings rigid, bone, given;
+  rigid.rigid = {"deep"};
+  EXPECT_NEAR(thickness(rigid), 2.0, 1e-12);
+  bone.bone["layer"] = "deep bone";
+  EXPECT_NEAR(thickness(bone), 3.0, 1e-12);
+  given.thickness["layer"] = 2.5;
+  EXPECT_NEAR(thickness(given), 2.5, 1e-12);
+}
+
+/// A cube of side 1 with a corner at `x`, of the material; its lower and upper four nodes move with these bodies.
+void add_cube(JointModel& model, const std::string& name, int material, const Vector3d& x, int low, int high) {
+  Domain d;
+  d.name = name;
+  d.shape = ElementShape::Hex8;
+  d.material = material;
+  d.element_ids = {1};
+  RigidNodes ends[2];
+  for (int k = 0; k < 2; ++k)
+    for (const auto& [i, j] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+      d.nodes.push_back(static_cast<int>(model.nodes.size()));
+      ends[k].nodes.push_back(d.nodes.back());
+      model.node_ids.push_back(static_cast<int>(model.nodes.size()) + 1);
+      model.nodes.push_back(x + Vector3d(i, j, k));
+    }
+  model.domains.push_back(d);
+  ends[0].material = low;
+  ends[1].material = high;
+  for (const RigidNodes& end : ends)
+    if (end.material >= 0) model.rigid_nodes.push_back(end);
+}
+
+TEST(Recognition, DeformablePartsBetweenBodiesAreTold) {
+  JointModel model = flat_plates(2, 10, 2, 0.0);
+  const int base = 1, plate = 2;
+  const int ligament = add_material(model, "ligament", false);
+  add_cube(model, "fat", ligament, {20, 0, 0}, base, -1);
+  EXPECT_TRUE(make_joint(model, {}).unmodelled.empty());  // hangs on one bone
+  add_cube(model, "medial", ligament, {30, 0, 0}, base, plate);
+  add_cube(model, "lateral", ligament, {40, 0, 0}, base, plate);
+  const std::vector<UnmodelledPart> found = make_joint(model, {}).unmodelled;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].names, (std::vector<std::string>{"medial", "lateral"}));
+  EXPECT_EQ(found[0].elements, 2);
+  EXPECT_EQ(found[0].bodies.size(), 2u);
+  // a truss from the fat's free corner to the plate: a chain of two
+  Domain truss;
+  truss.name = "truss";
+  truss.shape = ElementShape::Line2;
+  truss.material = ligament;
+  truss.element_ids = {9};
+  for (const Domain& d : model.domains) {
+    if (d.name == "fat") truss.nodes.push_back(d.nodes.back());
+    if (d.name == "medial") truss.nodes.push_back(d.nodes.back());
+  }
+  model.domains.push_back(truss);
+  EXPECT_EQ(make_joint(model, {}).unmodelled[0].names, (std::vector<std::string>{"medial", "lateral", "fat", "truss"}));
+}
+
+TEST(Recognition, TiesThatDeaDropsAreTold) {
+  JointModel plates = flat_plates(2, 10, 2, 0.0);
+  const int post = add_material(plates, "post", true);
+  const int top = add_rigid_surface(
+      plates, "post side", 2, 2, [](double u, double v) { return Vector3d(10 * u, 10 * v, 3); }, post);
+  EXPECT_TRUE(make_joint(plates, {}).dropped_ties.empty());
+  tie(plates, 1, top);  // the plate to the post: both are rigid
+  RigidNodes set;
+  set.name = "pins";
+  set.material = 2;
+  set.nodes = {plates.surfaces.back().nodes[0]};  // nodes of the post that are to move with the plate
+  plates.rigid_nodes.push_back(set);
+  const Joint joint = make_joint(plates, {});
+  ASSERT_EQ(joint.dropped_ties.size(), 2u);
+  EXPECT_EQ(joint.dropped_ties[0].name, "contact \"tie\"");
+  EXPECT_EQ(joint.dropped_ties[0].bodies.size(), 2u);
+  EXPECT_EQ(joint.dropped_ties[1].name, "rigid node set \"pins\"");
+  // two pieces of cartilage on one bone, tied side to side
+  JointModel pieces = flat_plates(2, 10, 2, 0.0);
+  const auto beside = [](double z) {
+    return [z](double u, double v) { return Vector3d(10 * (u - 0.5) + 10, 10 * (v - 0.5), z); };
+  };
+  const int other = add_layer(pieces, "beside", 2, 2, 1, beside(-2), beside(0), 0, 1);
+  tie(pieces, 0, other);
+  const Joint two = make_joint(pieces, {});
+  ASSERT_EQ(two.dropped_ties.size(), 1u);
+  EXPECT_EQ(two.dropped_ties[0].bodies.size(), 1u);
+}
+
+// A piece tied to bone, and to the side of a piece that shares nodes with bone: bone holds it.
+TEST(Recognition, APieceOnBoneMayBeTiedToItsNeighbourToo) {
+  JointModel model = floating_layer(2.0);  // x and y from -5 to 5
+  // bone under all of it, and a piece beside it that shares nodes with the bone
+  const auto at_height = [](double x0, double z) {
+    return [x0, z](double u, double v) { return Vector3d(10 * (u - 0.5) + x0, 10 * (v - 0.5), z); };
+  };
+  const int bone = add_rigid_surface(model, "bone", 4, 4, at_height(0, 0), 1);
+  add_layer(model, "beside", 4, 4, 1, at_height(-10, 0), at_height(-10, 2), 0, 1);
+  const std::vector<Vector3d> nodes = model.nodes;
+  const auto side = [&](const std::string& name, int low, int high) {  // four facets at x = -5
+    std::vector<int> quads;
+    for (int j = 0; j < 4; ++j)
+      for (const int n : {low + 5 * j, low + 5 * (j + 1), high + 5 * (j + 1), high + 5 * j}) quads.push_back(n);
+    return add_surface(model, name, quads);
+  };
+  const int first = static_cast<int>(nodes.size()) - 50;  // of the piece beside: 25 below, 25 above
+  const int own_side = side("own side", 0, 25), its_side = side("its side", first + 4, first + 29);
+  tie(model, 1, bone);
+  tie(model, own_side, its_side);
+  ASSERT_EQ(refusal(model), "");
+  const Layer layer = make_joint(model, {}).contacts[0].layers[0];
+  EXPECT_NEAR(layer.min_thickness(), 2.0, 1e-12);  // its side is not bonded to bone
+  EXPECT_EQ(layer.missed_count(), 0);
+}
+
+// Two elements of 1 through the layer; nodes between them are held too: it is 1 thick there, not 2.
+TEST(Recognition, NodesHeldInsideALayerAreRefused) {
+  JointModel model = flat_plates(2, 10, 2, 0.0);
+  RigidNodes set;
+  set.name = "too deep";
+  set.material = 1;
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (std::abs(model.nodes[i].z() + 1) < 1e-9 && model.nodes[i].head<2>().norm() < 1e-9)
+      set.nodes.push_back(static_cast<int>(i));
+  ASSERT_EQ(set.nodes.size(), 1u);  // the one in the middle
+  model.rigid_nodes.push_back(set);
+  EXPECT_NE(refusal(model).find("1 node is inside its layer (node"), std::string::npos) << refusal(model);
+  Settings settings;
+  settings.thickness["layer"] = 1.5;
+  EXPECT_EQ(refusal(model, settings), "");
+}
+
+// Bone under one half of a layer: its nodes beyond are not bonded to it.
+TEST(Recognition, NodesBeyondTheSurfaceTheyAreTiedToAreNotHeld) {
+  JointModel model = floating_layer(2.0);
+  tie(model, 1, 2);  // to the plate "left", under x < 0
+  const Layer layer = make_joint(model, {}).contacts[0].layers[0];
+  for (int t = 0; t < layer.bone.size(); ++t) EXPECT_LT(layer.bone.centroid(t).x(), 0.0);
+  EXPECT_GT(layer.missed_count(), 0);
+}
+
+TEST(Recognition, AThicknessForAllIsToldWhereItLiesOnABareSurface) {
+  const JointModel model = flat_plates(2, 10, 2, 0.0);
+  Settings settings;
+  settings.thickness[""] = 2;
+  settings.E[""] = 10;
+  settings.nu[""] = 0.3;
+  const auto told = [&] {
+    for (const Sentence& finding : make_joint(model, settings).findings)
+      if (finding.text.find("a bare surface of body \"plate\" is given 2 of cartilage") != std::string::npos)
+        return true;
+    return false;
+  };
+  EXPECT_TRUE(told());
+  settings.thickness = {{"layer", 2.0}, {"plate", 2.0}};
+  EXPECT_FALSE(told());  // meant
 }
 
 TEST(Recognition, ALayerTiedToTwoBodiesIsHeldByTwo) {
@@ -143,6 +321,13 @@ TEST(Recognition, ALayerOfSeveralMaterialsIsRefusedOrTold) {
     settings.nu["layer"] = own.nu;
     EXPECT_EQ(refusal(model, settings).empty(), factor < 5) << factor;
   }
+  zone.E = own.E;  // the confined modulus counts, too: here less than half of the other
+  zone.nu = 0.3;
+  EXPECT_NE(refusal(model).find("deep zone"), std::string::npos) << refusal(model);
+  Settings for_all;  // one nu for the whole part: its zones are alike then
+  for_all.nu[""] = 0.4;
+  EXPECT_EQ(refusal(model, for_all), "");
+  zone.nu = own.nu;
   zone.E = 1.1 * own.E;
   const Joint told = make_joint(model, {});
   ASSERT_EQ(told.findings.size(), 1u);
@@ -455,6 +640,41 @@ TEST(SurfaceMesh, CornersOfAFlatAreNoSphere) {
   EXPECT_EQ(roundness(rises(0.5), fit_sphere(rises(0.5))), Roundness::Round);
   EXPECT_NEAR(fit_sphere(rises(0.5)).radius, 2.25, 1e-12);
   EXPECT_EQ(roundness(rises(0.05), fit_sphere(rises(0.05))), Roundness::Flat);  // R = 20, radius of gyration .82
+}
+
+// Facets around the pole of a sphere of 40, cut by x = 0 and y = 0. Taken for going on behind these planes, every edge
+// rises as the circle through its ends does, to a^4/R^3, at the corner of both planes, too.
+TEST(SurfaceMesh, AQuarterOfASphereIsRoundAtItsCorner) {
+  constexpr double R = 40.0;
+  constexpr int n = 4;
+  std::vector<Vector3d> points;
+  std::vector<int> begin = {0}, nodes;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) points.emplace_back(4.0 * i, 4.0 * j, std::sqrt(R * R - 16.0 * (i * i + j * j)));
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int v = j * (n + 1) + i;
+      for (const int corner : {v, v + 1, v + n + 2, v + n + 1}) nodes.push_back(corner);
+      begin.push_back(static_cast<int>(nodes.size()));
+    }
+  SurfaceMesh mesh = make_surface_mesh(begin, nodes, points);
+  const auto error_at_corner = [&] {  // of what edges at the pole rise, of what they should
+    double worst = 0.0;
+    for (int t = 0; t < mesh.size(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d &a = mesh.corner(t, k), &b = mesh.corner(t, (k + 1) % 3);
+        if (a.head<2>().norm() > 0 && b.head<2>().norm() > 0) continue;
+        const double rise = 0.25 * mesh.bulge[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)],
+                     exact = (a - b).squaredNorm() / (8 * R);
+        worst = std::max(worst, std::abs(rise / exact - 1));
+      }
+    return worst;
+  };
+  EXPECT_GT(error_at_corner(), 0.2);
+  std::vector<unsigned char> mirror;
+  for (const Vector3d& x : mesh.vertices) mirror.push_back((x.x() == 0 ? 1 : 0) | (x.y() == 0 ? 2 : 0));
+  smooth_across(mesh, mirror);
+  EXPECT_LT(error_at_corner(), 0.01);
 }
 
 TEST(SurfaceMesh, AnEllipsoidIsUneven) {

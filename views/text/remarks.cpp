@@ -153,6 +153,41 @@ std::size_t far_from_rim(const Layer& layer, const std::vector<std::size_t>& ver
   return count;
 }
 
+std::string quoted_list(const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    list += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
+  return list;
+}
+
+/// What joins bones and is no layer: without it the contact has another load.
+std::string unmodelled_part(const Joint& joint, const UnmodelledPart& part) {
+  std::vector<std::string> bodies;
+  for (int b : part.bodies) bodies.push_back(joint.bodies[at(b)].name);
+  const bool one = part.names.size() == 1;
+  return fmt::format(
+      "warning: {} {} ({} deformable element{}) {} bodies {} and {} not modelled: the force {} as these bodies move is "
+      "missing in the balance; put springs between the bodies in {} place if it matters",
+      one ? "part" : "parts", quoted_list(part.names), part.elements, part.elements == 1 ? "" : "s",
+      one ? "joins" : "join", quoted_list(bodies), one ? "is" : "are", one ? "it carries" : "they carry",
+      one ? "its" : "their");
+}
+
+std::string dropped_tie(const Joint& joint, const DroppedTie& tie) {
+  const auto body = [&](std::size_t i) { return joint.bodies[at(tie.bodies[i])].name; };
+  if (tie.bodies.size() == 1)
+    return fmt::format(
+        "warning: {} fastens pieces of cartilage on body \"{}\" side by side, which is not modelled: each has a free "
+        "edge "
+        "there; mesh them so that they share nodes",
+        tie.name, body(0));
+  return fmt::format(
+      "warning: {} fastens rigid bodies \"{}\" and \"{}\" to each other, which is not modelled: they move as if it "
+      "were not "
+      "there; give both one rigid material, or a rigid joint that locks them",
+      tie.name, body(0), body(1));
+}
+
 /// Planes of symmetry of which nodes were forgotten.
 void add_half_held(const std::string& surface, const Layer& layer, std::vector<std::string>& lines) {
   for (const HalfHeldPlane& plane : layer.half_held) {
@@ -179,6 +214,8 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
   }
   for (const Sentence& finding : joint.findings) add_once(lines, "note: " + worded(finding, wording));
   for (const std::string& odd : implausible_numbers(model, joint, wording)) add_once(lines, odd);
+  for (const UnmodelledPart& part : joint.unmodelled) add_once(lines, unmodelled_part(joint, part));
+  for (const DroppedTie& tie : joint.dropped_ties) add_once(lines, dropped_tie(joint, tie));
   for (const ContactPair& pair : joint.contacts) {
     const std::string coarse = coarse_facets(model, pair, wording);
     if (!coarse.empty()) add_once(lines, coarse);
@@ -288,6 +325,32 @@ void add_tiny_load(const Joint& joint, const SolvedStates& result, Lines& lines)
       load, load / stiffest));
 }
 
+/// Prescribed motions that bring a body through the other one: its springs see nothing, as if the surfaces were apart.
+/// Asked where a contact ends, and in the last state. True: it is told.
+bool add_passed_through(const Joint& joint, const SolvedStates& result, Lines& lines) {
+  const auto active = [&](std::size_t state, std::size_t c) {
+    return result.states[state].statistics[c].springs_active > 0;
+  };
+  bool told = false;
+  for (std::size_t c = 0; c < joint.contacts.size(); ++c)
+    for (std::size_t i = 0; i < result.states.size(); ++i) {
+      const StateResult& state = result.states[i];
+      const bool ends = !active(i, c) && (i + 1 == result.states.size() || (i > 0 && active(i - 1, c)));
+      if (!ends || state.equilibrium.outcome != Outcome::Prescribed ||
+          !passed_through(joint, joint.contacts[c], state.equilibrium.poses))
+        continue;
+      add_once(
+          lines,
+          fmt::format("warning: contact \"{}\": at time {} the surfaces have passed through each other, by more than "
+                      "four times their thickness: that is no contact any more, and none is shown; check the "
+                      "motion that is prescribed, and its units",
+                      joint.contacts[c].name, time_text(state.when.time)));
+      told = true;
+      break;
+    }
+  return told;
+}
+
 /// Surfaces that do not touch, at the end or ever.
 void add_no_contact(const Joint& joint, const SolvedStates& result, const Wording& wording, Lines& lines) {
   const auto touches = [](const StateResult& state) {
@@ -301,6 +364,7 @@ void add_no_contact(const Joint& joint, const SolvedStates& result, const Wordin
                  "warning: at time {} nothing loads a free body{}: there is no contact to look at; give a load with {}",
                  time_text(last.when.time), touches(last) ? ", and the surfaces have parted" : " and nothing touches",
                  wording({.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true})));
+  if (add_passed_through(joint, result, lines)) return;
   if (last.equilibrium.outcome == Outcome::Prescribed &&
       std::none_of(result.states.begin(), result.states.end(), touches))
     add_once(lines,

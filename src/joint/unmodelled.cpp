@@ -1,0 +1,177 @@
+#include <febiodea/joint/unmodelled.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include <febiodea/base/disjoint_sets.h>
+#include <febiodea/base/numbers.h>
+
+namespace dea {
+
+namespace {
+
+/// Per node: the bodies it moves with. Empty: it moves freely.
+std::vector<std::set<int>> bodies_of_nodes(const ModelParts& parts, const std::vector<ContactPair>& contacts) {
+  const JointModel& model = parts.model;
+  std::vector<std::set<int>> bodies(model.nodes.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i].insert(parts.holders.of_node[i].begin(), parts.holders.of_node[i].end());
+    if (parts.bodies.of_node[i] >= 0) bodies[i].insert(parts.bodies.of_node[i]);
+    if (parts.moved[i] >= 0) bodies[i].insert(parts.moved[i]);
+    if (parts.holders.fixed[i]) bodies[i].insert(parts.bodies.ground());
+  }
+  for (const RigidNodes& set : model.rigid_nodes)
+    for (int node : set.nodes) bodies[at(node)].insert(parts.bodies.of_material[at(set.material)]);
+  for (const ContactPair& pair : contacts)
+    for (const Layer& layer : pair.layers)
+      for (int node : layer.region_nodes) bodies[at(node)].insert(layer.body);
+  return bodies;
+}
+
+/// Per node: of an element of a layer.
+std::vector<char> nodes_of_layers(const ModelParts& parts, const std::vector<ContactPair>& contacts) {
+  std::vector<char> in_layer(parts.model.nodes.size(), 0);
+  for (const ContactPair& pair : contacts)
+    for (const Layer& layer : pair.layers)
+      for (int node : layer.region_nodes) in_layer[at(node)] = 1;
+  return in_layer;
+}
+
+/// Is the body where it is in every step? Then what fastens it carries nothing that the joint would feel.
+bool stays(const ModelParts& parts, int body) {
+  const Body& b = parts.bodies.bodies[at(body)];
+  if (b.ground) return true;
+  std::array<bool, kDofs> held = {};
+  for (const RigidFixed& fixed : parts.model.rigid_fixed)
+    if (fixed.step < 0 && std::find(b.materials.begin(), b.materials.end(), fixed.material) != b.materials.end())
+      for (std::size_t k = 0; k < held.size(); ++k) held[k] = held[k] || fixed.dofs[k];
+  return !b.materials.empty() && std::all_of(held.begin(), held.end(), [](bool h) { return h; });
+}
+
+}  // namespace
+
+std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair>& contacts) {
+  const JointModel& model = parts.model;
+  const std::vector<std::set<int>> bodies = bodies_of_nodes(parts, contacts);
+  const std::vector<char> in_layer = nodes_of_layers(parts, contacts);
+  const auto each_element = [&](const auto& use) {
+    for (const Domain& d : model.domains) {
+      if (d.material < 0 || parts.rigid[at(d.material)]) continue;
+      const int n = nodes_per_element(d.shape);
+      for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
+        const int* nodes = d.nodes.data() + e * at(n);
+        if (!std::all_of(nodes, nodes + n, [&](int node) { return in_layer[at(node)] != 0; })) use(d, nodes, n);
+      }
+    }
+  };
+  // Parts that meet at a bone alone are two: nodes that move with a body join nothing.
+  DisjointSets sets(model.nodes.size());
+  each_element([&](const Domain&, const int* nodes, int n) {
+    int first = -1;
+    for (int k = 0; k < n; ++k) {
+      if (!bodies[at(nodes[k])].empty()) continue;
+      if (first >= 0) sets.join(first, nodes[k]);
+      first = nodes[k];
+    }
+  });
+  struct Piece {
+    std::set<int> bodies;
+    std::vector<std::string> names;
+    int elements = 0;
+  };
+  std::vector<Piece> alone;  // elements of which every node moves with a body
+  std::map<int, Piece> pieces;
+  each_element([&](const Domain& d, const int* nodes, int n) {
+    const int* free = std::find_if(nodes, nodes + n, [&](int node) { return bodies[at(node)].empty(); });
+    if (free == nodes + n) alone.emplace_back();
+    Piece& piece = free == nodes + n ? alone.back() : pieces[sets.root(*free)];
+    for (int k = 0; k < n; ++k) piece.bodies.insert(bodies[at(nodes[k])].begin(), bodies[at(nodes[k])].end());
+    if (piece.names.empty() || piece.names.back() != d.name) piece.names.push_back(d.name);
+    ++piece.elements;
+  });
+  for (auto& entry : pieces) alone.push_back(std::move(entry.second));
+  std::map<std::set<int>, UnmodelledPart> found;
+  for (const Piece& piece : alone) {
+    if (piece.bodies.size() < 2) continue;
+    if (std::all_of(piece.bodies.begin(), piece.bodies.end(), [&](int b) { return stays(parts, b); })) continue;
+    UnmodelledPart& part = found[piece.bodies];
+    for (const std::string& name : piece.names)
+      if (std::find(part.names.begin(), part.names.end(), name) == part.names.end()) part.names.push_back(name);
+    part.elements += piece.elements;
+    part.bodies.assign(piece.bodies.begin(), piece.bodies.end());
+  }
+  std::vector<UnmodelledPart> all;
+  for (auto& entry : found) all.push_back(std::move(entry.second));
+  return all;
+}
+
+namespace {
+
+/// What the nodes of a surface belong to.
+struct SurfaceEnd {
+  std::set<int> bodies;   ///< of nodes of rigid elements
+  std::set<int> regions;  ///< deformable parts of the others
+};
+SurfaceEnd end_of(const ModelParts& parts, const Surface& s) {
+  SurfaceEnd end;
+  for (int node : s.nodes) {
+    if (parts.bodies.of_node[at(node)] >= 0)
+      end.bodies.insert(parts.bodies.of_node[at(node)]);
+    else if (parts.region[at(node)] >= 0)
+      end.regions.insert(parts.region[at(node)]);
+  }
+  return end;
+}
+
+/// The one body that holds all these parts; -1: there is none.
+int holder_of(const ModelParts& parts, const std::set<int>& regions) {
+  int body = -1;
+  for (int region : regions) {
+    const auto held = parts.holders.of_region.find(region);
+    if (held == parts.holders.of_region.end() || held->second.size() != 1) return -1;
+    if (body >= 0 && held->second.begin()->first != body) return -1;
+    body = held->second.begin()->first;
+  }
+  return body;
+}
+
+}  // namespace
+
+std::vector<DroppedTie> find_dropped_ties(const ModelParts& parts) {
+  const JointModel& model = parts.model;
+  std::vector<DroppedTie> dropped;
+  const auto add_pair = [&](const std::string& name, int a, int b) {
+    if (!stays(parts, a) || !stays(parts, b)) dropped.push_back({name, {a, b}});
+  };
+  for (const Contact& c : model.contacts) {
+    if (c.kind != Contact::Kind::Tied || c.primary < 0 || c.secondary < 0) continue;
+    const SurfaceEnd a = end_of(parts, model.surfaces[at(c.primary)]),
+                     b = end_of(parts, model.surfaces[at(c.secondary)]);
+    const std::string name = fmt::format("contact \"{}\"", c.name);
+    if (a.regions.empty() && b.regions.empty() && a.bodies.size() == 1 && b.bodies.size() == 1 &&
+        a.bodies != b.bodies) {
+      add_pair(name, *a.bodies.begin(), *b.bodies.begin());
+    } else if (!a.regions.empty() && !b.regions.empty() && a.regions != b.regions) {
+      const auto soft = [&](const std::set<int>& regions) {
+        return std::any_of(regions.begin(), regions.end(), [&](int r) { return parts.holders.soft_ties.count(r) > 0; });
+      };
+      const int body = holder_of(parts, a.regions);
+      if (body >= 0 && body == holder_of(parts, b.regions) && !soft(a.regions) && !soft(b.regions))
+        dropped.push_back({name, {body}});
+    }
+  }
+  for (const RigidNodes& set : model.rigid_nodes) {
+    const int body = parts.bodies.of_material[at(set.material)];
+    std::set<int> others;
+    for (int node : set.nodes)
+      if (const int other = parts.bodies.of_node[at(node)]; other >= 0 && other != body) others.insert(other);
+    for (int other : others) add_pair(fmt::format("rigid node set \"{}\"", set.name), body, other);
+  }
+  return dropped;
+}
+
+}  // namespace dea

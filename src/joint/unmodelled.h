@@ -1,0 +1,26 @@
+// febiodea/joint/unmodelled.h – deformable parts between bodies of which nothing is made.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <febiodea/joint/contacts.h>
+#include <febiodea/joint/parts.h>
+
+namespace dea {
+
+/// Ligaments, discs, capsules of solids, shells or trusses: fastened to two bodies or more, and no layer of a contact.
+struct UnmodelledPart {
+  std::vector<std::string> names;  ///< of the domains
+  int elements = 0;
+  std::vector<int> bodies;  ///< rising; what the parts are fastened to: all of them to the same bodies
+};
+std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair>& contacts);
+
+/// A tied contact, or a rigid node set, that fastens what stands apart for DEA.
+struct DroppedTie {
+  std::string name;         ///< "contact \"tie\"", "rigid node set \"set\""
+  std::vector<int> bodies;  ///< two rigid bodies; or one: two pieces of cartilage on it, side by side
+};
+std::vector<DroppedTie> find_dropped_ties(const ModelParts& parts);
+
+}  // namespace dea
