@@ -267,39 +267,6 @@ bool make_layers(const ModelParts& parts, const Contact& c, ContactPair& pair, s
   return good;
 }
 
-/// A bare surface that is cut at the planes in which its partner's cartilage is held goes on behind them, too.
-void complete_bare_surfaces(const ModelParts& parts, ContactPair& pair) {
-  constexpr double kSamePlane = 1e-6;  // of the surface's own size; the coordinates of a file have less noise
-  if (facets_of(parts.settings, parts.model.contacts[at(pair.contact)]) == Facets::Flat) return;
-  for (int side = 0; side < 2; ++side) {
-    Layer& bare = pair.layers[side];
-    const Layer& layer = pair.layers[1 - side];
-    if (!bare.rigid || layer.rigid) continue;
-    const double tolerance = kSamePlane * std::sqrt(surface_extent(bare.articular).area);
-    constexpr std::size_t kMostPlanes = 6;       // nodes held at more places than these lie in no planes
-    std::vector<std::pair<int, double>> planes;  // across an axis, at a coordinate
-    for (std::size_t v = 0;
-         v < layer.mirror.size() && v < layer.articular.vertices.size() && planes.size() <= kMostPlanes; ++v)
-      for (int k = 0; k < 3; ++k) {
-        const double x = layer.articular.vertices[v][k];
-        if ((layer.mirror[v] >> k & 1) != 0 && std::none_of(planes.begin(), planes.end(), [&](const auto& p) {
-              return p.first == k && std::abs(p.second - x) <= tolerance;
-            }))
-          planes.emplace_back(k, x);
-      }
-    if (planes.size() > kMostPlanes) continue;
-    std::vector<unsigned char> mirror(bare.articular.vertices.size(), 0);
-    for (const auto& [k, coordinate] : planes)
-      for (std::size_t i = 0; i < mirror.size(); ++i)
-        if (std::abs(bare.articular.vertices[i][k] - coordinate) <= tolerance)
-          mirror[i] = static_cast<unsigned char>(mirror[i] | (1u << k));
-    if (std::all_of(mirror.begin(), mirror.end(), [](unsigned char bits) { return bits == 0; })) continue;
-    smooth_across(bare.articular, mirror);
-    bare.bone = bare.articular;
-    bare.mirror = std::move(mirror);
-  }
-}
-
 /// The faces of layers without elements end where the selection does.
 void find_selected_faces(const ModelParts& parts, ContactPair& pair) {
   for (Layer& layer : pair.layers) {
@@ -322,7 +289,6 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
   }
   if (pair.layers[0].rigid && pair.layers[1].rigid) return no_cartilage(model, c);
   turn_shells(parts, pair, found.findings);
-  complete_bare_surfaces(parts, pair);
   for (Layer& layer : pair.layers)
     if (layer.rigid) layer.bare_rim = bare_rim(parts, layer);
   if (auto fault = too_thin_for_layer_law(model, c, pair)) return fault;

@@ -813,7 +813,7 @@ TEST_F(ReadFeb, ParametersThatNobodyKnowsAreListedOnce) {
     EXPECT_EQ(m.ignored[0].count, 2);
   }
   // FEBio reads a word as 0
-  EXPECT_EQ(fault_of(replaced(kModel40, "<x_dof>1<", "<x_dof>False<")), "");
+  EXPECT_EQ(fault_of(replaced(kModel40, "<x_dof>1<", "<x_dof>False<")), "read without a fault");
   // a modulus per element: the one of the material would be wrong without a word
   EXPECT_NE(fault_of(replaced(kModel25, "<MeshData>",
                               "<MeshData><ElementData var=\"fem.material[1].E\" elem_set=\"L\"><elem "
@@ -1029,7 +1029,7 @@ TEST_F(ReadFeb, FaultsAreRefusedWithTheirLine) {
        "\"U\""},
       {"type=\"zero displacement\" node_set=\"side\"", "type=\"zero displacement\" node_set=\"sode\"",
        "28: \"sode\" names no node set (did you mean \"side\"?); the model has \"all\", \"held\", \"side\""},
-      {"<x_dof>1<", "<x_dof>true<", "28: x_dof = \"true\", expected 0 or 1"},
+      {"<x_dof>1<", "<x_dof>true<", "28: x_dof = \"true\", expected 0 or 1 (a word is 0 for FEBio, whatever it says)"},
       {"<rb>femur</rb><clamp", "<rb>tibia</rb><clamp",
        "29: \"tibia\" names no material, expected the id or name of a rigid body; rigid bodies: \"plate\", \"femur\""},
       {"<rb>femur</rb><clamp", "<rb>2</rb><clamp",
