@@ -173,8 +173,7 @@ CLI::App* add_build(CLI::App& app, BuildArguments& a) {
                "Centre of a bone, where its force acts [a ball's: that of its sphere]");
   add_repeated(*c, "--landmarks", a.landmarks, "FILE", "Anatomy",
                "Named points (CSV: name, x, y, z; Slicer's .csv, .fcsv, .mrk.json) that give frames of pelvis, femur "
-               "and tibia; forces and "
-               "regions may then be given along their axes: frame:pelvis,x,y,z");
+               "and tibia; forces and regions may then be given along their axes: frame:pelvis,x,y,z");
   add_once(*c, "--landmark-units", a.landmark_units, "mm|cm|m", "Anatomy", "Units of the landmarks [the bones']");
   c->add_flag("--flip-landmarks", a.flip_landmarks,
               "Change the sign of x and y of the landmarks: they are RAS and the bones LPS, or the other way round")

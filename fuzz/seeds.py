@@ -74,7 +74,6 @@ for kind, content in text.items():
 (surfaces / "binary_stl").write_bytes(b"\0" + b"binary".ljust(80) + (1).to_bytes(4, "little") + bytes(12) + bytes.fromhex("0000803f" * 9) + bytes(2))
 
 
-
 def vtp(packed, appended):
     """Numbers as bytes: in base64, or raw behind the XML."""
     raw, arrays = b"", []

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -151,32 +152,30 @@ std::vector<float> per_facet(const std::vector<double>& values) {
 
 /// What a surface shows.
 struct Shown {
-  const Layer* layer = nullptr;  ///< nullptr: no contact has the surface
-  SideFields fields;             ///< of all its contacts together
+  const Layer* layer = nullptr;          ///< nullptr: no contact has the surface
+  std::vector<const SideFields*> sides;  ///< of all its contacts, the one that presses hardest first
 };
 
 /// Per model surface.
 std::vector<Shown> shown_contacts(const JointModel& model, const Joint& joint,
                                   const std::vector<ContactFields>& fields) {
-  std::vector<std::vector<const SideFields*>> sides(model.surfaces.size());  // the one that presses hardest first
   std::vector<Shown> shown(model.surfaces.size());
   for (std::size_t c = 0; c < joint.contacts.size(); ++c)
     for (int side = 0; side < 2; ++side) {
       const Layer& layer = joint.contacts[c].layers[side];
-      std::vector<const SideFields*>& all = sides[at(layer.surface)];
-      all.push_back(&fields[c].sides[side]);
-      if (all.size() > 1 && !(all.back()->force.norm() > all.front()->force.norm())) continue;
-      std::swap(all.front(), all.back());
-      shown[at(layer.surface)].layer = &layer;
+      Shown& s = shown[at(layer.surface)];
+      s.sides.push_back(&fields[c].sides[side]);
+      if (s.sides.size() > 1 && !(s.sides.back()->force.norm() > s.sides.front()->force.norm())) continue;
+      std::swap(s.sides.front(), s.sides.back());
+      s.layer = &layer;
     }
-  for (std::size_t s = 0; s < sides.size(); ++s) {
-    if (sides[s].empty()) continue;
-    const SideFields& first = *sides[s].front();
-    std::erase_if(sides[s], [&](const SideFields* other) {  // a contact of its own kind may take fewer facets
+  for (Shown& s : shown) {
+    if (s.sides.size() < 2) continue;
+    const SideFields& first = *s.sides.front();
+    std::erase_if(s.sides, [&](const SideFields* other) {  // a contact of its own kind may take fewer facets
       return other->pressure.size() != first.pressure.size() ||
              other->vertex_pressure.size() != first.vertex_pressure.size();
     });
-    shown[s].fields = added_sides(sides[s]);
   }
   return shown;
 }
@@ -307,8 +306,11 @@ void add_surface_fields(const JointModel& model, const std::vector<int>& surface
   const std::vector<Shown> shown = shown_contacts(model, joint, contacts);
   for (std::size_t s = 0; s < shown.size(); ++s) {
     if (shown[s].layer == nullptr || surface[s] == 0) continue;
+    std::optional<SideFields> sum;  // one contact is the rule, and nothing to add
+    if (shown[s].sides.size() > 1) sum = added_sides(shown[s].sides);
+    const SideFields& side = sum ? *sum : *shown[s].sides.front();
     for (std::size_t v = 0; v < fields.size(); ++v) {
-      std::vector<float> values = fields[v].values(model.surfaces[s], *shown[s].layer, shown[s].fields);
+      std::vector<float> values = fields[v].values(model.surfaces[s], *shown[s].layer, side);
       if (!values.empty()) state.variables[first + v].push_back({surface[s], std::move(values)});  // bare bone: none
     }
   }

@@ -106,10 +106,8 @@ struct CornerNormal {
 /// Exact where the vertices lie on a sphere, however uneven the facets: each corner's cross product of edges over the
 /// squares of their lengths (N. Max, Weights for computing vertex normals from facet normals, J. Graphics Tools 4(2),
 /// 1999).
-/// `mirror`: as smooth_across has it; empty: no plane.
 std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
-                                                        const std::vector<std::array<char, 3>>& crease,
-                                                        const std::vector<unsigned char>& mirror) {
+                                                        const std::vector<std::array<char, 3>>& crease) {
   std::vector<std::array<CornerNormal, 3>> normals(at(mesh.size()));
   std::vector<std::vector<std::array<int, 2>>> around(mesh.vertices.size());  // corners of each vertex
   for (int t = 0; t < mesh.size(); ++t)
@@ -124,7 +122,6 @@ std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
     for (std::size_t first = 0; first < corners.size(); ++first) {
       if (group[first] >= 0) continue;
       CornerNormal sum;
-      unsigned planes = 0;  // whose mirror images complete the facets
       std::vector<std::size_t> members = {first};
       group[first] = static_cast<int>(first);
       for (std::size_t m = 0; m < members.size(); ++m) {
@@ -134,11 +131,6 @@ std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
         sum.normal += a.cross(b) / (a.squaredNorm() * b.squaredNorm());
         for (const int edge : {k, (k + 2) % 3}) {
           const int next = mesh.neighbours[at(t)][at(edge)];
-          const auto& corner = mesh.triangles[at(t)];
-          const unsigned in_plane =
-              next < 0 && !mirror.empty() ? mirror[at(corner[at(edge)])] & mirror[at(corner[at((edge + 1) % 3)])] : 0u;
-          planes |= in_plane;
-          if (in_plane != 0) continue;
           if (next < 0 || crease[at(t)][at(edge)]) {
             sum.one_sided = true;
             continue;
@@ -149,8 +141,6 @@ std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
           members.push_back(i);
         }
       }
-      for (int k = 0; k < 3; ++k)
-        if (planes >> k & 1) sum.normal[k] = 0.0;  // the images' sum takes it away
       sum.normal.normalize();
       for (const std::size_t m : members) normals[at(corners[m][0])][at(corners[m][1])] = sum;
     }
@@ -158,9 +148,9 @@ std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
   return normals;
 }
 
-void find_bulges(SurfaceMesh& mesh, const std::vector<unsigned char>& mirror = {}) {
+void find_bulges(SurfaceMesh& mesh) {
   const auto crease = find_creases(mesh);
-  const auto normals = corner_normals(mesh, crease, mirror);
+  const auto normals = corner_normals(mesh, crease);
   constexpr double kCos40 = 0.76604444311897801;
   mesh.bulge.assign(mesh.triangles.size(), {0, 0, 0});
   for (int t = 0; t < mesh.size(); ++t) {
@@ -267,8 +257,6 @@ SurfaceMesh with_turned(SurfaceMesh mesh, const std::vector<char>& which) {
   finish_surface_mesh(mesh);
   return mesh;
 }
-
-void smooth_across(SurfaceMesh& mesh, const std::vector<unsigned char>& mirror) { find_bulges(mesh, mirror); }
 
 void flatten(SurfaceMesh& mesh) { mesh.bulge.assign(mesh.bulge.size(), {0, 0, 0}); }
 

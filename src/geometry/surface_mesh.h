@@ -53,11 +53,6 @@ double bulge_height(const SurfaceMesh& mesh, int triangle, const std::array<doub
 /// Its gradient in the triangle's plane.
 Vector3d bulge_gradient(const SurfaceMesh& mesh, int triangle, const std::array<double, 3>& weights);
 
-/// The bulges anew, where the surface goes on behind planes of symmetry. `mirror`: per vertex, bit k set: it lies in
-/// such a plane across axis k. Without that a vertex in a plane has facets on one side only, and where two planes meet,
-/// in one quarter: its normal leans, and a coarse ball is too flat there.
-void smooth_across(SurfaceMesh& mesh, const std::vector<unsigned char>& mirror);
-
 /// The facets as they are: no bulge.
 void flatten(SurfaceMesh& mesh);
 

@@ -223,15 +223,13 @@ bool passed_through(const Joint& joint, const ContactPair& pair, const std::vect
   const SurfaceMesh& feet = source.articular;
   const RayCaster caster(target.articular);
   const double deep = 4.0 * (source.max_thickness() + target.max_thickness());
-  const Pose &from = poses[at(source.body)], &to = poses[at(target.body)];
-  const Vector3d &from_center = joint.bodies[at(source.body)].center_of_mass,
-                 &to_center = joint.bodies[at(target.body)].center_of_mass;
+  const RelativePose relative = relative_pose(poses[at(source.body)], joint.bodies[at(source.body)].center_of_mass,
+                                              poses[at(target.body)], joint.bodies[at(target.body)].center_of_mass);
   double sampled = 0.0, ahead = 0.0, behind = 0.0;  // areas
   const int step = std::max(1, feet.size() / 400);  // a sample is enough
   for (int t = 0; t < feet.size(); t += step) {
-    const Vector3d now = from.center + from.rotation * (feet.centroid(t) - from_center);
-    const Vector3d x = to_center + to.rotation.transpose() * (now - to.center);
-    const Vector3d n = to.rotation.transpose() * (from.rotation * feet.normals[at(t)]);
+    const Vector3d x = relative.rotation * feet.centroid(t) + relative.shift;
+    const Vector3d n = relative.rotation * feet.normals[at(t)];
     const LineHit hit = caster.nearest_facing(x, n, -kInfinity, -deep, kInfinity);
     sampled += feet.areas[at(t)];
     if (hit.point.triangle >= 0) (hit.distance > -deep ? ahead : behind) += feet.areas[at(t)];

@@ -642,41 +642,6 @@ TEST(SurfaceMesh, CornersOfAFlatAreNoSphere) {
   EXPECT_EQ(roundness(rises(0.05), fit_sphere(rises(0.05))), Roundness::Flat);  // R = 20, radius of gyration .82
 }
 
-// Facets around the pole of a sphere of 40, cut by x = 0 and y = 0. Taken for going on behind these planes, every edge
-// rises as the circle through its ends does, to a^4/R^3, at the corner of both planes, too.
-TEST(SurfaceMesh, AQuarterOfASphereIsRoundAtItsCorner) {
-  constexpr double R = 40.0;
-  constexpr int n = 4;
-  std::vector<Vector3d> points;
-  std::vector<int> begin = {0}, nodes;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) points.emplace_back(4.0 * i, 4.0 * j, std::sqrt(R * R - 16.0 * (i * i + j * j)));
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int v = j * (n + 1) + i;
-      for (const int corner : {v, v + 1, v + n + 2, v + n + 1}) nodes.push_back(corner);
-      begin.push_back(static_cast<int>(nodes.size()));
-    }
-  SurfaceMesh mesh = make_surface_mesh(begin, nodes, points);
-  const auto error_at_corner = [&] {  // of what edges at the pole rise, of what they should
-    double worst = 0.0;
-    for (int t = 0; t < mesh.size(); ++t)
-      for (int k = 0; k < 3; ++k) {
-        const Vector3d &a = mesh.corner(t, k), &b = mesh.corner(t, (k + 1) % 3);
-        if (a.head<2>().norm() > 0 && b.head<2>().norm() > 0) continue;
-        const double rise = 0.25 * mesh.bulge[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)],
-                     exact = (a - b).squaredNorm() / (8 * R);
-        worst = std::max(worst, std::abs(rise / exact - 1));
-      }
-    return worst;
-  };
-  EXPECT_GT(error_at_corner(), 0.2);
-  std::vector<unsigned char> mirror;
-  for (const Vector3d& x : mesh.vertices) mirror.push_back((x.x() == 0 ? 1 : 0) | (x.y() == 0 ? 2 : 0));
-  smooth_across(mesh, mirror);
-  EXPECT_LT(error_at_corner(), 0.01);
-}
-
 TEST(SurfaceMesh, AnEllipsoidIsUneven) {
   const Joint joint = make_joint(concentric_spheres(12, 1.0), {});
   SurfaceMesh stretched = joint.contacts[0].layers[1].articular;

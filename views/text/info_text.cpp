@@ -12,12 +12,11 @@
 #include <febiodea/views/text/info_words.h>
 #include <febiodea/views/text/remarks.h>
 #include <febiodea/views/text/run_text.h>
+#include <febiodea/views/text/words.h>
 
 namespace dea {
 
 namespace {
-
-std::string quoted(const std::string& name) { return fmt::format("\"{}\"", name); }
 
 std::string bodies_text(const JointModel& model, const JointCheck& check) {
   std::string text;
@@ -33,7 +32,7 @@ std::string bodies_text(const JointModel& model, const JointCheck& check) {
       continue;
     }
     std::string materials;
-    for (int m : body.materials) materials += (materials.empty() ? "" : ", ") + quoted(model.materials[at(m)].name);
+    for (int m : body.materials) materials += (materials.empty() ? "" : ", ") + in_quotes(model.materials[at(m)].name);
     text += fmt::format("  {}: material{} {}; centre of mass {} ({}); mass {}\n", body.name,
                         body.materials.size() > 1 ? "s" : "", materials, vector_text(body.center_of_mass),
                         body.center_given ? "given"
@@ -91,7 +90,7 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
   const Surface& surface = model.surfaces[at(layer.surface)];
   const std::string length = unit_behind(model, Dimension::Length), area = unit_behind(model, Dimension::Area),
                     pressure = unit_behind(model, Dimension::Pressure);
-  std::string text = fmt::format("    {}: surface {}, {} facets, area {}{}\n", role, quoted(surface.name),
+  std::string text = fmt::format("    {}: surface {}, {} facets, area {}{}\n", role, in_quotes(surface.name),
                                  surface.size(), number_text(side.area), area);
   text += fmt::format("      body {}: {}\n", check.joint.bodies[at(layer.body)].name, layer.attached_by);
   if (layer.rigid) {
@@ -100,7 +99,7 @@ std::string layer_text(const JointModel& model, const JointCheck& check, const L
     const Elasticity& e = layer.elasticity;
     const std::string material = layer.material < 0
                                      ? std::string("given")
-                                     : fmt::format("{} ({})", quoted(model.materials[at(layer.material)].name),
+                                     : fmt::format("{} ({})", in_quotes(model.materials[at(layer.material)].name),
                                                    model.materials[at(layer.material)].type);
     text +=
         fmt::format("      cartilage: material {}, E {}{}, nu {}, confined modulus {}{}\n", material, number_text(e.E),
@@ -127,7 +126,7 @@ std::string contacts_text(const JointModel& model, const Settings& settings, con
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     const ContactPair& pair = check.joint.contacts[c];
     const ContactCheck& found = check.contacts[c];
-    text += fmt::format("  {}: type {}, springs on {} ({}, {}), law {}{}\n", quoted(pair.name),
+    text += fmt::format("  {}: type {}, springs on {} ({}, {}), law {}{}\n", in_quotes(pair.name),
                         model.contacts[at(pair.contact)].type, check.joint.bodies[at(pair.source_layer().body)].name,
                         pair.source == 0 ? "primary" : "secondary", name(settings.springs_at), name(pair.law),
                         step_words(pair.step));
@@ -184,7 +183,7 @@ std::string ligament_text(const Joint& joint, const Ligament& l) {
           fmt::format("force {}{}", number_text(l.scale.factor), l.scale.controller >= 0 ? " times a load curve" : "");
       break;
   }
-  return fmt::format("  {}: {} {} to {} {}, {}{}\n", quoted(l.name), joint.bodies[at(l.body_a)].name,
+  return fmt::format("  {}: {} {} to {} {}, {}{}\n", in_quotes(l.name), joint.bodies[at(l.body_a)].name,
                      vector_text(l.point_a), joint.bodies[at(l.body_b)].name, vector_text(l.point_b), law,
                      step_words(l.step));
 }
@@ -194,13 +193,13 @@ std::string cable_text(const Joint& joint, const Cable& c) {
   for (const Cable::Point& p : c.points)
     points +=
         fmt::format("{}{} {}", points.empty() ? "" : ", ", joint.bodies[at(p.body)].name, vector_text(p.position));
-  return fmt::format("  cable {}: {}; then along {}; tension {}{}{}\n", quoted(c.name), points,
+  return fmt::format("  cable {}: {}; then along {}; tension {}{}{}\n", in_quotes(c.name), points,
                      vector_text(c.direction), number_text(c.force.factor),
                      c.force.controller >= 0 ? " times a load curve" : "", step_words(c.step));
 }
 
 std::string connector_text(const Joint& joint, const Connector& c) {
-  std::string text = fmt::format("  {}: {}, {} and {}, at {}; axes {} {} {};", quoted(c.name), c.type,
+  std::string text = fmt::format("  {}: {}, {} and {}, at {}; axes {} {} {};", in_quotes(c.name), c.type,
                                  joint.bodies[at(c.body_a)].name, joint.bodies[at(c.body_b)].name, vector_text(c.point),
                                  vector_text(c.axes.col(0)), vector_text(c.axes.col(1)), vector_text(c.axes.col(2)));
   for (int k = 0; k < kDofs; ++k)

@@ -14,6 +14,7 @@
 #include <febiodea/run/recognise.h>
 #include <febiodea/views/text/info_text.h>
 #include <febiodea/views/text/run_text.h>
+#include <febiodea/views/text/words.h>
 
 namespace dea {
 
@@ -49,16 +50,6 @@ struct Methods {
     return paper.short_form;
   }
 };
-
-std::string in_quotes(const std::string& name) { return fmt::format("\"{}\"", name); }
-
-/// "a", "a and b", "a, b and c".
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  return text;
-}
 
 std::string counted(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);

@@ -9,6 +9,7 @@
 #include <febiodea/base/time_text.h>
 #include <febiodea/views/text/plausibility.h>
 #include <febiodea/views/text/table.h>
+#include <febiodea/views/text/words.h>
 
 namespace dea {
 
@@ -153,24 +154,17 @@ std::size_t far_from_rim(const Layer& layer, const std::vector<std::size_t>& ver
   return count;
 }
 
-std::string quoted_list(const std::vector<std::string>& names) {
-  std::string list;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    list += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
-  return list;
-}
-
 /// What joins bones and is no layer: without it the contact has another load.
 std::string unmodelled_part(const Joint& joint, const UnmodelledPart& part) {
-  std::vector<std::string> bodies;
-  for (int b : part.bodies) bodies.push_back(joint.bodies[at(b)].name);
+  std::vector<std::string> names, bodies;
+  for (const std::string& name : part.names) names.push_back(in_quotes(name));
+  for (int b : part.bodies) bodies.push_back(in_quotes(joint.bodies[at(b)].name));
   const bool one = part.names.size() == 1;
   return fmt::format(
       "warning: {} {} ({} deformable element{}) {} bodies {} and {} not modelled: the force {} as these bodies move is "
       "missing in the balance; put springs between the bodies in {} place if it matters",
-      one ? "part" : "parts", quoted_list(part.names), part.elements, part.elements == 1 ? "" : "s",
-      one ? "joins" : "join", quoted_list(bodies), one ? "is" : "are", one ? "it carries" : "they carry",
-      one ? "its" : "their");
+      one ? "part" : "parts", listed(names), part.elements, part.elements == 1 ? "" : "s", one ? "joins" : "join",
+      listed(bodies), one ? "is" : "are", one ? "it carries" : "they carry", one ? "its" : "their");
 }
 
 std::string dropped_tie(const Joint& joint, const DroppedTie& tie) {
@@ -178,13 +172,11 @@ std::string dropped_tie(const Joint& joint, const DroppedTie& tie) {
   if (tie.bodies.size() == 1)
     return fmt::format(
         "warning: {} fastens pieces of cartilage on body \"{}\" side by side, which is not modelled: each has a free "
-        "edge "
-        "there; mesh them so that they share nodes",
+        "edge there; mesh them so that they share nodes",
         tie.name, body(0));
   return fmt::format(
       "warning: {} fastens rigid bodies \"{}\" and \"{}\" to each other, which is not modelled: they move as if it "
-      "were not "
-      "there; give both one rigid material, or a rigid joint that locks them",
+      "were not there; give both one rigid material, or a rigid joint that locks them",
       tie.name, body(0), body(1));
 }
 

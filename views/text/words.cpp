@@ -1,0 +1,16 @@
+#include <febiodea/views/text/words.h>
+
+#include <fmt/format.h>
+
+namespace dea {
+
+std::string in_quotes(const std::string& name) { return fmt::format("\"{}\"", name); }
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+  return text;
+}
+
+}  // namespace dea
