@@ -24,4 +24,10 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
                                                 const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
                                                 const std::array<bool, 12>& free);
 
+/// How many of the free motions of both bodies press or relieve springs that carry pressure: 0 to 6, those with a
+/// stiffness above 1e-4 of the largest. Nothing in the contact resists the others. `free`: of the 12 dofs, those that
+/// can move.
+int resisted_motions(const SpringStates& states, const Pose& source, const Pose& target,
+                     const std::array<bool, 12>& free);
+
 }  // namespace dea

@@ -301,4 +301,24 @@ TEST(ClosingStiffness, TakesAForceToFirstTouch) {
   EXPECT_TRUE(away.allFinite());
 }
 
+/// Plates slide on each other and turn about their normal; apart, nothing is resisted.
+TEST(ResistedMotions, OfPlates) {
+  std::array<bool, 12> one_body = {}, both;
+  for (std::size_t d = 0; d < 6; ++d) one_body[d] = true;
+  both.fill(true);
+  const Joint flat = make_joint(test::flat_plates(4, 10, 2, -0.3), test::linear());
+  const SpringBeds plates = make_spring_beds(flat);
+  std::vector<Pose> poses = reference_poses(flat);
+  Pose& source = poses[static_cast<std::size_t>(plates.beds[0].source_body)];
+  Pose& target = poses[static_cast<std::size_t>(plates.beds[0].target_body)];
+  const auto resisted = [](const SpringBed& bed, const Pose& s, const Pose& t, const std::array<bool, 12>& free) {
+    return resisted_motions(press_springs(bed, s, t), s, t, free);
+  };
+  EXPECT_EQ(resisted(plates.beds[0], source, target, one_body), 3);
+  EXPECT_EQ(resisted(plates.beds[0], source, target, both), 3);
+  EXPECT_EQ(resisted(plates.beds[0], source, target, {}), 0);
+  target.center.z() += 1;
+  EXPECT_EQ(resisted(plates.beds[0], source, target, one_body), 0);
+}
+
 }  // namespace dea::springs_test
