@@ -48,11 +48,12 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
                                   kConvertFooter, a.model);
   add_once(*c, "-o", a.output, "FILE.feb", "Output",
            "Converted model [MODEL without .feb + _dea.feb, beside the model]");
-  add_once(*c, "--linear-solver", a.linear_solver, "NAME", "Output",
-           fmt::format("FEBio's linear solver in the new model: {}; a FEBio without MKL has skyline [the model's; where "
-                       "it names none, FEBio takes its default]",
-                       fmt::join(linear_solver_names(), ", "))
-               .c_str());
+  add_once(
+      *c, "--linear-solver", a.linear_solver, "NAME", "Output",
+      fmt::format("FEBio's linear solver in the new model: {}; a FEBio without MKL has skyline [the model's; where "
+                  "it names none, FEBio takes its default]",
+                  fmt::join(linear_solver_names(), ", "))
+          .c_str());
   add_model_overwrite_flag(*c, a.overwrite, "one with a contact of type dea");
   add_quiet_flag(*c, a.quiet);
   add_solving_options(*c, a.settings, a.threads, {"squash", "inside"});

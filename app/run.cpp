@@ -57,7 +57,9 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   };
   for (const OutputOption& o : output_options()) {
     if (o.kind == OutputOption::Kind::Switch)
-      c->add_flag_callback(command_line_name(o), [&a, &o] { a.outputs.*o.text = "true"; }, o.help)->group("Output");
+      c->add_flag_callback(
+           command_line_name(o), [&a, &o] { a.outputs.*o.text = "true"; }, o.help)
+          ->group("Output");
     else if (o.kind != OutputOption::Kind::States)
       add_output(o);
   }

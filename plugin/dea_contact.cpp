@@ -157,9 +157,10 @@ double thickness_number(const std::string& given, FEMesh& mesh, const Refuse& re
     std::vector<std::string> maps;
     for (int i = 0; i < mesh.DataMaps(); ++i)
       if (dynamic_cast<FESurfaceMap*>(mesh.GetDataMap(i)) != nullptr) maps.push_back(mesh.GetDataMap(i)->GetName());
-    throw refuse(fmt::format(": found \"{}\"{}, expected a number with a decimal point, or the name of a SurfaceData in "
-                             "MeshData (there: {})",
-                             given, dea::did_you_mean(given, maps), dea::name_list(maps, given)));
+    throw refuse(
+        fmt::format(": found \"{}\"{}, expected a number with a decimal point, or the name of a SurfaceData in "
+                    "MeshData (there: {})",
+                    given, dea::did_you_mean(given, maps), dea::name_list(maps, given)));
   }
 }
 
@@ -183,8 +184,8 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
     try {
       dea::parse_number(place->second.text);
     } catch (const dea::BadValue&) {  // FEBio takes what stands before the first strange letter
-      throw refuse_parameter(number, fmt::format(": found \"{}\", expected a number with a decimal point",
-                                                 place->second.text));
+      throw refuse_parameter(number,
+                             fmt::format(": found \"{}\", expected a number with a decimal point", place->second.text));
     }
   }
   dea::Contact contact;
@@ -235,8 +236,8 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
         throw refuse_thickness(fmt::format(": the map \"{}\" is no SurfaceData of numbers per facet or node", given));
       const FEFacetSet* facets = map->GetFacetSet();
       if (facets == nullptr || facets->GetName() != name)
-        throw refuse_thickness(fmt::format(": the map \"{}\" is one of surface \"{}\", expected \"{}\"",
-                                           map->GetName(), facets == nullptr ? "" : facets->GetName(), name));
+        throw refuse_thickness(fmt::format(": the map \"{}\" is one of surface \"{}\", expected \"{}\"", map->GetName(),
+                                           facets == nullptr ? "" : facets->GetName(), name));
       const dea::Surface& s = model.surfaces[at(index)];
       for (int f = 0; f < s.size(); ++f) {
         for (int k = 0; k < s.begin[at(f) + 1] - s.begin[at(f)]; ++k) {
@@ -356,6 +357,10 @@ void FEDeaContact::listen() {
       [](FEModel* fem, unsigned int when, void* contact) {
         auto* self = static_cast<FEDeaContact*>(contact);
         if (when == CB_SERIALIZE_LOAD) return self->rebuild();
+        if (when == CB_PRE_MATRIX_SOLVE) {
+          self->note_load();
+          return true;
+        }
         const bool every_iteration = fem->GetCurrentStep()->GetPlotLevel() == FE_PLOT_MINOR_ITRS;
         if (when == CB_MINOR_ITERS && !every_iteration) return true;
         const bool good = self->update_fields();
@@ -365,7 +370,7 @@ void FEDeaContact::listen() {
         return good;
       },
       CB_INIT | CB_STEP_ACTIVE | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED | CB_STEP_SOLVED |
-          CB_SOLVED | CB_SERIALIZE_LOAD,
+          CB_SOLVED | CB_SERIALIZE_LOAD | CB_PRE_MATRIX_SOLVE,
       this, CallbackHandler::CB_ADD_FRONT);
   listening_ = true;
 }
@@ -586,6 +591,21 @@ void FEDeaContact::warn_of_depth() {
                                                 GetName(), depth.strained, dea::kStrainLimit, depth.largest));
 }
 
+void FEDeaContact::note_load() {
+  const auto* newton = dynamic_cast<FENewtonSolver*>(GetFEModel()->GetCurrentStep()->GetFESolver());
+  if (!bed_ || !bed_->evaluated || !attempt_.begun || attempt_.load_known || newton == nullptr) return;
+  attempt_.load_known = true;
+  const std::vector<int> lm = equations(bed_->bodies);
+  std::array<bool, 12> free;
+  Eigen::Matrix<double, 12, 1> load = Eigen::Matrix<double, 12, 1>::Zero();  // the residual without the contact
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    free[i] = lm[i] >= 0;
+    if (free[i]) load[k] = newton->m_R0[at(lm[i])] - bed_->wrench.wrench[k];
+  }
+  attempt_.opens = dea::opening_part(bed_->springs, load, free) > 1e-6 * load.norm();
+}
+
 void FEDeaContact::warn_of_failure() {
   if (!bed_ || !attempt_.begun) return;  // the last state was found
   const dea::SpringStates& s = bed_->springs;
@@ -597,28 +617,34 @@ void FEDeaContact::warn_of_failure() {
   const int under_pressure = static_cast<int>(
       std::count_if(s.pressure.begin(), s.pressure.end(), [](double pressure) { return pressure > 0; }));
   const int loose = attempt_.free - attempt_.resisted;
+  const std::string check = "check thickness, E, the load and their units, or take smaller steps (step_size)";
   if (loose > 0)
-    warn(fmt::format("{}its springs resist {} of {} free motions of the bodies, and FEBio's stiffness is singular (NAN) "
-                     "if nothing else holds the other {}; hold them (rigid_fixed), or add what resists them",
-                     when, attempt_.resisted, attempt_.free, loose));
-  if (attempt_.too_deep > 0)
-    warn(fmt::format("{}on the way {} of {} springs were strained beyond {:g}; the load or the motion is too much for "
-                     "this cartilage: check thickness, E and their units, or take smaller steps (step_size)",
-                     when, attempt_.too_deep, s.size(), dea::kStrainLimit));
-  else if (under_pressure == 0 && last_pressed_ < 0)
-    warn(fmt::format("{}none of its springs carries pressure, so it holds nothing: the surfaces have not touched, or the "
-                     "load opens them; first move the bone into contact by a prescribed displacement "
-                     "(rigid_displacement) in a step of its own, its other motions held, then load it; or let something "
-                     "else hold it",
-                     when));
+    warn(fmt::format(
+        "{}its springs resist {} of {} free motions of the bodies, and little or nothing the other {}: if "
+        "nothing else holds these, FEBio's stiffness is singular (NAN); hold them (rigid_fixed), or add what "
+        "resists them",
+        when, attempt_.resisted, attempt_.free, loose));
+  if (attempt_.opens)
+    warn(
+        fmt::format("{}the load opens the joint{}, and springs do not pull; let the load press the bodies together, or "
+                    "something else hold them (rigid_fixed, ligaments)",
+                    when, last_pressed_ < 0 ? "" : fmt::format(" after time {}", dea::time_text(last_pressed_))));
+  else if (attempt_.too_deep > 0)
+    warn(fmt::format("{}on the way {} of {} springs were strained beyond {:g}; {}", when, attempt_.too_deep, s.size(),
+                     dea::kStrainLimit, check));
+  else if (under_pressure == 0 && attempt_.free == 0)
+    warn(fmt::format(
+        "{}the surfaces do not touch, so that no spring holds the bodies; first move the bone into contact by "
+        "a prescribed displacement (rigid_displacement) in a step of its own, its other motions held, then "
+        "load it; or let something else hold it",
+        when));
   else if (under_pressure == 0)
-    warn(fmt::format("{}none of its springs carries pressure, so it holds nothing: the bodies parted after time {}; let "
-                     "the load press them together, or something else hold them",
-                     when, dea::time_text(last_pressed_)));
+    warn(fmt::format("{}the bodies met, and Newton's method lost them again; {}", when, check));
   else if (loose == 0)
     warn(fmt::format("{}{} of {} springs carry pressure, strained up to {:.3g}; {}", when, under_pressure, s.size(),
                      dea::spring_depth(s).largest,
-                     attempt_.symmetric ? "set symmetric_stiffness to non-symmetric, with a linear solver that takes it, "
-                                          "or allow more iterations (max_refs)"
-                                        : "try smaller time steps (step_size) or more iterations (max_refs)"));
+                     attempt_.symmetric
+                         ? "set symmetric_stiffness to non-symmetric, with a linear solver that takes it, "
+                           "or allow more iterations (max_refs)"
+                         : "try smaller time steps (step_size) or more iterations (max_refs)"));
 }

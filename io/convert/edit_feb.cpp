@@ -322,7 +322,8 @@ void edit_controls(Editing& e) {
       said(which, edit_control(e, control));
     } else if (i > 0 || top < 0) {
       XmlLines lines = {{0, "<Control>"}};
-      for (const XmlLine& line : solver_lines(e.model.module, e.plan.linear_solver)) lines.push_back({line.depth + 1, line.text});
+      for (const XmlLine& line : solver_lines(e.model.module, e.plan.linear_solver))
+        lines.push_back({line.depth + 1, line.text});
       lines.push_back({0, "</Control>"});
       e.edits.append_child(steps[i], lines);
       said(which, "new <Control>" + new_solver(e.plan));

@@ -14,15 +14,24 @@ struct Row {
 };
 
 // Of FEBio 4.11 (NumCore.cpp, FECore.cpp). LU is there for other uses: it tells every solve that it failed.
-constexpr std::array kSolvers = {Row{"accelerate", true, false},      Row{"bicgstab", false, false},
-                                 Row{"bipn", false, false},           Row{"block", false, false},
-                                 Row{"boomeramg", false, false},      Row{"cg", false, true},
-                                 Row{"fgmres", false, false},         Row{"hypre_gmres", false, false},
-                                 Row{"hypre_pcg_amg", false, false},  Row{"LU", false, false},
-                                 Row{"mkl_dss", true, false},         Row{"pardiso", true, false},
-                                 Row{"pardiso-project", true, false}, Row{"pardiso_64", true, false},
-                                 Row{"schur", false, false},          Row{"skyline", true, true},
-                                 Row{"strategy", false, false},       Row{"superlu_mt", true, false},
+constexpr std::array kSolvers = {Row{"accelerate", true, false},
+                                 Row{"bicgstab", false, false},
+                                 Row{"bipn", false, false},
+                                 Row{"block", false, false},
+                                 Row{"boomeramg", false, false},
+                                 Row{"cg", false, true},
+                                 Row{"fgmres", false, false},
+                                 Row{"hypre_gmres", false, false},
+                                 Row{"hypre_pcg_amg", false, false},
+                                 Row{"LU", false, false},
+                                 Row{"mkl_dss", true, false},
+                                 Row{"pardiso", true, false},
+                                 Row{"pardiso-project", true, false},
+                                 Row{"pardiso_64", true, false},
+                                 Row{"schur", false, false},
+                                 Row{"skyline", true, true},
+                                 Row{"strategy", false, false},
+                                 Row{"superlu_mt", true, false},
                                  Row{"test", false, false}};
 
 const Row* find(const std::string& type) {

@@ -30,8 +30,8 @@ struct SolverParameter {
   const char* name;
   const char* value;
   const char* number;  ///< of the word `value` in FEBio's own list, which may stand in its place
-  bool largest;   ///< the value is a bound: a smaller one that is not 0 stays
-  bool smallest;  ///< likewise: a larger one stays
+  bool largest;        ///< the value is a bound: a smaller one that is not 0 stays
+  bool smallest;       ///< likewise: a larger one stays
 };
 std::vector<SolverParameter> solver_parameters(const std::string& linear_solver);
 XmlLines solver_lines(const std::string& module, const LinearSolver& linear_solver);

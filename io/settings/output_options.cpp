@@ -22,7 +22,8 @@ const std::vector<OutputOption>& output_options() {
        "Also write a page for any browser: maps, curves, tables, what was recognised"},
       {"vtu", &O::vtu, Kind::Folder, "the name of a folder", "FOLDER",
        "Also write files for ParaView into this folder: open its results.pvd"},
-      {"no-xplt", &O::no_xplt, Kind::Switch, "true or false", "", "Write no plot file, only the outputs that are named"},
+      {"no-xplt", &O::no_xplt, Kind::Switch, "true or false", "",
+       "Write no plot file, only the outputs that are named"},
       {"states", &O::states, Kind::States, "all, last, times t1,t2,... or ranges t1:t2", "all|last|t1,t2:t3,...",
        "States to solve and write: all, last, times t1,t2,... or ranges t1:t2; ends of steps before them are solved "
        "too "

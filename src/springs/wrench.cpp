@@ -150,8 +150,21 @@ int resisted_motions(const SpringStates& s, const Pose& source, const Pose& targ
   const Vector12 scale = units_of(K);
   const SingularValues svd = whole_svd(scale.asDiagonal() * K * scale.asDiagonal());
   int resisted = 0;
-  for (Eigen::Index i = 0; i < 12 && svd.sigma[i] > 1e-4 * svd.sigma[0]; ++i) ++resisted;
+  for (Eigen::Index i = 0; i < 12 && svd.sigma[i] > 1e-2 * svd.sigma[0]; ++i) ++resisted;
   return resisted;
+}
+
+double opening_part(const SpringStates& s, const Vector12& force, const std::array<bool, 12>& free) {
+  Vector3d away = Vector3d::Zero();  // how springs push the target
+  for (int i = 0; i < s.size(); ++i)
+    if (s.triangle[at(i)] >= 0) away += s.area[at(i)] * s.direction[at(i)];
+  if (away.norm() > 0) away.normalize();
+  double part = 0.0;
+  for (Eigen::Index d = 0; d < 3; ++d) {
+    if (free[static_cast<std::size_t>(d)]) part += away[d] * force[d];
+    if (free[static_cast<std::size_t>(d + 6)]) part -= away[d] * force[d + 6];
+  }
+  return part;
 }
 
 }  // namespace dea

@@ -828,10 +828,10 @@ TEST(Convert, LinearSolver) {
   EXPECT_EQ(count(other.text, "<linear_solver type=\"pardiso\"></linear_solver>"), 2) << other.text;
   EXPECT_EQ(count(other.text, "linear_solver type"), 2);
   // one for symmetric matrices, which the model already gives it by FEBio's number
-  const Conversion symmetric =
-      converted(replaced(plain, "<dtol>", "<linear_solver type=\"skyline\"/><symmetric_stiffness>1"
-                                          "</symmetric_stiffness><dtol>"),
-                "");
+  const Conversion symmetric = converted(replaced(plain, "<dtol>",
+                                                  "<linear_solver type=\"skyline\"/><symmetric_stiffness>1"
+                                                  "</symmetric_stiffness><dtol>"),
+                                         "");
   EXPECT_EQ(count(symmetric.text, "<symmetric_stiffness>1<"), 2);
 
   // a model of an older version is written anew
@@ -847,9 +847,9 @@ TEST(Convert, LinearSolver) {
   EXPECT_EQ(count(converted(old(own), "skyline").text, "<linear_solver type=\"skyline\"/>"), 2);
   const Conversion gone = converted(old("<linear_solver type=\"psldlt\"/>"), "");
   EXPECT_EQ(count(gone.text, "linear_solver"), 0);
-  EXPECT_NE(all_of(gone.changes)
-                .find("the model's linear_solver \"psldlt\" is left out, FEBio 4.11 has none of this name"),
-            std::string::npos)
+  EXPECT_NE(
+      all_of(gone.changes).find("the model's linear_solver \"psldlt\" is left out, FEBio 4.11 has none of this name"),
+      std::string::npos)
       << all_of(gone.changes);
 }
 

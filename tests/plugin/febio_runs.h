@@ -227,8 +227,8 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// What febio4 prints in boxes of errors (or warnings), as one line each; words that are longer than a box is wide are in
-/// pieces.
+/// What febio4 prints in boxes of errors (or warnings), as one line each; words that are longer than a box is wide are
+/// in pieces.
 inline std::vector<std::string> errors_of(const std::string& out, const std::string& title = "ERROR") {
   std::vector<std::string> errors;
   bool in_error = false;

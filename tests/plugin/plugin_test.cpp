@@ -290,8 +290,7 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
          "dea: s.xml:1: <states>: found time 7, expected times from 0 to 1, those of the model");
   expect("m.feb", settings("\n<states>some</states>"),
          "s.xml:2: <states>: found \"some\", expected all, last, times t1,t2,... or ranges t1:t2");
-  expect("m.feb", settings("<no-xplt>yes</no-xplt>"),
-         "s.xml:1: <no-xplt>: found \"yes\", expected true or false");
+  expect("m.feb", settings("<no-xplt>yes</no-xplt>"), "s.xml:1: <no-xplt>: found \"yes\", expected true or false");
   expect("none.feb", "",
          "none.feb: no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
          "\"sliding-elastic\"), and there is no contact at all: add one, or there is nothing to solve for DEA");
@@ -457,7 +456,8 @@ TEST(Plugin, NoPlotFileWhereNoneIsWanted) {
   EXPECT_EQ(names, (std::set<std::string>{"m.feb", "s.xml", "s.log", "r.json", "r.html"}));
 }
 
-/// FEBio's own handler of Ctrl-C only makes a note. The largest sample with sixteen times the springs takes many seconds.
+/// FEBio's own handler of Ctrl-C only makes a note. The largest sample with sixteen times the springs takes many
+/// seconds.
 TEST(Plugin, CtrlCEndsTheTask) {
   for (const char* signal : {"INT", "TERM"}) {
     const TemporaryFolder folder;
