@@ -16,7 +16,7 @@ struct RunArguments {
   std::string model;
   OutputSettings outputs;  ///< as typed
   bool quiet = false, verbose = false, details = false;
-  bool no_xplt = false, overwrite = false;
+  bool overwrite = false;
   SettingsArguments settings;
   std::string times_from;
   bool compress = false;
@@ -58,7 +58,7 @@ CLI::App* add_converge(CLI::App& app, ConvergeArguments& arguments);
 int converge_command(const ConvergeArguments& arguments);
 
 struct ConvertArguments {
-  std::string model, output;
+  std::string model, output, linear_solver;
   bool overwrite = false, quiet = false;
   SettingsArguments settings;
   std::string threads;

@@ -4,6 +4,7 @@
 #include <febiodea/app/commands.h>
 #include <febiodea/base/error.h>
 #include <febiodea/io/convert/convert_feb.h>
+#include <febiodea/io/convert/linear_solver.h>
 #include <febiodea/io/feb/read_feb.h>
 #include <febiodea/io/files/existing_model.h>
 #include <febiodea/io/files/held_outputs.h>
@@ -27,8 +28,18 @@ Options are those of dea run. A converted file cannot hold --springs-at bone, --
 Examples:
   dea convert hip.feb
   dea convert hip.feb -o hip_springs.feb --law neo-Hookean
+  dea convert hip.feb --linear-solver skyline
   dea convert hip.feb --attach femoral_articulating=femur --thickness femoral_articulating=1.8
   dea run hip_dea.feb                the same pressures as dea run hip.feb)";
+
+/// As FEBio spells it; "": none is asked for.
+std::string linear_solver(const ConvertArguments& a) {
+  if (a.linear_solver.empty()) return "";
+  const std::vector<std::string> names = linear_solver_names();
+  for (const std::string& name : names)
+    if (lower_case(name) == lower_case(a.linear_solver)) return name;
+  throw wrong_word("linear-solver", a.linear_solver, fmt::format("{}", fmt::join(names, ", ")), names);
+}
 
 }  // namespace
 
@@ -37,6 +48,12 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
                                   kConvertFooter, a.model);
   add_once(*c, "-o", a.output, "FILE.feb", "Output",
            "Converted model [MODEL without .feb + _dea.feb, beside the model]");
+  add_once(
+      *c, "--linear-solver", a.linear_solver, "NAME", "Output",
+      fmt::format("FEBio's linear solver in the new model: {}; a FEBio without MKL has skyline [the model's; where "
+                  "it names none, FEBio takes its default]",
+                  fmt::join(linear_solver_names(), ", "))
+          .c_str());
   add_model_overwrite_flag(*c, a.overwrite, "one with a contact of type dea");
   add_quiet_flag(*c, a.quiet);
   add_solving_options(*c, a.settings, a.threads, {"squash", "inside"});
@@ -46,6 +63,7 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& a) {
 int convert(const ConvertArguments& a) {
   const std::string output = a.output.empty() ? default_output(a.model, ".feb") : a.output;
   if (output == "-") throw UsageError("-o -: the list of changes goes to standard output, give the model a name");
+  const std::string solver = linear_solver(a);
   std::vector<NamedPath> inputs = input_files(a.model, a.settings);
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
@@ -57,7 +75,7 @@ int convert(const ConvertArguments& a) {
   const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
   if (!a.overwrite) refuse_to_replace(output, why_kept_model(output, ModelOf::Convert));
 
-  const Conversion conversion = convert_feb(model, settings, output);
+  const Conversion conversion = convert_feb(model, settings, output, solver);
   write_text(output, conversion.text);
   if (a.quiet) return kSolved;
   std::string text = output + "\n";

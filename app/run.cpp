@@ -55,9 +55,14 @@ CLI::App* add_run(CLI::App& app, RunArguments& a) {
   const auto add_output = [&](const OutputOption& o) {
     add_once(*c, command_line_name(o).c_str(), a.outputs.*o.text, o.type, "Output", o.help);
   };
-  for (const OutputOption& o : output_options())
-    if (o.kind != OutputOption::Kind::States) add_output(o);
-  c->add_flag("--no-xplt", a.no_xplt, "Write no plot file, only the outputs that are named")->group("Output");
+  for (const OutputOption& o : output_options()) {
+    if (o.kind == OutputOption::Kind::Switch)
+      c->add_flag_callback(
+           command_line_name(o), [&a, &o] { a.outputs.*o.text = "true"; }, o.help)
+          ->group("Output");
+    else if (o.kind != OutputOption::Kind::States)
+      add_output(o);
+  }
   add_overwrite_flag(*c, a.overwrite);
   CLI::Option* q = add_quiet_flag(*c, a.quiet);
   c->add_flag("-v,--verbose", a.verbose,
@@ -89,10 +94,6 @@ RunOptions run_options(const RunArguments& a, const OutputSettings& typed, const
   options.outputs = over(typed, file);
   options.times_from = a.times_from;
   options.compress = a.compress;
-  if (!typed.states.empty())
-    options.states_option = fmt::format("--states {}", typed.states);
-  else if (!file.states.empty())
-    options.states_option = fmt::format("{}: <states>", a.settings.file);
   return options;
 }
 
@@ -160,15 +161,18 @@ void tell_cost(const Recognition& recognition, bool quiet, Progress& progress) {
   log(note);
 }
 
-/// --no-xplt over the settings file; else there is a plot file, named or not.
+/// The command line over the settings file; where neither says a word, there is a plot file.
 void name_plot_file(const RunArguments& a, OutputSettings& typed, OutputSettings& file) {
-  if (!a.no_xplt) {
+  const bool none = typed.no_xplt == "true" || (file.no_xplt == "true" && typed.output.empty());
+  if (!none) {
     if (typed.output.empty() && file.output.empty()) typed.output = default_output(a.model);
     return;
   }
   if (!typed.output.empty())
     throw UsageError(fmt::format("--no-xplt and -o {}: found both, expected one of them", typed.output));
-  if (a.compress) throw UsageError("--compress belongs to the plot file, found --no-xplt beside it");
+  if (a.compress)
+    throw UsageError(fmt::format("--compress belongs to the plot file, found {} beside it",
+                                 given_as(&OutputSettings::no_xplt, typed)));
   file.output.clear();
 }
 
@@ -178,6 +182,7 @@ int run(const RunArguments& a) {
   const double start = seconds();
   const auto threads = limit_threads(a.threads);
   OutputSettings typed = a.outputs, file;
+  typed.states_given = "--states " + typed.states;
   Settings settings = effective_settings(a.settings, &file);
   name_plot_file(a, typed, file);
   RunOptions options = run_options(a, typed, file);

@@ -11,12 +11,18 @@
 #include <FECore/FESurfaceMap.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/parse.h>
+#include <febiodea/base/time_text.h>
+#include <febiodea/plugin/contact_in_file.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/febio_wording.h>
 #include <febiodea/plugin/read_fe_model.h>
@@ -34,7 +40,7 @@ dea::Vector3d from_fe(const vec3d& v) { return {v.x, v.y, v.z}; }
 Eigen::Quaterniond from_fe(const quatd& q) { return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized(); }
 
 constexpr const char* kSides[2] = {"primary", "secondary"};
-constexpr double kNotGiven = -1.0;  // a thickness that the model does not state
+constexpr double kNotGiven = -1.0;  // a thickness that says nothing
 
 }  // namespace
 
@@ -136,22 +142,57 @@ FEDeaContact::FEDeaContact(FEModel* fem) : FEContactInterface(fem), primary_(fem
   secondary_.SetContactInterface(this);
   primary_.SetSibling(&secondary_);
   secondary_.SetSibling(&primary_);
-  for (FEParamDouble& t : thickness_) t = kNotGiven;
 }
 
 FEDeaContact::~FEDeaContact() = default;
 
+namespace {
+
+/// A thickness that is the name of no map.
+template <class Refuse>
+double thickness_number(const std::string& given, FEMesh& mesh, const Refuse& refuse) {
+  try {
+    return dea::parse_number(given);
+  } catch (const dea::BadValue&) {
+    std::vector<std::string> maps;
+    for (int i = 0; i < mesh.DataMaps(); ++i)
+      if (dynamic_cast<FESurfaceMap*>(mesh.GetDataMap(i)) != nullptr) maps.push_back(mesh.GetDataMap(i)->GetName());
+    throw refuse(
+        fmt::format(": found \"{}\"{}, expected a number with a decimal point, or the name of a SurfaceData in "
+                    "MeshData (there: {})",
+                    given, dea::did_you_mean(given, maps), dea::name_list(maps, given)));
+  }
+}
+
+}  // namespace
+
 dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   // FEBio's accessors are not const.
   auto& self = const_cast<FEDeaContact&>(*this);
+  const auto in_file = dea::contact_in_file(model.files.front(), self.GetName());
   const auto refuse = [&](const std::string& what) {
     return dea::fault_at(model, {0, 0}, fmt::format("contact \"{}\": {}", self.GetName(), what));
   };
+  const auto refuse_parameter = [&](const std::string& name, const std::string& what) {
+    const auto place = in_file.find(name);
+    return dea::fault_at(model, {0, place == in_file.end() ? 0 : place->second.line},
+                         fmt::format("contact \"{}\": <{}>{}", self.GetName(), name, what));
+  };
+  for (const char* number : {"refine", "primary_E", "primary_nu", "secondary_E", "secondary_nu"}) {
+    const auto place = in_file.find(number);
+    if (place == in_file.end()) continue;
+    try {
+      dea::parse_number(place->second.text);
+    } catch (const dea::BadValue&) {  // FEBio takes what stands before the first strange letter
+      throw refuse_parameter(number,
+                             fmt::format(": found \"{}\", expected a number with a decimal point", place->second.text));
+    }
+  }
   dea::Contact contact;
   contact.name = self.GetName();
   contact.type = "dea";
   if (refine_ < 1 || refine_ > 1000)
-    throw refuse(fmt::format("<refine>: found {}, expected a whole number from 1 to 1000", refine_));
+    throw refuse_parameter("refine", fmt::format(": found {}, expected a whole number from 1 to 1000", refine_));
   dea::DeaContact dea;
   dea.law = static_cast<dea::Law>(law_);
   dea.facets = static_cast<dea::Facets>(facets_);
@@ -161,8 +202,7 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   FEParamIterator parameter = parameters.first();
   for (int i = 0; i < parameters.Parameters(); ++i, ++parameter)
     if (self.GetFEModel()->GetLoadController(&*parameter) != nullptr)
-      throw refuse(
-          fmt::format("<{}> follows a load controller; the springs are made once, give a number", parameter->name()));
+      throw refuse_parameter(parameter->name(), " follows a load controller; the springs are made once, give a number");
   for (int side = 0; side < 2; ++side) {
     FEDeaSurface& surface = side == 0 ? self.primary_ : self.secondary_;
     const std::string name = surface.GetFacetSet() != nullptr ? surface.GetFacetSet()->GetName() : surface.GetName();
@@ -172,36 +212,39 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
     if (index < 0) throw refuse(fmt::format("its {} surface \"{}\" is none of the model's", kSides[side], name));
     dea::DeaLayer& layer = dea.layers[side];
     if (!(E_[side] >= 0) || std::isinf(E_[side]))
-      throw refuse(fmt::format("<{}_E>: found {:g}, need E > 0", kSides[side], E_[side]));
+      throw refuse_parameter(fmt::format("{}_E", kSides[side]), fmt::format(": found {:g}, need E > 0", E_[side]));
     if (!(nu_[side] > -1 && nu_[side] < 0.5))
-      throw refuse(fmt::format("<{}_nu>: found {:g}, need -1 < nu < 0.5", kSides[side], nu_[side]));
+      throw refuse_parameter(fmt::format("{}_nu", kSides[side]),
+                             fmt::format(": found {:g}, need -1 < nu < 0.5", nu_[side]));
     if (E_[side] > 0) {
       layer.E = E_[side];
       layer.nu = nu_[side];
     }
-    FEParamDouble& thickness = self.thickness_[side];
-    if (thickness.isConst()) {
-      const double t = thickness.constValue();
-      if (t != kNotGiven && (!(t >= 0) || std::isinf(t)))
-        throw refuse(fmt::format("<{}_thickness>: found {:g}, need a thickness >= 0", kSides[side], t));
+    const std::string given = dea::trimmed(thickness_[side]);
+    const auto refuse_thickness = [&](const std::string& what) {
+      return refuse_parameter(fmt::format("{}_thickness", kSides[side]), what);
+    };
+    FEMesh& mesh = self.GetFEModel()->GetMesh();
+    FEDataMap* data = given.empty() ? nullptr : mesh.FindDataMap(given);
+    if (data == nullptr) {
+      const double t = given.empty() ? kNotGiven : thickness_number(given, mesh, refuse_thickness);
+      if (t != kNotGiven && !(t >= 0)) throw refuse_thickness(fmt::format(": found {:g}, need a thickness >= 0", t));
       if (t != kNotGiven) layer.thickness = t;
     } else {
-      auto* mapped = dynamic_cast<FEMappedValue*>(thickness.valuator());
-      auto* map = mapped == nullptr ? nullptr : dynamic_cast<FESurfaceMap*>(mapped->dataMap());
+      auto* map = dynamic_cast<FESurfaceMap*>(data);
       if (map == nullptr || map->StorageFormat() != FMT_MULT || map->DataType() != FE_DOUBLE)
-        throw refuse(
-            fmt::format("<{}_thickness> must be a number or the name of a SurfaceData map of numbers", kSides[side]));
+        throw refuse_thickness(fmt::format(": the map \"{}\" is no SurfaceData of numbers per facet or node", given));
       const FEFacetSet* facets = map->GetFacetSet();
       if (facets == nullptr || facets->GetName() != name)
-        throw refuse(fmt::format("<{}_thickness>: the map \"{}\" is one of surface \"{}\", expected \"{}\"",
-                                 kSides[side], map->GetName(), facets == nullptr ? "" : facets->GetName(), name));
+        throw refuse_thickness(fmt::format(": the map \"{}\" is one of surface \"{}\", expected \"{}\"", map->GetName(),
+                                           facets == nullptr ? "" : facets->GetName(), name));
       const dea::Surface& s = model.surfaces[at(index)];
       for (int f = 0; f < s.size(); ++f) {
         for (int k = 0; k < s.begin[at(f) + 1] - s.begin[at(f)]; ++k) {
           const double t = map->value<double>(f, k);
           if (!(t >= 0) || std::isinf(t))
-            throw refuse(fmt::format("<{}_thickness>: the map \"{}\" is {:g} at facet {}, need a thickness >= 0",
-                                     kSides[side], map->GetName(), t, f + 1));
+            throw refuse_thickness(
+                fmt::format(": the map \"{}\" is {:g} at facet {}, need a thickness >= 0", map->GetName(), t, f + 1));
           layer.thickness_map.push_back(t);
         }
       }
@@ -314,20 +357,28 @@ void FEDeaContact::listen() {
       [](FEModel* fem, unsigned int when, void* contact) {
         auto* self = static_cast<FEDeaContact*>(contact);
         if (when == CB_SERIALIZE_LOAD) return self->rebuild();
+        if (when == CB_PRE_MATRIX_SOLVE) {
+          self->note_load();
+          return true;
+        }
         const bool every_iteration = fem->GetCurrentStep()->GetPlotLevel() == FE_PLOT_MINOR_ITRS;
         if (when == CB_MINOR_ITERS && !every_iteration) return true;
         const bool good = self->update_fields();
         if (good && when == CB_MAJOR_ITERS) self->warn_of_depth();  // of converged states, not of every retry
+        if (when == CB_MAJOR_ITERS) self->attempt_ = {};
+        if (good && when == CB_STEP_SOLVED) self->warn_of_failure();
         return good;
       },
       CB_INIT | CB_STEP_ACTIVE | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED | CB_STEP_SOLVED |
-          CB_SOLVED | CB_SERIALIZE_LOAD,
+          CB_SOLVED | CB_SERIALIZE_LOAD | CB_PRE_MATRIX_SOLVE,
       this, CallbackHandler::CB_ADD_FRONT);
   listening_ = true;
 }
 
 bool FEDeaContact::Init() {
   failed_ = false;
+  attempt_ = {};
+  last_pressed_ = -1.0;
   bed_.reset();
   listen();
   if (!FEContactInterface::Init() || !primary_.Init() || !secondary_.Init()) return false;
@@ -414,6 +465,8 @@ bool FEDeaContact::evaluate(double alpha) {
   b.springs = dea::press_springs(b.bed(), source, target, {}, &b.memory);
   b.wrench = dea::contact_wrench(b.springs, source, target);
   b.evaluated = true;
+  const dea::SpringDepth depth = dea::spring_depth(b.springs);
+  attempt_.too_deep = std::max(attempt_.too_deep, depth.strained + depth.through);
   return true;
 }
 
@@ -450,23 +503,28 @@ void FEDeaContact::LoadVector(FEGlobalVector& R, const FETimeInfo& time) {
 void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& time) {
   if (!bed_ || failed_) return;
   const std::vector<int> lm = equations(bed_->bodies);
+  std::array<bool, 12> free;
+  for (std::size_t i = 0; i < 12; ++i) free[i] = lm[i] >= 0;
+  attempt_.begun = true;
+  attempt_.symmetric = system.IsSymmetric();
   Eigen::Matrix<double, 12, 12> K;
   bool known = false;
   guarded([&] {
     known = evaluate(time.alphaf);
     if (!known) return;
     if (bed_->wrench.normal_force > 0) {
+      if (attempt_.free == 0) {
+        attempt_.free = static_cast<int>(std::count(free.begin(), free.end(), true));
+        attempt_.resisted = dea::resisted_motions(bed_->springs, bed_->poses[1], bed_->poses[0], free);
+      }
       K = -time.alphaf * bed_->wrench.derivative;
     } else {
       // All that acts on the bodies, what holds them apart (joints, ligaments) too: this stiffness goes as they
       // balance.
-      std::array<bool, 12> free;
       Eigen::Matrix<double, 12, 1> force = Eigen::Matrix<double, 12, 1>::Zero();
       const auto* newton = dynamic_cast<FENewtonSolver*>(GetFEModel()->GetCurrentStep()->GetFESolver());
-      for (std::size_t i = 0; i < 12; ++i) {
-        free[i] = lm[i] >= 0;
+      for (std::size_t i = 0; i < 12; ++i)
         if (free[i] && newton != nullptr) force[static_cast<Eigen::Index>(i)] = newton->m_R1[at(lm[i])];
-      }
       K = dea::closing_stiffness(bed_->bed(), bed_->springs, bed_->poses[1], bed_->poses[0], force, free);
     }
   });
@@ -517,6 +575,7 @@ void FEDeaContact::make_fields() {
 void FEDeaContact::warn_of_depth() {
   if (!bed_ || !IsActive() || !bed_->evaluated) return;
   const dea::SpringStates& s = bed_->springs;
+  if (bed_->wrench.normal_force > 0) last_pressed_ = GetFEModel()->GetCurrentTime();
   const dea::SpringDepth depth = dea::spring_depth(s);
   if (depth.through > 0)
     dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": under {} of {} springs the bodies overlap deeper "
@@ -530,4 +589,62 @@ void FEDeaContact::warn_of_depth() {
     dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": {} springs are strained beyond {:g} (up to "
                                                 "{:.3g}); their pressures mean nothing",
                                                 GetName(), depth.strained, dea::kStrainLimit, depth.largest));
+}
+
+void FEDeaContact::note_load() {
+  const auto* newton = dynamic_cast<FENewtonSolver*>(GetFEModel()->GetCurrentStep()->GetFESolver());
+  if (!bed_ || !bed_->evaluated || !attempt_.begun || attempt_.load_known || newton == nullptr) return;
+  attempt_.load_known = true;
+  const std::vector<int> lm = equations(bed_->bodies);
+  std::array<bool, 12> free;
+  Eigen::Matrix<double, 12, 1> load = Eigen::Matrix<double, 12, 1>::Zero();  // the residual without the contact
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    free[i] = lm[i] >= 0;
+    if (free[i]) load[k] = newton->m_R0[at(lm[i])] - bed_->wrench.wrench[k];
+  }
+  attempt_.opens = dea::opening_part(bed_->springs, load, free) > 1e-6 * load.norm();
+}
+
+void FEDeaContact::warn_of_failure() {
+  if (!bed_ || !attempt_.begun) return;  // the last state was found
+  const dea::SpringStates& s = bed_->springs;
+  const auto warn = [&](const std::string& what) {
+    dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": {}", GetName(), what));
+  };
+  const std::string when =
+      fmt::format("FEBio found no balance at time {}: ", dea::time_text(GetFEModel()->GetCurrentTime()));
+  const int under_pressure = static_cast<int>(
+      std::count_if(s.pressure.begin(), s.pressure.end(), [](double pressure) { return pressure > 0; }));
+  const int loose = attempt_.free - attempt_.resisted;
+  const std::string check = "check thickness, E, the load and their units, or take smaller steps (step_size)";
+  if (loose > 0)
+    warn(fmt::format(
+        "{}its springs resist {} of {} free motions of the bodies, and little or nothing the other {}: if "
+        "nothing else holds these, FEBio's stiffness is singular (NAN); hold them (rigid_fixed), or add what "
+        "resists them",
+        when, attempt_.resisted, attempt_.free, loose));
+  if (attempt_.opens)
+    warn(
+        fmt::format("{}the load opens the joint{}, and springs do not pull; let the load press the bodies together, or "
+                    "something else hold them (rigid_fixed, ligaments)",
+                    when, last_pressed_ < 0 ? "" : fmt::format(" after time {}", dea::time_text(last_pressed_))));
+  else if (attempt_.too_deep > 0)
+    warn(fmt::format("{}on the way {} of {} springs were strained beyond {:g}; {}", when, attempt_.too_deep, s.size(),
+                     dea::kStrainLimit, check));
+  else if (under_pressure == 0 && attempt_.free == 0)
+    warn(fmt::format(
+        "{}the surfaces do not touch, so that no spring holds the bodies; first move the bone into contact by "
+        "a prescribed displacement (rigid_displacement) in a step of its own, its other motions held, then "
+        "load it; or let something else hold it",
+        when));
+  else if (under_pressure == 0)
+    warn(fmt::format("{}the bodies met, and Newton's method lost them again; {}", when, check));
+  else if (loose == 0)
+    warn(fmt::format("{}{} of {} springs carry pressure, strained up to {:.3g}; {}", when, under_pressure, s.size(),
+                     dea::spring_depth(s).largest,
+                     attempt_.symmetric
+                         ? "set symmetric_stiffness to non-symmetric, with a linear solver that takes it, "
+                           "or allow more iterations (max_refs)"
+                         : "try smaller time steps (step_size) or more iterations (max_refs)"));
 }

@@ -6,9 +6,8 @@
 #pragma once
 #include <FEBioMech/FEContactInterface.h>
 #include <FEBioMech/FEContactSurface.h>
-#include <FECore/FEModelParam.h>
-
 #include <memory>
+#include <string>
 
 #include <febiodea/model/joint_model.h>
 #include <febiodea/plugin/contact_statement.h>
@@ -78,14 +77,24 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
   bool rebuild();               // after an archive has been read
   void listen();                // to FEBio's callbacks
   bool evaluate(double alpha);  // false: the poses are out of all proportion, the forces no numbers
+  void note_load();             // while FEBio solves
   void warn_of_depth();
+  void warn_of_failure();  // FEBio found no balance: what this contact can say of why
   void fault(const char* what);
 
   FEDeaSurface primary_, secondary_;
   int law_ = 3, facets_ = 0, source_ = 0, refine_ = 1;
   double E_[2] = {0, 0}, nu_[2] = {0, 0};
-  FEParamDouble thickness_[2];
+  std::string
+      thickness_[2];  // a number, the name of a map, or nothing: a missing map is ours to tell, FEBio tells none
   std::unique_ptr<Bed> bed_;
+  struct Attempt {  // to find the next state
+    bool begun = false, symmetric = false;
+    int free = 0, resisted = 0;              // motions, where springs first carried pressure
+    int too_deep = 0;                        // springs whose pressure means nothing, at most
+    bool load_known = false, opens = false;  // what the bodies' load does where the step begins
+  } attempt_;
+  double last_pressed_ = -1.0;  // time of the last state with pressure; -1: none
   bool failed_ = false, listening_ = false, from_archive_ = false;
 
   DECLARE_FECORE_CLASS()

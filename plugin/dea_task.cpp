@@ -14,6 +14,7 @@
 #include <febiodea/io/tables/read_tables.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/febio_wording.h>
+#include <febiodea/plugin/interrupts.h>
 #include <febiodea/plugin/read_fe_model.h>
 #include <febiodea/views/page/write_page.h>
 #include <febiodea/views/run_model.h>
@@ -55,22 +56,26 @@ std::string no_solution(const Analysis& analysis, const std::string& output) {
     if (first == nullptr) first = &s;
     ++count;
   }
-  return fmt::format("dea: no solution in {} of {} states, first at time {} ({}); results are in {}", count,
-                     analysis.states.size(), time_text(first->when.time), name(first->equilibrium.outcome), output);
+  return fmt::format("dea: no solution in {} of {} states, first at time {} ({}){}", count, analysis.states.size(),
+                     time_text(first->when.time), name(first->equilibrium.outcome),
+                     output.empty() ? "" : "; results are in " + output);
 }
 
-bool run(FEBioModel& fem, const std::string& settings_file) {
+/// `writing` becomes true when files begin to be complete. Throws Stopped.
+bool run(FEBioModel& fem, const std::string& settings_file, const StopFlag* stop, bool& writing) {
   const double start = seconds();
   SettingsFile file;
   if (!settings_file.empty()) file = read_settings_file(settings_file);
   check_names(file.outputs);
-  const bool named = !file.outputs.output.empty();
-  if (!named) file.outputs.output = plot_file_name(fem);
+  const bool unnamed = file.outputs.output.empty() && file.outputs.no_xplt != "true";
+  if (unnamed) file.outputs.output = plot_file_name(fem);
+  const std::string& plot = file.outputs.output;  // "": none is wanted
   RunOptions options;
   options.outputs = file.outputs;
-  options.states_option = fmt::format("{}: <states>", settings_file);
+  options.stop = stop;
+  options.on_writing = [&writing](const std::string&) { writing = true; };
   std::vector<NamedPath> files = input_files(fem, settings_file), outputs = named_outputs({}, file.outputs);
-  if (!named) outputs.front().option = "-p";
+  if (unnamed) outputs.front().option = "-p";
 
   for (const NamedPath& table : table_files(file.settings)) files.push_back(table);
   JointModel model = read_fe_model(fem);
@@ -80,19 +85,20 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   options.progress = [&fem](const std::string& line) { log_text(fem, line); };
   settle_units(model, file.settings);
   read_tables(model, file.settings);
+  end_if_stopped(stop);
   const Recognition recognition = recognise(model, file.settings, wants_all_states(options));
   if (!file.outputs.report.empty()) {
     options.with_plot = [&](const Analysis& analysis, XpltFile&& xplt) {
       std::vector<std::string> words = {"febio4", "-i", fem.GetInputFileName(), "-task=dea"};
       if (!settings_file.empty()) words.push_back(settings_file);
       write_run_page(file.outputs.report, recognition, analysis, std::move(xplt), fem.GetInputFileName(),
-                     file.outputs.output, words, files);
+                     plot.empty() ? fem.GetInputFileName() : plot, words, files);
     };
   }
   options.on_times = [&](const std::vector<double>& times) {
-    const std::string kept = why_kept(file.outputs.output, recognition.model, times);
-    if (!kept.empty())
-      throw WriteError(fmt::format("{}: {}; name another with <output>, or take it away", file.outputs.output, kept));
+    end_if_stopped(stop);
+    const std::string kept = plot.empty() ? "" : why_kept(plot, recognition.model, times);
+    if (!kept.empty()) throw WriteError(fmt::format("{}: {}; name another with <output>, or take it away", plot, kept));
   };
   const RunResult result = run_model(recognition, options);
 
@@ -100,7 +106,7 @@ bool run(FEBioModel& fem, const std::string& settings_file) {
   log_text(fem, run_text(model, result.analysis, false));
   log_text(fem, run_summary(options, result));
   if (all_solved(result.analysis)) return true;
-  log_error(fem, no_solution(result.analysis, file.outputs.output));
+  log_error(fem, no_solution(result.analysis, plot));
   return false;
 }
 
@@ -115,12 +121,16 @@ bool DeaTask::Init(const char* file) {
 
 bool DeaTask::Run() {
   std::string fault;
+  const Interrupts interrupts;
+  bool writing = false;
   try {
     auto* fem = dynamic_cast<FEBioModel*>(GetFEModel());
     if (fem == nullptr) throw UsageError("the model is none of febio4's");
     open_log_file(*fem);
     log_text(*fem, version_line() + ": task dea");
-    return run(*fem, settings_file_);
+    return run(*fem, settings_file_, interrupts.stop(), writing);
+  } catch (const Stopped&) {
+    fault = writing ? "dea: stopped before all files were written" : "dea: stopped, nothing was written";
   } catch (const UsageError& e) {
     fault = "dea: " + line(e.fault, febio_wording());
   } catch (const InputError& e) {

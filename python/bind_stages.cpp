@@ -215,7 +215,7 @@ std::shared_ptr<Analysed> analyse_joint(const std::shared_ptr<Recognised>& recog
                                         const std::string& times_from, const py::object& progress) {
   RunOptions asked;
   asked.outputs.states = states;
-  asked.states_option = python_wording()(NamedSetting{"states", "", states});
+  asked.outputs.states_given = python_wording()(NamedSetting{"states", "", states});
   asked.times_from = times_from;
   return result_of<Analysed>([recognised, asked](Work& work) { return analysed(recognised, asked, work); }, progress);
 }

@@ -119,7 +119,8 @@ void write_others(const JointModel& model, const Settings& settings, const RunOp
 }  // namespace
 
 States wanted_states(const JointModel& model, const Settings& settings, const RunOptions& options) {
-  const std::string &states = options.outputs.states, &option = options.states_option, &times_from = options.times_from;
+  const std::string &states = options.outputs.states, &option = options.outputs.states_given,
+                    &times_from = options.times_from;
   const StatesAsked asked = asked_states(states, option);
   if (row_count(settings) > 0 || settings.skip_steps) {
     if (!times_from.empty())

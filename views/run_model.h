@@ -14,9 +14,8 @@ namespace dea {
 struct RunOptions {
   OutputSettings outputs;  ///< where to; the page is written by `with_plot`. States: empty: all, or about 1000 of them
                            ///< where there are very many
-  std::string states_option;                              ///< how the user calls the states: "--states last"
-  std::string times_from;                                 ///< FEA result whose times to take; "" the model's
-  bool compress = false;                                  ///< the plot file
+  std::string times_from;  ///< FEA result whose times to take; "" the model's
+  bool compress = false;   ///< the plot file
   double seconds_reading = 0.0;                           ///< spent on the model before
   std::function<void(const std::string& line)> progress;  ///< a line per state; may be empty
   std::function<void(const StateResult&, std::size_t index, std::size_t count)> on_state;  ///< the same, as numbers

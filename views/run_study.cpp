@@ -105,7 +105,7 @@ struct Work {
 RunOptions states_asked(const StudyOptions& options) {
   RunOptions asked;
   asked.outputs.states = options.states;
-  asked.states_option = "--states " + options.states;
+  asked.outputs.states_given = "--states " + options.states;
   return asked;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/io/convert/linear_solver.h>
 #include <febiodea/joint/joint.h>
 
 namespace dea {
@@ -18,7 +19,8 @@ struct ConversionPlan {
   std::vector<std::string> map_of_surface;  ///< per surface: name of its thickness map; "": none
   std::vector<char> node_rigid;             ///< per node: of a rigid element in `target`
   int ground = -1;                          ///< material made for cartilage on the ground; -1: none
-  bool split = false;  ///< a domain of the model was divided: `target.domains` are no longer the model's
+  bool split = false;          ///< a domain of the model was divided: `target.domains` are no longer the model's
+  LinearSolver linear_solver;  ///< for all steps; without a type: each step's own, or none
   std::vector<Sentence> changes, notes;
 };
 

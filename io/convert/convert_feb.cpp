@@ -11,6 +11,7 @@
 #include <febiodea/io/convert/conversion_plan.h>
 #include <febiodea/io/convert/edit_feb.h>
 #include <febiodea/io/convert/write_feb.h>
+#include <febiodea/io/convert/xml_places.h>
 #include <febiodea/joint/placing.h>
 #include <febiodea/joint/surface_names.h>
 
@@ -42,9 +43,34 @@ bool same_folder(const std::string& a, const std::string& b) {
   return folder(a) == folder(b);
 }
 
+/// The first that the model names. Each step may have one; a new file has one for all.
+LinearSolver linear_solver_of(const JointModel& model) {
+  for (const std::string& path : model.files) {
+    const std::optional<XmlPlaces> places = find_places(file_text(path));
+    if (!places) continue;
+    for (const XmlPlace& e : places->elements)
+      if (e.name == "linear_solver" && e.attribute("type") != nullptr)
+        return {e.value("type"), places->text.substr(e.open_end, e.close_begin - e.open_end)};
+  }
+  return {};
+}
+
+/// A line for the list of what a new file has.
+std::string choose_linear_solver(const JointModel& model, ConversionPlan& plan) {
+  const std::string line = "solver and plot file: new";
+  if (!plan.linear_solver.type.empty()) return fmt::format("{}, linear_solver {}", line, plan.linear_solver.type);
+  plan.linear_solver = linear_solver_of(model);
+  const std::string type = plan.linear_solver.type;
+  if (type.empty()) return line;
+  if (known_linear_solver(type)) return fmt::format("{}, linear_solver {} as in the model", line, type);
+  plan.linear_solver = {};
+  return fmt::format("{}; the model's linear_solver \"{}\" is left out, FEBio 4.11 has none of this name", line, type);
+}
+
 }  // namespace
 
-Conversion convert_feb(const JointModel& given, const Settings& given_settings, const std::string& output) {
+Conversion convert_feb(const JointModel& given, const Settings& given_settings, const std::string& output,
+                       const std::string& linear_solver) {
   std::vector<Sentence> naming;
   Settings settings = name_surfaces(given, given_settings, naming);
   const bool moved = !settings.placements.empty();
@@ -59,6 +85,7 @@ Conversion convert_feb(const JointModel& given, const Settings& given_settings, 
   }
   const JointModel& model = moved ? placed : given;
   ConversionPlan plan = plan_conversion(model, settings);
+  plan.linear_solver.type = linear_solver;
   plan.notes.insert(plan.notes.begin(), naming.begin(), naming.end());
   plan.changes.insert(plan.changes.begin(), placements.begin(), placements.end());
   const std::string text = file_text(model.files.front());
@@ -91,10 +118,11 @@ Conversion convert_feb(const JointModel& given, const Settings& given_settings, 
                                first.what, why));
   } else {
     std::vector<std::string> dropped;
+    const std::string solver = choose_linear_solver(model, plan);
     result.text = write_feb(model, plan, encoding_of(text), dropped);
     result.changes.push_back(fmt::format("written anew as version 4.0, for {}; with these changes:", why));
     result.changes.insert(result.changes.end(), plan.changes.begin(), plan.changes.end());
-    result.changes.push_back("solver and plot file: new");
+    result.changes.push_back(solver);
     for (const std::string& what : dropped) result.changes.push_back("left out, no part of the joint: " + what);
   }
   return result;

@@ -17,8 +17,10 @@ struct Conversion {
   std::vector<Sentence> notes;    ///< what the user should know
 };
 
-/// `output`: where the text will be written, for what the model includes from its own folder. Throws UsageError when a
-/// setting cannot be said in the file, InputError when the model cannot be converted.
-Conversion convert_feb(const JointModel& model, const Settings& settings, const std::string& output);
+/// `output`: where the text will be written, for what the model includes from its own folder. `linear_solver`: FEBio's
+/// (linear_solver.h) for all steps; "": those that the model names. Throws UsageError when a setting cannot be said in
+/// the file, InputError when the model cannot be converted.
+Conversion convert_feb(const JointModel& model, const Settings& settings, const std::string& output,
+                       const std::string& linear_solver = "");
 
 }  // namespace dea

@@ -222,11 +222,31 @@ void add_sections(Editing& e) {
   if (!sections.empty()) e.edits.insert_after(domains, sections);
 }
 
+/// The linear solver of a <solver> is the one asked for, else its own. Returns its name; "": none is named.
+std::string edit_linear_solver(Editing& e, int solver) {
+  const std::string& wanted = e.plan.linear_solver.type;
+  const int own = e.places.child(solver, "linear_solver");
+  if (own < 0) {
+    if (!wanted.empty()) e.edits.append_child(solver, linear_solver_lines(e.plan.linear_solver));
+    return wanted;
+  }
+  const XmlPlace& place = e.places.at(own);
+  if (wanted.empty() || place.value("type") == wanted) return place.value("type");
+  if (place.attribute("type") == nullptr) throw NotHere{"the type of a <linear_solver>"};
+  e.edits.set_attribute(own, "type", wanted);
+  if (!place.children.empty()) e.edits.set_content(own, std::string());
+  return wanted;
+}
+
 /// One <solver>. Returns what was changed, "" if nothing.
 std::string edit_solver(Editing& e, int solver) {
   std::string changed;
   const auto note = [&](const std::string& what) { changed += (changed.empty() ? "" : ", ") + what; };
-  for (const SolverParameter& p : solver_parameters()) {
+  const int own = e.places.child(solver, "linear_solver");
+  const std::string linear_solver = edit_linear_solver(e, solver);
+  if (own < 0 ? !linear_solver.empty() : linear_solver != e.places.at(own).value("type"))
+    note(fmt::format("linear_solver {}", linear_solver));
+  for (const SolverParameter& p : solver_parameters(linear_solver)) {
     const int child = e.places.child(solver, p.name);
     const std::string line = fmt::format("<{0}>{1}</{0}>", p.name, p.value);
     if (child < 0) {
@@ -234,7 +254,7 @@ std::string edit_solver(Editing& e, int solver) {
     } else {
       const std::string text(feb::trim(e.places.content(child)));
       const auto now = feb::whole_double(text), wanted = feb::whole_double(p.value);
-      const bool as_good = feb::same_word(text, p.value) || (!wanted && text == "0") ||
+      const bool as_good = feb::same_word(text, p.value) || text == p.number ||
                            (now && wanted && p.largest && *now > 0 && *now <= *wanted) ||
                            (now && wanted && p.smallest && *now >= *wanted);
       if (as_good) continue;
@@ -264,12 +284,19 @@ std::string edit_solver(Editing& e, int solver) {
   return changed;
 }
 
+/// What a new one is, in words.
+std::string new_solver(const ConversionPlan& plan) {
+  const std::string& linear = plan.linear_solver.type;
+  return fmt::format(", full Newton, {}, tight tolerances{}", symmetric_only(linear) ? "symmetric" : "not symmetric",
+                     linear.empty() ? "" : ", linear_solver " + linear);
+}
+
 std::string edit_control(Editing& e, int control) {
   if (e.places.at(control).attribute("from") != nullptr) throw NotHere{"<Control>"};
   const int solver = e.places.child(control, "solver");
   if (solver >= 0) return edit_solver(e, solver);
-  e.edits.append_child(control, solver_lines(e.model.module));
-  return "new <solver>, full Newton, not symmetric, tight tolerances";
+  e.edits.append_child(control, solver_lines(e.model.module, e.plan.linear_solver));
+  return "new <solver>" + new_solver(e.plan);
 }
 
 /// The Control blocks: of the model, which the first step starts from, and of each step.
@@ -295,10 +322,11 @@ void edit_controls(Editing& e) {
       said(which, edit_control(e, control));
     } else if (i > 0 || top < 0) {
       XmlLines lines = {{0, "<Control>"}};
-      for (const XmlLine& line : solver_lines(e.model.module)) lines.push_back({line.depth + 1, line.text});
+      for (const XmlLine& line : solver_lines(e.model.module, e.plan.linear_solver))
+        lines.push_back({line.depth + 1, line.text});
       lines.push_back({0, "</Control>"});
       e.edits.append_child(steps[i], lines);
-      said(which, "new <Control>, full Newton, not symmetric, tight tolerances");
+      said(which, "new <Control>" + new_solver(e.plan));
     }
   }
   if (steps.empty() && top < 0) throw NotHere{"<Control>"};

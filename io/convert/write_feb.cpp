@@ -97,26 +97,34 @@ XmlLines rigid_fixed_lines(const JointModel& model, const RigidFixed& fixed) {
   return lines;
 }
 
-const std::vector<SolverParameter>& solver_parameters() {
+std::vector<SolverParameter> solver_parameters(const std::string& linear_solver) {
   // rtol and etol are squares of forces and products, dtol is a ratio of lengths. min_residual, a square too, ends a
   // step that begins in balance, where a residual of rounding errors can become no smaller.
-  static const std::vector<SolverParameter> kParameters = {
-      {"symmetric_stiffness", "non-symmetric", false, false},
-      {"dtol", "1e-06", true, false},
-      {"etol", "1e-08", true, false},
-      {"rtol", "1e-10", true, false},
-      {"min_residual", "1e-12", false, true},
-      {"max_refs", "30", false, true},
+  const bool symmetric = symmetric_only(linear_solver);
+  return {
+      {"symmetric_stiffness", symmetric ? "symmetric" : "non-symmetric", symmetric ? "1" : "0", false, false},
+      {"dtol", "1e-06", "", true, false},
+      {"etol", "1e-08", "", true, false},
+      {"rtol", "1e-10", "", true, false},
+      {"min_residual", "1e-12", "", false, true},
+      {"max_refs", "30", "", false, true},
   };
-  return kParameters;
 }
 
-XmlLines solver_lines(const std::string& module) {
+XmlLines linear_solver_lines(const LinearSolver& linear_solver) {
+  const auto& [type, content] = linear_solver;
+  if (type.empty()) return {};
+  const std::string start = fmt::format("<linear_solver type=\"{}\"", escaped(type));
+  return {{0, content.empty() ? start + "/>" : start + ">" + content + "</linear_solver>"}};
+}
+
+XmlLines solver_lines(const std::string& module, const LinearSolver& linear_solver) {
   XmlLines lines = {{0, fmt::format("<solver type=\"{}\">", module.empty() ? "solid" : escaped(module))}};
-  for (const SolverParameter& p : solver_parameters()) lines.push_back({1, leaf(p.name, p.value)});
+  for (const SolverParameter& p : solver_parameters(linear_solver.type)) lines.push_back({1, leaf(p.name, p.value)});
   for (const XmlLine& line :
        XmlLines{{1, "<qn_method type=\"BFGS\">"}, {2, "<max_ups>0</max_ups>"}, {1, "</qn_method>"}})
     lines.push_back(line);
+  for (const XmlLine& line : linear_solver_lines(linear_solver)) lines.push_back({1, line.text});
   lines.push_back({0, "</solver>"});
   return lines;
 }
@@ -485,7 +493,7 @@ void write_steps(Writer& w, const std::vector<NodeCondition>& on_nodes) {
                             w.dtmax_controllers + static_cast<int>(w.dtmax_points.size()), exact(s.step_size)));
     }
     w.line(4, "</time_stepper>");
-    w.lines(4, solver_lines("solid"));
+    w.lines(4, solver_lines("solid", w.plan.linear_solver));
     w.line(3, "</Control>");
     write_conditions(w, 3, static_cast<int>(i), on_nodes);
     w.line(2, "</step>");

@@ -24,16 +24,19 @@ const std::vector<double>& map_values(const ConversionPlan& plan, int surface);
 XmlLines rigid_material_lines(const Material& material);
 XmlLines rigid_fixed_lines(const JointModel& model, const RigidFixed& fixed);
 
-/// Full Newton with a matrix that is not symmetric (the spring bed's is not, where the bodies turn), to tolerances that
-/// give the pose of `dea run` to 1e-5 mm.
+/// Full Newton with a matrix that is not symmetric (the spring bed's is not, where the bodies turn; unless the linear
+/// solver takes no such matrix), to tolerances that give the pose of `dea run` to 1e-5 mm.
 struct SolverParameter {
   const char* name;
   const char* value;
-  bool largest;   ///< the value is a bound: a smaller one that is not 0 stays
-  bool smallest;  ///< likewise: a larger one stays
+  const char* number;  ///< of the word `value` in FEBio's own list, which may stand in its place
+  bool largest;        ///< the value is a bound: a smaller one that is not 0 stays
+  bool smallest;       ///< likewise: a larger one stays
 };
-const std::vector<SolverParameter>& solver_parameters();
-XmlLines solver_lines(const std::string& module);
+std::vector<SolverParameter> solver_parameters(const std::string& linear_solver);
+XmlLines solver_lines(const std::string& module, const LinearSolver& linear_solver);
+/// Nothing where none is named.
+XmlLines linear_solver_lines(const LinearSolver& linear_solver);
 
 /// Variables the plot file must have; FEBio's own, then the plugin's.
 const std::vector<const char*>& plot_variables();

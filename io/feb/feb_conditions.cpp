@@ -163,9 +163,13 @@ bool read_dea_layer(Reading& reading, const XMLElement& element, DeaContact& dea
     return value;
   };
   if (what == "E" || what == "nu" || what == "thickness") {
-    if (what == "thickness" && type == "map") {
-      reading.map_uses.push_back({static_cast<int>(reading.model.contacts.size()), side,
-                                  std::string(trim(text_of(element))), origin_of(reading, element)});
+    const std::string text(trim(text_of(element)));
+    // as the plugin takes it: a name may stand without its type, and nothing says nothing
+    const bool named = !text.empty() && std::string_view("+-.,0123456789").find(text.front()) == std::string_view::npos;
+    if (what == "thickness" && text.empty() && type.empty()) return true;
+    if (what == "thickness" && (type == "map" || (type.empty() && named))) {
+      reading.map_uses.push_back(
+          {static_cast<int>(reading.model.contacts.size()), side, text, origin_of(reading, element)});
       return true;
     }
     if ((!type.empty() && type != "const") || read_lc(reading, element) != 0) {

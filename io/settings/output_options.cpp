@@ -22,6 +22,8 @@ const std::vector<OutputOption>& output_options() {
        "Also write a page for any browser: maps, curves, tables, what was recognised"},
       {"vtu", &O::vtu, Kind::Folder, "the name of a folder", "FOLDER",
        "Also write files for ParaView into this folder: open its results.pvd"},
+      {"no-xplt", &O::no_xplt, Kind::Switch, "true or false", "",
+       "Write no plot file, only the outputs that are named"},
       {"states", &O::states, Kind::States, "all, last, times t1,t2,... or ranges t1:t2", "all|last|t1,t2:t3,...",
        "States to solve and write: all, last, times t1,t2,... or ranges t1:t2; ends of steps before them are solved "
        "too "
@@ -38,6 +40,7 @@ OutputSettings over(const OutputSettings& stronger, const OutputSettings& weaker
   OutputSettings all = weaker;
   for (const OutputOption& o : output_options())
     if (!(stronger.*o.text).empty()) all.*o.text = stronger.*o.text;
+  if (!stronger.states.empty()) all.states_given = stronger.states_given;
   return all;
 }
 
@@ -51,7 +54,7 @@ std::vector<NamedPath> named_outputs(const OutputSettings& typed, const OutputSe
   const OutputSettings all = over(typed, file);
   std::vector<NamedPath> outputs;
   for (const OutputOption& o : output_options())
-    if (o.kind != OutputOption::Kind::States && !(all.*o.text).empty())
+    if ((o.kind == OutputOption::Kind::File || o.kind == OutputOption::Kind::Folder) && !(all.*o.text).empty())
       outputs.push_back({given_as(o.text, typed), all.*o.text, o.kind == OutputOption::Kind::Folder});
   return outputs;
 }

@@ -13,14 +13,16 @@ namespace dea {
 struct OutputSettings {
   std::string output;  ///< plot file
   std::string json, csv, compartments_csv, facets_csv;
-  std::string report;  ///< a page
-  std::string vtu;     ///< a folder
-  std::string states;  ///< all, last, times t1,t2,... or ranges t1:t2
+  std::string report;        ///< a page
+  std::string vtu;           ///< a folder
+  std::string no_xplt;       ///< "true": no plot file, also where one is named
+  std::string states;        ///< all, last, times t1,t2,... or ranges t1:t2
+  std::string states_given;  ///< where: "s.xml:3: <states>", "--states last"; no option
 };
 
 /// One of them. On the command line `--NAME TEXT` (the plot file: -o), in the settings file `<NAME>TEXT</NAME>`.
 struct OutputOption {
-  enum class Kind { File, Folder, States };
+  enum class Kind { File, Folder, Switch, States };
   const char* name;
   std::string OutputSettings::*text;
   Kind kind;

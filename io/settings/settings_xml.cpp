@@ -9,6 +9,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/files/free_memory.h>
 #include <febiodea/run/states.h>
 
@@ -118,7 +119,15 @@ void read_output(const std::string& path, const XMLElement& e, const OutputOptio
   if (!text.empty())
     throw fault(path, e.GetLineNum(), fmt::format("<{}>: found a second one, expected it once", e.Name()));
   text = read_text_element(path, e, option.expected);
-  if (option.kind == OutputOption::Kind::States) check_states(path, e.GetLineNum(), text);
+  if (option.kind == OutputOption::Kind::Switch) {
+    text = lower_case(text);
+    if (text != "true" && text != "false")
+      throw fault(path, e.GetLineNum(),
+                  fmt::format("<{}>: {}", e.Name(), bad_value(text, option.expected, {"true", "false"}).what()));
+  }
+  if (option.kind != OutputOption::Kind::States) return;
+  check_states(path, e.GetLineNum(), text);
+  outputs.states_given = fmt::format("{}:{}: <{}>", path, e.GetLineNum(), e.Name());
 }
 
 void read_setting(const std::string& path, const XMLElement& e, Given& given, Settings& settings) {
@@ -167,6 +176,8 @@ SettingsFile read_settings_file(const std::string& path) {
       read_output(path, *e, *option, file.outputs);
     else
       read_setting(path, *e, given, file.settings);
+    if (file.outputs.no_xplt == "true" && !file.outputs.output.empty())
+      throw fault(path, e->GetLineNum(), "found both <no-xplt> and <output>, expected one of them");
   }
   return file;
 }

@@ -71,12 +71,42 @@ ContactWrench contact_wrench(const SpringStates& s, const Pose& source, const Po
   return total;
 }
 
+namespace {
+
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
+/// d(gap) of small motions (E2) where the dofs are free.
+Vector12 opening_of(const SpringStates& s, int spring, const Pose& source, const Pose& target,
+                    const std::array<bool, 12>& free) {
+  const auto k = at(spring);
+  const Vector3d m = s.normal[k] / s.normal[k].dot(s.direction[k]);
+  const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;
+  Vector12 opening;
+  opening << m, end_t.cross(m), -m, -end_s.cross(m);
+  for (std::size_t d = 0; d < 12; ++d)
+    if (!free[d]) opening[static_cast<Eigen::Index>(d)] = 0.0;
+  return opening;
+}
+
+/// Rotations in units of a length, so that singular values of a stiffness can be told apart.
+Vector12 units_of(const Matrix12& K) {
+  const double length =
+      std::max(1e-300, std::sqrt(K.diagonal().segment<3>(3).sum() + K.diagonal().segment<3>(9).sum()) /
+                           std::sqrt(std::max(1e-300, K.trace())));
+  Vector12 scale = Vector12::Ones();
+  scale.segment<3>(3).setConstant(1 / std::max(length, 1e-12));
+  scale.segment<3>(9) = scale.segment<3>(3);
+  return scale;
+}
+
+}  // namespace
+
 Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const SpringStates& s, const Pose& source,
                                                 const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
                                                 const std::array<bool, 12>& free) {
-  using Vector12 = Eigen::Matrix<double, 12, 1>;
   const ContactPair& pair = bed.pair;
-  Eigen::Matrix<double, 12, 12> K = Eigen::Matrix<double, 12, 12>::Zero();
+  Matrix12 K = Matrix12::Zero();
   std::vector<Vector12> opening(at(s.size()), Vector12::Zero());  // d(gap) of small motions
   double least_thickness = kInfinity;
   for (int i = 0; i < s.size(); ++i) {
@@ -84,22 +114,12 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
     if (s.triangle[k] < 0 || s.area[k] <= 0) continue;
     const SpringResponse r = spring_response(bed.law, pair.source_layer().elasticity, pair.target_layer().elasticity,
                                              s.t_source[k], s.t_target[k], 0.0, pair.interface_compliance);
-    const Vector3d& n = s.direction[k];
-    const Vector3d m = s.normal[k] / s.normal[k].dot(n);  // (E2)
-    const Vector3d end_t = s.end[k] - target.center, end_s = s.end[k] - source.center;
-    opening[k] << m, end_t.cross(m), -m, -end_s.cross(m);
-    for (std::size_t d = 0; d < 12; ++d)
-      if (!free[d]) opening[k][static_cast<Eigen::Index>(d)] = 0.0;
+    opening[k] = opening_of(s, i, source, target, free);
     K += r.per_overlap * s.area[k] * opening[k] * opening[k].transpose();
     least_thickness = std::min(least_thickness, s.t_source[k] + s.t_target[k]);
   }
-  // The motion under the force; rotations in units of a length, so that singular values can be told apart.
-  const double length =
-      std::max(1e-300, std::sqrt(K.diagonal().segment<3>(3).sum() + K.diagonal().segment<3>(9).sum()) /
-                           std::sqrt(std::max(1e-300, K.trace())));
-  Vector12 scale = Vector12::Ones();
-  scale.segment<3>(3).setConstant(1 / std::max(length, 1e-12));
-  scale.segment<3>(9) = scale.segment<3>(3);
+  // The motion under the force.
+  const Vector12 scale = units_of(K);
   Vector12 f = force;
   for (std::size_t d = 0; d < 12; ++d)
     if (!free[d]) f[static_cast<Eigen::Index>(d)] = 0.0;
@@ -118,6 +138,33 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
   if (!std::isfinite(way) || fastest <= 0) return force.isZero() ? K : Eigen::Matrix<double, 12, 12>(1e-6 * K);
   way += 0.01 * least_thickness / fastest;
   return K / way;
+}
+
+int resisted_motions(const SpringStates& s, const Pose& source, const Pose& target, const std::array<bool, 12>& free) {
+  Matrix12 K = Matrix12::Zero();
+  for (int i = 0; i < s.size(); ++i) {
+    if (s.area[at(i)] <= 0 || s.pressure[at(i)] <= 0) continue;
+    const Vector12 opening = opening_of(s, i, source, target, free);
+    K += s.area[at(i)] * opening * opening.transpose();
+  }
+  const Vector12 scale = units_of(K);
+  const SingularValues svd = whole_svd(scale.asDiagonal() * K * scale.asDiagonal());
+  int resisted = 0;
+  for (Eigen::Index i = 0; i < 12 && svd.sigma[i] > 1e-2 * svd.sigma[0]; ++i) ++resisted;
+  return resisted;
+}
+
+double opening_part(const SpringStates& s, const Vector12& force, const std::array<bool, 12>& free) {
+  Vector3d away = Vector3d::Zero();  // how springs push the target
+  for (int i = 0; i < s.size(); ++i)
+    if (s.triangle[at(i)] >= 0) away += s.area[at(i)] * s.direction[at(i)];
+  if (away.norm() > 0) away.normalize();
+  double part = 0.0;
+  for (Eigen::Index d = 0; d < 3; ++d) {
+    if (free[static_cast<std::size_t>(d)]) part += away[d] * force[d];
+    if (free[static_cast<std::size_t>(d + 6)]) part -= away[d] * force[d + 6];
+  }
+  return part;
 }
 
 }  // namespace dea

@@ -24,4 +24,15 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
                                                 const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
                                                 const std::array<bool, 12>& free);
 
+/// How many of the free motions of both bodies press or relieve springs that carry pressure: 0 to 6, those with a
+/// stiffness above 1e-2 of the largest. Little or nothing in the contact resists the others: along them even a small
+/// load goes far. `free`: of the 12 dofs, those that can move.
+int resisted_motions(const SpringStates& states, const Pose& source, const Pose& target,
+                     const std::array<bool, 12>& free);
+
+/// Of a force on target and source: its part along the mean direction of the springs that face the target. > 0: it
+/// opens the joint, < 0: it closes it.
+double opening_part(const SpringStates& states, const Eigen::Matrix<double, 12, 1>& force,
+                    const std::array<bool, 12>& free);
+
 }  // namespace dea

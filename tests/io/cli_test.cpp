@@ -264,7 +264,7 @@ TEST_F(Cli, SettingsFileNamesOutputsAndTheCommandLineComesFirst) {
   EXPECT_EQ(Json::parse(file_text(folder / "o.json"))["states"].size(), 5u);
   write("t.xml", "<febiodea_settings version=\"1\"><states>9</states></febiodea_settings>");
   EXPECT_EQ(dea({"run", "flat.feb", "--settings", "t.xml"}).err,
-            "dea: t.xml: <states>: found time 9, expected times from 0 to 1, those of the model\n");
+            "dea: t.xml:1: <states>: found time 9, expected times from 0 to 1, those of the model\n");
   write("u.xml", "<febiodea_settings version=\"1\"><json>flat.feb</json></febiodea_settings>");
   EXPECT_EQ(dea({"run", "flat.feb", "--settings", "u.xml"}).err, "dea: <json> flat.feb: would overwrite the model\n");
   EXPECT_EQ(dea({"info", "flat.feb", "--settings", "s.xml"}).code, 0);
@@ -871,6 +871,19 @@ TEST_F(Cli, NoPlotFileWhereNoneIsWanted) {
   EXPECT_EQ(f.code, 0) << f.err;
   EXPECT_EQ(files(), (Names{"f.csv", "flat.feb", "paraview", "r.csv", "r.html", "r.json", "s.xml"}));
   EXPECT_TRUE(fs::exists(folder / "paraview" / "results.pvd"));
+  // a settings file says the same, and -o overrides it
+  const Names before = files();
+  write("s.xml", "<febiodea_settings version=\"1\">\n<no-xplt>True</no-xplt><states>last</states></febiodea_settings>");
+  ASSERT_EQ(dea({"run", "flat.feb", "-q", "--settings", "s.xml"}).code, 0);
+  EXPECT_EQ(files(), before);
+  EXPECT_EQ(dea({"run", "flat.feb", "-q", "--settings", "s.xml", "--compress"}).err,
+            "dea: --compress belongs to the plot file, found <no-xplt> beside it\n");
+  ASSERT_EQ(dea({"run", "flat.feb", "-q", "--settings", "s.xml", "-o", "named.xplt"}).code, 0);
+  EXPECT_TRUE(fs::exists(folder / "named.xplt"));
+  // a time that the model does not have is told with the file's line
+  write("s.xml", "<febiodea_settings version=\"1\">\n<states>7</states></febiodea_settings>");
+  EXPECT_EQ(dea({"run", "flat.feb", "-q", "--settings", "s.xml"}).err,
+            "dea: s.xml:2: <states>: found time 7, expected times from 0 to 1, those of the model\n");
   ASSERT_EQ(dea({"run", "flat.feb", "-q", "--json", "with.json"}).code, 0);
   EXPECT_EQ(Json::parse(file_text(folder / "r.json"))["states"],
             Json::parse(file_text(folder / "with.json"))["states"]);

@@ -791,6 +791,68 @@ TEST(Convert, EveryByteOfASmallModel) {
   }
 }
 
+// The one asked for, else the model's own, in every step; a matrix that it takes.
+TEST(Convert, LinearSolver) {
+  const test::TemporaryFolder folder;
+  const std::string path = (folder.path / "model.feb").string();
+  const auto converted = [&](const std::string& model, const std::string& linear_solver) {
+    write(path, model);
+    return convert_feb(read_feb(path), {}, (folder.path / "c.feb").string(), linear_solver);
+  };
+  const auto count = [](const std::string& text, const std::string& what) {
+    int found = 0;
+    for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + 1)) ++found;
+    return found;
+  };
+  constexpr const char *kSymmetric = "<symmetric_stiffness>symmetric<", *kNot = "<symmetric_stiffness>non-symmetric<";
+  const std::string plain = model_text({});
+
+  const Conversion without = converted(plain, "");
+  EXPECT_EQ(count(without.text, "linear_solver"), 0);
+  EXPECT_EQ(count(without.text, kNot), 2);
+  const Conversion given = converted(plain, "skyline");
+  EXPECT_TRUE(given.edited);
+  EXPECT_EQ(count(given.text, "<linear_solver type=\"skyline\"/>"), 2) << given.text;
+  EXPECT_EQ(count(given.text, kSymmetric), 2);
+  EXPECT_NE(all_of(given.changes).find("solver of step 2: linear_solver skyline, symmetric_stiffness symmetric, dtol"),
+            std::string::npos)
+      << all_of(given.changes);
+
+  const std::string own = "<linear_solver type=\"fgmres\"><max_iter>9</max_iter></linear_solver>";
+  const std::string named = replaced(plain, "<dtol>", own + "<dtol>");
+  const Conversion kept = converted(named, "");
+  EXPECT_EQ(count(kept.text, own), 2);
+  EXPECT_EQ(count(kept.text, kNot), 2);
+  EXPECT_EQ(all_of(kept.changes).find("linear_solver"), std::string::npos);
+  const Conversion other = converted(named, "pardiso");
+  EXPECT_EQ(count(other.text, "<linear_solver type=\"pardiso\"></linear_solver>"), 2) << other.text;
+  EXPECT_EQ(count(other.text, "linear_solver type"), 2);
+  // one for symmetric matrices, which the model already gives it by FEBio's number
+  const Conversion symmetric = converted(replaced(plain, "<dtol>",
+                                                  "<linear_solver type=\"skyline\"/><symmetric_stiffness>1"
+                                                  "</symmetric_stiffness><dtol>"),
+                                         "");
+  EXPECT_EQ(count(symmetric.text, "<symmetric_stiffness>1<"), 2);
+
+  // a model of an older version is written anew
+  const auto old = [](const std::string& solver) {
+    return replaced(model_text({.version = "2.5"}), "<time_steps>", solver + "<time_steps>");
+  };
+  const Conversion anew = converted(old(own), "");
+  EXPECT_FALSE(anew.edited);
+  EXPECT_EQ(count(anew.text, own), 2) << anew.text;
+  EXPECT_NE(all_of(anew.changes).find("solver and plot file: new, linear_solver fgmres as in the model"),
+            std::string::npos)
+      << all_of(anew.changes);
+  EXPECT_EQ(count(converted(old(own), "skyline").text, "<linear_solver type=\"skyline\"/>"), 2);
+  const Conversion gone = converted(old("<linear_solver type=\"psldlt\"/>"), "");
+  EXPECT_EQ(count(gone.text, "linear_solver"), 0);
+  EXPECT_NE(
+      all_of(gone.changes).find("the model's linear_solver \"psldlt\" is left out, FEBio 4.11 has none of this name"),
+      std::string::npos)
+      << all_of(gone.changes);
+}
+
 TEST(Convert, IncludedFiles) {
   const test::TemporaryFolder folder;
   const std::string path = (folder.path / "model.feb").string();
@@ -1041,6 +1103,18 @@ TEST(ConvertProgram, WritesBesideTheModelAndListsWhatChanged) {
   EXPECT_EQ(code({"none.feb"}), 3);
   EXPECT_EQ(code({"hip_dea.feb"}), 3);
   EXPECT_EQ(code({"hip.feb", "-o", "nowhere/x.feb"}), 4);
+
+  const test::Finished unknown =
+      test::run_program(folder.path, {DEA_PROGRAM, "convert", "hip.feb", "--linear-solver", "mumps"}, 60);
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_EQ(unknown.err,
+            "dea: --linear-solver mumps: found \"mumps\", expected accelerate, mkl_dss, pardiso, pardiso-project, "
+            "pardiso_64, skyline, superlu_mt\n");
+  ASSERT_EQ(test::run_program(folder.path,
+                              {DEA_PROGRAM, "convert", "hip.feb", "--linear-solver", "Skyline", "-o", "sky.feb"}, 60)
+                .code,
+            0);
+  EXPECT_NE(test::file_text(folder.path / "sky.feb").find("<linear_solver type=\"skyline\"/>"), std::string::npos);
 
   // a model of somebody else's stays; one that this command made gives way, and so does an empty file
   write(folder.path / "other.feb", "<febio_spec version=\"4.0\"></febio_spec>\n");

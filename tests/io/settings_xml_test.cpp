@@ -256,6 +256,9 @@ TEST(SettingsXml, OutputFilesAndStates) {
   EXPECT_EQ(fault("<csv a=\"1\">x</csv>"), ":2: <csv>: found attribute \"a\", expected none");
   EXPECT_EQ(fault("<output>a<b/></output>"), ":2: <output>: found <b>, expected a file name");
   EXPECT_EQ(fault("<json>a</json>\n<json>b</json>"), ":3: <json>: found a second one, expected it once");
+  EXPECT_EQ(fault("<no-xplt>yes</no-xplt>"), ":2: <no-xplt>: found \"yes\", expected true or false");
+  EXPECT_EQ(fault("<no-xplt>true</no-xplt>\n<output>a.xplt</output>"),
+            ":3: found both <no-xplt> and <output>, expected one of them");
 }
 
 std::string text_of(const std::string& path) {

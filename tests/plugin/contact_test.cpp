@@ -402,13 +402,28 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
          "give them in the contact as <primary_E> and <primary_nu>, or with <E surface=\"top\">");
   std::string negative = without(good, "primary_thickness");
   replace(negative, "<primary_E>", "<primary_thickness type=\"math\">1+X</primary_thickness><primary_E>");
-  expect(negative, "must be a number or the name of a SurfaceData map");
+  expect(negative, "found \"1+X\", expected a number with a decimal point, or the name of a SurfaceData in MeshData");
   std::string curve = good;
   replace(curve, "<primary_E>", "<primary_E lc=\"1\">");
   expect(curve, "<primary_E> follows a load controller");
   std::string thin = without(good, "primary_thickness");
   replace(thin, "<primary_E>", "<primary_thickness>-3</primary_thickness><primary_E>");
   expect(thin, "<primary_thickness>: found -3, need a thickness >= 0");
+  // FEBio reads 11,85 as 11, and of a map that is missing it says std::exception
+  const auto line_of = [](const std::string& text, const std::string& what) {
+    return std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find(what)), '\n') + 1;
+  };
+  std::string comma = without(good, "primary_E");
+  replace(comma, "<primary_nu>", "<primary_E>11,85</primary_E><primary_nu>");
+  expect(comma, fmt::format("bad.feb:{}: contact \"touch\": <primary_E>: found \"11,85\", expected a number with a "
+                            "decimal point",
+                            line_of(comma, "11,85")));
+  std::string lost = without(good, "primary_thickness");
+  replace(lost, "<primary_E>", "<primary_thickness type=\"map\">lost</primary_thickness><primary_E>");
+  expect(lost,
+         fmt::format("bad.feb:{}: contact \"touch\": <primary_thickness>: found \"lost\", expected a number with a "
+                     "decimal point, or the name of a SurfaceData",
+                     line_of(lost, ">lost<")));
   std::string doubled = good;
   const std::size_t begin = good.find("<contact "), end = good.find("</contact>") + 10;
   doubled.insert(end, good.substr(begin, end - begin));
@@ -416,6 +431,40 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
   std::string same_body = good;
   replace(same_body, "<SolidDomain name=\"layer\" mat=\"base\"", "<SolidDomain name=\"layer\" mat=\"plate\"");
   expect(same_body, "no sliding contact joins two different bodies");
+}
+
+/// FEBio gives up in its own words ("NAN detected ..."); the contact says why, once.
+TEST(ContactDea, SaysWhyFebioFindsNoBalance) {
+  const TemporaryFolder folder;
+  const auto pushed = [](const char* force) {
+    Parts p;
+    p.motion = fmt::format(
+        "<rigid_load name=\"push\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value "
+        "lc=\"1\">{}</value></rigid_load>",
+        force);
+    return model_40(false, p);
+  };
+  const auto expect = [&](const std::string& model, const std::vector<std::string>& reasons) {
+    write(folder.path / "m.feb", model);
+    convert(folder.path, "m.feb", "converted.feb", {"--overwrite"});
+    const Finished f = solve(folder.path, "converted.feb");
+    EXPECT_EQ(f.code, 1) << f.out;
+    std::vector<std::string> said;
+    for (const std::string& warning : errors_of(f.out, "WARNING"))
+      if (warning.find("FEBio found no balance") != warning.npos) said.push_back(warning);
+    ASSERT_EQ(said.size(), reasons.size()) << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
+    for (std::size_t i = 0; i < said.size(); ++i) EXPECT_NE(said[i].find(reasons[i]), said[i].npos) << said[i];
+  };
+  expect(pushed("5"), {"at time 0.25: the load opens the joint, and springs do not pull;"});
+  std::string away = pushed("-5");
+  replace(away, "<point>1,1</point>", "<point>0.5,1</point><point>1,-1</point>");
+  expect(away, {"at time 1: the load opens the joint after time 0.75, and springs do not pull;"});
+  std::string sliding = pushed("-5");
+  replace(sliding, "<rb>plate</rb><Rx_dof>1</Rx_dof>", "<rb>plate</rb><Rx_dof>0</Rx_dof>");
+  expect(sliding, {"the surfaces do not touch, so that no spring holds the bodies;"});
+  for (int corner = 0; corner < 4; ++corner) replace(sliding, ",0.1</node>", ",-0.1</node>");
+  expect(sliding, {"its springs resist 1 of 2 free motions of the bodies, and little or nothing the other 1"});
+  expect(pushed("-2000"), {"on the way 8 of 8 springs were strained beyond 0.9; check thickness, E, the load"});
 }
 
 /// Newton's method may throw a body anywhere: the step is given up, febio4 does not crash.

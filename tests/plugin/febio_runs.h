@@ -227,8 +227,9 @@ inline std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// What febio4 prints in boxes of errors, as one line each; words that are longer than a box is wide are in pieces.
-inline std::vector<std::string> errors_of(const std::string& out) {
+/// What febio4 prints in boxes of errors (or warnings), as one line each; words that are longer than a box is wide are
+/// in pieces.
+inline std::vector<std::string> errors_of(const std::string& out, const std::string& title = "ERROR") {
   std::vector<std::string> errors;
   bool in_error = false;
   for (const std::string& line : lines_of(out)) {
@@ -238,7 +239,7 @@ inline std::vector<std::string> errors_of(const std::string& out) {
       std::string text = line.substr(2, line.rfind('*') - 2);
       text.erase(text.find_last_not_of(' ') + 1);
       text.erase(0, std::min(text.find_first_not_of(' '), text.size()));
-      if (text == "ERROR") {
+      if (text == title) {
         in_error = true;
         errors.emplace_back();
       } else if (in_error) {

@@ -41,8 +41,8 @@ TEST(PluginBuild, FromAnInstalledProgram) {
   // Asked to end while it compiles, which no cache may shorten: it does, with all that it started, and leaves nothing.
   fs::create_directory(folder.path / "stopped");
   f = run_program(folder.path,
-                  {"/usr/bin/timeout", "--foreground", "--signal=TERM", "8", "/usr/bin/env", "CCACHE_DISABLE=1", temporary, dea,
-                   "plugin-build", sdk.string(), "-o", "stopped"},
+                  {"/usr/bin/timeout", "--foreground", "--signal=TERM", "8", "/usr/bin/env", "CCACHE_DISABLE=1",
+                   temporary, dea, "plugin-build", sdk.string(), "-o", "stopped"},
                   60);
   EXPECT_EQ(f.code, 124) << f.err;  // timeout's word for it
   EXPECT_NE(f.err.find("dea: stopped, nothing was written\n"), std::string::npos) << f.err;
@@ -58,7 +58,7 @@ TEST(PluginBuild, FromAnInstalledProgram) {
   // An SDK of another version: the reason is in the one line, the rest in the log that it names.
   fs::create_directories(folder.path / "other" / "lib" / "cmake");
   for (const auto& entry : fs::directory_iterator(sdk / "lib"))
-    if (entry.path().extension() == ".so")
+    if (entry.path().extension() == ".so" || entry.path().extension() == ".a")  // FEBio builds some of them static
       fs::create_symlink(entry.path(), folder.path / "other" / "lib" / entry.path().filename());
   fs::copy(sdk / "lib" / "cmake", folder.path / "other" / "lib" / "cmake", fs::copy_options::recursive);
   fs::create_directories(folder.path / "other" / "include" / "FECore");

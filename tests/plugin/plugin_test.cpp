@@ -287,7 +287,10 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
   expect("m.feb", settings("<csv>s.log</csv>"), "dea: <csv> s.log: would overwrite FEBio's log file");
   expect("m.feb", settings("<json>-</json>"), "dea: <json> -: standard output is FEBio's, give it a file name");
   expect("m.feb", settings("<states>7</states>"),
-         "dea: s.xml: <states>: found time 7, expected times from 0 to 1, those of the model");
+         "dea: s.xml:1: <states>: found time 7, expected times from 0 to 1, those of the model");
+  expect("m.feb", settings("\n<states>some</states>"),
+         "s.xml:2: <states>: found \"some\", expected all, last, times t1,t2,... or ranges t1:t2");
+  expect("m.feb", settings("<no-xplt>yes</no-xplt>"), "s.xml:1: <no-xplt>: found \"yes\", expected true or false");
   expect("none.feb", "",
          "none.feb: no sliding contact in the model; DEA needs one between two bodies (Contact section, e.g. type "
          "\"sliding-elastic\"), and there is no contact at all: add one, or there is nothing to solve for DEA");
@@ -437,6 +440,42 @@ TEST(Plugin, WhatIsThereAlreadyStays) {
   ASSERT_EQ(febio(folder.path, "m.feb", "dea", "s.xml").code, 0);  // the same again
   settings("<states>last</states>");
   kept("m_dea.xplt", "results of this model with 4 states that would be lost (times 0 to 0.75)");
+}
+
+TEST(Plugin, NoPlotFileWhereNoneIsWanted) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  write(folder.path / "s.xml",
+        "<febiodea_settings version=\"1\"><no-xplt>true</no-xplt><json>r.json</json><report>r.html</report>"
+        "</febiodea_settings>");
+  const Finished f = febio(folder.path, "m.feb", "dea", "s.xml");
+  EXPECT_EQ(f.code, 0) << f.out;
+  EXPECT_NE(f.out.find("\n5 states in "), f.out.npos) << f.out;
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path)) names.insert(entry.path().filename().string());
+  EXPECT_EQ(names, (std::set<std::string>{"m.feb", "s.xml", "s.log", "r.json", "r.html"}));
+}
+
+/// FEBio's own handler of Ctrl-C only makes a note. The largest sample with sixteen times the springs takes many
+/// seconds.
+TEST(Plugin, CtrlCEndsTheTask) {
+  for (const char* signal : {"INT", "TERM"}) {
+    const TemporaryFolder folder;
+    fs::copy(fs::path(DEA_SAMPLES_DIR) / "hip" / "hip_walking.feb", folder.path / "m.feb");
+    write(folder.path / "s.xml",
+          "<febiodea_settings version=\"1\"><refine>4</refine><json>r.json</json><vtu>paraview</vtu>"
+          "</febiodea_settings>");
+    const std::string script = fmt::format(
+        "'{}' -nosplash -i m.feb -import '{}' -task=dea s.xml >out & febio=$!; until grep -q 'state 2 of' out; do kill "
+        "-0 $febio || exit 98; sleep 0.05; done; kill -{} $febio; wait $febio",
+        DEA_FEBIO4, DEA_PLUGIN, signal);
+    EXPECT_EQ(run_program(folder.path, {"/bin/sh", "-c", script}, 300).code, 1);
+    const std::string out = file_text(folder.path / "out");
+    EXPECT_EQ(errors_of(out), std::vector<std::string>{"dea: stopped, nothing was written"}) << out;
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder.path)) names.insert(entry.path().filename().string());
+    EXPECT_EQ(names, (std::set<std::string>{"m.feb", "s.xml", "s.log", "out"}));
+  }
 }
 
 TEST(Plugin, PlotFileLogAndTable) {

@@ -301,4 +301,44 @@ TEST(ClosingStiffness, TakesAForceToFirstTouch) {
   EXPECT_TRUE(away.allFinite());
 }
 
+/// Plates slide on each other and turn about their normal; apart, nothing is resisted.
+TEST(ResistedMotions, OfPlates) {
+  std::array<bool, 12> one_body = {}, both;
+  for (std::size_t d = 0; d < 6; ++d) one_body[d] = true;
+  both.fill(true);
+  const Joint flat = make_joint(test::flat_plates(4, 10, 2, -0.3), test::linear());
+  const SpringBeds plates = make_spring_beds(flat);
+  std::vector<Pose> poses = reference_poses(flat);
+  Pose& source = poses[static_cast<std::size_t>(plates.beds[0].source_body)];
+  Pose& target = poses[static_cast<std::size_t>(plates.beds[0].target_body)];
+  const auto resisted = [](const SpringBed& bed, const Pose& s, const Pose& t, const std::array<bool, 12>& free) {
+    return resisted_motions(press_springs(bed, s, t), s, t, free);
+  };
+  EXPECT_EQ(resisted(plates.beds[0], source, target, one_body), 3);
+  EXPECT_EQ(resisted(plates.beds[0], source, target, both), 3);
+  EXPECT_EQ(resisted(plates.beds[0], source, target, {}), 0);
+  target.center.z() += 1;
+  EXPECT_EQ(resisted(plates.beds[0], source, target, one_body), 0);
+}
+
+/// The target is the plate above: a force up on it opens, and one up on the layer closes. Held bodies do neither.
+TEST(OpeningPart, OfPlates) {
+  const Joint flat = make_joint(test::flat_plates(4, 10, 2, 0.3), test::linear());
+  const SpringBeds plates = make_spring_beds(flat);
+  const std::vector<Pose> poses = reference_poses(flat);
+  const SpringStates s = press_springs(plates.beds[0], poses[static_cast<std::size_t>(plates.beds[0].source_body)],
+                                       poses[static_cast<std::size_t>(plates.beds[0].target_body)]);
+  std::array<bool, 12> free;
+  free.fill(true);
+  Eigen::Matrix<double, 12, 1> force = Eigen::Matrix<double, 12, 1>::Zero();
+  force[0] = 7;
+  EXPECT_NEAR(opening_part(s, force, free), 0, 1e-12);
+  force[2] = 5;
+  EXPECT_NEAR(opening_part(s, force, free), 5, 1e-12);
+  force[8] = 11;
+  EXPECT_NEAR(opening_part(s, force, free), -6, 1e-12);
+  free[8] = false;
+  EXPECT_NEAR(opening_part(s, force, free), 5, 1e-12);
+}
+
 }  // namespace dea::springs_test
