@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 
 #include <febiodea/base/error.h>
@@ -22,6 +23,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/base/time_text.h>
+#include <febiodea/io/febio/febio_rules.h>
 #include <febiodea/plugin/contact_in_file.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/febio_wording.h>
@@ -148,20 +150,11 @@ FEDeaContact::~FEDeaContact() = default;
 
 namespace {
 
-/// A thickness that is the name of no map.
-template <class Refuse>
-double thickness_number(const std::string& given, FEMesh& mesh, const Refuse& refuse) {
-  try {
-    return dea::parse_number(given);
-  } catch (const dea::BadValue&) {
-    std::vector<std::string> maps;
-    for (int i = 0; i < mesh.DataMaps(); ++i)
-      if (dynamic_cast<FESurfaceMap*>(mesh.GetDataMap(i)) != nullptr) maps.push_back(mesh.GetDataMap(i)->GetName());
-    throw refuse(
-        fmt::format(": found \"{}\"{}, expected a number with a decimal point, or the name of a SurfaceData in "
-                    "MeshData (there: {})",
-                    given, dea::did_you_mean(given, maps), dea::name_list(maps, given)));
-  }
+std::vector<std::string> names_of_maps(FEMesh& mesh) {
+  std::vector<std::string> names;
+  for (int i = 0; i < mesh.DataMaps(); ++i)
+    if (dynamic_cast<FESurfaceMap*>(mesh.GetDataMap(i)) != nullptr) names.push_back(mesh.GetDataMap(i)->GetName());
+  return names;
 }
 
 }  // namespace
@@ -178,7 +171,7 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
     return dea::fault_at(model, {0, place == in_file.end() ? 0 : place->second.line},
                          fmt::format("contact \"{}\": <{}>{}", self.GetName(), name, what));
   };
-  for (const char* number : {"refine", "primary_E", "primary_nu", "secondary_E", "secondary_nu"}) {
+  for (const char* number : {"primary_E", "primary_nu", "secondary_E", "secondary_nu"}) {
     const auto place = in_file.find(number);
     if (place == in_file.end()) continue;
     try {
@@ -191,8 +184,12 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   dea::Contact contact;
   contact.name = self.GetName();
   contact.type = "dea";
-  if (refine_ < 1 || refine_ > 1000)
-    throw refuse_parameter("refine", fmt::format(": found {}, expected a whole number from 1 to 1000", refine_));
+  const auto refine = in_file.find("refine");
+  try {  // FEBio takes 2.5 for 2
+    dea::parse_count(refine == in_file.end() ? std::to_string(refine_) : refine->second.text, 1, 1000);
+  } catch (const dea::BadValue& e) {
+    throw refuse_parameter("refine", fmt::format(": {}", e.what()));
+  }
   dea::DeaContact dea;
   dea.law = static_cast<dea::Law>(law_);
   dea.facets = static_cast<dea::Facets>(facets_);
@@ -220,17 +217,28 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
       layer.E = E_[side];
       layer.nu = nu_[side];
     }
-    const std::string given = dea::trimmed(thickness_[side]);
-    const auto refuse_thickness = [&](const std::string& what) {
-      return refuse_parameter(fmt::format("{}_thickness", kSides[side]), what);
-    };
+    const std::string given = dea::trimmed(thickness_[side]), tag = fmt::format("{}_thickness", kSides[side]);
+    const auto refuse_thickness = [&](const std::string& what) { return refuse_parameter(tag, what); };
     FEMesh& mesh = self.GetFEModel()->GetMesh();
-    FEDataMap* data = given.empty() ? nullptr : mesh.FindDataMap(given);
-    if (data == nullptr) {
-      const double t = given.empty() ? kNotGiven : thickness_number(given, mesh, refuse_thickness);
-      if (t != kNotGiven && !(t >= 0)) throw refuse_thickness(fmt::format(": found {:g}, need a thickness >= 0", t));
-      if (t != kNotGiven) layer.thickness = t;
-    } else {
+    const auto in_place = in_file.find(tag);
+    const std::string type = in_place == in_file.end() ? "" : in_place->second.type;
+    const dea::febio::ThicknessText meant = dea::febio::thickness_text(type, given);
+    if (meant == dea::febio::ThicknessText::Refused)
+      throw refuse_thickness(fmt::format(" is given as type \"{}\", expected a number or type \"map\"", type));
+    if (meant == dea::febio::ThicknessText::Number) {
+      const std::optional<double> t = dea::febio::whole_double(given);
+      if (!t) throw refuse_thickness(fmt::format(": found \"{}\", expected a number with a decimal point", given));
+      if (*t != kNotGiven && !(*t >= 0)) throw refuse_thickness(fmt::format(": found {:g}, need a thickness >= 0", *t));
+      if (*t != kNotGiven) layer.thickness = *t;
+    } else if (meant == dea::febio::ThicknessText::Map) {
+      FEDataMap* data = mesh.FindDataMap(given);
+      if (data == nullptr) {
+        const std::vector<std::string> maps = names_of_maps(mesh);
+        throw refuse_thickness(
+            fmt::format(": found \"{}\"{}, expected {}the name of a SurfaceData in MeshData (there: {})", given,
+                        dea::did_you_mean(given, maps), type.empty() ? "a number with a decimal point, or " : "",
+                        dea::name_list(maps, given)));
+      }
       auto* map = dynamic_cast<FESurfaceMap*>(data);
       if (map == nullptr || map->StorageFormat() != FMT_MULT || map->DataType() != FE_DOUBLE)
         throw refuse_thickness(fmt::format(": the map \"{}\" is no SurfaceData of numbers per facet or node", given));

@@ -239,6 +239,22 @@ TEST(ContactDea, ThicknessGivenAndMeasured) {
   }
 }
 
+/// Without a type: what is no number is a map's name, here as in `dea run`.
+TEST(ContactDea, ThicknessByAMapWhoseNameBeginsWithADigit) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  convert(folder.path, "m.feb", "converted.feb");
+  std::string text = file_text(folder.path / "converted.feb");
+  replace(text, "<SurfaceData name=\"top_thickness\"", "<SurfaceData name=\"3T_map\"");
+  replace(text, " type=\"map\">top_thickness<", ">3T_map<");
+  write(folder.path / "named.feb", text);
+  const Finished f = solve(folder.path, "named.feb");
+  EXPECT_EQ(f.code, 0) << f.out;
+  EXPECT_NE(f.out.find("mean 2, given"), f.out.npos) << f.out;
+  const Finished run = run_program(folder.path, {DEA_PROGRAM, "run", "named.feb", "--no-xplt"}, 60);
+  EXPECT_EQ(run.code, 0) << run.err;
+}
+
 /// The task dea solves a converted model too, by the same statement of the contact.
 TEST(ContactDea, TheTaskTakesTheContactsStatement) {
   const TemporaryFolder folder;
@@ -402,7 +418,7 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
          "give them in the contact as <primary_E> and <primary_nu>, or with <E surface=\"top\">");
   std::string negative = without(good, "primary_thickness");
   replace(negative, "<primary_E>", "<primary_thickness type=\"math\">1+X</primary_thickness><primary_E>");
-  expect(negative, "found \"1+X\", expected a number with a decimal point, or the name of a SurfaceData in MeshData");
+  expect(negative, "<primary_thickness> is given as type \"math\", expected a number or type \"map\"");
   std::string curve = good;
   replace(curve, "<primary_E>", "<primary_E lc=\"1\">");
   expect(curve, "<primary_E> follows a load controller");
@@ -420,10 +436,24 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
                             line_of(comma, "11,85")));
   std::string lost = without(good, "primary_thickness");
   replace(lost, "<primary_E>", "<primary_thickness type=\"map\">lost</primary_thickness><primary_E>");
-  expect(lost,
-         fmt::format("bad.feb:{}: contact \"touch\": <primary_thickness>: found \"lost\", expected a number with a "
-                     "decimal point, or the name of a SurfaceData",
-                     line_of(lost, ">lost<")));
+  expect(lost, fmt::format("bad.feb:{}: contact \"touch\": <primary_thickness>: found \"lost\", expected the name of a "
+                           "SurfaceData in MeshData (there: ",
+                           line_of(lost, ">lost<")));
+  const auto thickness = [&](const char* text) {
+    std::string model = without(good, "primary_thickness");
+    replace(model, "<primary_E>", fmt::format("<primary_thickness{}</primary_thickness><primary_E>", text));
+    return model;
+  };
+  expect(thickness(" type=\"map\">1.8"), "<primary_thickness>: found \"1.8\", expected the name of a SurfaceData in");
+  expect(thickness(" type=\"math\">0"), "<primary_thickness> is given as type \"math\", expected a number or type");
+  expect(thickness(">1,8"), "<primary_thickness>: found \"1,8\", expected a number with a decimal point");
+  expect(thickness(">3T"),
+         "<primary_thickness>: found \"3T\", expected a number with a decimal point, or the name of a SurfaceData in");
+  for (const char* refine : {"1e1", "2.5", "0", "1001"}) {
+    std::string model = without(good, "refine");
+    replace(model, "<primary_E>", fmt::format("<refine>{}</refine><primary_E>", refine));
+    expect(model, fmt::format("<refine>: found \"{}\", expected a whole number from 1 to 1000", refine));
+  }
   std::string doubled = good;
   const std::size_t begin = good.find("<contact "), end = good.find("</contact>") + 10;
   doubled.insert(end, good.substr(begin, end - begin));
