@@ -19,7 +19,8 @@ std::map<std::string, ParameterInFile> contact_in_file(const std::string& path, 
     if (place.name != "contact" || place.value("type") != "dea" || place.value("name") != contact) continue;
     if (!parameters.empty()) return {};  // two of one name
     for (int child : place.children)
-      parameters[places->at(child).name] = {trimmed(places->content(child)), places->at(child).line};
+      parameters[places->at(child).name] = {trimmed(places->content(child)), places->at(child).value("type"),
+                                            places->at(child).line};
   }
   return parameters;
 }

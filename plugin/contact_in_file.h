@@ -7,7 +7,7 @@
 namespace dea {
 
 struct ParameterInFile {
-  std::string text;
+  std::string text, type;  ///< type: the attribute
   int line = 0;
 };
 

@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 
 #include <febiodea/base/error.h>
@@ -22,6 +23,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/base/time_text.h>
+#include <febiodea/io/febio/febio_rules.h>
 #include <febiodea/plugin/contact_in_file.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/febio_wording.h>
@@ -41,6 +43,7 @@ Eigen::Quaterniond from_fe(const quatd& q) { return Eigen::Quaterniond(q.w, q.x,
 
 constexpr const char* kSides[2] = {"primary", "secondary"};
 constexpr double kNotGiven = -1.0;  // a thickness that says nothing
+constexpr double kOpens = 0.1;      // of the load's force: what opens the joint, and is no rounding of its surfaces
 
 }  // namespace
 
@@ -148,20 +151,11 @@ FEDeaContact::~FEDeaContact() = default;
 
 namespace {
 
-/// A thickness that is the name of no map.
-template <class Refuse>
-double thickness_number(const std::string& given, FEMesh& mesh, const Refuse& refuse) {
-  try {
-    return dea::parse_number(given);
-  } catch (const dea::BadValue&) {
-    std::vector<std::string> maps;
-    for (int i = 0; i < mesh.DataMaps(); ++i)
-      if (dynamic_cast<FESurfaceMap*>(mesh.GetDataMap(i)) != nullptr) maps.push_back(mesh.GetDataMap(i)->GetName());
-    throw refuse(
-        fmt::format(": found \"{}\"{}, expected a number with a decimal point, or the name of a SurfaceData in "
-                    "MeshData (there: {})",
-                    given, dea::did_you_mean(given, maps), dea::name_list(maps, given)));
-  }
+std::vector<std::string> names_of_maps(FEMesh& mesh) {
+  std::vector<std::string> names;
+  for (int i = 0; i < mesh.DataMaps(); ++i)
+    if (dynamic_cast<FESurfaceMap*>(mesh.GetDataMap(i)) != nullptr) names.push_back(mesh.GetDataMap(i)->GetName());
+  return names;
 }
 
 }  // namespace
@@ -178,7 +172,7 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
     return dea::fault_at(model, {0, place == in_file.end() ? 0 : place->second.line},
                          fmt::format("contact \"{}\": <{}>{}", self.GetName(), name, what));
   };
-  for (const char* number : {"refine", "primary_E", "primary_nu", "secondary_E", "secondary_nu"}) {
+  for (const char* number : {"primary_E", "primary_nu", "secondary_E", "secondary_nu"}) {
     const auto place = in_file.find(number);
     if (place == in_file.end()) continue;
     try {
@@ -191,8 +185,12 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   dea::Contact contact;
   contact.name = self.GetName();
   contact.type = "dea";
-  if (refine_ < 1 || refine_ > 1000)
-    throw refuse_parameter("refine", fmt::format(": found {}, expected a whole number from 1 to 1000", refine_));
+  const auto refine = in_file.find("refine");
+  try {  // FEBio takes 2.5 for 2
+    dea::parse_count(refine == in_file.end() ? std::to_string(refine_) : refine->second.text, 1, 1000);
+  } catch (const dea::BadValue& e) {
+    throw refuse_parameter("refine", fmt::format(": {}", e.what()));
+  }
   dea::DeaContact dea;
   dea.law = static_cast<dea::Law>(law_);
   dea.facets = static_cast<dea::Facets>(facets_);
@@ -220,17 +218,28 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
       layer.E = E_[side];
       layer.nu = nu_[side];
     }
-    const std::string given = dea::trimmed(thickness_[side]);
-    const auto refuse_thickness = [&](const std::string& what) {
-      return refuse_parameter(fmt::format("{}_thickness", kSides[side]), what);
-    };
+    const std::string given = dea::trimmed(thickness_[side]), tag = fmt::format("{}_thickness", kSides[side]);
+    const auto refuse_thickness = [&](const std::string& what) { return refuse_parameter(tag, what); };
     FEMesh& mesh = self.GetFEModel()->GetMesh();
-    FEDataMap* data = given.empty() ? nullptr : mesh.FindDataMap(given);
-    if (data == nullptr) {
-      const double t = given.empty() ? kNotGiven : thickness_number(given, mesh, refuse_thickness);
-      if (t != kNotGiven && !(t >= 0)) throw refuse_thickness(fmt::format(": found {:g}, need a thickness >= 0", t));
-      if (t != kNotGiven) layer.thickness = t;
-    } else {
+    const auto in_place = in_file.find(tag);
+    const std::string type = in_place == in_file.end() ? "" : in_place->second.type;
+    const dea::febio::ThicknessText meant = dea::febio::thickness_text(type, given);
+    if (meant == dea::febio::ThicknessText::Refused)
+      throw refuse_thickness(fmt::format(" is given as type \"{}\", expected a number or type \"map\"", type));
+    if (meant == dea::febio::ThicknessText::Number) {
+      const std::optional<double> t = dea::febio::whole_double(given);
+      if (!t) throw refuse_thickness(fmt::format(": found \"{}\", expected a number with a decimal point", given));
+      if (*t != kNotGiven && !(*t >= 0)) throw refuse_thickness(fmt::format(": found {:g}, need a thickness >= 0", *t));
+      if (*t != kNotGiven) layer.thickness = *t;
+    } else if (meant == dea::febio::ThicknessText::Map) {
+      FEDataMap* data = mesh.FindDataMap(given);
+      if (data == nullptr) {
+        const std::vector<std::string> maps = names_of_maps(mesh);
+        throw refuse_thickness(
+            fmt::format(": found \"{}\"{}, expected {}the name of a SurfaceData in MeshData (there: {})", given,
+                        dea::did_you_mean(given, maps), type.empty() ? "a number with a decimal point, or " : "",
+                        dea::name_list(maps, given)));
+      }
       auto* map = dynamic_cast<FESurfaceMap*>(data);
       if (map == nullptr || map->StorageFormat() != FMT_MULT || map->DataType() != FE_DOUBLE)
         throw refuse_thickness(fmt::format(": the map \"{}\" is no SurfaceData of numbers per facet or node", given));
@@ -357,20 +366,25 @@ void FEDeaContact::listen() {
       [](FEModel* fem, unsigned int when, void* contact) {
         auto* self = static_cast<FEDeaContact*>(contact);
         if (when == CB_SERIALIZE_LOAD) return self->rebuild();
+        if (when == CB_UPDATE_TIME) {
+          self->attempt_ = {};
+          return true;
+        }
         if (when == CB_PRE_MATRIX_SOLVE) {
+          self->attempt_.factoring = false;
           self->note_load();
           return true;
         }
         const bool every_iteration = fem->GetCurrentStep()->GetPlotLevel() == FE_PLOT_MINOR_ITRS;
         if (when == CB_MINOR_ITERS && !every_iteration) return true;
+        if (when == CB_TIMESTEP_FAILED) self->note_failure();
         const bool good = self->update_fields();
         if (good && when == CB_MAJOR_ITERS) self->warn_of_depth();  // of converged states, not of every retry
-        if (when == CB_MAJOR_ITERS) self->attempt_ = {};
         if (good && when == CB_STEP_SOLVED) self->warn_of_failure();
         return good;
       },
-      CB_INIT | CB_STEP_ACTIVE | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED | CB_STEP_SOLVED |
-          CB_SOLVED | CB_SERIALIZE_LOAD | CB_PRE_MATRIX_SOLVE,
+      CB_INIT | CB_STEP_ACTIVE | CB_UPDATE_TIME | CB_MINOR_ITERS | CB_MAJOR_ITERS | CB_AUGMENT | CB_TIMESTEP_FAILED |
+          CB_STEP_SOLVED | CB_SOLVED | CB_SERIALIZE_LOAD | CB_PRE_MATRIX_SOLVE,
       this, CallbackHandler::CB_ADD_FRONT);
   listening_ = true;
 }
@@ -404,11 +418,13 @@ void FEDeaContact::Serialize(DumpStream& archive) {
   FEContactInterface::Serialize(archive);
   primary_.Serialize(archive);
   secondary_.Serialize(archive);
+  (void)(archive & last_pressed_);
   if (!archive.IsLoading()) return;
   if (bed_) bed_->evaluated = bed_->output = false;
   if (archive.IsShallow()) return;
   // A restart: FEBio does not call Init, and the rest of the model is read after this.
   failed_ = false;
+  attempt_ = {};
   bed_.reset();
   from_archive_ = true;
   listen();
@@ -448,25 +464,39 @@ std::vector<int> equations(FERigidBody* const bodies[2]) {
   return lm;
 }
 
+/// Those of the twelve that FEBio solves.
+std::array<bool, 12> free_of(const std::vector<int>& lm) {
+  std::array<bool, 12> free;
+  std::transform(lm.begin(), lm.end(), free.begin(), [](int equation) { return equation >= 0; });
+  return free;
+}
+
 }  // namespace
 
 bool FEDeaContact::evaluate(double alpha) {
   Bed& b = *bed_;
   const dea::Pose target = pose_of(*b.bodies[0], alpha), source = pose_of(*b.bodies[1], alpha);
-  if (b.evaluated && same(target, b.poses[0]) && same(source, b.poses[1])) return true;
-  b.poses[0] = target;
-  b.poses[1] = source;
   if (!usable(target) || !usable(source)) {  // FEBio gives the time step up and tries a shorter one
     b.evaluated = false;
     b.wrench = {};
     b.wrench.wrench.setConstant(std::numeric_limits<double>::quiet_NaN());
     return false;
   }
-  b.springs = dea::press_springs(b.bed(), source, target, {}, &b.memory);
-  b.wrench = dea::contact_wrench(b.springs, source, target);
-  b.evaluated = true;
+  if (!b.evaluated || !same(target, b.poses[0]) || !same(source, b.poses[1])) {
+    b.poses[0] = target;
+    b.poses[1] = source;
+    b.springs = dea::press_springs(b.bed(), source, target, {}, &b.memory);
+    b.wrench = dea::contact_wrench(b.springs, source, target);
+    b.evaluated = true;
+  }
   const dea::SpringDepth depth = dea::spring_depth(b.springs);
   attempt_.too_deep = std::max(attempt_.too_deep, depth.strained + depth.through);
+  if (b.wrench.normal_force > 0 && !attempt_.met) {
+    attempt_.met = true;
+    const std::array<bool, 12> free = free_of(equations(b.bodies));
+    attempt_.free = dea::free_motions(source, target, free);
+    attempt_.resisted = dea::resisted_motions(b.springs, source, target, free);
+  }
   return true;
 }
 
@@ -503,9 +533,8 @@ void FEDeaContact::LoadVector(FEGlobalVector& R, const FETimeInfo& time) {
 void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& time) {
   if (!bed_ || failed_) return;
   const std::vector<int> lm = equations(bed_->bodies);
-  std::array<bool, 12> free;
-  for (std::size_t i = 0; i < 12; ++i) free[i] = lm[i] >= 0;
-  attempt_.begun = true;
+  const std::array<bool, 12> free = free_of(lm);
+  attempt_.factoring = true;
   attempt_.symmetric = system.IsSymmetric();
   Eigen::Matrix<double, 12, 12> K;
   bool known = false;
@@ -513,10 +542,6 @@ void FEDeaContact::StiffnessMatrix(FELinearSystem& system, const FETimeInfo& tim
     known = evaluate(time.alphaf);
     if (!known) return;
     if (bed_->wrench.normal_force > 0) {
-      if (attempt_.free == 0) {
-        attempt_.free = static_cast<int>(std::count(free.begin(), free.end(), true));
-        attempt_.resisted = dea::resisted_motions(bed_->springs, bed_->poses[1], bed_->poses[0], free);
-      }
       K = -time.alphaf * bed_->wrench.derivative;
     } else {
       // All that acts on the bodies, what holds them apart (joints, ligaments) too: this stiffness goes as they
@@ -591,60 +616,100 @@ void FEDeaContact::warn_of_depth() {
                                                 GetName(), depth.strained, dea::kStrainLimit, depth.largest));
 }
 
-void FEDeaContact::note_load() {
-  const auto* newton = dynamic_cast<FENewtonSolver*>(GetFEModel()->GetCurrentStep()->GetFESolver());
-  if (!bed_ || !bed_->evaluated || !attempt_.begun || attempt_.load_known || newton == nullptr) return;
-  attempt_.load_known = true;
-  const std::vector<int> lm = equations(bed_->bodies);
-  std::array<bool, 12> free;
-  Eigen::Matrix<double, 12, 1> load = Eigen::Matrix<double, 12, 1>::Zero();  // the residual without the contact
-  for (std::size_t i = 0; i < 12; ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    free[i] = lm[i] >= 0;
-    if (free[i]) load[k] = newton->m_R0[at(lm[i])] - bed_->wrench.wrench[k];
+std::vector<const FEDeaContact*> FEDeaContact::contacts() const {
+  // FEBio's accessors are not const.
+  auto& self = const_cast<FEDeaContact&>(*this);
+  FEModel& fem = *self.GetFEModel();
+  std::vector<const FEDeaContact*> contacts;
+  for (int i = 0; i < fem.SurfacePairConstraints(); ++i) {
+    auto* other = dynamic_cast<FEDeaContact*>(fem.SurfacePairConstraint(i));
+    if (other != nullptr && other->bed_ && other->IsActive()) contacts.push_back(other);
   }
-  attempt_.opens = dea::opening_part(bed_->springs, load, free) > 1e-6 * load.norm();
+  return contacts;
+}
+
+bool FEDeaContact::joins_the_bodies_of(const FEDeaContact& other) const {
+  return std::is_permutation(bed_->bodies, bed_->bodies + 2, other.bed_->bodies);
+}
+
+void FEDeaContact::note_load() {
+  if (attempt_.load_known) return;
+  attempt_.load_known = true;
+  const auto* newton = dynamic_cast<FENewtonSolver*>(GetFEModel()->GetCurrentStep()->GetFESolver());
+  if (!bed_ || !IsActive() || !bed_->evaluated || newton == nullptr) return;
+  if (newton->m_R0.size() != newton->m_Fd.size()) return;
+  // The residual, without what FEBio adds for motions that are prescribed, and without the contacts.
+  Eigen::Matrix<double, 12, 1> load = Eigen::Matrix<double, 12, 1>::Zero();
+  const std::vector<int> lm = equations(bed_->bodies);
+  const std::array<bool, 12> free = free_of(lm);
+  for (std::size_t i = 0; i < 12; ++i) {
+    if (free[i]) load[static_cast<Eigen::Index>(i)] = newton->m_R0[at(lm[i])] - newton->m_Fd[at(lm[i])];
+  }
+  for (const FEDeaContact* contact : contacts()) {
+    if (!joins_the_bodies_of(*contact)) continue;
+    const bool exchanged = contact->bed_->bodies[0] != bed_->bodies[0];
+    load.head<6>() -= contact->bed_->wrench.wrench.segment<6>(exchanged ? 6 : 0);
+    load.tail<6>() -= contact->bed_->wrench.wrench.segment<6>(exchanged ? 0 : 6);
+  }
+  double force = 0.0;
+  for (const std::size_t i : {0, 1, 2, 6, 7, 8})
+    if (free[i]) force = std::hypot(force, load[static_cast<Eigen::Index>(i)]);
+  attempt_.opens = dea::opening_part(bed_->springs, load, free) > kOpens * force;
+}
+
+void FEDeaContact::note_failure() {
+  attempt_.failed = true;
+  if (!bed_) return;
+  const auto* newton = dynamic_cast<FENewtonSolver*>(GetFEModel()->GetCurrentStep()->GetFESolver());
+  const auto finite = [](double x) { return std::isfinite(x); };
+  attempt_.no_number = attempt_.factoring ||
+                       (newton != nullptr && !std::all_of(newton->m_ui.begin(), newton->m_ui.end(), finite)) ||
+                       !usable(pose_of(*bed_->bodies[0], 1.0)) || !usable(pose_of(*bed_->bodies[1], 1.0));
 }
 
 void FEDeaContact::warn_of_failure() {
-  if (!bed_ || !attempt_.begun) return;  // the last state was found
+  if (!bed_ || !IsActive() || !attempt_.failed) return;
+  if (free_of(equations(bed_->bodies)) == std::array<bool, 12>{}) return;  // these bodies balance whatever happens
+  const std::vector<const FEDeaContact*> all = contacts();
+  // A compartment may be lifted off while another one carries; and any contact, if the equations had a solution.
+  const bool others_tell = std::any_of(all.begin(), all.end(), [&](const FEDeaContact* contact) {
+    return contact->attempt_.met && (!attempt_.no_number || joins_the_bodies_of(*contact));
+  });
   const dea::SpringStates& s = bed_->springs;
-  const auto warn = [&](const std::string& what) {
-    dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": {}", GetName(), what));
-  };
-  const std::string when =
-      fmt::format("FEBio found no balance at time {}: ", dea::time_text(GetFEModel()->GetCurrentTime()));
   const int under_pressure = static_cast<int>(
       std::count_if(s.pressure.begin(), s.pressure.end(), [](double pressure) { return pressure > 0; }));
   const int loose = attempt_.free - attempt_.resisted;
   const std::string check = "check thickness, E, the load and their units, or take smaller steps (step_size)";
-  if (loose > 0)
-    warn(fmt::format(
-        "{}its springs resist {} of {} free motions of the bodies, and little or nothing the other {}: if "
-        "nothing else holds these, FEBio's stiffness is singular (NAN); hold them (rigid_fixed), or add what "
-        "resists them",
-        when, attempt_.resisted, attempt_.free, loose));
+  std::string why;
   if (attempt_.opens)
-    warn(
-        fmt::format("{}the load opens the joint{}, and springs do not pull; let the load press the bodies together, or "
-                    "something else hold them (rigid_fixed, ligaments)",
-                    when, last_pressed_ < 0 ? "" : fmt::format(" after time {}", dea::time_text(last_pressed_))));
+    why = fmt::format(
+        "the load opens the joint{}, and springs do not pull; let the load press the bodies together, or "
+        "something else hold them (rigid_fixed, ligaments)",
+        last_pressed_ < 0 ? "" : fmt::format(" after time {}", dea::time_text(last_pressed_)));
   else if (attempt_.too_deep > 0)
-    warn(fmt::format("{}on the way {} of {} springs were strained beyond {:g}; {}", when, attempt_.too_deep, s.size(),
-                     dea::kStrainLimit, check));
-  else if (under_pressure == 0 && attempt_.free == 0)
-    warn(fmt::format(
-        "{}the surfaces do not touch, so that no spring holds the bodies; first move the bone into contact by "
-        "a prescribed displacement (rigid_displacement) in a step of its own, its other motions held, then "
-        "load it; or let something else hold it",
-        when));
-  else if (under_pressure == 0)
-    warn(fmt::format("{}the bodies met, and Newton's method lost them again; {}", when, check));
-  else if (loose == 0)
-    warn(fmt::format("{}{} of {} springs carry pressure, strained up to {:.3g}; {}", when, under_pressure, s.size(),
-                     dea::spring_depth(s).largest,
-                     attempt_.symmetric
-                         ? "set symmetric_stiffness to non-symmetric, with a linear solver that takes it, "
-                           "or allow more iterations (max_refs)"
-                         : "try smaller time steps (step_size) or more iterations (max_refs)"));
+    why = fmt::format("on the way {} of {} springs were strained beyond {:g}; {}", attempt_.too_deep, s.size(),
+                      dea::kStrainLimit, check);
+  else if (attempt_.no_number && loose > 0)
+    why = fmt::format(
+        "its springs resist {} of {} free motions of the bodies, and little or nothing the other {}: if "
+        "nothing else holds these, FEBio's stiffness is singular (NAN); hold them (rigid_fixed), or add "
+        "what resists them",
+        attempt_.resisted, attempt_.free, loose);
+  else if (!attempt_.met && others_tell)
+    return;
+  else if (!attempt_.met && attempt_.no_number)
+    why =
+        "the surfaces do not touch, so that no spring holds the bodies; first move the bone into contact by a "
+        "prescribed displacement (rigid_displacement) in a step of its own, its other motions held, then load it; or "
+        "let something else hold it";
+  else if (attempt_.met && under_pressure == 0)
+    why = fmt::format("the bodies met, and Newton's method lost them again; {}", check);
+  else
+    why = fmt::format("{} of {} springs carry pressure{}; {}", under_pressure, s.size(),
+                      under_pressure == 0 ? "" : fmt::format(", strained up to {:.3g}", dea::spring_depth(s).largest),
+                      attempt_.symmetric ? "set symmetric_stiffness to non-symmetric, with a linear solver that takes "
+                                           "it, or allow more iterations (max_refs)"
+                                         : "try smaller time steps (step_size) or more iterations (max_refs)");
+  dea::log_warning(*GetFEModel(), fmt::format("dea: contact \"{}\": FEBio found no balance at time {}: {}", GetName(),
+                                              dea::time_text(GetFEModel()->GetCurrentTime()), why));
 }

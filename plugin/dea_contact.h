@@ -8,6 +8,7 @@
 #include <FEBioMech/FEContactSurface.h>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <febiodea/model/joint_model.h>
 #include <febiodea/plugin/contact_statement.h>
@@ -71,13 +72,16 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
  private:
   struct Bed;
   void build();
+  std::vector<const FEDeaContact*> contacts() const;  // of type dea that act now, this one too
+  bool joins_the_bodies_of(const FEDeaContact& other) const;
   template <class Action>
   bool guarded(Action action);  // a fault goes to the log: no exception leaves the library
   void make_fields();
   bool rebuild();               // after an archive has been read
   void listen();                // to FEBio's callbacks
   bool evaluate(double alpha);  // false: the poses are out of all proportion, the forces no numbers
-  void note_load();             // while FEBio solves
+  void note_load();             // at the first solution of an attempt
+  void note_failure();
   void warn_of_depth();
   void warn_of_failure();  // FEBio found no balance: what this contact can say of why
   void fault(const char* what);
@@ -88,11 +92,14 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
   std::string
       thickness_[2];  // a number, the name of a map, or nothing: a missing map is ours to tell, FEBio tells none
   std::unique_ptr<Bed> bed_;
-  struct Attempt {  // to find the next state
-    bool begun = false, symmetric = false;
-    int free = 0, resisted = 0;              // motions, where springs first carried pressure
+  struct Attempt {  // of FEBio's to find the next state
+    bool symmetric = false;
+    bool met = false;                        // springs have carried pressure
+    int free = 0, resisted = 0;              // motions of the bodies against each other, where springs first did
     int too_deep = 0;                        // springs whose pressure means nothing, at most
     bool load_known = false, opens = false;  // what the bodies' load does where the step begins
+    bool factoring = false;                  // the stiffness
+    bool failed = false, no_number = false;  // the solution was none
   } attempt_;
   double last_pressed_ = -1.0;  // time of the last state with pressure; -1: none
   bool failed_ = false, listening_ = false, from_archive_ = false;

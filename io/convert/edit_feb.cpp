@@ -254,7 +254,7 @@ std::string edit_solver(Editing& e, int solver) {
     } else {
       const std::string text(feb::trim(e.places.content(child)));
       const auto now = feb::whole_double(text), wanted = feb::whole_double(p.value);
-      const bool as_good = feb::same_word(text, p.value) || text == p.number ||
+      const bool as_good = feb::same_word(text, p.value) || (*p.number != '\0' && text == p.number) ||
                            (now && wanted && p.largest && *now > 0 && *now <= *wanted) ||
                            (now && wanted && p.smallest && *now >= *wanted);
       if (as_good) continue;

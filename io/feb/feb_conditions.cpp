@@ -164,10 +164,10 @@ bool read_dea_layer(Reading& reading, const XMLElement& element, DeaContact& dea
   };
   if (what == "E" || what == "nu" || what == "thickness") {
     const std::string text(trim(text_of(element)));
-    // as the plugin takes it: a name may stand without its type, and nothing says nothing
-    const bool named = !text.empty() && std::string_view("+-.,0123456789").find(text.front()) == std::string_view::npos;
-    if (what == "thickness" && text.empty() && type.empty()) return true;
-    if (what == "thickness" && (type == "map" || (type.empty() && named))) {
+    const febio::ThicknessText thickness =
+        what == "thickness" ? febio::thickness_text(type, text) : febio::ThicknessText::Number;
+    if (thickness == febio::ThicknessText::Nothing) return true;
+    if (thickness == febio::ThicknessText::Map) {
       reading.map_uses.push_back(
           {static_cast<int>(reading.model.contacts.size()), side, text, origin_of(reading, element)});
       return true;

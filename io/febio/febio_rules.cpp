@@ -305,6 +305,15 @@ void check_times(LoadController& curve) {
   }
 }
 
+ThicknessText thickness_text(const std::string& type, std::string_view text) {
+  text = trim(text);
+  if (type == "map") return ThicknessText::Map;
+  if (!type.empty()) return type == "const" ? ThicknessText::Number : ThicknessText::Refused;
+  if (text.empty()) return ThicknessText::Nothing;
+  const bool meant_as_one = text.find_first_not_of("+-.,0123456789") == std::string_view::npos;
+  return meant_as_one || whole_double(text) ? ThicknessText::Number : ThicknessText::Map;
+}
+
 std::vector<double> must_points(const LoadController& curve, double begin, double end) {
   std::vector<double> times;
   const double close = 1e-9 * (end - begin);

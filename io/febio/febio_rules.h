@@ -55,6 +55,11 @@ struct ContactParameter {
 };
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type);
 
+/// What stands in <primary_thickness> or <secondary_thickness> of a contact of type dea. `type`: the attribute. Without
+/// one it is a number where it can be read as one, or seems to be meant as one (1,8), and else the name of a map.
+enum class ThicknessText { Nothing, Number, Map, Refused };
+ThicknessText thickness_text(const std::string& type, std::string_view text);
+
 /// FEBio's words, in the order of LoadController::Interpolate and Extend; FEBio also takes the place in this order.
 inline constexpr std::array<const char*, 8> kInterpolateWords = {
     "linear", "step", "smooth", "cubic spline", "control points", "approximation", "smooth step", "C2-smooth"};

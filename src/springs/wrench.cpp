@@ -140,6 +140,17 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
   return K / way;
 }
 
+int free_motions(const Pose& source, const Pose& target, const std::array<bool, 12>& free) {
+  Eigen::Matrix<double, 6, 12> relative = Eigen::Matrix<double, 6, 12>::Zero();  // to the target, about its centre
+  relative.leftCols<6>().setIdentity();
+  relative.rightCols<6>() = -Eigen::Matrix<double, 6, 6>::Identity();
+  const Vector3d arm = target.center - source.center;
+  for (Eigen::Index k = 0; k < 3; ++k) relative.block<3, 1>(0, 9 + k) = arm.cross(Vector3d::Unit(k));
+  for (std::size_t d = 0; d < 12; ++d)
+    if (!free[d]) relative.col(static_cast<Eigen::Index>(d)).setZero();
+  return static_cast<int>(pivoted_qr(relative.transpose(), 1e-9).rank);
+}
+
 int resisted_motions(const SpringStates& s, const Pose& source, const Pose& target, const std::array<bool, 12>& free) {
   Matrix12 K = Matrix12::Zero();
   for (int i = 0; i < s.size(); ++i) {

@@ -24,6 +24,9 @@ Eigen::Matrix<double, 12, 12> closing_stiffness(const SpringBed& bed, const Spri
                                                 const Pose& target, const Eigen::Matrix<double, 12, 1>& force,
                                                 const std::array<bool, 12>& free);
 
+/// How many ways there are to move the bodies against each other, 0 to 6. `free`: of the 12 dofs, those that can move.
+int free_motions(const Pose& source, const Pose& target, const std::array<bool, 12>& free);
+
 /// How many of the free motions of both bodies press or relieve springs that carry pressure: 0 to 6, those with a
 /// stiffness above 1e-2 of the largest. Little or nothing in the contact resists the others: along them even a small
 /// load goes far. `free`: of the 12 dofs, those that can move.

@@ -834,6 +834,13 @@ TEST(Convert, LinearSolver) {
                                          "");
   EXPECT_EQ(count(symmetric.text, "<symmetric_stiffness>1<"), 2);
 
+  // what stands there empty, FEBio takes for 0: no check at all
+  const Conversion empty =
+      converted(replaced(plain, "<dtol>", "<rtol></rtol><etol/><max_refs> </max_refs><min_residual/><dtol>"), "");
+  for (const char* line :
+       {"<rtol>1e-10</rtol>", "<etol>1e-08</etol>", "<max_refs>30</max_refs>", "<min_residual>1e-12</min_residual>"})
+    EXPECT_EQ(count(empty.text, line), 2) << line << empty.text;
+
   // a model of an older version is written anew
   const auto old = [](const std::string& solver) {
     return replaced(model_text({.version = "2.5"}), "<time_steps>", solver + "<time_steps>");

@@ -1635,6 +1635,10 @@ TEST_F(ReadFeb, FaultsOfAContactOfTypeDea) {
             "model.feb:30: \"X+1\" names no map, expected the name of a SurfaceData in MeshData");
   EXPECT_EQ(contact(" type=\"map\">bottom h", ">bottom h"), "read without a fault");
   EXPECT_EQ(contact(">0<", "><"), "read without a fault");
+  EXPECT_EQ(contact(">0<", " type=\"map\">1.8<"),
+            "model.feb:30: \"1.8\" names no map, expected the name of a SurfaceData in MeshData");
+  const std::string digit = replaced(kDeaContact, " type=\"map\">bottom h", ">3T_map");
+  EXPECT_EQ(fault_of(dea_model(replaced(kDeaMaps, "bottom h", "3T_map"), digit)), "read without a fault");
   EXPECT_EQ(contact(" type=\"map\">bottom h", " type=\"math\">X"),
             "model.feb:29: primary_thickness is given as type \"math\" or follows a load controller, expected a number "
             "or type \"map\"");

@@ -239,6 +239,22 @@ TEST(ContactDea, ThicknessGivenAndMeasured) {
   }
 }
 
+/// Without a type: what is no number is a map's name, here as in `dea run`.
+TEST(ContactDea, ThicknessByAMapWhoseNameBeginsWithADigit) {
+  const TemporaryFolder folder;
+  write(folder.path / "m.feb", model_40(false));
+  convert(folder.path, "m.feb", "converted.feb");
+  std::string text = file_text(folder.path / "converted.feb");
+  replace(text, "<SurfaceData name=\"top_thickness\"", "<SurfaceData name=\"3T_map\"");
+  replace(text, " type=\"map\">top_thickness<", ">3T_map<");
+  write(folder.path / "named.feb", text);
+  const Finished f = solve(folder.path, "named.feb");
+  EXPECT_EQ(f.code, 0) << f.out;
+  EXPECT_NE(f.out.find("mean 2, given"), f.out.npos) << f.out;
+  const Finished run = run_program(folder.path, {DEA_PROGRAM, "run", "named.feb", "--no-xplt"}, 60);
+  EXPECT_EQ(run.code, 0) << run.err;
+}
+
 /// The task dea solves a converted model too, by the same statement of the contact.
 TEST(ContactDea, TheTaskTakesTheContactsStatement) {
   const TemporaryFolder folder;
@@ -402,7 +418,7 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
          "give them in the contact as <primary_E> and <primary_nu>, or with <E surface=\"top\">");
   std::string negative = without(good, "primary_thickness");
   replace(negative, "<primary_E>", "<primary_thickness type=\"math\">1+X</primary_thickness><primary_E>");
-  expect(negative, "found \"1+X\", expected a number with a decimal point, or the name of a SurfaceData in MeshData");
+  expect(negative, "<primary_thickness> is given as type \"math\", expected a number or type \"map\"");
   std::string curve = good;
   replace(curve, "<primary_E>", "<primary_E lc=\"1\">");
   expect(curve, "<primary_E> follows a load controller");
@@ -420,10 +436,24 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
                             line_of(comma, "11,85")));
   std::string lost = without(good, "primary_thickness");
   replace(lost, "<primary_E>", "<primary_thickness type=\"map\">lost</primary_thickness><primary_E>");
-  expect(lost,
-         fmt::format("bad.feb:{}: contact \"touch\": <primary_thickness>: found \"lost\", expected a number with a "
-                     "decimal point, or the name of a SurfaceData",
-                     line_of(lost, ">lost<")));
+  expect(lost, fmt::format("bad.feb:{}: contact \"touch\": <primary_thickness>: found \"lost\", expected the name of a "
+                           "SurfaceData in MeshData (there: ",
+                           line_of(lost, ">lost<")));
+  const auto thickness = [&](const char* text) {
+    std::string model = without(good, "primary_thickness");
+    replace(model, "<primary_E>", fmt::format("<primary_thickness{}</primary_thickness><primary_E>", text));
+    return model;
+  };
+  expect(thickness(" type=\"map\">1.8"), "<primary_thickness>: found \"1.8\", expected the name of a SurfaceData in");
+  expect(thickness(" type=\"math\">0"), "<primary_thickness> is given as type \"math\", expected a number or type");
+  expect(thickness(">1,8"), "<primary_thickness>: found \"1,8\", expected a number with a decimal point");
+  expect(thickness(">3T"),
+         "<primary_thickness>: found \"3T\", expected a number with a decimal point, or the name of a SurfaceData in");
+  for (const char* refine : {"1e1", "2.5", "0", "1001"}) {
+    std::string model = without(good, "refine");
+    replace(model, "<primary_E>", fmt::format("<refine>{}</refine><primary_E>", refine));
+    expect(model, fmt::format("<refine>: found \"{}\", expected a whole number from 1 to 1000", refine));
+  }
   std::string doubled = good;
   const std::size_t begin = good.find("<contact "), end = good.find("</contact>") + 10;
   doubled.insert(end, good.substr(begin, end - begin));
@@ -433,38 +463,193 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
   expect(same_body, "no sliding contact joins two different bodies");
 }
 
-/// FEBio gives up in its own words ("NAN detected ..."); the contact says why, once.
-TEST(ContactDea, SaysWhyFebioFindsNoBalance) {
-  const TemporaryFolder folder;
-  const auto pushed = [](const char* force) {
-    Parts p;
-    p.motion = fmt::format(
-        "<rigid_load name=\"push\" type=\"rigid_force\"><rb>plate</rb><dof>Rz</dof><value "
+/// FEBio gives up in its own words ("NAN detected ..."); each contact says why in one warning, or nothing.
+class SaysWhyFebioFindsNoBalance : public ::testing::Test {
+ protected:
+  static std::string load(const char* dof, const char* force) {
+    return fmt::format(
+        "<rigid_load name=\"push\" type=\"rigid_force\"><rb>plate</rb><dof>R{}</dof><value "
         "lc=\"1\">{}</value></rigid_load>",
-        force);
+        dof, force);
+  }
+  static std::string model(const std::string& motion) {
+    Parts p;
+    p.motion = motion;
     return model_40(false, p);
-  };
-  const auto expect = [&](const std::string& model, const std::vector<std::string>& reasons) {
-    write(folder.path / "m.feb", model);
-    convert(folder.path, "m.feb", "converted.feb", {"--overwrite"});
-    const Finished f = solve(folder.path, "converted.feb");
+  }
+  /// The plate's corners at `left` and `right` in z.
+  static std::string placed(std::string text, const char* left, const char* right) {
+    for (const char* z : {left, right, right, left}) replace(text, ",0.1</node>", fmt::format(",{}</node>", z));
+    return text;
+  }
+  static std::string free_plate(std::string text, const char* dof) {
+    const std::size_t plate = text.find("<rb>plate</rb>");
+    const std::string held = fmt::format("<R{}_dof>1<", dof);
+    return text.replace(text.find(held, plate), held.size(), fmt::format("<R{}_dof>0<", dof));
+  }
+  void expect(const std::string& model, const std::vector<std::string>& reasons) {
+    expect_converted(converted(model), reasons);
+  }
+  /// Of few iterations.
+  void expect_unfinished(const std::string& model, const std::vector<std::string>& reasons,
+                         const std::string& iterations = "1", const std::string& stiffness = "non-symmetric") {
+    std::string text = converted(model);
+    replace(text, "<max_refs>30<", fmt::format("<max_refs>{}<", iterations));
+    replace(text, ">non-symmetric<", fmt::format(">{}<", stiffness));
+    expect_converted(text, reasons);
+  }
+  std::string converted(const std::string& model) {
+    write(folder_.path / "m.feb", model);
+    convert(folder_.path, "m.feb", "converted.feb", {"--overwrite", "--law", law_});
+    return file_text(folder_.path / "converted.feb");
+  }
+  void expect_converted(const std::string& text, const std::vector<std::string>& reasons) {
+    write(folder_.path / "converted.feb", text);
+    const Finished f = solve(folder_.path, "converted.feb");
     EXPECT_EQ(f.code, 1) << f.out;
+    expect_said(f.out, reasons);
+  }
+  static void expect_said(const std::string& out, const std::vector<std::string>& reasons) {
     std::vector<std::string> said;
-    for (const std::string& warning : errors_of(f.out, "WARNING"))
+    for (const std::string& warning : errors_of(out, "WARNING"))
       if (warning.find("FEBio found no balance") != warning.npos) said.push_back(warning);
-    ASSERT_EQ(said.size(), reasons.size()) << f.out.substr(f.out.size() < 4000 ? 0 : f.out.size() - 4000);
+    ASSERT_EQ(said.size(), reasons.size()) << out.substr(out.size() < 4000 ? 0 : out.size() - 4000);
     for (std::size_t i = 0; i < said.size(); ++i) EXPECT_NE(said[i].find(reasons[i]), said[i].npos) << said[i];
-  };
-  expect(pushed("5"), {"at time 0.25: the load opens the joint, and springs do not pull;"});
-  std::string away = pushed("-5");
+  }
+
+  const TemporaryFolder folder_;
+  std::string law_ = "layer";
+};
+
+TEST_F(SaysWhyFebioFindsNoBalance, TheLoadOpensTheJoint) {
+  expect(model(load("z", "5")), {"at time 0.25: the load opens the joint, and springs do not pull;"});
+  std::string away = model(load("z", "-5"));
   replace(away, "<point>1,1</point>", "<point>0.5,1</point><point>1,-1</point>");
   expect(away, {"at time 1: the load opens the joint after time 0.75, and springs do not pull;"});
-  std::string sliding = pushed("-5");
-  replace(sliding, "<rb>plate</rb><Rx_dof>1</Rx_dof>", "<rb>plate</rb><Rx_dof>0</Rx_dof>");
-  expect(sliding, {"the surfaces do not touch, so that no spring holds the bodies;"});
-  for (int corner = 0; corner < 4; ++corner) replace(sliding, ",0.1</node>", ",-0.1</node>");
-  expect(sliding, {"its springs resist 1 of 2 free motions of the bodies, and little or nothing the other 1"});
-  expect(pushed("-2000"), {"on the way 8 of 8 springs were strained beyond 0.9; check thickness, E, the load"});
+  // from a dump file of time 0.75
+  for (const std::vector<std::string>& model :
+       {std::vector<std::string>{"-i", "converted.feb", "-dump=1"}, std::vector<std::string>{"-r", "converted.dmp"}}) {
+    std::vector<std::string> words = {DEA_FEBIO4, "-nosplash", "-config", "febio.xml"};
+    words.insert(words.end(), model.begin(), model.end());
+    const Finished f = run_program(folder_.path, words, 60);
+    expect_said(f.out, {"at time 1: the load opens the joint after time 0.75, and springs do not pull;"});
+  }
+}
+
+/// The base is pushed up against the plate: stiffness times its way is no load.
+TEST_F(SaysWhyFebioFindsNoBalance, APrescribedMotionIsNoLoad) {
+  std::string pushed = placed(model(load("z", "-1")), "-0.02", "-0.02");
+  replace(pushed, "<rb>base</rb><Rx_dof>1</Rx_dof><Ry_dof>1</Ry_dof><Rz_dof>1</Rz_dof>",
+          "<rb>base</rb><Rx_dof>1</Rx_dof><Ry_dof>1</Ry_dof>");
+  replace(pushed, "<Rigid>",
+          "<Rigid><rigid_bc name=\"up\" type=\"rigid_displacement\"><rb>base</rb><dof>z</dof><value "
+          "lc=\"1\">0.8</value></rigid_bc>");
+  expect_unfinished(pushed, {"at time 0.25: 8 of 8 springs carry pressure, strained up to 0."});
+  expect_unfinished(pushed, {"try smaller time steps (step_size) or more iterations (max_refs)"});
+  expect_unfinished(pushed, {"set symmetric_stiffness to non-symmetric, with a linear solver that takes it"}, "1",
+                    "symmetric");
+}
+
+TEST_F(SaysWhyFebioFindsNoBalance, SurfacesApart) {
+  expect(free_plate(model(load("z", "-5")), "x"), {"the surfaces do not touch, so that no spring holds the bodies;"});
+}
+
+/// Pushed aside until nothing lies under it.
+TEST_F(SaysWhyFebioFindsNoBalance, LostAgain) {
+  const std::string aside =
+      "<rigid_bc name=\"aside\" type=\"rigid_displacement\"><rb>plate</rb><dof>x</dof><value "
+      "lc=\"1\">80</value></rigid_bc>";
+  std::string text = placed(model(aside + load("z", "-1")), "-0.02", "-0.02");
+  replace(text, "<rb>plate</rb><Rx_dof>1</Rx_dof>", "<rb>plate</rb>");
+  expect(text, {"at time 0.25: the bodies met, and Newton's method lost them again; check thickness"});
+}
+
+TEST_F(SaysWhyFebioFindsNoBalance, LooseMotions) {
+  expect(placed(free_plate(model(load("z", "-5")), "x"), "-0.1", "-0.1"),
+         {"its springs resist 1 of 2 free motions of the bodies, and little or nothing the other 1"});
+  // a plate with springs that is all but level, pulled along: 0.01 % of the load opens the joint
+  for (const char* force : {"5", "-5"}) {
+    const std::string along = free_plate(free_plate(model(load("x", force)), "x"), "y");
+    std::string text = converted(placed(along, "-0.1001", "-0.0996"));
+    replace(text, "<source>primary<", "<source>secondary<");
+    replace(text, ">non-symmetric<", ">symmetric<");
+    replace(text, "<solver type=\"solid\">", "<solver type=\"solid\"><linear_solver type=\"skyline\"/>");  // solves on
+    expect_converted(text, {"its springs resist 1 of 3 free motions of the bodies"});
+  }
+}
+
+TEST_F(SaysWhyFebioFindsNoBalance, TooDeep) {
+  expect(model(load("z", "-2000")),
+         {"on the way 8 of 8 springs were strained beyond 0.9; check thickness, E, the load"});
+}
+
+/// Springs do not resist sliding, but here ligaments do: FEBio's equations have a solution.
+TEST_F(SaysWhyFebioFindsNoBalance, HeldByLigaments) {
+  expect_unfinished(file_text(fs::path(DEA_SAMPLES_DIR) / "ligament" / "ligament.feb"),
+                    {" springs carry pressure, strained up to"});
+  std::string knee = file_text(fs::path(DEA_SAMPLES_DIR) / "knee" / "knee.feb");
+  replace(knee, "<max_retries>10<", "<max_retries>0<");
+  expect_unfinished(knee, std::vector<std::string>(4, " springs carry pressure, strained up to"), "2");
+}
+
+/// Two compartments under one plate, of which one is lifted off.
+TEST_F(SaysWhyFebioFindsNoBalance, ACompartmentThatIsLiftedOff) {
+  law_ = "linear";  // to the layer law, cartilage ends where its contact surface does
+  const std::vector<std::string> top = lines_of(block(false).top);
+  const auto compartment = [&](const char* name, int first) {
+    return fmt::format(
+        "<Surface name=\"{0}\">{1}{2}</Surface><SurfacePair name=\"{0}\"><primary>{0}</primary>"
+        "<secondary>under</secondary></SurfacePair>",
+        name, top.at(static_cast<std::size_t>(first)), top.at(static_cast<std::size_t>(first + 2)));
+  };
+  Parts p;
+  p.motion = load("z", "-1");
+  p.more_mesh = compartment("left", 0) + compartment("right", 1);
+  std::string text = placed(model_40(false, p), "-0.2", "0.3");
+  replace(text, "name=\"touch\" type=\"sliding-elastic\" surface_pair=\"pair\"",
+          "name=\"left\" type=\"sliding-elastic\" surface_pair=\"left\"");
+  replace(text, "</contact>",
+          "</contact><contact name=\"right\" type=\"sliding-elastic\" surface_pair=\"right\"></contact>");
+  expect_unfinished(text, {"contact \"left\": FEBio found no balance at time 0.25: 2 of 4 springs carry"});
+}
+
+/// Something else fails, and the contact's bodies cannot move.
+TEST_F(SaysWhyFebioFindsNoBalance, BothBodiesHeld) {
+  for (const char* way : {"-0.3", "0.3"}) {
+    std::string text =
+        model(fmt::format("<rigid_bc name=\"down\" type=\"rigid_displacement\"><rb>plate</rb><dof>z</dof><value "
+                          "lc=\"1\">{}</value></rigid_bc><rigid_bc name=\"l\" type=\"rigid_fixed\"><rb>lone</rb>"
+                          "<Ru_dof>1</Ru_dof><Rv_dof>1</Rv_dof><Rw_dof>1</Rw_dof></rigid_bc><rigid_load name=\"push\" "
+                          "type=\"rigid_force\"><rb>lone</rb><dof>Rx</dof><value lc=\"1\">1</value></rigid_load>",
+                          way));
+    replace(text, "</Material>",
+            "<material id=\"4\" name=\"lone\" type=\"rigid body\"><density>1</density><center_of_mass>20,0,0"
+            "</center_of_mass></material></Material>");
+    replace(text, "</Nodes>",
+            "<node id=\"901\">19,0,0</node><node id=\"902\">21,0,0</node><node id=\"903\">21,1,0</node><node "
+            "id=\"904\">19,1,0</node></Nodes>");
+    replace(text, "<NodeSet",
+            "<Elements type=\"quad4\" name=\"lone\"><elem id=\"90\">901,902,903,904</elem></Elements><NodeSet");
+    replace(
+        text, "</MeshDomains>",
+        "<ShellDomain name=\"lone\" mat=\"lone\"><shell_thickness>0.5</shell_thickness></ShellDomain></MeshDomains>");
+    expect(text, {});
+  }
+}
+
+/// Ctrl-C leads to FEBio's prompt, and quit ends its solve: nothing has failed.
+TEST_F(SaysWhyFebioFindsNoBalance, NotAtTheUsersQuit) {
+  fs::copy(fs::path(DEA_SAMPLES_DIR) / "hip" / "hip_walking.feb", folder_.path / "m.feb");
+  convert(folder_.path, "m.feb", "converted.feb", {"--refine", "2", "--linear-solver", "skyline"});
+  const std::string script = fmt::format(
+      "mkfifo typed; '{}' -nosplash -i converted.feb -import '{}' <typed >out & febio=$!; exec 3>typed; until grep -q "
+      "'beginning time step 12' out; do kill -0 $febio || exit 98; sleep 0.02; done; kill -INT $febio; echo quit >&3; "
+      "wait $febio",
+      DEA_FEBIO4, DEA_PLUGIN);
+  EXPECT_EQ(run_program(folder_.path, {"/bin/sh", "-c", script}, 300).code, 1);
+  const std::string out = file_text(folder_.path / "out");
+  EXPECT_NE(out.find("febio>"), out.npos) << out.substr(out.size() < 4000 ? 0 : out.size() - 4000);
+  expect_said(out, {});
 }
 
 /// Newton's method may throw a body anywhere: the step is given up, febio4 does not crash.

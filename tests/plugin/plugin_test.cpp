@@ -478,6 +478,28 @@ TEST(Plugin, CtrlCEndsTheTask) {
   }
 }
 
+/// At once: the first one is not waited for. What was begun is taken away. febio4 stands still in between, so that it
+/// cannot have ended before the second one comes.
+TEST(Plugin, ASecondCtrlCEndsFebio) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(DEA_SAMPLES_DIR) / "hip" / "hip_walking.feb", folder.path / "m.feb");
+  write(folder.path / "s.xml",
+        "<febiodea_settings version=\"1\"><refine>4</refine><json>r.json</json></febiodea_settings>");
+  const std::string script = fmt::format(
+      "'{}' -nosplash -i m.feb -import '{}' -task=dea s.xml >out & febio=$!; until grep -q 'state 2 of' out; do kill "
+      "-0 $febio || exit 98; sleep 0.05; done; ls -A >begun; kill -INT $febio; kill -STOP $febio; until grep -q "
+      "'^State:.T' /proc/$febio/status; do sleep 0.01; done; kill -INT $febio; kill -CONT $febio; wait $febio",
+      DEA_FEBIO4, DEA_PLUGIN);
+  const Finished f = run_program(folder.path, {"/bin/sh", "-c", script}, 300);
+  EXPECT_EQ(f.code, 130) << f.out << f.err;
+  EXPECT_NE(f.err.find("\ndea: stopped\n"), std::string::npos) << f.err;
+  EXPECT_EQ(errors_of(file_text(folder.path / "out")), std::vector<std::string>{});
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path)) names.insert(entry.path().filename().string());
+  EXPECT_EQ(names, (std::set<std::string>{"m.feb", "s.xml", "s.log", "out", "begun"}));
+  EXPECT_NE(file_text(folder.path / "begun").find("m_dea"), std::string::npos) << file_text(folder.path / "begun");
+}
+
 TEST(Plugin, PlotFileLogAndTable) {
   const TemporaryFolder folder;
   write(folder.path / "m.feb", model_40(false));

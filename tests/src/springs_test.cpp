@@ -321,6 +321,22 @@ TEST(ResistedMotions, OfPlates) {
   EXPECT_EQ(resisted(plates.beds[0], source, target, one_body), 0);
 }
 
+/// A motion that both bodies can make is one; where one body turns and the other slides, there are two.
+TEST(FreeMotions, OfTwoBodies) {
+  Pose source, target;
+  target.center = {10, 20, 30};
+  std::array<bool, 12> free = {};
+  EXPECT_EQ(free_motions(source, target, free), 0);
+  free[0] = free[6] = true;
+  EXPECT_EQ(free_motions(source, target, free), 1);
+  free[5] = true;
+  EXPECT_EQ(free_motions(source, target, free), 2);
+  free[11] = true;  // turned about another centre, a body slides along y too
+  EXPECT_EQ(free_motions(source, target, free), 3);
+  free.fill(true);
+  EXPECT_EQ(free_motions(source, target, free), 6);
+}
+
 /// The target is the plate above: a force up on it opens, and one up on the layer closes. Held bodies do neither.
 TEST(OpeningPart, OfPlates) {
   const Joint flat = make_joint(test::flat_plates(4, 10, 2, 0.3), test::linear());
