@@ -10,6 +10,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/geometry/surface_mesh.h>
+#include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
 
@@ -183,6 +184,20 @@ void note_ties(const JointModel& model, const Bodies& bodies, const std::vector<
   }
 }
 
+/// Where cartilage is rigid with its bone no node is held, and a contact states the planes instead.
+void note_planes(const JointModel& model, const std::vector<int>& region, Holders& holders) {
+  std::vector<SymmetryPlane> stated;
+  for (const Contact& c : model.contacts)
+    if (c.dea) stated.insert(stated.end(), c.dea->symmetry_planes.begin(), c.dea->symmetry_planes.end());
+  const std::vector<unsigned char> in_stated = nodes_in_planes(model.nodes, stated);
+  for (std::size_t i = 0; i < in_stated.size(); ++i)
+    holders.mirror[i] = static_cast<unsigned char>(holders.mirror[i] | in_stated[i]);
+  std::vector<char> on_bone;
+  for (const auto& bodies : holders.of_node) on_bone.push_back(!bodies.empty());
+  holders.planes = find_symmetry_planes(model, region, holders.mirror, on_bone);
+  holders.in_plane = nodes_in_planes(model.nodes, holders.planes);
+}
+
 }  // namespace
 
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
@@ -196,6 +211,7 @@ Holders find_holders(const JointModel& model, const Bodies& bodies, const std::v
       note_holder(holders, region, static_cast<int>(i), moved[i],
                   fmt::format("nodes moved together by \"{}\"", bodies.bodies[at(moved[i])].name));
   note_ties(model, bodies, region, holders);
+  note_planes(model, region, holders);
   return holders;
 }
 

@@ -21,6 +21,9 @@ struct Holders {
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
   std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all
+  std::vector<SymmetryPlane> planes;  ///< of symmetry, sorted
+  std::vector<unsigned char>
+      in_plane;  ///< per node, held or not: bit k set, in such a plane across axis k; empty: no plane
 };
 
 /// `region`: per node, -1: in no deformable part, else its part. `moved`: per node, body of nodes that are moved

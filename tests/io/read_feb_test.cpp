@@ -1620,10 +1620,17 @@ TEST_F(ReadFeb, FaultsOfAContactOfTypeDea) {
   EXPECT_EQ(contact("flat", "round"), "model.feb:28: facets = \"round\", expected one of curved, flat");
   EXPECT_EQ(contact(">secondary<", ">both<"), "model.feb:28: source = \"both\", expected one of primary, secondary");
   EXPECT_EQ(contact("<refine>2", "<refine>0"), "model.feb:28: refine = 0, need 1 to 1000");
-  EXPECT_EQ(
-      contact("<law>NEO-hookean</law>", "<penalty>1</penalty>"),
-      "model.feb:28: <penalty> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness "
-      "with primary_ or secondary_ before");
+  EXPECT_EQ(contact("<law>NEO-hookean</law>", "<penalty>1</penalty>"),
+            "model.feb:28: <penalty> in a contact of type dea, expected law, facets, source, refine, symmetry_planes, "
+            "or E, nu, "
+            "thickness with primary_ or secondary_ before");
+  for (const char* planes : {"", " ", "x=0", " x = -1.5e1 ,z=2", "y=-0"})
+    EXPECT_EQ(contact("<refine>2", fmt::format("<symmetry_planes>{}</symmetry_planes><refine>2", planes)),
+              "read without a fault");
+  for (const char* planes : {"x", "x=", "=0", "w=0", "x:0", "x=0,", ",x=0", "x=0;y=0", "x=nan", "x=0 y=0", "xy=0"})
+    EXPECT_EQ(contact("<refine>2", fmt::format("<symmetry_planes>{}</symmetry_planes><refine>2", planes)),
+              fmt::format("model.feb:28: symmetry_planes = \"{}\", expected planes across axes, as in \"x=0, y=-12.5\"",
+                          planes));
   EXPECT_EQ(contact("11.85", "0"), "read without a fault");  // FEBio's defaults, written out: not given
   EXPECT_EQ(contact(">0<", ">-1<"), "read without a fault");
   EXPECT_EQ(contact("11.85", "-1"), "model.feb:29: primary_E = -1, need E > 0");
