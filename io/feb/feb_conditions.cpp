@@ -245,7 +245,7 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   contact.secondary = secondary;
   const febio::Component component = component_of(reading, element);
   febio::check_words(reading, febio::Place::Contact, component);
-  contact.max_distance = febio::number_of(reading, component, "max_distance", 0.0);
+  contact.max_distance = febio::tie_reach(reading, component);
   contact.ignored = febio::ignored_contact_parameters(component);
   if (contact.type == "dea") contact.dea = read_dea(reading, element);
   contact.step = reading.step;

@@ -54,6 +54,8 @@ struct ContactParameter {
   double usual;
 };
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type);
+/// Ties whose search_radius is a length that gaps must be shorter than (FENormalProjection::Project2).
+bool ties_by_search_radius(const std::string& type);
 
 /// FEBio's words, in the order of LoadController::Interpolate and Extend; FEBio also takes the place in this order.
 inline constexpr std::array<const char*, 8> kInterpolateWords = {

@@ -16,6 +16,8 @@ namespace dea {
 
 namespace {
 
+constexpr const char* kReachOfTies = "search_radius, or max_distance";
+
 /// Notes that a body holds a node of a deformable part.
 void note_holder(Holders& holders, const std::vector<int>& region, int node, int body, const std::string& how) {
   if (region[at(node)] < 0) return;
@@ -141,20 +143,36 @@ struct TiedNode {
   int node, soft;  // soft: that part, -1: none
 };
 
+/// Each once.
+std::vector<int> nodes_of(const Surface& surface) {
+  std::vector<int> nodes = surface.nodes;
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
 std::vector<TiedNode> tied_nodes(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
-                                 const Holders& holders, const std::vector<Tie>& ties) {
+                                 Holders& holders, const std::vector<Tie>& ties) {
   std::vector<TiedNode> tied;
   for (const Tie& tie : ties) {
     const SurfaceMesh mesh = make_surface_mesh(tie.to->begin, tie.to->nodes, model.nodes);
     if (mesh.size() == 0) continue;
     const RayCaster caster(mesh);
-    for (int node : tie.surface->nodes) {
+    FarTie far;
+    for (int node : nodes_of(*tie.surface)) {
       const Vector3d& x = model.nodes[at(node)];
       const SurfacePoint closest = caster.closest(x);
       if (!lies_over(mesh, closest, x)) continue;
-      if (tie.contact->max_distance > 0 && (position(mesh, closest) - x).norm() > tie.contact->max_distance) continue;
+      const double away = (position(mesh, closest) - x).norm();
+      ++far.of;
+      if (tie.contact->max_distance > 0 && away > tie.contact->max_distance) {
+        far.nearest = far.nodes == 0 ? away : std::min(far.nearest, away);
+        ++far.nodes;
+        continue;
+      }
       tied.push_back({&tie, node, soft_end(holders, bodies, region, mesh, closest.triangle)});
     }
+    if (far.nodes > 0) holders.far_ties[static_cast<int>(tie.contact - model.contacts.data())] = far;
   }
   return tied;
 }
@@ -199,6 +217,15 @@ void note_planes(const JointModel& model, const std::vector<int>& region, Holder
 }
 
 }  // namespace
+
+std::string in_words(const JointModel& model, int contact, const FarTie& far) {
+  const Contact& c = model.contacts[at(contact)];
+  return fmt::format(
+      "tied contact \"{}\": {} of {} nodes lie {:.4g} or more from the surface they would be tied to, and it reaches "
+      "{:g} "
+      "({}): they are not tied, in FEBio neither",
+      c.name, far.nodes, far.of, far.nearest, c.max_distance, kReachOfTies);
+}
 
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
                      const std::vector<int>& moved) {

@@ -701,6 +701,22 @@ TEST_F(ReadFeb, ContactsSlideOrTie) {
   }
 }
 
+// FEBio 4.11, FENormalProjection::Project2: of three types the search radius is the gap that is too wide to be tied.
+TEST_F(ReadFeb, TiesReachAsFarAsFebios) {
+  const auto contact = [&](const char* type, const std::string& parameters) {
+    return read(replaced(model_with("sliding-elastic", type), "<search_radius>1</search_radius>", parameters))
+        .contacts.at(0);
+  };
+  for (const char* type : {"tied-elastic", "tied-biphasic", "tied-multiphasic"}) {
+    EXPECT_EQ(contact(type, "").max_distance, 1.0) << type;
+    const Contact given = contact(type, "<search_radius>0.25</search_radius>");
+    EXPECT_EQ(given.max_distance, 0.25) << type;
+    EXPECT_EQ(given.ignored, (std::vector<std::string>{"fric_coeff = 0.2"})) << type;
+  }
+  for (const char* type : {"tied-node-on-facet", "tied-facet-on-facet"})
+    EXPECT_EQ(contact(type, "").max_distance, 0.0) << type;
+}
+
 TEST_F(ReadFeb, SearchRadiusIsListedAwayFromTheDefaultOfItsType) {
   const JointModel elastic = read(model_with("<search_radius>1<", "<search_radius>0.5<"));
   EXPECT_EQ(elastic.contacts[0].ignored, (std::vector<std::string>{"fric_coeff = 0.2", "search_radius = 0.5"}));

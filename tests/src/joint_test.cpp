@@ -6,6 +6,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <set>
 
 #include <febiodea/base/error.h>
 #include <febiodea/results/percentile.h>
@@ -224,6 +225,31 @@ TEST(Recognition, NodesBeyondTheSurfaceTheyAreTiedToAreNotHeld) {
   const Layer layer = make_joint(model, {}).contacts[0].layers[0];
   for (int t = 0; t < layer.bone.size(); ++t) EXPECT_LT(layer.bone.centroid(t).x(), 0.0);
   EXPECT_GT(layer.missed_count(), 0);
+}
+
+// Plates 1.5 below the layer: tied from a reach of 1.5 on, else told, and why nothing holds the layer.
+TEST(Recognition, TiesHaveTheirReach) {
+  const auto model = [](double reach) {
+    JointModel m = floating_layer(2.0);
+    for (const Domain& d : m.domains)
+      if (m.materials[static_cast<std::size_t>(d.material)].name == "left" ||
+          m.materials[static_cast<std::size_t>(d.material)].name == "right")
+        for (const int node : std::set<int>(d.nodes.begin(), d.nodes.end()))
+          m.nodes[static_cast<std::size_t>(node)].z() -= 1.5;
+    tie(m, 1, 2);
+    m.contacts.back().max_distance = reach;
+    return m;
+  };
+  const auto told = [](const JointModel& m) {
+    for (const Sentence& finding : make_joint(m, {}).findings)
+      if (finding.text.find("they are not tied, in FEBio neither") != std::string::npos) return true;
+    return false;
+  };
+  for (const double reach : {0.0, 1.51, 3.0}) EXPECT_FALSE(told(model(reach))) << reach;
+  const std::string why = refusal(model(1.49));
+  EXPECT_NE(why.find("tied contact \"tie\": "), std::string::npos) << why;
+  EXPECT_NE(why.find("lie 1.5 or more from the surface they would be tied to, and it reaches 1.49"), std::string::npos)
+      << why;
 }
 
 TEST(Recognition, AThicknessForAllIsToldWhereItLiesOnABareSurface) {
