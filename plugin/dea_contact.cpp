@@ -24,6 +24,7 @@
 #include <febiodea/base/parse.h>
 #include <febiodea/base/time_text.h>
 #include <febiodea/io/febio/febio_rules.h>
+#include <febiodea/io/febio/symmetry_words.h>
 #include <febiodea/plugin/contact_in_file.h>
 #include <febiodea/plugin/febio_log.h>
 #include <febiodea/plugin/febio_wording.h>
@@ -112,6 +113,7 @@ ADD_PARAMETER(law_, "law")->setEnums("linear\0logarithmic\0neo-Hookean\0layer\0"
 ADD_PARAMETER(facets_, "facets")->setEnums("curved\0flat\0");
 ADD_PARAMETER(source_, "source")->setEnums("primary\0secondary\0");
 ADD_PARAMETER(refine_, "refine");
+ADD_PARAMETER(symmetry_planes_, "symmetry_planes");
 ADD_PARAMETER(E_[0], "primary_E")->setUnits(UNIT_PRESSURE);
 ADD_PARAMETER(nu_[0], "primary_nu");
 ADD_PARAMETER(thickness_[0], "primary_thickness")->setUnits(UNIT_LENGTH);
@@ -196,6 +198,11 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
   dea.facets = static_cast<dea::Facets>(facets_);
   dea.refine = refine_;
   dea.source = source_;
+  const auto planes = dea::febio::planes_of_text(symmetry_planes_);
+  if (!planes)
+    throw refuse_parameter("symmetry_planes", fmt::format(": found \"{}\", {}", dea::trimmed(symmetry_planes_),
+                                                          dea::febio::kPlanesExpected));
+  dea.symmetry_planes = *planes;
   FEParameterList& parameters = self.GetParameterList();
   FEParamIterator parameter = parameters.first();
   for (int i = 0; i < parameters.Parameters(); ++i, ++parameter)

@@ -91,6 +91,7 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
   double E_[2] = {0, 0}, nu_[2] = {0, 0};
   std::string
       thickness_[2];  // a number, the name of a map, or nothing: a missing map is ours to tell, FEBio tells none
+  std::string symmetry_planes_;
   std::unique_ptr<Bed> bed_;
   struct Attempt {  // of FEBio's to find the next state
     bool symmetric = false;

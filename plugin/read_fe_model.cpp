@@ -480,7 +480,7 @@ void read_contacts(Reading& reading) {
     if (contact.name.empty()) contact.name = fmt::format("contact {}", reading.model.contacts.size() + 1);
     contact.kind = *kind;
     const febio::Component component = component_of(reading, fe, "contact");
-    contact.max_distance = febio::number_of(reading, component, "max_distance", 0.0);
+    contact.max_distance = febio::tie_reach(reading, component);
     contact.ignored = febio::ignored_contact_parameters(component);
     if (auto* own = dynamic_cast<StatesContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
     contact.step = steps_of(reading, fe).front();  // a contact is of one step, or of all

@@ -1,6 +1,7 @@
 #include <febiodea/io/convert/conversion_plan.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -12,6 +13,7 @@
 #include <febiodea/base/say.h>
 #include <febiodea/equilibrium/load_case.h>
 #include <febiodea/joint/bodies.h>
+#include <febiodea/joint/symmetry_planes.h>
 #include <febiodea/run/analysis.h>
 
 namespace dea {
@@ -58,12 +60,6 @@ void choose_contacts(const JointModel& model, const Settings& settings, Conversi
   for (const ContactPair& pair : plan.joint.contacts) {
     const Contact& c = model.contacts[at(pair.contact)];
     if (c.dea) continue;
-    for (const Layer& layer : pair.layers)
-      if (pair.law == Law::Layer && std::count(layer.mirror.begin(), layer.mirror.end(), 0) < std::ssize(layer.mirror))
-        throw UsageError(
-            Fault{.found = "the model has planes of symmetry, which end where its cartilage becomes rigid, and a "
-                           "contact of type dea with law layer would take the rim there for a free edge;",
-                  .expected = say("convert with {}, or a model without such planes", kLinear)});
     plan.converted[at(pair.contact)] = 1;
     any = true;
   }
@@ -397,9 +393,11 @@ void convert_contacts(const JointModel& model, ConversionPlan& plan) {
   for (const ContactPair& pair : plan.joint.contacts) {
     if (!plan.converted[at(pair.contact)]) continue;
     Contact& c = plan.target.contacts[at(pair.contact)];
-    plan.changes.push_back(fmt::format("contact \"{}\": type {} becomes dea, law {}, facets {}, source {}, refine {}",
+    const std::vector<SymmetryPlane>& planes = plan.joint.symmetry_planes;
+    plan.changes.push_back(fmt::format("contact \"{}\": type {} becomes dea, law {}, facets {}, source {}, refine {}{}",
                                        c.name, c.type, name(pair.law), name(pair.facets),
-                                       pair.source == 0 ? "primary" : "secondary", pair.refine));
+                                       pair.source == 0 ? "primary" : "secondary", pair.refine,
+                                       planes.empty() ? "" : ", planes of symmetry " + in_words(planes)));
     c.type = "dea";
     c.ignored.clear();
     DeaContact dea;
@@ -407,6 +405,7 @@ void convert_contacts(const JointModel& model, ConversionPlan& plan) {
     dea.facets = pair.facets;
     dea.refine = pair.refine;
     dea.source = pair.source;
+    dea.symmetry_planes = planes;
     for (std::size_t side = 0; side < 2; ++side) {
       const Layer& layer = pair.layers[side];
       const char* which = side == 0 ? "primary" : "secondary";
@@ -450,6 +449,17 @@ bool same_face(const Layer& a, const Layer& b, Law law) {
          std::equal(a.face.edges.begin(), a.face.edges.end(), b.face.edges.begin(), b.face.edges.end(), same_edge);
 }
 
+/// Is the rim between the mirror images' planes and the rest the same? With law layer only.
+bool same_walls(const Layer& a, const Layer& b, Law law) {
+  const auto walls = [](const Layer& layer) {
+    std::vector<std::array<int, 2>> found;
+    for (const LayerFace::Edge& e : layer.face.edges)
+      if (e.rim == Rim::Wall) found.push_back({e.triangle, e.edge});
+    return found;
+  };
+  return law != Law::Layer || a.face.mesh.triangles != b.face.mesh.triangles || walls(a) == walls(b);
+}
+
 /// What is left out of a surface and what is beyond its rim is read from the elements and their bone. Where these can
 /// no longer be told apart the converted model would have other pressures.
 void check_faces(const JointModel& model, const Settings& settings, ConversionPlan& plan) {
@@ -473,6 +483,13 @@ void check_faces(const JointModel& model, const Settings& settings, ConversionPl
       const Layer& layer = pair.layers[side];
       if (layer.rigid || same_face(layer, same->layers[side], pair.law)) continue;
       const Surface& surface = model.surfaces[at(layer.surface)];
+      if (!same_walls(layer, same->layers[side], pair.law))
+        throw fault_at(
+            model, surface.origin,
+            say("surface \"{}\": its cartilage is held across a plane in part only, and a contact of type dea "
+                "knows whole planes of symmetry:",
+                surface.name),
+            say("hold all its nodes in the plane, or none, or convert with {}", kLinear));
       const auto left_out = static_cast<std::ptrdiff_t>(layer.facet_kinds.size()) -
                             std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open);
       if (left_out > 0)

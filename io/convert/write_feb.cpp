@@ -13,6 +13,7 @@
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/feb/feb_xml.h>
+#include <febiodea/io/febio/symmetry_words.h>
 #include <febiodea/io/files/encoded_text.h>
 
 namespace dea {
@@ -39,6 +40,8 @@ XmlLines dea_contact_lines(const ConversionPlan& plan, const Contact& contact) {
                     {0, leaf("facets", name(*dea.facets))},
                     {0, leaf("source", dea.source == 0 ? "primary" : "secondary")},
                     {0, leaf("refine", std::to_string(*dea.refine))}};
+  if (!dea.symmetry_planes.empty())
+    lines.push_back({0, leaf("symmetry_planes", febio::text_of_planes(dea.symmetry_planes))});
   for (std::size_t side = 0; side < 2; ++side) {
     const DeaLayer& layer = dea.layers[side];
     const std::string prefix = side == 0 ? "primary_" : "secondary_";

@@ -8,6 +8,7 @@
 
 #include <febiodea/io/feb/feb_reading.h>
 #include <febiodea/io/febio/known_words.h>
+#include <febiodea/io/febio/symmetry_words.h>
 #include <febiodea/model/load_curve.h>
 
 namespace dea::feb {
@@ -205,9 +206,16 @@ DeaContact read_dea(Reading& reading, const XMLElement& element) {
       const int refine = read_int(reading, child);
       if (refine < 1 || refine > 1000) fail(reading, child, fmt::format("refine = {}, need 1 to 1000", refine));
       dea.refine = refine;
+    } else if (tag == "symmetry_planes") {
+      const auto planes = febio::planes_of_text(text_of(child));
+      if (!planes)
+        fail(reading, child,
+             fmt::format("symmetry_planes = {}, {}", quote(trim(text_of(child))), febio::kPlanesExpected));
+      dea.symmetry_planes = *planes;
     } else if (!read_dea_layer(reading, child, dea)) {
       fail(reading, child,
-           fmt::format("<{}> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness with "
+           fmt::format("<{}> in a contact of type dea, expected law, facets, source, refine, symmetry_planes, or E, "
+                       "nu, thickness with "
                        "primary_ or secondary_ before",
                        tag));
     }
@@ -237,7 +245,7 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   contact.secondary = secondary;
   const febio::Component component = component_of(reading, element);
   febio::check_words(reading, febio::Place::Contact, component);
-  contact.max_distance = febio::number_of(reading, component, "max_distance", 0.0);
+  contact.max_distance = febio::tie_reach(reading, component);
   contact.ignored = febio::ignored_contact_parameters(component);
   if (contact.type == "dea") contact.dea = read_dea(reading, element);
   contact.step = reading.step;

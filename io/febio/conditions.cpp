@@ -411,6 +411,13 @@ void initial_condition(Draft& draft, const Component& component) {
     ignore(draft, component.origin, "initial conditions");
 }
 
+double tie_reach(const Draft& draft, const Component& component) {
+  const double most = number_of(draft, component, "max_distance", 0.0);
+  if (!ties_by_search_radius(component.type)) return most;
+  const double radius = number_of(draft, component, "search_radius", 1.0);
+  return most > 0 ? std::min(most, radius) : radius;
+}
+
 std::vector<std::string> ignored_contact_parameters(const Component& component) {
   std::vector<std::string> ignored;
   for (const ContactParameter& parameter : unused_contact_parameters(component.type)) {

@@ -263,22 +263,27 @@ Sentence load_advice(const std::string& tag, const std::string& type) {
              : "DEA takes loads on rigid bodies and on their nodes: give it as one of these, or take it out";
 }
 
+bool ties_by_search_radius(const std::string& type) {
+  return one_of(type, Names{"tied-elastic", "tied-biphasic", "tied-multiphasic"});
+}
+
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type) {
   const bool unlimited = one_of(type, Names{"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
                                             "sliding_with_gaps", "sliding"});
-  return {{"fric_coeff", 0},
-          {"mu", 0},
-          {"tension", 0},
-          {"offset", 0},
-          {"search_radius", unlimited ? 0.0 : 1.0},
-          {"node_reloc", 0},
-          {"flip_primary", 0},
-          {"flip_secondary", 0},
-          {"shell_bottom_primary", 0},
-          {"shell_bottom_secondary", 0},
-          {"offset_shells", 0},
-          {"contact_frac", 0},
-          {"max_traction", 0}};
+  std::vector<ContactParameter> unused = {{"fric_coeff", 0},
+                                          {"mu", 0},
+                                          {"tension", 0},
+                                          {"offset", 0},
+                                          {"node_reloc", 0},
+                                          {"flip_primary", 0},
+                                          {"flip_secondary", 0},
+                                          {"shell_bottom_primary", 0},
+                                          {"shell_bottom_secondary", 0},
+                                          {"offset_shells", 0},
+                                          {"contact_frac", 0},
+                                          {"max_traction", 0}};
+  if (!ties_by_search_radius(type)) unused.insert(unused.begin() + 4, {"search_radius", unlimited ? 0.0 : 1.0});
+  return unused;
 }
 
 void check_times(LoadController& curve) {

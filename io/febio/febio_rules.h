@@ -54,6 +54,8 @@ struct ContactParameter {
   double usual;
 };
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type);
+/// Ties whose search_radius is a length that gaps must be shorter than (FENormalProjection::Project2).
+bool ties_by_search_radius(const std::string& type);
 
 /// What stands in <primary_thickness> or <secondary_thickness> of a contact of type dea. `type`: the attribute. Without
 /// one it is a number where it can be read as one, or seems to be meant as one (1,8), and else the name of a map.

@@ -86,6 +86,8 @@ void other_load(Draft& draft, const Component& component);
 /// True if the numbers of a load are all zero.
 bool is_zero_load(const Component& component);
 void initial_condition(Draft& draft, const Component& component);
+/// How far a tie reaches: facets farther apart are not tied. 0: any distance.
+double tie_reach(const Draft& draft, const Component& component);
 /// Parameters of a contact that could change the result and that DEA does not use, away from their defaults:
 /// "fric_coeff = 0.2".
 std::vector<std::string> ignored_contact_parameters(const Component& component);

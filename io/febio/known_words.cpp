@@ -105,11 +105,12 @@ constexpr Row kRows[] = {
     {Place::Load, "nodal_load,nodal_force,<nodal_load>", "dof,scale,value,relative,shell_bottom"},
 
     {Place::Contact,
-     "sliding-elastic,sliding-facet-on-facet,sliding-node-on-facet,sliding-biphasic,tied-elastic,tied-node-on-facet,"
+     "sliding-elastic,sliding-facet-on-facet,sliding-node-on-facet,sliding-biphasic,tied-node-on-facet,"
      "tied-facet-on-facet,sticky,sliding-biphasic-mixed,sliding-biphasic-solute,sliding-multiphasic,sliding2,sliding3,"
-     "mortar-sliding,sliding-tension-compression,facet-to-facet sliding,sliding_with_gaps,sliding,tied-biphasic,"
-     "tied-multiphasic,tied,facet-to-facet tied,mortar-tied",
+     "mortar-sliding,sliding-tension-compression,facet-to-facet sliding,sliding_with_gaps,sliding,tied,"
+     "facet-to-facet tied,mortar-tied",
      "max_distance", kContact},
+    {Place::Contact, "tied-elastic,tied-biphasic,tied-multiphasic", "max_distance,search_radius", kContact},
 
     {Place::Spring, "linear spring,tension-only linear spring", "E", "mat_axis"},
     {Place::Spring, "nonlinear spring", "force,measure,scale", "mat_axis"},

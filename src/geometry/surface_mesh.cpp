@@ -43,11 +43,28 @@ void find_neighbours(SurfaceMesh& mesh) {
   }
 }
 
+/// Axis of the plane of symmetry behind which the surface goes on at an edge of the rim, as the triangle's mirror
+/// image; -1: none.
+int image_axis(const SurfaceMesh& mesh, int t, int k) {
+  constexpr double kAlong = 0.95;  // such a surface lies in the plane, it does not run into it
+  if (mesh.planes.empty() || mesh.neighbours[at(t)][at(k)] >= 0) return -1;
+  const auto& corner = mesh.triangles[at(t)];
+  const unsigned planes = mesh.planes[at(corner[at(k)])] & mesh.planes[at(corner[at((k + 1) % 3)])];
+  for (int axis = 0; axis < 3; ++axis)
+    if ((planes >> axis & 1) != 0 && std::abs(mesh.normals[at(t)][axis]) < kAlong) return axis;
+  return -1;
+}
+
 /// How much the surface turns at an edge of a triangle, in radians. Nothing: there is no neighbour.
 std::optional<double> turn_at(const SurfaceMesh& mesh, int t, int k) {
   const int other = mesh.neighbours[at(t)][at(k)];
-  if (other < 0) return std::nullopt;
-  const Vector3d &n = mesh.normals[at(t)], &m = mesh.normals[at(other)];
+  const Vector3d& n = mesh.normals[at(t)];
+  if (other < 0) {
+    const int axis = image_axis(mesh, t, k);
+    if (axis < 0) return std::nullopt;
+    return 2 * std::asin(std::abs(n[axis]));
+  }
+  const Vector3d& m = mesh.normals[at(other)];
   return std::atan2(n.cross(m).norm(), n.dot(m));
 }
 
@@ -82,14 +99,16 @@ std::vector<std::array<char, 3>> find_creases(const SurfaceMesh& mesh) {
   for (int t = 0; t < mesh.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const int other = mesh.neighbours[at(t)][at(k)];
-      if (other < 0) continue;
-      const double turn = *turn_at(mesh, t, k);
+      const double turn = turn_at(mesh, t, k).value_or(0.0);
       if (turn <= kNever) continue;
       bool sharp = turn > kAlways;
       if (!sharp) {
-        const auto back = std::find(mesh.neighbours[at(other)].begin(), mesh.neighbours[at(other)].end(), t);
-        const auto here = next_turn(mesh, t, k),
-                   there = next_turn(mesh, other, static_cast<int>(back - mesh.neighbours[at(other)].begin()));
+        const auto here = next_turn(mesh, t, k);
+        auto there = here;  // of an image
+        if (other >= 0) {
+          const auto back = std::find(mesh.neighbours[at(other)].begin(), mesh.neighbours[at(other)].end(), t);
+          there = next_turn(mesh, other, static_cast<int>(back - mesh.neighbours[at(other)].begin()));
+        }
         sharp = turn > kTimes * std::max(here.value_or(0.0), there.value_or(0.0)) && (here || there);
       }
       crease[at(t)][at(k)] = sharp;
@@ -122,6 +141,7 @@ std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
     for (std::size_t first = 0; first < corners.size(); ++first) {
       if (group[first] >= 0) continue;
       CornerNormal sum;
+      std::array<bool, 3> mirrored = {false, false, false};  // images behind planes across these axes
       std::vector<std::size_t> members = {first};
       group[first] = static_cast<int>(first);
       for (std::size_t m = 0; m < members.size(); ++m) {
@@ -131,8 +151,13 @@ std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
         sum.normal += a.cross(b) / (a.squaredNorm() * b.squaredNorm());
         for (const int edge : {k, (k + 2) % 3}) {
           const int next = mesh.neighbours[at(t)][at(edge)];
-          if (next < 0 || crease[at(t)][at(edge)]) {
+          const int axis = image_axis(mesh, t, edge);
+          if ((next < 0 && axis < 0) || crease[at(t)][at(edge)]) {
             sum.one_sided = true;
+            continue;
+          }
+          if (axis >= 0) {
+            mirrored[at(axis)] = true;
             continue;
           }
           const std::size_t i = place(next);
@@ -141,6 +166,8 @@ std::vector<std::array<CornerNormal, 3>> corner_normals(const SurfaceMesh& mesh,
           members.push_back(i);
         }
       }
+      for (int axis = 0; axis < 3; ++axis)
+        if (mirrored[at(axis)]) sum.normal[axis] = 0.0;  // the image's takes it away
       sum.normal.normalize();
       for (const std::size_t m : members) normals[at(corners[m][0])][at(corners[m][1])] = sum;
     }
@@ -194,18 +221,26 @@ void finish_surface_mesh(SurfaceMesh& mesh) {
       mesh.vertex_areas[static_cast<std::size_t>(v)] += mesh.areas[i] / 3.0;
     }
   }
+  find_neighbours(mesh);
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int axis = image_axis(mesh, t, k);
+      if (axis < 0) continue;
+      for (const int end : {k, (k + 1) % 3})  // the image's normals take it away
+        mesh.vertex_normals[at(mesh.triangles[at(t)][at(end)])][axis] = 0.0;
+    }
   for (Vector3d& normal : mesh.vertex_normals) {
     const double length = normal.norm();
     normal = length > 0 ? Vector3d(normal / length) : Vector3d::UnitZ();
   }
-  find_neighbours(mesh);
   find_bulges(mesh);
 }
 
 }  // namespace
 
 SurfaceMesh make_surface_mesh(const std::vector<int>& begin, const std::vector<int>& nodes,
-                              const std::vector<Vector3d>& positions, std::vector<int>* zero_area) {
+                              const std::vector<Vector3d>& positions, std::vector<int>* zero_area,
+                              const std::vector<unsigned char>& node_planes) {
   SurfaceMesh mesh;
   mesh.facets = static_cast<int>(begin.size()) - 1;
   std::unordered_map<int, int> vertex_of;
@@ -214,6 +249,7 @@ SurfaceMesh make_surface_mesh(const std::vector<int>& begin, const std::vector<i
     if (found.second) {
       mesh.model_nodes.push_back(node);
       mesh.vertices.push_back(positions[static_cast<std::size_t>(node)]);
+      if (!node_planes.empty()) mesh.planes.push_back(node_planes[static_cast<std::size_t>(node)]);
     }
     return found.first->second;
   };
@@ -242,13 +278,14 @@ double bulge_height(const SurfaceMesh& mesh, int t, const std::array<double, 3>&
   return w[0] * w[1] * b[0] + w[1] * w[2] * b[1] + w[2] * w[0] * b[2];
 }
 
-SurfaceMesh turned_round(const SurfaceMesh& mesh, const std::vector<Vector3d>& positions) {
+SurfaceMesh turned_round(const SurfaceMesh& mesh, const std::vector<Vector3d>& positions,
+                         const std::vector<unsigned char>& node_planes) {
   std::vector<int> begin = {0}, nodes;
   for (const auto& tri : mesh.triangles) {
     for (int v : {tri[0], tri[2], tri[1]}) nodes.push_back(mesh.model_nodes[at(v)]);
     begin.push_back(static_cast<int>(nodes.size()));
   }
-  return make_surface_mesh(begin, nodes, positions);
+  return make_surface_mesh(begin, nodes, positions, nullptr, node_planes);
 }
 
 SurfaceMesh with_turned(SurfaceMesh mesh, const std::vector<char>& which) {
@@ -313,9 +350,11 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
   out.model_nodes = mesh.model_nodes;
   out.vertices = mesh.vertices;
   out.facets = mesh.facets;
+  out.planes = mesh.planes;
   std::map<std::array<int, 2>, int> first_on_edge;  // the n - 1 points from the lower to the higher vertex
-  const auto add = [&](const Vector3d& x) {
+  const auto add = [&](const Vector3d& x, unsigned char planes) {
     out.vertices.push_back(x);
+    if (!mesh.planes.empty()) out.planes.push_back(planes);
     out.model_nodes.push_back(-1);
     return static_cast<int>(out.vertices.size()) - 1;
   };
@@ -329,7 +368,9 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
       if (found.second) {
         const Vector3d x = mesh.vertices[static_cast<std::size_t>(low)],
                        along = mesh.vertices[static_cast<std::size_t>(high)] - x;
-        for (int k = 1; k < n; ++k) add(x + static_cast<double>(k) / n * along);
+        const unsigned char planes =
+            mesh.planes.empty() ? 0 : static_cast<unsigned char>(mesh.planes[at(a)] & mesh.planes[at(b)]);
+        for (int k = 1; k < n; ++k) add(x + static_cast<double>(k) / n * along, planes);
       }
       return found.first->second + (a < b ? step : n - step) - 1;
     };
@@ -350,7 +391,7 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
           v = on_edge(1, 2, j);
         else {
           const Barycentric w = grid_point(n, i, j);
-          v = add(w[0] * mesh.corner(t, 0) + w[1] * mesh.corner(t, 1) + w[2] * mesh.corner(t, 2));
+          v = add(w[0] * mesh.corner(t, 0) + w[1] * mesh.corner(t, 1) + w[2] * mesh.corner(t, 2), 0);
         }
       }
     for (const auto& part : parts) {

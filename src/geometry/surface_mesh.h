@@ -15,6 +15,8 @@ struct SurfaceMesh {
   std::vector<std::array<int, 3>> triangles;  ///< per triangle: vertex numbers, counter-clockwise seen from outside
   std::vector<int> facet;                     ///< per triangle: facet of the surface it was cut from
   int facets = 0;                             ///< number of facets
+  std::vector<unsigned char>
+      planes;  ///< per vertex: bit k set, in a plane of symmetry across axis k; empty: there is none
 
   // derived by finish_surface_mesh
   std::vector<Vector3d> normals;               ///< per triangle, unit
@@ -34,12 +36,17 @@ struct SurfaceMesh {
 
 /// Cuts the facets (node lists into `positions`, see split_facet) into triangles and derives everything else.
 /// A facet of no area is left without triangles, its number is returned in `zero_area` (if given). So is a facet of no
-/// nodes, without a word.
+/// nodes, without a word. `node_planes`: per position, bit k set: it lies in a plane of symmetry across axis k. An edge
+/// of the rim with both ends in such a plane has the surface's mirror image beyond it: normals of vertices and bulges
+/// are those of the whole surface. Empty: there is no such plane.
 SurfaceMesh make_surface_mesh(const std::vector<int>& facet_begin, const std::vector<int>& facet_nodes,
-                              const std::vector<Vector3d>& positions, std::vector<int>* zero_area = nullptr);
+                              const std::vector<Vector3d>& positions, std::vector<int>* zero_area = nullptr,
+                              const std::vector<unsigned char>& node_planes = {});
 
-/// The triangles with their normals turned, each as a facet of its own. `positions`: of the model's nodes.
-SurfaceMesh turned_round(const SurfaceMesh& mesh, const std::vector<Vector3d>& positions);
+/// The triangles with their normals turned, each as a facet of its own. `positions`, `node_planes`: of the model's
+/// nodes.
+SurfaceMesh turned_round(const SurfaceMesh& mesh, const std::vector<Vector3d>& positions,
+                         const std::vector<unsigned char>& node_planes = {});
 
 /// The same vertices and triangles, some turned over. `which`: per triangle.
 SurfaceMesh with_turned(SurfaceMesh mesh, const std::vector<char>& which);

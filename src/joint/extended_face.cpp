@@ -128,11 +128,12 @@ LayerBoundary rigid_boundary(const ModelParts& parts, const CarriedSurface& carr
   }
   LayerBoundary boundary = find_layer_boundary(model, elements, std::move(held));
   open_feather_facets(model, carried.facets, boundary);
-  const SurfaceMesh bone = bonded_surface(model, boundary);
+  const std::vector<unsigned char>& planes = parts.holders.in_plane;
+  const SurfaceMesh bone = bonded_surface(model, boundary, planes);
   if (bone.size() == 0) return {};
   find_side_walls(model, bone, boundary);
   const FacetList kept = kept_facets(carried.facets, kinds_of(boundary, carried.facets));
-  const SurfaceMesh articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes);
+  const SurfaceMesh articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes, nullptr, planes);
   if (articular.size() == 0) return {};
   const std::vector<double> said = mapped_thickness(model.surfaces[at(layer.surface)], map, articular);
   return as_thick_as(said, articular, bone) ? boundary : LayerBoundary{};
@@ -156,15 +157,17 @@ FacetList pressed_elsewhere(const ContactSide& in, int body) {
 void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurface& carried,
                      const LayerBoundary& boundary, const FacetList& elsewhere, Layer& layer) {
   const JointModel& model = parts.model;
+  const std::vector<unsigned char>& planes = parts.holders.in_plane;
   const NodeThickness* said = node_thickness(parts.settings, model.surfaces[at(layer.surface)].name);
   double deepest = layer.max_thickness();
   if (layer.material < 0 &&
       said == nullptr) {  // rigid_boundary: as far as before the conversion, though the map knows the rim better
-    const std::vector<double> measured = measure_thickness(layer.articular, bonded_surface(model, boundary)).thickness;
+    const std::vector<double> measured =
+        measure_thickness(layer.articular, bonded_surface(model, boundary, planes)).thickness;
     deepest = layer.thickness_scale * *std::max_element(measured.begin(), measured.end());
   }
   layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular,
-                         kFaceReach * deepest, parts.holders.mirror, elsewhere);
+                         kFaceReach * deepest, parts.holders.mirror, planes, elsewhere);
   const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
   SurfaceMesh& mesh = layer.face.mesh;
   if (mesh.triangles.size() == triangles) {
@@ -177,7 +180,7 @@ void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurfac
   // are as thick as it says
   if (said == nullptr && (!layer.thickness_given || layer.material < 0)) {
     const MeasuredThickness measured =
-        measure_thickness(mesh, layer.thickness_given ? bonded_surface(model, boundary) : layer.bone);
+        measure_thickness(mesh, layer.thickness_given ? bonded_surface(model, boundary, planes) : layer.bone);
     for (std::size_t v = vertices; v < mesh.vertices.size(); ++v)
       layer.face.thickness.push_back(layer.thickness_scale * measured.thickness[v]);
     return;

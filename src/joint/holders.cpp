@@ -10,10 +10,13 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/geometry/surface_mesh.h>
+#include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
 
 namespace {
+
+constexpr const char* kReachOfTies = "search_radius, or max_distance";
 
 /// Notes that a body holds a node of a deformable part.
 void note_holder(Holders& holders, const std::vector<int>& region, int node, int body, const std::string& how) {
@@ -140,20 +143,36 @@ struct TiedNode {
   int node, soft;  // soft: that part, -1: none
 };
 
+/// Each once.
+std::vector<int> nodes_of(const Surface& surface) {
+  std::vector<int> nodes = surface.nodes;
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
 std::vector<TiedNode> tied_nodes(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
-                                 const Holders& holders, const std::vector<Tie>& ties) {
+                                 Holders& holders, const std::vector<Tie>& ties) {
   std::vector<TiedNode> tied;
   for (const Tie& tie : ties) {
     const SurfaceMesh mesh = make_surface_mesh(tie.to->begin, tie.to->nodes, model.nodes);
     if (mesh.size() == 0) continue;
     const RayCaster caster(mesh);
-    for (int node : tie.surface->nodes) {
+    FarTie far;
+    for (int node : nodes_of(*tie.surface)) {
       const Vector3d& x = model.nodes[at(node)];
       const SurfacePoint closest = caster.closest(x);
       if (!lies_over(mesh, closest, x)) continue;
-      if (tie.contact->max_distance > 0 && (position(mesh, closest) - x).norm() > tie.contact->max_distance) continue;
+      const double away = (position(mesh, closest) - x).norm();
+      ++far.of;
+      if (tie.contact->max_distance > 0 && away > tie.contact->max_distance) {
+        far.nearest = far.nodes == 0 ? away : std::min(far.nearest, away);
+        ++far.nodes;
+        continue;
+      }
       tied.push_back({&tie, node, soft_end(holders, bodies, region, mesh, closest.triangle)});
     }
+    if (far.nodes > 0) holders.far_ties[static_cast<int>(tie.contact - model.contacts.data())] = far;
   }
   return tied;
 }
@@ -183,7 +202,30 @@ void note_ties(const JointModel& model, const Bodies& bodies, const std::vector<
   }
 }
 
+/// Where cartilage is rigid with its bone no node is held, and a contact states the planes instead.
+void note_planes(const JointModel& model, const std::vector<int>& region, Holders& holders) {
+  std::vector<SymmetryPlane> stated;
+  for (const Contact& c : model.contacts)
+    if (c.dea) stated.insert(stated.end(), c.dea->symmetry_planes.begin(), c.dea->symmetry_planes.end());
+  const std::vector<unsigned char> in_stated = nodes_in_planes(model.nodes, stated);
+  for (std::size_t i = 0; i < in_stated.size(); ++i)
+    holders.mirror[i] = static_cast<unsigned char>(holders.mirror[i] | in_stated[i]);
+  std::vector<char> on_bone;
+  for (const auto& bodies : holders.of_node) on_bone.push_back(!bodies.empty());
+  holders.planes = find_symmetry_planes(model, region, holders.mirror, on_bone);
+  holders.in_plane = nodes_in_planes(model.nodes, holders.planes);
+}
+
 }  // namespace
+
+std::string in_words(const JointModel& model, int contact, const FarTie& far) {
+  const Contact& c = model.contacts[at(contact)];
+  return fmt::format(
+      "tied contact \"{}\": {} of {} nodes lie {:.4g} or more from the surface they would be tied to, and it reaches "
+      "{:g} "
+      "({}): they are not tied, in FEBio neither",
+      c.name, far.nodes, far.of, far.nearest, c.max_distance, kReachOfTies);
+}
 
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
                      const std::vector<int>& moved) {
@@ -196,6 +238,7 @@ Holders find_holders(const JointModel& model, const Bodies& bodies, const std::v
       note_holder(holders, region, static_cast<int>(i), moved[i],
                   fmt::format("nodes moved together by \"{}\"", bodies.bodies[at(moved[i])].name));
   note_ties(model, bodies, region, holders);
+  note_planes(model, region, holders);
   return holders;
 }
 

@@ -15,13 +15,25 @@ struct SoftTie {
   int part = -1;  ///< the other part's region
 };
 
+/// A tie of which nodes lie over the surface they would be tied to, but out of its reach.
+struct FarTie {
+  int nodes = 0, of = 0;
+  double nearest = 0.0;  ///< of those
+};
+
 struct Holders {
   std::map<int, std::map<int, std::string>> of_region;  ///< region -> body -> how
   std::map<int, SoftTie> soft_ties;                     ///< region -> what it is tied to, if that is deformable
+  std::map<int, FarTie> far_ties;                       ///< by the contact
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
   std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all
+  std::vector<SymmetryPlane> planes;  ///< of symmetry, sorted
+  std::vector<unsigned char>
+      in_plane;  ///< per node, held or not: bit k set, in such a plane across axis k; empty: no plane
 };
+
+std::string in_words(const JointModel& model, int contact, const FarTie& far);
 
 /// `region`: per node, -1: in no deformable part, else its part. `moved`: per node, body of nodes that are moved
 /// together, -1: none.

@@ -8,6 +8,7 @@
 #include <febiodea/base/say.h>
 #include <febiodea/joint/given_values.h>
 #include <febiodea/joint/parts.h>
+#include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
 
@@ -164,6 +165,11 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   joint.findings = parts.findings;
   append(joint.findings, liberties(model, settings));
   append(joint.findings, given_values_in_words(parts));
+
+  joint.symmetry_planes = parts.holders.planes;
+  if (!joint.symmetry_planes.empty())
+    joint.findings.push_back(say("planes of symmetry: {}; surfaces go on behind them as their mirror images",
+                                 in_words(joint.symmetry_planes)));
 
   FoundContacts contacts = find_contacts(parts, parts.faults);
   append(joint.findings, contacts.findings);

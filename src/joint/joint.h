@@ -24,6 +24,7 @@ struct Joint {
   std::vector<int> node_body;          ///< per model node: body that carries it, -1: none (stays where it is)
   std::vector<UnmodelledPart> unmodelled;
   std::vector<DroppedTie> dropped_ties;
+  std::vector<SymmetryPlane> symmetry_planes;
   std::vector<Sentence> findings;  ///< what was concluded or left out, a sentence each, in order
 
   /// Index of the body with this name (of any of its materials), -1: none.

@@ -240,11 +240,12 @@ void open_feather_facets(const JointModel& model, const FacetList& selected, Lay
     if (sees_open[at(patches.root(static_cast<int>(i)))] < 0) boundary.kinds[at(both[i])] = FaceKind::Open;
 }
 
-SurfaceMesh bonded_surface(const JointModel& model, const LayerBoundary& boundary) {
+SurfaceMesh bonded_surface(const JointModel& model, const LayerBoundary& boundary,
+                           const std::vector<unsigned char>& node_planes) {
   FacetList bone;
   for (int f = 0; f < boundary.faces.size(); ++f)
     if (boundary.kinds[at(f)] == FaceKind::Bonded) bone.add(turned_round(facet_nodes(boundary.faces, f)));
-  return make_surface_mesh(bone.begin, bone.nodes, model.nodes);
+  return make_surface_mesh(bone.begin, bone.nodes, model.nodes, nullptr, node_planes);
 }
 
 void find_side_walls(const JointModel& model, const SurfaceMesh& bone, LayerBoundary& boundary) {
@@ -535,7 +536,7 @@ std::vector<LayerFace::Edge> rim_edges(const SurfaceMesh& mesh, const BeyondEdge
 
 LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
                     const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
-                    const FacetList& elsewhere) {
+                    const std::vector<unsigned char>& node_planes, const FacetList& elsewhere) {
   Meeting meeting = meeting_facets(model, boundary, selected, elsewhere);
   LayerFace face;
   face.bevelled = bevelled_length(model, meeting);
@@ -546,7 +547,7 @@ LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, cons
   } else {
     FacetList list = selected;
     for (int f : grown) list.add(meeting.facets[at(f)]);
-    face.mesh = make_surface_mesh(list.begin, list.nodes, model.nodes);
+    face.mesh = make_surface_mesh(list.begin, list.nodes, model.nodes, nullptr, node_planes);
   }
   face.edges = rim_edges(face.mesh, beyond_edges(model, meeting, reach / kFaceReach), mirror);
   return face;

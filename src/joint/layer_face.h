@@ -72,8 +72,9 @@ LayerBoundary find_layer_boundary(const JointModel& model, const std::vector<Lay
 /// are not bone: from them one looks through the layer at bone. Sets these Open.
 void open_feather_facets(const JointModel& model, const FacetList& selected, LayerBoundary& boundary);
 
-/// The bonded faces, turned round: normals out of the bone, into the layer.
-SurfaceMesh bonded_surface(const JointModel& model, const LayerBoundary& boundary);
+/// The bonded faces, turned round: normals out of the bone, into the layer. `node_planes`: as make_surface_mesh has it.
+SurfaceMesh bonded_surface(const JointModel& model, const LayerBoundary& boundary,
+                           const std::vector<unsigned char>& node_planes);
 
 /// Finds the side walls: faces that turn away by more than 60 degrees from the bone next to them (normals into the
 /// layer) and do not look through the layer at bone, where a patch of them reaches down to held nodes.
@@ -91,10 +92,11 @@ inline constexpr double kFaceReach = 5.0;
 /// The face of a layer whose selected facets make up the mesh `articular` (cut from `selected`): goes on over open
 /// faces across edges that turn by less than 40 degrees, as far as `reach` from the selection, but not over
 /// `elsewhere`, the facets that other contacts of the same two bodies press: a wall stands between. `mirror`: per node
-/// of the model, bit k set: held in component k alone. Thickness: left empty.
+/// of the model, bit k set: held in component k alone. `node_planes`: as make_surface_mesh has it. Thickness: left
+/// empty.
 LayerFace grow_face(const JointModel& model, const LayerBoundary& boundary, const FacetList& selected,
                     const SurfaceMesh& articular, double reach, const std::vector<unsigned char>& mirror,
-                    const FacetList& elsewhere = {});
+                    const std::vector<unsigned char>& node_planes, const FacetList& elsewhere = {});
 
 /// The face of a layer of which no elements are known: it ends where the selection does.
 LayerFace selected_face(const SurfaceMesh& articular, const std::vector<unsigned char>& mirror);

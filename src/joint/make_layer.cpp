@@ -86,7 +86,7 @@ std::vector<Fault> leave_out_facets(const ContactSide& in, const CarriedSurface&
                        say("select the articular face alone, or take all facets as they are with {}",
                            NamedSetting{"keep-facets", "", s.name}))};
   const FacetList kept = kept_facets(carried.facets, kinds);
-  layer.articular = make_surface_mesh(kept.begin, kept.nodes, in.parts.model.nodes);
+  layer.articular = make_surface_mesh(kept.begin, kept.nodes, in.parts.model.nodes, nullptr, in.parts.holders.in_plane);
   if (facets_of(in.parts.settings, in.contact) == Facets::Flat) flatten(layer.articular);
   return {};
 }
@@ -107,7 +107,8 @@ std::vector<char> held_by(const ModelParts& parts, int body) {
 SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, const CarriedSurface& carried,
                        const LayerBoundary& boundary, const SurfaceMesh& all_articular) {
   const JointModel& model = in.parts.model;
-  SurfaceMesh bone = make_surface_mesh(bone_facets.begin, bone_facets.nodes, model.nodes);
+  const std::vector<unsigned char>& planes = in.parts.holders.in_plane;
+  SurfaceMesh bone = make_surface_mesh(bone_facets.begin, bone_facets.nodes, model.nodes, nullptr, planes);
   const FacetList above = kept_facets(carried.facets, kinds_of(boundary, carried.facets));
   SurfaceMesh articular = make_surface_mesh(above.begin, above.nodes, model.nodes);
   if (articular.size() == 0) articular = all_articular;
@@ -116,7 +117,7 @@ SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, cons
   for (int t = 0; t < bone.size(); ++t)
     towards += bone.areas[at(t)] *
                bone.normals[at(t)].dot(position(articular, caster.closest(bone.centroid(t))) - bone.centroid(t));
-  return towards < 0 ? turned_round(bone, model.nodes) : bone;
+  return towards < 0 ? turned_round(bone, model.nodes, planes) : bone;
 }
 
 /// A layer on another deformable part, by a tie: what is bonded to bone is that part's other side. Taken for bone
@@ -175,7 +176,7 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
     }
     draft.layer.bone = named_bone(in, bone.facets, carried, draft.boundary, draft.layer.articular);
   } else {
-    draft.layer.bone = bonded_surface(model, draft.boundary);
+    draft.layer.bone = bonded_surface(model, draft.boundary, in.parts.holders.in_plane);
   }
   if (draft.layer.bone.size() > 0)
     find_side_walls(model, draft.layer.bone, draft.boundary);
@@ -457,7 +458,8 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
     layer.stands_for = std::move(bare.stands_for);
     if (!bare.note.empty()) layer.notes.push_back(bare.note);
   }
-  layer.articular = make_surface_mesh(facets.begin, facets.nodes, in.parts.model.nodes, &zero);
+  layer.articular =
+      make_surface_mesh(facets.begin, facets.nodes, in.parts.model.nodes, &zero, in.parts.holders.in_plane);
   if (!zero.empty()) {
     draft.faults = {refusal_of(in, say("facet {} has no area ({} such facets);", zero.front() + 1, zero.size()),
                                "repair the mesh")};

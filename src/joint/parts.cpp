@@ -126,6 +126,7 @@ ModelParts find_parts(const JointModel& model, const Settings& settings) {
   parts.region = find_regions(parts);
   add_moved_bodies(parts);
   parts.holders = find_holders(model, parts.bodies, parts.region, parts.moved);
+  for (const auto& [contact, far] : parts.holders.far_ties) parts.findings.push_back(in_words(model, contact, far));
   return parts;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include <febiodea/base/numbers.h>
 #include <febiodea/geometry/ray_caster.h>
 
 namespace dea {
@@ -21,10 +22,29 @@ SurfaceMesh flipped(SurfaceMesh mesh) {
   return mesh;
 }
 
+/// Per vertex a step off its planes of symmetry: a ray in such a plane runs along the very edge of the
+/// bone, which the noise of coordinates has it miss. Zero elsewhere; empty: there is no such plane.
+std::vector<Vector3d> steps_inside(const SurfaceMesh& mesh) {
+  constexpr double kStep = 1e-3;  // of the way to the triangles' centres: the bone is as deep there
+  if (std::all_of(mesh.planes.begin(), mesh.planes.end(), [](unsigned char bits) { return bits == 0; })) return {};
+  std::vector<Vector3d> steps(mesh.vertices.size(), Vector3d::Zero());
+  std::vector<int> count(mesh.vertices.size(), 0);
+  for (int t = 0; t < mesh.size(); ++t)
+    for (const int v : mesh.triangles[at(t)]) {
+      steps[at(v)] += mesh.centroid(t) - mesh.vertices[at(v)];
+      ++count[at(v)];
+    }
+  for (std::size_t v = 0; v < steps.size(); ++v)
+    for (int axis = 0; axis < 3; ++axis)
+      steps[v][axis] *= count[v] > 0 && (mesh.planes[v] >> axis & 1) != 0 ? kStep / count[v] : 0.0;
+  return steps;
+}
+
 /// Rays leave `from` through the layer, along (side 1) or against (-1) its normals; the faces of `to` look against
 /// them.
 MeasuredThickness cast(const SurfaceMesh& from, double side, const SurfaceMesh& to) {
   const RayCaster caster(to);
+  const std::vector<Vector3d> inside = steps_inside(from);
   constexpr double kCos60 = 0.5;
   MeasuredThickness found;
   found.thickness.assign(from.vertices.size(), 0.0);
@@ -35,7 +55,11 @@ MeasuredThickness cast(const SurfaceMesh& from, double side, const SurfaceMesh& 
     // Where the ray meets a face, it counts if nothing lies nearer than half as far: quicker to ask than the closest
     // point, for which a layer much thicker than its facets offers many candidates. A vertex both surfaces share (a
     // feather edge) has thickness 0 by its closest point.
-    const LineHit hit = caster.nearest_facing(x, direction, 0.0, 0.0, std::numeric_limits<double>::infinity(), kCos60);
+    const auto cast_from = [&](const Vector3d& origin) {
+      return caster.nearest_facing(origin, direction, 0.0, 0.0, std::numeric_limits<double>::infinity(), kCos60);
+    };
+    LineHit hit = cast_from(x);
+    if (hit.point.triangle < 0 && !inside.empty() && from.planes[v] != 0) hit = cast_from(x + inside[v]);
     if (hit.point.triangle >= 0 && hit.distance > 0.0 && caster.within(x, 0.5 * hit.distance).empty()) {
       found.thickness[v] = std::max(0.0, hit.distance - bulge_height(to, hit.point.triangle, hit.point.weights));
     } else {

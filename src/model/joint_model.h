@@ -287,13 +287,21 @@ struct DeaLayer {
                                       ///  neither constant nor map: measured through the elements under the surface
 };
 
+/// A plane across an axis behind which the model's mirror image is to be imagined.
+struct SymmetryPlane {
+  int axis = 0;  ///< 0 x, 1 y, 2 z
+  double at = 0.0;
+  bool operator==(const SymmetryPlane& other) const { return axis == other.axis && at == other.at; }
+};
+
 /// A contact of type "dea": the spring bed, stated in the model. Empty: as the settings or their defaults have it.
 struct DeaContact {
   std::optional<Law> law;
   std::optional<Facets> facets;
   std::optional<int> refine;
-  int source = 0;      ///< the side that carries the springs: 0 primary, 1 secondary
-  DeaLayer layers[2];  ///< primary, secondary
+  int source = 0;                              ///< the side that carries the springs: 0 primary, 1 secondary
+  DeaLayer layers[2];                          ///< primary, secondary
+  std::vector<SymmetryPlane> symmetry_planes;  ///< of cartilage that is rigid with its bone: no node is held in them
 };
 
 struct Contact {

@@ -188,6 +188,7 @@ void renumber(SurfaceMesh& mesh, const std::vector<int>& place) {
     mesh.vertices[at(place[v])] = old.vertices[v];
     mesh.vertex_normals[at(place[v])] = old.vertex_normals[v];
     mesh.vertex_areas[at(place[v])] = old.vertex_areas[v];
+    if (!old.planes.empty()) mesh.planes[at(place[v])] = old.planes[v];
   }
   for (auto& triangle : mesh.triangles)
     for (int& v : triangle) v = place[at(v)];

@@ -120,7 +120,7 @@ void add_times(const SymmetricPattern& pattern, const std::vector<double>& value
 namespace {
 
 /// A column of L: its rows and values, the diagonal first.
-struct Column {
+struct Entries {
   const int* row;
   const double* value;
   int count;
@@ -128,7 +128,7 @@ struct Column {
 
 /// How many columns from j on make a panel: each leads to the next, so that the rows of all are among those of the last
 /// one, and no more than a quarter of what is kept are zeros.
-int panel_width(const std::vector<Column>& columns, const std::vector<int>& parent, int j) {
+int panel_width(const std::vector<Entries>& columns, const std::vector<int>& parent, int j) {
   int width = 1, kept = columns[at(j)].count, best = 1;
   while (width < SparseFactor::kWidest && parent[at(j + width - 1)] == j + width) {
     const int last = columns[at(j + width)].count;
@@ -140,15 +140,15 @@ int panel_width(const std::vector<Column>& columns, const std::vector<int>& pare
   return best;
 }
 
-void add_panel(const std::vector<Column>& columns, int first, int width, SparseFactor& factor) {
-  const Column& last = columns[at(first + width - 1)];
+void add_panel(const std::vector<Entries>& columns, int first, int width, SparseFactor& factor) {
+  const Entries& last = columns[at(first + width - 1)];
   SparseFactor::Panel panel{first, width, static_cast<int>(factor.row.size()), last.count - 1,
                             static_cast<std::ptrdiff_t>(factor.value.size())};
   factor.row.insert(factor.row.end(), last.row + 1, last.row + last.count);
   factor.value.resize(factor.value.size() + at(width) * at(width + panel.rows), 0.0);
   double* value = factor.value.data() + panel.value;
   for (int c = 0; c < width; ++c) {
-    const Column& column = columns[at(first + c)];
+    const Entries& column = columns[at(first + c)];
     int below = 0;  // of the panel's rows
     for (int s = 0; s < column.count; ++s) {
       const int own = column.row[s] - first;
@@ -178,10 +178,10 @@ SparseFactor factorise(const SymmetricPattern& pattern, const std::vector<double
   const int *begin = static_cast<const int*>(c.factor->p), *row = static_cast<const int*>(c.factor->i),
             *count = static_cast<const int*>(c.factor->nz);
   const double* value = static_cast<const double*>(c.factor->x);
-  std::vector<Column> columns;
+  std::vector<Entries> columns;
   for (int j = 0; j < pattern.size(); ++j) columns.push_back({row + begin[j], value + begin[j], count[j]});
   SparseFactor factor;
-  for (const Column& column : columns) factor.parent.push_back(column.count > 1 ? column.row[1] : -1);
+  for (const Entries& column : columns) factor.parent.push_back(column.count > 1 ? column.row[1] : -1);
   for (int j = 0; j < pattern.size(); j += factor.panels.back().width)
     add_panel(columns, j, panel_width(columns, factor.parent, j), factor);
   return factor;

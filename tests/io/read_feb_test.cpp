@@ -701,6 +701,22 @@ TEST_F(ReadFeb, ContactsSlideOrTie) {
   }
 }
 
+// FEBio 4.11, FENormalProjection::Project2: of three types the search radius is the gap that is too wide to be tied.
+TEST_F(ReadFeb, TiesReachAsFarAsFebios) {
+  const auto contact = [&](const char* type, const std::string& parameters) {
+    return read(replaced(model_with("sliding-elastic", type), "<search_radius>1</search_radius>", parameters))
+        .contacts.at(0);
+  };
+  for (const char* type : {"tied-elastic", "tied-biphasic", "tied-multiphasic"}) {
+    EXPECT_EQ(contact(type, "").max_distance, 1.0) << type;
+    const Contact given = contact(type, "<search_radius>0.25</search_radius>");
+    EXPECT_EQ(given.max_distance, 0.25) << type;
+    EXPECT_EQ(given.ignored, (std::vector<std::string>{"fric_coeff = 0.2"})) << type;
+  }
+  for (const char* type : {"tied-node-on-facet", "tied-facet-on-facet"})
+    EXPECT_EQ(contact(type, "").max_distance, 0.0) << type;
+}
+
 TEST_F(ReadFeb, SearchRadiusIsListedAwayFromTheDefaultOfItsType) {
   const JointModel elastic = read(model_with("<search_radius>1<", "<search_radius>0.5<"));
   EXPECT_EQ(elastic.contacts[0].ignored, (std::vector<std::string>{"fric_coeff = 0.2", "search_radius = 0.5"}));
@@ -1620,10 +1636,17 @@ TEST_F(ReadFeb, FaultsOfAContactOfTypeDea) {
   EXPECT_EQ(contact("flat", "round"), "model.feb:28: facets = \"round\", expected one of curved, flat");
   EXPECT_EQ(contact(">secondary<", ">both<"), "model.feb:28: source = \"both\", expected one of primary, secondary");
   EXPECT_EQ(contact("<refine>2", "<refine>0"), "model.feb:28: refine = 0, need 1 to 1000");
-  EXPECT_EQ(
-      contact("<law>NEO-hookean</law>", "<penalty>1</penalty>"),
-      "model.feb:28: <penalty> in a contact of type dea, expected law, facets, source, refine, or E, nu, thickness "
-      "with primary_ or secondary_ before");
+  EXPECT_EQ(contact("<law>NEO-hookean</law>", "<penalty>1</penalty>"),
+            "model.feb:28: <penalty> in a contact of type dea, expected law, facets, source, refine, symmetry_planes, "
+            "or E, nu, "
+            "thickness with primary_ or secondary_ before");
+  for (const char* planes : {"", " ", "x=0", " x = -1.5e1 ,z=2", "y=-0"})
+    EXPECT_EQ(contact("<refine>2", fmt::format("<symmetry_planes>{}</symmetry_planes><refine>2", planes)),
+              "read without a fault");
+  for (const char* planes : {"x", "x=", "=0", "w=0", "x:0", "x=0,", ",x=0", "x=0;y=0", "x=nan", "x=0 y=0", "xy=0"})
+    EXPECT_EQ(contact("<refine>2", fmt::format("<symmetry_planes>{}</symmetry_planes><refine>2", planes)),
+              fmt::format("model.feb:28: symmetry_planes = \"{}\", expected planes across axes, as in \"x=0, y=-12.5\"",
+                          planes));
   EXPECT_EQ(contact("11.85", "0"), "read without a fault");  // FEBio's defaults, written out: not given
   EXPECT_EQ(contact(">0<", ">-1<"), "read without a fault");
   EXPECT_EQ(contact("11.85", "-1"), "model.feb:29: primary_E = -1, need E > 0");

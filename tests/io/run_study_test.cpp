@@ -87,7 +87,8 @@ TEST(RunStudy, ACaseIsWhatAnalyseMakesOfIt) {
   }
 }
 
-// Free to turn, the head may balance in several poses: the search's start is that of `dea run`, so that its end is, too.
+// Free to turn, the head may balance in several poses: the search's start is that of `dea run`, so that its end is,
+// too.
 TEST(RunStudy, FreeToTurnTheStartIsThatOfAnalyse) {
   Plan plan = turned_sockets({"0"}, {"12"});
   plan.options.push_back({"law", "linear", -1});

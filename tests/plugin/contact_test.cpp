@@ -153,9 +153,7 @@ TEST(ContactDea, ReferenceModelsAsDeaRunSolvesThem) {
   const TemporaryFolder folder;
   for (const fs::path& model : models) {
     fs::copy(model, folder.path / model.filename());
-    const bool symmetric = model.filename().string().rfind("ball", 0) == 0;  // law layer has no such contact
-    expect_the_same_equilibrium(folder.path, model.filename().string(),
-                                symmetric ? std::vector<std::string>{"--law", "linear"} : std::vector<std::string>{});
+    expect_the_same_equilibrium(folder.path, model.filename().string(), {});
   }
 }
 
@@ -434,6 +432,11 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
   expect(comma, fmt::format("bad.feb:{}: contact \"touch\": <primary_E>: found \"11,85\", expected a number with a "
                             "decimal point",
                             line_of(comma, "11,85")));
+  std::string nowhere = good;
+  replace(nowhere, "<primary_E>", "<symmetry_planes>x:0</symmetry_planes><primary_E>");
+  expect(nowhere, fmt::format("bad.feb:{}: contact \"touch\": <symmetry_planes>: found \"x:0\", expected planes across "
+                              "axes, as in \"x=0, y=-12.5\"",
+                              line_of(nowhere, "x:0")));
   std::string lost = without(good, "primary_thickness");
   replace(lost, "<primary_E>", "<primary_thickness type=\"map\">lost</primary_thickness><primary_E>");
   expect(lost, fmt::format("bad.feb:{}: contact \"touch\": <primary_thickness>: found \"lost\", expected the name of a "

@@ -15,7 +15,7 @@ import xml.etree.ElementTree
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 import stl_shapes  # noqa: E402
-from browser import Browser, run_checks  # noqa: E402
+from browser import WINDOW, Browser, run_checks  # noqa: E402
 from report_test import HASH, no_faults, no_network, png_size, same, true  # noqa: E402
 
 CHECKS = []
@@ -185,7 +185,7 @@ def it_fits_narrow_and_dark(b, pages):
                 true(b.run("return document.documentElement.scrollWidth") <= width, f"wider than {width}")
         no_faults(b, "widths")
     finally:
-        b.size(1400, 1000)
+        b.size(*WINDOW)
         b.scheme("light")
 
 

@@ -14,7 +14,7 @@ import xml.etree.ElementTree
 import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from browser import Browser, run_checks  # noqa: E402
+from browser import WINDOW, Browser, run_checks  # noqa: E402
 
 CHECKS = []
 
@@ -522,6 +522,7 @@ def saved_maps_say_what_they_are(b, pages):
 @check
 def two_surfaces_stand_side_by_side(b, pages):
     """Both plateaus of a knee: each with the numbers that it has alone, in one scale, that of the one with more."""
+    b.size(1400, 1000)  # beside each other, not below
     def choose(id, title):
         b.run("""
           const s = document.getElementById(arguments[0]), o = [...s.options].find(o => o.textContent === arguments[1]);
@@ -575,6 +576,7 @@ def two_surfaces_stand_side_by_side(b, pages):
     ready(b, pages["knee"])
     same(alone("medial_plateau"), medial, "alone again")
     no_faults(b, "two surfaces")
+    b.size(*WINDOW)
 
 
 @check
@@ -632,7 +634,7 @@ def narrow_window(b, pages):
                 return r.width > 0 && r.right > document.documentElement.clientWidth + 1;
               }).map(e => e.outerHTML.slice(0, 80))""")
             same(out, [], f"{name}: what sticks out at {width}")
-    b.size(1400, 1000)
+    b.size(*WINDOW)
 
 
 def overlapping_words(b):
@@ -673,7 +675,7 @@ def words_do_not_overlap(b, pages):
               return [out, out.titles || 0]""")
             same(near[0], [], f"{name} at {width}: titles of axes at ticks")
             true(near[1] > 2, f"{name} at {width}: titles of axes")
-    b.size(1400, 1000)
+    b.size(*WINDOW)
 
 
 @check

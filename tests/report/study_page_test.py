@@ -12,7 +12,7 @@ import time
 import xml.etree.ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from browser import Browser, run_checks  # noqa: E402
+from browser import WINDOW, Browser, run_checks  # noqa: E402
 from report_test import HASH, no_faults, no_network, overlapping_words, png_size, same, true  # noqa: E402
 
 CHECKS = []
@@ -250,7 +250,7 @@ def pages_are_whole(b, pages):
             true(not re.search(r'="[^"]*(NaN|Infinity)', svg), f"{name}: NaN in a figure")
             same(overlapping_words(b), [], f"{name} at {width}: words on words")
         no_faults(b, name)
-    b.size(1400, 1000)
+    b.size(*WINDOW)
 
 
 @check

@@ -1,8 +1,12 @@
 #include <febiodea/joint/joint.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <functional>
 #include <map>
+#include <set>
 
 #include <febiodea/base/error.h>
 #include <febiodea/results/percentile.h>
@@ -221,6 +225,31 @@ TEST(Recognition, NodesBeyondTheSurfaceTheyAreTiedToAreNotHeld) {
   const Layer layer = make_joint(model, {}).contacts[0].layers[0];
   for (int t = 0; t < layer.bone.size(); ++t) EXPECT_LT(layer.bone.centroid(t).x(), 0.0);
   EXPECT_GT(layer.missed_count(), 0);
+}
+
+// Plates 1.5 below the layer: tied from a reach of 1.5 on, else told, and why nothing holds the layer.
+TEST(Recognition, TiesHaveTheirReach) {
+  const auto model = [](double reach) {
+    JointModel m = floating_layer(2.0);
+    for (const Domain& d : m.domains)
+      if (m.materials[static_cast<std::size_t>(d.material)].name == "left" ||
+          m.materials[static_cast<std::size_t>(d.material)].name == "right")
+        for (const int node : std::set<int>(d.nodes.begin(), d.nodes.end()))
+          m.nodes[static_cast<std::size_t>(node)].z() -= 1.5;
+    tie(m, 1, 2);
+    m.contacts.back().max_distance = reach;
+    return m;
+  };
+  const auto told = [](const JointModel& m) {
+    for (const Sentence& finding : make_joint(m, {}).findings)
+      if (finding.text.find("they are not tied, in FEBio neither") != std::string::npos) return true;
+    return false;
+  };
+  for (const double reach : {0.0, 1.51, 3.0}) EXPECT_FALSE(told(model(reach))) << reach;
+  const std::string why = refusal(model(1.49));
+  EXPECT_NE(why.find("tied contact \"tie\": "), std::string::npos) << why;
+  EXPECT_NE(why.find("lie 1.5 or more from the surface they would be tied to, and it reaches 1.49"), std::string::npos)
+      << why;
 }
 
 TEST(Recognition, AThicknessForAllIsToldWhereItLiesOnABareSurface) {
@@ -640,6 +669,183 @@ TEST(SurfaceMesh, CornersOfAFlatAreNoSphere) {
   EXPECT_EQ(roundness(rises(0.5), fit_sphere(rises(0.5))), Roundness::Round);
   EXPECT_NEAR(fit_sphere(rises(0.5)).radius, 2.25, 1e-12);
   EXPECT_EQ(roundness(rises(0.05), fit_sphere(rises(0.05))), Roundness::Flat);  // R = 20, radius of gyration .82
+}
+
+/// Triangles over a grid of squares of side `size`, on both sides of x = 0 and y = 0 each other's mirror images: of the
+/// whole, or of its quarter x, y >= 0 alone.
+struct GridSurface {
+  std::vector<int> begin = {0}, nodes;
+  std::vector<Vector3d> points;
+  std::vector<unsigned char> planes;  // per point
+};
+
+GridSurface grid_surface(int n, double size, bool quarter, const std::function<double(double, double)>& height) {
+  GridSurface grid;
+  const int least = quarter ? 0 : -n, row = n - least + 1;
+  for (int j = least; j <= n; ++j)
+    for (int i = least; i <= n; ++i) {
+      grid.points.emplace_back(size * i, size * j, height(size * i, size * j));
+      grid.planes.push_back(static_cast<unsigned char>((i == 0 ? 1 : 0) | (j == 0 ? 2 : 0)));
+    }
+  for (int j = least; j < n; ++j)
+    for (int i = least; i < n; ++i) {
+      const int v = (j - least) * row + i - least;
+      const std::array<int, 4> q = {v, v + 1, v + row + 1, v + row};
+      const bool rising = (i >= 0) == (j >= 0);  // the diagonal points to the middle
+      for (const std::array<int, 3>& t : rising ? std::array<std::array<int, 3>, 2>{{{0, 1, 2}, {0, 2, 3}}}
+                                                : std::array<std::array<int, 3>, 2>{{{0, 1, 3}, {1, 2, 3}}}) {
+        for (const int k : t) grid.nodes.push_back(q[static_cast<std::size_t>(k)]);
+        grid.begin.push_back(static_cast<int>(grid.nodes.size()));
+      }
+    }
+  return grid;
+}
+
+// Normals and bulges of a quarter are those of the whole: on a sphere, a saddle, and roofs too sharp and not too sharp
+// for a round surface.
+TEST(SurfaceMesh, AQuarterIsRoundAsTheWholeIs) {
+  constexpr int n = 4;
+  const std::function<double(double, double)> heights[] = {
+      [](double x, double y) { return std::sqrt(1600 - x * x - y * y); },
+      [](double x, double y) { return 0.02 * x * x - 0.01 * y * y; },
+      [](double x, double y) { return 0.5 * std::abs(x) + 0.01 * y * y; },
+      [](double x, double y) { return 0.2 * std::abs(y) + 0.01 * x * x; },
+      [](double x, double y) { return 0.08 * std::abs(x) + 0.1 * std::abs(y); },
+      [](double x, double y) { return 2.0 * std::abs(x) + 0.01 * y * y; },
+  };
+  for (std::size_t h = 0; h < std::size(heights); ++h) {
+    SCOPED_TRACE(h);
+    const GridSurface all = grid_surface(n, 4.0, false, heights[h]), part = grid_surface(n, 4.0, true, heights[h]);
+    const SurfaceMesh whole = make_surface_mesh(all.begin, all.nodes, all.points);
+    const SurfaceMesh quarter = make_surface_mesh(part.begin, part.nodes, part.points, nullptr, part.planes);
+    std::map<std::array<double, 6>, double> bulges;  // by the edge's ends
+    std::map<std::array<double, 2>, Vector3d> normals;
+    const auto ends = [](const SurfaceMesh& mesh, int t, int k) {
+      const Vector3d a = mesh.corner(t, k), b = mesh.corner(t, (k + 1) % 3);
+      return std::array<double, 6>{a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
+    };
+    for (int t = 0; t < whole.size(); ++t)
+      for (int k = 0; k < 3; ++k)
+        bulges[ends(whole, t, k)] = whole.bulge[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
+    for (std::size_t v = 0; v < whole.vertices.size(); ++v)
+      normals[{whole.vertices[v].x(), whole.vertices[v].y()}] = whole.vertex_normals[v];
+    for (int t = 0; t < quarter.size(); ++t)
+      for (int k = 0; k < 3; ++k)
+        EXPECT_NEAR(quarter.bulge[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)],
+                    bulges.at(ends(quarter, t, k)), 1e-13);
+    for (std::size_t v = 0; v < quarter.vertices.size(); ++v)
+      EXPECT_LT((quarter.vertex_normals[v] - normals.at({quarter.vertices[v].x(), quarter.vertices[v].y()})).norm(),
+                1e-13);
+  }
+  // on the sphere every edge at the pole rises as the circle through its ends does, to a^4/R^3
+  const GridSurface part = grid_surface(n, 4.0, true, heights[0]);
+  const auto error_at_pole = [](const SurfaceMesh& mesh) {
+    double worst = 0.0;
+    for (int t = 0; t < mesh.size(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d &a = mesh.corner(t, k), &b = mesh.corner(t, (k + 1) % 3);
+        if (a.head<2>().norm() > 0 && b.head<2>().norm() > 0) continue;
+        const double rise = 0.25 * mesh.bulge[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)],
+                     exact = (a - b).squaredNorm() / (8 * 40);
+        worst = std::max(worst, std::abs(rise / exact - 1));
+      }
+    return worst;
+  };
+  EXPECT_GT(error_at_pole(make_surface_mesh(part.begin, part.nodes, part.points)), 0.2);
+  EXPECT_LT(error_at_pole(make_surface_mesh(part.begin, part.nodes, part.points, nullptr, part.planes)), 0.01);
+  // parts of it keep the planes, and so do vertices on them
+  const SurfaceMesh parts = divided(make_surface_mesh(part.begin, part.nodes, part.points, nullptr, part.planes), 2);
+  ASSERT_EQ(parts.planes.size(), parts.vertices.size());
+  for (std::size_t v = 0; v < parts.vertices.size(); ++v)
+    EXPECT_EQ(parts.planes[v], (parts.vertices[v].x() == 0 ? 1 : 0) | (parts.vertices[v].y() == 0 ? 2 : 0));
+}
+
+/// A rigid ball of radius 40 over flat cartilage, 2 thick, or, `domed`, bare rigid flat under a ball with cartilage of
+/// even thickness; a quarter, x and y >= 0, or the whole. Facets of the ball: `size`.
+JointModel ball_on_flat(double size, bool quarter, bool domed) {
+  JointModel model = empty_model();
+  const int cartilage = add_material(model, "cartilage", false), flat = add_material(model, "flat", true),
+            ball = add_material(model, "ball", true);
+  const double low = quarter ? 0.0 : -16.0, width = 16.0 - low;
+  const auto over = [=](double height) {
+    return [=](double u, double v) { return Vector3d(low + width * u, low + width * v, height); };
+  };
+  const auto sphere = [=](double R) {
+    return [=](double u, double v) {  // du x dv points down
+      const Vector3d x(low + width * v, low + width * u, 0);
+      return Vector3d(x.x() * R / 40, x.y() * R / 40, 40 - R / 40 * std::sqrt(1600 - x.squaredNorm()));
+    };
+  };
+  const int n = static_cast<int>(std::lround(width / size)), fine = static_cast<int>(std::lround(width));
+  const int below = domed ? add_rigid_surface(model, "below", fine, fine, over(0), flat)
+                          : add_layer(model, "below", fine, fine, 1, over(-2), over(0), cartilage, flat);
+  const int above = domed ? add_layer(model, "above", n, n, 1, sphere(38), sphere(40), cartilage, ball)
+                          : add_rigid_surface(model, "above", n, n, sphere(40), ball);
+  add_contact(model, "press", above, below);
+  fix(model, flat, {true, true, true, true, true, true});
+  fix(model, ball, {true, true, false, true, true, true});
+  prescribe(model, ball, 2, -0.3);
+  if (quarter)
+    for (std::size_t k = 0; k < 2; ++k) {
+      FixedNodes plane;
+      plane.xyz[k] = true;
+      for (std::size_t i = 0; i < model.nodes.size(); ++i)
+        if (model.nodes[i][static_cast<int>(k)] == 0) plane.nodes.push_back(static_cast<int>(i));
+      model.fixed_nodes.push_back(plane);
+    }
+  return model;
+}
+
+// Linear springs under a ball pressed in by d: F = K/t pi R d^2, whatever the facets, for the whole and for a quarter,
+// and a layer between two spheres is as thick as their radii differ, up to the planes of symmetry.
+TEST(Planes, AQuarterCarriesAQuarter) {
+  const double K = kE * (1 - kNu) / ((1 + kNu) * (1 - 2 * kNu)), exact = K / 2 * kPi * 40 * 0.09;
+  for (const bool domed : {false, true})
+    for (const double size : {1.0, 2.0, 4.0}) {
+      SCOPED_TRACE(fmt::format("{} facets of {}", domed ? "domed" : "bare", size));
+      const auto carried = [&](bool quarter) {
+        const Analysis run = analyse(ball_on_flat(size, quarter, domed), test::linear("flat"));
+        EXPECT_EQ(run.joint.symmetry_planes.size(), quarter ? 2u : 0u);
+        if (domed) {
+          const Layer& layer = run.joint.contacts[0].layers[0];
+          for (std::size_t v = 0; v < layer.thickness.size(); ++v) {
+            const bool free_edge = layer.articular.vertices[v].head<2>().cwiseAbs().maxCoeff() > 15.9;
+            EXPECT_EQ(layer.missed[v] != 0, free_edge);
+            EXPECT_NEAR(layer.thickness[v], 2.0, 0.005);
+          }
+        }
+        return (quarter ? 4 : 1) * std::abs(run.states.back().fields[0].sides[0].force.z());
+      };
+      const double whole = carried(false), quarter = carried(true);
+      EXPECT_NEAR(whole / exact, 1.0, 0.03);
+      EXPECT_NEAR(quarter / whole, 1.0, 0.01);
+    }
+}
+
+// Only where a part ends, and at half its nodes or more: a few held nodes, or nodes held inside, make no plane.
+TEST(Planes, AreWhereAPartEndsAndIsHeld) {
+  const auto planes_of = [](double where, int axis, int most) {
+    JointModel model = ball_on_flat(2.0, false, false);
+    FixedNodes held;
+    held.xyz[static_cast<std::size_t>(axis)] = true;
+    for (std::size_t i = 0; i < model.nodes.size() && static_cast<int>(held.nodes.size()) < most; ++i)
+      if (model.nodes[i][axis] == where) held.nodes.push_back(static_cast<int>(i));
+    model.fixed_nodes.push_back(held);
+    return make_joint(model, {}).symmetry_planes;
+  };
+  EXPECT_EQ(planes_of(-16, 0, 1000), (std::vector<SymmetryPlane>{{0, -16.0}}));
+  EXPECT_EQ(planes_of(16, 1, 1000), (std::vector<SymmetryPlane>{{1, 16.0}}));
+  EXPECT_TRUE(planes_of(16, 1, 6).empty());
+  EXPECT_TRUE(planes_of(0, 0, 1000).empty());
+  JointModel stated = ball_on_flat(2.0, true, false);  // its cartilage is rigid, and a contact says where they are
+  const std::vector<SymmetryPlane> planes = make_joint(stated, {}).symmetry_planes;
+  stated.fixed_nodes.clear();
+  EXPECT_TRUE(make_joint(stated, {}).symmetry_planes.empty());
+  stated.contacts[0].dea = DeaContact();
+  stated.contacts[0].dea->symmetry_planes = planes;
+  const Joint joint = make_joint(stated, {});
+  EXPECT_EQ(joint.symmetry_planes, planes);
+  EXPECT_NE(joint.findings.front().text.find("planes of symmetry: x = 0, y = 0;"), std::string::npos);
 }
 
 TEST(SurfaceMesh, AnEllipsoidIsUneven) {

@@ -130,13 +130,11 @@ std::string no_thickness(const std::string& surface, const Layer& layer, const W
   return fmt::format("note: {}: no cartilage there, what is pressed there is as good as rigid", text);
 }
 
-/// Vertices whose thickness is the closest point's for want of a better one. On a plane of symmetry the closest point
-/// is the better one: of a curved surface the normal is known from one side only there.
+/// Vertices whose thickness is the closest point's for want of a better one.
 std::vector<std::size_t> doubtful_vertices(const Layer& layer) {
-  const bool planes = layer.springs_at == SpringsAt::Articular && layer.mirror.size() == layer.missed.size();
   std::vector<std::size_t> doubtful;
   for (std::size_t v = 0; v < layer.missed.size(); ++v)
-    if (layer.missed[v] && !(planes && layer.mirror[v])) doubtful.push_back(v);
+    if (layer.missed[v]) doubtful.push_back(v);
   return doubtful;
 }
 
