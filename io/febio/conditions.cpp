@@ -412,10 +412,8 @@ void initial_condition(Draft& draft, const Component& component) {
 }
 
 double tie_reach(const Draft& draft, const Component& component) {
-  const double most = number_of(draft, component, "max_distance", 0.0);
-  if (!ties_by_search_radius(component.type)) return most;
-  const double radius = number_of(draft, component, "search_radius", 1.0);
-  return most > 0 ? std::min(most, radius) : radius;
+  return ties_by_search_radius(component.type) ? number_of(draft, component, "search_radius", 1.0)
+                                               : number_of(draft, component, "max_distance", 0.0);
 }
 
 std::vector<std::string> ignored_contact_parameters(const Component& component) {

@@ -110,7 +110,7 @@ constexpr Row kRows[] = {
      "mortar-sliding,sliding-tension-compression,facet-to-facet sliding,sliding_with_gaps,sliding,tied,"
      "facet-to-facet tied,mortar-tied",
      "max_distance", kContact},
-    {Place::Contact, "tied-elastic,tied-biphasic,tied-multiphasic", "max_distance,search_radius", kContact},
+    {Place::Contact, "tied-elastic,tied-biphasic,tied-multiphasic", "search_radius", kContact},
 
     {Place::Spring, "linear spring,tension-only linear spring", "E", "mat_axis"},
     {Place::Spring, "nonlinear spring", "force,measure,scale", "mat_axis"},

@@ -225,6 +225,20 @@ std::string compartments_note(const std::string& surface, const Compartments& co
   return fmt::format("surface \"{}\": {} compartments that share no node: {}", surface, compartments.size(), list);
 }
 
+/// Edges of the rim that count as a plane of symmetry where no such plane was found.
+int walls_alone(const ModelParts& parts, const Layer& layer) {
+  const std::vector<unsigned char>& in_plane = parts.holders.in_plane;
+  int count = 0;
+  for (const LayerFace::Edge& e : layer.face.edges) {
+    if (e.rim != Rim::Wall || e.shared) continue;
+    const auto& tri = layer.face.mesh.triangles[at(e.triangle)];
+    const int a = layer.face.mesh.model_nodes[at(tri[at(e.edge)])],
+              b = layer.face.mesh.model_nodes[at(tri[at((e.edge + 1) % 3)])];
+    count += in_plane.empty() || (in_plane[at(a)] & in_plane[at(b)]) == 0;
+  }
+  return count;
+}
+
 /// What the user should know of a layer.
 std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer) {
   const Surface& surface = parts.model.surfaces[at(layer.surface)];
@@ -240,6 +254,13 @@ std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer
     findings.push_back(
         say("surface \"{}\": deformable shells {} cover its cartilage; their stiffness and thickness are left out",
             surface.name, shells));
+  const int alone = walls_alone(parts, layer);
+  if (alone > 0)
+    findings.push_back(say(
+        "surface \"{}\": {} edges of its rim are held across an axis, but less than half of the layer's nodes in that "
+        "plane: taken for a plane of symmetry, though in FEBio the rest moves freely; hold all its nodes there, or "
+        "none",
+        surface.name, alone));
   const Sentence thick = not_thin(surface.name, layer);
   if (!thick.empty()) findings.push_back(thick);
   return findings;

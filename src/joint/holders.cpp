@@ -16,8 +16,6 @@ namespace dea {
 
 namespace {
 
-constexpr const char* kReachOfTies = "search_radius, or max_distance";
-
 /// Notes that a body holds a node of a deformable part.
 void note_holder(Holders& holders, const std::vector<int>& region, int node, int body, const std::string& how) {
   if (region[at(node)] < 0) return;
@@ -220,11 +218,13 @@ void note_planes(const JointModel& model, const std::vector<int>& region, Holder
 
 std::string in_words(const JointModel& model, int contact, const FarTie& far) {
   const Contact& c = model.contacts[at(contact)];
+  const bool radius = c.type == "tied-elastic" || c.type == "tied-biphasic" || c.type == "tied-multiphasic";
   return fmt::format(
-      "tied contact \"{}\": {} of {} nodes lie {:.4g} or more from the surface they would be tied to, and it reaches "
-      "{:g} "
-      "({}): they are not tied, in FEBio neither",
-      c.name, far.nodes, far.of, far.nearest, c.max_distance, kReachOfTies);
+      "contact \"{}\" of type {} reaches {:g}, and {} of {} nodes lie {:.4g} or more from the surface they would be "
+      "tied "
+      "to: they are not tied, in FEBio neither; if they are to be, write {} into it",
+      c.name, c.type, c.max_distance, far.nodes, far.of, far.nearest,
+      radius ? "a larger <search_radius> (1 if it is not given)" : "a larger <max_distance>");
 }
 
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,

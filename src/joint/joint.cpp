@@ -168,8 +168,11 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
 
   joint.symmetry_planes = parts.holders.planes;
   if (!joint.symmetry_planes.empty())
-    joint.findings.push_back(say("planes of symmetry: {}; surfaces go on behind them as their mirror images",
-                                 in_words(joint.symmetry_planes)));
+    joint.findings.push_back(
+        say("planes of symmetry: {}; surfaces go on behind them as their mirror images, and forces, areas and loads "
+            "are those "
+            "of the part that is meshed",
+            in_words(joint.symmetry_planes)));
 
   FoundContacts contacts = find_contacts(parts, parts.faults);
   append(joint.findings, contacts.findings);

@@ -32,12 +32,13 @@ Fault not_held(const ContactSide& in, int region, bool of_several, int cartilage
           setting_of(in, "attach", "BODY"), bodies.empty() ? "none" : bodies, setting_of(in, "bone", "SURFACE"),
           setting_of(in, "thickness"));
   std::string far;
-  for (const auto& [contact, tie] : parts.holders.far_ties) far += "; " + in_words(model, contact, tie);
-  return refusal_of(in,
-                    say("{} is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in "
-                        "x, y and z{});",
-                        of_several ? "one of its layer's parts" : "its layer", far),
-                    bones.empty() ? attach : say("take its bone as rigid with {}, or {}", bones, attach));
+  for (const auto& [contact, tie] : parts.holders.far_ties) far += in_words(model, contact, tie) + "; ";
+  return refusal_of(
+      in,
+      say("{}{} is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in "
+          "x, y and z);",
+          far, of_several ? "one of its layer's parts" : "its layer"),
+      bones.empty() ? attach : say("take its bone as rigid with {}, or {}", bones, attach));
 }
 
 Fault held_by_several(const ContactSide& in, const Support& support, const std::map<int, std::string>& holders) {
