@@ -393,7 +393,7 @@ void convert_contacts(const JointModel& model, ConversionPlan& plan) {
   for (const ContactPair& pair : plan.joint.contacts) {
     if (!plan.converted[at(pair.contact)]) continue;
     Contact& c = plan.target.contacts[at(pair.contact)];
-    const std::vector<SymmetryPlane>& planes = plan.joint.symmetry_planes;
+    const std::vector<SymmetryPlane>& planes = pair.layers[0].planes;
     plan.changes.push_back(fmt::format("contact \"{}\": type {} becomes dea, law {}, facets {}, source {}, refine {}{}",
                                        c.name, c.type, name(pair.law), name(pair.facets),
                                        pair.source == 0 ? "primary" : "secondary", pair.refine,
@@ -534,6 +534,12 @@ ConversionPlan plan_conversion(const JointModel& model, const Settings& settings
     if (all_dea && c.dea)
       throw fault_at(model, c.origin, fmt::format("contact \"{}\" is of type dea already: nothing to convert", c.name));
   plan.joint = make_joint(model, settings);
+  if (!plan.joint.symmetry_planes.empty() && !settings.placements.empty())
+    throw UsageError(Fault{
+        .found = say("bodies are placed by --rotate or --move, and the model has planes of symmetry ({}), at which "
+                     "its surfaces would no longer end;",
+                     in_words(plan.joint.symmetry_planes)),
+        .expected = "convert the model as it is"});
   plan.target = model;
   choose_contacts(model, settings, plan);
 

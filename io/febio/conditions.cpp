@@ -411,8 +411,10 @@ void initial_condition(Draft& draft, const Component& component) {
     ignore(draft, component.origin, "initial conditions");
 }
 
+constexpr double kNoReach = 1e-300;  // what a search radius of 0 ties: nothing, where 0 is no limit
+
 double tie_reach(const Draft& draft, const Component& component) {
-  return ties_by_search_radius(component.type) ? number_of(draft, component, "search_radius", 1.0)
+  return ties_by_search_radius(component.type) ? std::max(number_of(draft, component, "search_radius", 1.0), kNoReach)
                                                : number_of(draft, component, "max_distance", 0.0);
 }
 

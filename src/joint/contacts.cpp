@@ -17,6 +17,7 @@
 #include <febiodea/joint/half_held.h>
 #include <febiodea/joint/left_out.h>
 #include <febiodea/joint/make_layer.h>
+#include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
 
@@ -227,7 +228,7 @@ std::string compartments_note(const std::string& surface, const Compartments& co
 
 /// Edges of the rim that count as a plane of symmetry where no such plane was found.
 int walls_alone(const ModelParts& parts, const Layer& layer) {
-  const std::vector<unsigned char>& in_plane = parts.holders.in_plane;
+  const std::vector<unsigned char> in_plane = nodes_in_planes(parts.model.nodes, layer.planes);
   int count = 0;
   for (const LayerFace::Edge& e : layer.face.edges) {
     if (e.rim != Rim::Wall || e.shared) continue;

@@ -211,7 +211,6 @@ void note_planes(const JointModel& model, const std::vector<int>& region, Holder
   std::vector<char> on_bone;
   for (const auto& bodies : holders.of_node) on_bone.push_back(!bodies.empty());
   holders.planes = find_symmetry_planes(model, region, holders.mirror, on_bone);
-  holders.in_plane = nodes_in_planes(model.nodes, holders.planes);
 }
 
 }  // namespace

@@ -28,9 +28,7 @@ struct Holders {
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
   std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all
-  std::vector<SymmetryPlane> planes;  ///< of symmetry, sorted
-  std::vector<unsigned char>
-      in_plane;  ///< per node, held or not: bit k set, in such a plane across axis k; empty: no plane
+  std::map<int, std::vector<SymmetryPlane>> planes;  ///< of symmetry: region -> where it ends and is held
 };
 
 std::string in_words(const JointModel& model, int contact, const FarTie& far);

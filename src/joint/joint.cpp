@@ -166,15 +166,15 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   append(joint.findings, liberties(model, settings));
   append(joint.findings, given_values_in_words(parts));
 
-  joint.symmetry_planes = parts.holders.planes;
+  FoundContacts contacts = find_contacts(parts, parts.faults);
+  for (const ContactPair& pair : contacts.contacts)
+    for (const Layer& layer : pair.layers) add_planes(model, layer.planes, joint.symmetry_planes);
   if (!joint.symmetry_planes.empty())
     joint.findings.push_back(
         say("planes of symmetry: {}; surfaces go on behind them as their mirror images, and forces, areas and loads "
             "are those "
             "of the part that is meshed",
             in_words(joint.symmetry_planes)));
-
-  FoundContacts contacts = find_contacts(parts, parts.faults);
   append(joint.findings, contacts.findings);
   found.faults = std::move(contacts.faults);
   if (!found.faults.empty()) return found;

@@ -56,8 +56,9 @@ struct Layer {
   std::string thickness_from;     ///< the user's file of thickness per node; empty: none
   double thickness_scale = 1.0;   ///< thickness is what was measured or given times this
   std::vector<unsigned char>
-      mirror;                     ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
-  std::vector<int> region_nodes;  ///< nodes of the deformable elements of the layer
+      mirror;  ///< per articular vertex: bit k set, held in component k alone: on a symmetry plane
+  std::vector<SymmetryPlane> planes;  ///< of symmetry, of its contact: surfaces go on behind them
+  std::vector<int> region_nodes;      ///< nodes of the deformable elements of the layer
   std::vector<FaceKind> facet_kinds;  ///< per facet: all but Open are left out; empty: all are kept
   std::vector<char> turned;           ///< of a bare surface, per facet: it looks the other way than the model winds it
   std::unordered_map<int, int> stands_for;  ///< of a bare surface: node -> the one at its place that `articular` has

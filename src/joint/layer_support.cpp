@@ -32,7 +32,13 @@ Fault not_held(const ContactSide& in, int region, bool of_several, int cartilage
           setting_of(in, "attach", "BODY"), bodies.empty() ? "none" : bodies, setting_of(in, "bone", "SURFACE"),
           setting_of(in, "thickness"));
   std::string far;
-  for (const auto& [contact, tie] : parts.holders.far_ties) far += in_words(model, contact, tie) + "; ";
+  const auto of_region = [&](int s) {
+    const std::vector<int>& nodes = model.surfaces[at(s)].nodes;
+    return std::any_of(nodes.begin(), nodes.end(), [&](int node) { return parts.region[at(node)] == region; });
+  };
+  for (const auto& [contact, tie] : parts.holders.far_ties)
+    if (of_region(model.contacts[at(contact)].primary) || of_region(model.contacts[at(contact)].secondary))
+      far += in_words(model, contact, tie) + "; ";
   return refusal_of(
       in,
       say("{}{} is held by no rigid body (no shared nodes, rigid node set, tied contact or nodes fixed in "

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include <febiodea/base/numbers.h>
@@ -41,42 +42,61 @@ struct End {
 
 }  // namespace
 
-std::vector<SymmetryPlane> find_symmetry_planes(const JointModel& model, const std::vector<int>& region,
-                                                const std::vector<unsigned char>& held,
-                                                const std::vector<char>& on_bone) {
+std::map<int, std::vector<SymmetryPlane>> find_symmetry_planes(const JointModel& model, const std::vector<int>& region,
+                                                               const std::vector<unsigned char>& held,
+                                                               const std::vector<char>& on_bone) {
+  if (std::all_of(held.begin(), held.end(), [](unsigned char bits) { return bits == 0; })) return {};
   const double tolerance = same_plane(model.nodes);
-  std::vector<SymmetryPlane> planes;
-  for (const Contact& c : model.contacts)
-    if (c.dea)
-      for (const SymmetryPlane& plane : c.dea->symmetry_planes) add(planes, plane, tolerance);
-  if (std::any_of(held.begin(), held.end(), [](unsigned char bits) { return bits != 0; })) {
-    std::map<int, std::array<Vector3d, 2>> box;  // of each part
-    for (std::size_t i = 0; i < region.size(); ++i) {
-      if (region[i] < 0) continue;
-      const Vector3d& x = model.nodes[i];
-      auto& ends = box.try_emplace(region[i], std::array<Vector3d, 2>{x, x}).first->second;
-      ends = {ends[0].cwiseMin(x), ends[1].cwiseMax(x)};
-    }
-    std::map<std::tuple<int, int, int>, End> found;  // part, axis, lower or upper
-    for (std::size_t i = 0; i < region.size(); ++i) {
-      if (region[i] < 0 || on_bone[i]) continue;
-      for (int axis = 0; axis < 3; ++axis)
-        for (int upper = 0; upper < 2; ++upper) {
-          const double at_end = box.at(region[i])[static_cast<std::size_t>(upper)][axis];
-          if (!(std::abs(model.nodes[i][axis] - at_end) <= tolerance)) continue;
-          End& end = found[{region[i], axis, upper}];
-          end.at = at_end;
-          ++end.nodes;
-          end.held += held[i] >> axis & 1;
-        }
-    }
-    constexpr int kLeastNodes = 3;  // fewer make no plane
-    for (const auto& [key, end] : found)
-      if (end.held >= kLeastNodes && 2 * end.held >= end.nodes) add(planes, {std::get<1>(key), end.at}, tolerance);
+  std::map<int, std::vector<SymmetryPlane>> planes;
+  std::map<int, std::array<Vector3d, 2>> box;  // of each part
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    if (region[i] < 0) continue;
+    const Vector3d& x = model.nodes[i];
+    auto& ends = box.try_emplace(region[i], std::array<Vector3d, 2>{x, x}).first->second;
+    ends = {ends[0].cwiseMin(x), ends[1].cwiseMax(x)};
   }
+  std::map<std::tuple<int, int, int>, End> found;  // part, axis, lower or upper
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    if (region[i] < 0 || on_bone[i]) continue;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int upper = 0; upper < 2; ++upper) {
+        const double at_end = box.at(region[i])[static_cast<std::size_t>(upper)][axis];
+        if (!(std::abs(model.nodes[i][axis] - at_end) <= tolerance)) continue;
+        End& end = found[{region[i], axis, upper}];
+        end.at = at_end;
+        ++end.nodes;
+        end.held += held[i] >> axis & 1;
+      }
+  }
+  constexpr int kLeastNodes = 3;  // fewer make no plane
+  for (const auto& [key, end] : found)
+    if (end.held >= kLeastNodes && 2 * end.held >= end.nodes)
+      add(planes[std::get<0>(key)], {std::get<1>(key), end.at}, tolerance);
+  return planes;
+}
+
+void add_planes(const JointModel& model, const std::vector<SymmetryPlane>& more, std::vector<SymmetryPlane>& planes) {
+  const double tolerance = same_plane(model.nodes);
+  for (const SymmetryPlane& plane : more) add(planes, plane, tolerance);
   std::sort(planes.begin(), planes.end(), [](const SymmetryPlane& a, const SymmetryPlane& b) {
     return std::tie(a.axis, a.at) < std::tie(b.axis, b.at);
   });
+}
+
+std::vector<SymmetryPlane> planes_of_contact(const JointModel& model, const Contact& contact,
+                                             const std::vector<int>& region,
+                                             const std::map<int, std::vector<SymmetryPlane>>& of_region) {
+  std::vector<SymmetryPlane> planes;
+  if (contact.dea) add_planes(model, contact.dea->symmetry_planes, planes);
+  if (of_region.empty()) return planes;
+  std::set<int> regions;
+  for (const int s : {contact.primary, contact.secondary})
+    if (s >= 0)
+      for (const int node : model.surfaces[at(s)].nodes) regions.insert(region[at(node)]);
+  for (const int r : regions) {
+    const auto found = of_region.find(r);
+    if (found != of_region.end()) add_planes(model, found->second, planes);
+  }
   return planes;
 }
 
