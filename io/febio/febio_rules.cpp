@@ -226,13 +226,6 @@ std::string word_advice(WordOf place, const std::string& word) {
                      name_list(listed, meant, 12), words.otherwise);
 }
 
-std::vector<int> nodes_of_surface(const Surface& surface) {
-  std::vector<int> nodes = surface.nodes;
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
-}
-
 int plane_axis(const JointModel& model, const Surface& surface) {
   int axis = -1;
   const SurfaceMesh mesh = make_surface_mesh(surface.begin, surface.nodes, model.nodes);
@@ -263,10 +256,6 @@ Sentence load_advice(const std::string& tag, const std::string& type) {
              : "DEA takes loads on rigid bodies and on their nodes: give it as one of these, or take it out";
 }
 
-bool ties_by_search_radius(const std::string& type) {
-  return one_of(type, Names{"tied-elastic", "tied-biphasic", "tied-multiphasic"});
-}
-
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type) {
   const bool unlimited = one_of(type, Names{"sliding-facet-on-facet", "facet-to-facet sliding", "sliding-node-on-facet",
                                             "sliding_with_gaps", "sliding"});
@@ -274,6 +263,7 @@ std::vector<ContactParameter> unused_contact_parameters(const std::string& type)
                                           {"mu", 0},
                                           {"tension", 0},
                                           {"offset", 0},
+                                          {"search_radius", unlimited ? 0.0 : 1.0},
                                           {"node_reloc", 0},
                                           {"flip_primary", 0},
                                           {"flip_secondary", 0},
@@ -282,7 +272,8 @@ std::vector<ContactParameter> unused_contact_parameters(const std::string& type)
                                           {"offset_shells", 0},
                                           {"contact_frac", 0},
                                           {"max_traction", 0}};
-  if (!ties_by_search_radius(type)) unused.insert(unused.begin() + 4, {"search_radius", unlimited ? 0.0 : 1.0});
+  if (ties_by_search_radius(type))
+    std::erase_if(unused, [](const ContactParameter& p) { return std::string_view(p.name) == "search_radius"; });
   return unused;
 }
 

@@ -39,8 +39,6 @@ std::string word_advice(WordOf place, const std::string& word);
 /// The axis (0, 1, 2) that a surface is at right angles to: a symmetry plane there holds its nodes in that component.
 /// -1: it is curved, or no axis is.
 int plane_axis(const JointModel& model, const Surface& surface);
-/// Each once, in order.
-std::vector<int> nodes_of_surface(const Surface& surface);
 inline constexpr const char* kPlaneAdvice =
     "DEA knows planes of symmetry at right angles to x, y or z, on a surface of the model: turn the model, or hold the "
     "plane's nodes in one component (zero displacement)";
@@ -54,8 +52,6 @@ struct ContactParameter {
   double usual;
 };
 std::vector<ContactParameter> unused_contact_parameters(const std::string& type);
-/// Ties whose search_radius is a length that gaps must be shorter than (FENormalProjection::Project2).
-bool ties_by_search_radius(const std::string& type);
 
 /// What stands in <primary_thickness> or <secondary_thickness> of a contact of type dea. `type`: the attribute. Without
 /// one it is a number where it can be read as one, or seems to be meant as one (1,8), and else the name of a map.

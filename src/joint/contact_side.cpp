@@ -1,18 +1,25 @@
 #include <febiodea/joint/contact_side.h>
 
+#include <utility>
+
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
+#include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
 
 ContactSide contact_side(const ModelParts& parts, const Contact& contact, int side) {
   const int index = side == 0 ? contact.primary : contact.secondary;
+  std::vector<SymmetryPlane> planes = planes_of_contact(parts.model, contact, parts.region, parts.holders.planes);
+  std::vector<unsigned char> in_plane = nodes_in_planes(parts.model.nodes, planes);
   return {parts,
           contact,
           side,
           index,
           parts.model.surfaces[at(index)],
-          given_layer(parts.model, parts.settings, contact, side)};
+          given_layer(parts.model, parts.settings, contact, side),
+          std::move(planes),
+          std::move(in_plane)};
 }
 
 Fault refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected) {

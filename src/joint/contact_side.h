@@ -14,6 +14,8 @@ struct ContactSide {
   int index;  ///< of the surface
   const Surface& surface;
   GivenLayer given;
+  std::vector<SymmetryPlane> planes;    ///< of the contact
+  std::vector<unsigned char> in_plane;  ///< per node: as make_surface_mesh has it
 };
 ContactSide contact_side(const ModelParts& parts, const Contact& contact, int side);
 

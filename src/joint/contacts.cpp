@@ -17,7 +17,6 @@
 #include <febiodea/joint/half_held.h>
 #include <febiodea/joint/left_out.h>
 #include <febiodea/joint/make_layer.h>
-#include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
 
@@ -227,15 +226,14 @@ std::string compartments_note(const std::string& surface, const Compartments& co
 }
 
 /// Edges of the rim that count as a plane of symmetry where no such plane was found.
-int walls_alone(const ModelParts& parts, const Layer& layer) {
-  const std::vector<unsigned char> in_plane = nodes_in_planes(parts.model.nodes, layer.planes);
+int walls_alone(const LayerFace& face) {
+  const SurfaceMesh& mesh = face.mesh;
   int count = 0;
-  for (const LayerFace::Edge& e : layer.face.edges) {
+  for (const LayerFace::Edge& e : face.edges) {
     if (e.rim != Rim::Wall || e.shared) continue;
-    const auto& tri = layer.face.mesh.triangles[at(e.triangle)];
-    const int a = layer.face.mesh.model_nodes[at(tri[at(e.edge)])],
-              b = layer.face.mesh.model_nodes[at(tri[at((e.edge + 1) % 3)])];
-    count += in_plane.empty() || (in_plane[at(a)] & in_plane[at(b)]) == 0;
+    const auto& tri = mesh.triangles[at(e.triangle)];
+    count +=
+        mesh.planes.empty() || (mesh.planes[at(tri[at(e.edge)])] & mesh.planes[at(tri[at((e.edge + 1) % 3)])]) == 0;
   }
   return count;
 }
@@ -255,7 +253,7 @@ std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer
     findings.push_back(
         say("surface \"{}\": deformable shells {} cover its cartilage; their stiffness and thickness are left out",
             surface.name, shells));
-  const int alone = walls_alone(parts, layer);
+  const int alone = walls_alone(layer.face);
   if (alone > 0)
     findings.push_back(say(
         "surface \"{}\": {} edges of its rim are held across an axis, but less than half of the layer's nodes in that "

@@ -141,14 +141,6 @@ struct TiedNode {
   int node, soft;  // soft: that part, -1: none
 };
 
-/// Each once.
-std::vector<int> nodes_of(const Surface& surface) {
-  std::vector<int> nodes = surface.nodes;
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
-}
-
 std::vector<TiedNode> tied_nodes(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
                                  Holders& holders, const std::vector<Tie>& ties) {
   std::vector<TiedNode> tied;
@@ -157,7 +149,7 @@ std::vector<TiedNode> tied_nodes(const JointModel& model, const Bodies& bodies, 
     if (mesh.size() == 0) continue;
     const RayCaster caster(mesh);
     FarTie far;
-    for (int node : nodes_of(*tie.surface)) {
+    for (int node : nodes_of_surface(*tie.surface)) {
       const Vector3d& x = model.nodes[at(node)];
       const SurfacePoint closest = caster.closest(x);
       if (!lies_over(mesh, closest, x)) continue;
@@ -217,13 +209,11 @@ void note_planes(const JointModel& model, const std::vector<int>& region, Holder
 
 std::string in_words(const JointModel& model, int contact, const FarTie& far) {
   const Contact& c = model.contacts[at(contact)];
-  const bool radius = c.type == "tied-elastic" || c.type == "tied-biphasic" || c.type == "tied-multiphasic";
   return fmt::format(
       "contact \"{}\" of type {} reaches {:g}, and {} of {} nodes lie {:.4g} or more from the surface they would be "
-      "tied "
-      "to: they are not tied, in FEBio neither; if they are to be, write {} into it",
+      "tied to: they are not tied, in FEBio neither; if they are to be, write {} into it",
       c.name, c.type, c.max_distance, far.nodes, far.of, far.nearest,
-      radius ? "a larger <search_radius> (1 if it is not given)" : "a larger <max_distance>");
+      ties_by_search_radius(c.type) ? "a larger <search_radius> (1 if it is not given)" : "a larger <max_distance>");
 }
 
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,

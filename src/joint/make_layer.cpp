@@ -18,22 +18,11 @@
 #include <febiodea/joint/layer_material.h>
 #include <febiodea/joint/layer_support.h>
 #include <febiodea/joint/left_out.h>
-#include <febiodea/joint/symmetry_planes.h>
 #include <febiodea/joint/thickness.h>
 
 namespace dea {
 
 namespace {
-
-std::vector<SymmetryPlane> planes_of(const ContactSide& in) {
-  const ModelParts& parts = in.parts;
-  return planes_of_contact(parts.model, in.contact, parts.region, parts.holders.planes);
-}
-
-/// Per node of the model: as make_surface_mesh has it.
-std::vector<unsigned char> in_planes(const ContactSide& in) {
-  return nodes_in_planes(in.parts.model.nodes, planes_of(in));
-}
 
 /// A layer in the making.
 struct LayerDraft {
@@ -97,7 +86,7 @@ std::vector<Fault> leave_out_facets(const ContactSide& in, const CarriedSurface&
                        say("select the articular face alone, or take all facets as they are with {}",
                            NamedSetting{"keep-facets", "", s.name}))};
   const FacetList kept = kept_facets(carried.facets, kinds);
-  layer.articular = make_surface_mesh(kept.begin, kept.nodes, in.parts.model.nodes, nullptr, in_planes(in));
+  layer.articular = make_surface_mesh(kept.begin, kept.nodes, in.parts.model.nodes, nullptr, in.in_plane);
   if (facets_of(in.parts.settings, in.contact) == Facets::Flat) flatten(layer.articular);
   return {};
 }
@@ -118,8 +107,7 @@ std::vector<char> held_by(const ModelParts& parts, int body) {
 SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, const CarriedSurface& carried,
                        const LayerBoundary& boundary, const SurfaceMesh& all_articular) {
   const JointModel& model = in.parts.model;
-  const std::vector<unsigned char> planes = in_planes(in);
-  SurfaceMesh bone = make_surface_mesh(bone_facets.begin, bone_facets.nodes, model.nodes, nullptr, planes);
+  SurfaceMesh bone = make_surface_mesh(bone_facets.begin, bone_facets.nodes, model.nodes, nullptr, in.in_plane);
   const FacetList above = kept_facets(carried.facets, kinds_of(boundary, carried.facets));
   SurfaceMesh articular = make_surface_mesh(above.begin, above.nodes, model.nodes);
   if (articular.size() == 0) articular = all_articular;
@@ -128,7 +116,7 @@ SurfaceMesh named_bone(const ContactSide& in, const FacetList& bone_facets, cons
   for (int t = 0; t < bone.size(); ++t)
     towards += bone.areas[at(t)] *
                bone.normals[at(t)].dot(position(articular, caster.closest(bone.centroid(t))) - bone.centroid(t));
-  return towards < 0 ? turned_round(bone, model.nodes, planes) : bone;
+  return towards < 0 ? turned_round(bone, model.nodes, in.in_plane) : bone;
 }
 
 /// A layer on another deformable part, by a tie: what is bonded to bone is that part's other side. Taken for bone
@@ -187,7 +175,7 @@ void find_bone(const ContactSide& in, const CarriedSurface& carried, const std::
     }
     draft.layer.bone = named_bone(in, bone.facets, carried, draft.boundary, draft.layer.articular);
   } else {
-    draft.layer.bone = bonded_surface(model, draft.boundary, in_planes(in));
+    draft.layer.bone = bonded_surface(model, draft.boundary, in.in_plane);
   }
   if (draft.layer.bone.size() > 0)
     find_side_walls(model, draft.layer.bone, draft.boundary);
@@ -450,7 +438,7 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
   LayerDraft draft;
   Layer& layer = draft.layer;
   layer.surface = in.index;
-  layer.planes = planes_of(in);
+  layer.planes = in.planes;
   layer.springs_at = in.parts.settings.springs_at;
   std::vector<int> zero;
   if (carried.turned > 0)
@@ -470,7 +458,7 @@ LayerDraft begin(const ContactSide& in, const CarriedSurface& carried, const Sup
     layer.stands_for = std::move(bare.stands_for);
     if (!bare.note.empty()) layer.notes.push_back(bare.note);
   }
-  layer.articular = make_surface_mesh(facets.begin, facets.nodes, in.parts.model.nodes, &zero, in_planes(in));
+  layer.articular = make_surface_mesh(facets.begin, facets.nodes, in.parts.model.nodes, &zero, in.in_plane);
   if (!zero.empty()) {
     draft.faults = {refusal_of(in, say("facet {} has no area ({} such facets);", zero.front() + 1, zero.size()),
                                "repair the mesh")};

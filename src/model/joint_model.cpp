@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace dea {
 
 std::string where(const JointModel& model, Origin origin) {
@@ -18,6 +20,17 @@ Fault make_fault(const JointModel& model, Origin origin, Sentence found, Sentenc
 
 InputError fault_at(const JointModel& model, Origin origin, Sentence found, Sentence expected) {
   return InputError(make_fault(model, origin, std::move(found), std::move(expected)));
+}
+
+std::vector<int> nodes_of_surface(const Surface& surface) {
+  std::vector<int> nodes = surface.nodes;
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+bool ties_by_search_radius(const std::string& type) {
+  return type == "tied-elastic" || type == "tied-biphasic" || type == "tied-multiphasic";
 }
 
 bool double_contact(const Contact& a, const Contact& b) {

@@ -380,6 +380,13 @@ InputError fault_at(const JointModel& model, Origin origin, Sentence found, Sent
 /// Do conditions of these steps (-1: all) act at the same time?
 inline bool at_same_time(int step, int other) { return step == other || step < 0 || other < 0; }
 
+/// Nodes of its facets, each once, in order.
+std::vector<int> nodes_of_surface(const Surface& surface);
+
+/// Ties whose search_radius is a length that gaps must be shorter than (FENormalProjection::Project2); of others
+/// max_distance is, where FEBio knows it.
+bool ties_by_search_radius(const std::string& type);
+
 /// Do two contacts join the same surfaces at the same time? They would share the load between them.
 bool double_contact(const Contact& a, const Contact& b);
 
