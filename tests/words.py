@@ -93,8 +93,15 @@ with tempfile.TemporaryDirectory() as temporary:
     check(knee, ["11 springs or ligaments joined bodies", '"femur", "tibia" and "patella" were rigid'], ["cable", "ideal joint"], "dea cite knee.feb")
     check(run("cite", samples / "sphere_on_flat/sphere_on_flat.feb"), ["was rigid, without cartilage"], ["in series", "springs or ligaments"], "dea cite sphere_on_flat.feb")
 
-    # A model that is refused has no paragraph
+    # Cut where x is least: a plane of symmetry
     text = (samples / "sphere_on_flat/sphere_on_flat.feb").read_text()
+    nodes = [(number, float(x)) for number, x in re.findall(r'<node id="(\d+)">([^,<]+),', text)]
+    edge = ",".join(number for number, x in nodes if x == min(x for _, x in nodes))
+    (folder / "cut.feb").write_text(text.replace("</Mesh>", f'<NodeSet name="cut">{edge}</NodeSet></Mesh>').replace(
+        "</febio_spec>", '<Boundary><bc type="zero displacement" node_set="cut"><x_dof>1</x_dof></bc></Boundary></febio_spec>'))
+    check(run("cite", folder / "cut.feb"), ["cut at planes of symmetry (x = ", "part that was meshed"], of="dea cite cut.feb")
+
+    # A model that is refused has no paragraph
     (folder / "bad.feb").write_text(text.replace("<rb>sphere</rb>", "<rb>spere</rb>", 1))
     refused = run("cite", folder / "bad.feb", code=3)
     check(refused, ['did you mean "sphere"?'], of="dea cite bad.feb")

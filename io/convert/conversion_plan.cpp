@@ -449,15 +449,16 @@ bool same_face(const Layer& a, const Layer& b, Law law) {
          std::equal(a.face.edges.begin(), a.face.edges.end(), b.face.edges.begin(), b.face.edges.end(), same_edge);
 }
 
+std::vector<std::array<int, 2>> walls_of(const Layer& layer) {
+  std::vector<std::array<int, 2>> found;
+  for (const LayerFace::Edge& e : layer.face.edges)
+    if (e.rim == Rim::Wall) found.push_back({e.triangle, e.edge});
+  return found;
+}
+
 /// Is the rim between the mirror images' planes and the rest the same? With law layer only.
 bool same_walls(const Layer& a, const Layer& b, Law law) {
-  const auto walls = [](const Layer& layer) {
-    std::vector<std::array<int, 2>> found;
-    for (const LayerFace::Edge& e : layer.face.edges)
-      if (e.rim == Rim::Wall) found.push_back({e.triangle, e.edge});
-    return found;
-  };
-  return law != Law::Layer || a.face.mesh.triangles != b.face.mesh.triangles || walls(a) == walls(b);
+  return law != Law::Layer || a.face.mesh.triangles != b.face.mesh.triangles || walls_of(a) == walls_of(b);
 }
 
 /// What is left out of a surface and what is beyond its rim is read from the elements and their bone. Where these can
@@ -486,10 +487,11 @@ void check_faces(const JointModel& model, const Settings& settings, ConversionPl
       if (!same_walls(layer, same->layers[side], pair.law))
         throw fault_at(
             model, surface.origin,
-            say("surface \"{}\": its cartilage is held across a plane in part only, and a contact of type dea "
-                "knows whole planes of symmetry:",
-                surface.name),
-            say("hold all its nodes in the plane, or none, or convert with {}", kLinear));
+            say("surface \"{}\": {} edges of its rim are held across an axis, as a plane of symmetry holds them, and "
+                "of "
+                "{} a contact of type dea that knows planes alone would say so:",
+                surface.name, walls_of(layer).size(), walls_of(same->layers[side]).size()),
+            say("hold all nodes of the layer in the plane where it ends, or none, or convert with {}", kLinear));
       const auto left_out = static_cast<std::ptrdiff_t>(layer.facet_kinds.size()) -
                             std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open);
       if (left_out > 0)

@@ -13,6 +13,22 @@ BadValue bad_value(const std::string& found, const std::string& expected, const 
   return BadValue(fmt::format("found \"{}\"{}, expected {}", found, did_you_mean(found, words), expected));
 }
 
+namespace {
+
+/// 1,5 where 1.5 is meant.
+bool has_decimal_comma(std::string word) {
+  const std::size_t comma = word.find(',');
+  if (comma == std::string::npos || comma == 0 || word.find_first_of(",.", comma + 1) != std::string::npos ||
+      word.find('.') != std::string::npos)
+    return false;
+  word[comma] = '.';
+  double number = 0.0;
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
+  return result.ec == std::errc() && result.ptr == word.data() + word.size();
+}
+
+}  // namespace
+
 double parse_number(const std::string& text) {
   const std::string word = trimmed(text);
   const char* begin = word.data();
@@ -20,7 +36,8 @@ double parse_number(const std::string& text) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') ++begin;  // from_chars knows no plus sign
   double number = 0.0;
   const auto result = std::from_chars(begin, end, number);
-  if (result.ec != std::errc() || result.ptr != end || !std::isfinite(number)) throw bad_value(text, "a number");
+  if (result.ec != std::errc() || result.ptr != end || !std::isfinite(number))
+    throw bad_value(text, has_decimal_comma(word) ? "a number with a decimal point" : "a number");
   return number;
 }
 

@@ -238,6 +238,15 @@ int walls_alone(const LayerFace& face) {
   return count;
 }
 
+std::vector<PartEnd> ends_of(const ModelParts& parts, const Layer& layer) {
+  std::set<int> regions;
+  for (const int node : layer.region_nodes) regions.insert(parts.region[at(node)]);
+  std::vector<PartEnd> ends;
+  for (const PartEnd& end : parts.holders.ends)
+    if (regions.count(end.region) > 0) ends.push_back(end);
+  return ends;
+}
+
 /// What the user should know of a layer.
 std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer) {
   const Surface& surface = parts.model.surfaces[at(layer.surface)];
@@ -314,7 +323,10 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
   if (auto fault = too_thin_for_layer_law(model, c, pair)) return fault;
   find_selected_faces(parts, pair);
   for (Layer& layer : pair.layers)
-    if (!layer.rigid) layer.half_held = half_held_planes(parts, layer);
+    if (!layer.rigid) {
+      layer.half_held = half_held_planes(parts, layer);
+      layer.ends = ends_of(parts, layer);
+    }
   for (const Layer& layer : pair.layers) {
     const std::vector<Sentence> findings = layer_findings(parts, layer);
     found.findings.insert(found.findings.end(), findings.begin(), findings.end());

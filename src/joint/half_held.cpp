@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
 
@@ -28,10 +29,9 @@ PlaneNodes nodes_in(const ModelParts& parts, const Layer& layer, int component, 
 }  // namespace
 
 std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer& layer) {
-  constexpr double kSamePlane = 1e-6;  // of the surface's own size; the coordinates of a file have less noise
-  constexpr double kInto = 0.7;        // the face must run into the plane, not along it
+  constexpr double kInto = 0.7;  // the face must run into the plane, not along it
   const SurfaceMesh& mesh = layer.face.mesh;
-  const double tolerance = kSamePlane * std::sqrt(surface_extent(mesh).area);
+  const double tolerance = same_plane(parts.model);
   std::vector<HalfHeldPlane> planes;
   for (const LayerFace::Edge& e : layer.face.edges) {
     const Vector3d &a = mesh.corner(e.triangle, e.edge), &b = mesh.corner(e.triangle, (e.edge + 1) % 3);

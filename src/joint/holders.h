@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <febiodea/joint/bodies.h>
+#include <febiodea/joint/symmetry_planes.h>
 #include <febiodea/model/joint_model.h>
 
 namespace dea {
@@ -28,6 +29,7 @@ struct Holders {
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
   std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all
+  std::vector<PartEnd> ends;          ///< of deformable parts, at which nodes are held
   std::map<int, std::vector<SymmetryPlane>> planes;  ///< of symmetry: region -> where it ends and is held
 };
 

@@ -171,9 +171,8 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
     for (const Layer& layer : pair.layers) add_planes(model, layer.planes, joint.symmetry_planes);
   if (!joint.symmetry_planes.empty())
     joint.findings.push_back(
-        say("planes of symmetry: {}; surfaces go on behind them as their mirror images, and forces, areas and loads "
-            "are those "
-            "of the part that is meshed",
+        say("planes of symmetry, or walls without friction: {}; surfaces go on behind them as their mirror images, and "
+            "forces, areas and loads are those of the part that is meshed",
             in_words(joint.symmetry_planes)));
   append(joint.findings, contacts.findings);
   found.faults = std::move(contacts.faults);

@@ -8,6 +8,7 @@
 #include <febiodea/base/fault.h>
 #include <febiodea/geometry/surface_mesh.h>
 #include <febiodea/joint/layer_face.h>
+#include <febiodea/joint/symmetry_planes.h>
 #include <febiodea/model/elasticity.h>
 #include <febiodea/model/settings.h>
 
@@ -64,6 +65,7 @@ struct Layer {
   std::unordered_map<int, int> stands_for;  ///< of a bare surface: node -> the one at its place that `articular` has
   std::vector<BareRimEdge> bare_rim;        ///< of a bare surface
   std::vector<HalfHeldPlane> half_held;     ///< of a layer
+  std::vector<PartEnd> ends;                ///< of its deformable part, at which nodes are held
   Compartments compartments;
   std::vector<Sentence> notes;  ///< what the user should know of it, a sentence each
   LayerFace face;               ///< of a layer whose springs stand on the articular surface; else empty

@@ -381,6 +381,51 @@ std::vector<Fault> find_thickness(const ContactSide& in, Layer& layer) {
   return {};
 }
 
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A bone surface that the user names need not be of the layer's own elements. A gap between them counts as cartilage.
+Sentence gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried, const LayerBoundary& boundary,
+                           const Layer& layer) {
+  constexpr double kSame = 0.1;  // of the elements' own thickness
+  const std::string name = said_of(in.parts.settings.bone, in.surface.name);
+  if (name.empty() || layer.thickness_given || layer.springs_at == SpringsAt::Bone) return {};
+  std::set<FaceKey> selected;
+  for (int f = 0; f < carried.facets.size(); ++f)
+    selected.insert(face_key(carried.facets.nodes.data() + carried.facets.begin[at(f)],
+                             facet_corners(carried.facets.begin[at(f + 1)] - carried.facets.begin[at(f)])));
+  FacetList others;  // looking into the layer, as a bone does
+  for (int f = 0; f < boundary.faces.size(); ++f) {
+    const auto first = boundary.faces.nodes.begin() + boundary.faces.begin[at(f)],
+               last = boundary.faces.nodes.begin() + boundary.faces.begin[at(f + 1)];
+    if (selected.count(face_key(&*first, facet_corners(static_cast<int>(last - first)))) == 0)
+      others.add({first, last});
+  }
+  const SurfaceMesh outwards =
+      make_surface_mesh(others.begin, others.nodes, in.parts.model.nodes, nullptr, in.in_plane);
+  if (outwards.size() == 0) return {};
+  const MeasuredThickness own =
+      measure_thickness(layer.articular, turned_round(outwards, in.parts.model.nodes, in.in_plane));
+  std::vector<double> of_elements, measured;
+  for (std::size_t v = 0; v < own.thickness.size(); ++v) {
+    if (own.missed[v] || layer.missed[v] || !(own.thickness[v] > 0)) continue;  // beside a side wall
+    of_elements.push_back(own.thickness[v]);
+    measured.push_back(layer.thickness[v]);
+  }
+  if (of_elements.empty()) return {};
+  const double thick = median(of_elements), taken = median(measured);
+  if (std::abs(taken - thick) <= kSame * thick) return {};
+  return say(
+      "surface \"{}\": up to bone surface \"{}\" its cartilage is {:.3g} thick (the median), but its own "
+      "elements are {:.3g}: {}; if that is not meant, name the face of its own elements with {}",
+      in.surface.name, name, taken, thick,
+      taken > thick ? "the gap between them counts as cartilage" : "what lies beyond does not count",
+      setting_of(in, "bone", "SURFACE"));
+}
+
 /// Far thicker than the surface is wide: a slip of units or digits, with which numbers end in nothing.
 std::vector<Fault> too_thick(const ContactSide& in, const Layer& layer) {
   constexpr double kMostThickness = 1000.0;  // of the surface's width
@@ -489,6 +534,9 @@ void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elemen
   if (draft.faults.empty() && !on_elements && in.given.map && on_articular)
     draft.faults = take_rigid_elements(in, carried, draft);
   if (draft.faults.empty() && in.given.nodes != nullptr) layer.notes.push_back(nodes_in_words(in));
+  if (draft.faults.empty() && on_elements)
+    if (const Sentence gap = gap_to_named_bone(in, carried, draft.boundary, layer); !gap.empty())
+      layer.notes.push_back(gap);
   if (draft.faults.empty()) scale_thickness(in, layer);
   if (draft.faults.empty()) draft.faults = too_thick(in, layer);
   if (draft.faults.empty() && !layer.rigid && draft.boundary.faces.size() > 0 && on_articular)

@@ -15,18 +15,6 @@ namespace dea {
 
 namespace {
 
-/// Coordinates that differ by less are one: the coordinates of a file have less noise.
-double same_plane(const std::vector<Vector3d>& nodes) {
-  constexpr double kSamePlane = 1e-6;  // of the model's size
-  if (nodes.empty()) return 0.0;
-  Vector3d low = nodes.front(), high = low;
-  for (const Vector3d& x : nodes) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  return kSamePlane * (high - low).norm();
-}
-
 void add(std::vector<SymmetryPlane>& planes, const SymmetryPlane& plane, double tolerance) {
   const bool known = std::any_of(planes.begin(), planes.end(), [&](const SymmetryPlane& p) {
     return p.axis == plane.axis && std::abs(p.at - plane.at) <= tolerance;
@@ -34,49 +22,133 @@ void add(std::vector<SymmetryPlane>& planes, const SymmetryPlane& plane, double 
   if (!known) planes.push_back({plane.axis, std::abs(plane.at) <= tolerance ? 0.0 : plane.at});
 }
 
-/// The ends of a deformable part along an axis, and how many of its nodes there are held along it.
-struct End {
-  double at = 0.0;
-  int nodes = 0, held = 0;
+/// Nodes of a deformable part: where they end, and how many are held in each component elsewhere than there.
+struct PartNodes {
+  Vector3d low, high;
+  std::array<int, 3> held_inside = {};
 };
 
-}  // namespace
-
-std::map<int, std::vector<SymmetryPlane>> find_symmetry_planes(const JointModel& model, const std::vector<int>& region,
-                                                               const std::vector<unsigned char>& held,
-                                                               const std::vector<char>& on_bone) {
-  if (std::all_of(held.begin(), held.end(), [](unsigned char bits) { return bits == 0; })) return {};
-  const double tolerance = same_plane(model.nodes);
-  std::map<int, std::vector<SymmetryPlane>> planes;
-  std::map<int, std::array<Vector3d, 2>> box;  // of each part
+std::map<int, PartNodes> part_nodes(const JointModel& model, const std::vector<int>& region,
+                                    const std::vector<unsigned char>& held, const std::vector<char>& on_bone,
+                                    double tolerance) {
+  std::map<int, PartNodes> parts;
   for (std::size_t i = 0; i < region.size(); ++i) {
     if (region[i] < 0) continue;
     const Vector3d& x = model.nodes[i];
-    auto& ends = box.try_emplace(region[i], std::array<Vector3d, 2>{x, x}).first->second;
-    ends = {ends[0].cwiseMin(x), ends[1].cwiseMax(x)};
+    PartNodes& part = parts.try_emplace(region[i], PartNodes{x, x, {}}).first->second;
+    part.low = part.low.cwiseMin(x);
+    part.high = part.high.cwiseMax(x);
   }
-  std::map<std::tuple<int, int, int>, End> found;  // part, axis, lower or upper
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    if (region[i] < 0 || on_bone[i] || held[i] == 0) continue;
+    PartNodes& part = parts.at(region[i]);
+    for (int k = 0; k < 3; ++k) {
+      const double x = model.nodes[i][k];
+      part.held_inside[at(k)] += (held[i] >> k & 1) != 0 && x - part.low[k] > tolerance && part.high[k] - x > tolerance;
+    }
+  }
+  return parts;
+}
+
+/// The first step in which nodes of an end are held across it.
+int first_step(const JointModel& model, const std::vector<int>& nodes, int axis) {
+  std::vector<char> there(model.nodes.size(), 0);
+  for (const int node : nodes) there[at(node)] = 1;
+  int first = -1;
+  for (const FixedNodes& f : model.fixed_nodes) {
+    const int step = std::max(0, f.step);
+    if (!f.xyz[at(axis)] || (first >= 0 && step >= first)) continue;
+    if (std::any_of(f.nodes.begin(), f.nodes.end(), [&](int node) { return there[at(node)] != 0; })) first = step;
+  }
+  return std::max(0, first);
+}
+
+/// The component in which the nodes of an end are held, where not the whole part is: a plane held in the wrong one. -1:
+/// none.
+int held_instead(const PartNodes& part, const std::vector<int>& nodes, const std::vector<unsigned char>& held,
+                 int axis) {
+  for (int k = 0; k < 3; ++k) {
+    if (k == axis) continue;
+    const auto count =
+        std::count_if(nodes.begin(), nodes.end(), [&](int node) { return (held[at(node)] >> k & 1) != 0; });
+    if (10 * count >= 9 * static_cast<int>(nodes.size()) && 2 * count > part.held_inside[at(k)]) return k;
+  }
+  return -1;
+}
+
+constexpr int kLeastNodes = 3;  // fewer make no plane
+
+}  // namespace
+
+double same_plane(const JointModel& model) {
+  constexpr double kSamePlane = 1e-3;
+  double size = 0.0;
+  for (const Contact& c : model.contacts)
+    for (const int s : {c.primary, c.secondary}) {
+      if (s < 0 || model.surfaces[at(s)].size() == 0) continue;
+      const Surface& surface = model.surfaces[at(s)];
+      double sum = 0.0;
+      for (int f = 0; f < surface.size(); ++f) {
+        const int first = surface.begin[at(f)];
+        Vector3d low = model.nodes[at(surface.nodes[at(first)])], high = low;
+        for (int i = first; i < surface.begin[at(f + 1)]; ++i) {
+          low = low.cwiseMin(model.nodes[at(surface.nodes[at(i)])]);
+          high = high.cwiseMax(model.nodes[at(surface.nodes[at(i)])]);
+        }
+        sum += (high - low).norm();
+      }
+      const double mean = sum / surface.size();
+      if (mean > 0 && (size == 0.0 || mean < size)) size = mean;
+    }
+  return kSamePlane * size;
+}
+
+bool is_plane(const PartEnd& end) { return end.held >= kLeastNodes && 2 * end.held >= end.nodes; }
+
+std::vector<PartEnd> find_part_ends(const JointModel& model, const std::vector<int>& region,
+                                    const std::vector<unsigned char>& held, const std::vector<char>& on_bone) {
+  if (std::all_of(held.begin(), held.end(), [](unsigned char bits) { return bits == 0; })) return {};
+  const double tolerance = same_plane(model);
+  const std::map<int, PartNodes> parts = part_nodes(model, region, held, on_bone, tolerance);
+  std::map<std::tuple<int, int, int>, std::vector<int>> at_end;  // part, axis, lower or upper
   for (std::size_t i = 0; i < region.size(); ++i) {
     if (region[i] < 0 || on_bone[i]) continue;
+    const PartNodes& part = parts.at(region[i]);
     for (int axis = 0; axis < 3; ++axis)
-      for (int upper = 0; upper < 2; ++upper) {
-        const double at_end = box.at(region[i])[static_cast<std::size_t>(upper)][axis];
-        if (!(std::abs(model.nodes[i][axis] - at_end) <= tolerance)) continue;
-        End& end = found[{region[i], axis, upper}];
-        end.at = at_end;
-        ++end.nodes;
-        end.held += held[i] >> axis & 1;
-      }
+      for (int upper = 0; upper < 2; ++upper)
+        if (std::abs(model.nodes[i][axis] - (upper ? part.high : part.low)[axis]) <= tolerance)
+          at_end[{region[i], axis, upper}].push_back(static_cast<int>(i));
   }
-  constexpr int kLeastNodes = 3;  // fewer make no plane
-  for (const auto& [key, end] : found)
-    if (end.held >= kLeastNodes && 2 * end.held >= end.nodes)
-      add(planes[std::get<0>(key)], {std::get<1>(key), end.at}, tolerance);
-  return planes;
+  std::vector<PartEnd> ends;
+  for (const auto& [key, nodes] : at_end) {
+    PartEnd end;
+    end.region = std::get<0>(key);
+    end.plane.axis = std::get<1>(key);
+    end.nodes = static_cast<int>(nodes.size());
+    std::vector<double> where;
+    for (const int node : nodes) {
+      if ((held[at(node)] >> end.plane.axis & 1) != 0)
+        where.push_back(model.nodes[at(node)][end.plane.axis]);
+      else
+        end.forgotten.push_back(node);
+    }
+    end.held = static_cast<int>(where.size());
+    if (end.nodes < kLeastNodes) continue;
+    if (10 * end.held < end.nodes) end.instead = held_instead(parts.at(end.region), nodes, held, end.plane.axis);
+    if (end.held == 0 && end.instead < 0) continue;
+    if (!(is_plane(end) && 10 * end.held >= 9 * end.nodes)) end.forgotten.clear();
+    if (where.empty()) where.push_back(model.nodes[at(nodes.front())][end.plane.axis]);
+    std::nth_element(where.begin(), where.begin() + static_cast<std::ptrdiff_t>(where.size() / 2), where.end());
+    const double middle = where[where.size() / 2];
+    end.plane.at = std::abs(middle) <= tolerance ? 0.0 : middle;
+    end.step = first_step(model, nodes, end.plane.axis);
+    ends.push_back(std::move(end));
+  }
+  return ends;
 }
 
 void add_planes(const JointModel& model, const std::vector<SymmetryPlane>& more, std::vector<SymmetryPlane>& planes) {
-  const double tolerance = same_plane(model.nodes);
+  const double tolerance = same_plane(model);
   for (const SymmetryPlane& plane : more) add(planes, plane, tolerance);
   std::sort(planes.begin(), planes.end(), [](const SymmetryPlane& a, const SymmetryPlane& b) {
     return std::tie(a.axis, a.at) < std::tie(b.axis, b.at);
@@ -100,14 +172,13 @@ std::vector<SymmetryPlane> planes_of_contact(const JointModel& model, const Cont
   return planes;
 }
 
-std::vector<unsigned char> nodes_in_planes(const std::vector<Vector3d>& nodes,
-                                           const std::vector<SymmetryPlane>& planes) {
+std::vector<unsigned char> nodes_in_planes(const JointModel& model, const std::vector<SymmetryPlane>& planes) {
   if (planes.empty()) return {};
-  const double tolerance = same_plane(nodes);
-  std::vector<unsigned char> in_plane(nodes.size(), 0);
+  const double tolerance = same_plane(model);
+  std::vector<unsigned char> in_plane(model.nodes.size(), 0);
   for (const SymmetryPlane& plane : planes)
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      if (std::abs(nodes[i][plane.axis] - plane.at) <= tolerance)
+    for (std::size_t i = 0; i < model.nodes.size(); ++i)
+      if (std::abs(model.nodes[i][plane.axis] - plane.at) <= tolerance)
         in_plane[i] = static_cast<unsigned char>(in_plane[i] | (1u << plane.axis));
   return in_plane;
 }

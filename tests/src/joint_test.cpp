@@ -10,6 +10,7 @@
 #include <set>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/results/percentile.h>
 #include <febiodea/results/statistics.h>
 #include <febiodea/run/analysis.h>
@@ -94,6 +95,15 @@ TEST(Recognition, ALayerTiedToADeformablePartIsRefusedUnlessTheUserSaysWhatItLie
   EXPECT_NEAR(thickness(rigid), 2.0, 1e-12);
   bone.bone["layer"] = "deep bone";
   EXPECT_NEAR(thickness(bone), 3.0, 1e-12);
+  const auto told = [&](const Settings& settings) {  // what lies between a layer and a bone that is not its own
+    for (const Sentence& finding : make_joint(model, settings).findings)
+      if (finding.text.find("up to bone surface \"deep bone\" its cartilage is 3 thick (the median), but its own "
+                            "elements are 2: the gap between them counts as cartilage") != std::string::npos)
+        return true;
+    return false;
+  };
+  EXPECT_TRUE(told(bone));
+  EXPECT_FALSE(told(rigid));
   given.thickness["layer"] = 2.5;
   EXPECT_NEAR(thickness(given), 2.5, 1e-12);
 }
@@ -862,7 +872,85 @@ TEST(Planes, AreWhereAPartEndsAndIsHeld) {
   stated.contacts[0].dea->symmetry_planes = planes;
   const Joint joint = make_joint(stated, {});
   EXPECT_EQ(joint.symmetry_planes, planes);
-  EXPECT_NE(joint.findings.front().text.find("planes of symmetry: x = 0, y = 0;"), std::string::npos);
+  EXPECT_NE(joint.findings.front().text.find("planes of symmetry, or walls without friction: x = 0, y = 0;"),
+            std::string::npos);
+}
+
+int node_at(const JointModel& model, const Vector3d& x) {
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if ((model.nodes[i] - x).norm() < 1e-9) return static_cast<int>(i);
+  return -1;
+}
+
+/// A joint and what is carried across it.
+struct HeldQuarter {
+  Joint joint;
+  double force = 0.0;
+};
+
+HeldQuarter held_quarter(const JointModel& model) {
+  Analysis run = analyse(model, test::linear("flat"));
+  return {std::move(run.joint), std::abs(run.states.back().fields[0].sides[0].force.z())};
+}
+
+std::vector<PartEnd> ends_across(const Joint& joint, int axis) {
+  std::vector<PartEnd> ends;
+  for (const PartEnd& end : joint.contacts[0].layers[1].ends)
+    if (end.plane.axis == axis) ends.push_back(end);
+  return ends;
+}
+
+// Rounding leaves noise on a plane: up to a thousandth of the facets it is the same plane.
+TEST(Planes, NoiseOfCoordinatesDoesNotMatter) {
+  const JointModel exact = ball_on_flat(2.0, true, false);
+  JointModel noisy = exact;
+  for (std::size_t i = 0; i < noisy.nodes.size(); ++i)
+    for (int k = 0; k < 2; ++k)
+      if (noisy.nodes[i][k] == 0) noisy.nodes[i][k] = 4e-4 * std::sin(7.0 * static_cast<double>(i) + k);
+  const HeldQuarter a = held_quarter(exact), b = held_quarter(noisy);
+  EXPECT_EQ(b.joint.symmetry_planes, a.joint.symmetry_planes);
+  EXPECT_NEAR(b.force / a.force, 1.0, 1e-3);
+  noisy.nodes[at(node_at(exact, {0, 5, 0}))].x() = -0.1;  // no noise: the part ends there
+  EXPECT_EQ(held_quarter(noisy).joint.symmetry_planes, (std::vector<SymmetryPlane>{{1, 0.0}}));
+}
+
+// One node of 51 is forgotten: the others leave it no way, and it is named.
+TEST(Planes, AForgottenNodeIsHeldWithTheOthers) {
+  const JointModel exact = ball_on_flat(2.0, true, false);
+  JointModel model = exact;
+  const int forgotten = node_at(model, {0, 3, 0});
+  std::vector<int>& held = model.fixed_nodes[0].nodes;
+  held.erase(std::remove(held.begin(), held.end(), forgotten), held.end());
+  const HeldQuarter a = held_quarter(exact), b = held_quarter(model);
+  EXPECT_EQ(a.force, b.force);
+  ASSERT_EQ(ends_across(b.joint, 0).size(), 1u);
+  const PartEnd end = ends_across(b.joint, 0)[0];
+  EXPECT_EQ(end.nodes, 17 * 3);  // three rows above the bone
+  EXPECT_EQ(end.held, end.nodes - 1);
+  EXPECT_EQ(end.forgotten, std::vector<int>{forgotten});
+  EXPECT_TRUE(ends_across(a.joint, 0)[0].forgotten.empty());
+}
+
+// Held in y where the part ends in x: no plane, and not silent. A strip that is held in y all through is none of these.
+TEST(Planes, HeldInTheWrongComponentIsTold) {
+  JointModel model = ball_on_flat(2.0, true, false);
+  std::swap(model.fixed_nodes[0].xyz[0], model.fixed_nodes[0].xyz[1]);
+  const Joint joint = make_joint(model, {});
+  EXPECT_EQ(joint.symmetry_planes, (std::vector<SymmetryPlane>{{1, 0.0}}));
+  ASSERT_EQ(ends_across(joint, 0).size(), 1u);
+  EXPECT_EQ(ends_across(joint, 0)[0].instead, 1);
+  EXPECT_FALSE(is_plane(ends_across(joint, 0)[0]));
+  JointModel strip = ball_on_flat(2.0, true, false);
+  for (std::size_t i = 0; i < strip.nodes.size(); ++i) strip.fixed_nodes[1].nodes.push_back(static_cast<int>(i));
+  for (const PartEnd& end : make_joint(strip, {}).contacts[0].layers[1].ends) EXPECT_EQ(end.instead, -1);
+}
+
+TEST(Planes, HeldFromALaterStepOnIsTold) {
+  JointModel model = ball_on_flat(2.0, true, false);
+  EXPECT_EQ(ends_across(make_joint(model, {}), 1)[0].step, 0);
+  model.fixed_nodes[1].step = 1;
+  EXPECT_EQ(ends_across(make_joint(model, {}), 0)[0].step, 0);
+  EXPECT_EQ(ends_across(make_joint(model, {}), 1)[0].step, 1);
 }
 
 TEST(SurfaceMesh, AnEllipsoidIsUneven) {

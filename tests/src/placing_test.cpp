@@ -466,6 +466,21 @@ TEST(States, AreParsed) {
   EXPECT_THROW(parse_states("2:1"), BadValue);
 }
 
+TEST(Numbers, ADecimalCommaIsTold) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      parse_number(text);
+    } catch (const BadValue& e) {
+      return e.what();
+    }
+    return "";
+  };
+  for (const char* text : {"11,85", "-0,5", "1,5e3"})
+    EXPECT_EQ(refusal(text), std::string("found \"") + text + "\", expected a number with a decimal point");
+  for (const char* text : {"1,2,3", ",5x", "1.5,2", "a,5"})
+    EXPECT_EQ(refusal(text), std::string("found \"") + text + "\", expected a number");
+}
+
 TEST(States, ARangeHoldsItsEnds) {
   const StatesAsked asked = parse_states("0.1:0.3");
   EXPECT_TRUE(asks_for(asked, 6 * 0.05));  // 0.30000000000000004

@@ -10,6 +10,7 @@
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/time_text.h>
+#include <febiodea/joint/symmetry_planes.h>
 #include <febiodea/model/settings_table.h>
 #include <febiodea/run/recognise.h>
 #include <febiodea/views/text/info_text.h>
@@ -176,6 +177,14 @@ std::string law_words(Methods& m, const ContactPair& pair) {
   return "";
 }
 
+void say_planes(Methods& m, const Joint& joint) {
+  if (joint.symmetry_planes.empty()) return;
+  m.say(
+      fmt::format("The model was cut at planes of symmetry ({}): its surfaces were continued behind them as their "
+                  "mirror images, and forces and areas are those of the part that was meshed.",
+                  in_words(joint.symmetry_planes)));
+}
+
 void say_contacts(Methods& m, const JointModel& model, const Settings& settings, const JointCheck& check) {
   for (std::size_t c = 0; c < check.joint.contacts.size(); ++c) {
     const ContactPair& pair = check.joint.contacts[c];
@@ -237,6 +246,7 @@ std::string methods_text(const JointModel& model, const Settings& settings, cons
   say_model(m, model);
   say_bodies(m, check.joint);
   say_layers(m, model, settings, check.joint);
+  say_planes(m, check.joint);
   say_contacts(m, model, settings, check);
   say_loads(m, settings, check);
   m.say(

@@ -44,7 +44,7 @@ std::string odd_together(const std::string& surface, const Layer& layer, double 
   if (as_if == nullptr) return "";
   return fmt::format(
       "surface \"{}\": E = {:g} on a surface of size {:.3g} looks as if {}: forces would come out wrong by a million; "
-      "use one system of units, and name it with {}",
+      "convert the model to one system of units ({} only names it and changes no number)",
       surface, E, size, as_if, wording({"units", "", "mm-N-s"}));
 }
 

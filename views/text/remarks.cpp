@@ -1,6 +1,7 @@
 #include <febiodea/views/text/remarks.h>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -190,6 +191,32 @@ void add_half_held(const std::string& surface, const Layer& layer, std::vector<s
   }
 }
 
+/// Planes of symmetry that the model holds otherwise than it may have meant.
+void add_ends(const JointModel& model, const std::string& surface, const Layer& layer,
+              std::vector<std::string>& lines) {
+  for (const PartEnd& end : layer.ends) {
+    const char axis = "xyz"[end.plane.axis];
+    const std::string plane = fmt::format("surface \"{}\", plane {} = {:.6g}", surface, axis, end.plane.at);
+    if (end.instead >= 0)
+      add_once(lines,
+               fmt::format("warning: {}: nodes of its layer are held in {}, not in {}: no plane of symmetry, but "
+                           "a free edge; hold them in {} if it is one",
+                           plane, "xyz"[end.instead], axis, axis));
+    if (!end.forgotten.empty()) {
+      std::vector<std::string> nodes;
+      for (std::size_t i = 0; i < std::min<std::size_t>(end.forgotten.size(), 5); ++i)
+        nodes.push_back(std::to_string(model.node_ids[at(end.forgotten[i])]));
+      add_once(lines, fmt::format("warning: {}: {} of {} nodes of its layer are not held in {} ({}{}): taken as held, "
+                                  "as the others are; hold them too",
+                                  plane, end.forgotten.size(), end.nodes, axis, fmt::join(nodes, ", "),
+                                  end.forgotten.size() > nodes.size() ? ", ..." : ""));
+    }
+    if (is_plane(end) && end.step > 0)
+      add_once(lines, fmt::format("note: {}: its nodes are held from step {} on, and here from the start", plane,
+                                  end.step + 1));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint, const Wording& wording) {
@@ -214,6 +241,7 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
     for (const Layer& layer : pair.layers) {
       const std::string& surface = model.surfaces[at(layer.surface)].name;
       add_half_held(surface, layer, lines);
+      add_ends(model, surface, layer, lines);
       const std::string without = no_thickness(surface, layer, wording);
       if (!without.empty()) add_once(lines, without);
       const std::vector<std::size_t> doubtful = doubtful_vertices(layer);
