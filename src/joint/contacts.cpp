@@ -238,12 +238,23 @@ int walls_alone(const LayerFace& face) {
   return count;
 }
 
+/// Does the face end there, in a free edge?
+bool free_edge_at(const Layer& layer, const SymmetryPlane& plane, double tolerance) {
+  const SurfaceMesh& mesh = layer.face.mesh;
+  return std::any_of(layer.face.edges.begin(), layer.face.edges.end(), [&](const LayerFace::Edge& e) {
+    return e.rim == Rim::Free && std::abs(mesh.corner(e.triangle, e.edge)[plane.axis] - plane.at) <= tolerance &&
+           std::abs(mesh.corner(e.triangle, (e.edge + 1) % 3)[plane.axis] - plane.at) <= tolerance;
+  });
+}
+
+/// The ends of a layer's part that its user should know of.
 std::vector<PartEnd> ends_of(const ModelParts& parts, const Layer& layer) {
   std::set<int> regions;
   for (const int node : layer.region_nodes) regions.insert(parts.region[at(node)]);
   std::vector<PartEnd> ends;
   for (const PartEnd& end : parts.holders.ends)
-    if (regions.count(end.region) > 0) ends.push_back(end);
+    if (regions.count(end.region) > 0 && (end.instead < 0 || free_edge_at(layer, end.plane, same_plane(parts.model))))
+      ends.push_back(end);
   return ends;
 }
 

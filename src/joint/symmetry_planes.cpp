@@ -63,20 +63,25 @@ int first_step(const JointModel& model, const std::vector<int>& nodes, int axis)
   return std::max(0, first);
 }
 
+constexpr int kLeastNodes = 3;  // fewer make no plane
+
 /// The component in which the nodes of an end are held, where not the whole part is: a plane held in the wrong one. -1:
-/// none.
-int held_instead(const PartNodes& part, const std::vector<int>& nodes, const std::vector<unsigned char>& held,
-                 int axis) {
+/// none. Where the part ends across that component, too, nodes are of that other plane.
+int held_instead(const JointModel& model, const PartNodes& part, const std::vector<int>& nodes,
+                 const std::vector<unsigned char>& held, int axis, double tolerance) {
   for (int k = 0; k < 3; ++k) {
     if (k == axis) continue;
-    const auto count =
-        std::count_if(nodes.begin(), nodes.end(), [&](int node) { return (held[at(node)] >> k & 1) != 0; });
-    if (10 * count >= 9 * static_cast<int>(nodes.size()) && 2 * count > part.held_inside[at(k)]) return k;
+    int inside = 0, count = 0;
+    for (const int node : nodes) {
+      const double x = model.nodes[at(node)][k];
+      if (x - part.low[k] <= tolerance || part.high[k] - x <= tolerance) continue;
+      ++inside;
+      count += held[at(node)] >> k & 1;
+    }
+    if (count >= kLeastNodes && 10 * count >= 9 * inside && 2 * count > part.held_inside[at(k)]) return k;
   }
   return -1;
 }
-
-constexpr int kLeastNodes = 3;  // fewer make no plane
 
 }  // namespace
 
@@ -134,7 +139,8 @@ std::vector<PartEnd> find_part_ends(const JointModel& model, const std::vector<i
     }
     end.held = static_cast<int>(where.size());
     if (end.nodes < kLeastNodes) continue;
-    if (10 * end.held < end.nodes) end.instead = held_instead(parts.at(end.region), nodes, held, end.plane.axis);
+    if (10 * end.held < end.nodes)
+      end.instead = held_instead(model, parts.at(end.region), nodes, held, end.plane.axis, tolerance);
     if (end.held == 0 && end.instead < 0) continue;
     if (!(is_plane(end) && 10 * end.held >= 9 * end.nodes)) end.forgotten.clear();
     if (where.empty()) where.push_back(model.nodes[at(nodes.front())][end.plane.axis]);
