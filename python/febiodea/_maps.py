@@ -7,7 +7,8 @@ from ._states import states_text
 
 
 def _file(source):
-    need(source, (_febiodea.Result, _febiodea.PlotFile), "source", "a Result or a PlotFile")
+    need(source, (_febiodea.Result, _febiodea.PlotFile), "source",
+         "a Result or a PlotFile; for the pose of a prepared joint's State: the Result of analyse with the same rotate and move")
     return source if isinstance(source, _febiodea.PlotFile) else _febiodea.plot_file_of(source)
 
 

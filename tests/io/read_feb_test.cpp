@@ -1642,9 +1642,14 @@ TEST_F(ReadFeb, FaultsOfAContactOfTypeDea) {
             "model.feb:28: <penalty> in a contact of type dea, expected law, facets, source, refine, symmetry_planes, "
             "or E, nu, "
             "thickness with primary_ or secondary_ before");
-  for (const char* planes : {"", " ", "x=0", " x = -1.5e1 ,z=2", "y=-0"})
-    EXPECT_EQ(contact("<refine>2", fmt::format("<symmetry_planes>{}</symmetry_planes><refine>2", planes)),
-              "read without a fault");
+  const std::pair<const char*, std::vector<SymmetryPlane>> stated[] = {
+      {"", {}}, {" ", {}}, {"x=0", {{0, 0}}}, {" x = -1.5e1 ,z=2", {{0, -15}, {2, 2}}}, {"y=-0", {{1, 0}}}};
+  for (const auto& [planes, expected] : stated) {
+    const std::string text = fmt::format("<symmetry_planes>{}</symmetry_planes><refine>2", planes);
+    EXPECT_EQ(read(dea_model(kDeaMaps, replaced(kDeaContact, "<refine>2", text))).contacts[0].dea->symmetry_planes,
+              expected)
+        << planes;
+  }
   for (const char* planes : {"x", "x=", "=0", "w=0", "x:0", "x=0,", ",x=0", "x=0;y=0", "x=nan", "x=0 y=0", "xy=0"})
     EXPECT_EQ(contact("<refine>2", fmt::format("<symmetry_planes>{}</symmetry_planes><refine>2", planes)),
               fmt::format("model.feb:28: symmetry_planes = \"{}\", expected planes across axes, as in \"x=0, y=-12.5\"",
