@@ -11,6 +11,7 @@
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/setting_words.h>
 #include <febiodea/io/tables/read_tables.h>
+#include <febiodea/views/text/remarks.h>
 
 namespace dea {
 
@@ -82,6 +83,8 @@ int convert(const ConvertArguments& a) {
   const Wording wording = command_line_wording();
   for (const Sentence& change : conversion.changes) text += worded(change, wording) + "\n";
   print(text);
+  for (const std::string& warning : warnings_in(model_remarks(model, conversion.joint, wording)))
+    log("warning: " + warning);
   for (const Sentence& note : conversion.notes) log("note: " + worded(note, wording));
   return kSolved;
 }

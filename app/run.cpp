@@ -225,6 +225,7 @@ int run(const RunArguments& a) {
   if (!a.quiet) {
     if (!name_note.empty()) log(name_note);
     print_result(recognition.model, options, result, told, a.details);
+    if (!page.empty()) log(page + ": the report");
     if (replaces) log(fmt::format("note: {} replaced the file that was there; -o writes another", output));
   } else {
     for (const std::string& line : idle_load_lines(result.analysis)) log(line);

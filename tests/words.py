@@ -99,7 +99,7 @@ with tempfile.TemporaryDirectory() as temporary:
     edge = ",".join(number for number, x in nodes if x == min(x for _, x in nodes))
     (folder / "cut.feb").write_text(text.replace("</Mesh>", f'<NodeSet name="cut">{edge}</NodeSet></Mesh>').replace(
         "</febio_spec>", '<Boundary><bc type="zero displacement" node_set="cut"><x_dof>1</x_dof></bc></Boundary></febio_spec>'))
-    check(run("cite", folder / "cut.feb"), ["cut at planes of symmetry (x = ", "part that was meshed"], of="dea cite cut.feb")
+    check(run("cite", folder / "cut.feb"), ["walls without friction (x = ", "part that was meshed"], of="dea cite cut.feb")
 
     # A model that is refused has no paragraph
     (folder / "bad.feb").write_text(text.replace("<rb>sphere</rb>", "<rb>spere</rb>", 1))

@@ -487,11 +487,12 @@ void check_faces(const JointModel& model, const Settings& settings, ConversionPl
       if (!same_walls(layer, same->layers[side], pair.law))
         throw fault_at(
             model, surface.origin,
-            say("surface \"{}\": {} edges of its rim are held across an axis, as a plane of symmetry holds them, and "
-                "of "
-                "{} a contact of type dea that knows planes alone would say so:",
+            say("surface \"{}\": {} edges of its rim are held across an axis, {} of them in a plane of symmetry; for "
+                "the "
+                "others a contact of type dea has no words:",
                 surface.name, walls_of(layer).size(), walls_of(same->layers[side]).size()),
-            say("hold all nodes of the layer in the plane where it ends, or none, or convert with {}", kLinear));
+            say("hold all nodes where the layer ends, or none, and put them into one plane, or convert with {}",
+                kLinear));
       const auto left_out = static_cast<std::ptrdiff_t>(layer.facet_kinds.size()) -
                             std::count(layer.facet_kinds.begin(), layer.facet_kinds.end(), FaceKind::Open);
       if (left_out > 0)

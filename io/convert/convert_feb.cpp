@@ -105,6 +105,7 @@ Conversion convert_feb(const JointModel& given, const Settings& given_settings, 
 
   result.edited = edited.has_value();
   result.notes = plan.notes;
+  result.joint = plan.joint;
   if (edited) {
     result.text = std::move(*edited);
     result.changes.push_back("the model's own text, with these changes:");

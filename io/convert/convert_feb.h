@@ -15,6 +15,7 @@ struct Conversion {
   bool edited = true;             ///< the model's own text with a few elements changed; false: written anew
   std::vector<Sentence> changes;  ///< a line each
   std::vector<Sentence> notes;    ///< what the user should know
+  Joint joint;                    ///< of the model as it is
 };
 
 /// `output`: where the text will be written, for what the model includes from its own folder. `linear_solver`: FEBio's

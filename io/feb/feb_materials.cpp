@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/parse.h>
 #include <febiodea/io/feb/feb_reading.h>
 #include <febiodea/io/febio/febio_material.h>
 #include <febiodea/io/febio/known_words.h>
@@ -30,7 +31,8 @@ MaterialTree::Constant read_constant(const Reading& reading, const XMLElement& e
   } else if (element.Attribute("lc") != nullptr) {
     constant.why = fmt::format("{} follows a load controller", element.Name());
   } else if (!value) {
-    constant.why = fmt::format("{} = {} is not one number", element.Name(), quote(trim(text)));
+    constant.why = fmt::format("{} = {} is not one number{}", element.Name(), quote(trim(text)),
+                               has_decimal_comma(text) ? ": write it with a decimal point" : "");
   } else {
     constant.value = *value;
   }

@@ -7,6 +7,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/parse.h>
 
 namespace dea::febio {
 
@@ -33,7 +34,9 @@ namespace {
 
 double to_number(const Draft& draft, Origin origin, std::string_view name, std::string_view text) {
   const auto value = whole_double(text);
-  if (!value) fail_value(draft, origin, name, text, "a number of at most 1e30");
+  if (!value)
+    fail_value(draft, origin, name, text,
+               has_decimal_comma(std::string(text)) ? "a number with a decimal point" : "a number of at most 1e30");
   return *value;
 }
 

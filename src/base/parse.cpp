@@ -13,21 +13,20 @@ BadValue bad_value(const std::string& found, const std::string& expected, const 
   return BadValue(fmt::format("found \"{}\"{}, expected {}", found, did_you_mean(found, words), expected));
 }
 
-namespace {
-
-/// 1,5 where 1.5 is meant.
-bool has_decimal_comma(std::string word) {
+bool has_decimal_comma(const std::string& text) {
+  const std::string word = trimmed(text);
   const std::size_t comma = word.find(',');
-  if (comma == std::string::npos || comma == 0 || word.find_first_of(",.", comma + 1) != std::string::npos ||
-      word.find('.') != std::string::npos)
+  const auto digit = [&](std::size_t at) {
+    return at < word.size() && std::isdigit(static_cast<unsigned char>(word[at])) != 0;
+  };
+  if (comma == std::string::npos || comma == 0 || !digit(comma - 1) || !digit(comma + 1)) return false;
+  try {
+    parse_number(word.substr(0, comma) + "." + word.substr(comma + 1));
+  } catch (const BadValue&) {
     return false;
-  word[comma] = '.';
-  double number = 0.0;
-  const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
-  return result.ec == std::errc() && result.ptr == word.data() + word.size();
+  }
+  return word.find('.') == std::string::npos;
 }
-
-}  // namespace
 
 double parse_number(const std::string& text) {
   const std::string word = trimmed(text);
@@ -37,7 +36,7 @@ double parse_number(const std::string& text) {
   double number = 0.0;
   const auto result = std::from_chars(begin, end, number);
   if (result.ec != std::errc() || result.ptr != end || !std::isfinite(number))
-    throw bad_value(text, has_decimal_comma(word) ? "a number with a decimal point" : "a number");
+    throw bad_value(text, has_decimal_comma(text) ? "a number with a decimal point" : "a number");
   return number;
 }
 

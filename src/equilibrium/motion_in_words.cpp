@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
@@ -11,6 +12,17 @@
 namespace dea {
 
 using Eigen::VectorXd;
+
+namespace {
+
+/// A unit vector with three digits, and no -0.000.
+std::string axis_in_words(const Vector3d& along) {
+  const Vector3d unit = along.normalized();
+  const auto digits = [](double x) { return std::round(1000 * x) / 1000 + 0.0; };
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", digits(unit.x()), digits(unit.y()), digits(unit.z()));
+}
+
+}  // namespace
 
 std::string direction_in_words(const Problem& problem, const Evaluation& e, const VectorXd& direction) {
   const VectorXd scaled = as_free(problem, e, direction);
@@ -23,12 +35,10 @@ std::string direction_in_words(const Problem& problem, const Evaluation& e, cons
     const Vector3d v = u.head<3>(), w = u.tail<3>();
     if (!text.empty()) text += " with ";
     if (w.norm() > 0.3)
-      text += fmt::format("rotation of \"{}\" about ({:.3f}, {:.3f}, {:.3f})", problem.joint.bodies[b].name,
-                          w.x() / w.norm(), w.y() / w.norm(), w.z() / w.norm());
+      text += fmt::format("rotation of \"{}\" about {}", problem.joint.bodies[b].name, axis_in_words(w));
     if (v.norm() > 0.3)
-      text += fmt::format("{} of \"{}\" along ({:.3f}, {:.3f}, {:.3f})",
-                          w.norm() > 0.3 ? " and translation" : "translation", problem.joint.bodies[b].name,
-                          v.x() / v.norm(), v.y() / v.norm(), v.z() / v.norm());
+      text += fmt::format("{} of \"{}\" along {}", w.norm() > 0.3 ? " and translation" : "translation",
+                          problem.joint.bodies[b].name, axis_in_words(v));
   }
   return text.empty() ? "a combined motion" : text;
 }
@@ -68,7 +78,9 @@ std::string says_nothing_resists(const Problem& problem, const std::vector<Pose>
 }
 
 Sentence against_free_motion() {
-  return say("hold this motion ({}), add what resists it, or check where the load acts", NamedSetting{"free"});
+  return say(
+      "fix one of the bodies in the model, hold this motion ({}), add what resists it, or check where the load acts",
+      NamedSetting{"free"});
 }
 
 }  // namespace dea

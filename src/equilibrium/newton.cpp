@@ -314,8 +314,8 @@ bool regularised_step(Search& s) {
 bool says_nothing_holds_them(Search& s) {
   s.solution.outcome = Outcome::NoEquilibrium;
   s.solution.message =
-      fmt::format("{:.2g} of the load moves the bodies together, none on its partner, and nothing holds them: {};",
-                  s.d.drift.norm() / s.e.load, direction_in_words(s.problem, s.e, s.d.drift.normalized()));
+      fmt::format("{:.0f}% of the load moves the bodies together, none on its partner, and nothing holds them: {};",
+                  100 * s.d.drift.norm() / s.e.load, direction_in_words(s.problem, s.e, s.d.drift.normalized()));
   s.solution.advice = against_free_motion();
   return false;
 }

@@ -10,8 +10,9 @@ namespace dea {
 
 ContactSide contact_side(const ModelParts& parts, const Contact& contact, int side) {
   const int index = side == 0 ? contact.primary : contact.secondary;
-  std::vector<SymmetryPlane> planes = planes_of_contact(parts.model, contact, parts.region, parts.holders.planes);
-  std::vector<unsigned char> in_plane = nodes_in_planes(parts.model, planes);
+  std::vector<SymmetryPlane> planes =
+      planes_of_contact(parts.model, contact, parts.region, parts.holders.ends, parts.holders.same_plane);
+  std::vector<unsigned char> in_plane = nodes_in_planes(parts.model.nodes, planes, parts.holders.same_plane);
   return {parts,
           contact,
           side,

@@ -179,8 +179,7 @@ struct Reach {
   bool strip = false;
 };
 
-Reach sideways_reach(const Layer& layer) {
-  constexpr double kSamePlane = 1e-6;  // of the surface's own size; the coordinates of a file have less noise
+Reach sideways_reach(const Layer& layer, double same_plane) {
   const SurfaceMesh& mesh = layer.articular;
   double area = surface_extent(mesh).area, length = 1.0;
   int endless = 0;
@@ -192,7 +191,7 @@ Reach sideways_reach(const Layer& layer) {
       high = std::max(high, mesh.vertices[v][k]);
     }
     if (low > high) continue;
-    if (high - low <= kSamePlane * std::sqrt(area)) {
+    if (high - low <= 2 * same_plane) {
       area *= 2;
     } else {
       length *= high - low;
@@ -204,9 +203,9 @@ Reach sideways_reach(const Layer& layer) {
 }
 
 /// Springs and the layer law suppose a thin layer. Empty: it is one.
-Sentence not_thin(const std::string& surface, const Layer& layer) {
+Sentence not_thin(const std::string& surface, const Layer& layer, double same_plane) {
   const double thickness = layer.mean_thickness();
-  const Reach reach = sideways_reach(layer);
+  const Reach reach = sideways_reach(layer, same_plane);
   if (!(thickness > reach.half_width)) return {};
   return say(
       "surface \"{}\": cartilage of mean thickness {:.3g} is no thin layer on {} {:.3g}; springs and the layer law "
@@ -253,7 +252,7 @@ std::vector<PartEnd> ends_of(const ModelParts& parts, const Layer& layer) {
   for (const int node : layer.region_nodes) regions.insert(parts.region[at(node)]);
   std::vector<PartEnd> ends;
   for (const PartEnd& end : parts.holders.ends)
-    if (regions.count(end.region) > 0 && (end.instead < 0 || free_edge_at(layer, end.plane, same_plane(parts.model))))
+    if (regions.count(end.region) > 0 && (end.is_plane || free_edge_at(layer, end.plane, parts.holders.same_plane)))
       ends.push_back(end);
   return ends;
 }
@@ -276,11 +275,12 @@ std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer
   const int alone = walls_alone(layer.face);
   if (alone > 0)
     findings.push_back(say(
-        "surface \"{}\": {} edges of its rim are held across an axis, but less than half of the layer's nodes in that "
-        "plane: taken for a plane of symmetry, though in FEBio the rest moves freely; hold all its nodes there, or "
-        "none",
-        surface.name, alone));
-  const Sentence thick = not_thin(surface.name, layer);
+        "surface \"{}\": {} edges of its rim are held across an axis, but lie in no plane in which half of the layer's "
+        "nodes are held (within {:.2g} of it): taken for a plane of symmetry, though in FEBio the rest moves freely; "
+        "hold "
+        "all nodes where the layer ends, or none, and put them into one plane",
+        surface.name, alone, parts.holders.same_plane));
+  const Sentence thick = not_thin(surface.name, layer, parts.holders.same_plane);
   if (!thick.empty()) findings.push_back(thick);
   return findings;
 }

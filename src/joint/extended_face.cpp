@@ -129,7 +129,7 @@ LayerBoundary rigid_boundary(const ModelParts& parts, const CarriedSurface& carr
   }
   LayerBoundary boundary = find_layer_boundary(model, elements, std::move(held));
   open_feather_facets(model, carried.facets, boundary);
-  const std::vector<unsigned char> planes = nodes_in_planes(model, layer.planes);
+  const std::vector<unsigned char> planes = nodes_in_planes(model.nodes, layer.planes, parts.holders.same_plane);
   const SurfaceMesh bone = bonded_surface(model, boundary, planes);
   if (bone.size() == 0) return {};
   find_side_walls(model, bone, boundary);
@@ -158,7 +158,7 @@ FacetList pressed_elsewhere(const ContactSide& in, int body) {
 void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurface& carried,
                      const LayerBoundary& boundary, const FacetList& elsewhere, Layer& layer) {
   const JointModel& model = parts.model;
-  const std::vector<unsigned char> planes = nodes_in_planes(model, layer.planes);
+  const std::vector<unsigned char> planes = nodes_in_planes(model.nodes, layer.planes, parts.holders.same_plane);
   const NodeThickness* said = node_thickness(parts.settings, model.surfaces[at(layer.surface)].name);
   double deepest = layer.max_thickness();
   if (layer.material < 0 &&

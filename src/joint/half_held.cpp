@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include <febiodea/base/numbers.h>
-#include <febiodea/joint/symmetry_planes.h>
 
 namespace dea {
 
@@ -31,7 +30,7 @@ PlaneNodes nodes_in(const ModelParts& parts, const Layer& layer, int component, 
 std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer& layer) {
   constexpr double kInto = 0.7;  // the face must run into the plane, not along it
   const SurfaceMesh& mesh = layer.face.mesh;
-  const double tolerance = same_plane(parts.model);
+  const double tolerance = parts.holders.same_plane;
   std::vector<HalfHeldPlane> planes;
   for (const LayerFace::Edge& e : layer.face.edges) {
     const Vector3d &a = mesh.corner(e.triangle, e.edge), &b = mesh.corner(e.triangle, (e.edge + 1) % 3);

@@ -195,20 +195,19 @@ void note_ties(const JointModel& model, const Bodies& bodies, const std::vector<
 /// Where cartilage is rigid with its bone no node is held, and a contact states the planes instead. The few nodes of a
 /// plane that are not held count as held: their neighbours leave them no way.
 void note_planes(const JointModel& model, const std::vector<int>& region, Holders& holders) {
+  holders.same_plane = same_plane(model, region);
   std::vector<SymmetryPlane> stated;
   for (const Contact& c : model.contacts)
     if (c.dea) stated.insert(stated.end(), c.dea->symmetry_planes.begin(), c.dea->symmetry_planes.end());
-  const std::vector<unsigned char> in_stated = nodes_in_planes(model, stated);
+  const std::vector<unsigned char> in_stated = nodes_in_planes(model.nodes, stated, holders.same_plane);
   for (std::size_t i = 0; i < in_stated.size(); ++i)
     holders.mirror[i] = static_cast<unsigned char>(holders.mirror[i] | in_stated[i]);
   std::vector<char> on_bone;
   for (const auto& bodies : holders.of_node) on_bone.push_back(!bodies.empty());
-  holders.ends = find_part_ends(model, region, holders.mirror, on_bone);
-  for (const PartEnd& end : holders.ends) {
-    if (is_plane(end)) add_planes(model, {end.plane}, holders.planes[end.region]);
+  holders.ends = find_part_ends(model, region, holders.mirror, on_bone, holders.same_plane);
+  for (const PartEnd& end : holders.ends)
     for (const int node : end.forgotten)
       holders.mirror[at(node)] = static_cast<unsigned char>(holders.mirror[at(node)] | (1u << end.plane.axis));
-  }
 }
 
 }  // namespace

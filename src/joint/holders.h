@@ -29,8 +29,8 @@ struct Holders {
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
   std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all
+  double same_plane = 0.0;            ///< nodes nearer to a plane of symmetry lie in it
   std::vector<PartEnd> ends;          ///< of deformable parts, at which nodes are held
-  std::map<int, std::vector<SymmetryPlane>> planes;  ///< of symmetry: region -> where it ends and is held
 };
 
 std::string in_words(const JointModel& model, int contact, const FarTie& far);

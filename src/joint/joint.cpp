@@ -168,7 +168,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
 
   FoundContacts contacts = find_contacts(parts, parts.faults);
   for (const ContactPair& pair : contacts.contacts)
-    for (const Layer& layer : pair.layers) add_planes(model, layer.planes, joint.symmetry_planes);
+    for (const Layer& layer : pair.layers) add_planes(layer.planes, parts.holders.same_plane, joint.symmetry_planes);
   if (!joint.symmetry_planes.empty())
     joint.findings.push_back(
         say("planes of symmetry, or walls without friction: {}; surfaces go on behind them as their mirror images, and "

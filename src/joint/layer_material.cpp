@@ -57,6 +57,11 @@ std::optional<Fault> elasticity_fault(const ContactSide& in, int material, const
     const std::string who = m ? fmt::format("material \"{}\" (type {})", m->name, m->type) : "the rigid surface",
                       note = m ? m->note : "no cartilage material";
     const Sentence found = say("{} gives no E and nu{};", who, note.empty() ? note : " (" + note + ")");
+    const bool for_all = m == nullptr && in.parts.settings.thickness.count(in.surface.name) == 0 && !in.contact.dea;
+    if (for_all)
+      return refusal_of(in, found,
+                        say("name the surface that has cartilage, {}, or give this one its own with {}",
+                            NamedSetting{"thickness", "SURFACE", "VALUE"}, modulus_settings(in)));
     if (!in.contact.dea) return refusal_of(in, found, say("give them with {}", modulus_settings(in)));
     return refusal_of(
         in, found,

@@ -392,7 +392,7 @@ Sentence gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried,
                            const Layer& layer) {
   constexpr double kSame = 0.1;  // of the elements' own thickness
   const std::string name = said_of(in.parts.settings.bone, in.surface.name);
-  if (name.empty() || layer.thickness_given || layer.springs_at == SpringsAt::Bone) return {};
+  if (name.empty() || layer.thickness_given) return {};
   std::set<FaceKey> selected;
   for (int f = 0; f < carried.facets.size(); ++f)
     selected.insert(face_key(carried.facets.nodes.data() + carried.facets.begin[at(f)],
@@ -410,12 +410,11 @@ Sentence gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried,
   const MeasuredThickness own =
       measure_thickness(layer.articular, turned_round(outwards, in.parts.model.nodes, in.in_plane));
   std::vector<double> of_elements, measured;
-  for (std::size_t v = 0; v < own.thickness.size(); ++v) {
-    if (own.missed[v] || layer.missed[v] || !(own.thickness[v] > 0)) continue;  // beside a side wall
-    of_elements.push_back(own.thickness[v]);
-    measured.push_back(layer.thickness[v]);
-  }
-  if (of_elements.empty()) return {};
+  for (std::size_t v = 0; v < own.thickness.size(); ++v)
+    if (!own.missed[v] && own.thickness[v] > 0) of_elements.push_back(own.thickness[v]);  // 0: beside a side wall
+  for (std::size_t v = 0; v < layer.thickness.size(); ++v)
+    if (!layer.missed[v]) measured.push_back(layer.thickness[v]);
+  if (of_elements.empty() || measured.empty()) return {};
   const double thick = median(of_elements), taken = median(measured);
   if (std::abs(taken - thick) <= kSame * thick) return {};
   return say(

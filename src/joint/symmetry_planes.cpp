@@ -15,176 +15,223 @@ namespace dea {
 
 namespace {
 
-void add(std::vector<SymmetryPlane>& planes, const SymmetryPlane& plane, double tolerance) {
-  const bool known = std::any_of(planes.begin(), planes.end(), [&](const SymmetryPlane& p) {
-    return p.axis == plane.axis && std::abs(p.at - plane.at) <= tolerance;
-  });
-  if (!known) planes.push_back({plane.axis, std::abs(plane.at) <= tolerance ? 0.0 : plane.at});
+constexpr int kLeastNodes = 3;  // fewer make no plane
+
+/// Zero, if it is but for rounding.
+double rounded(double at, double same_plane) { return std::abs(at) <= same_plane ? 0.0 : at; }
+
+/// Mean size of a surface's facets.
+double facet_size(const JointModel& model, const Surface& surface) {
+  double sum = 0.0;
+  for (int f = 0; f < surface.size(); ++f) {
+    const int first = surface.begin[at(f)];
+    Vector3d low = model.nodes[at(surface.nodes[at(first)])], high = low;
+    for (int i = first; i < surface.begin[at(f + 1)]; ++i) {
+      low = low.cwiseMin(model.nodes[at(surface.nodes[at(i)])]);
+      high = high.cwiseMax(model.nodes[at(surface.nodes[at(i)])]);
+    }
+    sum += (high - low).norm();
+  }
+  return surface.size() > 0 ? sum / surface.size() : 0.0;
 }
 
-/// Nodes of a deformable part: where they end, and how many are held in each component elsewhere than there.
-struct PartNodes {
-  Vector3d low, high;
-  std::array<int, 3> held_inside = {};
+/// What the search for ends looks up. References: must not outlive what it was made of.
+struct Search {
+  const JointModel& model;
+  const std::vector<int>& region;
+  const std::vector<unsigned char>& held;
+  const std::vector<char>& on_bone;
+  double same_plane;
 };
 
-std::map<int, PartNodes> part_nodes(const JointModel& model, const std::vector<int>& region,
-                                    const std::vector<unsigned char>& held, const std::vector<char>& on_bone,
-                                    double tolerance) {
-  std::map<int, PartNodes> parts;
-  for (std::size_t i = 0; i < region.size(); ++i) {
-    if (region[i] < 0) continue;
-    const Vector3d& x = model.nodes[i];
-    PartNodes& part = parts.try_emplace(region[i], PartNodes{x, x, {}}).first->second;
+/// A deformable part: the box it lies in, and its nodes that no bone holds.
+struct Part {
+  Vector3d low, high;
+  std::vector<int> nodes;
+};
+
+std::map<int, Part> find_all_parts(const Search& in) {
+  std::map<int, Part> parts;
+  for (std::size_t i = 0; i < in.region.size(); ++i) {
+    if (in.region[i] < 0) continue;
+    const Vector3d& x = in.model.nodes[i];
+    Part& part = parts.try_emplace(in.region[i], Part{x, x, {}}).first->second;
     part.low = part.low.cwiseMin(x);
     part.high = part.high.cwiseMax(x);
-  }
-  for (std::size_t i = 0; i < region.size(); ++i) {
-    if (region[i] < 0 || on_bone[i] || held[i] == 0) continue;
-    PartNodes& part = parts.at(region[i]);
-    for (int k = 0; k < 3; ++k) {
-      const double x = model.nodes[i][k];
-      part.held_inside[at(k)] += (held[i] >> k & 1) != 0 && x - part.low[k] > tolerance && part.high[k] - x > tolerance;
-    }
+    if (!in.on_bone[i]) part.nodes.push_back(static_cast<int>(i));
   }
   return parts;
 }
 
-/// The first step in which nodes of an end are held across it.
-int first_step(const JointModel& model, const std::vector<int>& nodes, int axis) {
-  std::vector<char> there(model.nodes.size(), 0);
-  for (const int node : nodes) there[at(node)] = 1;
-  int first = -1;
-  for (const FixedNodes& f : model.fixed_nodes) {
-    const int step = std::max(0, f.step);
-    if (!f.xyz[at(axis)] || (first >= 0 && step >= first)) continue;
-    if (std::any_of(f.nodes.begin(), f.nodes.end(), [&](int node) { return there[at(node)] != 0; })) first = step;
+bool is_held(const Search& in, int node, int component) { return (in.held[at(node)] >> component & 1) != 0; }
+
+/// Steps in which half of an end's nodes are held across it.
+std::vector<int> held_steps(const Search& in, const std::vector<int>& nodes, int axis) {
+  std::vector<int> place(in.model.nodes.size(), -1), steps;
+  for (std::size_t i = 0; i < nodes.size(); ++i) place[at(nodes[i])] = static_cast<int>(i);
+  for (int step = 0; step < static_cast<int>(in.model.steps.size()); ++step) {
+    std::vector<char> there(nodes.size(), 0);
+    for (const FixedNodes& f : in.model.fixed_nodes) {
+      if (!f.xyz[at(axis)] || (f.step >= 0 && f.step != step)) continue;
+      for (const int node : f.nodes)
+        if (place[at(node)] >= 0) there[at(place[at(node)])] = 1;
+    }
+    if (2 * std::count(there.begin(), there.end(), 1) >= static_cast<std::ptrdiff_t>(nodes.size()))
+      steps.push_back(step);
   }
-  return std::max(0, first);
+  return steps;
 }
 
-constexpr int kLeastNodes = 3;  // fewer make no plane
+/// Where nodes are held that lie at an end, or no farther from it than a tenth of a facet.
+struct Near {
+  std::vector<int> nodes;     // at the end
+  std::vector<double> where;  // of those held across it
+  int held_near = 0;
+};
 
-/// The component in which the nodes of an end are held, where not the whole part is: a plane held in the wrong one. -1:
-/// none. Where the part ends across that component, too, nodes are of that other plane.
-int held_instead(const JointModel& model, const PartNodes& part, const std::vector<int>& nodes,
-                 const std::vector<unsigned char>& held, int axis, double tolerance) {
-  for (int k = 0; k < 3; ++k) {
-    if (k == axis) continue;
-    int inside = 0, count = 0;
-    for (const int node : nodes) {
-      const double x = model.nodes[at(node)][k];
-      if (x - part.low[k] <= tolerance || part.high[k] - x <= tolerance) continue;
-      ++inside;
-      count += held[at(node)] >> k & 1;
+Near near_end(const Search& in, const Part& part, int axis, double end) {
+  Near found;
+  for (const int node : part.nodes) {
+    const double x = in.model.nodes[at(node)][axis], away = std::abs(x - end);
+    if (away > 100 * in.same_plane) continue;
+    found.held_near += is_held(in, node, axis);
+    if (away > in.same_plane) continue;
+    found.nodes.push_back(node);
+    if (is_held(in, node, axis)) found.where.push_back(x);
+  }
+  return found;
+}
+
+/// Ends that are planes of symmetry, or may have been meant so.
+std::vector<PartEnd> ends_of_part(const Search& in, int region, const Part& part) {
+  std::vector<PartEnd> ends;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double limit : {part.low[axis], part.high[axis]}) {
+      Near found = near_end(in, part, axis, limit);
+      if (static_cast<int>(found.nodes.size()) < kLeastNodes) continue;
+      PartEnd end;
+      end.region = region;
+      end.nodes = static_cast<int>(found.nodes.size());
+      end.held = static_cast<int>(found.where.size());
+      // Three nodes of a plane that noise spreads farther are no plane.
+      end.is_plane = end.held >= kLeastNodes && 2 * end.held >= end.nodes && 2 * end.held >= found.held_near;
+      double middle = limit;
+      if (!found.where.empty()) {
+        const auto half = found.where.begin() + static_cast<std::ptrdiff_t>(found.where.size() / 2);
+        std::nth_element(found.where.begin(), half, found.where.end());
+        middle = *half;
+      }
+      end.plane = {axis, rounded(middle, in.same_plane)};
+      if (end.is_plane) {
+        end.steps = held_steps(in, found.nodes, axis);
+        if (10 * end.held >= 9 * end.nodes)
+          for (const int node : found.nodes)
+            if (!is_held(in, node, axis)) end.forgotten.push_back(node);
+      }
+      ends.push_back(std::move(end));
     }
-    if (count >= kLeastNodes && 10 * count >= 9 * inside && 2 * count > part.held_inside[at(k)]) return k;
+  return ends;
+}
+
+/// The component in which an end is held that is no plane of symmetry: a fifth of its nodes or more, and the part
+/// hardly anywhere else but at the end across from it. Nodes in planes of symmetry across that component are theirs.
+int held_instead(const Search& in, const Part& part, const std::vector<PartEnd>& ends, const SymmetryPlane& plane) {
+  const auto at_end = [&](const Vector3d& x) { return std::abs(x[plane.axis] - plane.at) <= 2 * in.same_plane; };
+  const auto across = [&](const Vector3d& x) {
+    return x[plane.axis] - part.low[plane.axis] <= in.same_plane ||
+           part.high[plane.axis] - x[plane.axis] <= in.same_plane;
+  };
+  for (int k = 0; k < 3; ++k) {
+    if (k == plane.axis) continue;
+    int nodes = 0, held = 0, meant = 0, elsewhere = 0;
+    for (const int node : part.nodes) {
+      const Vector3d& x = in.model.nodes[at(node)];
+      const bool of_plane = std::any_of(ends.begin(), ends.end(), [&](const PartEnd& e) {
+        return e.is_plane && e.plane.axis == k && std::abs(x[k] - e.plane.at) <= 2 * in.same_plane;
+      });
+      if (of_plane) continue;
+      if (at_end(x)) {
+        ++nodes;
+        held += is_held(in, node, k);
+        meant += is_held(in, node, plane.axis);
+      } else if (!across(x)) {
+        elsewhere += is_held(in, node, k);
+      }
+    }
+    if (held >= kLeastNodes && 5 * held >= nodes && 5 * meant < nodes && elsewhere < held) return k;
   }
   return -1;
 }
 
 }  // namespace
 
-double same_plane(const JointModel& model) {
+double same_plane(const JointModel& model, const std::vector<int>& region) {
   constexpr double kSamePlane = 1e-3;
-  double size = 0.0;
+  double of_parts = 0.0, of_all = 0.0;
+  const auto take = [](double size, double& least) {
+    if (size > 0 && (least == 0.0 || size < least)) least = size;
+  };
   for (const Contact& c : model.contacts)
     for (const int s : {c.primary, c.secondary}) {
-      if (s < 0 || model.surfaces[at(s)].size() == 0) continue;
+      if (s < 0) continue;
       const Surface& surface = model.surfaces[at(s)];
-      double sum = 0.0;
-      for (int f = 0; f < surface.size(); ++f) {
-        const int first = surface.begin[at(f)];
-        Vector3d low = model.nodes[at(surface.nodes[at(first)])], high = low;
-        for (int i = first; i < surface.begin[at(f + 1)]; ++i) {
-          low = low.cwiseMin(model.nodes[at(surface.nodes[at(i)])]);
-          high = high.cwiseMax(model.nodes[at(surface.nodes[at(i)])]);
-        }
-        sum += (high - low).norm();
-      }
-      const double mean = sum / surface.size();
-      if (mean > 0 && (size == 0.0 || mean < size)) size = mean;
+      const double size = facet_size(model, surface);
+      take(size, of_all);
+      if (std::any_of(surface.nodes.begin(), surface.nodes.end(), [&](int node) { return region[at(node)] >= 0; }))
+        take(size, of_parts);
     }
-  return kSamePlane * size;
+  return kSamePlane * (of_parts > 0 ? of_parts : of_all);
 }
-
-bool is_plane(const PartEnd& end) { return end.held >= kLeastNodes && 2 * end.held >= end.nodes; }
 
 std::vector<PartEnd> find_part_ends(const JointModel& model, const std::vector<int>& region,
-                                    const std::vector<unsigned char>& held, const std::vector<char>& on_bone) {
+                                    const std::vector<unsigned char>& held, const std::vector<char>& on_bone,
+                                    double same_plane) {
   if (std::all_of(held.begin(), held.end(), [](unsigned char bits) { return bits == 0; })) return {};
-  const double tolerance = same_plane(model);
-  const std::map<int, PartNodes> parts = part_nodes(model, region, held, on_bone, tolerance);
-  std::map<std::tuple<int, int, int>, std::vector<int>> at_end;  // part, axis, lower or upper
-  for (std::size_t i = 0; i < region.size(); ++i) {
-    if (region[i] < 0 || on_bone[i]) continue;
-    const PartNodes& part = parts.at(region[i]);
-    for (int axis = 0; axis < 3; ++axis)
-      for (int upper = 0; upper < 2; ++upper)
-        if (std::abs(model.nodes[i][axis] - (upper ? part.high : part.low)[axis]) <= tolerance)
-          at_end[{region[i], axis, upper}].push_back(static_cast<int>(i));
+  const Search in = {model, region, held, on_bone, same_plane};
+  std::vector<PartEnd> found;
+  for (const auto& [number, part] : find_all_parts(in)) {
+    std::vector<PartEnd> ends = ends_of_part(in, number, part);
+    for (PartEnd& end : ends)
+      if (!end.is_plane) end.instead = held_instead(in, part, ends, end.plane);
+    for (PartEnd& end : ends)
+      if (end.is_plane || end.instead >= 0) found.push_back(std::move(end));
   }
-  std::vector<PartEnd> ends;
-  for (const auto& [key, nodes] : at_end) {
-    PartEnd end;
-    end.region = std::get<0>(key);
-    end.plane.axis = std::get<1>(key);
-    end.nodes = static_cast<int>(nodes.size());
-    std::vector<double> where;
-    for (const int node : nodes) {
-      if ((held[at(node)] >> end.plane.axis & 1) != 0)
-        where.push_back(model.nodes[at(node)][end.plane.axis]);
-      else
-        end.forgotten.push_back(node);
-    }
-    end.held = static_cast<int>(where.size());
-    if (end.nodes < kLeastNodes) continue;
-    if (10 * end.held < end.nodes)
-      end.instead = held_instead(model, parts.at(end.region), nodes, held, end.plane.axis, tolerance);
-    if (end.held == 0 && end.instead < 0) continue;
-    if (!(is_plane(end) && 10 * end.held >= 9 * end.nodes)) end.forgotten.clear();
-    if (where.empty()) where.push_back(model.nodes[at(nodes.front())][end.plane.axis]);
-    std::nth_element(where.begin(), where.begin() + static_cast<std::ptrdiff_t>(where.size() / 2), where.end());
-    const double middle = where[where.size() / 2];
-    end.plane.at = std::abs(middle) <= tolerance ? 0.0 : middle;
-    end.step = first_step(model, nodes, end.plane.axis);
-    ends.push_back(std::move(end));
-  }
-  return ends;
+  return found;
 }
 
-void add_planes(const JointModel& model, const std::vector<SymmetryPlane>& more, std::vector<SymmetryPlane>& planes) {
-  const double tolerance = same_plane(model);
-  for (const SymmetryPlane& plane : more) add(planes, plane, tolerance);
+void add_planes(const std::vector<SymmetryPlane>& more, double same_plane, std::vector<SymmetryPlane>& planes) {
+  for (const SymmetryPlane& plane : more) {
+    const bool known = std::any_of(planes.begin(), planes.end(), [&](const SymmetryPlane& p) {
+      return p.axis == plane.axis && std::abs(p.at - plane.at) <= same_plane;
+    });
+    if (!known) planes.push_back({plane.axis, rounded(plane.at, same_plane)});
+  }
   std::sort(planes.begin(), planes.end(), [](const SymmetryPlane& a, const SymmetryPlane& b) {
     return std::tie(a.axis, a.at) < std::tie(b.axis, b.at);
   });
 }
 
 std::vector<SymmetryPlane> planes_of_contact(const JointModel& model, const Contact& contact,
-                                             const std::vector<int>& region,
-                                             const std::map<int, std::vector<SymmetryPlane>>& of_region) {
+                                             const std::vector<int>& region, const std::vector<PartEnd>& ends,
+                                             double same_plane) {
   std::vector<SymmetryPlane> planes;
-  if (contact.dea) add_planes(model, contact.dea->symmetry_planes, planes);
-  if (of_region.empty()) return planes;
+  if (contact.dea) add_planes(contact.dea->symmetry_planes, same_plane, planes);
   std::set<int> regions;
   for (const int s : {contact.primary, contact.secondary})
     if (s >= 0)
       for (const int node : model.surfaces[at(s)].nodes) regions.insert(region[at(node)]);
-  for (const int r : regions) {
-    const auto found = of_region.find(r);
-    if (found != of_region.end()) add_planes(model, found->second, planes);
-  }
+  for (const PartEnd& end : ends)
+    if (end.is_plane && regions.count(end.region) > 0) add_planes({end.plane}, same_plane, planes);
   return planes;
 }
 
-std::vector<unsigned char> nodes_in_planes(const JointModel& model, const std::vector<SymmetryPlane>& planes) {
+std::vector<unsigned char> nodes_in_planes(const std::vector<Vector3d>& nodes, const std::vector<SymmetryPlane>& planes,
+                                           double same_plane) {
   if (planes.empty()) return {};
-  const double tolerance = same_plane(model);
-  std::vector<unsigned char> in_plane(model.nodes.size(), 0);
+  std::vector<unsigned char> in_plane(nodes.size(), 0);
   for (const SymmetryPlane& plane : planes)
-    for (std::size_t i = 0; i < model.nodes.size(); ++i)
-      if (std::abs(model.nodes[i][plane.axis] - plane.at) <= tolerance)
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (std::abs(nodes[i][plane.axis] - plane.at) <= same_plane)
         in_plane[i] = static_cast<unsigned char>(in_plane[i] | (1u << plane.axis));
   return in_plane;
 }

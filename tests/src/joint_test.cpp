@@ -910,6 +910,7 @@ TEST(Planes, NoiseOfCoordinatesDoesNotMatter) {
   const HeldQuarter a = held_quarter(exact), b = held_quarter(noisy);
   EXPECT_EQ(b.joint.symmetry_planes, a.joint.symmetry_planes);
   EXPECT_NEAR(b.force / a.force, 1.0, 1e-3);
+  EXPECT_EQ(b.joint.contacts[0].layers[1].missed_count(), 0);
   noisy.nodes[at(node_at(exact, {0, 5, 0}))].x() = -0.1;  // no noise: the part ends there
   EXPECT_EQ(held_quarter(noisy).joint.symmetry_planes, (std::vector<SymmetryPlane>{{1, 0.0}}));
 }
@@ -939,18 +940,78 @@ TEST(Planes, HeldInTheWrongComponentIsTold) {
   EXPECT_EQ(joint.symmetry_planes, (std::vector<SymmetryPlane>{{1, 0.0}}));
   ASSERT_EQ(ends_across(joint, 0).size(), 1u);
   EXPECT_EQ(ends_across(joint, 0)[0].instead, 1);
-  EXPECT_FALSE(is_plane(ends_across(joint, 0)[0]));
+  EXPECT_FALSE(ends_across(joint, 0)[0].is_plane);
   JointModel strip = ball_on_flat(2.0, true, false);
   for (std::size_t i = 0; i < strip.nodes.size(); ++i) strip.fixed_nodes[1].nodes.push_back(static_cast<int>(i));
   for (const PartEnd& end : make_joint(strip, {}).contacts[0].layers[1].ends) EXPECT_EQ(end.instead, -1);
 }
 
-TEST(Planes, HeldFromALaterStepOnIsTold) {
+/// A block of cartilage, x from 0 to 8, y from 0 to 4, under a plate; nodes where `where` says are held in
+/// `component`.
+JointModel held_block(int nx, int ny, int component, const std::function<bool(const Vector3d&)>& where) {
+  JointModel model = empty_model();
+  const int cartilage = add_material(model, "cartilage", false), bone = add_material(model, "bone", true),
+            plate = add_material(model, "plate", true);
+  const auto over = [](double z) { return [z](double u, double v) { return Vector3d(8 * u, 4 * v, z); }; };
+  const int top = add_layer(model, "layer", nx, ny, 2, over(-1), over(0), cartilage, bone);
+  const int above = add_rigid_surface(
+      model, "above", 2, 2, [](double u, double v) { return Vector3d(8 * v, 4 * u, 0.1); }, plate);
+  add_contact(model, "press", above, top);
+  FixedNodes held;
+  held.xyz[static_cast<std::size_t>(component)] = true;
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (where(model.nodes[i])) held.nodes.push_back(static_cast<int>(i));
+  model.fixed_nodes.push_back(held);
+  return model;
+}
+
+// However few nodes there are, at one end or both, in either other component: that end is told, and no other one.
+TEST(Planes, TheEndThatIsHeldInTheWrongComponentIsTold) {
+  for (const int n : {3, 4, 6, 10})
+    for (const int component : {1, 2})
+      for (const bool both : {false, true}) {
+        SCOPED_TRACE(fmt::format("{} elements, held in {}, {}", n, component, both));
+        const JointModel model = held_block(
+            n, n, component, [&](const Vector3d& x) { return x.z() > -1 && (x.x() == 0 || (both && x.x() == 8)); });
+        const Joint joint = make_joint(model, {});
+        EXPECT_TRUE(joint.symmetry_planes.empty());
+        std::vector<double> told;
+        for (const PartEnd& end : joint.contacts[0].layers[1].ends) {
+          EXPECT_EQ(end.plane.axis, 0);
+          EXPECT_EQ(end.instead, component);
+          told.push_back(end.plane.at);
+        }
+        EXPECT_EQ(told, both ? (std::vector<double>{0, 8}) : std::vector<double>{0});
+      }
+  // Walls without friction along y: nothing else is meant
+  for (const int n : {1, 4})
+    EXPECT_EQ(make_joint(held_block(8, n, 1, [](const Vector3d& x) { return x.y() == 0 || x.y() == 4; }), {})
+                  .contacts[0]
+                  .layers[1]
+                  .ends.size(),
+              2u);
+}
+
+// Noise that is wider than a thousandth of the facets leaves no plane, not one of the three outermost nodes either.
+TEST(Planes, MuchNoiseLeavesNone) {
+  JointModel model = held_block(10, 10, 0, [](const Vector3d& x) { return x.x() == 0; });
+  EXPECT_EQ(make_joint(model, {}).symmetry_planes, (std::vector<SymmetryPlane>{{0, 0.0}}));
+  for (const int node : model.fixed_nodes[0].nodes) model.nodes[at(node)].x() = 0.004 * std::sin(11.0 * node);
+  EXPECT_TRUE(make_joint(model, {}).symmetry_planes.empty());
+}
+
+TEST(Planes, StepsInWhichTheyAreNotHeldAreTold) {
   JointModel model = ball_on_flat(2.0, true, false);
-  EXPECT_EQ(ends_across(make_joint(model, {}), 1)[0].step, 0);
+  model.steps.push_back(model.steps.back());
+  const auto steps = [&](int axis) { return ends_across(make_joint(model, {}), axis)[0].steps; };
+  EXPECT_EQ(steps(1), (std::vector<int>{0, 1}));
   model.fixed_nodes[1].step = 1;
-  EXPECT_EQ(ends_across(make_joint(model, {}), 0)[0].step, 0);
-  EXPECT_EQ(ends_across(make_joint(model, {}), 1)[0].step, 1);
+  EXPECT_EQ(steps(0), (std::vector<int>{0, 1}));
+  EXPECT_EQ(steps(1), std::vector<int>{1});
+  FixedNodes first = model.fixed_nodes[1];
+  first.step = 0;
+  model.fixed_nodes.push_back(first);
+  EXPECT_EQ(steps(1), (std::vector<int>{0, 1}));
 }
 
 TEST(SurfaceMesh, AnEllipsoidIsUneven) {

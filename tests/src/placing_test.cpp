@@ -475,9 +475,9 @@ TEST(Numbers, ADecimalCommaIsTold) {
     }
     return "";
   };
-  for (const char* text : {"11,85", "-0,5", "1,5e3"})
+  for (const char* text : {"11,85", "-0,5", "1,5e3", "+1,5"})
     EXPECT_EQ(refusal(text), std::string("found \"") + text + "\", expected a number with a decimal point");
-  for (const char* text : {"1,2,3", ",5x", "1.5,2", "a,5"})
+  for (const char* text : {"1,2,3", ",5x", "1.5,2", "a,5", "1,", "-,5"})
     EXPECT_EQ(refusal(text), std::string("found \"") + text + "\", expected a number");
 }
 

@@ -107,7 +107,8 @@ std::string coarse_facets(const JointModel& model, const ContactPair& pair, cons
   if (finer.empty()) return fmt::format("warning: {}: mesh it finer, or is its thickness wrong?", text);
   if (worst <= kCoarse)
     return fmt::format(
-        "note: {}: right to about 3% where contact is 8 facets wide, less where it is narrower; "
+        "note: {}: force, p99 and peak are right to about 3% where contact is 8 facets wide, less where it is "
+        "narrower; area and mean need a finer mesh; "
         "dea converge or {} tell",
         text, wording({"refine", "", std::to_string(2 * pair.refine)}));
   return fmt::format(
@@ -199,8 +200,8 @@ void add_ends(const JointModel& model, const std::string& surface, const Layer& 
     const std::string plane = fmt::format("surface \"{}\", plane {} = {:.6g}", surface, axis, end.plane.at);
     if (end.instead >= 0)
       add_once(lines,
-               fmt::format("warning: {}: nodes of its layer are held in {}, not in {}: no plane of symmetry, but "
-                           "a free edge; hold them in {} if it is one",
+               fmt::format("warning: {}: where its layer ends, nodes are held in {}, not in {}: taken for a free "
+                           "edge, without that hold; hold them in {} if it is a plane of symmetry",
                            plane, "xyz"[end.instead], axis, axis));
     if (!end.forgotten.empty()) {
       std::vector<std::string> nodes;
@@ -211,9 +212,12 @@ void add_ends(const JointModel& model, const std::string& surface, const Layer& 
                                   plane, end.forgotten.size(), end.nodes, axis, fmt::join(nodes, ", "),
                                   end.forgotten.size() > nodes.size() ? ", ..." : ""));
     }
-    if (is_plane(end) && end.step > 0)
-      add_once(lines, fmt::format("note: {}: its nodes are held from step {} on, and here from the start", plane,
-                                  end.step + 1));
+    if (end.is_plane && end.steps.size() < model.steps.size()) {
+      std::vector<std::string> steps;
+      for (const int step : end.steps) steps.push_back(std::to_string(step + 1));
+      add_once(lines, fmt::format("note: {}: its nodes are not held in all steps ({} of {}), but here they are", plane,
+                                  steps.empty() ? "no" : listed(steps), model.steps.size()));
+    }
   }
 }
 
