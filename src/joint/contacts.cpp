@@ -275,7 +275,8 @@ std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer
   const int alone = walls_alone(layer.face);
   if (alone > 0)
     findings.push_back(say(
-        "surface \"{}\": {} edges of its rim are held across an axis, but lie in no plane in which half of the layer's "
+        "surface \"{}\": {} edges of its rim are held across an axis, but lie in no plane in which more than half of "
+        "the layer's "
         "nodes are held (within {:.2g} of it): taken for a plane of symmetry, though in FEBio the rest moves freely; "
         "hold "
         "all nodes where the layer ends, or none, and put them into one plane",

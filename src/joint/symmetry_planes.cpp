@@ -65,7 +65,7 @@ std::map<int, Part> find_all_parts(const Search& in) {
 
 bool is_held(const Search& in, int node, int component) { return (in.held[at(node)] >> component & 1) != 0; }
 
-/// Steps in which half of an end's nodes are held across it.
+/// Steps in which more than half of an end's nodes are held across it.
 std::vector<int> held_steps(const Search& in, const std::vector<int>& nodes, int axis) {
   std::vector<int> place(in.model.nodes.size(), -1), steps;
   for (std::size_t i = 0; i < nodes.size(); ++i) place[at(nodes[i])] = static_cast<int>(i);
@@ -76,7 +76,7 @@ std::vector<int> held_steps(const Search& in, const std::vector<int>& nodes, int
       for (const int node : f.nodes)
         if (place[at(node)] >= 0) there[at(place[at(node)])] = 1;
     }
-    if (2 * std::count(there.begin(), there.end(), 1) >= static_cast<std::ptrdiff_t>(nodes.size()))
+    if (2 * std::count(there.begin(), there.end(), 1) > static_cast<std::ptrdiff_t>(nodes.size()))
       steps.push_back(step);
   }
   return steps;
@@ -114,7 +114,7 @@ std::vector<PartEnd> ends_of_part(const Search& in, int region, const Part& part
       end.nodes = static_cast<int>(found.nodes.size());
       end.held = static_cast<int>(found.where.size());
       // Three nodes of a plane that noise spreads farther are no plane.
-      end.is_plane = end.held >= kLeastNodes && 2 * end.held >= end.nodes && 2 * end.held >= found.held_near;
+      end.is_plane = end.held >= kLeastNodes && 2 * end.held > end.nodes && 2 * end.held > found.held_near;
       double middle = limit;
       if (!found.where.empty()) {
         const auto half = found.where.begin() + static_cast<std::ptrdiff_t>(found.where.size() / 2);

@@ -16,7 +16,7 @@ double same_plane(const JointModel& model, const std::vector<int>& region);
 struct PartEnd {
   int region = -1;
   SymmetryPlane plane;
-  bool is_plane = false;       ///< of symmetry: half of its nodes or more are held across it
+  bool is_plane = false;       ///< of symmetry: more than half of its nodes are held across it
   int nodes = 0;               ///< there, those that a bone holds aside
   int held = 0;                ///< of these, across the plane
   std::vector<int> forgotten;  ///< the others, where they are few: they count as held

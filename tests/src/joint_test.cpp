@@ -835,7 +835,7 @@ TEST(Planes, AQuarterCarriesAQuarter) {
     }
 }
 
-// Only where a part ends, and at half its nodes or more: a few held nodes, or nodes held inside, make no plane.
+// Only where a part ends, and at more than half its nodes: a few held nodes, or nodes held inside, make no plane.
 TEST(Planes, AreWhereAPartEndsAndIsHeld) {
   const auto planes_of = [](double where, int axis, int most) {
     JointModel model = ball_on_flat(2.0, false, false);
@@ -856,7 +856,7 @@ TEST(Planes, AreWhereAPartEndsAndIsHeld) {
                      held.nodes.end());
   const auto told = [](const JointModel& m) {
     for (const Sentence& finding : make_joint(m, {}).findings)
-      if (finding.text.find("32 edges of its rim are held across an axis, but less than half") != std::string::npos)
+      if (finding.text.find("32 edges of its rim are held across an axis, but lie in no plane in which more than half") != std::string::npos)
         return true;
     return false;
   };
