@@ -215,8 +215,8 @@ void add_ends(const JointModel& model, const std::string& surface, const Layer& 
     if (end.is_plane && end.steps.size() < model.steps.size()) {
       std::vector<std::string> steps;
       for (const int step : end.steps) steps.push_back(std::to_string(step + 1));
-      add_once(lines, fmt::format("note: {}: its nodes are not held in all steps ({} of {}), but here they are", plane,
-                                  steps.empty() ? "no" : listed(steps), model.steps.size()));
+      add_once(lines, fmt::format("note: {}: its nodes are held in {} of {} steps, here in all of them", plane,
+                                  steps.empty() ? "none" : "step " + listed(steps), model.steps.size()));
     }
   }
 }

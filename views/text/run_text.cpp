@@ -321,6 +321,10 @@ std::string converge_text(const JointModel& model, const std::vector<Convergence
     text += needed(study.springs_5_percent, "5%");
     text += needed(study.springs_1_percent, "1%");
   }
+  text +=
+      "\nthe springs are divided, the facets are not: area and mean of the map stay those of the mesh's nodes; mesh "
+      "finer for "
+      "them\n";
   return text;
 }
 
