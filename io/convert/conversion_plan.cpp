@@ -487,9 +487,9 @@ void check_faces(const JointModel& model, const Settings& settings, ConversionPl
       if (!same_walls(layer, same->layers[side], pair.law))
         throw fault_at(
             model, surface.origin,
-            say("surface \"{}\": {} edges of its rim are held across an axis, {} of them in a plane of symmetry; for "
-                "the "
-                "others a contact of type dea has no words:",
+            say("surface \"{}\": {} edges of its rim are held across an axis; converted it would be {}, for a contact "
+                "of "
+                "type dea knows whole planes of symmetry alone:",
                 surface.name, walls_of(layer).size(), walls_of(same->layers[side]).size()),
             say("hold all nodes where the layer ends, or none, and put them into one plane, or convert with {}",
                 kLinear));

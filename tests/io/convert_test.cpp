@@ -975,9 +975,9 @@ TEST(Convert, RefusalsOfModels) {
       {"a plane that is held in part",
        changed(plain, {nodes("side", "1,5,9,13,17,21,25"), {"<Rigid>", fmt::format(fmt::runtime(fix), "side", 0, 0)}}),
        {{"law", "", "layer"}},
-       "edges of its rim are held across an axis, 0 of them in a plane of symmetry; for the others a contact of type "
-       "dea has "
-       "no words: hold all nodes where the layer ends, or none, and put them into one plane, or convert"},
+       "2 edges of its rim are held across an axis; converted it would be 3, for a contact of type dea knows whole "
+       "planes "
+       "of symmetry alone: hold all nodes where the layer ends, or none, and put them into one plane, or convert"},
       {"a contact that is of type dea, beside another",
        changed(plain, {{"type=\"sliding-elastic\" surface_pair=\"joint\">\n<penalty>20</penalty>\n",
                         "type=\"dea\" surface_pair=\"joint\">\n"},
