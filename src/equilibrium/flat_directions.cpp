@@ -120,7 +120,7 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
 
 /// A least stiffness that is nothing but rounding, against the greatest, has no sign.
 double without_rounding(double least, double greatest) {
-  constexpr double kRounding = 1e-10;
+  constexpr double kRounding = 1e-8;
   return std::abs(least) <= kRounding * std::abs(greatest) ? 0.0 : least;
 }
 

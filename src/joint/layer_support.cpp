@@ -25,8 +25,11 @@ Fault not_held(const ContactSide& in, int region, bool of_several, int cartilage
     bones = bones.empty() ? say("{}", rigid) : say("{} or {}", bones, rigid);
   }
   std::string bodies;
-  for (std::size_t b = 0; b + 1 < parts.bodies.bodies.size(); ++b)
-    bodies += (b ? ", " : "") + fmt::format("\"{}\"", parts.bodies.bodies[b].name);
+  const std::vector<int>& body_of_node = parts.bodies.of_node;
+  for (std::size_t b = 0; b + 1 < parts.bodies.bodies.size(); ++b) {
+    const bool meshed = std::find(body_of_node.begin(), body_of_node.end(), static_cast<int>(b)) != body_of_node.end();
+    bodies += fmt::format("{}\"{}\"{}", b ? ", " : "", parts.bodies.bodies[b].name, meshed ? "" : " without elements");
+  }
   const Sentence attach =
       say("name the body with {} (bodies: {}), and the layer's bone surface with {} or its thickness with {}",
           setting_of(in, "attach", "BODY"), bodies.empty() ? "none" : bodies, setting_of(in, "bone", "SURFACE"),

@@ -72,6 +72,12 @@ TEST(Recognition, TiedLayerTakesTheBodyItIsTiedTo) {
   }
 }
 
+TEST(Recognition, ABodyWithoutElementsIsToldWhereABodyIsAskedFor) {
+  JointModel model = floating_layer(2.0);
+  add_material(model, "ghost", true);
+  EXPECT_NE(refusal(model).find("\"top\", \"ghost\" without elements)"), std::string::npos) << refusal(model);
+}
+
 // The part under the tie gives way: its upper side is no bone, and 2 no thickness of what lies on bone.
 TEST(Recognition, ALayerTiedToADeformablePartIsRefusedUnlessTheUserSaysWhatItLiesOn) {
   JointModel model = floating_layer(2.0);
@@ -856,7 +862,9 @@ TEST(Planes, AreWhereAPartEndsAndIsHeld) {
                      held.nodes.end());
   const auto told = [](const JointModel& m) {
     for (const Sentence& finding : make_joint(m, {}).findings)
-      if (finding.text.find("32 edges of its rim are held across an axis, but lie in no plane in which more than half") != std::string::npos)
+      if (finding.text.find(
+              "32 edges of its rim are held across an axis, but lie in no plane in which more than half") !=
+          std::string::npos)
         return true;
     return false;
   };
@@ -1012,6 +1020,21 @@ TEST(Planes, StepsInWhichTheyAreNotHeldAreTold) {
   first.step = 0;
   model.fixed_nodes.push_back(first);
   EXPECT_EQ(steps(1), (std::vector<int>{0, 1}));
+}
+
+// A ball that may turn about its own centre resists nothing there: what rounding leaves of it has no sign.
+TEST(Stability, ABallThatTurnsAboutItsCentreIsNotUnstable) {
+  for (const double size : {1.0, 2.0}) {
+    JointModel model = ball_on_flat(size, false, false);
+    model.rigid_prescribed.clear();
+    model.rigid_fixed.back().dofs = {true, true, false, false, false, true};
+    const int ball = model.rigid_fixed.back().material;
+    model.materials[at(ball)].center_of_mass = Vector3d(0, 0, 40);
+    force(model, ball, {0, 0, -20});
+    const Equilibrium e = analyse(model, {}).states.back().equilibrium;
+    EXPECT_TRUE(solved(e.outcome)) << e.message;
+    EXPECT_FALSE(e.least_stiffness < 0) << e.least_stiffness;
+  }
 }
 
 TEST(SurfaceMesh, AnEllipsoidIsUneven) {
