@@ -118,12 +118,6 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
   return s;
 }
 
-/// A least stiffness that is nothing but rounding, against the greatest, has no sign.
-double without_rounding(double least, double greatest) {
-  constexpr double kRounding = 1e-8;
-  return std::abs(least) <= kRounding * std::abs(greatest) ? 0.0 : least;
-}
-
 /// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness.
 /// `downhill`: along those of negative stiffness the load is followed, where Newton's step would go against it.
 void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, bool downhill,
@@ -132,7 +126,7 @@ void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, c
   d.newton = stiff * solve_least_norm(test.transpose() * K * stiff, test.transpose() * r);
   const MatrixXd projected = stiff.transpose() * K * stiff;
   const Eigenvalues parts = symmetric_eigen(0.5 * (projected + projected.transpose()));
-  d.least_stiffness = without_rounding(parts.values[0], parts.values[parts.values.size() - 1]);
+  d.least_stiffness = parts.values[0];
   for (Eigen::Index k = 0; downhill && k < parts.values.size() && parts.values[k] < 0; ++k) {
     const VectorXd unstable = stiff * parts.vectors.col(k);
     d.newton -= unstable * unstable.dot(d.newton);
@@ -179,7 +173,7 @@ Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, co
     solve_stiff(K, split.stiff, asked, r, problem.downhill, d);
   } else {
     d.newton = bordered_step(K, d.left_unbalanced, split.flat, r);
-    d.least_stiffness = without_rounding(least_symmetric_eigenvalue(K, split.flat, kDenseUnknowns), K.norm());
+    d.least_stiffness = least_symmetric_eigenvalue(K, split.flat, kDenseUnknowns);
   }
   return d;
 }

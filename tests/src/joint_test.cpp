@@ -1022,21 +1022,6 @@ TEST(Planes, StepsInWhichTheyAreNotHeldAreTold) {
   EXPECT_EQ(steps(1), (std::vector<int>{0, 1}));
 }
 
-// A ball that may turn about its own centre resists nothing there: what rounding leaves of it has no sign.
-TEST(Stability, ABallThatTurnsAboutItsCentreIsNotUnstable) {
-  for (const double size : {1.0, 2.0}) {
-    JointModel model = ball_on_flat(size, false, false);
-    model.rigid_prescribed.clear();
-    model.rigid_fixed.back().dofs = {true, true, false, false, false, true};
-    const int ball = model.rigid_fixed.back().material;
-    model.materials[at(ball)].center_of_mass = Vector3d(0, 0, 40);
-    force(model, ball, {0, 0, -20});
-    const Equilibrium e = analyse(model, {}).states.back().equilibrium;
-    EXPECT_TRUE(solved(e.outcome)) << e.message;
-    EXPECT_FALSE(e.least_stiffness < 0) << e.least_stiffness;
-  }
-}
-
 TEST(SurfaceMesh, AnEllipsoidIsUneven) {
   const Joint joint = make_joint(concentric_spheres(12, 1.0), {});
   SurfaceMesh stretched = joint.contacts[0].layers[1].articular;
