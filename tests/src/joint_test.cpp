@@ -951,7 +951,8 @@ TEST(Planes, HeldInTheWrongComponentIsTold) {
   EXPECT_FALSE(ends_across(joint, 0)[0].is_plane);
   JointModel strip = ball_on_flat(2.0, true, false);
   for (std::size_t i = 0; i < strip.nodes.size(); ++i) strip.fixed_nodes[1].nodes.push_back(static_cast<int>(i));
-  for (const PartEnd& end : make_joint(strip, {}).contacts[0].layers[1].ends) EXPECT_EQ(end.instead, -1);
+  const Joint of_strip = make_joint(strip, {});
+  for (const PartEnd& end : of_strip.contacts[0].layers[1].ends) EXPECT_EQ(end.instead, -1);
 }
 
 /// A block of cartilage, x from 0 to 8, y from 0 to 4, under a plate; nodes where `where` says are held in
