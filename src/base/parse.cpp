@@ -19,13 +19,15 @@ bool has_decimal_comma(const std::string& text) {
   const auto digit = [&](std::size_t at) {
     return at < word.size() && std::isdigit(static_cast<unsigned char>(word[at])) != 0;
   };
-  if (comma == std::string::npos || comma == 0 || !digit(comma - 1) || !digit(comma + 1)) return false;
+  // One comma and no point: what is parsed below has no comma, so that its refusal does not come back here.
+  if (comma == std::string::npos || comma != word.rfind(',') || word.find('.') != std::string::npos) return false;
+  if (comma == 0 || !digit(comma - 1) || !digit(comma + 1)) return false;
   try {
     parse_number(word.substr(0, comma) + "." + word.substr(comma + 1));
   } catch (const BadValue&) {
     return false;
   }
-  return word.find('.') == std::string::npos;
+  return true;
 }
 
 double parse_number(const std::string& text) {

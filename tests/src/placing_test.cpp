@@ -479,6 +479,9 @@ TEST(Numbers, ADecimalCommaIsTold) {
     EXPECT_EQ(refusal(text), std::string("found \"") + text + "\", expected a number with a decimal point");
   for (const char* text : {"1,2,3", ",5x", "1.5,2", "a,5", "1,", "-,5"})
     EXPECT_EQ(refusal(text), std::string("found \"") + text + "\", expected a number");
+  std::string many = "1";  // as a hostile file may have it: refused at once
+  for (int i = 0; i < 200000; ++i) many += ",1";
+  EXPECT_EQ(refusal(many), "found \"" + many + "\", expected a number");
 }
 
 TEST(States, ARangeHoldsItsEnds) {
