@@ -488,8 +488,7 @@ void check_faces(const JointModel& model, const Settings& settings, ConversionPl
         throw fault_at(
             model, surface.origin,
             say("surface \"{}\": {} edges of its rim are held across an axis; converted it would be {}, for a contact "
-                "of "
-                "type dea knows whole planes of symmetry alone:",
+                "of type dea knows whole planes of symmetry alone:",
                 surface.name, walls_of(layer).size(), walls_of(same->layers[side]).size()),
             say("hold all nodes where the layer ends, or none, and put them into one plane, or convert with {}",
                 kLinear));

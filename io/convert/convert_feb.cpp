@@ -105,7 +105,6 @@ Conversion convert_feb(const JointModel& given, const Settings& given_settings, 
 
   result.edited = edited.has_value();
   result.notes = plan.notes;
-  result.joint = plan.joint;
   if (edited) {
     result.text = std::move(*edited);
     result.changes.push_back("the model's own text, with these changes:");
@@ -126,6 +125,7 @@ Conversion convert_feb(const JointModel& given, const Settings& given_settings, 
     result.changes.push_back(solver);
     for (const std::string& what : dropped) result.changes.push_back("left out, no part of the joint: " + what);
   }
+  result.joint = std::move(plan.joint);
   return result;
 }
 

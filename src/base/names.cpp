@@ -83,6 +83,12 @@ std::string name_list(std::vector<std::string> names, std::string_view word, std
   return text.empty() ? "none" : text;
 }
 
+std::string number_list(const std::vector<int>& numbers, std::size_t most) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, numbers.size()); ++i) text += (i ? ", " : "") + std::to_string(numbers[i]);
+  return numbers.size() > most ? text + ", ..." : text;
+}
+
 std::string no_such_name(const char* what, std::string_view word, const std::vector<std::string>& names) {
   return "the model has no " + std::string(what) + " of this name" + did_you_mean(word, names) + "; it has " +
          name_list(names, word);

@@ -22,6 +22,9 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 /// "a", "b", ... in quotes, at most `most` of them: of more those nearest to `word`; "none".
 std::string name_list(std::vector<std::string> names, std::string_view word = {}, std::size_t most = 8);
 
+/// "3, 7, ...": the first `most` of them.
+std::string number_list(const std::vector<int>& numbers, std::size_t most = 5);
+
 /// "the model has no surface of this name (did you mean "top"?); it has "top", "under"".
 std::string no_such_name(const char* what, std::string_view word, const std::vector<std::string>& names);
 

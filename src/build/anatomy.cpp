@@ -9,6 +9,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/value_above.h>
 #include <febiodea/build/mend_surface.h>
 #include <febiodea/build/region.h>
 #include <febiodea/geometry/ray_caster.h>
@@ -19,13 +20,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-/// A quarter of the values lie below it.
-double first_quartile(std::vector<double> values) {
-  const auto quarter = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4);
-  std::nth_element(values.begin(), quarter, values.end());
-  return *quarter;
-}
 
 /// Three quarters of the landmarks lie as far from the nearest bone, or farther: scans may hold half a pelvis and a
 /// femur's upper end. All times `scale`, x and y times `sign` too.
@@ -39,7 +33,7 @@ double distance_to_bones(const std::vector<RayCaster>& bones, const std::vector<
       nearest = std::min(nearest, (position(bone.mesh(), bone.closest(x)) - x).norm());
     distances.push_back(nearest);
   }
-  return first_quartile(distances);
+  return value_above(distances, 0.25);
 }
 
 constexpr double kOff = 10, kFar = 30;  // mm: a landmark off its bone, and one that belongs to no bone

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include <febiodea/base/decompositions.h>
+#include <febiodea/base/value_above.h>
 #include <febiodea/build/mend_surface.h>
 #include <febiodea/build/region.h>
 #include <febiodea/geometry/ray_caster.h>
@@ -189,12 +190,6 @@ Plane plane_through(const std::vector<Vector3d>& points, const std::vector<char>
   return plane;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The plane of most points: those off it by more than three times the middle distance (as a standard deviation) have
 /// no say.
 Plane plane_of_most(const std::vector<Vector3d>& points, const Vector3d& outwards, double size,
@@ -205,7 +200,7 @@ Plane plane_of_most(const std::vector<Vector3d>& points, const Vector3d& outward
     std::vector<double> distances(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       distances[i] = std::abs((points[i] - plane.point).dot(plane.normal));
-    const double limit = std::max(3 * 1.4826 * median(distances), 1e-6 * size);
+    const double limit = std::max(3 * 1.4826 * value_above(distances, 0.5), 1e-6 * size);
     std::vector<char> now(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) now[i] = distances[i] <= limit;
     if (now == used) break;

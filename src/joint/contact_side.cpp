@@ -1,7 +1,5 @@
 #include <febiodea/joint/contact_side.h>
 
-#include <utility>
-
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
 #include <febiodea/joint/symmetry_planes.h>
@@ -10,17 +8,20 @@ namespace dea {
 
 ContactSide contact_side(const ModelParts& parts, const Contact& contact, int side) {
   const int index = side == 0 ? contact.primary : contact.secondary;
-  std::vector<SymmetryPlane> planes =
-      planes_of_contact(parts.model, contact, parts.region, parts.holders.ends, parts.holders.same_plane);
-  std::vector<unsigned char> in_plane = nodes_in_planes(parts.model.nodes, planes, parts.holders.same_plane);
   return {parts,
           contact,
           side,
           index,
           parts.model.surfaces[at(index)],
           given_layer(parts.model, parts.settings, contact, side),
-          std::move(planes),
-          std::move(in_plane)};
+          {},
+          {}};
+}
+
+void find_planes(ContactSide& in) {
+  const Holders& holders = in.parts.holders;
+  in.planes = planes_of_contact(in.parts.model, in.contact, in.parts.region, holders.ends, holders.same_plane);
+  in.in_plane = nodes_in_planes(in.parts.model.nodes, in.planes, holders.same_plane);
 }
 
 Fault refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected) {

@@ -14,10 +14,12 @@ struct ContactSide {
   int index;  ///< of the surface
   const Surface& surface;
   GivenLayer given;
-  std::vector<SymmetryPlane> planes;    ///< of the contact
-  std::vector<unsigned char> in_plane;  ///< per node: as make_surface_mesh has it
+  std::vector<SymmetryPlane> planes;    ///< of the contact (find_planes)
+  std::vector<unsigned char> in_plane;  ///< per node: as make_surface_mesh has it (find_planes)
 };
+/// Without its planes: only the stages that make surfaces need them.
 ContactSide contact_side(const ModelParts& parts, const Contact& contact, int side);
+void find_planes(ContactSide& in);
 
 /// `contact "c", surface "s": found; expected`, at the surface's place.
 Fault refusal_of(const ContactSide& in, const Sentence& found, const Sentence& expected);

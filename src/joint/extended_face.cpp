@@ -11,7 +11,6 @@
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/joint/layer_support.h>
 #include <febiodea/joint/left_out.h>
-#include <febiodea/joint/symmetry_planes.h>
 #include <febiodea/joint/thickness.h>
 
 namespace dea {
@@ -113,8 +112,9 @@ std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>
   return thickness;
 }
 
-LayerBoundary rigid_boundary(const ModelParts& parts, const CarriedSurface& carried, const Layer& layer,
+LayerBoundary rigid_boundary(const ContactSide& in, const CarriedSurface& carried, const Layer& layer,
                              const std::vector<double>& map) {
+  const ModelParts& parts = in.parts;
   const JointModel& model = parts.model;
   const std::vector<char> own = mapped_domains(parts, layer.body);
   std::vector<LayerElement> elements;
@@ -129,12 +129,11 @@ LayerBoundary rigid_boundary(const ModelParts& parts, const CarriedSurface& carr
   }
   LayerBoundary boundary = find_layer_boundary(model, elements, std::move(held));
   open_feather_facets(model, carried.facets, boundary);
-  const std::vector<unsigned char> planes = nodes_in_planes(model.nodes, layer.planes, parts.holders.same_plane);
-  const SurfaceMesh bone = bonded_surface(model, boundary, planes);
+  const SurfaceMesh bone = bonded_surface(model, boundary, in.in_plane);
   if (bone.size() == 0) return {};
   find_side_walls(model, bone, boundary);
   const FacetList kept = kept_facets(carried.facets, kinds_of(boundary, carried.facets));
-  const SurfaceMesh articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes, nullptr, planes);
+  const SurfaceMesh articular = make_surface_mesh(kept.begin, kept.nodes, model.nodes, nullptr, in.in_plane);
   if (articular.size() == 0) return {};
   const std::vector<double> said = mapped_thickness(model.surfaces[at(layer.surface)], map, articular);
   return as_thick_as(said, articular, bone) ? boundary : LayerBoundary{};
@@ -155,20 +154,20 @@ FacetList pressed_elsewhere(const ContactSide& in, int body) {
   return list;
 }
 
-void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurface& carried,
-                     const LayerBoundary& boundary, const FacetList& elsewhere, Layer& layer) {
+void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface& carried, const LayerBoundary& boundary,
+                     const FacetList& elsewhere, Layer& layer) {
+  const ModelParts& parts = in.parts;
   const JointModel& model = parts.model;
-  const std::vector<unsigned char> planes = nodes_in_planes(model.nodes, layer.planes, parts.holders.same_plane);
   const NodeThickness* said = node_thickness(parts.settings, model.surfaces[at(layer.surface)].name);
   double deepest = layer.max_thickness();
   if (layer.material < 0 &&
       said == nullptr) {  // rigid_boundary: as far as before the conversion, though the map knows the rim better
     const std::vector<double> measured =
-        measure_thickness(layer.articular, bonded_surface(model, boundary, planes)).thickness;
+        measure_thickness(layer.articular, bonded_surface(model, boundary, in.in_plane)).thickness;
     deepest = layer.thickness_scale * *std::max_element(measured.begin(), measured.end());
   }
   layer.face = grow_face(model, boundary, kept_facets(carried.facets, layer.facet_kinds), layer.articular,
-                         kFaceReach * deepest, parts.holders.mirror, planes, elsewhere);
+                         kFaceReach * deepest, parts.holders.mirror, in.in_plane, elsewhere);
   const std::size_t vertices = layer.articular.vertices.size(), triangles = layer.articular.triangles.size();
   SurfaceMesh& mesh = layer.face.mesh;
   if (mesh.triangles.size() == triangles) {
@@ -181,7 +180,7 @@ void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurfac
   // are as thick as it says
   if (said == nullptr && (!layer.thickness_given || layer.material < 0)) {
     const MeasuredThickness measured =
-        measure_thickness(mesh, layer.thickness_given ? bonded_surface(model, boundary, planes) : layer.bone);
+        measure_thickness(mesh, layer.thickness_given ? bonded_surface(model, boundary, in.in_plane) : layer.bone);
     for (std::size_t v = vertices; v < mesh.vertices.size(); ++v)
       layer.face.thickness.push_back(layer.thickness_scale * measured.thickness[v]);
     return;

@@ -17,7 +17,7 @@ std::vector<double> mapped_thickness(const Surface& s, const std::vector<double>
 /// under the surface, bonded where they share nodes with others of their body. They are the layer if they are as thick
 /// as its map says, within 2 % for nearly all vertices inside; else they are bone, and nothing is known of the
 /// cartilage beyond the selection: no faces.
-LayerBoundary rigid_boundary(const ModelParts& parts, const CarriedSurface& carried, const Layer& layer,
+LayerBoundary rigid_boundary(const ContactSide& in, const CarriedSurface& carried, const Layer& layer,
                              const std::vector<double>& map);
 
 /// The facets beside those of a contact's layer that other contacts of the same two bodies press at the same time.
@@ -26,7 +26,7 @@ FacetList pressed_elsewhere(const ContactSide& in, int body);
 
 /// Fills the face of a layer with elements; it ends at the facets that are pressed `elsewhere`. Gaps and thickness of
 /// the selection stay its own: at its rim they know the facets on one side only.
-void find_layer_face(const ModelParts& parts, Facets facets, const CarriedSurface& carried,
-                     const LayerBoundary& boundary, const FacetList& elsewhere, Layer& layer);
+void find_layer_face(const ContactSide& in, Facets facets, const CarriedSurface& carried, const LayerBoundary& boundary,
+                     const FacetList& elsewhere, Layer& layer);
 
 }  // namespace dea

@@ -248,6 +248,16 @@ SurfaceMesh bonded_surface(const JointModel& model, const LayerBoundary& boundar
   return make_surface_mesh(bone.begin, bone.nodes, model.nodes, nullptr, node_planes);
 }
 
+FacetList faces_without(const LayerBoundary& boundary, const FacetList& facets) {
+  const auto index = index_of(facets);
+  FacetList others;
+  for (int f = 0; f < boundary.faces.size(); ++f) {
+    const std::vector<int> face = facet_nodes(boundary.faces, f);
+    if (index.count(key_of(face)) == 0) others.add(face);
+  }
+  return others;
+}
+
 void find_side_walls(const JointModel& model, const SurfaceMesh& bone, LayerBoundary& boundary) {
   const std::vector<std::vector<int>> facets = all_facets(boundary.faces);
   const RayCaster caster(bone);

@@ -76,6 +76,9 @@ void open_feather_facets(const JointModel& model, const FacetList& selected, Lay
 SurfaceMesh bonded_surface(const JointModel& model, const LayerBoundary& boundary,
                            const std::vector<unsigned char>& node_planes);
 
+/// The faces of the boundary without these facets.
+FacetList faces_without(const LayerBoundary& boundary, const FacetList& facets);
+
 /// Finds the side walls: faces that turn away by more than 60 degrees from the bone next to them (normals into the
 /// layer) and do not look through the layer at bone, where a patch of them reaches down to held nodes.
 void find_side_walls(const JointModel& model, const SurfaceMesh& bone, LayerBoundary& boundary);

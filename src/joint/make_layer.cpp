@@ -9,6 +9,7 @@
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
+#include <febiodea/base/value_above.h>
 #include <febiodea/geometry/ray_caster.h>
 #include <febiodea/joint/bare_surface.h>
 #include <febiodea/joint/carried_surface.h>
@@ -297,12 +298,9 @@ std::vector<Fault> take_nodes(const ContactSide& in, Layer& layer) {
   }
   if (!missing.empty()) {
     std::sort(missing.begin(), missing.end());
-    std::string first;
-    for (std::size_t i = 0; i < std::min<std::size_t>(missing.size(), 5); ++i)
-      first += fmt::format("{}{}", i ? ", " : "", missing[i]);
     return {Fault{.place = said.file,
-                  .found = say("found no thickness for {} of the {} nodes of surface \"{}\" ({}{});", missing.size(),
-                               layer.thickness.size(), in.surface.name, first, missing.size() > 5 ? ", ..." : ""),
+                  .found = say("found no thickness for {} of the {} nodes of surface \"{}\" ({});", missing.size(),
+                               layer.thickness.size(), in.surface.name, number_list(missing)),
                   .expected = "give one for every node"}};
   }
   layer.missed.assign(layer.thickness.size(), 0);
@@ -381,29 +379,13 @@ std::vector<Fault> find_thickness(const ContactSide& in, Layer& layer) {
   return {};
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// A bone surface that the user names need not be of the layer's own elements. A gap between them counts as cartilage.
 Sentence gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried, const LayerBoundary& boundary,
                            const Layer& layer) {
   constexpr double kSame = 0.1;  // of the elements' own thickness
   const std::string name = said_of(in.parts.settings.bone, in.surface.name);
   if (name.empty() || layer.thickness_given) return {};
-  std::set<FaceKey> selected;
-  for (int f = 0; f < carried.facets.size(); ++f)
-    selected.insert(face_key(carried.facets.nodes.data() + carried.facets.begin[at(f)],
-                             facet_corners(carried.facets.begin[at(f + 1)] - carried.facets.begin[at(f)])));
-  FacetList others;  // looking into the layer, as a bone does
-  for (int f = 0; f < boundary.faces.size(); ++f) {
-    const auto first = boundary.faces.nodes.begin() + boundary.faces.begin[at(f)],
-               last = boundary.faces.nodes.begin() + boundary.faces.begin[at(f + 1)];
-    if (selected.count(face_key(&*first, facet_corners(static_cast<int>(last - first)))) == 0)
-      others.add({first, last});
-  }
+  const FacetList others = faces_without(boundary, carried.facets);
   const SurfaceMesh outwards =
       make_surface_mesh(others.begin, others.nodes, in.parts.model.nodes, nullptr, in.in_plane);
   if (outwards.size() == 0) return {};
@@ -415,7 +397,7 @@ Sentence gap_to_named_bone(const ContactSide& in, const CarriedSurface& carried,
   for (std::size_t v = 0; v < layer.thickness.size(); ++v)
     if (!layer.missed[v]) measured.push_back(layer.thickness[v]);
   if (of_elements.empty() || measured.empty()) return {};
-  const double thick = median(of_elements), taken = median(measured);
+  const double thick = value_above(of_elements, 0.5), taken = value_above(measured, 0.5);
   if (std::abs(taken - thick) <= kSame * thick) return {};
   return say(
       "surface \"{}\": up to bone surface \"{}\" its cartilage is {:.3g} thick (the median), but its own "
@@ -444,7 +426,7 @@ std::vector<Fault> too_thick(const ContactSide& in, const Layer& layer) {
 std::vector<Fault> take_rigid_elements(const ContactSide& in, const CarriedSurface& carried, LayerDraft& draft) {
   Layer& layer = draft.layer;
   const std::vector<double>& map = in.contact.dea->layers[in.side].thickness_map;
-  draft.boundary = rigid_boundary(in.parts, carried, layer, map);
+  draft.boundary = rigid_boundary(in, carried, layer, map);
   if (draft.boundary.faces.size() == 0) return {};
   const std::vector<Fault> faults = leave_out_facets(in, carried, draft.boundary, layer);
   if (!faults.empty()) return faults;
@@ -539,13 +521,14 @@ void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elemen
   if (draft.faults.empty()) scale_thickness(in, layer);
   if (draft.faults.empty()) draft.faults = too_thick(in, layer);
   if (draft.faults.empty() && !layer.rigid && draft.boundary.faces.size() > 0 && on_articular)
-    find_layer_face(in.parts, facets, carried, draft.boundary, pressed_elsewhere(in, layer.body), layer);
+    find_layer_face(in, facets, carried, draft.boundary, pressed_elsewhere(in, layer.body), layer);
 }
 
 }  // namespace
 
 LayerFound make_layer(const ModelParts& parts, const Contact& contact, int side) {
-  const ContactSide in = contact_side(parts, contact, side);
+  ContactSide in = contact_side(parts, contact, side);
+  find_planes(in);
   const CarriedSurface carried = carry(parts, in.index);
   if (carried.fault) return {{}, {*carried.fault}};
   if (const auto fault = repeated_facet(in)) return {{}, {*fault}};

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/value_above.h>
 
 namespace dea {
 
@@ -107,7 +108,7 @@ std::vector<PartEnd> ends_of_part(const Search& in, int region, const Part& part
   std::vector<PartEnd> ends;
   for (int axis = 0; axis < 3; ++axis)
     for (const double limit : {part.low[axis], part.high[axis]}) {
-      Near found = near_end(in, part, axis, limit);
+      const Near found = near_end(in, part, axis, limit);
       if (static_cast<int>(found.nodes.size()) < kLeastNodes) continue;
       PartEnd end;
       end.region = region;
@@ -115,13 +116,7 @@ std::vector<PartEnd> ends_of_part(const Search& in, int region, const Part& part
       end.held = static_cast<int>(found.where.size());
       // Three nodes of a plane that noise spreads farther are no plane.
       end.is_plane = end.held >= kLeastNodes && 2 * end.held > end.nodes && 2 * end.held > found.held_near;
-      double middle = limit;
-      if (!found.where.empty()) {
-        const auto half = found.where.begin() + static_cast<std::ptrdiff_t>(found.where.size() / 2);
-        std::nth_element(found.where.begin(), half, found.where.end());
-        middle = *half;
-      }
-      end.plane = {axis, rounded(middle, in.same_plane)};
+      end.plane = {axis, rounded(found.where.empty() ? limit : value_above(found.where, 0.5), in.same_plane)};
       if (end.is_plane) {
         end.steps = held_steps(in, found.nodes, axis);
         if (10 * end.held >= 9 * end.nodes)

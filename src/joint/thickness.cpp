@@ -25,8 +25,8 @@ SurfaceMesh flipped(SurfaceMesh mesh) {
 /// Per vertex a step off its planes of symmetry: a ray in such a plane runs along the very edge of the
 /// bone, which the noise of coordinates has it miss. Zero elsewhere; empty: there is no such plane.
 std::vector<Vector3d> steps_inside(const SurfaceMesh& mesh) {
-  constexpr double kStep =
-      0.02;  // of the way to the triangles' centres: more than the noise, and the bone is as deep there
+  // Of the way to the triangles' centres: more than the noise, and the bone is as deep there.
+  constexpr double kStep = 0.02;
   if (std::all_of(mesh.planes.begin(), mesh.planes.end(), [](unsigned char bits) { return bits == 0; })) return {};
   std::vector<Vector3d> steps(mesh.vertices.size(), Vector3d::Zero());
   std::vector<int> count(mesh.vertices.size(), 0);

@@ -44,6 +44,13 @@ JointModel floating_layer(double h) {
   return model;
 }
 
+/// Is there a finding with this text?
+bool told(const JointModel& model, const std::string& text, const Settings& settings = {}) {
+  for (const Sentence& finding : make_joint(model, settings).findings)
+    if (finding.text.find(text) != std::string::npos) return true;
+  return false;
+}
+
 void tie(JointModel& model, int primary, int secondary) {
   add_contact(model, "tie", primary, secondary);
   model.contacts.back().kind = Contact::Kind::Tied;
@@ -101,15 +108,11 @@ TEST(Recognition, ALayerTiedToADeformablePartIsRefusedUnlessTheUserSaysWhatItLie
   EXPECT_NEAR(thickness(rigid), 2.0, 1e-12);
   bone.bone["layer"] = "deep bone";
   EXPECT_NEAR(thickness(bone), 3.0, 1e-12);
-  const auto told = [&](const Settings& settings) {  // what lies between a layer and a bone that is not its own
-    for (const Sentence& finding : make_joint(model, settings).findings)
-      if (finding.text.find("up to bone surface \"deep bone\" its cartilage is 3 thick (the median), but its own "
-                            "elements are 2: the gap between them counts as cartilage") != std::string::npos)
-        return true;
-    return false;
-  };
-  EXPECT_TRUE(told(bone));
-  EXPECT_FALSE(told(rigid));
+  const std::string gap =
+      "up to bone surface \"deep bone\" its cartilage is 3 thick (the median), but its own elements are 2: the gap "
+      "between them counts as cartilage";
+  EXPECT_TRUE(told(model, gap, bone));
+  EXPECT_FALSE(told(model, gap, rigid));
   given.thickness["layer"] = 2.5;
   EXPECT_NEAR(thickness(given), 2.5, 1e-12);
 }
@@ -257,12 +260,8 @@ TEST(Recognition, TiesHaveTheirReach) {
     m.contacts.back().max_distance = reach;
     return m;
   };
-  const auto told = [](const JointModel& m) {
-    for (const Sentence& finding : make_joint(m, {}).findings)
-      if (finding.text.find("they are not tied, in FEBio neither") != std::string::npos) return true;
-    return false;
-  };
-  for (const double reach : {0.0, 1.51, 3.0}) EXPECT_FALSE(told(model(reach))) << reach;
+  for (const double reach : {0.0, 1.51, 3.0})
+    EXPECT_FALSE(told(model(reach), "they are not tied, in FEBio neither")) << reach;
   const std::string why = refusal(model(1.49));
   EXPECT_NE(why.find("contact \"tie\" of type tied-elastic reaches 1.49"), std::string::npos) << why;
   EXPECT_NE(why.find("lie 1.5 or more from the surface they would be tied to: they are not tied, in FEBio neither; if "
@@ -277,15 +276,10 @@ TEST(Recognition, AThicknessForAllIsToldWhereItLiesOnABareSurface) {
   settings.thickness[""] = 2;
   settings.E[""] = 10;
   settings.nu[""] = 0.3;
-  const auto told = [&] {
-    for (const Sentence& finding : make_joint(model, settings).findings)
-      if (finding.text.find("a bare surface of body \"plate\" is given 2 of cartilage") != std::string::npos)
-        return true;
-    return false;
-  };
-  EXPECT_TRUE(told());
+  const std::string given = "a bare surface of body \"plate\" is given 2 of cartilage";
+  EXPECT_TRUE(told(model, given, settings));
   settings.thickness = {{"layer", 2.0}, {"plate", 2.0}};
-  EXPECT_FALSE(told());  // meant
+  EXPECT_FALSE(told(model, given, settings));  // meant
 }
 
 TEST(Recognition, ALayerTiedToTwoBodiesIsHeldByTwo) {
@@ -860,17 +854,10 @@ TEST(Planes, AreWhereAPartEndsAndIsHeld) {
     held.nodes.erase(std::remove_if(held.nodes.begin(), held.nodes.end(),
                                     [&](int node) { return top.nodes[static_cast<std::size_t>(node)].z() < 0; }),
                      held.nodes.end());
-  const auto told = [](const JointModel& m) {
-    for (const Sentence& finding : make_joint(m, {}).findings)
-      if (finding.text.find(
-              "32 edges of its rim are held across an axis, but lie in no plane in which more than half") !=
-          std::string::npos)
-        return true;
-    return false;
-  };
-  EXPECT_FALSE(told(ball_on_flat(2.0, true, false)));
+  const std::string alone = "32 edges of its rim are held across an axis, but lie in no plane in which more than half";
+  EXPECT_FALSE(told(ball_on_flat(2.0, true, false), alone));
   EXPECT_TRUE(make_joint(top, {}).symmetry_planes.empty());
-  EXPECT_TRUE(told(top));
+  EXPECT_TRUE(told(top, alone));
   EXPECT_TRUE(planes_of(0, 0, 1000).empty());
   JointModel stated = ball_on_flat(2.0, true, false);  // its cartilage is rigid, and a contact says where they are
   const std::vector<SymmetryPlane> planes = make_joint(stated, {}).symmetry_planes;

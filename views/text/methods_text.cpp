@@ -179,11 +179,10 @@ std::string law_words(Methods& m, const ContactPair& pair) {
 
 void say_planes(Methods& m, const Joint& joint) {
   if (joint.symmetry_planes.empty()) return;
-  m.say(
-      fmt::format("The model was cut at planes of symmetry, or walls without friction ({}): its surfaces were "
-                  "continued behind them as their "
-                  "mirror images, and forces and areas are those of the part that was meshed.",
-                  in_words(joint.symmetry_planes)));
+  m.say(fmt::format(
+      "The model was cut at planes of symmetry, or walls without friction ({}): its surfaces were "
+      "continued behind them as their mirror images, and forces and areas are those of the part that was meshed.",
+      in_words(joint.symmetry_planes)));
 }
 
 void say_contacts(Methods& m, const JointModel& model, const Settings& settings, const JointCheck& check) {

@@ -1,11 +1,11 @@
 #include <febiodea/views/text/remarks.h>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/time_text.h>
 #include <febiodea/views/text/plausibility.h>
@@ -204,13 +204,11 @@ void add_ends(const JointModel& model, const std::string& surface, const Layer& 
                            "edge, without that hold; hold them in {} if it is a plane of symmetry",
                            plane, "xyz"[end.instead], axis, axis));
     if (!end.forgotten.empty()) {
-      std::vector<std::string> nodes;
-      for (std::size_t i = 0; i < std::min<std::size_t>(end.forgotten.size(), 5); ++i)
-        nodes.push_back(std::to_string(model.node_ids[at(end.forgotten[i])]));
-      add_once(lines, fmt::format("warning: {}: {} of {} nodes of its layer are not held in {} ({}{}): taken as held, "
+      std::vector<int> nodes;
+      for (const int node : end.forgotten) nodes.push_back(model.node_ids[at(node)]);
+      add_once(lines, fmt::format("warning: {}: {} of {} nodes of its layer are not held in {} ({}): taken as held, "
                                   "as the others are; hold them too",
-                                  plane, end.forgotten.size(), end.nodes, axis, fmt::join(nodes, ", "),
-                                  end.forgotten.size() > nodes.size() ? ", ..." : ""));
+                                  plane, nodes.size(), end.nodes, axis, number_list(nodes)));
     }
     if (end.is_plane && end.steps.size() < model.steps.size()) {
       std::vector<std::string> steps;

@@ -323,8 +323,7 @@ std::string converge_text(const JointModel& model, const std::vector<Convergence
   }
   text +=
       "\nthe springs are divided, the facets are not: area and mean of the map stay those of the mesh's nodes; mesh "
-      "finer for "
-      "them\n";
+      "finer for them\n";
   return text;
 }
 
