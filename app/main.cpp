@@ -76,6 +76,12 @@ std::string value_for_option(const CLI::App& command, const std::string& word) {
   return "";
 }
 
+/// "--output": the main output's option has one letter alone; "": the word means something else.
+std::string main_output(const CLI::App& command, const std::string& word) {
+  const bool meant = word.rfind("--out", 0) == 0 && std::string("--output-file").rfind(word, 0) == 0;
+  return meant && command.get_option_no_throw("-o") != nullptr ? " (did you mean -o?)" : "";
+}
+
 /// "--lwa": the options on the command line that the command does not have, and those that may have been meant.
 std::string unknown_options(const CLI::App& command, int argc, char** argv) {
   std::vector<std::string> names;
@@ -86,9 +92,10 @@ std::string unknown_options(const CLI::App& command, int argc, char** argv) {
     const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
     if (word.rfind("--", 0) != 0 || word.size() < 3 || std::find(names.begin(), names.end(), word) != names.end())
       continue;
-    const std::string value = value_for_option(command, word);
-    text += fmt::format("{}no option {}{}", text.empty() ? "" : ", ", word,
-                        value.empty() ? did_you_mean(word, names) : value);
+    std::string meant = main_output(command, word);
+    if (meant.empty()) meant = value_for_option(command, word);
+    if (meant.empty()) meant = did_you_mean(word, names);
+    text += fmt::format("{}no option {}{}", text.empty() ? "" : ", ", word, meant);
   }
   return text;
 }

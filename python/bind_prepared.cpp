@@ -86,6 +86,10 @@ struct GivenLoad {
 
 Vector3d three_numbers(const py::object& given, const char* where) {
   if (given.is_none()) return Vector3d::Zero();
+  if (py::isinstance<py::dict>(given))
+    throw UsageError(Fault{.place = where,
+                           .found = "found a dictionary,",
+                           .expected = "expected (x, y, z), with body=\"BODY\" beside it"});
   const auto array = DoubleArray::ensure(given);
   if (!array) PyErr_Clear();
   if (!array || array.ndim() != 1 || array.shape(0) != 3)
@@ -232,6 +236,19 @@ StateView solve_joint(const Joint_& joint, const std::string& body, const py::ob
   return view_of(solved);
 }
 
+/// Worked out when it is asked for: most presses are of the forces alone.
+Headline headline_of(const PressedJoint& pressed, std::size_t contact) {
+  const PreparedJoint& joint = *pressed.joint;
+  StateResult state;
+  state.equilibrium.poses = pressed.poses;
+  for (const PressedSprings& c : pressed.pressed.contacts) {
+    state.equilibrium.springs.push_back(c.springs);
+    state.equilibrium.contact_on_target.push_back(c.on_target);
+  }
+  add_fields(joint.prepared, joint.maps, nullptr, state);
+  return state.statistics[contact].headline;
+}
+
 /// A press that is over before Ctrl-C could be felt: the way to another thread and back would be a good part of it.
 bool is_quick(const Prepared& prepared) {
   constexpr int kSprings = 50000;  // independent ones: about 50 ms
@@ -317,6 +334,10 @@ void bind_pressed_contact(py::module_& m) {
           "(6, 6) minus `derivative`: what resists the motion.")
       .def_property_readonly(
           "normal_force", [](const PressedView& v) { return v.contact().normal_force; }, "Sum of pressure times area.")
+      .def_property_readonly(
+          "headline",
+          [](const PressedView& v) { return headline_tuple(unlocked([&] { return headline_of(*v.of, v.index); })); },
+          "p99, mean, area, peak of the pressure above `above` (docs/theory.md, 6.1).")
       .def("__repr__", [](const PressedView& v) {
         return text(fmt::format("<febiodea.PressedContact {}: normal force {:.4g}>",
                                 v.of->joint->prepared.joint.contacts[v.index].name, v.contact().normal_force));

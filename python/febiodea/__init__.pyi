@@ -1,7 +1,7 @@
 """Types of the module febiodea. What each is, with shapes and units, is in its docstring: help(febiodea.State)."""
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy
 import numpy.typing
@@ -19,10 +19,16 @@ def analyse(recognition: Recognition, states: str | float | Sequence[float] | No
             times_from: Path | None = None, progress: Callable[[Progress], object] | None = None) -> Result: ...
 def prepare(recognition: Recognition) -> Prepared: ...
 def read_xplt(path: Path, *, partial: bool = False) -> PlotFile: ...
-def picture(source: Result | PlotFile | Sequence[Result | PlotFile], path: Path | None = None, *,
+@overload
+def picture(source: Result | PlotFile | Sequence[Result | PlotFile], path: None = None, *,
             labels: str | Sequence[str] | None = None, format: str | None = None,
             field: str = "contact pressure", surface: str = "", states: str | float | Sequence[float] = "last", smooth: bool = False,
             unrolled: bool = False, width: float | None = None, dpi: float = 200.0) -> bytes: ...
+@overload
+def picture(source: Result | PlotFile | Sequence[Result | PlotFile], path: Path, *,
+            labels: str | Sequence[str] | None = None, format: str | None = None,
+            field: str = "contact pressure", surface: str = "", states: str | float | Sequence[float] = "last", smooth: bool = False,
+            unrolled: bool = False, width: float | None = None, dpi: float = 200.0) -> None: ...
 def plot(source: Result | PlotFile, axes: Any = None, *, field: str = "contact pressure", surface: str = "",
          state: str | float = "last", smooth: bool = False, unrolled: bool = False) -> Any: ...
 def distribution(values: Sequence[float] | Array, areas: Sequence[float] | Array, above: float = 0.0) -> dict[str, float]: ...
@@ -378,6 +384,8 @@ class PressedContact:
     def stiffness(self) -> Array: ...
     @property
     def normal_force(self) -> float: ...
+    @property
+    def headline(self) -> Headline: ...
 
 class PlotFile:
     @property

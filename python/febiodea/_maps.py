@@ -34,7 +34,7 @@ def _files(source, labels):
 
 def picture(source, path=None, *, labels=None, format=None, field="contact pressure", surface="", states="last", smooth=False,
             unrolled=False, width=None, dpi=200.0):
-    """The map that `dea plot` draws, as bytes of a PNG, SVG or PDF; path: it is written there, its ending says which.
+    """The map that `dea plot` draws, as bytes of a PNG, SVG or PDF; path: it is written there instead, its ending says which.
 
     source: a Result or a PlotFile, or a list of them: side by side, with one scale. labels: their names on it. states: as
     in analyse. width: mm, None: by the number of panels. dpi: of a PNG. Without path and format: SVG. Raises InputError (no such field or surface), UsageError, WriteError.
@@ -45,8 +45,9 @@ def picture(source, path=None, *, labels=None, format=None, field="contact press
         raise usage_fault("format", f'found "{format}"', "expected png, svg or pdf")
     wide = 0.0 if width is None else _within(width, "width", 20, 2000)
     fine = _within(dpi, "dpi", 20, 2400)
-    return _febiodea.picture(*_files(source, labels), os.fsencode(path or b""), format, wide, fine, field, surface,
-                             states_text(states), smooth, unrolled)
+    drawn = _febiodea.picture(*_files(source, labels), os.fsencode(path or b""), format, wide, fine, field, surface,
+                              states_text(states), smooth, unrolled)
+    return drawn if path is None else None
 
 
 def _fill(axes, figure, panel, layer, shown, colours, norm):

@@ -124,6 +124,12 @@ std::vector<std::string> held_in_words(const Problem& problem, const Solution& s
   return held;
 }
 
+/// Whether the least stiffness is negative by more than a facetted surface tells from zero (E6b).
+bool is_unstable(const Problem& problem, double least_stiffness, double load) {
+  constexpr double kNeutralLever = 1000.0;  // of the least thickness
+  return -least_stiffness * kNeutralLever * problem.beds.least_thickness > load;
+}
+
 }  // namespace
 
 BodyForces forces_at(const Joint& joint, const SpringBeds& beds, const LoadCase& load_case,
@@ -178,6 +184,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   result.iterations = s.iterations;
   result.history = s.history;
   result.least_stiffness = s.directions.least_stiffness;
+  result.unstable = is_unstable(problem, result.least_stiffness, result.load);
   result.held = std::move(held);
   return result;
 }

@@ -35,7 +35,8 @@ struct Equilibrium {
   std::vector<std::string> held;          ///< flat directions that were held, in words
   double least_stiffness =
       0.0;  ///< least eigenvalue of the symmetric part of the stiffness (translations and rotations
-            ///  times length), flat directions left out; < 0: unstable; NaN: nothing free
+            ///  times length), flat directions left out; NaN: nothing free
+  bool unstable = false;  ///< least_stiffness < 0 and no neutral balance (E6b): the bodies leave it when touched
 };
 
 /// All that acts on the bodies at given poses but the connectors' reactions: 6 numbers per body (E1), and the

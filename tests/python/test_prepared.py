@@ -89,6 +89,7 @@ def test_press_at_a_solution_has_its_forces(joint):
     np.testing.assert_allclose(pressed.force, state.contact().force, rtol=1e-8)
     np.testing.assert_allclose(pressed.springs.pressure, state.contact().springs.pressure, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(pressed.force, -pressed.force_on_source, rtol=1e-12)
+    np.testing.assert_allclose(pressed.headline, state.contact().headline, rtol=1e-5)  # in single precision, as in a plot file
     all_bodies = np.array([joint.press(state).poses[body] for body in joint.bodies])
     assert joint.press(all_bodies).contact().force.tobytes() == pressed.force.tobytes()
 
@@ -167,6 +168,11 @@ def test_loads_that_are_none(joint, keywords, place):
     with pytest.raises(febiodea.UsageError) as caught:
         joint.solve(**keywords)
     assert place in caught.value.place and caught.value.expected
+
+
+def test_a_load_by_bodies_is_told_how_it_is_said(joint):
+    with pytest.raises(febiodea.UsageError, match="found a dictionary, expected .*body="):
+        joint.solve(force={"femur": (0, 0, 1)})
 
 
 def test_a_load_that_nothing_carries_is_an_answer(joint):

@@ -1010,6 +1010,50 @@ TEST(Planes, StepsInWhichTheyAreNotHeldAreTold) {
   EXPECT_EQ(steps(1), (std::vector<int>{0, 1}));
 }
 
+/// A ball on a flat, pressed at a height above its centre. It may roll about x and y; slide and spin only where it is
+/// told.
+struct RollingBall {
+  Equilibrium state;
+  double length = 0.0;  ///< by which its rotations are scaled
+};
+RollingBall rolling_ball(double force_down, double height, bool slides) {
+  JointModel model = ball_on_flat(1.0, false, false);
+  model.rigid_prescribed.clear();
+  if (slides)
+    model.rigid_fixed.pop_back();
+  else
+    model.rigid_fixed.back().dofs = {true, true, false, false, false, true};
+  constexpr int kBall = 2;  // the third material
+  model.materials[kBall].center_of_mass = Vector3d(0, 0, 40 + height);
+  force(model, kBall, {0, 0, -force_down});
+  const Analysis run = analyse(model, test::linear("flat"));
+  return {run.states.back().equilibrium, make_spring_beds(run.joint).length};
+}
+
+// Held against sliding, a force F that acts at a height d above the ball's centre has the turning stiffness -F d,
+// whatever presses below; the flat's facets of 1 mm are 2 % off.
+TEST(Stability, OfABallIsItsLoadsHeightAboveItsCentre) {
+  for (const double height : {8.0, 16.0, -8.0, -16.0}) {
+    SCOPED_TRACE(height);
+    const auto [state, length] = rolling_ball(2000, height, false);
+    EXPECT_TRUE(solved(state.outcome)) << state.message;
+    EXPECT_TRUE(state.held.empty());
+    EXPECT_NEAR(state.least_stiffness * length * length / (-2000 * height), 1.0, 0.03);
+    EXPECT_EQ(state.unstable, height > 0);
+  }
+}
+
+// Nothing resists its sliding: what the facets leave of that, whatever its sign, is no instability.
+TEST(Stability, ABallThatMaySlideIsNeutral) {
+  for (const double force_down : {20.0, 2000.0}) {
+    SCOPED_TRACE(force_down);
+    const Equilibrium state = rolling_ball(force_down, 0, true).state;
+    EXPECT_TRUE(solved(state.outcome)) << state.message;
+    EXPECT_NEAR(state.least_stiffness, 0, 1e-3);
+    EXPECT_FALSE(state.unstable);
+  }
+}
+
 TEST(SurfaceMesh, AnEllipsoidIsUneven) {
   const Joint joint = make_joint(concentric_spheres(12, 1.0), {});
   SurfaceMesh stretched = joint.contacts[0].layers[1].articular;

@@ -145,6 +145,7 @@ Json state_json(const JointModel& model, const Joint& joint, const StateResult& 
   for (double r : e.history) j["residual_history"].push_back(json_number(r));
   j["held_directions"] = e.held;
   j["least_stiffness"] = json_number(e.least_stiffness);
+  j["unstable"] = e.unstable;
   j["ligaments"] = tensions_json(joint.ligaments, e.ligament_force);
   j["cables"] = tensions_json(joint.cables, e.cable_force);
   j["joints"] = Json::array();
