@@ -16,8 +16,7 @@
 
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::bad_input_test {
 
 namespace fs = std::filesystem;
 using Edits = std::vector<std::pair<std::string, std::string>>;
@@ -1691,5 +1690,4 @@ TEST(Corpus, EveryModelIsSolvedOrRefused) {
   for (const auto& outcome : outcomes) fmt::print("{}: {}\n", outcome.first, outcome.second);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::bad_input_test

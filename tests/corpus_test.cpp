@@ -13,8 +13,7 @@
 
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::corpus_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -284,5 +283,4 @@ TEST(CorpusAdvice, TheOptionsThatAreNamedSuffice) {
   }
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::corpus_test

@@ -17,9 +17,7 @@
 
 #include "program.h"
 
-namespace dea {
-
-namespace {
+namespace dea::headline_test {
 
 /// nx by ny squares of side h from (left, 0).
 ResultSurface squares(int nx, int ny, double h, double left = 0.0) {
@@ -273,6 +271,4 @@ INSTANTIATE_TEST_SUITE_P(Samples, HeadlineProgram,
                                                   : info.param.model.substr(0, info.param.model.find('/'));
                          });
 
-}  // namespace
-
-}  // namespace dea
+}  // namespace dea::headline_test

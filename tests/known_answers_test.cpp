@@ -18,8 +18,7 @@
 #include "program.h"
 #include "src/test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::known_answers_test {
 
 namespace fs = std::filesystem;
 using test::Patch;
@@ -717,5 +716,4 @@ TEST(Remarks, NormalsThatMissAreTold) {
   EXPECT_TRUE(model_remarks(model, joint).empty());
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::known_answers_test

@@ -14,8 +14,7 @@
 #include "program.h"
 #include "src/test_models.h"
 
-namespace dea {
-namespace {
+namespace dea::samples_test {
 
 namespace fs = std::filesystem;
 using analytic::ConcentricSpheres;
@@ -654,5 +653,4 @@ TEST(SamplesHip, Program) {
   expect_same(j["states"].back(), last_state(sample("hip/hip_walking.feb"), {}));
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::samples_test

@@ -6,8 +6,8 @@
 #include "analytic/concentric_spheres.h"
 #include "analytic/sphere_on_flat.h"
 
-namespace dea::analytic {
-namespace {
+namespace dea::analytic_test {
+using namespace analytic;
 
 const ConcentricSpheres kCases[] = {one_layer_socket(), one_layer_ball(), two_layers_socket(),
                                     two_layers_ball(),  bone_socket(),    bone_ball()};
@@ -91,5 +91,4 @@ TEST(CondyleWithLigaments, PrintedFigures) {
   EXPECT_NEAR(knee.demand(300, knee.depth_from_layer(300)), 374.689, 1e-3);
 }
 
-}  // namespace
-}  // namespace dea::analytic
+}  // namespace dea::analytic_test

@@ -1,14 +1,15 @@
 // tests/analytic/elastic_layer.h – frictionless contact with flat bonded elastic layers by quadrature of their exact
 // response, and plane-strain finite elements: two ways to the same answers that share nothing with src/.  mm, N, MPa.
 #pragma once
-#include <Eigen/Dense>
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <Eigen/SparseCore>
 #include <cmath>
 #include <functional>
 #include <vector>
 
 #include "analytic/eight_nodes.h"
+#include "analytic/linear_systems.h"
 
 namespace dea::analytic {
 
@@ -102,7 +103,7 @@ struct ParabolicPunch {
     int low = 1, high = n;
     Eigen::VectorXd p;
     const auto pressures = [&](int m) -> Eigen::VectorXd {
-      return C.topLeftCorner(m, m).partialPivLu().solve(overlap.head(m));
+      return solve_dense(C.topLeftCorner(m, m), overlap.head(m));
     };
     while (high - low > 1) {  // the last ring must push, not pull
       const int m = (low + high) / 2;
@@ -186,7 +187,7 @@ inline std::vector<double> plane_strain_layer(double E, double nu, double length
     }
   Eigen::SparseMatrix<double> K(2 * nodes, 2 * nodes);
   K.setFromTriplets(kept.begin(), kept.end());
-  const Eigen::VectorXd u = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(K).solve(force);
+  const Eigen::VectorXd u = solve_symmetric(K, force);
   std::vector<double> sinking;
   for (int i = 0; i <= m; ++i) sinking.push_back(-u[2 * id(2 * i, 2 * n) + 1]);
   return sinking;

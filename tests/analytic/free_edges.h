@@ -2,14 +2,15 @@
 // elements: discs, rings around a hole, strips, of any thickness; how they sink under frictionless pressure and what
 // force a rigid punch takes. Shares nothing with src/.  mm, N, MPa.
 #pragma once
-#include <Eigen/Dense>
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <Eigen/SparseCore>
 #include <cmath>
 #include <functional>
 #include <vector>
 
 #include "analytic/eight_nodes.h"
+#include "analytic/linear_systems.h"
 
 namespace dea::analytic {
 
@@ -107,8 +108,7 @@ inline StripCompliance strip_compliance(const EdgedLayer& layer) {
   Eigen::MatrixXd right(unknowns, m);
   for (std::size_t i = 0; i < free.size(); ++i)
     if (row[i] >= 0) right.row(row[i]) = force.row(static_cast<Eigen::Index>(i));
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(K);
-  const Eigen::MatrixXd u = factor.solve(right);
+  const Eigen::MatrixXd u = solve_symmetric(K, right);
   result.sinking = result.area.cwiseInverse().asDiagonal() * (right.transpose() * u);
   return result;
 }
@@ -129,7 +129,7 @@ inline Eigen::VectorXd rigid_punch(const StripCompliance& layer, const std::func
       if (touches[static_cast<std::size_t>(i)]) on.push_back(static_cast<int>(i));
     p.setZero();
     const Eigen::MatrixXd C = layer.sinking(on, on);
-    const Eigen::VectorXd needed = depth(on), pressures = C.partialPivLu().solve(needed);
+    const Eigen::VectorXd needed = depth(on), pressures = solve_dense(C, needed);
     p(on) = pressures;
     const Eigen::VectorXd missing = depth - layer.sinking * p;
     bool same = true;

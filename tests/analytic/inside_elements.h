@@ -1,15 +1,16 @@
 // tests/analytic/inside_elements.h – stress and strain inside a bonded elastic layer of any profile under a given
 // frictionless pressure, by linear finite elements. Shares nothing with src/.  mm, N, MPa.
 #pragma once
-#include <Eigen/Dense>
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <Eigen/SparseCore>
 #include <cmath>
 #include <functional>
 #include <vector>
 
 #include "analytic/eight_nodes.h"
 #include "analytic/inside_layer.h"
+#include "analytic/linear_systems.h"
 
 namespace dea::analytic {
 
@@ -65,7 +66,7 @@ class SolvedElements {
       }
     Eigen::SparseMatrix<double> K(unknowns, unknowns);
     K.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::VectorXd u = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(K).solve(force);
+    const Eigen::VectorXd u = solve_symmetric(K, force);
     u_ = Eigen::VectorXd::Zero(2 * nodes);
     for (std::size_t i = 0; i < row.size(); ++i)
       if (row[i] >= 0) u_[static_cast<Eigen::Index>(i)] = u[row[i]];

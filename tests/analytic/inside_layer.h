@@ -1,11 +1,13 @@
 // tests/analytic/inside_layer.h – stress and strain inside a flat bonded elastic layer, by collocation through its
 // depth and quadrature over wave numbers: shares nothing with src/.  mm, N, MPa.
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
+
+#include "analytic/linear_systems.h"
 
 namespace dea::analytic {
 
@@ -42,7 +44,7 @@ class LayerWave {
     A.row(2 * n - 1).tail(n) = (lambda_ + 2) * D.row(n - 1);
     A(2 * n - 1, n - 1) = lambda_ * s;
     b[2 * n - 1] = -1;
-    const Eigen::VectorXd x = A.partialPivLu().solve(b);
+    const Eigen::VectorXd x = solve_dense(A, b);
     U_ = x.head(n);
     W_ = x.tail(n);
     dU_ = D * U_;

@@ -6,13 +6,15 @@
 // Quadrilaterals with eight nodes and 2 x 2 points: 4 volume constraints on the 6 unknowns an element brings, so that
 // nothing locks at nu = 0.499 (3 x 3 points are 9 on 6); its one spurious mode does not pass from element to element.
 #pragma once
-#include <Eigen/Dense>
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
+
+#include "analytic/linear_systems.h"
 
 namespace dea::analytic {
 
@@ -184,7 +186,7 @@ class NeoHookeanSolid {
       }
     }
     for (Eigen::Index i = 0; i < nodes; ++i) f[i] = force[2 * surface[static_cast<std::size_t>(i)] + 1];
-    return std::abs(Eigen::VectorXd(A.topRows(nodes).colPivHouseholderQr().solve(f))[0]);
+    return std::abs(least_squares(A.topRows(nodes), f)[0]);
   }
 
   bool held(int unknown) const {
@@ -316,8 +318,7 @@ inline std::vector<PressedLayer> press_rigid(bool axisymmetric, const NeoHookean
       }
       K.setZero();
       K.setFromTriplets(kept.begin(), kept.end());
-      const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(K);
-      d = T * factor.solve(right);
+      d = T * solve_symmetric(K, right);
       for (std::size_t i = 0; i < solid.position.size(); ++i)
         solid.position[i] += d.segment<2>(2 * static_cast<Eigen::Index>(i));
     }
@@ -488,7 +489,7 @@ inline std::vector<PressedLayer> press_layers(bool axisymmetric, const NeoHookea
       }
       K.setZero();
       K.setFromTriplets(kept.begin(), kept.end());
-      d = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(K).solve(right);
+      d = solve_symmetric(K, right);
       // steps that make the forces worse are halved
       const std::vector<Eigen::Vector2d> before = solid.position;
       const double worst = residual;

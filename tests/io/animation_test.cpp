@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 using test::cap;
 using test::file_text;
 using test::Finished;
-using test::Patch;
+using test::PlotPatch;
 using test::result_of;
 using test::run_program;
 using test::sheet;

@@ -12,16 +12,16 @@
 namespace dea::test {
 
 /// Facets by their nodes, and a field of one value per facet.
-struct Patch {
+struct PlotPatch {
   std::vector<Vector3d> nodes;
   std::vector<std::vector<int>> facets;
 };
 
 /// n x m quads of the rectangle a x b, normals up, put into space by `place`.
-inline Patch sheet(
+inline PlotPatch sheet(
     int n, int m, double a, double b,
     const std::function<Vector3d(double, double)>& place = [](double x, double y) { return Vector3d(x, y, 0); }) {
-  Patch p;
+  PlotPatch p;
   for (int j = 0; j <= m; ++j)
     for (int i = 0; i <= n; ++i) p.nodes.push_back(place(a * i / n, b * j / m));
   for (int j = 0; j < m; ++j)
@@ -33,8 +33,8 @@ inline Patch sheet(
 }
 
 /// Cap of a sphere about the z axis as quads, triangles at the pole; outward normals unless a socket.
-inline Patch cap(double radius, double degrees, int rings, int spokes, bool socket) {
-  Patch p;
+inline PlotPatch cap(double radius, double degrees, int rings, int spokes, bool socket) {
+  PlotPatch p;
   p.nodes.push_back({0, 0, radius});
   for (int i = 1; i <= rings; ++i)
     for (int k = 0; k < spokes; ++k) {
@@ -52,8 +52,8 @@ inline Patch cap(double radius, double degrees, int rings, int spokes, bool sock
 }
 
 /// A file with one surface, "contact pressure" per facet and state, and the same field under another name.
-inline ResultFile result_of(const std::string& label, const Patch& p, const std::vector<std::vector<double>>& pressures,
-                            const std::string& units = "") {
+inline ResultFile result_of(const std::string& label, const PlotPatch& p,
+                            const std::vector<std::vector<double>>& pressures, const std::string& units = "") {
   XpltFile file;
   file.software = "test";
   file.units = units;

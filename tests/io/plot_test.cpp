@@ -26,13 +26,13 @@ namespace fs = std::filesystem;
 using test::cap;
 using test::file_text;
 using test::Finished;
-using test::Patch;
+using test::PlotPatch;
 using test::result_of;
 using test::run_program;
 using test::sheet;
 using test::TemporaryFolder;
 
-ResultSurface surface_of(const Patch& p) {
+ResultSurface surface_of(const PlotPatch& p) {
   std::vector<int> begin = {0}, nodes;
   for (const auto& f : p.facets) {
     nodes.insert(nodes.end(), f.begin(), f.end());
@@ -134,7 +134,7 @@ std::string png(const MapFigure& figure) { return picture(figure, {PictureFormat
 
 TEST(MapGeometry, HemisphereAlongItsAxisIsADisc) {
   for (bool socket : {false, true}) {
-    const Patch p = cap(20, 90, 24, 64, socket);
+    const PlotPatch p = cap(20, 90, 24, 64, socket);
     const ResultSurface s = surface_of(p);
     const MapMesh mesh = make_map_mesh(s);
     const MapView view = view_from({0, 0, socket ? -1.0 : 1.0}, {0, 1, 0});
@@ -184,7 +184,7 @@ TEST(MapGeometry, SidewaysHemisphereHidesItsFarHalf) {
 TEST(MapGeometry, UnrolledAnglesAndAreasAreExact) {
   for (bool socket : {false, true}) {
     for (double degrees : {40.0, 90.0, 130.0}) {
-      const Patch p = cap(25, degrees, 40, 120, socket);
+      const PlotPatch p = cap(25, degrees, 40, 120, socket);
       const ResultSurface s = surface_of(p);
       MapView view;
       ASSERT_TRUE(unroll(s, {0, 1, 0}, view));
@@ -215,7 +215,7 @@ TEST(MapGeometry, UnrolledAnglesAndAreasAreExact) {
 }
 
 TEST(MapGeometry, ContourOfALinearFieldIsAStraightLine) {
-  const Patch p = sheet(7, 5, 7, 5);
+  const PlotPatch p = sheet(7, 5, 7, 5);
   const ResultSurface s = surface_of(p);
   const MapMesh mesh = make_map_mesh(s);
   const Projection q = project(mesh, view_from({0, 0, 1}, {0, 1, 0}), std::vector<double>(mesh.triangles.size(), 0.0));
@@ -241,7 +241,7 @@ TEST(MapGeometry, ContourOfALinearFieldIsAStraightLine) {
 }
 
 TEST(MapGeometry, ContourOfAHillIsOneClosedLine) {
-  const Patch p = sheet(40, 40, 2, 2);
+  const PlotPatch p = sheet(40, 40, 2, 2);
   const ResultSurface s = surface_of(p);
   const MapMesh mesh = make_map_mesh(s);
   const Projection q = project(mesh, view_from({0, 0, 1}, {0, 1, 0}), std::vector<double>(mesh.triangles.size(), 0.0));
@@ -272,7 +272,7 @@ TEST(MapGeometry, EveryFacetShapeCoversItsArea) {
     const std::vector<Polyline> edge = outline(mesh, q, TriangleMask(mesh.triangles.size(), 1));
     EXPECT_EQ(edge.size(), 1u);
     EXPECT_NEAR(enclosed(edge), 1, 1e-12);
-    for (const Patch& p : {Patch{nodes, facets}}) {
+    for (const PlotPatch& p : {PlotPatch{nodes, facets}}) {
       const MapFigure f = make_map_figure({result_of("a", p, {std::vector<double>(facets.size(), 3.0)})}, nullptr, {});
       EXPECT_EQ(f.high, 3.0);
     }
@@ -336,7 +336,7 @@ TEST(MapScale, NothingIsNoZero) {
 }
 
 TEST(MapFigure, TheScaleIsThatOfAllStates) {
-  const Patch p = sheet(4, 1, 4, 1);
+  const PlotPatch p = sheet(4, 1, 4, 1);
   const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 9, 9, 0}, {0, 1, 3, 0}}),
                    b = result_of("b", p, {{0, 0, 0, 0}, {0, 2, 2, 0}, {0, 1, 2, 0}});
   MapOptions o;
@@ -362,7 +362,7 @@ TEST(MapFigure, TheScaleIsThatOfAllStates) {
 }
 
 TEST(MapFigure, PanelsScaleAndNumbers) {
-  const Patch p = sheet(4, 1, 4, 1);
+  const PlotPatch p = sheet(4, 1, 4, 1);
   const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 1, 3, 0}}, "mm-N-s");
   const ResultFile b = result_of("b", p, {{0, 0, 0, 0}, {0, 2, 8, 0}}, "mm-N-s");
   const MapFigure f = make_map_figure({a, b}, nullptr, plain());
@@ -416,7 +416,7 @@ TEST(MapFigure, SurfacesSideBySide) {
 
 TEST(MapFigure, NumbersOfPressureAreOfNodesThoseOfDifferencesOfWhatIsDrawn) {
   // Pressures 0 1 3 0 along x: nodal averages 0 0.5 2 1.5 0, of nodes with areas 0.5 1 1 1 0.5.
-  const Patch p = sheet(4, 1, 4, 1);
+  const PlotPatch p = sheet(4, 1, 4, 1);
   const ResultFile a = result_of("a", p, {{0, 1, 3, 0}}, "mm-N-s");
   MapOptions o = plain();
   o.smooth = true;
@@ -428,7 +428,7 @@ TEST(MapFigure, NumbersOfPressureAreOfNodesThoseOfDifferencesOfWhatIsDrawn) {
 }
 
 TEST(MapFigure, AFileWithoutPressureIsNoJointWithoutContact) {
-  const Patch p = sheet(4, 1, 4, 1);
+  const PlotPatch p = sheet(4, 1, 4, 1);
   const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 1, 3, 0}}),
                    b = result_of("b", p, {{0, 0, 0, 0}, {0, 0, 0, 0}});
   const MapFigure f = make_map_figure({a, b}, nullptr, plain());
@@ -493,7 +493,7 @@ TEST(MapFigure, RoundingIsNoPattern) {
 }
 
 TEST(MapFigure, SmoothContactHasTheAreaOfTheFacets) {
-  const Patch p = sheet(20, 20, 10, 10);
+  const PlotPatch p = sheet(20, 20, 10, 10);
   std::vector<double> pressure;
   double area = 0.0;
   for (int j = 0; j < 20; ++j)
@@ -508,7 +508,7 @@ TEST(MapFigure, SmoothContactHasTheAreaOfTheFacets) {
 }
 
 TEST(MapFigure, Differences) {
-  const Patch p = sheet(4, 1, 4, 1);
+  const PlotPatch p = sheet(4, 1, 4, 1);
   const ResultFile a = result_of("a", p, {{0, 1, 3, 0}}), b = result_of("b", p, {{0, 2, 2.5, 1}});
   const MapFigure f = make_map_figure({a}, &b, plain());
   EXPECT_EQ(f.map, ColourMap::Diverging);
@@ -518,14 +518,14 @@ TEST(MapFigure, Differences) {
   EXPECT_EQ(std::vector<double>(f.panels[0].facets.begin() + 1, f.panels[0].facets.end()),
             (std::vector<double>{-1, 0.5, -1}));
   // On another mesh: nodal values carried over; two constants differ by a constant.
-  const Patch fine = sheet(9, 3, 4, 1);
+  const PlotPatch fine = sheet(9, 3, 4, 1);
   const ResultFile c = result_of("c", fine, {std::vector<double>(27, 2.0)}), d = result_of("d", p, {{5, 5, 5, 5}});
   const MapFigure carried = make_map_figure({d}, &c, plain());
   for (double x : carried.panels[0].facets) EXPECT_NEAR(x, 3.0, 1e-6);
 }
 
 TEST(MapFigure, ResultsThatAgreeHaveADifferenceOfZero) {
-  const Patch p = sheet(3, 1, 3, 1);
+  const PlotPatch p = sheet(3, 1, 3, 1);
   const ResultFile a = result_of("a", p, {{0, 1, 3}});
   const MapFigure f = make_map_figure({a}, &a, plain());
   EXPECT_FALSE(f.empty);
@@ -535,7 +535,7 @@ TEST(MapFigure, ResultsThatAgreeHaveADifferenceOfZero) {
 }
 
 TEST(MapFigure, SignedFieldsKeepTheirSign) {
-  const Patch p = sheet(3, 1, 3, 1);
+  const PlotPatch p = sheet(3, 1, 3, 1);
   for (const char* name : {"pressure difference", "pressure gap"}) {
     ResultFile a = result_of("a", p, {{-2, 1, 3}});
     for (XpltVariable& v : a.xplt.variables)
@@ -549,7 +549,7 @@ TEST(MapFigure, SignedFieldsKeepTheirSign) {
 }
 
 TEST(MapFigure, OtherTimesAndPlacesAreSaid) {
-  const Patch p = sheet(3, 1, 3, 1);
+  const PlotPatch p = sheet(3, 1, 3, 1);
   const ResultFile a = result_of("a", p, {{1, 1, 3}, {2, 2, 2}}), b = result_of("b", p, {{1, 1, 3}});
   const MapFigure beside = make_map_figure({a, b}, nullptr, plain());
   ASSERT_FALSE(beside.remarks.empty());
@@ -558,14 +558,14 @@ TEST(MapFigure, OtherTimesAndPlacesAreSaid) {
   const MapFigure minus = make_map_figure({a}, &b, plain());
   ASSERT_FALSE(minus.remarks.empty());
   EXPECT_NE(minus.remarks.back().find("--at T"), std::string::npos);
-  Patch far = p;
+  PlotPatch far = p;
   for (Vector3d& x : far.nodes) x += Vector3d(1e3, 0, 0);
   const ResultFile away = result_of("far", far, {{1, 1, 3}});
   EXPECT_THROW(make_map_figure({b}, &away, plain()), InputError);
 }
 
 TEST(MapFigure, ZeroIsNoValueOfAJointSpace) {
-  const Patch p = sheet(3, 1, 3, 1);
+  const PlotPatch p = sheet(3, 1, 3, 1);
   MapOptions o = plain();
   o.field = "joint space";
   o.smooth = true;
@@ -581,7 +581,7 @@ TEST(MapFigure, ZeroIsNoValueOfAJointSpace) {
 }
 
 TEST(Picture, AValueHasItsColourAtItsPlace) {
-  const Patch p = sheet(4, 2, 4, 2);
+  const PlotPatch p = sheet(4, 2, 4, 2);
   MapOptions o = plain();
   o.high = 8;
   o.up = {0, 1, 0};
@@ -608,7 +608,7 @@ TEST(Picture, AValueHasItsColourAtItsPlace) {
 TEST(Picture, FacetsBehindOthersDoNotShow) {
   // A wide sheet below with pressure 7, a narrow one 1 above it with pressure 2; drawn in either order of facets.
   for (bool swapped : {false, true}) {
-    Patch p;
+    PlotPatch p;
     p.nodes = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 1, 1}, {3, 1, 1}, {3, 3, 1}, {1, 3, 1}};
     p.facets = {{0, 1, 2, 3}, {4, 5, 6, 7}};
     std::vector<double> pressure = {7, 2};
@@ -630,7 +630,7 @@ TEST(Picture, FacetsBehindOthersDoNotShow) {
 
 TEST(Picture, NoLightBetweenFacets) {
   // Seen askew, so that all edges are slanted: no pixel inside is lighter than the lightest facet.
-  const Patch p = sheet(12, 12, 12, 12);
+  const PlotPatch p = sheet(12, 12, 12, 12);
   std::vector<double> pressure;
   for (int i = 0; i < 144; ++i) pressure.push_back(i * 7 % 5 == 0 ? 1.0 : 0.2);
   for (bool smooth : {false, true}) {
@@ -658,7 +658,7 @@ TEST(Picture, NoLightBetweenFacets) {
 }
 
 TEST(Picture, VectorsWithoutBitmapsAndTheSameEveryTime) {
-  const Patch p = cap(20, 80, 16, 48, true);
+  const PlotPatch p = cap(20, 80, 16, 48, true);
   std::vector<double> pressure;
   for (std::size_t f = 0; f < p.facets.size(); ++f)  // falls to all sides from a place off the pole
     pressure.push_back(
@@ -708,7 +708,7 @@ TEST(Picture, ColumnsAreAsWishedOrAsFit) {
 
 TEST(Picture, TitlesOfTheBarHaveRoom) {
   // A low map: the title of its bar is broken, not cut: the picture with the whole of it differs from that of a part.
-  const Patch p = sheet(40, 4, 40, 4);
+  const PlotPatch p = sheet(40, 4, 40, 4);
   MapFigure f = make_map_figure({result_of("a", p, {std::vector<double>(160, 1.0)})}, nullptr, plain());
   f.quantity = "difference of a field with a long name";
   const std::string whole = png(f);
@@ -717,7 +717,7 @@ TEST(Picture, TitlesOfTheBarHaveRoom) {
 }
 
 TEST(Picture, OtherColoursOnRequest) {
-  const Patch p = sheet(4, 2, 4, 2);
+  const PlotPatch p = sheet(4, 2, 4, 2);
   const ResultFile a = result_of("a", p, {{1, 4, 0, 0, 0, 0, 0, 7}});
   for (ColourMap map : {ColourMap::Viridis, ColourMap::Cividis, ColourMap::Gray}) {
     MapOptions o = plain();
@@ -754,7 +754,7 @@ TEST(Picture, LettersHaveTheSizeThatIsAsked) {
 }
 
 TEST(Picture, LettersOfAnSvgAsText) {
-  const Patch p = cap(20, 80, 8, 24, true);
+  const PlotPatch p = cap(20, 80, 8, 24, true);
   MapOptions o;
   o.unrolled = true;
   MapFigure f = make_map_figure({result_of("a", p, {std::vector<double>(p.facets.size(), 2.0)})}, nullptr, o);
@@ -793,7 +793,7 @@ TEST(Picture, LettersOfAnSvgAsText) {
 struct Folder : ::testing::Test {
   TemporaryFolder folder;
   void SetUp() override {
-    const Patch p = cap(20, 80, 8, 24, true);
+    const PlotPatch p = cap(20, 80, 8, 24, true);
     const std::vector<double> some(p.facets.size(), 2.0), none(p.facets.size(), 0.0);
     write_xplt((folder.path / "a.xplt").string(), result_of("a", p, {none, some}, "mm-N-s").xplt);
     write_xplt((folder.path / "b.xplt").string(), result_of("b", p, {none, some, some}).xplt);

@@ -22,10 +22,9 @@
 
 #include <febiodea/base/error.h>
 
-using namespace dea;
-namespace fs = std::filesystem;
+namespace dea::xplt_test {
 
-namespace {
+namespace fs = std::filesystem;
 
 // ------------------------------------------------------------------------------ the worked example by hand
 
@@ -316,8 +315,6 @@ std::string write_fault(const std::string& path) {
   }
   return "no fault";
 }
-
-}  // namespace
 
 // ------------------------------------------------------------------------------------------------ bytes
 
@@ -659,8 +656,6 @@ TEST(XpltRead, CompressedStateLargerThanTheMemory) {
 
 // ----------------------------------------------------------------------------------------- random files
 
-namespace {
-
 std::string random_name() {
   std::string name = *rc::gen::container<std::string>(rc::gen::inRange<char>('a', 'z'));
   return name.substr(0, 63);
@@ -752,8 +747,6 @@ XpltFile random_file() {
   }
   return file;
 }
-
-}  // namespace
 
 TEST(XpltRead, RandomFilesComeBack) {
   EXPECT_TRUE(rc::check([] {
@@ -942,8 +935,6 @@ TEST(Xplt, FindVariable) {
 
 // --------------------------------------------------------------------------------------- FEBio's own files
 
-namespace {
-
 std::vector<float> values(const XpltFile& file, XpltGroup group, const std::string& name, int region) {
   const int i = find_variable(file, group, name);
   if (i < 0 || file.states.empty()) return {};
@@ -952,8 +943,6 @@ std::vector<float> values(const XpltFile& file, XpltGroup group, const std::stri
   }
   return {};
 }
-
-}  // namespace
 
 TEST(XpltReference, HipWalking) {
   const std::string path = DEA_REFERENCE_DIR "/hip_walking_febio_penalty20.xplt";
@@ -1010,3 +999,5 @@ TEST(XpltReference, RewrittenFilesAreTheSame) {
     EXPECT_TRUE(again(packed) == packed);
   }
 }
+
+}  // namespace dea::xplt_test

@@ -20,8 +20,7 @@
 #include "program.h"
 #include "synthetic.h"
 
-namespace dea {
-namespace {
+namespace dea::report_test {
 
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
@@ -146,7 +145,7 @@ TEST(ReportPage, NamesAreNeverMarkup) {
 
 /// A result of one shell, whose nodes are moved in each state as told.
 ResultFile moved(const std::vector<std::function<Vector3d(const Vector3d&)>>& motions) {
-  const test::Patch p = test::sheet(6, 4, 6, 4, [](double x, double y) { return Vector3d(x, y, 0.1 * x * y); });
+  const test::PlotPatch p = test::sheet(6, 4, 6, 4, [](double x, double y) { return Vector3d(x, y, 0.1 * x * y); });
   ResultFile file =
       test::result_of("moved", p, std::vector<std::vector<double>>(motions.size(), std::vector<double>(24, 1)));
   file.xplt.variables.push_back(xplt_variable(XpltGroup::Nodal, XpltType::Vec3, XpltFormat::Node, "displacement"));
@@ -193,8 +192,8 @@ TEST(ReportPage, PartsMoveAsTheirNodesDo) {
 }
 
 TEST(ReportPage, DomainsOfOneMaterialMoveApart) {
-  // Three strips of a shell: the first stays, the last is lifted by 5. Both are cartilage, of one material or of two that
-  // have no name.
+  // Three strips of a shell: the first stays, the last is lifted by 5. Both are cartilage, of one material or of two
+  // that have no name.
   const Vector3d lift(0, 0, 5);
   ResultFile file = moved({[&](const Vector3d& x) { return x.y() < 2.5 ? x : Vector3d(x + lift); }});
   XpltMesh& mesh = file.xplt.meshes[0];
@@ -626,5 +625,4 @@ TEST(ReportProgram, RefusesAndLeavesNothing) {
   EXPECT_EQ(files, 0u);
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::report_test

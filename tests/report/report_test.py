@@ -621,10 +621,11 @@ def light_and_dark(b, pages):
 
 @check
 def narrow_window(b, pages):
-    for width in (600, 390):
-        b.size(width, 900)
-        for name in ("three", "run", "awkward", "compare"):
-            ready(b, pages[name])
+    for name in ("three", "run", "awkward", "compare"):
+        for width in (390, 600):  # opened narrow, then made wider
+            b.size(width, 900)
+            if width == 390:
+                ready(b, pages[name])
             settle(b)
             widths = b.run("return [document.documentElement.scrollWidth, document.documentElement.clientWidth]")
             true(widths[0] <= widths[1], f"{name}: {widths[0]} pixels in a window of {widths[1]}")
@@ -655,10 +656,11 @@ def overlapping_words(b):
 @check
 def words_do_not_overlap(b, pages):
     """Axis labels, ticks, legends."""
-    for width in (1400, 600):
-        b.size(width, 1000)
-        for name in ("three", "run", "knee"):
-            ready(b, pages[name])
+    for name in ("three", "run", "knee"):
+        for width in (1400, 600):  # opened wide, then made narrow
+            b.size(width, 1000)
+            if width == 1400:
+                ready(b, pages[name])
             b.run("return new Promise(done => setTimeout(done, 400))")
             same(overlapping_words(b), [], f"{name} at {width}: words on words")
             near = b.run("""

@@ -16,8 +16,7 @@
 #include "page_arrays.h"
 #include "program.h"
 
-namespace dea {
-namespace {
+namespace dea::study_page_test {
 
 using nlohmann::json;
 using test::TemporaryFolder;
@@ -639,5 +638,4 @@ TEST_F(StudyPage, WithoutPressuresThereAreNoDosesAndRegions) {
   EXPECT_FALSE(std::filesystem::exists(html));
 }
 
-}  // namespace
-}  // namespace dea
+}  // namespace dea::study_page_test

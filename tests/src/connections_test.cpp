@@ -1,7 +1,7 @@
 // Ligaments, cables, loads at points and joints: derivatives, and equilibria with answers on paper.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
 #include <febiodea/base/error.h>

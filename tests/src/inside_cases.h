@@ -1,7 +1,7 @@
 // tests/src/inside_cases.h – layers on round and sloping bones and with a free end, by finite elements and by the law:
 // for the test of the inside and for the tables of docs/layer_law.md, section 8.
 #pragma once
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,14 +10,14 @@
 
 #include <febiodea/springs/layer_inside.h>
 #include "analytic/inside_elements.h"
+#include "analytic/linear_systems.h"
 #include "src/layer_meshes.h"
 
 namespace dea::test {
 
 /// Half the difference of the outer eigenvalues, the greatest, the least: by Eigen, not by `measures`.
 inline InsideMeasures eigen_measures(const Eigen::Matrix3d& stress, const Eigen::Matrix3d& strain) {
-  const Eigen::Vector3d s = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stress).eigenvalues(),
-                        e = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(strain).eigenvalues();
+  const Eigen::Vector3d s = analytic::eigenvalues(stress), e = analytic::eigenvalues(strain);
   return {0.5 * (s[2] - s[0]), e[2], e[0]};
 }
 

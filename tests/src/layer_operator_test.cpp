@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <utility>
 
+#include "analytic/linear_systems.h"
 #include "src/layer_meshes.h"
 
 namespace dea::layer_operator_test {
@@ -59,7 +60,7 @@ Eigen::MatrixXd scaled_work(const LayerOperator& layer, const LayerFeet& feet, c
 double asymmetry(const Eigen::MatrixXd& work) { return (work - work.transpose()).norm() / work.norm(); }
 
 double least_eigenvalue(const Eigen::MatrixXd& work) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (work + work.transpose())).eigenvalues()[0];
+  return analytic::eigenvalues(0.5 * (work + work.transpose()))[0];
 }
 
 // Any thickness, any rim, whole and partly covered feet, one or four feet per triangle: work is symmetric, and positive

@@ -9,6 +9,7 @@
 #include <febiodea/springs/place.h>
 #include <febiodea/springs/press.h>
 #include <febiodea/springs/wrench.h>
+#include "analytic/linear_systems.h"
 #include "finite_differences.h"
 #include "test_models.h"
 
@@ -289,7 +290,7 @@ TEST(ClosingStiffness, TakesAForceToFirstTouch) {
   free = {true, true, true};
   const Eigen::Matrix<double, 12, 12> stiffness =
       closing_stiffness(ball, s, poses[static_cast<std::size_t>(ball.source_body)], moving, force, free);
-  moving.center += stiffness.block<3, 3>(0, 0).ldlt().solve(Vector3d(force.segment<3>(0)));
+  moving.center += analytic::solve_dense(stiffness.block<3, 3>(0, 0), force.segment<3>(0));
   s = press_springs(ball, poses[static_cast<std::size_t>(ball.source_body)], moving);
   const double deepest = *std::max_element(s.overlap.begin(), s.overlap.end());
   EXPECT_GT(deepest, 0.0);
