@@ -79,7 +79,7 @@ std::string value_for_option(const CLI::App& command, const std::string& word) {
 /// "--output": the main output's option has one letter alone; "": the word means something else.
 std::string main_output(const CLI::App& command, const std::string& word) {
   const bool meant = word.rfind("--out", 0) == 0 && std::string("--output-file").rfind(word, 0) == 0;
-  return meant && command.get_option_no_throw("-o") != nullptr ? " (did you mean -o?)" : "";
+  return meant && command.get_option_no_throw("-o") != nullptr ? " (did you mean \"-o\"?)" : "";
 }
 
 /// "--lwa": the options on the command line that the command does not have, and those that may have been meant.

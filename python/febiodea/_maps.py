@@ -39,6 +39,8 @@ def picture(source, path=None, *, labels=None, format=None, field="contact press
     source: a Result or a PlotFile, or a list of them: side by side, with one scale. labels: their names on it. states: as
     in analyse. width: mm, None: by the number of panels. dpi: of a PNG. Without path and format: SVG. Raises InputError (no such field or surface), UsageError, WriteError.
     """
+    if path is not None and not os.fspath(path):
+        raise usage_fault("path", 'found ""', "expected the name of a file, or None for bytes")
     if format is None:
         format = os.path.splitext(os.fsdecode(path))[1][1:].lower() if path is not None else "svg"
     if format not in ("png", "svg", "pdf"):

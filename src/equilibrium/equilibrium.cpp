@@ -124,10 +124,10 @@ std::vector<std::string> held_in_words(const Problem& problem, const Solution& s
   return held;
 }
 
-/// Whether the least stiffness is negative by more than a facetted surface tells from zero (E6b).
-bool is_unstable(const Problem& problem, double least_stiffness, double load) {
-  constexpr double kNeutralLever = 1000.0;  // of the least thickness
-  return -least_stiffness * kNeutralLever * problem.beds.least_thickness > load;
+/// Whether the least stiffness is negative by more than facets leave of zero (E6b).
+bool is_unstable(const Problem& problem, const Solution& s) {
+  constexpr double kNeutralLength = 1e4;  // of the least thickness; facets leave longer ones, the least seen was 6e4
+  return solved(s.outcome) && -s.directions.least_stiffness * kNeutralLength * problem.beds.least_thickness > s.at.load;
 }
 
 }  // namespace
@@ -179,12 +179,13 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
     s.at = evaluate(problem, std::move(s.at.poses));
   }
   std::vector<std::string> held = held_in_words(problem, s);
+  const bool unstable = is_unstable(problem, s);
   Equilibrium result = to_equilibrium(problem, std::move(s.at), s.outcome, s.message);
   result.advice = std::move(s.advice);  // of outcomes that are no solution: no spring changes these
   result.iterations = s.iterations;
   result.history = s.history;
   result.least_stiffness = s.directions.least_stiffness;
-  result.unstable = is_unstable(problem, result.least_stiffness, result.load);
+  result.unstable = unstable;
   result.held = std::move(held);
   return result;
 }

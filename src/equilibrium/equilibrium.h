@@ -34,9 +34,9 @@ struct Equilibrium {
   std::vector<double> history;            ///< scaled residual / load at each iterate
   std::vector<std::string> held;          ///< flat directions that were held, in words
   double least_stiffness =
-      0.0;  ///< least eigenvalue of the symmetric part of the stiffness (translations and rotations
-            ///  times length), flat directions left out; NaN: nothing free
-  bool unstable = false;  ///< least_stiffness < 0 and no neutral balance (E6b): the bodies leave it when touched
+      0.0;                ///< least eigenvalue of the symmetric part of the stiffness (translations and rotations
+                          ///  times length), flat directions left out; NaN: nothing free
+  bool unstable = false;  ///< solved, and the bodies leave this balance when touched (E6b)
 };
 
 /// All that acts on the bodies at given poses but the connectors' reactions: 6 numbers per body (E1), and the

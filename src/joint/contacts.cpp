@@ -163,11 +163,13 @@ std::optional<Fault> too_thin_for_layer_law(const JointModel& model, const Conta
     const std::string& name = model.surfaces[at(layer.surface)].name;
     return make_fault(
         model, c.origin,
-        say("surface \"{}\": at {} of {} vertices its thickness, {:.3g} in the mean, is less than {:g}% of "
+        say("surface \"{}\": at {} of {} vertices its {}thickness, {:.3g} in the mean, is less than {:g}% of "
             "the facets' size, which law layer has no answer for;",
-            name, thin, all, layer.mean_thickness(), 100 * kLayerLawThickness),
-        say("check its bone surface and the units, give {}, or take {}", NamedSetting{"thickness", name, "VALUE"},
-            NamedSetting{"law", "", "linear"}));
+            name, thin, all, layer.thickness_given ? "given " : "", layer.mean_thickness(), 100 * kLayerLawThickness),
+        layer.thickness_given ? say("give it in the model's unit of length, which its nodes are in, or take {}",
+                                    NamedSetting{"law", "", "linear"})
+                              : say("check its bone surface and the units, give {}, or take {}",
+                                    NamedSetting{"thickness", name, "VALUE"}, NamedSetting{"law", "", "linear"}));
   }
   return std::nullopt;
 }

@@ -96,7 +96,7 @@ Equilibrium solve_from(const Begin& begin, const Prepared& prepared, const LoadC
   const Start start = walk.start;
   begin_from(begin, prepared.joint, load_case, walk);
   Equilibrium found = solve_state(prepared, load_case, false, walk);
-  if (solved(found.outcome) && !found.unstable) return found;
+  if (solved(found.outcome) && found.least_stiffness > 0) return found;
   walk.start = start;
   walk.memory.clear();
   return solve_state(prepared, load_case, false, walk);

@@ -151,7 +151,7 @@ def test_pictures_are_those_of_dea_plot(file, hip_result, dea, tmp_path):
     assert febiodea.picture(file, tmp_path / "python.svg") is None
     assert febiodea.picture(file) == drawn == (tmp_path / "python.svg").read_bytes()
     assert febiodea.picture(hip_result, format="png")[:4] == b"\x89PNG"
-    for keywords, place in (({"path": tmp_path / "hip.jpg"}, "format"), ({"width": -1}, "width"), ({"dpi": "fine"}, "dpi"),
+    for keywords, place in (({"path": tmp_path / "hip.jpg"}, "format"), ({"path": ""}, "path"), ({"width": -1}, "width"), ({"dpi": "fine"}, "dpi"),
                             ({"source": "hip.xplt"}, "source"), ({"states": []}, "states")):
         with pytest.raises(febiodea.UsageError) as caught:
             febiodea.picture(**{"source": file, **keywords})

@@ -622,9 +622,9 @@ def light_and_dark(b, pages):
 @check
 def narrow_window(b, pages):
     for name in ("three", "run", "awkward", "compare"):
-        for width in (390, 600):  # opened narrow, then made wider
+        for width in (600, 390):  # opened narrow, then made narrower
             b.size(width, 900)
-            if width == 390:
+            if width == 600:
                 ready(b, pages[name])
             settle(b)
             widths = b.run("return [document.documentElement.scrollWidth, document.documentElement.clientWidth]")
