@@ -298,7 +298,7 @@ TEST(Plugin, EveryFaultIsOneErrorAndAnExitCode) {
          "loose.feb: contact \"touch\", surface \"top\": its layer is held by no rigid body (no shared nodes, rigid "
          "node set, "
          "tied contact or nodes fixed in x, y and z); name the body with <attach surface=\"top\">BODY</attach> "
-         "(bodies: \"base\", "
+         "(bodies: \"base\" without elements, "
          "\"plate\"), and the layer's bone surface with <bone surface=\"top\">SURFACE</bone> or its thickness with "
          "<thickness surface=\"top\">VALUE</thickness>");
   expect(
