@@ -272,7 +272,7 @@ void add_outcomes(const SolvedStates& result, const Wording& wording, Lines& lin
   for (std::size_t i = 0; i < result.states.size(); ++i) {
     const Equilibrium& e = result.states[i].equilibrium;
     if (!solved(e.outcome)) add_state(runs, fmt::format("{}", name(e.outcome)), i, outcome_text(e, wording));
-    if (solved(e.outcome) && e.unstable)
+    if (e.unstable)
       add_state(runs, "the balance is unstable", i, fmt::format("least stiffness {:.3g}", e.least_stiffness));
   }
   for (const StateRun& run : runs) lines.push_back(run_line(result, run));
