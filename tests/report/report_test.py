@@ -228,6 +228,7 @@ def smooth_contact_is_no_larger_than_the_facets(b, pages):
 def scales_are_the_programs(b, pages):
     """Ends and lines, for all states and for one; joint space ends below its largest value."""
     ready(b, pages["compare"])
+    b.run("Page.panels.forEach(p => { Page.maps.observer.unobserve(p.canvas); p.visible = false; })")  # scales alone: no map needs drawing
     wanted = """
       const [q, kind, every] = arguments, s = Page.state.surface.about.scales.find(x => x.field === q)[kind];
       return every ? s.all : s.frames[Page.state.frame]"""
@@ -611,8 +612,9 @@ def light_and_dark(b, pages):
     true(sum(map(int, re.findall(r"\d+", dark_paper)[:3])) < 150, f"dark paper {dark_paper}")
     dark = pictures(b)
     true(dark[0][0] != light[0][0], "the maps did not follow")
-    ink = b.run("return document.querySelector('figure svg').getAttribute('fill')")
-    true(int(ink[1:3], 16) > 180, f"dark figures are drawn in {ink}")
+    # figures out of sight follow a little later
+    b.wait("[...document.querySelectorAll('figure:not([hidden]) svg[role=img]')].every(s => parseInt(s.getAttribute('fill').slice(1, 3), 16) > 180)", 20,
+           "figures in light ink")
     b.scheme("dark")
     ready(b, pages["compare"])
     same(paper(), dark_paper, "the system's choice")
