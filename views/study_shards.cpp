@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
-#include <regex>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/parse.h>
@@ -76,21 +75,35 @@ Shard shard_of(const std::string& text) {
   });
 }
 
+namespace {
+/// M of a file named as shard N of M of `path` would be, as NAME.N-of-M.EXTENSION; empty: it is none.
+std::string division_in(const std::string& file, const fs::path& path) {
+  const std::string before = path.stem().string() + ".", after = path.extension().string(), between = "-of-";
+  if (file.size() < before.size() + after.size() || !file.starts_with(before) || !file.ends_with(after)) return "";
+  const std::string numbers = file.substr(before.size(), file.size() - before.size() - after.size());
+  const std::size_t at = numbers.find(between);
+  if (at == numbers.npos) return "";
+  const auto digits = [](const std::string& text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+  };
+  const std::string number = numbers.substr(0, at), of = numbers.substr(at + between.size());
+  return digits(number) && digits(of) ? of : "";
+}
+}  // namespace
+
 void refuse_other_division(const std::string& path, const Shard& shard) {
   if (!shard.automatic) return;
   const fs::path p = path, folder = p.has_parent_path() ? p.parent_path() : fs::path(".");
-  const std::regex name("(.*)\\.([0-9]+)-of-([0-9]+)(\\.[^.]*)?");
   std::error_code error;
   std::string found, division;
   for (const fs::directory_entry& file : fs::directory_iterator(folder, error)) {
     const std::string there = file.path().filename().string();
-    std::smatch parts;
-    if (!std::regex_match(there, parts, name) || parts[1] != p.stem().string() || parts[4] != p.extension().string())
-      continue;
-    if (parts[3] == std::to_string(shard.of)) return;
+    const std::string of = division_in(there, p);
+    if (of.empty()) continue;
+    if (of == std::to_string(shard.of)) return;
     if (found.empty() || there < found) {
       found = there;
-      division = parts[3];
+      division = of;
     }
   }
   if (!found.empty())

@@ -278,9 +278,8 @@ std::vector<Sentence> layer_findings(const ModelParts& parts, const Layer& layer
   if (alone > 0)
     findings.push_back(say(
         "surface \"{}\": {} edges of its rim are held across an axis, but lie in no plane in which more than half of "
-        "the layer's nodes are held (within {:.2g} of it): taken for a plane of symmetry, though in FEBio the rest "
-        "moves "
-        "freely; hold all nodes where the layer ends, or none, and put them into one plane",
+        "the layer's nodes are held (within {:.2g} of it): taken for a plane of symmetry, though FEBio lets the rest "
+        "move freely; hold all nodes where the layer ends, or none, and put them into one plane",
         surface.name, alone, parts.holders.same_plane));
   const Sentence thick = not_thin(surface.name, layer, parts.holders.same_plane);
   if (!thick.empty()) findings.push_back(thick);

@@ -239,13 +239,27 @@ def names_are_text(b, pages):
 
 
 @check
+def cases_that_are_all_refused_have_a_page(b, pages):
+    ready(b, pages["refused"])
+    true(b.run("return document.getElementById('failures').textContent").startswith("2 of 2 cases are no solution: 0 failed, 2 refused"),
+         "failures first")
+    same(b.run("return [...document.querySelectorAll('section')].map(s => s.id)"), ["study", "cases"], "sections")
+    b.click("#cases-csv")
+    rows = list(csv.reader(io.StringIO(b.downloaded()[1].decode())))
+    same(rows, [["case", "outcome", "E"], ["1", "refused", "1"], ["2", "refused", "2"]], "the CSV")
+    no_faults(b, "refused cases")
+
+
+@check
 def pages_are_whole(b, pages):
-    for name in ("turn", "sample", "awkward", "subjects"):
+    for name in ("turn", "sample", "awkward", "subjects", "refused"):
         for width in (1400, 390):
             b.size(width, 1000)
             ready(b, pages[name])
             true(b.run("return document.documentElement.scrollWidth") <= width, f"{name} at {width}: wider than the window")
             b.wait("Page.figures.every(f => f.element.hidden || f.element.querySelector('svg'))", 20, "all figures")
+            b.wait("""[...document.querySelectorAll('section')].filter(s => s.getBoundingClientRect().height > 0).every(
+              s => [...s.children].slice(1).some(e => e.getBoundingClientRect().height > 0))""", 20, "no heading without a section")
             svg = b.run("return [...document.querySelectorAll('figure svg')].map(s => s.outerHTML).join()")
             true(not re.search(r'="[^"]*(NaN|Infinity)', svg), f"{name}: NaN in a figure")
             same(overlapping_words(b), [], f"{name} at {width}: words on words")
@@ -315,6 +329,12 @@ def make(folder, dea, make_study):
                               capture_output=True, errors="replace", text=True)
         same(done.returncode, 1 if name == "awkward" else 0, f"{name}: {done.stderr}")
         pages[name] = os.path.join(folder, name + ".html")
+    with open(os.path.join(folder, "nothing.feb"), "w") as file:
+        file.write('<?xml version="1.0"?>\n<febio_spec version="4.0"></febio_spec>\n')
+    pages["refused"] = os.path.join(folder, "refused.html")
+    done = subprocess.run([dea, "study", "nothing.feb", "--vary", "E: --E {1|2}", "-o", "refused.db", "--report", "refused.html"], cwd=folder,
+                          capture_output=True)
+    same(done.returncode, 1, "exit code where all cases are refused")
     pages.update(dea=dea, make_study=make_study)
     pages["turn_rows"] = list(csv.DictReader(io.StringIO(run(dea, "study", "turn.db", "--csv", "-"))))
     return pages

@@ -61,7 +61,7 @@ const Page = (() => {
     add("Options", one.options.join("  "));
     const told = columns.filter((c) => c.of).map((c) => `${c.name} (${c.levels.length > 6 ? `${c.levels.length} values` : c.levels.join(", ")})`);
     if (Report.subjects) add("Subjects", `${Report.subjects}, ${told.length ? `a row per ${columns.find((c) => c.of).of}: ${told.join("; ")}` : "of which nothing differs from case to case"}`);
-    add(Report.contacts.length > 1 ? "Contacts" : "Contact", Report.contacts.slice(0, 8).map(([name, source, target]) => `${name} (source ${source}, target ${target})`).join("; ") + (Report.contacts.length > 8 ? ` and ${Report.contacts.length - 8} more` : ""));
+    if (Report.contacts.length) add(Report.contacts.length > 1 ? "Contacts" : "Contact", Report.contacts.slice(0, 8).map(([name, source, target]) => `${name} (source ${source}, target ${target})`).join("; ") + (Report.contacts.length > 8 ? ` and ${Report.contacts.length - 8} more` : ""));
     add("Numbers", Report.headline + `. p99: 99th percentile. Force: size of the contact's force.${Report.statistics.some((s, i) => StudyFigures.isInside(i)) ? " Inside the cartilage: p99 over what is pressed, weighted by area; of the third principal strain, which is below 0, the first percentile; source and target as above. Largest of all states: of the third principal strain the least." : ""}`);
     makeSection("study", "The study", make("dl", { class: "facts" }, ...rows), one.inputs.length === 0 ? null : make("details", {}, make("summary", { text: plural(one.inputs.length, "input file") }), table({ headings: ["file", "CRC-32 and size"], rows: one.inputs })));
   }
@@ -135,13 +135,21 @@ const Page = (() => {
   function drawFigures() {
     clearTimeout(later);
     const waiting = [];
+    for (const s of sections()) s.hidden = false;  // or its figures have no width
     for (const f of figures) {
       const box = f.element.getBoundingClientRect();
       if (!f.element.hidden && (box.top > window.innerHeight + 300 || box.bottom < -300)) waiting.push(f);
       else drawFigure(f);
     }
-    if (waiting.length) later = setTimeout(() => waiting.forEach(drawFigure), 60);
+    hideEmptySections();
+    if (waiting.length) later = setTimeout(() => { waiting.forEach(drawFigure); hideEmptySections(); }, 60);
   }
+  // A section of which nothing is shown but its heading.
+  function hideEmptySections() {
+    const empty = (e) => e.hidden || (e.classList.contains("figures") ? [...e.children].every((f) => f.hidden) : !e.hasChildNodes());
+    for (const s of sections()) s.hidden = [...s.children].slice(1).every(empty);
+  }
+  const sections = () => new Set(figures.map((f) => f.element.closest("section")));
   async function changed() {
     const mine = ++ticket;
     await Study.load(state.statistic, state.place);
@@ -240,7 +248,7 @@ const Page = (() => {
   // ---- maps, regions, dose ----
   function maps() {
     const s = makeSection("maps", "Turning the joint");
-    if (!Report.maps) s.append(make("p", { class: "about", text: "The study has no stored pressures: solve it with --keep fields for maps, regions and doses." }));
+    if (!Report.maps) s.append(make("p", { class: "about", text: one.solved === 0 ? "No case is a solution, so there is no map." : "The study has no stored pressures: solve it with --keep fields for maps, regions and doses." }));
     return s;
   }
   function mapMoved(number) {
@@ -250,15 +258,16 @@ const Page = (() => {
     if (f) drawFigure(f);
   }
   function casesTable() {
-    const headings = ["case", "outcome", ...columns.map((c) => c.name), ...Report.statistics.map((s) => s.name)], rows = [];
+    const statistics = Report.places.length ? Report.statistics : [];
+    const headings = ["case", "outcome", ...columns.map((c) => c.name), ...statistics.map((s) => s.name)], rows = [];
     for (let i = 0; i < Study.count; ++i)
-      rows.push([Study.numbers[i], ["solved", "failed", "refused"][Study.outcomes[i]], ...columns.map((c, k) => Study.level(k, i)), ...Report.statistics.map((s, k) => StudyFigures.exact(Study.value(state, i, state.choice, k)))]);
+      rows.push([Study.numbers[i], ["solved", "failed", "refused"][Study.outcomes[i]], ...columns.map((c, k) => Study.level(k, i)), ...statistics.map((s, k) => StudyFigures.exact(Study.value(state, i, state.choice, k)))]);
     return { headings, rows };
   }
   async function cases() {
     const host = make("div", {}), details = make("details", { ontoggle: async () => { if (details.open) host.replaceChildren(table(await loaded(), 100)); } }, make("summary", { text: `Table of ${plural(Study.count, "case")}` }), host);
-    const loaded = async () => { for (let k = 0; k < Report.statistics.length; ++k) await Study.load(k, state.place); return casesTable(); };
-    makeSection("cases", "Cases", make("p", { class: "about", text: `Of the contact or region and the state that are chosen above.${Report.all ? "" : ` ${Study.count} of ${one.there} cases.`} dea study FILE.db --csv writes all numbers of all states.` }),
+    const loaded = async () => { for (let k = 0; Report.places.length && k < Report.statistics.length; ++k) await Study.load(k, state.place); return casesTable(); };
+    makeSection("cases", "Cases", make("p", { class: "about", text: `${Report.places.length ? "Of the contact or region and the state that are chosen above." : "No case has numbers: all were refused."}${Report.all ? "" : ` ${Study.count} of ${one.there} cases.`} dea study FILE.db --csv writes all numbers of all states.` }),
       make("p", { class: "save" }, make("button", { id: "cases-csv", text: "CSV", "data-save": "csv", onclick: async () => saveCsv(await loaded(), "cases") })), details);
   }
   function foot() {
@@ -275,10 +284,8 @@ const Page = (() => {
     if (Study.numbers) drawFigures();
   }
   const api = { state, figures, placeOf, mapMoved, changed };
-  async function start() {
-    head();
-    await Study.start();
-    facts();
+  // Whatever is of the contacts' numbers: no case has any where none was more than refused. Returns the maps' section.
+  function numbers() {
     choose();
     headlines();
     response();
@@ -288,6 +295,13 @@ const Page = (() => {
     pairs();
     if (Report.places.length > 1) makeSection("regions", "Regions", figureRow(StudyFigures.placeFigure()));
     if (Report.maps && Report.maps.dose && Report.maps.dose.cases.length) makeSection("dose", "Dose", figureRow(StudyFigures.doseFigure()));
+    return mapSection;
+  }
+  async function start() {
+    head();
+    await Study.start();
+    facts();
+    const mapSection = Report.places.length ? numbers() : null;
     await cases();
     foot();
     const dark = window.matchMedia("(prefers-color-scheme: dark)");
@@ -298,8 +312,8 @@ const Page = (() => {
     let before = "light";
     window.addEventListener("beforeprint", () => { before = state.theme; setTheme("light"); figures.forEach(drawFigure); });
     window.addEventListener("afterprint", () => setTheme(before));
-    await changed();
-    if (Report.maps) {
+    if (Report.places.length) await changed();
+    if (Report.maps && mapSection) {
       const whole = Report.places.map((p, i) => i).filter((i) => !Report.places[i].part);
       for (const p of whole) for (let k = 0; k < Report.statistics.length; ++k) await Study.load(k, p);
       await StudyMaps.start(mapSection, api);
