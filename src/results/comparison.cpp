@@ -16,14 +16,13 @@ namespace {
 
 bool in(const FacetMask& mask, int facet) { return mask.empty() || mask[at(facet)]; }
 
-/// The vertices of a facet, each once: a collapsed quad names one twice.
-std::vector<int> distinct_vertices(const ResultSurface& s, int facet) {
-  std::vector<int> vertices;
+/// The vertices of a facet, each once: a collapsed quad names one twice. Into `vertices`, whatever was there.
+void distinct_vertices(const ResultSurface& s, int facet, std::vector<int>& vertices) {
+  vertices.clear();
   for (int k = s.begin[at(facet)]; k < s.begin[at(facet) + 1]; ++k) {
     const int v = s.slot_vertex[at(k)];
     if (v >= 0 && std::find(vertices.begin(), vertices.end(), v) == vertices.end()) vertices.push_back(v);
   }
-  return vertices;
 }
 
 bool same_facets(const ResultSurface& a, const ResultSurface& b) {
@@ -89,8 +88,10 @@ ResultSurface with_areas_of(ResultSurface surface, const ResultSurface& moved) {
 
 std::vector<double> nodal_average(const ResultSurface& s, const std::vector<double>& facet_values) {
   std::vector<double> sum(s.mesh.vertices.size(), 0.0), area(s.mesh.vertices.size(), 0.0);
+  std::vector<int> vertices;
   for (int f = 0; f < s.facets(); ++f) {
-    for (int v : distinct_vertices(s, f)) {
+    distinct_vertices(s, f, vertices);
+    for (int v : vertices) {
       sum[at(v)] += s.facet_areas[at(f)] * facet_values[at(f)];
       area[at(v)] += s.facet_areas[at(f)];
     }
@@ -101,9 +102,10 @@ std::vector<double> nodal_average(const ResultSurface& s, const std::vector<doub
 
 std::vector<double> nodal_areas(const ResultSurface& s, const FacetMask& mask) {
   std::vector<double> areas(s.mesh.vertices.size(), 0.0);
+  std::vector<int> vertices;
   for (int f = 0; f < s.facets(); ++f) {
     if (!in(mask, f)) continue;
-    const std::vector<int> vertices = distinct_vertices(s, f);
+    distinct_vertices(s, f, vertices);
     for (int v : vertices) areas[at(v)] += s.facet_areas[at(f)] / static_cast<double>(vertices.size());
   }
   return areas;
@@ -146,9 +148,9 @@ Distribution distribution(const std::vector<double>& values, const std::vector<d
   }
   d.mean = sum / d.area;
   d.peak = *std::max_element(v.begin(), v.end());
-  set_percentiles(d, v, w);
-  std::sort(v.begin(), v.end());
-  d.p99_unweighted = percentile_of_sorted(v, 0.99);
+  const WeightedValues sorted = in_rising_order(v, w);
+  set_percentiles(d, sorted);
+  d.p99_unweighted = percentile_of_sorted(sorted.values, 0.99);
   return d;
 }
 
@@ -196,8 +198,9 @@ InterfaceCompliance interface_compliance(const std::vector<double>& pressure, co
   }
   if (ratios.empty()) return c;
   c.compliance = yielding / force;
-  c.p5 = weighted_percentile(ratios, forces, 0.05);
-  c.p95 = weighted_percentile(ratios, forces, 0.95);
+  const WeightedValues sorted = in_rising_order(ratios, forces);
+  c.p5 = percentile(sorted, 0.05);
+  c.p95 = percentile(sorted, 0.95);
   c.facets = static_cast<int>(ratios.size());
   return c;
 }

@@ -3,33 +3,47 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
+#include <utility>
 
 #include <febiodea/base/numbers.h>
 
 namespace dea {
 
-double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return values[a] < values[b] || (values[a] == values[b] && a < b); });
-  double total = 0.0;
-  for (double w : weights) total += w;
-  if (order.empty() || !(total > 0)) return kNaN;
-  const double wanted = fraction * total;
-  double below = 0.0, previous_middle = 0.0, previous_value = values[order.front()];
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const double middle = below + 0.5 * weights[order[i]];
-    if (middle >= wanted) {
-      if (i == 0 || middle <= previous_middle) return values[order[i]];
-      return previous_value +
-             (values[order[i]] - previous_value) * (wanted - previous_middle) / (middle - previous_middle);
-    }
-    below += weights[order[i]];
-    previous_middle = middle;
-    previous_value = values[order[i]];
+WeightedValues in_rising_order(const std::vector<double>& values, const std::vector<double>& weights) {
+  std::vector<std::pair<double, double>> both(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) both[i] = {values[i], weights[i]};
+  std::stable_sort(both.begin(), both.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  WeightedValues sorted;
+  sorted.values.reserve(both.size());
+  sorted.weights.reserve(both.size());
+  for (const auto& [value, weight] : both) {
+    sorted.values.push_back(value);
+    sorted.weights.push_back(weight);
   }
-  return values[order.back()];
+  sorted.total = std::accumulate(weights.begin(), weights.end(), 0.0);
+  return sorted;
+}
+
+double percentile(const WeightedValues& sorted, double fraction) {
+  const std::vector<double>&values = sorted.values, &weights = sorted.weights;
+  if (values.empty() || !(sorted.total > 0)) return kNaN;
+  const double wanted = fraction * sorted.total;
+  double below = 0.0, previous_middle = 0.0, previous_value = values.front();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double middle = below + 0.5 * weights[i];
+    if (middle >= wanted) {
+      if (i == 0 || middle <= previous_middle) return values[i];
+      return previous_value + (values[i] - previous_value) * (wanted - previous_middle) / (middle - previous_middle);
+    }
+    below += weights[i];
+    previous_middle = middle;
+    previous_value = values[i];
+  }
+  return values.back();
+}
+
+double weighted_percentile(const std::vector<double>& values, const std::vector<double>& weights, double fraction) {
+  return percentile(in_rising_order(values, weights), fraction);
 }
 
 double percentile_of_sorted(const std::vector<double>& sorted, double fraction) {

@@ -165,7 +165,7 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     const bool any = !pressure.empty();
     stats.peak = any ? *std::max_element(pressure.begin(), pressure.end()) : kNaN;
     stats.mean = any ? force / stats.contact_area : kNaN;
-    set_percentiles(stats, pressure, area);
+    set_percentiles(stats, in_rising_order(pressure, area));
     stats.center_of_pressure = any ? Vector3d(moment / force) : Vector3d::Constant(kNaN);
     std::vector<double> nodal;
     for (double p : source.vertex_pressure)

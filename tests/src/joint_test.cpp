@@ -657,6 +657,11 @@ TEST(Statistics, WeightedPercentile) {
   EXPECT_EQ(weighted_percentile({1, 2}, {3, 1}, 0.875), 2.0);
   EXPECT_NEAR(weighted_percentile({1, 2}, {3, 1}, 0.625), 1.5, 1e-15);
   EXPECT_TRUE(std::isnan(weighted_percentile({}, {}, 0.5)));
+  // equal values: their shares follow each other, whatever their order
+  const double between = 2 + (3.0 - 2.5) / (5.5 - 2.5);
+  EXPECT_NEAR(weighted_percentile({1, 3, 1, 1}, {1, 3, 1, 2}, 2.5 / 7), 1.0, 1e-15);
+  EXPECT_NEAR(weighted_percentile({2, 1, 2, 3}, {1, 1, 1, 5}, 3.0 / 8), between, 1e-15);
+  EXPECT_NEAR(weighted_percentile({3, 2, 1, 2}, {5, 1, 1, 1}, 3.0 / 8), between, 1e-15);
 }
 
 TEST(SurfaceMesh, SphereFit) {
