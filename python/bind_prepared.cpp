@@ -172,6 +172,8 @@ std::shared_ptr<SolvedLoad> solved_load(const Joint_& joint, const LoadCase& loa
   state.when = {load_case.time, load_case.step, -1};
   state.equilibrium = solve(p, load_case, start, options);
   refuse_zero_thickness(r.model, p.joint, p.beds, state.equilibrium);
+  if (dea::solved(state.equilibrium.outcome))
+    refuse_left_planes(r.model, p.joint, state.equilibrium.poses, load_case.time);
   add_fields(p, joint->maps, joint->inside ? &*joint->inside : nullptr, state);
   state.displacements =
       node_displacements(r.model, p.joint, joint->maps, state.equilibrium, state.fields, r.settings.squash);
@@ -262,6 +264,7 @@ bool is_quick(const Prepared& prepared) {
 
 std::shared_ptr<PressedJoint> press_joint(const Joint_& joint, const py::object& poses) {
   const std::vector<Pose> all = with_poses(*joint, reference_poses(joint->prepared.joint), poses, "pose");
+  refuse_left_planes(joint->recognised->recognition.model, joint->prepared.joint, all, std::nullopt);
   const auto pressed = [joint, all](const StopFlag* stop) {
     PressOptions options;
     options.stop = stop;

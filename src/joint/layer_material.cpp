@@ -82,18 +82,25 @@ OtherMaterials other_materials(const ContactSide& in, int material, const std::m
   const double E = in.given.E.value_or(own.E);
   OtherMaterials result;
   result.fault = several_materials(in, material, under_facets);
-  if (result.fault || in.given.has_thickness()) return result;
+  if (result.fault) return result;
   for (int m : in_part) {
     if (m == material) continue;
     const Material& other = model.materials[at(m)];
+    if (in.given.has_thickness()) {
+      result.notes.push_back(
+          say("surface \"{}\": its thickness is given, so all of that is material \"{}\"; \"{}\" of the same part is "
+              "left out, as if it were rigid",
+              in.surface.name, own.name, other.name));
+      continue;
+    }
     result.fault = deformable_bone(in, material, E, other);
     if (result.fault) return result;
     const double nu = in.given.nu.value_or(own.nu);  // what the user gives is of the whole part
     const double other_E = in.given.E.value_or(other.E), other_nu = in.given.nu.value_or(other.nu), ratio = other_E / E;
-    if ((in.given.E && in.given.nu) || (std::abs(ratio - 1) < 0.01 && std::abs(other_nu - nu) < 0.002)) continue;
+    const double confined = confined_modulus(other_E, other_nu) / confined_modulus(E, nu);
+    if ((in.given.E && in.given.nu) || (std::abs(ratio - 1) < 0.01 && std::abs(confined - 1) < 0.01)) continue;
     // Force goes with E, and less than in proportion with the confined modulus: about a fifth off at either limit.
     constexpr double kMostRatio = 1.25, kMostConfined = 1.6;
-    const double confined = confined_modulus(other_E, other_nu) / confined_modulus(E, nu);
     const std::string both = fmt::format("\"{}\" (E {:g}, nu {:g}) and \"{}\" (E {:g}, nu {:g})", own.name, E, nu,
                                          other.name, other_E, other_nu);
     if (ratio > kMostRatio || ratio < 1 / kMostRatio || confined > kMostConfined || confined < 1 / kMostConfined) {

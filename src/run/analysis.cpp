@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/say.h>
+#include <febiodea/base/time_text.h>
+#include <febiodea/joint/shared_ends.h>
 #include <febiodea/run/idle_loads.h>
 
 namespace dea {
@@ -153,6 +157,23 @@ void refuse_zero_thickness(const JointModel& model, const Joint& joint, const Sp
   }
 }
 
+void refuse_left_planes(const JointModel& model, const Joint& joint, const std::vector<Pose>& poses,
+                        std::optional<double> time) {
+  for (const ContactPair& pair : joint.contacts) {
+    const std::optional<LeftPlane> left = left_plane(pair, joint.bodies, poses);
+    if (!left) continue;
+    const int first = pair.layers[0].body, other = left->body == first ? pair.layers[1].body : first;
+    throw fault_at(
+        model, model.contacts[at(pair.contact)].origin,
+        say("contact \"{}\": the model ends in the plane of symmetry {}, and{} body \"{}\" has crossed it or "
+            "turned out of it, by {:.3g} as seen from body \"{}\": its mirror image would do the opposite;",
+            pair.name, in_words(std::vector<SymmetryPlane>{left->plane}), time ? " at time " + time_text(*time) : "",
+            joint.bodies[at(left->body)].name, left->shift, joint.bodies[at(other)].name),
+        say("let the bodies move along this plane and turn about {} alone, or mesh the whole joint",
+            std::string(1, "xyz"[left->plane.axis])));
+  }
+}
+
 Analysis analyse(const JointModel& model, const Settings& settings, const AnalysisOptions& options) {
   if (options.activity) options.activity({});
   return analyse(recognise(model, settings), options);
@@ -193,6 +214,8 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
       state.equilibrium = solve_state(prepared, load_case, reference, walk);
     end_state(walk, state.equilibrium, options.equilibrium);
     refuse_zero_thickness(model, joint, prepared.beds, state.equilibrium);
+    if (dea::solved(state.equilibrium.outcome))
+      refuse_left_planes(model, joint, state.equilibrium.poses, state.when.time);
     end_if_stopped(options.equilibrium.stop);
     const bool keep = options.keep_state.empty() || options.keep_state[i];
     if (keep) add_fields(prepared, maps, options.inside, state);

@@ -1,6 +1,7 @@
 // febiodea/run/analysis.h – the whole method, from model to results: read this first.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -90,6 +91,11 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
 
 /// Cartilage of no thickness cannot be compressed: InputError where such surfaces meet in this state, not a division.
 void refuse_zero_thickness(const JointModel& model, const Joint& joint, const SpringBeds& beds, const Equilibrium& e);
+
+/// Half a joint is solved only where its bodies keep to its planes of symmetry: InputError where they do not.
+/// `time`: told, if there is one.
+void refuse_left_planes(const JointModel& model, const Joint& joint, const std::vector<Pose>& poses,
+                        std::optional<double> time);
 
 /// Joint, springs, equilibrium of every load case in order of time (each started from the one before), fields.
 /// The first state (time 0) is the reference configuration, not solved, as in FEBio's plot files.

@@ -71,6 +71,46 @@ TEST(Plausibility, ALayerAsThickAsItsBallIsToldAndAPlaneHasNoRadius) {
   EXPECT_FALSE(has(told(test::flat_plates(2, 4, 3.9, 0.0), 12, ""), "radius"));
 }
 
+/// Half of a ball of radius 40, pressed 0.5 deep into half of a layer of 2: both end in the plane x = 0. `held`: there
+/// the layer's nodes are held in x.
+JointModel half_ball(bool held) {
+  JointModel model = test::empty_model();
+  const int cartilage = test::add_material(model, "cartilage", false), base = test::add_material(model, "base", true),
+            ball = test::add_material(model, "ball", true);
+  const auto flat = [](double z) { return [z](double u, double v) { return Vector3d(12 * u, 24 * (v - 0.5), z); }; };
+  const int a = test::add_layer(model, "layer", 12, 12, 2, flat(-2), flat(0), cartilage, base);
+  const int b = test::add_rigid_surface(
+      model, "ball", 24, 24,
+      [](double u, double v) {
+        const double x = 12 * v, y = 24 * (u - 0.5);
+        return Vector3d(x, y, 40 - std::sqrt(1600 - x * x - y * y));
+      },
+      ball);
+  test::add_contact(model, "press", a, b);
+  test::fix(model, base, {true, true, true, true, true, true});
+  test::fix(model, ball, {true, true, false, true, true, true});
+  test::prescribe(model, ball, 2, -0.5);
+  if (!held) return model;
+  FixedNodes plane;
+  plane.xyz[0] = true;
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (model.nodes[i].x() == 0) plane.nodes.push_back(static_cast<int>(i));
+  model.fixed_nodes.push_back(plane);
+  return model;
+}
+
+// Half a joint whose cut is not held looks like a joint that ends there; two plates of one size are no half.
+TEST(Plausibility, ACutThatIsNotHeldIsWarnedOf) {
+  const std::string cut = "both surfaces end in the plane x = 0 under pressure";
+  const JointModel free = half_ball(false), held = half_ball(true);
+  EXPECT_TRUE(has(warnings_in(result_remarks(free, analyse(free, test::linear()))), cut));
+  EXPECT_FALSE(has(result_remarks(held, analyse(held, test::linear())), "both surfaces end"));
+  JointModel plates = test::flat_plates(4, 4, 2, 0.0, 4);
+  test::fix(plates, 2, {true, true, false, true, true, true});
+  test::prescribe(plates, 2, 2, -0.2);
+  EXPECT_FALSE(has(result_remarks(plates, analyse(plates, test::linear())), "both surfaces end"));
+}
+
 /// A ball of radius 40 over a layer of 2, whose facets are 2.4 long, pressed `depth` deep: the surfaces as they were
 /// meet within sqrt(2 R depth) of the middle.
 JointModel ball_on_long_facets(double depth) {

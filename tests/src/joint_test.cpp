@@ -11,6 +11,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/joint/shared_ends.h>
 #include <febiodea/results/percentile.h>
 #include <febiodea/results/statistics.h>
 #include <febiodea/run/analysis.h>
@@ -374,6 +375,18 @@ TEST(Recognition, ALayerOfSeveralMaterialsIsRefusedOrTold) {
   const Joint told = make_joint(model, {});
   ASSERT_EQ(told.findings.size(), 1u);
   EXPECT_NE(told.findings[0].text.find("deep zone"), std::string::npos) << told.findings[0].text;
+  // close to 0.5 a fifth of the confined modulus is 0.0004 of nu
+  zone.E = own.E;
+  zone.nu = 0.4999;
+  model.materials[static_cast<std::size_t>(upper.material)].nu = 0.4995;
+  EXPECT_NE(refusal(model).find("deep zone"), std::string::npos) << refusal(model);
+  // a thickness that is given leaves out what lies below, and says so
+  Settings given;
+  given.thickness["layer"] = 2.0;
+  const Joint thick = make_joint(model, given);
+  EXPECT_TRUE(std::any_of(thick.findings.begin(), thick.findings.end(), [](const Sentence& s) {
+    return s.text.find("\"deep zone\" of the same part is left out, as if it were rigid") != std::string::npos;
+  }));
 }
 
 // Surfaces that share facets count these twice; surfaces side by side do not feel each other.
@@ -838,6 +851,50 @@ TEST(Planes, AQuarterCarriesAQuarter) {
       EXPECT_NEAR(whole / exact, 1.0, 0.03);
       EXPECT_NEAR(quarter / whole, 1.0, 0.01);
     }
+}
+
+// The mirror image of a bone that crosses a plane of symmetry would cross it the other way: that is no joint. Along the
+// planes a body may move, and both together may go anywhere.
+TEST(Planes, BodiesKeepToThem) {
+  const JointModel model = ball_on_flat(2.0, true, false);
+  const auto placed = [&](Vector3d shift, Vector3d turn, bool both) {
+    const Joint joint = make_joint(model, test::linear("flat"));
+    std::vector<Pose> poses = reference_poses(joint);
+    const double angle = turn.norm();
+    const Eigen::Matrix3d R =
+        angle > 0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+    for (std::size_t b = 0; b < joint.bodies.size(); ++b) {
+      if (joint.bodies[b].ground || (joint.bodies[b].name == "flat" && !both)) continue;
+      poses[b] = {shift + R * joint.bodies[b].center_of_mass, R};
+    }
+    return left_plane(joint.contacts[0], joint.bodies, poses);
+  };
+  EXPECT_FALSE(placed({0, 0, -0.3}, {0, 0, 0}, false));
+  EXPECT_FALSE(placed({1, 2, 3}, {0.1, 0.2, 0.3}, true));
+  const auto crossed = placed({0, 0.25, 0}, {0, 0, 0}, false), turned = placed({0, 0, 0}, {0, 0.1, 0}, false);
+  ASSERT_TRUE(crossed && turned);
+  EXPECT_EQ(crossed->plane, (SymmetryPlane{1, 0.0}));
+  EXPECT_NEAR(crossed->shift, 0.25, 1e-12);
+  EXPECT_EQ(turned->plane, (SymmetryPlane{0, 0.0}));  // the turn is about y
+  EXPECT_TRUE(placed({0, 0, 0}, {0, 0, 0.1}, false));
+  Settings moved = test::linear("flat");
+  moved.placements.push_back({Placement::Kind::Move, "ball", {0.25, 0, 0}});
+  EXPECT_THROW(analyse(model, moved), InputError);
+  EXPECT_NO_THROW(analyse(ball_on_flat(2.0, false, false), moved));
+}
+
+// Where both surfaces end in one plane across an axis, held or not.
+TEST(Planes, EndsThatSurfacesShare) {
+  JointModel model = ball_on_flat(2.0, true, false);
+  const auto ends = [&] {
+    std::vector<std::pair<double, bool>> found;
+    for (const SharedEnd& end : shared_ends(make_joint(model, test::linear("flat")).contacts[0]))
+      found.push_back({end.plane.at, end.symmetry});
+    return found;
+  };
+  EXPECT_EQ(ends(), (std::vector<std::pair<double, bool>>{{0, true}, {16, false}, {0, true}, {16, false}}));
+  model.fixed_nodes.erase(model.fixed_nodes.end() - 2);
+  EXPECT_EQ(ends(), (std::vector<std::pair<double, bool>>{{0, false}, {16, false}, {0, true}, {16, false}}));
 }
 
 // Only where a part ends, and at more than half its nodes: a few held nodes, or nodes held inside, make no plane.

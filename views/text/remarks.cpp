@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/time_text.h>
+#include <febiodea/joint/shared_ends.h>
 #include <febiodea/views/text/plausibility.h>
 #include <febiodea/views/text/table.h>
 #include <febiodea/views/text/words.h>
@@ -556,6 +558,42 @@ void add_pressed_rims(const JointModel& model, const ContactPair& pair, const St
   }
 }
 
+/// Largest pressure of both surfaces where they end in one plane.
+double pressure_at(const SharedEnd& end, const ContactPair& pair, const ContactFields& fields) {
+  double most = 0.0;
+  for (int side = 0; side < 2; ++side) {
+    const SurfaceMesh& mesh = pair.layers[side].articular;
+    const std::vector<double>& pressure = fields.sides[side].vertex_pressure;
+    if (pressure.size() != mesh.vertices.size()) continue;
+    for (std::size_t v = 0; v < pressure.size(); ++v)
+      if (std::abs(mesh.vertices[v][end.plane.axis] - end.plane.at) <= end.tolerance)
+        most = std::max(most, pressure[v]);
+  }
+  return most;
+}
+
+/// Half a joint whose cut is not held: both surfaces end in one plane under pressure, and not in another one opposite,
+/// as two plates of one size do.
+void add_cut_faces(const ContactPair& pair, const StateResult& state, std::size_t contact, Lines& lines) {
+  std::vector<std::pair<SharedEnd, double>> pressed;
+  for (const SharedEnd& end : shared_ends(pair)) {
+    const double most = pressure_at(end, pair, state.fields[contact]);
+    if (most > kFelt * state.statistics[contact].peak) pressed.push_back({end, most});
+  }
+  for (const auto& [end, most] : pressed) {
+    const int axis = end.plane.axis;
+    const auto ends = std::count_if(pressed.begin(), pressed.end(),
+                                    [axis](const auto& other) { return other.first.plane.axis == axis; });
+    if (end.symmetry || ends > 1) continue;
+    add_once(lines,
+             fmt::format("warning: contact \"{}\": at time {} both surfaces end in the plane {} under pressure, up to "
+                         "{:.3g}, and the cartilage's nodes are not held across it: taken for free edges; if the joint "
+                         "goes on behind it as its mirror image, hold these nodes in {}",
+                         pair.name, time_text(state.when.time), in_words(std::vector<SymmetryPlane>{end.plane}), most,
+                         "xyz"[axis]));
+  }
+}
+
 /// Selections that end under pressure though the cartilage goes on.
 void add_pressed_ends(const JointModel& model, const ContactPair& pair, const StateResult& state, std::size_t contact,
                       Lines& lines) {
@@ -626,6 +664,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
     add_pressed_rims(model, joint.contacts[c], last, c, lines);
+    add_cut_faces(joint.contacts[c], last, c, lines);
     add_inside_edges(joint, last, c, lines);
     add_doubtful_pressure(model, joint.contacts[c], last, c, wording, lines);
   }
