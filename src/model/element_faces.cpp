@@ -44,7 +44,7 @@ void split_quad(std::array<int, 4> q, const std::vector<Vector3d>& x, std::vecto
   const auto at = [&](int i) -> const Vector3d& { return x[static_cast<std::size_t>(q[static_cast<std::size_t>(i)])]; };
   const double d02 = (at(0) - at(2)).norm(), d13 = (at(1) - at(3)).norm();
   bool along_02;
-  if (std::abs(d02 - d13) <= 1e-9 * std::max(d02, d13)) {
+  if (std::abs(d02 - d13) <= 1e-5 * std::max(d02, d13)) {
     along_02 = std::min(q[0], q[2]) < std::min(q[1], q[3]);  // a tie: the diagonal at the lowest node
   } else {
     along_02 = d02 < d13;

@@ -22,8 +22,9 @@ struct FaceKeyHash {
 
 /// The facet cut into triangles of its own nodes, orientation kept. Quadratic facets are split through their
 /// mid-side nodes so that they keep their curvature; a quad (also the inner quad of an 8-node facet and the four
-/// of a 9-node facet) on its shorter diagonal, on a tie (equal to 1e-9) at the lowest node number.
-/// `facet`: node indices; `positions`: of all nodes of the model. Returns triples of node indices.
+/// of a 9-node facet) on its shorter diagonal, on a tie (equal to 1e-5, so that the rounding of coordinates in a file
+/// chooses nothing) at the lowest node number. `facet`: node indices; `positions`: of all nodes of the model. Returns
+/// triples of node indices.
 std::vector<std::array<int, 3>> split_facet(const int* facet, int facet_nodes, const std::vector<Vector3d>& positions);
 
 }  // namespace dea

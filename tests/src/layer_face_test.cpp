@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -598,6 +599,21 @@ TEST(LayerFace, OrderAndPlaceDoNotMatter) {
   const RimLengths rim = rim_lengths(before.face);
   expect_rim(after, rim.free, rim.goes_on, rim.symmetry, rim.bonded, rim.area_beyond);
   EXPECT_EQ(count(before, FaceKind::SideWall), 20);
+}
+
+// The diagonal of a rectangle is the one at its lowest node, also where rounding of its coordinates makes the other
+// shorter by a millionth; a diagonal that is plainly shorter is taken.
+TEST(SplitFacet, RoundingOfCoordinatesDoesNotChooseTheDiagonal) {
+  const std::vector<int> quad{3, 0, 1, 2};
+  const std::vector<std::array<int, 3>> at_lowest{{3, 0, 2}, {0, 1, 2}};
+  for (double noise : {0.0, 1e-7, -1e-7, 3e-6, -3e-6}) {
+    // Nodes 0 and 2 are opposite: noise makes their diagonal longer or shorter.
+    const std::vector<Vector3d> nodes{{1 + noise, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}};
+    EXPECT_EQ(split_facet(quad.data(), 4, nodes), at_lowest) << noise;
+  }
+  const std::vector<Vector3d> skewed{{1.01, -0.01, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}};
+  const std::vector<std::array<int, 3>> shorter{{3, 0, 1}, {3, 1, 2}};
+  EXPECT_EQ(split_facet(quad.data(), 4, skewed), shorter);
 }
 
 }  // namespace dea::layer_face_test
