@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/rotations.h>
+#include <febiodea/base/say.h>
 #include <febiodea/equilibrium/approach.h>
 #include <febiodea/equilibrium/continuation.h>
 #include <febiodea/equilibrium/motion_in_words.h>
@@ -124,6 +126,58 @@ std::vector<std::string> held_in_words(const Problem& problem, const Solution& s
   return held;
 }
 
+/// Contacts with one other body alone: from between two that press it a body need not be loaded itself.
+bool between_bodies(const Problem& problem, int body) {
+  std::set<int> others;
+  for (std::size_t c = 0; c < problem.joint.contacts.size(); ++c) {
+    const ContactPair& pair = problem.joint.contacts[c];
+    if (!problem.load_case.contact_active[c]) continue;
+    for (const int side : {0, 1})
+      if (pair.layers[side].body == body) others.insert(pair.layers[1 - side].body);
+  }
+  return others.size() > 1;
+}
+
+/// Neither a force of the model, nor a ligament, nor a joint acts on what the body is free to do, and it is free to go
+/// away.
+bool unloaded(const Problem& problem, const Evaluation& e, int body) {
+  const std::size_t b = at(body);
+  const BodyConditions& conditions = problem.load_case.bodies[b];
+  bool goes = false;
+  for (int k = 0; k < kDofs; ++k) {
+    if (conditions.dofs[at(k)] != DofState::Free) continue;
+    goes = goes || k < 3;
+    const Eigen::Index dof = 6 * static_cast<Eigen::Index>(body) + k;
+    if (e.external[dof] != 0.0 || e.ligaments[dof] != 0.0) return false;
+  }
+  for (std::size_t c = 0; c < problem.load_case.connector_active.size(); ++c) {
+    const Connector& connector = problem.joint.connectors[c];
+    if (problem.load_case.connector_active[c] && (connector.body_a == body || connector.body_b == body)) return false;
+  }
+  return goes && !between_bodies(problem, body);
+}
+
+/// The first such body; -1: none.
+int unloaded_body(const Problem& problem, const Evaluation& e) {
+  for (int b = 0; b < static_cast<int>(problem.joint.bodies.size()); ++b)
+    if (unloaded(problem, e, b)) return b;
+  return -1;
+}
+
+/// Where nothing loads a body, that is why it finds no balance, whatever the search has run into.
+void say_unloaded(const Problem& problem, int body, Equilibrium& result) {
+  std::string axes;
+  for (int k = 0; k < 3; ++k)
+    if (problem.load_case.bodies[at(body)].dofs[at(k)] == DofState::Free)
+      axes += fmt::format("{}{}", axes.empty() ? "" : ", ", "xyz"[k]);
+  const std::string& name = problem.joint.bodies[at(body)].name;
+  result.message = fmt::format(
+      "nothing loads body \"{}\", which is free to move along {}: the contact pushes it away and nothing pushes back;",
+      name, axes);
+  result.advice = say("give it a load with {} or a rigid force in the model, or hold or prescribe its motion",
+                      NamedSetting{"force", name, "x,y,z"});
+}
+
 /// Whether the least stiffness is negative by more than facets leave of zero (E6b).
 bool is_unstable(const Problem& problem, const Solution& s) {
   constexpr double kNeutralLength = 1e4;  // of the least thickness; facets leave longer ones, the least seen was 6e4
@@ -180,8 +234,10 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   }
   std::vector<std::string> held = held_in_words(problem, s);
   const bool unstable = is_unstable(problem, s);
+  const int idle = solved(s.outcome) ? -1 : unloaded_body(problem, s.at);
   Equilibrium result = to_equilibrium(problem, std::move(s.at), s.outcome, s.message);
   result.advice = std::move(s.advice);  // of outcomes that are no solution: no spring changes these
+  if (idle >= 0 && result.outcome != Outcome::BeyondStrainLimit) say_unloaded(problem, idle, result);
   result.iterations = s.iterations;
   result.history = s.history;
   result.least_stiffness = s.directions.least_stiffness;

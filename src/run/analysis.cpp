@@ -77,6 +77,13 @@ std::vector<char> free_to_turn(const LoadCase& load_case) {
   return free;
 }
 
+std::vector<char> free_to_move(const LoadCase& load_case) {
+  std::vector<char> free;
+  for (const BodyConditions& body : load_case.bodies)
+    free.push_back(std::count(body.dofs.begin(), body.dofs.begin() + 3, DofState::Free) > 0);
+  return free;
+}
+
 bool any_turns(const LoadCase& load_case) {
   const std::vector<char> free = free_to_turn(load_case);
   return std::find(free.begin(), free.end(), 1) != free.end();
@@ -189,6 +196,7 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
   if (times.back().row >= 0 || times.back().step == last_step(model)) {  // the others have no such loads
     solved.idle = idle_warnings(idle_loads(model, joint, settings));
     for (Sentence& words : idle_model_loads(model, joint, settings)) solved.idle.push_back(std::move(words));
+    for (Sentence& words : idle_load_points(model, joint, settings)) solved.idle.push_back(std::move(words));
   }
   Walk walk{{solved.start, solved.start}, no_reaction, no_reaction, {}, options.equilibrium};
   Activity activity{Activity::Stage::State, 0, times.size(), {}};
@@ -221,7 +229,10 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
     if (keep) add_fields(prepared, maps, options.inside, state);
     if (keep && options.displacements)
       state.displacements = node_displacements(model, joint, maps, state.equilibrium, state.fields, settings.squash);
-    if (keep) solved.free_to_turn = free_to_turn(load_case);
+    if (keep) {
+      solved.free_to_turn = free_to_turn(load_case);
+      solved.free_to_move = free_to_move(load_case);
+    }
     if (options.progress) options.progress(state, i, times.size());
     state.equilibrium.springs.clear();  // the bulk of the memory; fields and statistics hold what is reported
     if (!keep) continue;

@@ -31,6 +31,7 @@ struct SolvedStates {
   std::vector<StateResult> states;  ///< those that were kept, in order of time
   std::vector<Pose> start;          ///< per body: where it began
   std::vector<char> free_to_turn;   ///< per body: about some axis, in the last state that was kept
+  std::vector<char> free_to_move;   ///< per body: along some axis, in that state
   std::vector<Sentence> idle;       ///< loads that the settings give and that have no effect (idle_loads.h)
 };
 
