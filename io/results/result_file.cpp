@@ -61,6 +61,13 @@ const XpltMesh& mesh_of(const ResultFile& result, int state) {
   return result.xplt.meshes[at(result.xplt.states[at(state)].mesh)];
 }
 
+bool is_solution(const ResultFile& result, int state) { return result.xplt.states[at(state)].status == 0; }
+
+std::string no_solution_warning(const ResultFile& result, int state) {
+  return fmt::format("warning: {}: the state at time {} is no solution; do not use its numbers", result.path,
+                     time_text(result.xplt.states[at(state)].time));
+}
+
 bool same_time(double a, double b) { return std::abs(a - b) <= 1e-6 * std::max({std::abs(a), std::abs(b), 1e-30}); }
 
 int find_state(const ResultFile& result, double time) {

@@ -21,6 +21,11 @@ ResultFile read_result(const std::string& path, const std::string& label);
 /// The mesh that belongs to a state.
 const XpltMesh& mesh_of(const ResultFile& result, int state);
 
+/// False: the program that wrote the state had not solved it.
+bool is_solution(const ResultFile& result, int state);
+/// "warning: hip.xplt: the state at time 1 is no solution; do not use its numbers"
+std::string no_solution_warning(const ResultFile& result, int state);
+
 /// Plot files hold times in single precision.
 bool same_time(double a, double b);
 /// Throws InputError, with the times there are, when there is no state at `time`.

@@ -135,6 +135,33 @@ TEST(CompareFiles, ScaledPressureIsRecoveredInEveryNumber) {
   EXPECT_NE(c.warnings[0].find("a has 2 states and b has 3"), std::string::npos);
 }
 
+TEST(CompareFiles, StatesWithoutASolutionAreTold) {
+  std::vector<ResultFile> files = {named("a", make_file(4, {0, 1, 2}, hill)),
+                                   named("b", make_file(4, {0, 1, 2}, hill))};
+  EXPECT_TRUE(compare_files(files, {}).warnings.empty());
+  files[0].xplt.states[2].status = 1;
+  files[1].xplt.states[1].status = 1;
+  EXPECT_EQ(compare_files(files, {}).warnings,
+            (std::vector<std::string>{
+                "warning: a.xplt: the state at time 2 is no solution; do not use its numbers",
+                "warning: b.xplt: 1 of the 2 states before the compared one is no solution; peaks and integrals over "
+                "time count them too"}));
+}
+
+TEST(CompareFiles, ThresholdsOfMegapascalsAreTooLowForOtherUnits) {
+  std::vector<ResultFile> files = {named("a", make_file(4, {1}, hill)), named("b", make_file(4, {1}, hill))};
+  for (ResultFile& file : files) file.xplt.units = "mm-N-s";
+  EXPECT_TRUE(compare_files(files, {}).warnings.empty());
+  for (ResultFile& file : files) file.xplt.units = "SI";
+  EXPECT_EQ(
+      compare_files(files, {}).warnings,
+      (std::vector<std::string>{"note: thresholds 0.1 and 0.5 are in the files' unit, Pa, where 1 MPa is 1e+06: all "
+                                "contact is above them; give others with --threshold"}));
+  CompareOptions own;
+  own.thresholds = {1e5};
+  EXPECT_TRUE(compare_files(files, own).warnings.empty());
+}
+
 TEST(CompareFiles, StatesPairByTimeAndPosesFollow) {
   const std::vector<ResultFile> files = {named("a", make_file(4, {0, 1, 2}, hill)),
                                          named("b", make_file(4, {0, 1}, hill))};

@@ -335,6 +335,24 @@ TEST(MapScale, NothingIsNoZero) {
   }
 }
 
+TEST(MapFigure, AStateWithoutASolutionSaysSo) {
+  const PlotPatch p = sheet(4, 1, 4, 1);
+  ResultFile a = result_of("a", p, {{0, 1, 1, 0}, {0, 9, 9, 0}}), b = result_of("b", p, {{0, 0, 0, 0}, {0, 2, 2, 0}});
+  a.xplt.states[1].status = 1;
+  MapOptions o;
+  o.states = "all";
+  const MapFigure both = make_map_figure({a}, nullptr, o);
+  ASSERT_EQ(both.panels.size(), 2u);
+  EXPECT_EQ(both.panels[0].numbers.front().find("no solution"), std::string::npos) << both.panels[0].numbers.front();
+  EXPECT_EQ(both.panels[1].numbers.front().rfind("no solution: p99", 0), 0u) << both.panels[1].numbers.front();
+  EXPECT_EQ(both.panels[1].numbers.back(), "no solution");
+  const std::string warning = "warning: a.xplt: the state at time 1 is no solution; do not use its numbers";
+  EXPECT_EQ(std::count(both.remarks.begin(), both.remarks.end(), warning), 1);
+  const MapFigure minus = make_map_figure({b}, &a, {});
+  EXPECT_EQ(minus.panels[0].numbers.back(), "no solution");
+  EXPECT_EQ(std::count(minus.remarks.begin(), minus.remarks.end(), warning), 1);
+}
+
 TEST(MapFigure, TheScaleIsThatOfAllStates) {
   const PlotPatch p = sheet(4, 1, 4, 1);
   const ResultFile a = result_of("a", p, {{0, 0, 0, 0}, {0, 9, 9, 0}, {0, 1, 3, 0}}),

@@ -440,6 +440,19 @@ TEST(ReportPage, FramesPairTimes) {
   EXPECT_EQ(other.frame, 3);
 }
 
+TEST(ReportPage, FramesSayWhichStatesAreNoSolution) {
+  test::Dome dome;
+  const auto at = [&](const char* name, const std::vector<double>& times) {
+    return test::make_dome_result(name, name, dome, times, {{"contact pressure", test::wandering(5, 6, 0)}});
+  };
+  std::vector<ResultFile> files = {at("a", {0.5, 1}), at("b", {0.5, 1})};
+  files[1].xplt.states[1].status = 1;
+  const Json frames = PageParts(page_of(files)).report["frames"];
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[0]["unsolved"], Json::array());
+  EXPECT_EQ(frames[1]["unsolved"], Json({1}));
+}
+
 TEST(ReportPage, SaysNothingOfFoldersAndIsTheSameTwice) {
   const std::vector<ResultFile> files = test::awkward_results();
   std::vector<std::string> words = {"/opt/bin/dea",        "compare",   "--report",

@@ -11,6 +11,7 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/base/time_text.h>
+#include <febiodea/io/files/unit_names.h>
 #include <febiodea/version.h>
 
 namespace dea {
@@ -605,6 +606,21 @@ ResultSurface compared_surface(const ResultFile& file, int state, int surface, C
   return with_areas_of(std::move(mesh), *moved);
 }
 
+namespace {
+
+/// The thresholds that are taken by themselves are of pressures in MPa. Empty: so are the files, or nobody knows.
+std::string low_thresholds(const CompareOptions& options, const std::string& system) {
+  const UnitNames units = unit_names(system);
+  const double megapascal = units.newtons > 0 ? 1e6 * units.metres * units.metres / units.newtons : 1.0;  // in units
+  if (options.thresholds != CompareOptions().thresholds || megapascal < 10) return "";
+  return fmt::format(
+      "note: thresholds 0.1 and 0.5 are in the files' unit, {}, where 1 MPa is {:g}: all contact is above "
+      "them; give others with --threshold",
+      units.pressure, megapascal);
+}
+
+}  // namespace
+
 Comparison compare_files(const std::vector<ResultFile>& files, const CompareOptions& options) {
   Comparison c;
   c.areas = options.areas;
@@ -616,6 +632,14 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
     c.paths.push_back(file.path);
     c.states.push_back(options.at ? find_state(file, *options.at) : static_cast<int>(file.xplt.states.size()) - 1);
     c.times.push_back(file.xplt.states[at(c.states.back())].time);
+    if (!is_solution(file, c.states.back())) c.warnings.push_back(no_solution_warning(file, c.states.back()));
+    int unsolved = 0;
+    for (int s = 0; s < c.states.back(); ++s) unsolved += !is_solution(file, s);
+    if (unsolved > 0)
+      c.warnings.push_back(fmt::format(
+          "warning: {}: {} of the {} states before the compared one {} no solution; peaks and integrals over "
+          "time count them too",
+          file.path, unsolved, c.states.back(), unsolved == 1 ? "is" : "are"));
     if (c.units.empty()) c.units = file.xplt.units;
     if (!file.xplt.units.empty() && file.xplt.units != c.units)
       c.warnings.push_back(fmt::format("warning: {} is in {}, others are in {}: numbers are compared as they are",
@@ -629,6 +653,8 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
           fmt::format("warning: the last state of {} is at time {}, that of {} at {}; --at T compares at one time",
                       files.front().label, time_text(c.times.front()), file.label, time_text(c.times.back())));
   }
+  const std::string low = low_thresholds(options, c.units);
+  if (!low.empty()) c.warnings.push_back(low);
   for (std::size_t i = 0; i + 1 < files.size(); ++i) {
     const int n = c.states[i] + 1, reference = c.states.back() + 1;
     if (n == 1 || reference == 1) continue;  // no sums over time

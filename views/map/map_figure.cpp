@@ -516,7 +516,8 @@ struct PanelSource {
   int state, surface;  ///< in the file
   std::string name;    ///< of the surface
   double time;
-  bool same_times;  ///< are the states of its row, and of what is taken away, at one time?
+  bool same_times;     ///< are the states of its row, and of what is taken away, at one time?
+  bool solved = true;  ///< is its state, and that of what is taken away, a solution?
 };
 
 bool row_at_one_time(const MapRequest& r, const Row& row, double time) {
@@ -551,6 +552,8 @@ MapValues take_away(const MapRequest& r, PanelSource& from, const ResultSurface&
   const ResultFile &file = r.files[from.file], &minus = *r.minus;
   const int state = reference_state(minus, from.time, r.options.states == "last");
   const int other = require_surface(minus, state, from.name);
+  from.solved = from.solved && is_solution(minus, state);
+  if (!is_solution(minus, state)) figure.remarks.push_back(no_solution_warning(minus, state));
   const ResultSurface reference = result_surface(minus, state, other);
   const NodeMatch match = match_nodes(surface, reference);
   if (!(match.covered > 0))
@@ -614,6 +617,8 @@ void add_row(Work& work, const Row& row, std::vector<MapValues>& values) {
       const ResultFile& file = r.files[i];
       const double time = file.xplt.states[at(row[i])].time;
       PanelSource from = {i, row[i], require_surface(file, row[i], name), name, time, row_at_one_time(r, row, time)};
+      from.solved = is_solution(file, row[i]);
+      if (!from.solved) figure.remarks.push_back(no_solution_warning(file, row[i]));
       MapPanel panel;
       panel.surface = figure_surface(r, from, work.keys, figure);
       const MapSurface& s = figure.surfaces[at(panel.surface)];
@@ -622,6 +627,7 @@ void add_row(Work& work, const Row& row, std::vector<MapValues>& values) {
         v = take_away(r, from, s.surface, v, figure);
       else
         std::replace(v.facets.begin(), v.facets.end(), 0.0, kNaN);
+      panel.solved = from.solved;
       set_title(r, from, panel);
       if (!from.same_times && r.minus == nullptr)
         figure.remarks.push_back("warning: the files' last states are at different times; --at T shows one time");
@@ -718,6 +724,12 @@ void settle(Work& work) {
   }
 }
 
+/// Before its numbers, and alone where these find no room.
+void say_no_solution(MapPanel& panel) {
+  for (std::string& line : panel.numbers) line = "no solution: " + line;
+  panel.numbers.push_back("no solution");
+}
+
 void finish_panels(Work& work, const std::vector<MapValues>& values) {
   MapFigure& figure = work.figure;
   for (std::size_t k = 0; k < figure.panels.size(); ++k) {
@@ -727,6 +739,7 @@ void finish_panels(Work& work, const std::vector<MapValues>& values) {
                      ? edge_level(s.mesh, panel.facets, panel.points)
                      : -kInfinity;
     if (panel.numbers.empty()) describe(figure, values[k], panel);
+    if (!panel.solved) say_no_solution(panel);
     if (work.misleading[at(panel.surface)]) panel.center_of_pressure.reset();
     panel.peak = place_of(figure, s, largest(figure, panel));
   }

@@ -40,6 +40,7 @@ struct MapPanel {
   std::string title;
   std::string when;                  ///< the end of the title that is never cut
   std::vector<std::string> numbers;  ///< a line of numbers, and shorter ones for narrow panels
+  bool solved = true;                ///< false: its numbers say that the state is no solution
   int surface = 0;                   ///< index into MapFigure::surfaces
   std::vector<double> facets;        ///< NaN: nothing there (no contact)
   std::vector<double> points;        ///< per point of the map: nodal averages; NaN: nothing there

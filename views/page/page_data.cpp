@@ -155,6 +155,11 @@ std::vector<std::vector<FacetMask>> region_masks(const std::vector<ResultFile>& 
   return masks;
 }
 
+void find_unsolved(const std::vector<ResultFile>& files, PageFrame& frame) {
+  for (std::size_t i = 0; i < files.size(); ++i)
+    if (frame.states[i] >= 0 && !is_solution(files[i], frame.states[i])) frame.unsolved.push_back(static_cast<int>(i));
+}
+
 /// States of the results that show the same time, and the compared ones.
 void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& compared, PageData& data) {
   std::vector<PageFrame> all, common;
@@ -175,12 +180,14 @@ void make_frames(const std::vector<ResultFile>& files, const std::vector<int>& c
   for (const PageFrame& f : all)
     if (std::find(f.states.begin(), f.states.end(), -1) == f.states.end()) common.push_back(f);
   data.frames = common.size() >= 2 ? common : all;
+  for (PageFrame& f : data.frames) find_unsolved(files, f);
   for (std::size_t f = 0; f < data.frames.size(); ++f) {
     if (data.frames[f].states != compared) continue;
     data.frame = static_cast<int>(f);
     return;
   }
   data.frames.push_back({kNaN, compared});
+  find_unsolved(files, data.frames.back());
   data.frame = static_cast<int>(data.frames.size()) - 1;
 }
 

@@ -88,8 +88,9 @@ struct PageSurface {
 
 /// States that are shown together.
 struct PageFrame {
-  double time = 0.0;        ///< NaN: the compared states, whose times differ
-  std::vector<int> states;  ///< per result; -1: it has none at this time
+  double time = 0.0;               ///< NaN: the compared states, whose times differ
+  std::vector<int> states;         ///< per result; -1: it has none at this time
+  std::vector<int> unsolved = {};  ///< results whose state here is no solution
 };
 
 struct PageText {

@@ -335,7 +335,19 @@ const Figures = (() => {
           series: c.names.map((name, k) => ({ name, times: c.times, values: c.values[k], ...style(k, c.names.length, ink, false) })),
           quantity: c.quantity, dimension: c.dimension, logarithmic: c.logarithmic, now: nowOf(state) }, width, ink)
       }));
+    for (const f of out.now) tell(f, (state) => [Report.frames[state.frame]]);
+    for (const f of out.time) tell(f, () => Report.frames);
     return out;
+  }
+  // States that are no solution are drawn as the others: the caption says which they are.
+  function tell(figure, frames) {
+    const { caption } = figure;
+    figure.caption = (state) => {
+      const times = frames(state).filter((f) => f.unsolved.length).map((f) => (f.time === null ? "the compared states" : Format.short(f.time, 9)));
+      if (!times.length) return caption(state);
+      const listed = times.length > 8 ? `${times.slice(0, 8).join(", ")}, ... (${times.length} states)` : times.join(", ");
+      return `${caption(state)} No solution: time ${listed}.`;
+    };
   }
 
   // ---- saving ----

@@ -153,6 +153,7 @@ const Page = (() => {
     }
     return nodalCache.get(key);
   }
+  const unsolved = (i) => Report.frames[state.frame].unsolved.includes(i);
   function measures(i, s = state.surface) {
     const k = Report.frames[state.frame].states[i], m = k < 0 ? null : s.about.measures[i][k];
     return m ? m[0] : null;
@@ -324,16 +325,24 @@ const Page = (() => {
           rows.push(line(facet, bold(Format.with(x, q.dimension)), t === null ? null : `thickness ${Format.with(t, "length", 3)}`));
           rows.push([make("br"), ...line(`${node}, average ${Format.with(n[hit.vertex], q.dimension)}`)]);
         }
-        p.readout.replaceChildren(...rows.flat());
+        p.readout.replaceChildren(...line(...withoutSolution(p).map(bold)), ...rows.flat());
         p.readout.dataset.facet = String(hit.facet + 1);
         continue;
       }
       delete p.readout.dataset.facet;
-      p.readout.replaceChildren(...line(...numbersOf(p)));
+      p.readout.replaceChildren(...line(...withoutSolution(p).map(bold), ...knownNumbersOf(p)));
     }
   }
   // Of the whole surface, as short texts.
   function numbersOf(p) {
+    return [...withoutSolution(p), ...knownNumbersOf(p)];
+  }
+  function withoutSolution(p) {
+    const of = (p.difference ? state.pair : [p.result]).filter(unsolved);
+    if (!of.length) return [];
+    return [compared ? `no solution in ${of.map((i) => results[i].label).join(" and ")}` : "no solution: do not use its numbers"];
+  }
+  function knownNumbersOf(p) {
     if (p.quantity !== "pressure" || p.message) return [];
     if (p.difference) {
       const pattern = state.pair[1] === last ? state.surface.about.patterns[state.frame][0][state.pair[0]] : null;
