@@ -33,12 +33,13 @@ dea run hold for all cases. With --loads and --motion the rows are the states of
 To go on after a stop, give the same command again. FILE.db is a SQLite database: docs/studies.md says what is in it.
 
 Examples:
-  dea study hip.feb --vary "stiffness: E={8|12|16}" --vary "tilt: rotate pelvis=0,1,0,{-10:10:5}" --states last -o plan.db
+  dea study hip.feb --vary "E: E={8|12|16}" --vary "tilt: rotate pelvis=0,1,0,{-10:10:5}" --states last -o plan.db
   dea study hip.feb --vary "tilt: rotate pelvis=0,1,0,{-20:20:5}" --dry-run
   dea study hip.feb --factor "stiffness: E={}" --factor "poisson: nu={}" --cases cases.csv --states last -o cases.db
   dea study hip.feb --vary "E: E={uniform(8,16)}" --sample sobol --count 4 --states last -o sample.db --csv -
   dea study plan.db --csv results.csv
   dea study plan.db --report plan.html --group E
+  dea study a.feb b.feb --states last -o hips.db
   dea study hips.db --report hips.html --subjects subjects.csv --group stage --pair stage)";
 
 void add_case_options(CLI::App& c, StudyArguments& a) {

@@ -193,6 +193,21 @@ def fault_of(kit, command, places):
         return f"shown, but not printed: {missing[0]}" if missing else ""
 
 
+def faults_in_turn(kit, command):
+    """The examples of one --help, pasted one after the other into one folder: none is refused for what those before have written."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        for where, example, _, _ in in_help(command):
+            for placeholder, number in NUMBERS.items():
+                example = example.replace(placeholder, number)
+            for name in inputs_of(example):
+                if not (folder / name).exists():
+                    (folder / name).write_bytes(made(kit, name, example))
+            done = bash(folder, example)
+            if done.returncode != 0:
+                yield f"{where}, after the examples before it: {example}\n  exit code {done.returncode}\n{done.stderr}"
+
+
 def collect():
     pages = [source / "README.md", *sorted((source / "docs").glob("*.md")), *sorted((source / "samples").rglob("README.md")),
              *sorted(source.glob("*/README.md"))]
@@ -227,6 +242,7 @@ with concurrent.futures.ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
             faults.append(f"{', '.join(place[0] for place in examples[command])}: {command}\n  {fault.strip()}")
         if "-v" in sys.argv:
             print(f"{seconds:6.1f} s  {command}")
+faults += faults_in_turn(kit, ("study",))
 faults += [f"FILES of tests/examples.py has {name}, and no example needs it" for name in FILES if name not in needed
            and not ("build" in SKIPPED and (name.endswith(".stl") or name == "mri_thickness.csv"))]
 for command, why in skipped.items():
