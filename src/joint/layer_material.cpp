@@ -40,6 +40,42 @@ std::optional<Fault> deformable_bone(const ContactSide& in, int material, double
                     say("DEA keeps bones rigid: type {}", NamedSetting{"rigid", "", other.name}));
 }
 
+/// What is missing, at the line of who should have it: the material, the contact that gives the other one, or the
+/// surface.
+Fault missing_constants(const ContactSide& in, int material, const Elasticity& elasticity) {
+  const JointModel& model = in.parts.model;
+  const Material* m = material >= 0 ? &model.materials[at(material)] : nullptr;
+  const bool no_E = std::isnan(elasticity.E), no_nu = std::isnan(elasticity.nu), both = no_E && no_nu;
+  const bool by_contact = m == nullptr && in.contact.dea && !both;
+  const std::string who = m            ? fmt::format("material \"{}\" (type {})", m->name, m->type)
+                          : by_contact ? fmt::format("the contact gives {}, and", no_E ? "nu" : "E")
+                                       : "the rigid surface";
+  const std::string note = m ? m->note : by_contact ? "" : "no cartilage material";
+  const Sentence found = say("contact \"{}\", surface \"{}\": {} {} {}{};", in.contact.name, in.surface.name, who,
+                             by_contact ? "no" : "gives no",
+                             both   ? "E and nu"
+                             : no_E ? "E"
+                                    : "nu",
+                             note.empty() ? "" : " (" + note + ")");
+  const Origin origin = m ? m->origin : by_contact ? in.contact.origin : in.surface.origin;
+  const bool for_all = m == nullptr && in.parts.settings.thickness.count(in.surface.name) == 0 && !in.contact.dea;
+  if (for_all)
+    return make_fault(model, origin, found,
+                      say("name the surface that has cartilage, {}, or give this one its own with {}",
+                          NamedSetting{"thickness", "SURFACE", "VALUE"}, modulus_settings(in)));
+  std::string parameters;
+  Sentence settings;
+  for (const char* name : {"E", "nu"}) {
+    if (!(name == std::string("E") ? no_E : no_nu)) continue;
+    parameters += fmt::format("{}<{}>", parameters.empty() ? "" : " and ", parameter_of(in, name));
+    settings = say("{}{}{}", settings, settings.empty() ? "" : " ", NamedSetting{name, in.surface.name, "VALUE"});
+  }
+  const char* pronoun = both ? "them" : "it";
+  return make_fault(model, origin, found,
+                    in.contact.dea ? say("give {} in the contact as {}, or with {}", pronoun, parameters, settings)
+                                   : say("give {} with {}", pronoun, settings));
+}
+
 }  // namespace
 
 Elasticity layer_elasticity(const ContactSide& in, int material) {
@@ -52,22 +88,7 @@ Elasticity layer_elasticity(const ContactSide& in, int material) {
 
 std::optional<Fault> elasticity_fault(const ContactSide& in, int material, const Elasticity& elasticity) {
   const double E = elasticity.E, nu = elasticity.nu;
-  if (std::isnan(E) || std::isnan(nu)) {
-    const Material* m = material >= 0 ? &in.parts.model.materials[at(material)] : nullptr;
-    const std::string who = m ? fmt::format("material \"{}\" (type {})", m->name, m->type) : "the rigid surface",
-                      note = m ? m->note : "no cartilage material";
-    const Sentence found = say("{} gives no E and nu{};", who, note.empty() ? note : " (" + note + ")");
-    const bool for_all = m == nullptr && in.parts.settings.thickness.count(in.surface.name) == 0 && !in.contact.dea;
-    if (for_all)
-      return refusal_of(in, found,
-                        say("name the surface that has cartilage, {}, or give this one its own with {}",
-                            NamedSetting{"thickness", "SURFACE", "VALUE"}, modulus_settings(in)));
-    if (!in.contact.dea) return refusal_of(in, found, say("give them with {}", modulus_settings(in)));
-    return refusal_of(
-        in, found,
-        say("give them in the contact as <{}> and <{}>, or with {} {}", parameter_of(in, "E"), parameter_of(in, "nu"),
-            NamedSetting{"E", in.surface.name, "VALUE"}, NamedSetting{"nu", in.surface.name, "VALUE"}));
-  }
+  if (std::isnan(E) || std::isnan(nu)) return missing_constants(in, material, elasticity);
   if (E > 0 && E <= kMostModulus && nu > -1 && nu < 0.5) return std::nullopt;
   return refusal_of(in, say("E = {:g}, nu = {:g};", E, nu),
                     say("need 0 < E <= 1e100 and -1 < nu < 0.5 (an incompressible layer is rigid for a spring bed): "
