@@ -66,8 +66,9 @@ std::optional<Fault> shared_layers(const JointModel& model, const std::vector<Co
               say("contacts \"{}\" and \"{}\" both press {} facets of the same layer (surfaces \"{}\" and \"{}\"), "
                   "which would count twice:",
                   other.name, pair.name, (twice + 1) / 2, one, two),
-              say("give each facet to one of them, or keep one contact with {}",
-                  NamedSetting{"contact", "", other.name}));
+              say("divide \"{}\" into surfaces that share no facet, one for each contact; or make one contact of both, "
+                  "with both partners in one surface; or keep one contact with {}",
+                  one, NamedSetting{"contact", "", other.name}));
         findings.push_back(say(
             "contacts \"{}\" and \"{}\" press the same layer side by side (surfaces \"{}\", \"{}\"): each is solved as "
             "if "
