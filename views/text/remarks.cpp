@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include <febiodea/base/names.h>
@@ -142,6 +143,13 @@ std::vector<std::size_t> doubtful_vertices(const Layer& layer) {
   return doubtful;
 }
 
+/// "; `dea info hip.feb -o hip_check.xplt` shows where"; of a model without a file: nothing.
+std::string shows_where(const JointModel& model) {
+  if (model.files.empty()) return "";
+  const std::string& file = model.files.front();
+  return fmt::format("; `dea info {} -o {}_check.xplt` shows where", file, std::filesystem::path(file).stem().string());
+}
+
 /// Those of them that are farther than two thicknesses from any rim of the surface.
 std::size_t far_from_rim(const Layer& layer, const std::vector<std::size_t>& vertices) {
   const SurfaceMesh& mesh = layer.spring_surface();
@@ -252,13 +260,14 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
       if (doubtful.empty()) continue;
       const std::size_t far = far_from_rim(layer, doubtful);
       add_once(lines,
-               fmt::format("warning: surface \"{}\": at {} of {} vertices the thickness is the distance to the nearest "
-                           "point of the bone, for their normals meet no bone ({}; `dea info -o` shows where)",
-                           surface, doubtful.size(), layer.missed.size(),
+               fmt::format("{}: surface \"{}\": at {} of {} vertices the thickness is the distance to the nearest "
+                           "point of the bone, for their normals meet no bone ({}{})",
+                           far == 0 ? "note" : "warning", surface, doubtful.size(), layer.missed.size(),
                            far == 0 ? "usual at rims"
                                     : fmt::format("{} of them farther than two thicknesses from its rim: does its bone "
                                                   "have a hole, or end too soon?",
-                                                  far)));
+                                                  far),
+                           shows_where(model)));
     }
   }
   return lines;
@@ -380,12 +389,22 @@ void add_no_contact(const Joint& joint, const SolvedStates& result, const Wordin
                        [](const ContactStatistics& s) { return s.springs_active > 0; });
   };
   const StateResult& last = result.states.back();
-  if (parted(joint, last))
-    add_once(lines,
-             fmt::format(
-                 "warning: at time {} nothing loads a free body{}: there is no contact to look at; give a load with {}",
-                 time_text(last.when.time), touches(last) ? ", and the surfaces have parted" : " and nothing touches",
-                 wording({.setting = "force", .of = "BODY", .value = "x,y,z", .bare = true})));
+  if (parted(joint, last)) {
+    std::vector<std::string> free;
+    for (std::size_t b = 0; b < joint.bodies.size(); ++b)
+      if (b < result.free_to_move.size() && result.free_to_move[b]) free.push_back(joint.bodies[b].name);
+    const bool one = free.size() == 1;
+    std::vector<std::string> names;
+    for (const std::string& name : free) names.push_back(in_quotes(name));
+    const std::string unloaded = one            ? "body " + listed(names) + ", though it is free to move"
+                                 : free.empty() ? "a free body"
+                                                : "bodies " + listed(names) + ", though they are free to move";
+    add_once(lines, fmt::format("warning: at time {} nothing loads {}{}: there is no contact to look at; "
+                                "give a load with {}, or hold or prescribe the motion",
+                                time_text(last.when.time), unloaded,
+                                touches(last) ? ", and the surfaces have parted" : ", and nothing touches",
+                                wording({"force", one ? free.front() : "BODY", "x,y,z", "", !one})));
+  }
   if (add_passed_through(joint, result, lines)) return;
   if (last.equilibrium.outcome == Outcome::Prescribed &&
       std::none_of(result.states.begin(), result.states.end(), touches))
