@@ -11,14 +11,30 @@ namespace dea {
 
 namespace {
 
+/// Deformable shells that may be a bone: those that cover no articular surface.
+bool bone_shell(const ContactSide& in, const Domain& d) {
+  const ModelParts& parts = in.parts;
+  if (!is_shell(d.shape) || d.material < 0 || parts.rigid[at(d.material)]) return false;
+  for (int f = 0; f < in.surface.size(); ++f) {
+    const std::vector<ElementFace>* faces = find_face(parts, in.surface, f);
+    if (faces != nullptr && std::any_of(faces->begin(), faces->end(), [&](const ElementFace& face) {
+          return &parts.model.domains[at(face.domain)] == &d;
+        }))
+      return false;
+  }
+  return true;
+}
+
 /// A layer nothing holds: usually its bone is deformable, of another material of the same part.
 Fault not_held(const ContactSide& in, int region, bool of_several, int cartilage) {
   const ModelParts& parts = in.parts;
   const JointModel& model = parts.model;
+  const auto touches = [&](const Domain& d) {  // solids lie in one part with all their nodes, shells on it with some
+    return std::any_of(d.nodes.begin(), d.nodes.end(), [&](int node) { return parts.region[at(node)] == region; });
+  };
   std::set<int> others;
   for (const Domain& d : model.domains)
-    if (deformable(parts, d) && d.material != cartilage && !d.nodes.empty() && parts.region[at(d.nodes[0])] == region)
-      others.insert(d.material);
+    if ((deformable(parts, d) || bone_shell(in, d)) && d.material != cartilage && touches(d)) others.insert(d.material);
   Sentence bones;
   for (int m : others) {
     const NamedSetting rigid = {"rigid", "", model.materials[at(m)].name};
