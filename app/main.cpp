@@ -14,6 +14,7 @@
 #include <febiodea/io/files/free_memory.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/settings/setting_words.h>
+#include <febiodea/model/settings_table.h>
 
 namespace {
 
@@ -25,7 +26,7 @@ Exit codes: 0 solved; 1 not all results are solutions (not converged, surfaces a
 
 Examples:
   dea run hip.feb                    pressure in every state: a table, and hip_dea.xplt beside the model
-  dea study hip.feb --vary "E: E={8|12}" -o plan.db  thousands of cases into one file
+  dea study hip.feb --vary "E: E={8|12}" -o moduli.db  thousands of cases into one file
   dea info hip.feb                   what is recognised in the model, without solving
   dea converge hip.feb               how many springs the result needs
   dea convert hip.feb                the same joint for FEBio with the plugin, as hip_dea.feb
@@ -94,10 +95,23 @@ std::string unknown_options(const CLI::App& command, int argc, char** argv) {
       continue;
     std::string meant = main_output(command, word);
     if (meant.empty()) meant = value_for_option(command, word);
-    if (meant.empty()) meant = did_you_mean(word, names);
+    if (meant.empty()) meant = did_you_mean(word, names, setting_aliases());
     text += fmt::format("{}no option {}{}", text.empty() ? "" : ", ", word, meant);
   }
   return text;
+}
+
+/// "smooth", which no option takes as its value: it was to be --smooth. `fault`: names what was not expected.
+std::string option_without_dashes(const CLI::App& command, int argc, char** argv, const std::string& fault) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = argv[i], option = "--" + word;
+    if (fault.find(word) != std::string::npos && std::find(names.begin(), names.end(), option) != names.end())
+      return fmt::format("found \"{}\" (did you mean \"{}\"?)", word, option);
+  }
+  return "";
 }
 
 /// The other faults of a model are counted: they may be many.
@@ -171,7 +185,9 @@ int parse_and_run(int argc, char** argv) {
     const int code = e.get_exit_code();  // of two faults, a misspelt option is what is to be mended first
     if (code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
         code == static_cast<int>(CLI::ExitCodes::RequiredError)) {
-      const std::string unknown = unknown_options(chosen.empty() ? app : *chosen.front(), argc, argv);
+      const CLI::App& asked = chosen.empty() ? app : *chosen.front();
+      std::string unknown = unknown_options(asked, argc, argv);
+      if (unknown.empty()) unknown = option_without_dashes(asked, argc, argv, fault);
       if (!unknown.empty()) fault = unknown;
     }
     return refuse(command + ": ", fmt::format("{} ({} --help lists the options)", fault, command), kWrongUse);

@@ -46,9 +46,10 @@ const SettingOption& option_of(const std::string& keyword) {
     keywords.push_back(keyword_of(option));
     if (keywords.back() == keyword) return option;
   }
-  throw UsageError(Fault{.place = keyword,
-                         .found = fmt::format("found no setting of this name{},", did_you_mean(keyword, keywords)),
-                         .expected = fmt::format("expected one of {}", name_list(keywords, keyword, keywords.size()))});
+  throw UsageError(Fault{
+      .place = keyword,
+      .found = fmt::format("found no setting of this name{},", did_you_mean(keyword, keywords, setting_aliases())),
+      .expected = fmt::format("expected one of {}", name_list(keywords, keyword, keywords.size()))});
 }
 
 /// The rows of the table of settings, for febiodea/_settings.py and for help.

@@ -67,7 +67,7 @@ void refuse_unknown(const CaseOption& option) {
   std::vector<std::string> names;
   for (const SettingOption& o : setting_options()) names.emplace_back(o.name);
   throw UsageError(fmt::format("found \"{}\"{}, expected the name of an option of dea run", option.name,
-                               did_you_mean(option.name, names)));
+                               did_you_mean(option.name, names, setting_aliases())));
 }
 
 Line line_of(const StudyRequest& r) {

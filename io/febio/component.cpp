@@ -85,9 +85,10 @@ int need_place_of_word(const Draft& draft, Origin origin, std::string_view tag, 
                        std::initializer_list<const char*> words) {
   const int place = place_of_word(word, words);
   if (place >= 0) return place;
-  std::string expected;
-  for (const char* name : words) expected += fmt::format("{}{}", expected.empty() ? "" : ", ", name);
-  fail(draft, origin, fmt::format("<{}> with dof {}, expected one of {}", tag, quote(word), expected));
+  const std::vector<std::string> names(words.begin(), words.end());
+  fail(draft, origin,
+       fmt::format("<{}> with dof {}{}, expected one of {}", tag, quote(word), did_you_mean(word, names, kDofAliases),
+                   fmt::join(names, ", ")));
 }
 
 int find_material(const Draft& draft, Origin origin, std::string_view name) {
@@ -178,6 +179,10 @@ int body_of(const Draft& draft, const Component& component, std::string_view tag
 
 // -- load controllers --------------------------------------------------------------------------------
 
+std::string no_such_word(const char* what, std::string_view word, std::span<const char* const> words) {
+  return fmt::format("{} {}{}", what, quote(trim(word)), did_you_mean(trim(word), {words.begin(), words.end()}));
+}
+
 void set_interpolate(LoadController& curve, std::string_view word) {
   using Interpolate = LoadController::Interpolate;
   const int place = same_word(trim(word), "smooth-step") ? static_cast<int>(Interpolate::SmoothStep)
@@ -185,7 +190,7 @@ void set_interpolate(LoadController& curve, std::string_view word) {
   if (place >= 0)
     curve.interpolate = static_cast<Interpolate>(place);
   else
-    curve.unsupported = fmt::format("interpolation {}", quote(trim(word)));
+    curve.unsupported = no_such_word("interpolation", word, kInterpolateWords);
 }
 
 void set_extend(LoadController& curve, std::string_view word) {
@@ -193,7 +198,7 @@ void set_extend(LoadController& curve, std::string_view word) {
   if (place >= 0)
     curve.extend = static_cast<LoadController::Extend>(place);
   else
-    curve.unsupported = fmt::format("extend {}", quote(trim(word)));
+    curve.unsupported = no_such_word("extend", word, kExtendWords);
 }
 
 void add_point(const Draft& draft, Origin origin, std::string_view text, LoadController& curve) {

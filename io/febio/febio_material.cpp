@@ -8,8 +8,10 @@
 #include <initializer_list>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/io/febio/febio_rules.h>
+#include <febiodea/io/febio/known_words.h>
 
 namespace dea {
 
@@ -242,6 +244,13 @@ Stiffness wrapped(const Reading& reading, const MaterialTree& m) {
   return s;
 }
 
+/// The type that is meant. FEBio has others with names like these, which are no slips of the keyboard.
+std::string misspelt_type(const std::string& type) {
+  constexpr int kMostSlips = 2;
+  const std::string meant = nearest_name(type, febio::material_types());
+  return edit_distance(type, meant) <= kMostSlips ? meant : "";
+}
+
 Stiffness stiffness_of(const Reading& reading, const MaterialTree& m) {
   const std::string& type = m.type;
   if (one_of(type, {"neo-Hookean", "isotropic elastic", "St.Venant-Kirchhoff", "natural neo-Hookean",
@@ -285,7 +294,9 @@ Stiffness stiffness_of(const Reading& reading, const MaterialTree& m) {
     return wrapped(reading, m);
   }
   if (type == "orthotropic elastic") return unknown(type, "orthotropic, no single E and nu");
-  return unknown(type, fmt::format("no small-strain E and nu are known for type {}", quote(type)));
+  const std::string meant = misspelt_type(type);
+  return unknown(type, fmt::format("no small-strain E and nu are known for type {}{}", quote(type),
+                                   meant.empty() ? "" : fmt::format(": did you mean {}?", quote(meant))));
 }
 
 }  // namespace

@@ -124,21 +124,21 @@ constexpr Row kRows[] = {
 };
 
 /// Usual names elsewhere, no slips of the keyboard.
-constexpr const char* kOtherNames[][2] = {{"nu", "v"},
-                                          {"poisson", "v"},
-                                          {"poissons_ratio", "v"},
-                                          {"poisson_ratio", "v"},
-                                          {"young", "E"},
-                                          {"youngs", "E"},
-                                          {"youngs_modulus", "E"},
-                                          {"young_modulus", "E"},
-                                          {"elastic_modulus", "E"},
-                                          {"modulus", "E"},
-                                          {"com", "center_of_mass"},
-                                          {"bulk_modulus", "k"},
-                                          {"shear_modulus", "G"},
-                                          {"value", "scale"},
-                                          {"scale", "value"}};
+constexpr Alias kOtherNames[] = {{"nu", "v"},
+                                 {"poisson", "v"},
+                                 {"poissons_ratio", "v"},
+                                 {"poisson_ratio", "v"},
+                                 {"young", "E"},
+                                 {"youngs", "E"},
+                                 {"youngs_modulus", "E"},
+                                 {"young_modulus", "E"},
+                                 {"elastic_modulus", "E"},
+                                 {"modulus", "E"},
+                                 {"com", "center_of_mass"},
+                                 {"bulk_modulus", "k"},
+                                 {"shear_modulus", "G"},
+                                 {"value", "scale"},
+                                 {"scale", "value"}};
 
 struct Known {
   std::vector<std::string> taken, repeated, others;
@@ -235,9 +235,7 @@ void check_material(Draft& draft, const Component& material, const std::string& 
 
 void unknown_word(Draft& draft, Origin origin, std::string_view word, const InWords& in,
                   const std::vector<std::string>& taken, const std::vector<std::string>& others) {
-  std::string meant = nearest_name(word, taken);
-  for (const auto& other : kOtherNames)
-    if (same_word(word, other[0]) && holds(taken, other[1])) meant = other[1];
+  const std::string meant = nearest_name(word, taken, kOtherNames);
   if (!meant.empty())
     fail(draft, origin, fmt::format("<{}> in {} is none of FEBio's words: did you mean <{}>?", word, in.one, meant));
   ignore(draft, origin, fmt::format("<{}> in {}, none of FEBio's words{}", word, in.all, did_you_mean(word, others)));
@@ -251,6 +249,13 @@ void check_words(Draft& draft, Place place, const Component& component) {
     if (place == Place::Rigid && part.tag == "rigid_cable_point") check_words(draft, place, part);
     if (place == Place::Spring && part.tag == "force") check_words(draft, Place::Function, part);
   }
+}
+
+std::vector<std::string> material_types() {
+  std::vector<std::string> types;
+  for (const Row& row : kRows)
+    if (row.place == Place::Material) add_words(row.types, types);
+  return types;
 }
 
 void check_material_words(Draft& draft, const Component& material) { check_material(draft, material, ""); }

@@ -37,5 +37,7 @@ void unknown_word(Draft& draft, Origin origin, std::string_view word, const InWo
 void check_words(Draft& draft, Place place, const Component& component);
 /// The same of a material and of those nested in it.
 void check_material_words(Draft& draft, const Component& material);
+/// The types of material whose parameters are known: those of which DEA knows E and nu.
+std::vector<std::string> material_types();
 
 }  // namespace dea::febio

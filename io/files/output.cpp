@@ -242,6 +242,14 @@ std::string without_slash(const std::string& folder) {
 
 std::string extension_of(const std::string& path) { return lower_case(fs::path(path).extension().string()); }
 
+std::string wrong_ending(const std::string& option, const std::string& path, const char* endings, const char* first) {
+  const std::string extension = extension_of(path);
+  if (extension.empty())
+    return fmt::format("{} {}: found no ending, expected a name that ends in {}: {}{}", option, path, endings, path,
+                       first);
+  return fmt::format("{} {}: found \"{}\", expected a name that ends in {}", option, path, extension, endings);
+}
+
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace dea

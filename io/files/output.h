@@ -64,6 +64,8 @@ std::string without_slash(const std::string& folder);
 
 /// ".feb" of "hip.FEB": in small letters, as names are compared.
 std::string extension_of(const std::string& path);
+/// "--report hip: found no ending, expected a name that ends in .html or .htm: hip.html"
+std::string wrong_ending(const std::string& option, const std::string& path, const char* endings, const char* first);
 
 /// Seconds of a clock that never goes back.
 double seconds();

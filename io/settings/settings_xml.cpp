@@ -45,9 +45,9 @@ InputError unknown_element(const std::string& path, const XMLElement& e) {
     names.push_back(o.name);
     settings += fmt::format("{}<{}>", settings.empty() ? "" : ", ", o.name);
   }
-  return fault(
-      path, e.GetLineNum(),
-      fmt::format("found <{}>{}, expected one of {}{}", e.Name(), did_you_mean(e.Name(), names), settings, outputs));
+  return fault(path, e.GetLineNum(),
+               fmt::format("found <{}>{}, expected one of {}{}", e.Name(),
+                           did_you_mean(e.Name(), names, setting_aliases()), settings, outputs));
 }
 
 /// An element that is one text: no children, no attributes.

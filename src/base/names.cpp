@@ -17,6 +17,19 @@ std::string shown(const std::string& name) {
   return text + (name.size() > kMost ? "...\"" : "\"");
 }
 
+/// In small letters, without - and _.
+std::string bare(std::string_view word) {
+  std::string letters;
+  for (const char c : word)
+    if (c != '-' && c != '_') letters += small(c);
+  return letters;
+}
+
+/// "ee" for "e": a key pressed twice.
+bool stuttered(const std::string& word, const std::string& name) {
+  return name.size() == 1 && word.size() == 2 && word[0] == name[0] && word[1] == name[0];
+}
+
 /// Names are cut here: a file may hold any text, and the time is quadratic.
 constexpr std::size_t kLongest = 100;
 
@@ -42,25 +55,33 @@ int edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-std::string nearest_name(std::string_view word, const std::vector<std::string>& names) {
+std::string nearest_name(std::string_view word, const std::vector<std::string>& names, Aliases aliases) {
+  const std::string asked = bare(word);
+  if (asked.empty()) return "";
+  for (const Alias& alias : aliases) {
+    if (bare(alias.word) != asked) continue;
+    const auto is_meant = [&](const std::string& name) { return bare(name) == bare(alias.name); };
+    const auto found = std::find_if(names.begin(), names.end(), is_meant);
+    if (found != names.end()) return *found;
+  }
   std::string best;
   int least = 1 + static_cast<int>(word.size()) / 5;
   for (const std::string& name : names) {
-    const int distance = edit_distance(word, name);
-    if (distance > least || (distance == least && !best.empty()) || distance >= static_cast<int>(name.size())) continue;
+    const std::string known = bare(name);
+    const int distance = edit_distance(asked, known);
+    const bool other = distance >= static_cast<int>(known.size()) && !stuttered(asked, known);  // no letter in common
+    if (distance > least || (distance == least && !best.empty()) || other) continue;
     least = distance;
     best = name;
   }
   return best;
 }
 
-std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
-  std::string best = nearest_name(word, names);
-  if (best.empty() && word.size() >= 3) {
-    const auto holds = [&](const std::string& name) {
-      return std::search(name.begin(), name.end(), word.begin(), word.end(),
-                         [](char a, char b) { return small(a) == small(b); }) != name.end();
-    };
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& names, Aliases aliases) {
+  std::string best = nearest_name(word, names, aliases);
+  const std::string asked = bare(word);
+  if (best.empty() && asked.size() >= 3) {
+    const auto holds = [&](const std::string& name) { return bare(name).find(asked) != std::string::npos; };
     if (std::count_if(names.begin(), names.end(), holds) == 1) best = *std::find_if(names.begin(), names.end(), holds);
   }
   return best.empty() ? "" : " (did you mean " + shown(best) + "?)";

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <initializer_list>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,12 +13,19 @@ namespace dea {
 /// Letters to change, add, leave out or swap with their neighbour to make `b` of `a`; capitals are small letters.
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The name nearest to `word`; empty: none is so near that it could be a slip of the keyboard.
-std::string nearest_name(std::string_view word, const std::vector<std::string>& names);
+/// A word that is usual elsewhere, and its name here: no slip of the keyboard.
+struct Alias {
+  std::string_view word, name;
+};
+using Aliases = std::span<const Alias>;
+
+/// The name that `word` is an alias of, else the nearest one; empty: none is so near that it could be a slip of the
+/// keyboard. Capitals are small letters; - and _ do not count.
+std::string nearest_name(std::string_view word, const std::vector<std::string>& names, Aliases aliases = {});
 
 /// " (did you mean "hip"?)": the nearest name, else the only one that holds the word (of three letters or more) as a
 /// part of it; or nothing.
-std::string did_you_mean(std::string_view word, const std::vector<std::string>& names);
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& names, Aliases aliases = {});
 
 /// "a", "b", ... in quotes, at most `most` of them: of more those nearest to `word`; "none".
 std::string name_list(std::vector<std::string> names, std::string_view word = {}, std::size_t most = 8);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/model/element_shape.h>
 #include <febiodea/model/settings.h>
@@ -105,6 +106,9 @@ struct LoadController {
 /// components of rotation about global x, y, z (Ru, Rv, Rw). Also the order of every 6-vector in this code.
 inline constexpr int kDofs = 6;
 inline constexpr const char* kDofNames[kDofs] = {"x", "y", "z", "Ru", "Rv", "Rw"};
+/// FEBio's u is about x.
+inline constexpr Alias kDofAliases[] = {{"Rx", "Ru"}, {"Ry", "Rv"}, {"Rz", "Rw"},
+                                        {"u", "Ru"},  {"v", "Rv"},  {"w", "Rw"}};
 
 /// `step` of every condition below: -1 = active in all steps, otherwise only in that step.
 /// `material`: index of a rigid material (the body is the one that material became).

@@ -186,7 +186,9 @@ std::array<bool, 6> parse_dofs(Text text) {
   if (lower_case(text) == "none") return free;
   for (Text word : split_at_commas(text)) {
     const auto found = std::find(std::begin(kDofNames), std::end(kDofNames), word);
-    if (found == std::end(kDofNames)) throw bad_value(text, "some of x,y,z,Ru,Rv,Rw, or none");
+    if (found == std::end(kDofNames))
+      throw BadValue(fmt::format("found \"{}\"{}, expected some of x,y,z,Ru,Rv,Rw, or none", text,
+                                 did_you_mean(word, {std::begin(kDofNames), std::end(kDofNames)}, kDofAliases)));
     free[static_cast<std::size_t>(found - std::begin(kDofNames))] = true;
   }
   return free;
@@ -550,6 +552,23 @@ const SettingOption* find_setting_option(const std::string& name) {
   for (const SettingOption& o : setting_options())
     if (name == o.name) return &o;
   return nullptr;
+}
+
+Aliases setting_aliases() {
+  static constexpr Alias kAliases[] = {{"modulus", "E"},
+                                       {"young", "E"},
+                                       {"youngs-modulus", "E"},
+                                       {"elastic-modulus", "E"},
+                                       {"poisson", "nu"},
+                                       {"poissons-ratio", "nu"},
+                                       {"poisson-ratio", "nu"},
+                                       {"v", "nu"},
+                                       {"translate", "move"},
+                                       {"turn", "rotate"},
+                                       {"fix", "free"},
+                                       {"hold", "free"},
+                                       {"ligament-stiffness", "set"}};
+  return kAliases;
 }
 
 std::string key_form(const SettingOption& option) {

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include <febiodea/base/names.h>
 #include <febiodea/base/parse.h>
 #include <febiodea/model/settings.h>
 
@@ -39,6 +40,8 @@ struct SettingOption {
 const std::vector<SettingOption>& setting_options();
 /// nullptr: there is none of this name.
 const SettingOption* find_setting_option(const std::string& name);
+/// What these are called elsewhere.
+Aliases setting_aliases();
 
 /// What stands before the value: "SURFACE", "BODY", "NAME" or "NAME.PARAMETER". For options with a key.
 std::string key_form(const SettingOption& option);

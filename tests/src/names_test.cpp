@@ -48,6 +48,31 @@ TEST(Names, APartOfOneNameIsEnough) {
   EXPECT_EQ(nearest_name("acetabul", names), "");
 }
 
+TEST(Names, CapitalsAndDashesDoNotCount) {
+  EXPECT_EQ(nearest_name("SPHERE_CENTER", {"sphere-center", "sphere"}), "sphere-center");
+  EXPECT_EQ(nearest_name("bodyweight", {"body-weight", "bone"}), "body-weight");
+  EXPECT_EQ(nearest_name("load-type", {"load_type", "load"}), "load_type");
+  EXPECT_EQ(nearest_name("neo_hookean", {"neo-Hookean", "Ogden"}), "neo-Hookean");
+  EXPECT_EQ(did_you_mean("Articular-", {"femoral_articular_surface"}),
+            " (did you mean \"femoral_articular_surface\"?)");
+  EXPECT_EQ(nearest_name("--", {"a", "--"}), "");
+}
+
+TEST(Names, AKeyPressedTwiceForANameOfOneLetter) {
+  EXPECT_EQ(nearest_name("EE", {"E", "v"}), "E");
+  EXPECT_EQ(nearest_name("vv", {"E", "v"}), "v");
+  EXPECT_EQ(nearest_name("Ev", {"E", "v"}), "");
+}
+
+TEST(Names, WordsThatAreUsualElsewhere) {
+  constexpr Alias kAliases[] = {{"modulus", "E"}, {"Rx", "Ru"}, {"poissons_ratio", "v"}};
+  EXPECT_EQ(nearest_name("modulus", {"E", "v"}, kAliases), "E");
+  EXPECT_EQ(nearest_name("rx", {"Ru", "Rv", "Rw"}, kAliases), "Ru");
+  EXPECT_EQ(nearest_name("Poissons-Ratio", {"E", "v"}, kAliases), "v");
+  EXPECT_EQ(nearest_name("modulus", {"module"}, kAliases), "module");  // E is no name there
+  EXPECT_EQ(did_you_mean("modulus", {"E", "v"}, kAliases), " (did you mean \"E\"?)");
+}
+
 TEST(Names, ListsAreShortAndOneLine) {
   EXPECT_EQ(name_list({}), "none");
   EXPECT_EQ(name_list({"b", "a"}), "\"b\", \"a\"");

@@ -212,8 +212,7 @@ PictureFormat picture_format(const std::string& option, const std::string& path)
   if (extension == ".png") return PictureFormat::Png;
   if (extension == ".svg") return PictureFormat::Svg;
   if (extension == ".pdf") return PictureFormat::Pdf;
-  throw UsageError(
-      fmt::format("{} {}: found \"{}\", expected a name that ends in .png, .svg or .pdf", option, path, extension));
+  throw UsageError(wrong_ending(option, path, ".png, .svg or .pdf", ".png"));
 }
 
 }  // namespace dea

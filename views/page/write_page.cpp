@@ -187,7 +187,7 @@ Json page_json(const PageData& data, PageArrays& arrays) {
     return {{"label", r.label}, {"file", r.file}, {"software", r.software}, {"times", list_json(r.times, time_json)}};
   });
   j["frames"] = list_json(data.frames, [](const PageFrame& f) -> Json {
-    return {{"time", time_json(f.time)}, {"states", f.states}};
+    return {{"time", time_json(f.time)}, {"states", f.states}, {"unsolved", f.unsolved}};
   });
   j["frame"] = data.frame;
   Json meshes = Json::array(), surfaces = Json::array();
@@ -237,8 +237,7 @@ void require_page_name(const std::string& option, const std::string& path) {
   if (path == "-") throw UsageError(fmt::format("{} -: the page cannot go to standard output, give it a name", option));
   const std::string extension = extension_of(path);
   if (extension != ".html" && extension != ".htm")
-    throw UsageError(
-        fmt::format("{} {}: found \"{}\", expected a name that ends in .html or .htm", option, path, extension));
+    throw UsageError(wrong_ending(option, path, ".html or .htm", ".html"));
 }
 
 }  // namespace dea
