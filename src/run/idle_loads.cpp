@@ -54,6 +54,18 @@ std::string axes_of(const IdleLoad& load, int begin) {
   return axes;
 }
 
+/// Of steps, spread evenly.
+std::vector<LoadCase> ends_of_steps(const JointModel& model, const Joint& joint, const Settings& settings) {
+  const std::vector<double> starts = step_starts(model);
+  const std::size_t steps = model.steps.size(), count = std::min(steps, kRows);
+  std::vector<LoadCase> ends;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t s = count > 1 ? i * (steps - 1) / (count - 1) : 0;
+    ends.push_back(make_load_case(model, joint, settings, static_cast<int>(s), starts[s + 1]));
+  }
+  return ends;
+}
+
 }  // namespace
 
 std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
@@ -97,13 +109,7 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
   std::vector<Sentence> prescribed, held;
   if (model.rigid_loads.empty()) return held;
-  const std::vector<double> starts = step_starts(model);
-  const std::size_t steps = model.steps.size(), count = std::min(steps, kRows);
-  std::vector<LoadCase> ends;  // of steps, spread evenly
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t s = count > 1 ? i * (steps - 1) / (count - 1) : 0;
-    ends.push_back(make_load_case(model, joint, settings, static_cast<int>(s), starts[s + 1]));
-  }
+  const std::vector<LoadCase> ends = ends_of_steps(model, joint, settings);
   bool acts = !model.rigid_followers.empty() || !joint.point_loads.empty();  // another load presses
   for (const RigidLoad& load : model.rigid_loads) {
     const int b = joint.body_of(load.material);
@@ -129,6 +135,32 @@ std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joi
   if (!acts && settings.force.empty() && settings.loads.time.empty())
     prescribed.insert(prescribed.end(), held.begin(), held.end());
   return prescribed;
+}
+
+std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joint, const Settings& settings) {
+  std::vector<Sentence> idle;
+  if (settings.load_at.empty()) return idle;
+  const std::vector<LoadCase> ends = ends_of_steps(model, joint, settings);
+  for (const auto& [name, point] : settings.load_at) {
+    const int b = joint.find_body(model, name);
+    const auto on_body = [&](const auto& given) { return joint.find_body(model, given.first) == b; };
+    const bool force = std::any_of(settings.force.begin(), settings.force.end(), on_body) ||
+                       (!settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == b) ||
+                       std::any_of(model.rigid_loads.begin(), model.rigid_loads.end(), [&](const RigidLoad& load) {
+                         return load.dof < 3 && joint.body_of(load.material) == b;
+                       });
+    const bool turns = std::any_of(ends.begin(), ends.end(), [&](const LoadCase& end) {
+      const BodyConditions& body = end.bodies[at(b)];
+      return is_free(body, 3) || is_free(body, 4) || is_free(body, 5);
+    });
+    const NamedSetting given{.setting = "load-at", .of = name, .bare = true};
+    if (!force)
+      idle.push_back(say("{}: it has no effect, for no force acts on body \"{}\"; give one with {}, or leave it out",
+                         given, joint.bodies[at(b)].name, NamedSetting{"force", name, "x,y,z"}));
+    else if (!turns)
+      idle.push_back(say("{}: it has no effect, for body \"{}\" is not free to turn", given, joint.bodies[at(b)].name));
+  }
+  return idle;
 }
 
 std::string idle_in_words(const IdleLoad& load) {

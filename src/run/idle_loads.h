@@ -31,6 +31,10 @@ std::string idle_in_words(const IdleLoad& load);
 /// those of value 0, and those of kind Target or relative ones, which FEBio counts from the reaction.
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 
+/// Points of the settings (load-at) that change nothing, a sentence each: no force acts on the body, or none of its
+/// rotations is free. Followers and forces at nodes have points of their own.
+std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joint, const Settings& settings);
+
 /// What the user is to be warned of, a sentence each. Of a table's moments nothing is said unless its forces are idle
 /// too: measured tables have them, and bones that do not turn are usual.
 std::vector<Sentence> idle_warnings(const std::vector<IdleLoad>& loads);
