@@ -18,6 +18,7 @@
 #include <febiodea/io/files/held_outputs.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/files/system.h>
+#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/run/analysis.h>
 #include <febiodea/views/build_page/build_page.h>
 #include <febiodea/views/data/build_json.h>
@@ -97,7 +98,9 @@ std::vector<BuildBalance> find_balances(const std::string& text, const BuiltJoin
       balances[i].found = solved(state.equilibrium.outcome);
       std::string& words = balances[i].words;
       words = state.equilibrium.message;
+      const Sentence& advice = state.equilibrium.advice;
       if (!words.empty() && words.back() == ';') words.pop_back();  // dea run's advice would follow: its options
+      if (!advice.empty() && advice.settings.empty()) words += " " + worded(advice, command_line_wording());
       for (std::size_t b = 0; b < built.bodies.size(); ++b)
         for (std::size_t j = 0; j < analysis.joint.bodies.size(); ++j)
           if (analysis.joint.bodies[j].name == built.bodies[b].name)

@@ -180,7 +180,7 @@ SHAPES = {  # what, the ball's triangles, what happens: 0 solved with these word
     "10 times finer": (lambda: ball(80, 20), 0, "ball.stl: 76800 triangles"),
     "triangles that do not meet": (lambda: [tuple(tuple(c * (1 + 1e-4 * (i % 7)) for c in p) for p in t) for i, t in enumerate(ball(16, 20))], 3, "loose parts, none of them 1 % of the whole area"),
     "two balls in one file": (lambda: ball(16, 20) + ball(6, 5, (60, 0, 0)), 0, "triangles"),
-    "slivers": (lambda: [t for a, b, c in ball(16, 20) for m in [tuple(0.998 * x + 0.001 * (y + z) for x, y, z in zip(a, b, c))] for t in ((a, b, m), (b, c, m), (c, a, m))], 3, "triangles (edge) or thinner cartilage may do"),
+    "slivers": (lambda: [t for a, b, c in ball(16, 20) for m in [tuple(0.998 * x + 0.001 * (y + z) for x, y, z in zip(a, b, c))] for t in ((a, b, m), (b, c, m), (c, a, m))], 3, "triangles (--edge) or thinner cartilage may do"),
     "a fin": (lambda: ball(16, 20) + [((0.0, 0.0, -20.0), (0.0, 5.0, -30.0), (0.0, 0.0, -30.0))], 0, "triangles"),
 }
 
@@ -518,7 +518,7 @@ def loads_that_no_joint_bears_are_questioned(folder):
     for words, said in (((), ""), (("--load-units", "mN-m"), "ball: found a table whose largest force is 0.5 N on "), (("--body-weight", "80"), "")):
         done = folder.build(*JOINT[:6], "--loads", "ball=walk.csv", *words, "--json", "j.json")
         warnings = [w for w in json.loads(folder.read("j.json"))["warnings"] if "joint surface" in w]
-        same([w.startswith(said) and "(load-units, body-weight)" in w for w in warnings], [True] if said else [], done.stderr)
+        same([w.startswith(said) and "(--load-units, --body-weight)" in w for w in warnings], [True] if said else [], done.stderr)
         true(("80 kg would be 784.8 N" in done.stderr) == ("80" in words), done.stderr)
     done = folder.build(*JOINT[:-1], "ball=0,0,0.5", "-q")
     true("ball: found a force of 0.5 N on " in done.stderr, done.stderr)

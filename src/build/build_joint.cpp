@@ -183,7 +183,7 @@ double reach_of(const BuildRequest& request, BuildReport& report) {
   if (most == 0) return 0;
   const double reach = 3 * most;
   report.findings.push_back(fmt::format(
-      "cartilage where the bones face each other within {:.4g}, 3 times the thickest layer (reach)", reach));
+      "cartilage where the bones face each other within {:.4g}, 3 times the thickest layer (--reach)", reach));
   return reach;
 }
 
@@ -307,7 +307,7 @@ TriangleSurface with_edge(const BuildRequest& request, TriangleSurface s) {
   if (area / of_one > kMostTriangles)
     throw InputError(
         fmt::format("found an edge of {:g}, which would make {:.2g} triangles of a region of {:.4g}, expected one that "
-                    "makes no more than {:.2g}: {:.2g} or longer (edge)",
+                    "makes no more than {:.2g}: {:.2g} or longer (--edge)",
                     *request.edge, area / of_one, area, kMostTriangles,
                     1.05 * std::sqrt(area / kMostTriangles * 4 / std::sqrt(3.0))));
   s = remeshed(s, *request.edge);
@@ -368,7 +368,7 @@ void refuse_inside_out(const BuiltLayer& layer, const LayerReport& said) {
   if (said.quality.inside_out > 0)
     throw InputError(
         fmt::format("{}: found {} prisms that stay inside out near {}, expected sound ones; other "
-                    "triangles (edge) or thinner cartilage may do",
+                    "triangles (--edge) or thinner cartilage may do",
                     layer.name, said.quality.inside_out, place_text(said.changes.where)));
 }
 
@@ -429,13 +429,13 @@ void tell_rims(const BuildRequest& request, const BuiltJoint& joint, BuildReport
     if (r.rim.rims == 0) continue;
     if (r.fade > 0)
       report.findings.push_back(fmt::format(
-          "{}: thins out over {:.3g} before its rim, to {:.3g} in the mean there{} (fade)", joint.layers[l].name,
+          "{}: thins out over {:.3g} before its rim, to {:.3g} in the mean there{} (--fade)", joint.layers[l].name,
           r.fade, r.rim.thickness, request.fade ? "" : ", for half the gap has no rim of its own; 0 lets it end"));
     else
       report.findings.push_back(
           fmt::format("{}: ends at its rim, {:.3g} thick in the mean there; where it is pressed there, patches of "
                       "pressure follow the "
-                      "rim: a width to thin out over avoids them (fade)",
+                      "rim: a width to thin out over avoids them (--fade)",
                       joint.layers[l].name, r.rim.thickness));
   }
 }

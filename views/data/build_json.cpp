@@ -138,8 +138,8 @@ std::vector<std::string> load_questions(const BuiltJoint& joint, const BuildRepo
     lines.push_back(fmt::format(
         "{}: {} {:.4g} N on {:.4g} mm^2 of joint surface, {:.2g} MPa, expected 0.1 to 10: {}", body.name,
         body.forces.empty() ? "found a force of" : "found a table whose largest force is", most, area, pressure,
-        body.forces.empty() ? "is it in N (force)?"
-                            : "check the table's units, and the body weight in N (load-units, body-weight)"));
+        body.forces.empty() ? "is it in N (--force)?"
+                            : "check the table's units, and the body weight in N (--load-units, --body-weight)"));
   }
   return lines;
 }
