@@ -93,6 +93,15 @@ with tempfile.TemporaryDirectory() as temporary:
     check(knee, ["11 springs or ligaments joined bodies", '"femur", "tibia" and "patella" were rigid'], ["cable", "ideal joint"], "dea cite knee.feb")
     check(run("cite", samples / "sphere_on_flat/sphere_on_flat.feb"), ["was rigid, without cartilage"], ["in series", "springs or ligaments"], "dea cite sphere_on_flat.feb")
 
+    # A converted model states its law and cartilage itself
+    run("convert", HIP, "--law", "linear", "-o", folder / "converted.feb")
+    converted = run("cite", folder / "converted.feb")
+    check(converted, ['Contact "hip_contact" was of type dea, as dea convert writes it', "Each spring acted for itself",
+                      "E and nu were those stated in the contact", "All settings were stated in the model, inferred from it"], ["inferred from the model or"],
+          "dea cite converted.feb")
+    check(run("cite", folder / "converted.feb", "--E", "8"), ["E and nu were those given, else those stated in the contact", "Settings given: E 8; all others were stated"],
+          of="dea cite converted.feb --E")
+
     # Cut where x is least: a plane of symmetry
     text = (samples / "sphere_on_flat/sphere_on_flat.feb").read_text()
     nodes = [(number, float(x)) for number, x in re.findall(r'<node id="(\d+)">([^,<]+),', text)]

@@ -88,6 +88,27 @@ std::vector<std::string> settings_given(const Settings& settings) {
   return given;
 }
 
+/// Contacts as `dea convert` writes them, with law, springs and cartilage stated in the model.
+bool stated(const JointModel& model, const ContactPair& pair) {
+  return model.contacts[at(pair.contact)].dea.has_value();
+}
+
+bool any_stated(const JointModel& model, const Joint& joint) {
+  return std::any_of(joint.contacts.begin(), joint.contacts.end(),
+                     [&](const ContactPair& pair) { return stated(model, pair); });
+}
+
+void say_stated(Methods& m, const JointModel& model, const Joint& joint) {
+  std::vector<std::string> names;
+  for (const ContactPair& pair : joint.contacts)
+    if (stated(model, pair)) names.push_back(in_quotes(pair.name));
+  if (!names.empty())
+    m.say(fmt::format(
+        "Contact {} {} of type dea, as dea convert writes {}: law, springs, thickness, E and nu are stated in "
+        "the model.",
+        listed(names), names.size() == 1 ? "was" : "were", names.size() == 1 ? "it" : "them"));
+}
+
 void say_model(Methods& m, const JointModel& model) {
   std::size_t elements = 0;
   for (const Domain& d : model.domains) elements += d.element_ids.size();
@@ -146,10 +167,12 @@ void say_layers(Methods& m, const JointModel& model, const Settings& settings, c
                         four_digits(layer.elasticity.E), unit(Dimension::Pressure), four_digits(layer.elasticity.nu)));
     }
   }
-  if (cartilage)
-    m.say(settings.E.empty() && settings.nu.empty()
-              ? "E and nu were the small-strain constants of the model's materials."
-              : "E and nu were those given, else the small-strain constants of the model's materials.");
+  if (!cartilage) return;
+  const char* own = any_stated(model, joint)
+                        ? "those stated in the contact, or the small-strain constants of the model's materials"
+                        : "the small-strain constants of the model's materials";
+  m.say(settings.E.empty() && settings.nu.empty() ? fmt::format("E and nu were {}.", own)
+                                                  : fmt::format("E and nu were those given, else {}.", own));
 }
 
 std::string law_words(Methods& m, const ContactPair& pair) {
@@ -244,6 +267,7 @@ std::string methods_text(const JointModel& model, const Settings& settings, cons
                          const std::string& febio) {
   Methods m;
   say_model(m, model);
+  say_stated(m, model, check.joint);
   say_bodies(m, check.joint);
   say_layers(m, model, settings, check.joint);
   say_planes(m, check.joint);
@@ -257,10 +281,11 @@ std::string methods_text(const JointModel& model, const Settings& settings, cons
     m.say(fmt::format("Results were compared with those of {} ({}), by the same definitions for both.", febio,
                       m.cite(kFebio)));
   const std::vector<std::string> given = settings_given(settings);
-  m.say(given.empty()
-            ? "All settings were inferred from the model or left at their defaults."
-            : fmt::format("Settings given: {}; all others were inferred from the model or left at their defaults.",
-                          listed(given)));
+  const char* others = any_stated(model, check.joint)
+                           ? "stated in the model, inferred from it or left at their defaults"
+                           : "inferred from the model or left at their defaults";
+  m.say(given.empty() ? fmt::format("All settings were {}.", others)
+                      : fmt::format("Settings given: {}; all others were {}.", listed(given), others));
   std::string text = fmt::format("{}\n\n{}\n\nReferences\n\n", fmt::join(m.sentences, " "), units_text(model));
   for (const Paper* paper : m.papers) text += fmt::format("* {}\n", paper->full);
   return text + fmt::format(
