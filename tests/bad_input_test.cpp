@@ -1039,12 +1039,142 @@ TEST(BadInput, Misspelt) {
                 "model.feb",
                 "s.xml"},
            Case{"option", kModel, 2, "", {"no option --thicknes", "did you mean \"--thickness\"?"}, {"--thicknes=2"}},
+           Case{"option by its usual name",
+                kModel,
+                2,
+                "",
+                {"no option --modulus (did you mean \"--E\"?)"},
+                {"--modulus=2"}},
+           Case{"option without its dashes",
+                kModel,
+                2,
+                "",
+                {"found \"inside\" (did you mean \"--inside\"?)"},
+                {"inside"}},
+           Case{"setting of a file by its usual name",
+                kModel,
+                3,
+                "<poisson_ratio",
+                {"found <poisson_ratio> (did you mean \"nu\"?)"},
+                {"--settings", "s.xml"},
+                {{"s.xml",
+                  "<febiodea_settings version=\"1\">\n<poisson_ratio>2</poisson_ratio>\n</febiodea_settings>\n"}},
+                "model.feb",
+                "s.xml"},
+           Case{"capitals and dashes", kModel, 2, "", {"(did you mean \"neo-Hookean\"?)"}, {"--law", "NEOHOOKEAN"}},
+           Case{"type of a material",
+                edited({{"neo-Hookean", "neo-hookean"}}),
+                3,
+                "<material id=\"1\"",
+                {"type \"neo-hookean\": did you mean \"neo-Hookean\"?"}},
+           Case{"a letter typed twice",
+                edited({{"<E>10</E>", "<EE>10</EE>"}}),
+                3,
+                "<EE>",
+                {"<EE> in material \"cartilage\" is none of FEBio's words: did you mean <E>?"}},
+           Case{"axis of a turn",
+                edited({{"type=\"rigid_force\"", "type=\"rigid_moment\""}, {"<dof>Rz", "<dof>rz"}}),
+                3,
+                "<rigid_load",
+                {"dof \"rz\" (did you mean \"Rw\"?), expected one of Ru, Rv, Rw"}},
+           Case{
+               "axis of a turn as an option", kModel, 2, "", {"\"rx\" (did you mean \"Ru\"?)"}, {"--free", "plate=rx"}},
+           Case{"end of a curve",
+                edited({{"<interpolate>", "<extend>CONSTAN</extend>\n<interpolate>"}}),
+                3,
+                "<value lc=\"1\">",
+                {"extend \"CONSTAN\" (did you mean \"constant\"?)"}},
+           Case{"a page without its ending",
+                kModel,
+                2,
+                "",
+                {"--report hip: found no ending, expected a name that ends in .html or .htm: hip.html"},
+                {"--report", "hip"}},
        })
     check(c);
   const test::TemporaryFolder folder;
   const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "rnu", "model.feb"}, kLimit);
   EXPECT_EQ(f.code, 2);
   EXPECT_NE(f.err.find("\"rnu\" is no command (did you mean \"run\"?)"), std::string::npos) << f.err;
+}
+
+// A bone of deformable shells is made rigid as one of solids is.
+TEST(BadInput, ADeformableBoneOfShells) {
+  std::string text = edited({{"type=\"rigid body\"><density>1</density><center_of_mass>0,0,-2</center_of_mass>",
+                              "type=\"neo-Hookean\"><density>1</density><E>17000</E><v>0.3</v>"}});
+  text = without("<rigid_bc name=\"hold base\"", "</rigid_bc>\n", text);
+  check({"shells",
+         text,
+         3,
+         "<Surface name=\"top\"",
+         {"is held by no rigid body", "take its bone as rigid with --rigid \"base\", or"}});
+}
+
+// What is missing is said, where it is missing.
+TEST(BadInput, AMaterialThatLacksOneConstant) {
+  const std::string fung = edited({{"type=\"neo-Hookean\"", "type=\"Fung orthotropic\""}});
+  check({"both",
+         fung,
+         3,
+         "<material id=\"1\"",
+         {"surface \"top\": material \"cartilage\" (type Fung orthotropic) gives no E and nu",
+          "give them with --E \"top=VALUE\" --nu \"top=VALUE\""}});
+  check({"E is given",
+         fung,
+         3,
+         "<material id=\"1\"",
+         {"gives no nu (", "give it with --nu \"top=VALUE\""},
+         {"--E", "5"}});
+  check({"nu is given",
+         fung,
+         3,
+         "<material id=\"1\"",
+         {"gives no E (", "give it with --E \"top=VALUE\""},
+         {"--nu", "0.4"}});
+}
+
+// A body that nothing loads finds no balance for that reason alone, whatever the search has run into.
+TEST(Solved, ABodyThatNothingLoadsIsNamed) {
+  const test::TemporaryFolder folder;
+  std::string text = test::file_text(DEA_SAMPLES_DIR "/hip/hip_walking.feb");
+  for (std::size_t a = text.find("<rigid_load "); a != std::string::npos; a = text.find("<rigid_load "))
+    text.erase(a, text.find("</rigid_load>", a) + 13 - a);
+  std::ofstream(folder.path / "hip.feb") << text;
+  const test::Finished f =
+      test::run_program(folder.path, {DEA_PROGRAM, "run", "hip.feb", "-q", "--no-xplt", "--states", "last"}, kLimit);
+  EXPECT_EQ(f.code, 1) << f.err;
+  EXPECT_NE(
+      f.err.find("nothing loads body \"femur\", which is free to move along x, y, z: the contact pushes it away and "
+                 "nothing pushes back; give it a load with --force \"femur=x,y,z\" or a rigid force in the model, or "
+                 "hold or prescribe its motion\n"),
+      std::string::npos)
+      << f.err;
+  std::ofstream(folder.path / "plate.feb") << without("<rigid_load", "</rigid_load>\n");
+  const test::Finished apart = test::run_program(folder.path, {DEA_PROGRAM, "run", "plate.feb", "--no-xplt"}, kLimit);
+  EXPECT_NE(apart.err.find("nothing loads body \"plate\", though it is free to move, and nothing touches"),
+            std::string::npos)
+      << apart.err;
+  EXPECT_NE(apart.err.find("give a load with --force \"plate=x,y,z\""), std::string::npos) << apart.err;
+}
+
+// Where a force acts matters to a body that can turn and is loaded.
+TEST(Solved, APointOfALoadWithoutEffectIsTold) {
+  const auto told = [](const std::string& text, const Words& options) {
+    const test::TemporaryFolder folder;
+    std::ofstream(folder.path / "model.feb") << text;
+    Words words = {DEA_PROGRAM, "run", "model.feb", "-q", "--no-xplt"};
+    words.insert(words.end(), options.begin(), options.end());
+    return test::run_program(folder.path, words, kLimit).err;
+  };
+  const std::string turning = told(kModel, {"--load-at", "plate=0,0,1", "--free", "plate=z,Ru"});
+  EXPECT_EQ(turning.find("--load-at"), std::string::npos) << turning;
+  EXPECT_NE(told(kModel, {"--load-at", "plate=0,0,1"})
+                .find("warning: --load-at plate: it has no effect, for body \"plate\" is not free to turn\n"),
+            std::string::npos);
+  EXPECT_NE(told(kModel, {"--load-at", "base=0,0,1"})
+                .find("warning: --load-at base: it has no effect, for no force acts on body \"base\"; give one with "
+                      "--force \"base=x,y,z\", or leave it out\n"),
+            std::string::npos);
 }
 
 // Names of results, and words of the commands that look at them.
