@@ -23,7 +23,7 @@ REASONS = [  # (row of the table, what the line of the refusal says)
     ("contact on deformable shells", r"lies on deformable shells"),
     ("a part that no bone holds", r"held by no rigid body|held by \d+ bodies"),
     ("a part without a bone surface to measure its thickness to", r"no bone surface"),
-    ("a material without E and nu", r"gives no E and nu"),
+    ("a material without E and nu", r"gives no (E|nu)\b"),
 ]
 SOLVED = "solved"
 NO_SOLUTION = "an answer that is no solution (exit code 1)"

@@ -632,7 +632,8 @@ Comparison compare_files(const std::vector<ResultFile>& files, const CompareOpti
     c.paths.push_back(file.path);
     c.states.push_back(options.at ? find_state(file, *options.at) : static_cast<int>(file.xplt.states.size()) - 1);
     c.times.push_back(file.xplt.states[at(c.states.back())].time);
-    if (!is_solution(file, c.states.back())) c.warnings.push_back(no_solution_warning(file, c.states.back()));
+    c.solved.push_back(is_solution(file, c.states.back()));
+    if (!c.solved.back()) c.warnings.push_back(no_solution_warning(file, c.states.back()));
     int unsolved = 0;
     for (int s = 0; s < c.states.back(); ++s) unsolved += !is_solution(file, s);
     if (unsolved > 0)

@@ -86,6 +86,7 @@ struct Comparison {
   std::vector<std::string> labels, paths;
   std::vector<int> states;         ///< the compared state of each file
   std::vector<double> times;       ///< its time
+  std::vector<char> solved;        ///< is it a solution?
   std::string units;               ///< of the first file that names them
   std::vector<double> thresholds;  ///< 0 first
   std::optional<double> dose_above;

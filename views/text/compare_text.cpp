@@ -300,7 +300,8 @@ std::string compare_text(const Comparison& c, bool details) {
   text += c.areas == CompareAreas::Deformed ? "areas: deformed, nodes moved by each file's own displacement\n"
                                             : "areas: of the mesh in the reference configuration\n";
   for (std::size_t i = 0; i < c.labels.size(); ++i)
-    text += fmt::format("{}: {}, time {}{}\n", c.labels[i], c.paths[i], time_text(c.times[i]),
+    text += fmt::format("{}: {}, time {}{}{}\n", c.labels[i], c.paths[i], time_text(c.times[i]),
+                        c.solved[i] ? "" : ", no solution: do not use its numbers",
                         i + 1 == c.labels.size() ? " (differences are relative to it)" : "");
   return text + tables_text(compare_tables(c, details));
 }

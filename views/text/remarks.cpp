@@ -675,11 +675,12 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
   if (parted(joint, last)) return lines;
   add_tiny_load(joint, result, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
+    add_large_strains(joint.contacts[c], result, c, lines);
+    if (!solved(last.equilibrium.outcome)) continue;  // no map to be judged, and no mesh to be blamed
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_crowded_force(joint.contacts[c], last, c, wording, lines);
     add_smeared_map(model, joint.contacts[c], last, c, lines);
     add_narrow_contact(model, joint.contacts[c], last, c, wording, lines);
-    add_large_strains(joint.contacts[c], result, c, lines);
     add_incomplete_maps(model, joint.contacts[c], last.fields[c], lines);
     add_pressed_ends(model, joint.contacts[c], last, c, lines);
     add_pressed_rims(model, joint.contacts[c], last, c, lines);
