@@ -1141,7 +1141,7 @@ TEST(Solved, ABodyThatNothingLoadsIsNamed) {
     text.erase(a, text.find("</rigid_load>", a) + 13 - a);
   std::ofstream(folder.path / "hip.feb") << text;
   const test::Finished f =
-      test::run_program(folder.path, {DEA_PROGRAM, "run", "hip.feb", "-q", "-o", "r.xplt", "--states", "last"}, kLimit);
+      test::run_program(folder.path, {DEA_PROGRAM, "run", "hip.feb", "-o", "r.xplt", "--states", "last"}, kLimit);
   EXPECT_EQ(f.code, 1) << f.err;
   EXPECT_NE(
       f.err.find("nothing loads body \"femur\", which is free to move along x, y, z: the contact pushes it away and "
@@ -1150,14 +1150,14 @@ TEST(Solved, ABodyThatNothingLoadsIsNamed) {
       std::string::npos)
       << f.err;
   EXPECT_EQ(f.err.find("springs carry"), std::string::npos) << f.err;
-  const auto of_plot = [&](const Words& words) {
+  const auto dea = [&](const Words& words) {
     Words all = {DEA_PROGRAM};
     all.insert(all.end(), words.begin(), words.end());
     return test::run_program(folder.path, all, kLimit);
   };
   const std::string warning = "warning: r.xplt: the state at time 2 is no solution; do not use its numbers\n";
-  EXPECT_NE(of_plot({"plot", "r.xplt"}).err.find(warning), std::string::npos);
-  const test::Finished compared = of_plot({"compare", "r.xplt", "r.xplt"});
+  EXPECT_NE(dea({"plot", "r.xplt"}).err.find(warning), std::string::npos);
+  const test::Finished compared = dea({"compare", "r.xplt", "r.xplt"});
   EXPECT_NE(compared.err.find(warning), std::string::npos) << compared.err;
   EXPECT_NE(compared.out.find("time 2, no solution: do not use its numbers"), std::string::npos) << compared.out;
   std::ofstream(folder.path / "plate.feb") << without("<rigid_load", "</rigid_load>\n");

@@ -339,7 +339,7 @@ const Page = (() => {
   }
   function withoutSolution(p) {
     const of = (p.difference ? state.pair : [p.result]).filter(unsolved);
-    if (!of.length) return [];
+    if (!of.length || p.quantity === "thickness") return [];
     return [compared ? `no solution in ${of.map((i) => results[i].label).join(" and ")}` : "no solution: do not use its numbers"];
   }
   function knownNumbersOf(p) {
