@@ -698,7 +698,8 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
     const XpltState& own = first.xplt.states[at(pair.front())];
     XpltState state;
     state.time = own.time;
-    state.status = own.status;
+    for (std::size_t i = 0; i < files.size(); ++i)
+      if (pair[i] >= 0 && !is_solution(files[i], pair[i])) state.status = 1;
     state.element_flags = own.element_flags;
     state.objects = own.objects;
     state.variables.resize(out.variables.size());
