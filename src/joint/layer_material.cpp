@@ -46,18 +46,20 @@ Fault missing_constants(const ContactSide& in, int material, const Elasticity& e
   const JointModel& model = in.parts.model;
   const Material* m = material >= 0 ? &model.materials[at(material)] : nullptr;
   const bool no_E = std::isnan(elasticity.E), no_nu = std::isnan(elasticity.nu), both = no_E && no_nu;
-  const bool by_contact = m == nullptr && in.contact.dea && !both;
-  const std::string who = m            ? fmt::format("material \"{}\" (type {})", m->name, m->type)
-                          : by_contact ? fmt::format("the contact gives {}, and", no_E ? "nu" : "E")
-                                       : "the rigid surface";
-  const std::string note = m ? m->note : by_contact ? "" : "no cartilage material";
+  const bool by_contact =
+      in.contact.dea && !both &&
+      in.contact.dea->layers[in.side].E.has_value() != in.contact.dea->layers[in.side].nu.has_value();
+  const std::string who = by_contact ? fmt::format("the contact gives {}, and", no_E ? "nu" : "E")
+                          : m        ? fmt::format("material \"{}\" (type {})", m->name, m->type)
+                                     : "the rigid surface";
+  const std::string note = by_contact ? "" : m ? m->note : "no cartilage material";
   const Sentence found = say("contact \"{}\", surface \"{}\": {} {} {}{};", in.contact.name, in.surface.name, who,
                              by_contact ? "no" : "gives no",
                              both   ? "E and nu"
                              : no_E ? "E"
                                     : "nu",
                              note.empty() ? "" : " (" + note + ")");
-  const Origin origin = m ? m->origin : by_contact ? in.contact.origin : in.surface.origin;
+  const Origin origin = by_contact ? in.contact.origin : m ? m->origin : in.surface.origin;
   const bool for_all = m == nullptr && in.parts.settings.thickness.count(in.surface.name) == 0 && !in.contact.dea;
   if (for_all)
     return make_fault(model, origin, found,
