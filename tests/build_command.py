@@ -522,6 +522,9 @@ def loads_that_no_joint_bears_are_questioned(folder):
         true(("80 kg would be 784.8 N" in done.stderr) == ("80" in words), done.stderr)
     done = folder.build(*JOINT[:-1], "ball=0,0,0.5", "-q")
     true("ball: found a force of 0.5 N on " in done.stderr, done.stderr)
+    done = folder.build(*JOINT[:-1], "ball=0,0,-500", "-q")  # out of the socket
+    same(done.returncode, 1, done.stderr)
+    true("moves the surfaces apart" in done.stderr and "(the opposite load would press them together: look at its sign)" in done.stderr, done.stderr)
 
 
 @check
