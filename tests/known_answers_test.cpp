@@ -660,7 +660,7 @@ TEST(Remarks, AStepWithoutALoadIsNoFailure) {
   slab.model.steps.push_back(second);
   const Told t = told(slab);
   EXPECT_EQ(t.analysis.states.back().equilibrium.outcome, Outcome::Balanced) << t.text;
-  EXPECT_TRUE(t.says("nothing loads body \"ball\", though it is free to move")) << t.text;
+  EXPECT_TRUE(t.says("nothing loads body \"body\", though it is free to move")) << t.text;
   EXPECT_FALSE(t.says("springs carry")) << t.text;
 }
 
