@@ -8,6 +8,7 @@
 #include <febiodea/base/names.h>
 #include <febiodea/build/mend_surface.h>
 #include <febiodea/io/build/landmarks.h>
+#include <febiodea/io/settings/setting_words.h>
 #include <febiodea/io/surfaces/read_surface.h>
 #include <febiodea/io/tables/number_table.h>
 #include <febiodea/io/tables/read_tables.h>
@@ -477,6 +478,7 @@ BuildInputs build_inputs(const BuildArguments& a) {
       a.landmark_units.empty() ? sources.scale : millimetres("landmark-units", a.landmark_units);
   sources.flip_landmarks = a.flip_landmarks;
   for (const std::string& file : a.landmarks) inputs.files.push_back({"--landmarks", file});
+  request.wording = command_line_wording();
   add_loads(a, inputs);
   set_mesh(a, request);
   set_anatomy(a, request, inputs.anatomy);

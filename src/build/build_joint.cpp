@@ -9,6 +9,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/say.h>
 #include <febiodea/build/clear_overlap.h>
 #include <febiodea/build/mend_surface.h>
 #include <febiodea/build/pseudonormal.h>
@@ -182,8 +183,9 @@ double reach_of(const BuildRequest& request, BuildReport& report) {
   for (const CartilageRequest& c : request.cartilages) most = std::max(most, asked_thickness(c));
   if (most == 0) return 0;
   const double reach = 3 * most;
-  report.findings.push_back(fmt::format(
-      "cartilage where the bones face each other within {:.4g}, 3 times the thickest layer (--reach)", reach));
+  report.findings.push_back(
+      fmt::format("cartilage where the bones face each other within {:.4g}, 3 times the thickest layer ({})", reach,
+                  request.wording({"reach"})));
   return reach;
 }
 
@@ -306,10 +308,10 @@ TriangleSurface with_edge(const BuildRequest& request, TriangleSurface s) {
   const double area = area_of(s), of_one = std::sqrt(3.0) / 4 * *request.edge * *request.edge;
   if (area / of_one > kMostTriangles)
     throw InputError(
-        fmt::format("found an edge of {:g}, which would make {:.2g} triangles of a region of {:.4g}, expected one that "
-                    "makes no more than {:.2g}: {:.2g} or longer (--edge)",
-                    *request.edge, area / of_one, area, kMostTriangles,
-                    1.05 * std::sqrt(area / kMostTriangles * 4 / std::sqrt(3.0))));
+        Fault{.found = say("found an edge of {:g}, which would make {:.2g} triangles of a region of {:.4g},",
+                           *request.edge, area / of_one, area),
+              .expected = say("expected one that makes no more than {:.2g}: {:.2g} or longer ({})", kMostTriangles,
+                              1.05 * std::sqrt(area / kMostTriangles * 4 / std::sqrt(3.0)), NamedSetting{"edge"})});
   s = remeshed(s, *request.edge);
   return part_of(s, std::vector<char>(s.triangles.size(), 1));
 }
@@ -366,10 +368,10 @@ std::string way_words(const CartilageRequest& c) {
 
 void refuse_inside_out(const BuiltLayer& layer, const LayerReport& said) {
   if (said.quality.inside_out > 0)
-    throw InputError(
-        fmt::format("{}: found {} prisms that stay inside out near {}, expected sound ones; other "
-                    "triangles (--edge) or thinner cartilage may do",
-                    layer.name, said.quality.inside_out, place_text(said.changes.where)));
+    throw InputError(Fault{.found = say("{}: found {} prisms that stay inside out near {},", layer.name,
+                                        said.quality.inside_out, place_text(said.changes.where)),
+                           .expected = say("expected sound ones; other triangles ({}) or thinner cartilage may do",
+                                           NamedSetting{"edge"})});
 }
 
 /// All layers of one cartilage.
@@ -429,14 +431,15 @@ void tell_rims(const BuildRequest& request, const BuiltJoint& joint, BuildReport
     if (r.rim.rims == 0) continue;
     if (r.fade > 0)
       report.findings.push_back(fmt::format(
-          "{}: thins out over {:.3g} before its rim, to {:.3g} in the mean there{} (--fade)", joint.layers[l].name,
-          r.fade, r.rim.thickness, request.fade ? "" : ", for half the gap has no rim of its own; 0 lets it end"));
+          "{}: thins out over {:.3g} before its rim, to {:.3g} in the mean there{} ({})", joint.layers[l].name, r.fade,
+          r.rim.thickness, request.fade ? "" : ", for half the gap has no rim of its own; 0 lets it end",
+          request.wording({"fade"})));
     else
       report.findings.push_back(
           fmt::format("{}: ends at its rim, {:.3g} thick in the mean there; where it is pressed there, patches of "
                       "pressure follow the "
-                      "rim: a width to thin out over avoids them (--fade)",
-                      joint.layers[l].name, r.rim.thickness));
+                      "rim: a width to thin out over avoids them ({})",
+                      joint.layers[l].name, r.rim.thickness, request.wording({"fade"})));
   }
 }
 

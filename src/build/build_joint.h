@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include <febiodea/base/sentence.h>
 #include <febiodea/build/built_joint.h>
 #include <febiodea/build/layer_sheet.h>
 #include <febiodea/build/region.h>
@@ -49,6 +50,7 @@ struct CartilageRequest {
 double asked_thickness(const CartilageRequest& cartilage);
 
 struct BuildRequest {
+  Wording wording = plain_wording();  ///< how findings name options
   std::vector<BoneRequest> bones;
   std::vector<CartilageRequest> cartilages;  ///< one per bone at most
   std::optional<double> reach;  ///< gaps between bones below it belong to a region; empty: 3 times the thickest layer
