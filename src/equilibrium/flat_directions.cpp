@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <febiodea/base/decompositions.h>
+#include <febiodea/equilibrium/approach.h>
 #include <febiodea/equilibrium/facet_noise.h>
 #include <febiodea/equilibrium/singular_parts.h>
 #include <febiodea/equilibrium/unknowns.h>
@@ -119,7 +120,8 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
 }
 
 /// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness.
-/// `downhill`: along those of negative stiffness the load is followed, where Newton's step would go against it.
+/// `downhill`: along those of negative stiffness the load is followed, where Newton's step would go against it. While
+/// nothing touches that is the only way to what is to carry the load.
 void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, bool downhill,
                  Directions& d) {
   if (stiff.cols() == 0) return;
@@ -131,6 +133,7 @@ void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, c
     const VectorXd unstable = stiff * parts.vectors.col(k);
     d.newton -= unstable * unstable.dot(d.newton);
     d.drift += unstable * unstable.dot(r);
+    d.falls = true;
   }
 }
 
@@ -170,7 +173,7 @@ Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, co
     if (d.drift.squaredNorm() == 0.0) d.residual -= d.left_unbalanced * (d.left_unbalanced.transpose() * r);
   }
   if (dense) {
-    solve_stiff(K, split.stiff, asked, r, problem.downhill, d);
+    solve_stiff(K, split.stiff, asked, r, problem.downhill || !touching(e), d);
   } else {
     d.newton = bordered_step(K, d.left_unbalanced, split.flat, r);
     d.least_stiffness = least_symmetric_eigenvalue(K, split.flat, kDenseUnknowns);

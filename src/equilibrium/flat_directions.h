@@ -19,7 +19,8 @@ inline constexpr int kDenseUnknowns = 60;
 /// (unknowns.h).
 struct Directions {
   Eigen::VectorXd newton;             ///< step over the stiff directions
-  Eigen::VectorXd drift;              ///< residual along the flat directions that are loaded
+  Eigen::VectorXd drift;              ///< residual along the flat directions that are loaded, and those that fall
+  bool falls = false;                 ///< of negative stiffness, where the load is followed along them
   Eigen::VectorXd residual;           ///< residual without the flat directions that are held
   std::vector<Eigen::VectorXd> held;  ///< flat, and their residual about zero
   /// Orthonormal columns: the components of the residual that are not asked to vanish, one per held direction.

@@ -95,6 +95,7 @@ struct Search {
   double most_load = 0.0;  // so far: where nothing but contact presses, it fades as the surfaces part
   // of the steps so far
   int advances = 0;          // to surfaces that did not touch
+  bool passes_by = false;    // what falls meets no surface
   bool beyond = false;       // balance is farther than the step from the last iterate
   int full = 0;              // steps in a row that were cut to the cap and taken
   double stride = 1.0;       // of the cap, for steps along which no spring closes by more than the cap
@@ -176,6 +177,10 @@ bool go_to_touch(Search& s) {
   Approach there = s.advances++ < 3 ? advance(s.problem, std::move(s.e), s.d.drift) : Approach{false, std::move(s.e)};
   s.e = std::move(there.at);
   if (there.found) return true;
+  if (s.d.falls) {  // past the surfaces, to hang from what holds it: is followed from the next iterate on
+    s.passes_by = true;
+    return true;
+  }
   s.solution.outcome = Outcome::SurfacesApart;
   const std::string way = travel(s.problem, s.started, s.e.poses).words;  // empty: there was none to go
   s.solution.message = fmt::format("the load moves the surfaces apart: no spring closes along it ({})",
@@ -183,7 +188,7 @@ bool go_to_touch(Search& s) {
   return false;
 }
 
-/// Nothing resists the load in some direction, with contact: along it for a while. False: the search ends.
+/// Nothing resists the load in some direction, and to touch leads no way: along it for a while. False: the search ends.
 bool follow_load(Search& s) {
   Problem& problem = s.problem;
   s.beyond = true;
@@ -327,7 +332,7 @@ bool go_on(Search& s) {
   const double drift = s.d.drift.norm();
   if (drift > s.options.tolerance * s.e.load && drift >= 0.5 * s.size) {
     if (moves_together(s.problem, s.e, s.d.drift)) return says_nothing_holds_them(s);
-    return touching(s.e) ? follow_load(s) : go_to_touch(s);
+    return touching(s.e) || s.passes_by ? follow_load(s) : go_to_touch(s);
   }
   // the next step is cut short, and not because springs close: balance is far along a motion that little resists
   const double predicted = surface_motion(s.problem, s.e, s.d.newton);

@@ -443,6 +443,43 @@ TEST(Joints, SphericalPendulumHangsDown) {
   EXPECT_GT(state.equilibrium.least_stiffness, 0);
 }
 
+// A body hinged far to the side comes down on the surface, however high its load acts, from a gap too: a load above the
+// hinge would topple it the other way, and a step to where it balances on the hinge's top leads away from the surface.
+TEST(Joints, LoadAboveTheHingePressesOnTheSurface) {
+  const double arm = 50, F = 40;
+  for (const double height : {-5.0, 0.0, 5.0, 30.0})
+    for (const double gap : {0.0, 0.05, 0.3}) {
+      JointModel model = test::flat_plates(20, kSize, kThick, gap);
+      model.materials[2].center_of_mass = Vector3d(5, 0, height);
+      join(model, 1, 2, {-arm, 0, 2}, held_but({4}));
+      test::force(model, 2, {0, 0, -F});
+      const StateResult state = last_state(model);
+      expect_balanced(state, F);
+      EXPECT_LT(std::abs(state.equilibrium.connector_motion[0][4]), 0.02) << height << " " << gap;
+      // moments about the hinge: the bed's force acts somewhere on the layer
+      const double moment = F * (state.equilibrium.poses[1].center.x() + arm),
+                   carried = std::abs(state.equilibrium.contact_on_target[0][2]);
+      EXPECT_GT(carried, moment / (arm + kSize / 2)) << height << " " << gap;
+      EXPECT_LT(carried, moment / (arm - kSize / 2)) << height << " " << gap;
+      EXPECT_FALSE(state.equilibrium.unstable) << height << " " << gap;
+    }
+}
+
+// One that stands on its hook has no surface to fall on: it is told how it falls, and no balance is made of it, least
+// of all the one on top of the hook.
+TEST(Joints, APendulumOnTopOfItsHookFalls) {
+  JointModel model = test::flat_plates(4, kSize, kThick, 0.0);
+  test::fix(model, 2, {true, true, true, true, true, true});
+  const Vector3d hook(50, 0, 100);
+  const int bob = add_bone(model, "bob", hook + Vector3d(6, 3, 8));
+  join(model, 1, bob, hook, held_but({3, 4, 5}));
+  test::force(model, bob, {0, 0, -7});
+  const StateResult state = last_state(model);
+  EXPECT_EQ(state.equilibrium.outcome, Outcome::NoEquilibrium) << state.equilibrium.message;
+  EXPECT_NE(state.equilibrium.message.find("rotation of \"bob\""), std::string::npos) << state.equilibrium.message;
+  EXPECT_LT(state.equilibrium.poses[2].center.z(), hook.z() + 8) << "downwards";
+}
+
 // Locked to the plate, a body that carries the load is the plate.
 TEST(Joints, LockMakesOneBodyOfTwo) {
   JointModel model = test::flat_plates(6, kSize, kThick, 0.0);
