@@ -240,8 +240,8 @@ LayerMesh make_layer_mesh(const LayerFace& face, int divide) {
     layer.beside_begin.push_back(static_cast<int>(layer.beside.size()));
   }
   layer.edge_distance = edge_distances(face, layer);
-  layer.edge_curvature = edge_curvatures(layer);
   layer.thickness = smeared_thickness(layer.mesh, layer.thickness);
+  layer.edge_curvature = edge_curvatures(layer);  // by that thickness: the measured one is none where a layer runs out
   return layer;
 }
 

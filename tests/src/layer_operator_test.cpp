@@ -228,6 +228,19 @@ TEST(LayerOperator, PlacesWithoutLayer) {
   }
 }
 
+// A layer that runs out to nothing: whether its measured thickness there is zero or a rounding error is all the same.
+TEST(LayerOperator, WhereALayerRunsOutRoundingDoesNotMatter) {
+  const SurfaceMesh mesh = rectangle(12, 12, 12, 12);
+  const auto sinks = [&](double least) {
+    const auto thickness = [&](const Vector3d& x) { return std::max(least, std::min(2.0, 0.5 * x.x())); };
+    FootedLayer layer(layer_mesh(mesh, thickness, all(Rim::Free)), kCartilage, LayerFit::TwoTerms);
+    return layer.sinking(VectorXd::Ones(mesh.size()));
+  };
+  const VectorXd zero = sinks(0.0);
+  for (const double rounding : {1e-18, 1e-16, 1e-13})
+    EXPECT_LT((sinks(rounding) - zero).norm() / zero.norm(), 1e-9) << rounding;
+}
+
 // As nu -> 0.5 the operator tends to that of nu = 0.5.
 TEST(LayerOperator, NearlyIncompressible) {
   const SurfaceMesh surface = saddle(8);
