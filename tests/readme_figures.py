@@ -1,0 +1,105 @@
+"""Figures that the samples' pages give of what `dea run` prints: python3 readme_figures.py DEA SOURCE.
+
+Each row names a page, the sentence or the cell with the figures, the run and where in its JSON they are. A figure must be
+what the run gives, rounded as it is printed: one that no longer is, is to be measured again."""
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+dea, samples = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve() / "samples"
+runs = {}
+
+
+def states(model, *options):
+    """All states of a run, by their time."""
+    if (model, options) not in runs:
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([dea, "run", samples / model, *options, "--json", "-", "-o", f"{folder}/out.xplt"],
+                                  capture_output=True, text=True, check=True)
+        runs[model, options] = {round(state["time"], 6): state for state in json.loads(done.stdout)["states"]}
+    return runs[model, options]
+
+
+def contact(state, name):
+    return next(c for c in state["contacts"] if c["name"] == name)
+
+
+def force(state, name):
+    return math.hypot(*contact(state, name)["force"])
+
+
+def sinks(state, body):
+    return -state["bodies"][body]["translation"][2]
+
+
+def tension(state, name):
+    return next(ligament["force"] for ligament in state["ligaments"] if ligament["name"] == name)
+
+
+def sideways(state, body):
+    """What holds a body: what acts on it, taken back."""
+    return math.hypot(*state["bodies"][body]["force"][:2])
+
+
+NUMBER = r"(-?\d+(?:\.\d+)?)"
+
+
+def sentences():
+    flat = states("sphere_on_flat/sphere_on_flat.feb")
+    yield ("sphere_on_flat", f"flows sideways .*?: {NUMBER} N at d = 0.4 mm, and d = {NUMBER} mm under 400 N",
+           [force(flat[1.0], "joint"), sinks(flat[2.0], "sphere")])
+    ligament = states("ligament/ligament.feb")
+    yield "ligament", f"the femur sinks further, {NUMBER} mm under 300 N", [sinks(ligament[1.0], "femur")]
+    knee = states("knee/knee.feb")
+    first, last = knee[0.1], knee[1.0]
+    yield ("knee", f"the quadriceps' force grows from 2 x {NUMBER} N to 2 x {NUMBER} N, the patellofemoral forces from "
+           f"{NUMBER} and {NUMBER} N to {NUMBER} and {NUMBER} N",
+           [tension(first, "vastus medialis"), tension(last, "vastus medialis"), *(
+               force(state, f"{side} patellofemoral") for state in (first, last) for side in ("medial", "lateral"))])
+    chain = states("chain/chain.feb")[1.0]
+    yield "chain", f"sideways forces on the ends, {NUMBER} and {NUMBER} N", [sideways(chain, "bone 1"), sideways(chain, "bone 10")]
+
+
+def hip_table():
+    """Rows of the table of samples/hip, and its three columns."""
+    columns = [states("hip/hip_walking.feb", *options) for options in
+               ((), ("--law", "linear"), ("--law", "linear", "--springs-at", "bone"))]
+    columns = [run[max(run)] for run in columns]
+    rows = {
+        "p99": lambda c: c["headline"]["p99"], "mean": lambda c: c["headline"]["mean"],
+        "area": lambda c: c["headline"]["area"], "peak": lambda c: c["headline"]["peak"],
+        "threshold of these": lambda c: c["headline"]["above"], "p99, springs": lambda c: c["p99_pressure"],
+        "mean, springs": lambda c: c["mean_pressure"], "median, springs": lambda c: c["median_pressure"],
+        "area, springs": lambda c: c["contact_area"], "peak, springs": lambda c: c["peak_pressure"],
+        "area, facets > 0": lambda c: c["facet_contact_area"], "peak, facets > 0": lambda c: c["facet_peak_pressure"],
+    }
+    for name, value in rows.items():
+        yield ("hip", rf"\| {re.escape(name)} \| {NUMBER} \S+ \| {NUMBER} \S+ \| {NUMBER} \S+ \|",
+               [value(state["contacts"][0]) for state in columns])
+    three = rf"\({NUMBER}, {NUMBER}, {NUMBER}\) mm"
+    yield ("hip", rf"\| motion of the femur \| {three} \| {three} \| {three}",
+           [v for state in columns for v in state["bodies"]["femur"]["translation"]])
+
+
+def wrong(printed, value):
+    """Not the value, rounded to the digits that are printed."""
+    return abs(float(printed) - value) > 0.51 * 10.0 ** -len(printed.partition(".")[2])
+
+
+faults, figures = [], 0
+for page, pattern, values in [*sentences(), *hip_table()]:
+    text = re.sub(r"\s+", " ", (samples / page / "README.md").read_text())
+    found = re.search(pattern, text)
+    if not found:
+        faults.append(f"samples/{page}/README.md: nothing there like {pattern}")
+        continue
+    for printed, value in zip(found.groups(), values, strict=True):
+        figures += 1
+        if wrong(printed, value):
+            faults.append(f"samples/{page}/README.md: {printed} in \"{found.group(0)[:120]}\", the run gives {value:.6g}")
+print("\n".join(faults) or f"{figures} figures are what the runs give")
+sys.exit(bool(faults))
