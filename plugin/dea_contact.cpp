@@ -14,9 +14,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
@@ -124,7 +128,7 @@ END_FECORE_CLASS();
 
 /// Everything that follows from the reference configuration, and the springs at the last poses.
 struct FEDeaContact::Bed {
-  dea::JointModel model;  // names and surfaces only, for messages
+  dea::JointModel model;  // names, surfaces and this contact only, for messages
   dea::Joint joint;       // this contact alone
   dea::SpringBeds beds;
   dea::FieldMaps maps;
@@ -221,6 +225,9 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
     if (!(nu_[side] > -1 && nu_[side] < 0.5))
       throw refuse_parameter(fmt::format("{}_nu", kSides[side]),
                              fmt::format(": found {:g}, need -1 < nu < 0.5", nu_[side]));
+    const std::string nu = fmt::format("{}_nu", kSides[side]);
+    if (E_[side] > 0 && !in_file.empty() && in_file.find(nu) == in_file.end())  // FEBio's default says nothing
+      throw refuse_parameter(fmt::format("{}_E", kSides[side]), fmt::format(" without <{}>; give both", nu));
     if (E_[side] > 0) {
       layer.E = E_[side];
       layer.nu = nu_[side];
@@ -272,16 +279,56 @@ dea::Contact FEDeaContact::statement(const dea::JointModel& model) const {
 
 namespace {
 
-/// Two contacts of type dea on the same surfaces would count the cartilage twice.
-void refuse_doubled_contacts(const dea::JointModel& model) {
+/// Per facet, its nodes in rising order.
+std::set<std::vector<int>> facets_of(const dea::Surface& surface) {
+  std::set<std::vector<int>> facets;
+  for (int f = 0; f < surface.size(); ++f) {
+    std::vector<int> nodes(surface.nodes.begin() + surface.begin[at(f)],
+                           surface.nodes.begin() + surface.begin[at(f + 1)]);
+    std::sort(nodes.begin(), nodes.end());
+    facets.insert(std::move(nodes));
+  }
+  return facets;
+}
+
+/// The facets that a side of one contact shares with a side of the other, where their other sides are on one body.
+/// `body_of`: per model node.
+int shared_facets(const dea::JointModel& model, const dea::Contact& a, const dea::Contact& b,
+                  const std::function<int(int)>& body_of) {
+  int shared = 0;
+  const int of_a[2] = {a.primary, a.secondary}, of_b[2] = {b.primary, b.secondary};
+  const auto body = [&](int surface) { return body_of(model.surfaces[at(surface)].nodes.front()); };
+  for (int i = 0; i < 2; ++i)
+    for (int k = 0; k < 2; ++k) {
+      if (body(of_a[i]) != body(of_b[k]) || body(of_a[1 - i]) != body(of_b[1 - k])) continue;
+      const std::set<std::vector<int>> one = facets_of(model.surfaces[at(of_a[i])]);
+      for (const std::vector<int>& facet : facets_of(model.surfaces[at(of_b[k])]))
+        shared += static_cast<int>(one.count(facet));
+    }
+  return shared;
+}
+
+/// Two contacts of type dea on the same surfaces, or on the same facets of others, would count the cartilage twice.
+void refuse_doubled_contacts(const dea::JointModel& model, const std::function<int(int)>& body_of) {
+  const auto complete = [&](const dea::Contact& c) {
+    return c.dea && c.primary >= 0 && c.secondary >= 0 && model.surfaces[at(c.primary)].size() > 0 &&
+           model.surfaces[at(c.secondary)].size() > 0;
+  };
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const dea::Contact &a = model.contacts[k], &b = model.contacts[i];
-      if (a.dea && b.dea && dea::double_contact(a, b))
+      if (!a.dea || !b.dea) continue;
+      if (dea::double_contact(a, b))
         throw dea::fault_at(model, {0, 0},
                             fmt::format("contacts \"{}\" and \"{}\" join the same surfaces at the same time; remove "
                                         "one",
                                         a.name, b.name));
+      if (!complete(a) || !complete(b) || !dea::at_same_time(a.step, b.step)) continue;
+      if (const int shared = shared_facets(model, a, b, body_of); shared > 0)
+        throw dea::fault_at(model, {0, 0},
+                            fmt::format("contacts \"{}\" and \"{}\" both press {} facets, which would count twice; "
+                                        "give each facet to one of them, or remove one",
+                                        a.name, b.name, shared));
     }
   }
 }
@@ -307,7 +354,8 @@ void FEDeaContact::build() {
   auto bed = std::make_unique<Bed>();
   FEMechModel& fem = dynamic_cast<FEMechModel&>(*GetFEModel());
   dea::JointModel model = dea::read_fe_model(fem);
-  refuse_doubled_contacts(model);
+  FEMesh& mesh = fem.GetMesh();
+  refuse_doubled_contacts(model, [&](int node) { return mesh.Node(node).m_rid; });
   model.contacts = {statement(model)};  // the others have nothing to do with this one
   int rigid_bodies[2];
   for (int side = 0; side < 2; ++side) {
@@ -363,6 +411,7 @@ void FEDeaContact::build() {
   bed->model.files = std::move(model.files);
   bed->model.node_ids = std::move(model.node_ids);
   bed->model.surfaces = std::move(model.surfaces);
+  bed->model.contacts = std::move(model.contacts);
   bed_ = std::move(bed);
 }
 
@@ -386,7 +435,10 @@ void FEDeaContact::listen() {
         if (when == CB_MINOR_ITERS && !every_iteration) return true;
         if (when == CB_TIMESTEP_FAILED) self->note_failure();
         const bool good = self->update_fields();
-        if (good && when == CB_MAJOR_ITERS) self->warn_of_depth();  // of converged states, not of every retry
+        if (good && when == CB_MAJOR_ITERS) {  // of converged states, not of every retry
+          self->warn_of_depth();
+          return self->keeps_to_its_planes();
+        }
         if (good && when == CB_STEP_SOLVED) self->warn_of_failure();
         return good;
       },
@@ -602,6 +654,17 @@ void FEDeaContact::make_fields() {
   b.output_poses[0] = target;
   b.output_poses[1] = source;
   b.output = true;
+}
+
+bool FEDeaContact::keeps_to_its_planes() {
+  if (!bed_ || !IsActive() || !bed_->output) return true;
+  return guarded([&] {
+    const Bed& b = *bed_;
+    std::vector<dea::Pose> poses = dea::reference_poses(b.joint);
+    poses[at(b.bed().target_body)] = b.output_poses[0];
+    poses[at(b.bed().source_body)] = b.output_poses[1];
+    dea::refuse_left_planes(b.model, b.joint, poses, GetFEModel()->GetCurrentTime());
+  });
 }
 
 void FEDeaContact::warn_of_depth() {

@@ -83,7 +83,8 @@ class FEDeaContact : public FEContactInterface, public dea::StatesContact {
   void note_load();             // at the first solution of an attempt
   void note_failure();
   void warn_of_depth();
-  void warn_of_failure();  // FEBio found no balance: what this contact can say of why
+  bool keeps_to_its_planes();  // false: a body has left a plane of symmetry, and the fault is told
+  void warn_of_failure();      // FEBio found no balance: what this contact can say of why
   void fault(const char* what);
 
   FEDeaSurface primary_, secondary_;

@@ -461,9 +461,55 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
   const std::size_t begin = good.find("<contact "), end = good.find("</contact>") + 10;
   doubled.insert(end, good.substr(begin, end - begin));
   expect(doubled, "join the same surfaces at the same time");
+  // the same facets under other names
+  std::string renamed = doubled;
+  const auto copy = [&](const std::string& from, const std::string& to, const std::string& name,
+                        const std::string& copied) {
+    const std::size_t start = renamed.find(from);
+    ASSERT_NE(start, renamed.npos) << from;
+    const std::size_t stop = renamed.find(to, start) + to.size();
+    std::string element = renamed.substr(start, stop - start);
+    replace(element, name, copied);
+    renamed.insert(stop, element);
+  };
+  copy("<Surface name=\"top\"", "</Surface>", "\"top\"", "\"top again\"");
+  copy("<SurfacePair name=\"pair\"", "</SurfacePair>", "\"pair\"", "\"pair again\"");
+  const std::size_t pair_again = renamed.find("pair again"), in_pair = renamed.find(">top<", pair_again);
+  ASSERT_NE(in_pair, renamed.npos);
+  renamed.replace(in_pair, 5, ">top again<");
+  const std::size_t second = renamed.find("<contact ", renamed.find("</contact>")),
+                    by = renamed.find("surface_pair=\"pair\"", second);
+  ASSERT_NE(by, renamed.npos);
+  renamed.replace(by, 19, "surface_pair=\"pair again\"");
+  expect(renamed, "both press ");
+  expect(without(good, "primary_nu"), "<primary_E> without <primary_nu>; give both");
   std::string same_body = good;
   replace(same_body, "<SolidDomain name=\"layer\" mat=\"base\"", "<SolidDomain name=\"layer\" mat=\"plate\"");
   expect(same_body, "no sliding contact joins two different bodies");
+}
+
+// The layer ends in x = 0 for a plane of symmetry: a plate that moves across it has a mirror image that moves the other
+// way.
+TEST(ContactDea, ABodyThatLeavesAPlaneOfSymmetryIsAFault) {
+  const TemporaryFolder folder;
+  Parts p;
+  p.motion +=
+      R"(<rigid_bc name="across" type="rigid_displacement"><rb>plate</rb><dof>x</dof><value lc="1">0.2</value></rigid_bc>)";
+  std::string text = model_40(false, p);
+  replace(text, "<rb>plate</rb><Rx_dof>1</Rx_dof>", "<rb>plate</rb>");
+  write(folder.path / "m.feb", text);
+  convert(folder.path, "m.feb", "free.feb");
+  std::string model = file_text(folder.path / "free.feb");
+  EXPECT_EQ(solve(folder.path, "free.feb").code, 0);
+  replace(model, "<primary_E>", "<symmetry_planes>x=0</symmetry_planes><primary_E>");
+  write(folder.path / "half.feb", model);
+  const Finished f = solve(folder.path, "half.feb");
+  EXPECT_EQ(f.code, 1) << f.out;
+  const std::vector<std::string> errors = errors_of(f.out);
+  ASSERT_FALSE(errors.empty()) << f.out;
+  EXPECT_NE(errors.front().find("contact \"touch\": the model ends in the plane of symmetry x = 0, and at time"),
+            std::string::npos)
+      << errors.front();
 }
 
 /// FEBio gives up in its own words ("NAN detected ..."); each contact says why in one warning, or nothing.
