@@ -83,6 +83,10 @@ void read_material(Reading& reading, const XMLElement& element) {
   if (material.rigid) {
     if (const XMLElement* com = element.FirstChildElement("center_of_mass"))
       material.center_of_mass = read_vector(reading, *com);
+    if (const XMLElement* parent = element.FirstChildElement("parent_id");
+        parent != nullptr && read_int(reading, *parent) >= 0)
+      unsupported(reading, *parent, fmt::format("<parent_id> of rigid body {}", quote(material.name)),
+                  "give its elements the parent's material: both are one body then");
     material.note = "rigid body";
   } else {
     set_elasticity(material, tree, reading.rules->up_to_25, reading.model);

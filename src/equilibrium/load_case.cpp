@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <febiodea/base/decompositions.h>
 #include <febiodea/base/error.h>
@@ -224,12 +226,24 @@ void set_motions(const Instant& now, LoadCase& c) {
       if (c.bodies[at(b)].dofs[k] != DofState::Prescribed)
         c.bodies[at(b)].dofs[k] = entry.second[k] ? DofState::Free : DofState::Held;
   }
+  std::map<std::pair<int, int>, const RigidPrescribed*> before;  // of body and dof
   for (const RigidPrescribed& p : now.model.rigid_prescribed) {
     const int b = joint.body_of(p.material);
     if (!now.acts(p.step) || b < 0) continue;
     BodyConditions& body = c.bodies[at(b)];
+    const double value = finite_value(now, p.value, p.origin);
+    const RigidPrescribed*& other = before[{b, p.dof}];
+    if (other != nullptr && other->material != p.material && value != body.value[p.dof])
+      throw fault_at(
+          now.model, p.origin,
+          say("\"{}\" and \"{}\" prescribe {} of materials \"{}\" and \"{}\" otherwise at time {} ({:.4g} and {:.4g}), "
+              "but these share nodes and are one body here;",
+              other->name, p.name, kDofNames[p.dof], now.model.materials[at(other->material)].name,
+              now.model.materials[at(p.material)].name, time_text(now.time), body.value[p.dof], value),
+          "take one out, or mesh the bones apart");
+    other = &p;
     body.dofs[at(p.dof)] = DofState::Prescribed;
-    body.value[p.dof] = finite_value(now, p.value, p.origin);
+    body.value[p.dof] = value;
     // relative to the pose when it became active: outside steps that is the reference
     body.relative[at(p.dof)] = p.relative && p.step >= 0;
   }

@@ -69,6 +69,7 @@ std::optional<Fault> shared_layers(const JointModel& model, const std::vector<Co
               say("divide \"{}\" into surfaces that share no facet, one for each contact; or make one contact of both, "
                   "with both partners in one surface; or keep one contact with {}",
                   one, NamedSetting{"contact", "", other.name}));
+        if (pair.law != Law::Layer && other.law != Law::Layer) continue;  // springs know nothing of their neighbours
         findings.push_back(say(
             "contacts \"{}\" and \"{}\" press the same layer side by side (surfaces \"{}\", \"{}\"): each is solved as "
             "if "
@@ -339,6 +340,7 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
     if (!layer.rigid) {
       layer.half_held = half_held_planes(parts, layer);
       layer.ends = ends_of(parts, layer);
+      layer.held_elsewhere = held_without_plane(parts, layer);
     }
   for (const Layer& layer : pair.layers) {
     const std::vector<Sentence> findings = layer_findings(parts, layer);

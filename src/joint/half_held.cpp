@@ -1,6 +1,8 @@
 #include <febiodea/joint/half_held.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <febiodea/base/numbers.h>
 
@@ -25,18 +27,26 @@ PlaneNodes nodes_in(const ModelParts& parts, const Layer& layer, int component, 
   return count;
 }
 
+constexpr double kInto = 0.7;  // the face must run into a plane, not along it
+
+/// Unit, in the face, away from it at an edge.
+Vector3d outward(const SurfaceMesh& mesh, const LayerFace::Edge& e) {
+  return (mesh.corner(e.triangle, (e.edge + 1) % 3) - mesh.corner(e.triangle, e.edge))
+      .cross(mesh.normals[at(e.triangle)])
+      .normalized();
+}
+
 }  // namespace
 
 std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer& layer) {
-  constexpr double kInto = 0.7;  // the face must run into the plane, not along it
   const SurfaceMesh& mesh = layer.face.mesh;
   const double tolerance = parts.holders.same_plane;
   std::vector<HalfHeldPlane> planes;
   for (const LayerFace::Edge& e : layer.face.edges) {
     const Vector3d &a = mesh.corner(e.triangle, e.edge), &b = mesh.corner(e.triangle, (e.edge + 1) % 3);
-    const Vector3d outward = (b - a).cross(mesh.normals[at(e.triangle)]).normalized();
+    const Vector3d out = outward(mesh, e);
     for (int k = 0; k < 3; ++k) {
-      if (!(std::abs(outward[k]) > kInto) || !(std::abs(a[k] - b[k]) <= tolerance)) continue;
+      if (!(std::abs(out[k]) > kInto) || !(std::abs(a[k] - b[k]) <= tolerance)) continue;
       HalfHeldPlane* plane = nullptr;
       for (HalfHeldPlane& p : planes)
         if (p.component == k && std::abs(p.coordinate - a[k]) <= tolerance) plane = &p;
@@ -53,6 +63,39 @@ std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer
     if (plane.unheld == 0) continue;
     const PlaneNodes nodes = nodes_in(parts, layer, plane.component, plane.coordinate, tolerance);
     if (nodes.held > 1 && 5 * nodes.held >= nodes.all) found.push_back(plane);
+  }
+  return found;
+}
+
+std::vector<HeldNodes> held_without_plane(const ModelParts& parts, const Layer& layer) {
+  const double near_by = 2 * parts.holders.same_plane;
+  std::vector<HeldNodes> found;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> told;  // where another remark, or the mechanics itself, has these nodes
+    for (const SymmetryPlane& plane : layer.planes)
+      if (plane.axis == k) told.push_back(plane.at);
+    for (const HalfHeldPlane& plane : layer.half_held)
+      if (plane.component == k) told.push_back(plane.coordinate);
+    for (const LayerFace::Edge& e : layer.face.edges)
+      if (e.rim == Rim::Wall && !e.shared && std::abs(outward(layer.face.mesh, e)[k]) > kInto)
+        told.push_back(layer.face.mesh.corner(e.triangle, e.edge)[k]);
+    HeldNodes held;
+    held.component = k;
+    int own = 0, all_held = 0;
+    for (const int node : layer.region_nodes) {
+      if (parts.bodies.of_node[at(node)] >= 0 || !parts.holders.of_node[at(node)].empty()) continue;
+      ++own;
+      if ((parts.holders.mirror[at(node)] >> k & 1) == 0) continue;
+      ++all_held;
+      const Vector3d& x = parts.model.nodes[at(node)];
+      const bool known =
+          std::any_of(told.begin(), told.end(), [&](double at) { return std::abs(x[k] - at) <= near_by; }) ||
+          std::any_of(layer.ends.begin(), layer.ends.end(), [&](const PartEnd& end) {
+            return end.instead == k && std::abs(x[end.plane.axis] - end.plane.at) <= near_by;
+          });
+      if (!known) held.nodes.push_back(node);
+    }
+    if (!held.nodes.empty() && all_held < own) found.push_back(std::move(held));
   }
   return found;
 }

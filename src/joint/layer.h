@@ -27,6 +27,12 @@ struct HalfHeldPlane {
   int edges = 0, unheld = 0;  ///< of the face's rim in that plane; of these, those that are free edges for it
 };
 
+/// Nodes of a layer that the ground holds in one component, where no plane of symmetry is.
+struct HeldNodes {
+  int component = -1;
+  std::vector<int> nodes;
+};
+
 /// Pieces of an articular surface that hang together, such as a tibia's plateaus (compartments.h).
 struct Compartments {
   std::vector<std::string> names;  ///< empty: the surface is one piece
@@ -66,6 +72,7 @@ struct Layer {
   std::vector<BareRimEdge> bare_rim;        ///< of a bare surface
   std::vector<HalfHeldPlane> half_held;     ///< of a layer
   std::vector<PartEnd> ends;                ///< of its deformable part, at which nodes are held
+  std::vector<HeldNodes> held_elsewhere;    ///< by the ground, at no plane of symmetry (half_held.h)
   Compartments compartments;
   std::vector<Sentence> notes;  ///< what the user should know of it, a sentence each
   LayerFace face;               ///< of a layer whose springs stand on the articular surface; else empty

@@ -41,15 +41,52 @@ std::vector<char> nodes_of_layers(const ModelParts& parts, const std::vector<Con
   return in_layer;
 }
 
+/// The dofs of a body that no step leaves free.
+std::array<bool, kDofs> dofs_never_free(const ModelParts& parts, int body, bool prescribed_too) {
+  const Body& b = parts.bodies.bodies[at(body)];
+  std::array<bool, kDofs> never = {};
+  if (b.ground) {
+    never.fill(true);
+    return never;
+  }
+  const auto of_body = [&](int material) {
+    return std::find(b.materials.begin(), b.materials.end(), material) != b.materials.end();
+  };
+  for (const auto& [name, free] : parts.settings.free)
+    if (body_by_name(parts.model, parts.bodies.bodies, name) == body) {
+      for (std::size_t k = 0; k < never.size(); ++k) never[k] = !free[k];
+      return never;
+    }
+  const auto steps = static_cast<int>(parts.model.steps.size());
+  for (int dof = 0; dof < kDofs; ++dof) {
+    std::set<int> given;
+    const auto add = [&](int step) {
+      for (int s = 0; s < steps; ++s)
+        if (step < 0 || step == s) given.insert(s);
+    };
+    for (const RigidFixed& fixed : parts.model.rigid_fixed)
+      if (fixed.dofs[at(dof)] && of_body(fixed.material)) add(fixed.step);
+    if (prescribed_too)
+      for (const RigidPrescribed& moved : parts.model.rigid_prescribed)
+        if (moved.dof == dof && of_body(moved.material)) add(moved.step);
+    never[at(dof)] = static_cast<int>(given.size()) == steps && steps > 0;
+  }
+  return never;
+}
+
 /// Is the body where it is in every step? Then what fastens it carries nothing that the joint would feel.
 bool stays(const ModelParts& parts, int body) {
-  const Body& b = parts.bodies.bodies[at(body)];
-  if (b.ground) return true;
-  std::array<bool, kDofs> held = {};
-  for (const RigidFixed& fixed : parts.model.rigid_fixed)
-    if (fixed.step < 0 && std::find(b.materials.begin(), b.materials.end(), fixed.material) != b.materials.end())
-      for (std::size_t k = 0; k < held.size(); ++k) held[k] = held[k] || fixed.dofs[k];
-  return !b.materials.empty() && std::all_of(held.begin(), held.end(), [](bool h) { return h; });
+  const std::array<bool, kDofs> held = dofs_never_free(parts, body, false);
+  return std::all_of(held.begin(), held.end(), [](bool h) { return h; });
+}
+
+/// Of the components in which nodes are held: those in which the body moves, as no half of a symmetric joint does.
+unsigned held_against(const ModelParts& parts, int body, unsigned held) {
+  const std::array<bool, kDofs> given = dofs_never_free(parts, body, true);
+  unsigned against = 0;
+  for (unsigned k = 0; k < 3; ++k)
+    if ((held >> k & 1u) != 0 && !(given[k] && given[3 + (k + 1) % 3] && given[3 + (k + 2) % 3])) against |= 1u << k;
+  return against;
 }
 
 }  // namespace
@@ -64,7 +101,9 @@ std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const
       const int n = nodes_per_element(d.shape);
       for (std::size_t e = 0; e < d.element_ids.size(); ++e) {
         const int* nodes = d.nodes.data() + e * at(n);
-        if (!std::all_of(nodes, nodes + n, [&](int node) { return in_layer[at(node)] != 0; })) use(d, nodes, n);
+        // of a layer, or its skin; a truss goes from one layer to another
+        if (is_line(d.shape) || !std::all_of(nodes, nodes + n, [&](int node) { return in_layer[at(node)] != 0; }))
+          use(d, nodes, n);
       }
     }
   };
@@ -80,6 +119,7 @@ std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const
   });
   struct Piece {
     std::set<int> bodies;
+    unsigned held = 0;
     std::vector<std::string> names;
     int elements = 0;
   };
@@ -89,16 +129,22 @@ std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const
     const int* free = std::find_if(nodes, nodes + n, [&](int node) { return bodies[at(node)].empty(); });
     if (free == nodes + n) alone.emplace_back();
     Piece& piece = free == nodes + n ? alone.back() : pieces[sets.root(*free)];
-    for (int k = 0; k < n; ++k) piece.bodies.insert(bodies[at(nodes[k])].begin(), bodies[at(nodes[k])].end());
+    for (int k = 0; k < n; ++k) {
+      const std::set<int>& with = bodies[at(nodes[k])];
+      piece.bodies.insert(with.begin(), with.end());
+      if (with.empty()) piece.held |= parts.holders.mirror[at(nodes[k])];
+    }
     if (piece.names.empty() || piece.names.back() != d.name) piece.names.push_back(d.name);
     ++piece.elements;
   });
   for (auto& entry : pieces) alone.push_back(std::move(entry.second));
-  std::map<std::set<int>, UnmodelledPart> found;
+  std::map<std::pair<std::set<int>, unsigned>, UnmodelledPart> found;
   for (const Piece& piece : alone) {
-    if (piece.bodies.size() < 2) continue;
+    const unsigned held = piece.bodies.size() == 1 ? held_against(parts, *piece.bodies.begin(), piece.held) : 0;
+    if (piece.bodies.size() < 2 && held == 0) continue;
     if (std::all_of(piece.bodies.begin(), piece.bodies.end(), [&](int b) { return stays(parts, b); })) continue;
-    UnmodelledPart& part = found[piece.bodies];
+    UnmodelledPart& part = found[{piece.bodies, held}];
+    part.held = held;
     for (const std::string& name : piece.names)
       if (std::find(part.names.begin(), part.names.end(), name) == part.names.end()) part.names.push_back(name);
     part.elements += piece.elements;

@@ -8,11 +8,13 @@
 
 namespace dea {
 
-/// Ligaments, discs, capsules of solids, shells or trusses: fastened to two bodies or more, and no layer of a contact.
+/// Ligaments, discs, capsules of solids, shells or trusses, no layer of a contact: fastened to two bodies or more, or to
+/// one that can move and to the ground in some components.
 struct UnmodelledPart {
   std::vector<std::string> names;  ///< of the domains
   int elements = 0;
   std::vector<int> bodies;  ///< rising; what the parts are fastened to: all of them to the same bodies
+  unsigned held = 0;        ///< of one body: bit k set, nodes are held by the ground in component k, not in all
 };
 std::vector<UnmodelledPart> find_unmodelled_parts(const ModelParts& parts, const std::vector<ContactPair>& contacts);
 

@@ -165,6 +165,68 @@ TEST(Recognition, DeformablePartsBetweenBodiesAreTold) {
   }
   model.domains.push_back(truss);
   EXPECT_EQ(make_joint(model, {}).unmodelled[0].names, (std::vector<std::string>{"medial", "lateral", "fat", "truss"}));
+  // one from the layer itself to the plate
+  truss.name = "string";
+  truss.nodes = {model.surfaces[0].nodes[0], model.surfaces[1].nodes[0]};
+  model.domains.push_back(truss);
+  const std::vector<std::string> names = make_joint(model, {}).unmodelled[0].names;
+  EXPECT_EQ(std::count(names.begin(), names.end(), "string"), 1);
+}
+
+// A pad between the plate and nodes that are held in one component resists the plate there, unless it cannot move so.
+TEST(Recognition, PartsBetweenABodyAndHeldNodesAreTold) {
+  JointModel model = flat_plates(2, 10, 2, 0.0);
+  const int base = 1, plate = 2;
+  const int soft = add_material(model, "pad", false);
+  add_cube(model, "pad", soft, {20, 0, 0}, plate, -1);
+  FixedNodes held;
+  for (int k = 1; k <= 4; ++k) held.nodes.push_back(static_cast<int>(model.nodes.size()) - k);
+  held.xyz = {false, false, true};
+  model.fixed_nodes.push_back(held);
+  const auto found = [&] { return make_joint(model, {}).unmodelled; };
+  ASSERT_EQ(found().size(), 1u);
+  EXPECT_EQ(found()[0].names, std::vector<std::string>{"pad"});
+  EXPECT_EQ(found()[0].bodies, (std::vector<int>{make_joint(model, {}).body_of(plate)}));
+  EXPECT_EQ(found()[0].held, 4u);
+  Settings along;
+  along.free["plate"] = {true, true, false, false, false, true};
+  EXPECT_TRUE(make_joint(model, along).unmodelled.empty());
+  fix(model, plate, {false, false, false, true, true, false});
+  EXPECT_EQ(found().size(), 1u);
+  prescribe(model, plate, 2, -0.1);
+  EXPECT_TRUE(found().empty());
+  model.rigid_prescribed.back().step = 0;
+  EXPECT_TRUE(found().empty());
+  model.steps.push_back(model.steps.back());
+  EXPECT_EQ(found().size(), 1u) << "free in the second step";
+  model.rigid_nodes.back().material = base;
+  EXPECT_TRUE(found().empty());
+}
+
+// What holds a layer ends with its step in FEBio, here never: it is told.
+TEST(Recognition, HoldsOfSomeStepsAreTold) {
+  JointModel model = floating_layer(2.0);
+  FixedNodes held;
+  for (int i = 0; i < 25; ++i) held.nodes.push_back(i);
+  held.xyz = {true, true, true};
+  held.step = 1;
+  model.fixed_nodes.push_back(held);
+  const std::string alone = "25 nodes of deformable parts are fixed in x, y and z in step 2 of 2 alone, here in all of";
+  model.steps.push_back(model.steps.back());
+  EXPECT_TRUE(told(model, alone));
+  held.step = 0;
+  model.fixed_nodes.push_back(held);
+  EXPECT_FALSE(told(model, "of deformable parts are fixed"));
+  RigidNodes set;
+  set.material = 1;
+  set.name = "glue";
+  set.nodes = held.nodes;
+  set.step = 0;
+  model.fixed_nodes.clear();
+  model.rigid_nodes = {set};
+  EXPECT_TRUE(told(model, "rigid node set \"glue\" holds its nodes in step 1 of 2 alone, here in all of them"));
+  model.rigid_nodes[0].step = -1;
+  EXPECT_FALSE(told(model, "rigid node set \"glue\" holds its nodes in step"));
 }
 
 TEST(Recognition, TiesThatDeaDropsAreTold) {
@@ -416,6 +478,7 @@ TEST(Recognition, ContactsThatShareALayer) {
     const Joint joint = make_joint(model, {});
     ASSERT_EQ(joint.findings.size(), 1u);
     EXPECT_NE(joint.findings[0].text.find("side by side"), std::string::npos) << joint.findings[0].text;
+    EXPECT_FALSE(told(model, "side by side", linear()));  // springs that know nothing of each other
   }
 }
 
@@ -1054,6 +1117,38 @@ TEST(Planes, TheEndThatIsHeldInTheWrongComponentIsTold) {
                   .layers[1]
                   .ends.size(),
               2u);
+}
+
+// Held in the plane too, or inside: what the layer's law has no place for, and the corners of two planes are no such.
+TEST(Planes, NodesHeldWhereNoPlaneIsAreTold) {
+  const auto found = [](const JointModel& model) {
+    std::vector<std::pair<int, std::size_t>> held;
+    const Joint joint = make_joint(model, {});
+    for (const HeldNodes& h : joint.contacts[0].layers[1].held_elsewhere)
+      held.emplace_back(h.component, h.nodes.size());
+    return held;
+  };
+  using Found = std::vector<std::pair<int, std::size_t>>;
+  const auto hold = [](JointModel model, int component, const std::function<bool(const Vector3d&)>& where) {
+    FixedNodes held;
+    held.xyz[static_cast<std::size_t>(component)] = true;
+    for (std::size_t i = 0; i < model.nodes.size(); ++i)
+      if (where(model.nodes[i])) held.nodes.push_back(static_cast<int>(i));
+    model.fixed_nodes.push_back(held);
+    return model;
+  };
+  const auto in_x = [](const Vector3d& x) { return x.x() == 0; };
+  const auto in_y = [](const Vector3d& x) { return x.y() == 0; };
+  const JointModel one = held_block(6, 6, 0, in_x), both = hold(one, 1, in_y);
+  EXPECT_EQ(found(one), Found());
+  EXPECT_EQ(found(both), Found());
+  EXPECT_EQ(found(hold(one, 1, in_x)), (Found{{1, 14}}));  // two rows of seven above the bone
+  EXPECT_EQ(found(hold(both, 1, in_x)), (Found{{1, 12}}));
+  EXPECT_EQ(found(hold(both, 2, [](const Vector3d& x) { return x.x() == 4 && x.y() == 2; })), (Found{{2, 2}}));
+  EXPECT_EQ(found(hold(both, 1, [](const Vector3d& x) { return x.x() == 4 && x.y() == 2 && x.z() == 0; })),
+            (Found{{1, 1}}));
+  // a slice between two planes, all of it held along them
+  EXPECT_EQ(found(held_block(6, 6, 1, [](const Vector3d&) { return true; })), Found());
 }
 
 // Noise that is wider than a thousandth of the facets leaves no plane, not one of the three outermost nodes either.

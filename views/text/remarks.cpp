@@ -170,6 +170,18 @@ std::string unmodelled_part(const Joint& joint, const UnmodelledPart& part) {
   for (const std::string& name : part.names) names.push_back(in_quotes(name));
   for (int b : part.bodies) bodies.push_back(in_quotes(joint.bodies[at(b)].name));
   const bool one = part.names.size() == 1;
+  if (part.held != 0) {
+    std::vector<std::string> components;
+    for (unsigned k = 0; k < 3; ++k)
+      if ((part.held >> k & 1u) != 0) components.emplace_back(1, "xyz"[k]);
+    return fmt::format(
+        "warning: {} {} ({} deformable element{}) {} body {} to nodes that are held in {}, and {} not modelled: the "
+        "force {} as the body moves is missing in the balance; put springs between the body and the ground in {} place "
+        "if it matters",
+        one ? "part" : "parts", listed(names), part.elements, part.elements == 1 ? "" : "s", one ? "fastens" : "fasten",
+        listed(bodies), listed(components), one ? "is" : "are", one ? "it carries" : "they carry",
+        one ? "its" : "their");
+  }
   return fmt::format(
       "warning: {} {} ({} deformable element{}) {} bodies {} and {} not modelled: the force {} as these bodies move is "
       "missing in the balance; put springs between the bodies in {} place if it matters",
@@ -229,6 +241,20 @@ void add_ends(const JointModel& model, const std::string& surface, const Layer& 
   }
 }
 
+/// Nodes that the model holds where the layer's law has no place for it.
+void add_held_elsewhere(const JointModel& model, const std::string& surface, const Layer& layer,
+                        std::vector<std::string>& lines) {
+  for (const HeldNodes& held : layer.held_elsewhere) {
+    std::vector<int> nodes;
+    for (const int node : held.nodes) nodes.push_back(model.node_ids[at(node)]);
+    const char axis = "xyz"[held.component];
+    add_once(lines, fmt::format("warning: surface \"{}\": {} node{} of its layer ({}) {} held in {}, in no plane of "
+                                "symmetry across {}: that hold is left out, so the layer is softer there than in FEBio",
+                                surface, nodes.size(), nodes.size() == 1 ? "" : "s", number_list(nodes),
+                                nodes.size() == 1 ? "is" : "are", axis, axis));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint, const Wording& wording) {
@@ -254,6 +280,7 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
       const std::string& surface = model.surfaces[at(layer.surface)].name;
       add_half_held(surface, layer, lines);
       add_ends(model, surface, layer, lines);
+      add_held_elsewhere(model, surface, layer, lines);
       const std::string without = no_thickness(surface, layer, wording);
       if (!without.empty()) add_once(lines, without);
       const std::vector<std::size_t> doubtful = doubtful_vertices(layer);
