@@ -461,7 +461,7 @@ XpltState plot_state(const JointModel& model, const Joint& joint, const PlotHead
   const Equilibrium& e = result.equilibrium;
   XpltState state;
   state.time = number(result.when.time);
-  state.status = solved(e.outcome) ? 0 : 1;
+  state.status = solved(e.outcome) ? kStatusConverged : kStatusNotConverged;
   state.element_flags.assign(head.elements, 1);
   state.variables.resize(head.file.variables.size());
   std::vector<float> displacements;

@@ -61,7 +61,10 @@ const XpltMesh& mesh_of(const ResultFile& result, int state) {
   return result.xplt.meshes[at(result.xplt.states[at(state)].mesh)];
 }
 
-bool is_solution(const ResultFile& result, int state) { return result.xplt.states[at(state)].status == 0; }
+bool is_solution(const ResultFile& result, int state) {
+  const XpltState& s = result.xplt.states[at(state)];
+  return s.status != kStatusNotConverged || s.time == 0.0F;  // FEBio writes its start so, of which nothing was solved
+}
 
 std::string no_solution_warning(const ResultFile& result, int state) {
   return fmt::format("warning: {}: the state at time {} is no solution; do not use its numbers", result.path,

@@ -97,9 +97,12 @@ struct XpltRegion {
   bool operator==(const XpltRegion&) const = default;
 };
 
+/// Statuses of a state, as FEBio writes them; 1: converged, and the first after a new mesh.
+inline constexpr int kStatusConverged = 0, kStatusNotConverged = 2;
+
 struct XpltState {
   float time = 0;
-  int status = 0;                                  ///< 0: converged
+  int status = kStatusConverged;
   std::vector<std::uint32_t> element_flags;        ///< one per element in file order; empty: section left out
   std::vector<std::vector<XpltRegion>> variables;  ///< one per dictionary entry, in the dictionary's order
   std::vector<XpltObjectState> objects;            ///< one per object of the first mesh, or empty

@@ -446,7 +446,7 @@ TEST(ReportPage, FramesSayWhichStatesAreNoSolution) {
     return test::make_dome_result(name, name, dome, times, {{"contact pressure", test::wandering(5, 6, 0)}});
   };
   std::vector<ResultFile> files = {at("a", {0.5, 1}), at("b", {0.5, 1})};
-  files[1].xplt.states[1].status = 1;
+  files[1].xplt.states[1].status = kStatusNotConverged;
   const Json frames = PageParts(page_of(files)).report["frames"];
   ASSERT_EQ(frames.size(), 2u);
   EXPECT_EQ(frames[0]["unsolved"], Json::array());

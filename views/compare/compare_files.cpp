@@ -699,7 +699,7 @@ XpltFile make_compare_file(const std::vector<ResultFile>& files, const CompareOp
     XpltState state;
     state.time = own.time;
     for (std::size_t i = 0; i < files.size(); ++i)
-      if (pair[i] >= 0 && !is_solution(files[i], pair[i])) state.status = 1;
+      if (pair[i] >= 0 && !is_solution(files[i], pair[i])) state.status = kStatusNotConverged;
     state.element_flags = own.element_flags;
     state.objects = own.objects;
     state.variables.resize(out.variables.size());
