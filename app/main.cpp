@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <exception>
 #include <new>
 #include <sstream>
@@ -101,6 +102,16 @@ std::string unknown_options(const CLI::App& command, int argc, char** argv) {
   return text;
 }
 
+/// Is `word` there as a whole, not as a part of another one?
+bool has_word(const std::string& text, const std::string& word) {
+  const auto joins = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_'; };
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || !joins(text[at - 1])) && (end == text.size() || !joins(text[end]))) return true;
+  }
+  return false;
+}
+
 /// "smooth", which no option takes as its value: it was to be --smooth. `fault`: names what was not expected.
 std::string option_without_dashes(const CLI::App& command, int argc, char** argv, const std::string& fault) {
   std::vector<std::string> names;
@@ -108,7 +119,7 @@ std::string option_without_dashes(const CLI::App& command, int argc, char** argv
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i], option = "--" + word;
-    if (fault.find(word) != std::string::npos && std::find(names.begin(), names.end(), option) != names.end())
+    if (has_word(fault, word) && std::find(names.begin(), names.end(), option) != names.end())
       return fmt::format("found \"{}\" (did you mean \"{}\"?)", word, option);
   }
   return "";

@@ -291,7 +291,13 @@ std::set<std::vector<int>> facets_of(const dea::Surface& surface) {
   return facets;
 }
 
-/// The facets that a side of one contact shares with a side of the other, where their other sides are on one body.
+/// Cartilage, as the contact states it; a bare surface may be pressed by several contacts.
+bool has_layer(const dea::Contact& c, int side) {
+  const dea::DeaLayer& layer = c.dea->layers[side];
+  return layer.E && !(layer.thickness && *layer.thickness == 0.0);
+}
+
+/// The facets that a layer of one contact shares with a layer of the other, where their other sides are on one body.
 /// `body_of`: per model node.
 int shared_facets(const dea::JointModel& model, const dea::Contact& a, const dea::Contact& b,
                   const std::function<int(int)>& body_of) {
@@ -300,7 +306,9 @@ int shared_facets(const dea::JointModel& model, const dea::Contact& a, const dea
   const auto body = [&](int surface) { return body_of(model.surfaces[at(surface)].nodes.front()); };
   for (int i = 0; i < 2; ++i)
     for (int k = 0; k < 2; ++k) {
-      if (body(of_a[i]) != body(of_b[k]) || body(of_a[1 - i]) != body(of_b[1 - k])) continue;
+      if (!has_layer(a, i) || !has_layer(b, k) || body(of_a[i]) != body(of_b[k]) ||
+          body(of_a[1 - i]) != body(of_b[1 - k]))
+        continue;
       const std::set<std::vector<int>> one = facets_of(model.surfaces[at(of_a[i])]);
       for (const std::vector<int>& facet : facets_of(model.surfaces[at(of_b[k])]))
         shared += static_cast<int>(one.count(facet));
@@ -326,8 +334,8 @@ void refuse_doubled_contacts(const dea::JointModel& model, const std::function<i
       if (!complete(a) || !complete(b) || !dea::at_same_time(a.step, b.step)) continue;
       if (const int shared = shared_facets(model, a, b, body_of); shared > 0)
         throw dea::fault_at(model, {0, 0},
-                            fmt::format("contacts \"{}\" and \"{}\" both press {} facets, which would count twice; "
-                                        "give each facet to one of them, or remove one",
+                            fmt::format("contacts \"{}\" and \"{}\" both press {} of the same layer's facets, which "
+                                        "would count twice; give each facet to one of them, or remove one",
                                         a.name, b.name, shared));
     }
   }

@@ -241,9 +241,6 @@ void read_materials(Reading& reading) {
     if (material.rigid) {
       if (flag(*fe, "override_com"))
         material.center_of_mass = vector_of(need_parameter(reading, *fe, "center_of_mass").value<vec3d>());
-      if (need_parameter(reading, *fe, "parent_id").value<int>() >= 0)
-        unsupported(reading, fmt::format("<parent_id> of rigid body {}", quote(material.name)),
-                    "give its elements the parent's material: both are one body then");
       material.note = "rigid body";
     } else {
       // FEBio's reader has added nested k of old files already.

@@ -357,6 +357,19 @@ TEST(SamplesPlateaus, CompartmentsShareTheLoadAsALever) {
   }
 }
 
+// From a gap the load leads it down, however high above the condyles it acts: it does not turn on the way.
+TEST(SamplesPlateaus, AFemurAboveThePlateausComesDownOnThem) {
+  for (const double gap : {1.0, 4.0})
+    for (const Vector3d& point : {Vector3d(2, 0, 50), Vector3d(-2, 0, 80)}) {
+      Settings settings;
+      settings.placements = {{Placement::Kind::Move, "femur", {0, 0, gap}, 0.0}};
+      settings.load_at["femur"].point = point;
+      const StateResult state = analyse(sample("plateaus/plateaus.feb"), settings).states.back();
+      EXPECT_EQ(state.equilibrium.outcome, Outcome::Balanced) << gap << " " << point << state.equilibrium.message;
+      EXPECT_NEAR(std::abs(state.statistics[0].force.z()), 500.0, 0.01) << gap << " " << point;
+    }
+}
+
 // A femur put down on one plateau alone rolls over it until the other carries its share: on the way it stands on a ball
 // beside which the load acts, which is no stable balance.
 TEST(SamplesPlateaus, AFemurThatStandsOnOneCondyleComesDownOnBoth) {

@@ -244,9 +244,9 @@ std::string extension_of(const std::string& path) { return lower_case(fs::path(p
 
 std::string wrong_ending(const std::string& option, const std::string& path, const char* endings, const char* first) {
   const std::string extension = extension_of(path);
-  if (extension.empty())
-    return fmt::format("{} {}: found no ending, expected a name that ends in {}: {}{}", option, path, endings, path,
-                       first);
+  if (extension.empty() || extension == ".")
+    return fmt::format("{} {}: found no ending, expected a name that ends in {}: {}{}", option, path, endings,
+                       extension.empty() ? path : path.substr(0, path.size() - 1), first);
   return fmt::format("{} {}: found \"{}\", expected a name that ends in {}", option, path, extension, endings);
 }
 

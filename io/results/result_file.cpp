@@ -62,8 +62,8 @@ const XpltMesh& mesh_of(const ResultFile& result, int state) {
 }
 
 bool is_solution(const ResultFile& result, int state) {
-  const XpltState& s = result.xplt.states[at(state)];
-  return s.status != kStatusNotConverged || s.time == 0.0F;  // FEBio writes its start so, of which nothing was solved
+  // FEBio gives others than those that end a time step this status, too, converged or not
+  return result.xplt.software.rfind("FEBioDEA", 0) != 0 || result.xplt.states[at(state)].status != kStatusNotConverged;
 }
 
 std::string no_solution_warning(const ResultFile& result, int state) {

@@ -97,7 +97,7 @@ struct XpltRegion {
   bool operator==(const XpltRegion&) const = default;
 };
 
-/// Statuses of a state, as FEBio writes them; 1: converged, and the first after a new mesh.
+/// Statuses of a state, as FEBio writes them; 1: the first after a new mesh; 2: one that ends no time step.
 inline constexpr int kStatusConverged = 0, kStatusNotConverged = 2;
 
 struct XpltState {

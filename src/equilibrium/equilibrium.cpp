@@ -138,23 +138,28 @@ bool between_bodies(const Problem& problem, int body) {
   return others.size() > 1;
 }
 
-/// Neither a force of the model, nor a ligament, nor a joint acts on what the body is free to do, and it is free to go
-/// away.
+/// Neither a force of the model, nor a ligament, nor a joint acts on what the body is free to do, its contact pushes it
+/// where it is free to go, and most of what is out of balance is that.
 bool unloaded(const Problem& problem, const Evaluation& e, int body) {
   const std::size_t b = at(body);
   const BodyConditions& conditions = problem.load_case.bodies[b];
   bool goes = false;
+  double own = 0.0, all = 0.0;
+  const VectorXd residual = e.residual();
+  for (const int dof : problem.free)
+    if (dof % 6 < 3) all += residual[dof] * residual[dof];
   for (int k = 0; k < kDofs; ++k) {
     if (conditions.dofs[at(k)] != DofState::Free) continue;
-    goes = goes || k < 3;
     const Eigen::Index dof = 6 * static_cast<Eigen::Index>(body) + k;
+    goes = goes || (k < 3 && e.contact[dof] != 0.0);
+    if (k < 3) own += residual[dof] * residual[dof];
     if (e.external[dof] != 0.0 || e.ligaments[dof] != 0.0) return false;
   }
   for (std::size_t c = 0; c < problem.load_case.connector_active.size(); ++c) {
     const Connector& connector = problem.joint.connectors[c];
     if (problem.load_case.connector_active[c] && (connector.body_a == body || connector.body_b == body)) return false;
   }
-  return goes && !between_bodies(problem, body);
+  return goes && own >= 0.5 * all && !between_bodies(problem, body);
 }
 
 /// The first such body; -1: none.

@@ -119,18 +119,35 @@ Split split_directions(const Problem& problem, const Evaluation& e, const Singul
   return s;
 }
 
+/// Does a spring under pressure press a body that moves by this?
+bool moves_touched(const Problem& problem, const Evaluation& e, const VectorXd& motion) {
+  if (!touching(e)) return false;
+  const VectorXd all = on_all_dofs(problem, e, motion);
+  const double least = 1e-6 * all.lpNorm<Eigen::Infinity>();
+  for (std::size_t c = 0; c < e.springs.size(); ++c) {
+    const std::vector<double>& p = e.springs[c].pressure;
+    if (std::none_of(p.begin(), p.end(), [](double pressure) { return pressure > 0; })) continue;
+    for (const int body : {problem.beds.beds[c].source_body, problem.beds.beds[c].target_body})
+      if (all.segment<6>(6 * static_cast<Eigen::Index>(body)).lpNorm<Eigen::Infinity>() > least) return true;
+  }
+  return false;
+}
+
 /// Newton's step over the stiff directions, tested against the columns of `test`; and their least stiffness.
-/// `downhill`: along those of negative stiffness the load is followed, where Newton's step would go against it. While
-/// nothing touches that is the only way to what is to carry the load.
-void solve_stiff(const Sparse& K, const MatrixXd& stiff, const MatrixXd& test, const VectorXd& r, bool downhill,
-                 Directions& d) {
+/// Along those of negative stiffness the load is followed, where Newton's step would go against it, if the problem asks
+/// for that; or if no spring touches what moves so, for it is the only way to what is to carry the load. Where a flat
+/// direction is loaded, that one leads to it.
+void solve_stiff(const Problem& problem, const Evaluation& e, const Sparse& K, const MatrixXd& stiff,
+                 const MatrixXd& test, const VectorXd& r, Directions& d) {
   if (stiff.cols() == 0) return;
   d.newton = stiff * solve_least_norm(test.transpose() * K * stiff, test.transpose() * r);
   const MatrixXd projected = stiff.transpose() * K * stiff;
   const Eigenvalues parts = symmetric_eigen(0.5 * (projected + projected.transpose()));
   d.least_stiffness = parts.values[0];
-  for (Eigen::Index k = 0; downhill && k < parts.values.size() && parts.values[k] < 0; ++k) {
+  const bool any_drift = d.drift.squaredNorm() > 0.0;
+  for (Eigen::Index k = 0; k < parts.values.size() && parts.values[k] < 0; ++k) {
     const VectorXd unstable = stiff * parts.vectors.col(k);
+    if (!problem.downhill && (any_drift || moves_touched(problem, e, unstable))) continue;
     d.newton -= unstable * unstable.dot(d.newton);
     d.drift += unstable * unstable.dot(r);
     d.falls = true;
@@ -173,7 +190,7 @@ Directions split_stiff_from_flat(const Problem& problem, const Evaluation& e, co
     if (d.drift.squaredNorm() == 0.0) d.residual -= d.left_unbalanced * (d.left_unbalanced.transpose() * r);
   }
   if (dense) {
-    solve_stiff(K, split.stiff, asked, r, problem.downhill || !touching(e), d);
+    solve_stiff(problem, e, K, split.stiff, asked, r, d);
   } else {
     d.newton = bordered_step(K, d.left_unbalanced, split.flat, r);
     d.least_stiffness = least_symmetric_eigenvalue(K, split.flat, kDenseUnknowns);

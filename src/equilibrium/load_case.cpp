@@ -233,14 +233,25 @@ void set_motions(const Instant& now, LoadCase& c) {
     BodyConditions& body = c.bodies[at(b)];
     const double value = finite_value(now, p.value, p.origin);
     const RigidPrescribed*& other = before[{b, p.dof}];
-    if (other != nullptr && other->material != p.material && value != body.value[p.dof])
-      throw fault_at(
-          now.model, p.origin,
-          say("\"{}\" and \"{}\" prescribe {} of materials \"{}\" and \"{}\" otherwise at time {} ({:.4g} and {:.4g}), "
-              "but these share nodes and are one body here;",
-              other->name, p.name, kDofNames[p.dof], now.model.materials[at(other->material)].name,
-              now.model.materials[at(p.material)].name, time_text(now.time), body.value[p.dof], value),
-          "take one out, or mesh the bones apart");
+    if (other != nullptr && other->material != p.material &&
+        !(std::abs(value - body.value[p.dof]) <= 1e-9 * std::max(std::abs(value), std::abs(body.value[p.dof]))))
+      throw fault_at(now.model, p.origin,
+                     say("\"{}\" and \"{}\" prescribe {} of materials \"{}\" and \"{}\" differently at time {} ({:.4g} "
+                         "and {:.4g}), "
+                         "but these share nodes and are one body here;",
+                         other->name, p.name, kDofNames[p.dof], now.model.materials[at(other->material)].name,
+                         now.model.materials[at(p.material)].name, time_text(now.time), body.value[p.dof], value),
+                     "take one out, or mesh the bones apart");
+    for (const RigidFixed& f : now.model.rigid_fixed)
+      if (f.material != p.material && value != 0 && now.acts(f.step) && joint.body_of(f.material) == b &&
+          f.dofs[at(p.dof)])
+        throw fault_at(
+            now.model, p.origin,
+            say("\"{}\" prescribes {} of material \"{}\", and \"{}\" fixes it of \"{}\", but these share nodes "
+                "and are one body here;",
+                p.name, kDofNames[p.dof], now.model.materials[at(p.material)].name, f.name,
+                now.model.materials[at(f.material)].name),
+            "take one out, or mesh the bones apart");
     other = &p;
     body.dofs[at(p.dof)] = DofState::Prescribed;
     body.value[p.dof] = value;

@@ -366,6 +366,7 @@ Solution newton(Problem& problem, Evaluation e, const EquilibriumOptions& option
   for (;;) {
     s.r = scaled_residual(problem, s.e);
     s.d = directions_at(s, s.r);
+    s.passes_by = s.passes_by && s.d.falls;
     s.size = s.d.residual.norm();
     s.most_load = std::max(s.most_load, s.e.load);
     if (press_more_closely(s)) continue;

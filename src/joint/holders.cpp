@@ -224,7 +224,7 @@ std::string in_words(const JointModel& model, int contact, const FarTie& far) {
       ties_by_search_radius(c.type) ? "a larger <search_radius> (1 if it is not given)" : "a larger <max_distance>");
 }
 
-std::vector<std::string> holds_of_some_steps(const JointModel& model, const Bodies& bodies,
+std::vector<std::string> holds_of_some_steps(const JointModel& model, const Holders& holders,
                                              const std::vector<int>& region, const std::vector<int>& moved) {
   std::vector<std::string> found;
   const auto steps = static_cast<int>(model.steps.size());
@@ -232,50 +232,40 @@ std::vector<std::string> holds_of_some_steps(const JointModel& model, const Bodi
     if (in.count(-1) > 0 || static_cast<int>(in.size()) == steps) return;
     std::vector<int> numbers;
     for (const int step : in) numbers.push_back(step + 1);
-    found.push_back(fmt::format("{} in step {} of {} alone, here in all of them", what, number_list(numbers), steps));
+    found.push_back(fmt::format("{} {} of the model; dea takes that for all steps", what,
+                                in.empty() ? "in none of the steps" : "in step " + number_list(numbers) + " only"));
   };
-  const auto soft = [&](int node) { return region[at(node)] >= 0; };
 
-  std::map<std::set<int>, int> fixed;  // steps in which nodes are held -> how many
-  std::map<int, std::array<std::set<int>, 3>> per_node;
+  std::map<int, std::array<std::set<int>, 3>> per_node;  // steps in which its components are fixed
   for (const FixedNodes& f : model.fixed_nodes)
     for (const int node : f.nodes)
-      if (soft(node) && bodies.of_node[at(node)] < 0 && moved[at(node)] < 0)
+      if (holders.fixed[at(node)] && region[at(node)] >= 0 && moved[at(node)] < 0)
         for (std::size_t k = 0; k < 3; ++k)
           if (f.xyz[k]) per_node[node][k].insert(f.step);
+  std::map<std::set<int>, int> fixed;  // steps in which nodes are held -> how many
   for (const auto& entry : per_node) {
     std::set<int> in;
-    const auto held = [&](const std::set<int>& component, int step) {
-      return component.count(-1) > 0 || component.count(step) > 0;
-    };
     for (int step = 0; step < steps; ++step)
-      if (held(entry.second[0], step) && held(entry.second[1], step) && held(entry.second[2], step)) in.insert(step);
-    if (std::none_of(entry.second.begin(), entry.second.end(), [](const std::set<int>& c) { return c.empty(); }))
-      ++fixed[in];
+      if (std::all_of(entry.second.begin(), entry.second.end(), [&](const std::set<int>& component) {
+            return component.count(-1) > 0 || component.count(step) > 0;
+          }))
+        in.insert(step);
+    ++fixed[in];
   }
   for (const auto& [in, count] : fixed)
-    if (!in.empty()) tell(fmt::format("{} nodes of deformable parts are fixed in x, y and z", count), in);
+    tell(count == 1 ? "1 node of a deformable part is fixed in x, y and z at once"
+                    : fmt::format("{} nodes of deformable parts are fixed in x, y and z at once", count),
+         in);
 
-  std::map<std::pair<int, std::vector<int>>, std::set<int>> sets;
-  for (const RigidNodes& set : model.rigid_nodes)
-    if (std::any_of(set.nodes.begin(), set.nodes.end(), soft)) sets[{set.material, set.nodes}].insert(set.step);
-  for (const RigidNodes& set : model.rigid_nodes)
-    if (const auto steps_of = sets.find({set.material, set.nodes}); steps_of != sets.end()) {
-      tell(fmt::format("rigid node set \"{}\" holds its nodes", set.name), steps_of->second);
-      sets.erase(steps_of);
-    }
-
-  std::map<std::pair<int, int>, std::set<int>> ties;
-  const auto tied = [](const Contact& c) {
-    return c.kind == Contact::Kind::Tied && c.primary >= 0 && c.secondary >= 0;
-  };
-  for (const Contact& c : model.contacts)
-    if (tied(c)) ties[{c.primary, c.secondary}].insert(c.step);
-  for (const Contact& c : model.contacts)
-    if (const auto steps_of = ties.find({c.primary, c.secondary}); tied(c) && steps_of != ties.end()) {
-      tell(fmt::format("contact \"{}\" ties its surfaces", c.name), steps_of->second);
-      ties.erase(steps_of);
-    }
+  std::map<std::string, std::set<int>> ties;  // those that hold a part, by their name
+  for (const Contact& c : model.contacts) {
+    if (c.kind != Contact::Kind::Tied) continue;
+    const std::string how = fmt::format("tied contact \"{}\" ", c.name);
+    for (const auto& part : holders.of_region)
+      for (const auto& by : part.second)
+        if (by.second.rfind(how, 0) == 0) ties[c.name].insert(c.step);
+  }
+  for (const auto& [name, in] : ties) tell(fmt::format("contact \"{}\" ties its surfaces", name), in);
   return found;
 }
 

@@ -40,8 +40,8 @@ std::string in_words(const JointModel& model, int contact, const FarTie& far);
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
                      const std::vector<int>& moved);
 
-/// What holds deformable parts in some steps only: it counts in all. A sentence each.
-std::vector<std::string> holds_of_some_steps(const JointModel& model, const Bodies& bodies,
+/// Fixed nodes and ties that hold deformable parts in some steps only: they count in all. A sentence each.
+std::vector<std::string> holds_of_some_steps(const JointModel& model, const Holders& holders,
                                              const std::vector<int>& region, const std::vector<int>& moved);
 
 }  // namespace dea

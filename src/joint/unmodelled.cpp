@@ -41,6 +41,24 @@ std::vector<char> nodes_of_layers(const ModelParts& parts, const std::vector<Con
   return in_layer;
 }
 
+/// What fixed nodes leave no way of a bone that the user takes as rigid: three of them in one component, as in a plane
+/// of symmetry, hold it along that axis and about the other two.
+std::array<bool, kDofs> held_by_nodes(const ModelParts& parts, int body) {
+  std::array<bool, kDofs> held = {};
+  const std::vector<int>& materials = parts.bodies.bodies[at(body)].materials;
+  if (std::all_of(materials.begin(), materials.end(), [&](int m) { return parts.model.materials[at(m)].rigid; }))
+    return held;  // FEBio passes over fixed nodes of its own rigid bodies
+  std::array<std::set<int>, 3> nodes;
+  for (const FixedNodes& f : parts.model.fixed_nodes)
+    for (const int node : f.nodes)
+      if (parts.bodies.of_node[at(node)] == body)
+        for (std::size_t k = 0; k < 3; ++k)
+          if (f.xyz[k]) nodes[k].insert(node);
+  for (std::size_t k = 0; k < 3; ++k)
+    if (nodes[k].size() >= 3) held[k] = held[3 + (k + 1) % 3] = held[3 + (k + 2) % 3] = true;
+  return held;
+}
+
 /// The dofs of a body that no step leaves free.
 std::array<bool, kDofs> dofs_never_free(const ModelParts& parts, int body, bool prescribed_too) {
   const Body& b = parts.bodies.bodies[at(body)];
@@ -52,23 +70,26 @@ std::array<bool, kDofs> dofs_never_free(const ModelParts& parts, int body, bool 
   const auto of_body = [&](int material) {
     return std::find(b.materials.begin(), b.materials.end(), material) != b.materials.end();
   };
-  for (const auto& [name, free] : parts.settings.free)
-    if (body_by_name(parts.model, parts.bodies.bodies, name) == body) {
-      for (std::size_t k = 0; k < never.size(); ++k) never[k] = !free[k];
-      return never;
-    }
+  if (b.materials.empty()) {  // nodes that are moved together
+    never.fill(prescribed_too);
+    return never;
+  }
   const auto steps = static_cast<int>(parts.model.steps.size());
+  const std::array<bool, kDofs>* free = nullptr;
+  for (const auto& [name, dofs] : parts.settings.free)
+    if (body_by_name(parts.model, parts.bodies.bodies, name) == body) free = &dofs;
+  const std::array<bool, kDofs> by_nodes = held_by_nodes(parts, body);
   for (int dof = 0; dof < kDofs; ++dof) {
     std::set<int> given;
     const auto add = [&](int step) {
       for (int s = 0; s < steps; ++s)
         if (step < 0 || step == s) given.insert(s);
     };
+    if (free != nullptr ? !(*free)[at(dof)] : by_nodes[at(dof)]) add(-1);
     for (const RigidFixed& fixed : parts.model.rigid_fixed)
-      if (fixed.dofs[at(dof)] && of_body(fixed.material)) add(fixed.step);
-    if (prescribed_too)
-      for (const RigidPrescribed& moved : parts.model.rigid_prescribed)
-        if (moved.dof == dof && of_body(moved.material)) add(moved.step);
+      if (free == nullptr && fixed.dofs[at(dof)] && of_body(fixed.material)) add(fixed.step);
+    for (const RigidPrescribed& moved : parts.model.rigid_prescribed)
+      if (prescribed_too && moved.dof == dof && of_body(moved.material)) add(moved.step);
     never[at(dof)] = static_cast<int>(given.size()) == steps && steps > 0;
   }
   return never;

@@ -186,9 +186,14 @@ std::array<bool, 6> parse_dofs(Text text) {
   if (lower_case(text) == "none") return free;
   for (Text word : split_at_commas(text)) {
     const auto found = std::find(std::begin(kDofNames), std::end(kDofNames), word);
-    if (found == std::end(kDofNames))
-      throw BadValue(fmt::format("found \"{}\"{}, expected some of x,y,z,Ru,Rv,Rw, or none", text,
-                                 did_you_mean(word, {std::begin(kDofNames), std::end(kDofNames)}, kDofAliases)));
+    if (found == std::end(kDofNames)) {
+      std::string meant = did_you_mean(word, {std::begin(kDofNames), std::end(kDofNames)}, kDofAliases);
+      const std::string small = lower_case(word);
+      if (small == "rx" || small == "ry" || small == "rz")  // in FEBio a way along x, elsewhere often a turn about it
+        meant = fmt::format(" ({0} is the way along {0}, {1} the turn about it)", small[1],
+                            kDofNames[3 + (small[1] - 'x')]);
+      throw BadValue(fmt::format("found \"{}\"{}, expected some of x,y,z,Ru,Rv,Rw, or none", text, meant));
+    }
     free[static_cast<std::size_t>(found - std::begin(kDofNames))] = true;
   }
   return free;
@@ -555,19 +560,10 @@ const SettingOption* find_setting_option(const std::string& name) {
 }
 
 Aliases setting_aliases() {
-  static constexpr Alias kAliases[] = {{"modulus", "E"},
-                                       {"young", "E"},
-                                       {"youngs-modulus", "E"},
-                                       {"elastic-modulus", "E"},
-                                       {"poisson", "nu"},
-                                       {"poissons-ratio", "nu"},
-                                       {"poisson-ratio", "nu"},
-                                       {"v", "nu"},
-                                       {"translate", "move"},
-                                       {"turn", "rotate"},
-                                       {"fix", "free"},
-                                       {"hold", "free"},
-                                       {"ligament-stiffness", "set"}};
+  static constexpr Alias kAliases[] = {
+      {"modulus", "E"},      {"young", "E"},           {"youngs-modulus", "E"},      {"elastic-modulus", "E"},
+      {"poisson", "nu"},     {"poissons-ratio", "nu"}, {"poisson-ratio", "nu"},      {"v", "nu"},
+      {"translate", "move"}, {"turn", "rotate"},       {"ligament-stiffness", "set"}};
   return kAliases;
 }
 

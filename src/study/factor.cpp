@@ -164,7 +164,7 @@ const SettingOption& factor_option(const std::string& name) {
   std::vector<std::string> names;
   for (const SettingOption& option : setting_options()) names.emplace_back(option.name);
   throw BadValue(fmt::format("found no setting \"{}\"{}, expected one such as E, rotate, force or thickness-scale",
-                             name, did_you_mean(name, names)));
+                             name, did_you_mean(name, names, setting_aliases())));
 }
 
 }  // namespace

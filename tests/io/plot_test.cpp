@@ -339,6 +339,7 @@ TEST(MapFigure, AStateWithoutASolutionSaysSo) {
   const PlotPatch p = sheet(4, 1, 4, 1);
   ResultFile a = result_of("a", p, {{0, 1, 1, 0}, {0, 9, 9, 0}}), b = result_of("b", p, {{0, 0, 0, 0}, {0, 2, 2, 0}});
   a.xplt.states[1].status = kStatusNotConverged;
+  a.xplt.software = "FEBioDEA 1.0.0";
   MapOptions o;
   o.states = "all";
   const MapFigure both = make_map_figure({a}, nullptr, o);

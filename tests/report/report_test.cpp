@@ -447,6 +447,7 @@ TEST(ReportPage, FramesSayWhichStatesAreNoSolution) {
   };
   std::vector<ResultFile> files = {at("a", {0.5, 1}), at("b", {0.5, 1})};
   files[1].xplt.states[1].status = kStatusNotConverged;
+  files[1].xplt.software = "FEBioDEA 1.0.0";
   const Json frames = PageParts(page_of(files)).report["frames"];
   ASSERT_EQ(frames.size(), 2u);
   EXPECT_EQ(frames[0]["unsolved"], Json::array());

@@ -199,6 +199,8 @@ TEST(Recognition, PartsBetweenABodyAndHeldNodesAreTold) {
   EXPECT_TRUE(found().empty());
   model.steps.push_back(model.steps.back());
   EXPECT_EQ(found().size(), 1u) << "free in the second step";
+  along.free["plate"] = {false, false, false, false, false, false};  // the model's prescribed motion stays
+  EXPECT_TRUE(make_joint(model, along).unmodelled.empty());
   model.rigid_nodes.back().material = base;
   EXPECT_TRUE(found().empty());
 }
@@ -209,24 +211,24 @@ TEST(Recognition, HoldsOfSomeStepsAreTold) {
   FixedNodes held;
   for (int i = 0; i < 25; ++i) held.nodes.push_back(i);
   held.xyz = {true, true, true};
-  held.step = 1;
-  model.fixed_nodes.push_back(held);
-  const std::string alone = "25 nodes of deformable parts are fixed in x, y and z in step 2 of 2 alone, here in all of";
-  model.steps.push_back(model.steps.back());
-  EXPECT_TRUE(told(model, alone));
   held.step = 0;
   model.fixed_nodes.push_back(held);
-  EXPECT_FALSE(told(model, "of deformable parts are fixed"));
-  RigidNodes set;
-  set.material = 1;
-  set.name = "glue";
-  set.nodes = held.nodes;
-  set.step = 0;
+  const std::string fixed = "25 nodes of deformable parts are fixed in x, y and z at once in ";
+  EXPECT_FALSE(told(model, fixed)) << "the only step";
+  model.steps.push_back(model.steps.back());
+  EXPECT_TRUE(told(model, fixed + "step 1 only of the model; dea takes that for all steps"));
+  held.step = 1;
+  model.fixed_nodes.push_back(held);
+  EXPECT_FALSE(told(model, fixed));
+  model.fixed_nodes[0].xyz = {true, true, false};
+  model.fixed_nodes[1].xyz = {false, false, true};
+  EXPECT_TRUE(told(model, fixed + "none of the steps of the model"));
   model.fixed_nodes.clear();
-  model.rigid_nodes = {set};
-  EXPECT_TRUE(told(model, "rigid node set \"glue\" holds its nodes in step 1 of 2 alone, here in all of them"));
-  model.rigid_nodes[0].step = -1;
-  EXPECT_FALSE(told(model, "rigid node set \"glue\" holds its nodes in step"));
+  tie(model, 1, 2);
+  const std::string ties = "contact \"tie\" ties its surfaces in step 2 only";
+  EXPECT_FALSE(told(model, ties));
+  model.contacts.back().step = 1;
+  EXPECT_TRUE(told(model, ties));
 }
 
 TEST(Recognition, TiesThatDeaDropsAreTold) {

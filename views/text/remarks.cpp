@@ -147,7 +147,11 @@ std::vector<std::size_t> doubtful_vertices(const Layer& layer) {
 std::string shows_where(const JointModel& model) {
   if (model.files.empty()) return "";
   const std::string& file = model.files.front();
-  return fmt::format("; `dea info {} -o {}_check.xplt` shows where", file, std::filesystem::path(file).stem().string());
+  const std::string out = std::filesystem::path(file).stem().string() + "_check.xplt";
+  const auto pasted = [](const std::string& name) {
+    return name.find_first_of(" \t'\"$&;()<>|*?") == std::string::npos ? name : "\"" + name + "\"";
+  };
+  return fmt::format("; `dea info {} -o {}` shows where", pasted(file), pasted(out));
 }
 
 /// Those of them that are farther than two thicknesses from any rim of the surface.
