@@ -5,6 +5,7 @@
 #include <cctype>
 #include <exception>
 #include <new>
+#include <set>
 #include <sstream>
 
 #include <febiodea/app/commands.h>
@@ -125,6 +126,20 @@ std::string option_without_dashes(const CLI::App& command, int argc, char** argv
   return "";
 }
 
+/// "--json --no-xplt" without a file between them. Empty: there is no such thing.
+std::string option_taken_for_value(const CLI::App& command) {
+  std::set<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.insert("--" + name);
+    for (const std::string& name : option->get_snames()) names.insert("-" + name);
+  }
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& value : option->results())
+      if (option->get_type_size() != 0 && names.count(value) > 0)
+        return fmt::format("{}: found the option {}, expected a value before it", option->get_name(), value);
+  return "";
+}
+
 /// The other faults of a model are counted: they may be many.
 std::string more_text(const InputError& e) {
   return e.others.empty() ? ""
@@ -204,6 +219,10 @@ int parse_and_run(int argc, char** argv) {
     return refuse(command + ": ", fmt::format("{} ({} --help lists the options)", fault, command), kWrongUse);
   }
 
+  for (const CLI::App* command : app.get_subcommands()) {
+    const std::string taken = option_taken_for_value(*command);
+    if (!taken.empty()) return refuse("dea " + command->get_name() + ": ", taken, kWrongUse);
+  }
   if (run_command->parsed()) return run(run_arguments);
   if (study_app->parsed()) return study(study_arguments);
   if (info_command->parsed()) return info(info_arguments);

@@ -183,6 +183,17 @@ void say_unloaded(const Problem& problem, int body, Equilibrium& result) {
                       NamedSetting{"force", name, "x,y,z"});
 }
 
+/// Where no contact acts at this time, that is why the surfaces part.
+void say_inactive(const Problem& problem, Equilibrium& result) {
+  const std::vector<char> active(problem.load_case.contact_active.begin(), problem.load_case.contact_active.end());
+  if (solved(result.outcome) ||
+      std::count(active.begin(), active.end(), 0) < static_cast<std::ptrdiff_t>(active.size()))
+    return;
+  result.message = fmt::format("no contact acts in this step: contact \"{}\" is of step {} alone;",
+                               problem.joint.contacts.front().name, problem.joint.contacts.front().step + 1);
+  result.advice = "let it act in all steps, or in this one too";
+}
+
 /// Whether the least stiffness is negative by more than facets leave of zero (E6b).
 bool is_unstable(const Problem& problem, const Solution& s) {
   constexpr double kNeutralLength = 1e4;  // of the least thickness; facets leave longer ones, the least seen was 6e4
@@ -243,6 +254,7 @@ Equilibrium solve_equilibrium(const Joint& joint, const SpringBeds& beds, const 
   Equilibrium result = to_equilibrium(problem, std::move(s.at), s.outcome, s.message);
   result.advice = std::move(s.advice);  // of outcomes that are no solution: no spring changes these
   if (idle >= 0 && result.outcome != Outcome::BeyondStrainLimit) say_unloaded(problem, idle, result);
+  say_inactive(problem, result);
   result.iterations = s.iterations;
   result.history = s.history;
   result.least_stiffness = s.directions.least_stiffness;

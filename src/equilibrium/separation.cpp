@@ -96,6 +96,7 @@ int springs_that_face(const Evaluation& e) {
 }  // namespace
 
 bool opposite_load_presses(const Problem& problem, const Evaluation& e) {
+  if (problem.joined()) return false;  // the joints may take the load either way
   const int facing = springs_that_face(e);
   const VectorXd load = -on_unknowns(problem, e, e.ligaments + e.external - problem.offset);
   if (facing == 0 || !(load.norm() > 0)) return false;

@@ -341,6 +341,7 @@ std::optional<Fault> add_contact(const ModelParts& parts, ContactPair pair, Foun
       layer.half_held = half_held_planes(parts, layer);
       layer.ends = ends_of(parts, layer);
       layer.held_elsewhere = held_without_plane(parts, layer);
+      layer.held_face = held_where_it_gives_way(parts, layer);
     }
   for (const Layer& layer : pair.layers) {
     const std::vector<Sentence> findings = layer_findings(parts, layer);

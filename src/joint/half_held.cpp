@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <utility>
 
 #include <febiodea/base/numbers.h>
@@ -81,12 +83,9 @@ std::vector<HeldNodes> held_without_plane(const ModelParts& parts, const Layer& 
         told.push_back(layer.face.mesh.corner(e.triangle, e.edge)[k]);
     HeldNodes held;
     held.component = k;
-    int own = 0, all_held = 0;
     for (const int node : layer.region_nodes) {
       if (parts.bodies.of_node[at(node)] >= 0 || !parts.holders.of_node[at(node)].empty()) continue;
-      ++own;
       if ((parts.holders.mirror[at(node)] >> k & 1) == 0) continue;
-      ++all_held;
       const Vector3d& x = parts.model.nodes[at(node)];
       const bool known =
           std::any_of(told.begin(), told.end(), [&](double at) { return std::abs(x[k] - at) <= near_by; }) ||
@@ -95,7 +94,46 @@ std::vector<HeldNodes> held_without_plane(const ModelParts& parts, const Layer& 
           });
       if (!known) held.nodes.push_back(node);
     }
-    if (!held.nodes.empty() && all_held < own) found.push_back(std::move(held));
+    if (!held.nodes.empty()) found.push_back(std::move(held));
+  }
+  return found;
+}
+
+std::vector<HeldFace> held_where_it_gives_way(const ModelParts& parts, const Layer& layer) {
+  constexpr double kCartilage = 0.1;  // of the mean thickness: thinner, the layer runs out to its bone
+  const auto holders_of = [&](int node) {
+    std::set<int> bodies(parts.holders.of_node[at(node)].begin(), parts.holders.of_node[at(node)].end());
+    if (parts.bodies.of_node[at(node)] >= 0) bodies.insert(parts.bodies.of_node[at(node)]);
+    return bodies;
+  };
+  HeldFace face;
+  face.body = layer.body;
+  face.on_face = true;
+  const SurfaceMesh& mesh = layer.articular;
+  if (layer.thickness.size() == mesh.vertices.size() && !layer.region_nodes.empty()) {
+    std::vector<char> on_rim(mesh.vertices.size(), 0);
+    for (int t = 0; t < mesh.size(); ++t)
+      for (int k = 0; k < 3; ++k)
+        if (mesh.neighbours[at(t)][at(k)] < 0)
+          on_rim[at(mesh.triangles[at(t)][at(k)])] = on_rim[at(mesh.triangles[at(t)][at((k + 1) % 3)])] = 1;
+    const double thick = kCartilage * layer.mean_thickness();
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      if (!on_rim[v] && layer.thickness[v] > thick && holders_of(mesh.model_nodes[v]).count(layer.body) > 0)
+        face.nodes.push_back(mesh.model_nodes[v]);
+  }
+  std::map<int, std::vector<int>> by_others;
+  for (const int node : layer.region_nodes) {
+    const std::set<int> bodies = holders_of(node);
+    if (bodies.count(layer.body) > 0) continue;
+    for (const int body : bodies) by_others[body].push_back(node);
+  }
+  std::vector<HeldFace> found;
+  if (!face.nodes.empty()) found.push_back(std::move(face));
+  for (auto& [body, nodes] : by_others) {
+    HeldFace other;
+    other.body = body;
+    other.nodes = std::move(nodes);
+    found.push_back(std::move(other));
   }
   return found;
 }

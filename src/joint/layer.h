@@ -33,6 +33,14 @@ struct HeldNodes {
   std::vector<int> nodes;
 };
 
+/// Nodes of a layer that a body holds where the layer is taken to give way: the pressed face itself, or nodes that
+/// another body than the layer's own holds.
+struct HeldFace {
+  int body = -1;         ///< index into Joint::bodies
+  bool on_face = false;  ///< of the articular face, inside its rim; else anywhere in the layer
+  std::vector<int> nodes;
+};
+
 /// Pieces of an articular surface that hang together, such as a tibia's plateaus (compartments.h).
 struct Compartments {
   std::vector<std::string> names;  ///< empty: the surface is one piece
@@ -73,6 +81,7 @@ struct Layer {
   std::vector<HalfHeldPlane> half_held;     ///< of a layer
   std::vector<PartEnd> ends;                ///< of its deformable part, at which nodes are held
   std::vector<HeldNodes> held_elsewhere;    ///< by the ground, at no plane of symmetry (half_held.h)
+  std::vector<HeldFace> held_face;          ///< where the layer gives way all the same (half_held.h)
   Compartments compartments;
   std::vector<Sentence> notes;  ///< what the user should know of it, a sentence each
   LayerFace face;               ///< of a layer whose springs stand on the articular surface; else empty

@@ -49,17 +49,20 @@ Fault missing_constants(const ContactSide& in, int material, const Elasticity& e
   const bool by_contact =
       in.contact.dea && !both &&
       in.contact.dea->layers[in.side].E.has_value() != in.contact.dea->layers[in.side].nu.has_value();
-  const std::string who = by_contact ? fmt::format("the contact gives {}, and", no_E ? "nu" : "E")
-                          : m        ? fmt::format("material \"{}\" (type {})", m->name, m->type)
-                                     : "the rigid surface";
-  const std::string note = by_contact ? "" : m ? m->note : "no cartilage material";
+  const std::string who = by_contact       ? fmt::format("the contact gives {}, and", no_E ? "nu" : "E")
+                          : m              ? fmt::format("material \"{}\" (type {})", m->name, m->type)
+                          : in.contact.dea ? "the contact"
+                                           : "the rigid surface";
+  const std::string note = by_contact || (m == nullptr && in.contact.dea) ? "" : m ? m->note : "no cartilage material";
   const Sentence found = say("contact \"{}\", surface \"{}\": {} {} {}{};", in.contact.name, in.surface.name, who,
                              by_contact ? "no" : "gives no",
                              both   ? "E and nu"
                              : no_E ? "E"
                                     : "nu",
                              note.empty() ? "" : " (" + note + ")");
-  const Origin origin = by_contact ? in.contact.origin : m ? m->origin : in.surface.origin;
+  const Origin origin = m != nullptr && !by_contact ? m->origin
+                        : in.contact.dea            ? in.contact.origin
+                                                    : in.surface.origin;
   const bool for_all = m == nullptr && in.parts.settings.thickness.count(in.surface.name) == 0 && !in.contact.dea;
   if (for_all)
     return make_fault(model, origin, found,

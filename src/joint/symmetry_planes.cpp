@@ -128,6 +128,27 @@ std::vector<PartEnd> ends_of_part(const Search& in, int region, const Part& part
   return ends;
 }
 
+/// Does a contact press the part there? Then it is its face that is held, and no plane of symmetry.
+bool is_pressed(const Search& in, int region, const SymmetryPlane& plane) {
+  const auto there = [&](int node) {
+    return in.region[at(node)] == region &&
+           std::abs(in.model.nodes[at(node)][plane.axis] - plane.at) <= 2 * in.same_plane;
+  };
+  for (const Contact& c : in.model.contacts) {
+    if (c.kind != Contact::Kind::Sliding) continue;
+    for (const int s : {c.primary, c.secondary}) {
+      if (s < 0) continue;
+      const Surface& surface = in.model.surfaces[at(s)];
+      int facets = 0;
+      for (int f = 0; f < surface.size(); ++f)
+        facets += std::all_of(surface.nodes.begin() + surface.begin[at(f)],
+                              surface.nodes.begin() + surface.begin[at(f + 1)], there);
+      if (2 * facets > surface.size()) return true;
+    }
+  }
+  return false;
+}
+
 /// The component in which an end is held that is no plane of symmetry: a fifth of its nodes or more, and the part
 /// hardly anywhere else but at the end across from it. Nodes in planes of symmetry across that component are theirs.
 int held_instead(const Search& in, const Part& part, const std::vector<PartEnd>& ends, const SymmetryPlane& plane) {
@@ -186,6 +207,11 @@ std::vector<PartEnd> find_part_ends(const JointModel& model, const std::vector<i
   std::vector<PartEnd> found;
   for (const auto& [number, part] : find_all_parts(in)) {
     std::vector<PartEnd> ends = ends_of_part(in, number, part);
+    for (PartEnd& end : ends)
+      if (end.is_plane && is_pressed(in, number, end.plane)) {
+        end.is_plane = false;
+        end.forgotten.clear();
+      }
     for (PartEnd& end : ends)
       if (!end.is_plane) end.instead = held_instead(in, part, ends, end.plane);
     for (PartEnd& end : ends)

@@ -8,8 +8,8 @@
 
 namespace dea {
 
-/// Ligaments, discs, capsules of solids, shells or trusses, no layer of a contact: fastened to two bodies or more, or to
-/// one that can move and to the ground in some components.
+/// Ligaments, discs, capsules of solids, shells or trusses, no layer of a contact: fastened to two bodies or more, or
+/// to one that can move and to the ground in some components.
 struct UnmodelledPart {
   std::vector<std::string> names;  ///< of the domains
   int elements = 0;

@@ -1149,8 +1149,36 @@ TEST(Planes, NodesHeldWhereNoPlaneIsAreTold) {
   EXPECT_EQ(found(hold(both, 2, [](const Vector3d& x) { return x.x() == 4 && x.y() == 2; })), (Found{{2, 2}}));
   EXPECT_EQ(found(hold(both, 1, [](const Vector3d& x) { return x.x() == 4 && x.y() == 2 && x.z() == 0; })),
             (Found{{1, 1}}));
-  // a slice between two planes, all of it held along them
-  EXPECT_EQ(found(held_block(6, 6, 1, [](const Vector3d&) { return true; })), Found());
+  // between two planes all of it is held along them: the inner five of seven rows, above the bone
+  EXPECT_EQ(found(held_block(6, 6, 1, [](const Vector3d&) { return true; })), (Found{{1, 7 * 5 * 2}}));
+  // the pressed face itself is no plane
+  const JointModel face = held_block(6, 6, 2, [](const Vector3d& x) { return x.z() == 0; });
+  EXPECT_TRUE(make_joint(face, {}).symmetry_planes.empty());
+  EXPECT_EQ(found(face), (Found{{2, 49}}));
+}
+
+// Glued to its own bone the pressed face cannot give way, though its springs do; its rim may be, as in a bowl of bone.
+TEST(Recognition, APressedFaceThatIsHeldIsTold) {
+  const auto found = [](const std::function<bool(const Vector3d&)>& where, int body, const std::string& attach = "") {
+    JointModel model = held_block(6, 6, 0, [](const Vector3d&) { return false; });
+    RigidNodes glue;
+    glue.material = body;
+    for (std::size_t i = 0; i < model.nodes.size(); ++i)
+      if (where(model.nodes[i]) && model.nodes[i].z() <= 0) glue.nodes.push_back(static_cast<int>(i));
+    model.rigid_nodes.push_back(glue);
+    Settings settings;
+    if (!attach.empty()) settings.attach["layer"] = attach;
+    return make_joint(model, settings).contacts[0].layers[1].held_face;
+  };
+  const auto on_top = [](const Vector3d& x) { return x.z() == 0; };
+  ASSERT_EQ(found(on_top, 1).size(), 1u);
+  EXPECT_TRUE(found(on_top, 1)[0].on_face);
+  EXPECT_EQ(found(on_top, 1)[0].nodes.size(), 25u);
+  EXPECT_TRUE(found([](const Vector3d& x) { return x.x() == 0; }, 1).empty());
+  const std::vector<HeldFace> by_plate = found([](const Vector3d& x) { return x.x() == 8 && x.z() > -0.9; }, 2, "bone");
+  ASSERT_EQ(by_plate.size(), 1u);
+  EXPECT_FALSE(by_plate[0].on_face);
+  EXPECT_EQ(by_plate[0].nodes.size(), 14u);
 }
 
 // Noise that is wider than a thousandth of the facets leaves no plane, not one of the three outermost nodes either.

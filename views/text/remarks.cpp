@@ -259,6 +259,27 @@ void add_held_elsewhere(const JointModel& model, const std::string& surface, con
   }
 }
 
+/// Nodes that are held where the springs give way.
+void add_held_face(const JointModel& model, const Joint& joint, const std::string& surface, const Layer& layer,
+                   std::vector<std::string>& lines) {
+  for (const HeldFace& held : layer.held_face) {
+    std::vector<int> nodes;
+    for (const int node : held.nodes) nodes.push_back(model.node_ids[at(node)]);
+    const bool one = nodes.size() == 1;
+    const std::string which = fmt::format("surface \"{}\": {} node{} of its {} ({})", surface, nodes.size(),
+                                          one ? "" : "s", held.on_face ? "pressed face" : "layer", number_list(nodes));
+    const std::string& body = joint.bodies[at(held.body)].name;
+    add_once(
+        lines,
+        held.on_face
+            ? fmt::format("warning: {} {} held by its own body \"{}\", with cartilage under {}: that hold is left out, "
+                          "and the face gives way there as elsewhere; hold the nodes of its bone face alone",
+                          which, one ? "is" : "are", body, one ? "it" : "them")
+            : fmt::format("warning: {} {} held by body \"{}\", not by its own, \"{}\": that hold is left out", which,
+                          one ? "is" : "are", body, joint.bodies[at(layer.body)].name));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint, const Wording& wording) {
@@ -285,6 +306,7 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
       add_half_held(surface, layer, lines);
       add_ends(model, surface, layer, lines);
       add_held_elsewhere(model, surface, layer, lines);
+      add_held_face(model, joint, surface, layer, lines);
       const std::string without = no_thickness(surface, layer, wording);
       if (!without.empty()) add_once(lines, without);
       const std::vector<std::size_t> doubtful = doubtful_vertices(layer);
@@ -346,14 +368,18 @@ void add_large_turns(const JointModel& model, const Joint& joint, const SolvedSt
     if (!result.free_to_turn[b]) continue;
     const Eigen::AngleAxisd turn(e.poses[b].rotation * result.start[b].rotation.transpose());
     const double degrees = turn.angle() * kDegreesPerRadian;
-    if (degrees > 20.0 + prescribed)
-      add_once(
-          lines,
-          fmt::format(
-              "warning: \"{}\" has turned by {:.0f} degrees about ({:.2f}, {:.2f}, {:.2f}): its rotations are hardly "
-              "resisted; to hold them type {}",
-              joint.bodies[b].name, degrees, turn.axis().x(), turn.axis().y(), turn.axis().z(),
-              wording({"free", joint.bodies[b].name, "x,y,z"})));
+    if (!(degrees > 20.0 + prescribed)) continue;
+    const bool jointed = std::any_of(joint.connectors.begin(), joint.connectors.end(), [&](const Connector& c) {
+      return c.body_a == static_cast<int>(b) || c.body_b == static_cast<int>(b);
+    });
+    const std::string turned =
+        fmt::format("\"{}\" has turned by {:.0f} degrees about ({:.2f}, {:.2f}, {:.2f})", joint.bodies[b].name, degrees,
+                    turn.axis().x(), turn.axis().y(), turn.axis().z());
+    if (jointed)  // to hold its rotations would lock the joint
+      add_once(lines, fmt::format("warning: {}, as its joints let it", turned));
+    else
+      add_once(lines, fmt::format("warning: {}: its rotations are hardly resisted; to hold them type {}", turned,
+                                  wording({"free", joint.bodies[b].name, "x,y,z"})));
   }
 }
 
@@ -436,6 +462,12 @@ void add_no_contact(const Joint& joint, const SolvedStates& result, const Wordin
                                 touches(last) ? ", and the surfaces have parted" : ", and nothing touches",
                                 wording({"force", one ? free.front() : "BODY", "x,y,z", "", !one})));
   }
+  if (solved(last.equilibrium.outcome) && last.equilibrium.outcome != Outcome::Prescribed && !parted(joint, last) &&
+      !touches(last))
+    add_once(lines, fmt::format(
+                        "warning: at time {} no contact carries any load, though the bodies balance: joints, ligaments "
+                        "or what holds the bodies take all of it; look at the load's direction and at the joints",
+                        time_text(last.when.time)));
   if (add_passed_through(joint, result, lines)) return;
   if (last.equilibrium.outcome == Outcome::Prescribed &&
       std::none_of(result.states.begin(), result.states.end(), touches))
