@@ -180,8 +180,10 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
   const std::vector<int> columns = load_columns(table, loads.columns);
   const std::array<std::string, 2> taken =
       units_taken(units, system ? system->force : "", system ? system->length : "");
-  const Sentence remedy = say("say what they are in with {}, or with {}", NamedSetting{"load-units", "", "kN-m"},
-                              NamedSetting{"body-weight", "", "FORCE"});
+  const Sentence remedy = loads.body_weight
+                              ? say("with {} they are percent of it: leave that out", NamedSetting{"body-weight"})
+                              : say("say what they are in with {}, or with {}", NamedSetting{"load-units", "", "kN-m"},
+                                    NamedSetting{"body-weight", "", "FORCE"});
   const std::string force_unit = loads.body_weight ? "%bw" : taken[0].empty() ? "?" : taken[0];
   const std::vector<std::string> of_weight = {"%bw", "bw"};
   refuse_other_units(table, columns, 0, force_unit, force_unit == "?" ? of_weight : force_words(), remedy);
