@@ -1188,7 +1188,8 @@ TEST(Solved, APointOfALoadWithoutEffectIsTold) {
                 .find("warning: --load-at plate: it has no effect, for body \"plate\" is not free to turn\n"),
             std::string::npos);
   EXPECT_NE(told(kModel, {"--load-at", "base=0,0,1"})
-                .find("warning: --load-at base: it has no effect, for no force acts on body \"base\"; give one with "
+                .find("warning: --load-at base: it has no effect, for no rigid force acts on body \"base\" (other "
+                      "forces have points of their own); give one with "
                       "--force \"base=x,y,z\", or leave it out\n"),
             std::string::npos);
 }

@@ -155,10 +155,10 @@ std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joi
     });
     const NamedSetting given{.setting = "load-at", .of = name, .bare = true};
     if (!force)
-      idle.push_back(
-          say("{}: it has no effect, for body \"{}\" has no rigid force or --force for it (other forces have points of "
-              "their own); give one with {}, or leave it out",
-              given, joint.bodies[at(b)].name, NamedSetting{"force", name, "x,y,z"}));
+      idle.push_back(say(
+          "{}: it has no effect, for no rigid force acts on body \"{}\" (other forces have points of their own); give "
+          "one with {}, or leave it out",
+          given, joint.bodies[at(b)].name, NamedSetting{"force", name, "x,y,z"}));
     else if (!turns)
       idle.push_back(say("{}: it has no effect, for body \"{}\" is not free to turn", given, joint.bodies[at(b)].name));
   }

@@ -175,7 +175,8 @@ TEST(SettingWords, RefusalsSayWhatWasFoundAndExpected) {
   EXPECT_EQ(refusal("attach", "S"), "--attach S: found no '=', expected SURFACE=BODY");
   EXPECT_EQ(refusal("attach", "=B"), "--attach =B: found no name before '=', expected that of a surface");
   EXPECT_EQ(refusal("free", "femur=x,Rx"),
-            "--free femur=x,Rx: found \"x,Rx\", expected some of x,y,z,Ru,Rv,Rw, or none");
+            "--free femur=x,Rx: found \"x,Rx\" (x is the way along x, Ru the turn about it), expected some of "
+            "x,y,z,Ru,Rv,Rw, or none");
   EXPECT_EQ(refusal("load-at", "femur=middle"),
             "--load-at femur=middle: found \"middle\", expected three numbers x,y,z, or sphere-center");
   EXPECT_EQ(refusal("set", "80"), "--set 80: found no '=', expected NAME.PARAMETER=NUMBER");
