@@ -481,6 +481,9 @@ TEST(ContactDea, EveryFaultIsOneErrorAndAnExitCode) {
                     by = renamed.find("surface_pair=\"pair\"", second);
   ASSERT_NE(by, renamed.npos);
   renamed.replace(by, 19, "surface_pair=\"pair again\"");
+  const std::size_t map = renamed.find("<primary_thickness", by);  // one of "top"
+  ASSERT_NE(map, renamed.npos);
+  renamed.erase(map, renamed.find("</primary_thickness>", map) + 20 - map);
   expect(renamed, "both press ");
   expect(without(good, "primary_nu"), "<primary_E> without <primary_nu>; give both");
   std::string same_body = good;
@@ -497,6 +500,12 @@ TEST(ContactDea, ABodyThatLeavesAPlaneOfSymmetryIsAFault) {
       R"(<rigid_bc name="across" type="rigid_displacement"><rb>plate</rb><dof>x</dof><value lc="1">0.2</value></rigid_bc>)";
   std::string text = model_40(false, p);
   replace(text, "<rb>plate</rb><Rx_dof>1</Rx_dof>", "<rb>plate</rb>");
+  replace(text, ">-1,-1,0.1<", ">0,-1,0.1<");  // the plate ends there, too, with three nodes
+  replace(text, "-1,4,0.1</node>", "0,4,0.1</node><node id=\"23\">0,1.5,0.1</node><node id=\"24\">4,1.5,0.1</node>");
+  replace(text, "<elem id=\"5\">19,20,21,22</elem>",
+          "<elem id=\"5\">19,20,24,23</elem><elem id=\"6\">23,24,21,22</elem>");
+  replace(text, "<quad4 id=\"1\">19,20,21,22</quad4>",
+          "<quad4 id=\"1\">19,20,24,23</quad4><quad4 id=\"2\">23,24,21,22</quad4>");
   write(folder.path / "m.feb", text);
   convert(folder.path, "m.feb", "free.feb");
   std::string model = file_text(folder.path / "free.feb");
