@@ -85,11 +85,17 @@ std::string main_output(const CLI::App& command, const std::string& word) {
   return meant && command.get_option_no_throw("-o") != nullptr ? " (did you mean \"-o\"?)" : "";
 }
 
-/// "--lwa": the options on the command line that the command does not have, and those that may have been meant.
-std::string unknown_options(const CLI::App& command, int argc, char** argv) {
+/// Of its options, with their dashes.
+std::vector<std::string> long_names(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options())
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// "--lwa": the options on the command line that the command does not have, and those that may have been meant.
+std::string unknown_options(const CLI::App& command, int argc, char** argv) {
+  const std::vector<std::string> names = long_names(command);
   std::string text;
   for (int i = 1; i < argc; ++i) {
     const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
@@ -115,9 +121,7 @@ bool has_word(const std::string& text, const std::string& word) {
 
 /// "smooth", which no option takes as its value: it was to be --smooth. `fault`: names what was not expected.
 std::string option_without_dashes(const CLI::App& command, int argc, char** argv, const std::string& fault) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  const std::vector<std::string> names = long_names(command);
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i], option = "--" + word;
     if (has_word(fault, word) && std::find(names.begin(), names.end(), option) != names.end())
@@ -128,11 +132,10 @@ std::string option_without_dashes(const CLI::App& command, int argc, char** argv
 
 /// "--json --no-xplt" without a file between them. Empty: there is no such thing.
 std::string option_taken_for_value(const CLI::App& command) {
-  std::set<std::string> names;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.insert("--" + name);
+  const std::vector<std::string> long_ones = long_names(command);
+  std::set<std::string> names(long_ones.begin(), long_ones.end());
+  for (const CLI::Option* option : command.get_options())
     for (const std::string& name : option->get_snames()) names.insert("-" + name);
-  }
   for (const CLI::Option* option : command.get_options())
     for (const std::string& value : option->results())
       if (option->get_type_size() != 0 && names.count(value) > 0)

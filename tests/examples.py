@@ -165,16 +165,24 @@ def made(kit, name, command):
 
 def execute(kit, folder, command):
     for name in inputs_of(command):
+        if (folder / name).exists():  # an example before it has written it
+            continue
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(made(kit, name, command))
     return bash(folder, command)
 
 
+def with_numbers(command):
+    """With a number for each of the words that stand for one."""
+    for word, number in NUMBERS.items():
+        command = command.replace(word, number)
+    return command
+
+
 def fault_of(kit, command, places):
     """What is wrong with an example, wherever it stands; empty: nothing."""
     beside, shown = " ".join(place[1] for place in places), [line for place in places for line in place[2]]
-    for placeholder, number in NUMBERS.items():
-        command = command.replace(placeholder, number)
+    command = with_numbers(command)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         try:
@@ -198,12 +206,8 @@ def faults_in_turn(kit, command):
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         for where, example, _, _ in in_help(command):
-            for placeholder, number in NUMBERS.items():
-                example = example.replace(placeholder, number)
-            for name in inputs_of(example):
-                if not (folder / name).exists():
-                    (folder / name).write_bytes(made(kit, name, example))
-            done = bash(folder, example)
+            example = with_numbers(example)
+            done = execute(kit, folder, example)
             if done.returncode != 0:
                 yield f"{where}, after the examples before it: {example}\n  exit code {done.returncode}\n{done.stderr}"
 

@@ -44,7 +44,7 @@ std::string why_foreign(const std::string& path, PlotKind kind, std::optional<Xp
   } catch (const InputError&) {
     return "it is there already, and is no whole plot file";
   }
-  if (outline->software.rfind("FEBioDEA", 0) != 0)
+  if (!written_by_dea(*outline))
     return fmt::format("it is there already, written by {}",
                        outline->software.empty() ? "another program" : outline->software);
   const PlotKind found = kind_of(*outline);

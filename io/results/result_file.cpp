@@ -63,7 +63,7 @@ const XpltMesh& mesh_of(const ResultFile& result, int state) {
 
 bool is_solution(const ResultFile& result, int state) {
   // FEBio gives others than those that end a time step this status, too, converged or not
-  return result.xplt.software.rfind("FEBioDEA", 0) != 0 || result.xplt.states[at(state)].status != kStatusNotConverged;
+  return !written_by_dea(result.xplt) || result.xplt.states[at(state)].status != kStatusNotConverged;
 }
 
 std::string no_solution_warning(const ResultFile& result, int state) {

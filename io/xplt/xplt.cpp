@@ -46,6 +46,8 @@ std::optional<ElementShape> xplt_element_shape(int element_type) {
   return element_type >= 0 && element_type < static_cast<int>(shapes.size()) ? shapes[at(element_type)] : std::nullopt;
 }
 
+bool written_by_dea(const XpltFile& file) { return file.software.rfind("FEBioDEA", 0) == 0; }
+
 int xplt_nodes_per_element(int element_type) {
   if (element_type == kTri10) return 10;
   const std::optional<ElementShape> shape = xplt_element_shape(element_type);

@@ -122,6 +122,9 @@ struct XpltFile {
   bool operator==(const XpltFile&) const = default;
 };
 
+/// By its software: did dea write it?
+bool written_by_dea(const XpltFile& file);
+
 /// Number of floats of one value of this variable.
 int floats_per_value(const XpltVariable& variable);
 /// Number of nodes of an element-type code; 0: unknown code.

@@ -185,10 +185,8 @@ void say_unloaded(const Problem& problem, int body, Equilibrium& result) {
 
 /// Where no contact acts at this time, that is why the surfaces part.
 void say_inactive(const Problem& problem, Equilibrium& result) {
-  const std::vector<char> active(problem.load_case.contact_active.begin(), problem.load_case.contact_active.end());
-  if (solved(result.outcome) ||
-      std::count(active.begin(), active.end(), 0) < static_cast<std::ptrdiff_t>(active.size()))
-    return;
+  const std::vector<char>& active = problem.load_case.contact_active;
+  if (solved(result.outcome) || std::any_of(active.begin(), active.end(), [](char acts) { return acts != 0; })) return;
   result.message = fmt::format("no contact acts in this step: contact \"{}\" is of step {} alone;",
                                problem.joint.contacts.front().name, problem.joint.contacts.front().step + 1);
   result.advice = "let it act in all steps, or in this one too";

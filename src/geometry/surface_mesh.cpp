@@ -425,6 +425,15 @@ std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh) {
   return rim;
 }
 
+std::vector<char> rim_vertices(const SurfaceMesh& mesh) {
+  std::vector<char> on_rim(mesh.vertices.size(), 0);
+  for (int t = 0; t < mesh.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (mesh.neighbours[at(t)][at(k)] < 0)
+        for (const int end : {k, (k + 1) % 3}) on_rim[at(mesh.triangles[at(t)][at(end)])] = 1;
+  return on_rim;
+}
+
 std::vector<double> rim_distances(const SurfaceMesh& mesh, double reach) {
   const std::vector<std::array<Vector3d, 2>> rim = rim_segments(mesh);
   std::vector<double> distance(mesh.triangles.size(), kInfinity);

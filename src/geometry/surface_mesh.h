@@ -79,6 +79,8 @@ double distance_to_segment(const Vector3d& x, const Vector3d& a, const Vector3d&
 
 /// The ends of the edges that only one triangle has.
 std::vector<std::array<Vector3d, 2>> rim_segments(const SurfaceMesh& mesh);
+/// Per vertex: is it such an end?
+std::vector<char> rim_vertices(const SurfaceMesh& mesh);
 
 /// Per triangle a lower bound of the distance of all its points to the rim: exact enough to tell apart distances
 /// up to `reach`, beyond that only known to be larger. Infinity on a closed surface.

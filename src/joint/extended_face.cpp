@@ -45,11 +45,7 @@ std::vector<char> mapped_domains(const ModelParts& parts, int body) {
 bool as_thick_as(const std::vector<double>& said, const SurfaceMesh& articular, const SurfaceMesh& bone) {
   constexpr double kSame = 0.02;
   const std::vector<double> measured = measure_thickness(articular, bone).thickness;
-  std::vector<char> on_rim(said.size(), 0);  // whose normals are one-sided
-  for (int t = 0; t < articular.size(); ++t)
-    for (int k = 0; k < 3; ++k)
-      if (articular.neighbours[at(t)][at(k)] < 0)
-        for (int end : {k, (k + 1) % 3}) on_rim[at(articular.triangles[at(t)][at(end)])] = 1;
+  const std::vector<char> on_rim = rim_vertices(articular);  // whose normals are one-sided
   std::size_t same = 0, others = 0;
   for (std::size_t v = 0; v < said.size(); ++v) {
     const bool is_same = std::abs(measured[v] - said[v]) <= kSame * said[v];

@@ -29,15 +29,6 @@ PlaneNodes nodes_in(const ModelParts& parts, const Layer& layer, int component, 
   return count;
 }
 
-constexpr double kInto = 0.7;  // the face must run into a plane, not along it
-
-/// Unit, in the face, away from it at an edge.
-Vector3d outward(const SurfaceMesh& mesh, const LayerFace::Edge& e) {
-  return (mesh.corner(e.triangle, (e.edge + 1) % 3) - mesh.corner(e.triangle, e.edge))
-      .cross(mesh.normals[at(e.triangle)])
-      .normalized();
-}
-
 }  // namespace
 
 std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer& layer) {
@@ -46,9 +37,9 @@ std::vector<HalfHeldPlane> half_held_planes(const ModelParts& parts, const Layer
   std::vector<HalfHeldPlane> planes;
   for (const LayerFace::Edge& e : layer.face.edges) {
     const Vector3d &a = mesh.corner(e.triangle, e.edge), &b = mesh.corner(e.triangle, (e.edge + 1) % 3);
-    const Vector3d out = outward(mesh, e);
+    const Vector3d out = outward_at(mesh, e.triangle, e.edge);
     for (int k = 0; k < 3; ++k) {
-      if (!(std::abs(out[k]) > kInto) || !(std::abs(a[k] - b[k]) <= tolerance)) continue;
+      if (!(std::abs(out[k]) > kIntoPlane) || !(std::abs(a[k] - b[k]) <= tolerance)) continue;
       HalfHeldPlane* plane = nullptr;
       for (HalfHeldPlane& p : planes)
         if (p.component == k && std::abs(p.coordinate - a[k]) <= tolerance) plane = &p;
@@ -79,7 +70,7 @@ std::vector<HeldNodes> held_without_plane(const ModelParts& parts, const Layer& 
     for (const HalfHeldPlane& plane : layer.half_held)
       if (plane.component == k) told.push_back(plane.coordinate);
     for (const LayerFace::Edge& e : layer.face.edges)
-      if (e.rim == Rim::Wall && !e.shared && std::abs(outward(layer.face.mesh, e)[k]) > kInto)
+      if (e.rim == Rim::Wall && !e.shared && std::abs(outward_at(layer.face.mesh, e.triangle, e.edge)[k]) > kIntoPlane)
         told.push_back(layer.face.mesh.corner(e.triangle, e.edge)[k]);
     HeldNodes held;
     held.component = k;
@@ -111,11 +102,7 @@ std::vector<HeldFace> held_where_it_gives_way(const ModelParts& parts, const Lay
   face.on_face = true;
   const SurfaceMesh& mesh = layer.articular;
   if (layer.thickness.size() == mesh.vertices.size() && !layer.region_nodes.empty()) {
-    std::vector<char> on_rim(mesh.vertices.size(), 0);
-    for (int t = 0; t < mesh.size(); ++t)
-      for (int k = 0; k < 3; ++k)
-        if (mesh.neighbours[at(t)][at(k)] < 0)
-          on_rim[at(mesh.triangles[at(t)][at(k)])] = on_rim[at(mesh.triangles[at(t)][at((k + 1) % 3)])] = 1;
+    const std::vector<char> on_rim = rim_vertices(mesh);
     const double thick = kCartilage * layer.mean_thickness();
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       if (!on_rim[v] && layer.thickness[v] > thick && holders_of(mesh.model_nodes[v]).count(layer.body) > 0)

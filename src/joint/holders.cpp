@@ -19,12 +19,13 @@ namespace dea {
 
 namespace {
 
-/// Notes that a body holds a node of a deformable part.
-void note_holder(Holders& holders, const std::vector<int>& region, int node, int body, const std::string& how) {
-  if (region[at(node)] < 0) return;
-  holders.of_region[region[at(node)]].try_emplace(body, how);
+/// Notes that a body holds a node of a deformable part. Says whether it is the first that the body holds of that part.
+bool note_holder(Holders& holders, const std::vector<int>& region, int node, int body, const std::string& how) {
+  if (region[at(node)] < 0) return false;
+  const bool first = holders.of_region[region[at(node)]].try_emplace(body, how).second;
   auto& bodies = holders.of_node[at(node)];
   if (std::find(bodies.begin(), bodies.end(), body) == bodies.end()) bodies.push_back(body);
+  return first;
 }
 
 /// Does this body hold every deformable part the surface lies on (or has it none)?
@@ -179,9 +180,10 @@ void note_ties(const JointModel& model, const Bodies& bodies, const std::vector<
     const std::vector<Tie> ties = new_ties(model, bodies, region, holders);
     const std::vector<TiedNode> tied = tied_nodes(model, bodies, region, holders, ties);
     const auto hold = [&](const TiedNode& t) {
-      note_holder(
+      const bool first = note_holder(
           holders, region, t.node, t.tie->body,
           fmt::format("tied contact \"{}\" to body \"{}\"", t.tie->contact->name, bodies.bodies[at(t.tie->body)].name));
+      if (first) holders.ties.insert(t.tie->contact->name);
     };
     for (const TiedNode& t : tied)
       if (t.soft < 0) hold(t);
@@ -258,13 +260,8 @@ std::vector<std::string> holds_of_some_steps(const JointModel& model, const Hold
          in);
 
   std::map<std::string, std::set<int>> ties;  // those that hold a part, by their name
-  for (const Contact& c : model.contacts) {
-    if (c.kind != Contact::Kind::Tied) continue;
-    const std::string how = fmt::format("tied contact \"{}\" ", c.name);
-    for (const auto& part : holders.of_region)
-      for (const auto& by : part.second)
-        if (by.second.rfind(how, 0) == 0) ties[c.name].insert(c.step);
-  }
+  for (const Contact& c : model.contacts)
+    if (c.kind == Contact::Kind::Tied && holders.ties.count(c.name) > 0) ties[c.name].insert(c.step);
   for (const auto& [name, in] : ties) tell(fmt::format("contact \"{}\" ties its surfaces", name), in);
   return found;
 }

@@ -1,6 +1,7 @@
 // febiodea/joint/holders.h – what holds the deformable parts of a model: bones, node sets, ties, the ground.
 #pragma once
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct Holders {
   std::map<int, std::map<int, std::string>> of_region;  ///< region -> body -> how
   std::map<int, SoftTie> soft_ties;                     ///< region -> what it is tied to, if that is deformable
   std::map<int, FarTie> far_ties;                       ///< by the contact
+  std::set<std::string> ties;                           ///< names of the contacts that are how a body holds a part
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
   std::vector<unsigned char> mirror;  ///< per node: bit k set, held by the ground in component k, not in all

@@ -149,15 +149,15 @@ bool any_held(const LayerBoundary& boundary, const std::vector<int>& facet) {
 /// plane, not along it.
 bool mirrored(int held, const Vector3d& outward) {
   for (int i = 0; i < 3; ++i)
-    if ((held >> i & 1) != 0 && std::abs(outward[i]) > 0.7) return true;
+    if ((held >> i & 1) != 0 && std::abs(outward[i]) > kIntoPlane) return true;
   return false;
 }
+
+}  // namespace
 
 Vector3d outward_at(const SurfaceMesh& mesh, int t, int k) {
   return (mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k)).cross(mesh.normals[at(t)]).normalized();
 }
-
-}  // namespace
 
 LayerBoundary find_layer_boundary(const JointModel& model, const std::vector<LayerElement>& elements,
                                   std::vector<char> node_held) {

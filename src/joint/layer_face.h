@@ -16,6 +16,12 @@ enum class Rim {
   Continues  ///< more of the layer, without load: beta t^3 dq/dn = -sqrt(beta) t^2 q
 };
 
+/// A face runs into a plane, not along it, where its outward direction at the edge is more along the plane's normal.
+inline constexpr double kIntoPlane = 0.7;
+
+/// Unit, in the surface, away from it at the edge from corner k of triangle t to the next.
+Vector3d outward_at(const SurfaceMesh& mesh, int t, int k);
+
 /// The face of a layer, reference frame. It begins with the vertices and triangles of Layer::articular, in their order;
 /// triangles behind these are cartilage that was not selected for the contact: it carries no pressure, but what is
 /// squeezed flows into it.

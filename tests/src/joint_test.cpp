@@ -1075,6 +1075,16 @@ TEST(Planes, HeldInTheWrongComponentIsTold) {
   for (const PartEnd& end : of_strip.contacts[0].layers[1].ends) EXPECT_EQ(end.instead, -1);
 }
 
+/// The model with the nodes held in `component` where `where` says so.
+JointModel with_held(JointModel model, int component, const std::function<bool(const Vector3d&)>& where) {
+  FixedNodes nodes;
+  nodes.xyz[static_cast<std::size_t>(component)] = true;
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (where(model.nodes[i])) nodes.nodes.push_back(static_cast<int>(i));
+  model.fixed_nodes.push_back(nodes);
+  return model;
+}
+
 /// A block of cartilage, x from 0 to 8, y from 0 to 4, under a plate; nodes where `where` says are held in
 /// `component`.
 JointModel held_block(int nx, int ny, int component, const std::function<bool(const Vector3d&)>& where) {
@@ -1086,12 +1096,7 @@ JointModel held_block(int nx, int ny, int component, const std::function<bool(co
   const int above = add_rigid_surface(
       model, "above", 2, 2, [](double u, double v) { return Vector3d(8 * v, 4 * u, 0.1); }, plate);
   add_contact(model, "press", above, top);
-  FixedNodes held;
-  held.xyz[static_cast<std::size_t>(component)] = true;
-  for (std::size_t i = 0; i < model.nodes.size(); ++i)
-    if (where(model.nodes[i])) held.nodes.push_back(static_cast<int>(i));
-  model.fixed_nodes.push_back(held);
-  return model;
+  return with_held(std::move(model), component, where);
 }
 
 // However few nodes there are, at one end or both, in either other component: that end is told, and no other one.
@@ -1124,30 +1129,21 @@ TEST(Planes, TheEndThatIsHeldInTheWrongComponentIsTold) {
 // Held in the plane too, or inside: what the layer's law has no place for, and the corners of two planes are no such.
 TEST(Planes, NodesHeldWhereNoPlaneIsAreTold) {
   const auto found = [](const JointModel& model) {
-    std::vector<std::pair<int, std::size_t>> held;
+    std::vector<std::pair<int, std::size_t>> all;
     const Joint joint = make_joint(model, {});
-    for (const HeldNodes& h : joint.contacts[0].layers[1].held_elsewhere)
-      held.emplace_back(h.component, h.nodes.size());
-    return held;
+    for (const HeldNodes& h : joint.contacts[0].layers[1].held_elsewhere) all.emplace_back(h.component, h.nodes.size());
+    return all;
   };
   using Found = std::vector<std::pair<int, std::size_t>>;
-  const auto hold = [](JointModel model, int component, const std::function<bool(const Vector3d&)>& where) {
-    FixedNodes held;
-    held.xyz[static_cast<std::size_t>(component)] = true;
-    for (std::size_t i = 0; i < model.nodes.size(); ++i)
-      if (where(model.nodes[i])) held.nodes.push_back(static_cast<int>(i));
-    model.fixed_nodes.push_back(held);
-    return model;
-  };
   const auto in_x = [](const Vector3d& x) { return x.x() == 0; };
   const auto in_y = [](const Vector3d& x) { return x.y() == 0; };
-  const JointModel one = held_block(6, 6, 0, in_x), both = hold(one, 1, in_y);
+  const JointModel one = held_block(6, 6, 0, in_x), both = with_held(one, 1, in_y);
   EXPECT_EQ(found(one), Found());
   EXPECT_EQ(found(both), Found());
-  EXPECT_EQ(found(hold(one, 1, in_x)), (Found{{1, 14}}));  // two rows of seven above the bone
-  EXPECT_EQ(found(hold(both, 1, in_x)), (Found{{1, 12}}));
-  EXPECT_EQ(found(hold(both, 2, [](const Vector3d& x) { return x.x() == 4 && x.y() == 2; })), (Found{{2, 2}}));
-  EXPECT_EQ(found(hold(both, 1, [](const Vector3d& x) { return x.x() == 4 && x.y() == 2 && x.z() == 0; })),
+  EXPECT_EQ(found(with_held(one, 1, in_x)), (Found{{1, 14}}));  // two rows of seven above the bone
+  EXPECT_EQ(found(with_held(both, 1, in_x)), (Found{{1, 12}}));
+  EXPECT_EQ(found(with_held(both, 2, [](const Vector3d& x) { return x.x() == 4 && x.y() == 2; })), (Found{{2, 2}}));
+  EXPECT_EQ(found(with_held(both, 1, [](const Vector3d& x) { return x.x() == 4 && x.y() == 2 && x.z() == 0; })),
             (Found{{1, 1}}));
   // between two planes all of it is held along them: the inner five of seven rows, above the bone
   EXPECT_EQ(found(held_block(6, 6, 1, [](const Vector3d&) { return true; })), (Found{{1, 7 * 5 * 2}}));

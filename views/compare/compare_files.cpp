@@ -162,7 +162,7 @@ double total(const std::vector<double>& values) { return std::accumulate(values.
 
 /// dea's springs push on the areas of the mesh. Its files move the nodes of the layers, too, but that is a picture of
 /// how far they are squeezed and no solution.
-bool pressure_is_per_mesh_area(const ResultFile& file) { return file.xplt.software.rfind("FEBioDEA", 0) == 0; }
+bool pressure_is_per_mesh_area(const ResultFile& file) { return written_by_dea(file.xplt); }
 
 SurfaceFacts surface_facts(const ResultFile& file, int state, const Side& side, const ResultSurface& mesh) {
   SurfaceFacts facts;

@@ -218,6 +218,13 @@ void add_half_held(const std::string& surface, const Layer& layer, std::vector<s
   }
 }
 
+/// As the model numbers them.
+std::vector<int> node_numbers(const JointModel& model, const std::vector<int>& nodes) {
+  std::vector<int> numbers;
+  for (const int node : nodes) numbers.push_back(model.node_ids[at(node)]);
+  return numbers;
+}
+
 /// Planes of symmetry that the model holds otherwise than it may have meant.
 void add_ends(const JointModel& model, const std::string& surface, const Layer& layer,
               std::vector<std::string>& lines) {
@@ -230,8 +237,7 @@ void add_ends(const JointModel& model, const std::string& surface, const Layer& 
                            "edge, without that hold; hold them in {} if it is a plane of symmetry",
                            plane, "xyz"[end.instead], axis, axis));
     if (!end.forgotten.empty()) {
-      std::vector<int> nodes;
-      for (const int node : end.forgotten) nodes.push_back(model.node_ids[at(node)]);
+      const std::vector<int> nodes = node_numbers(model, end.forgotten);
       add_once(lines, fmt::format("warning: {}: {} of {} nodes of its layer are not held in {} ({}): taken as held, "
                                   "as the others are; hold them too",
                                   plane, nodes.size(), end.nodes, axis, number_list(nodes)));
@@ -249,8 +255,7 @@ void add_ends(const JointModel& model, const std::string& surface, const Layer& 
 void add_held_elsewhere(const JointModel& model, const std::string& surface, const Layer& layer,
                         std::vector<std::string>& lines) {
   for (const HeldNodes& held : layer.held_elsewhere) {
-    std::vector<int> nodes;
-    for (const int node : held.nodes) nodes.push_back(model.node_ids[at(node)]);
+    const std::vector<int> nodes = node_numbers(model, held.nodes);
     const char axis = "xyz"[held.component];
     add_once(lines, fmt::format("warning: surface \"{}\": {} node{} of its layer ({}) {} held in {}, in no plane of "
                                 "symmetry across {}: that hold is left out, so the layer is softer there than in FEBio",
@@ -263,8 +268,7 @@ void add_held_elsewhere(const JointModel& model, const std::string& surface, con
 void add_held_face(const JointModel& model, const Joint& joint, const std::string& surface, const Layer& layer,
                    std::vector<std::string>& lines) {
   for (const HeldFace& held : layer.held_face) {
-    std::vector<int> nodes;
-    for (const int node : held.nodes) nodes.push_back(model.node_ids[at(node)]);
+    const std::vector<int> nodes = node_numbers(model, held.nodes);
     const bool one = nodes.size() == 1;
     const std::string which = fmt::format("surface \"{}\": {} node{} of its {} ({})", surface, nodes.size(),
                                           one ? "" : "s", held.on_face ? "pressed face" : "layer", number_list(nodes));
