@@ -169,6 +169,7 @@ Animated animate(const std::vector<ResultFile>& files, const ResultFile* minus, 
   const EachFrame each = [&](const Show& show) {
     done.remarks = each_map_figure(files, minus, options, [&](MapFigure& figure, int frame, int frames) {
       figure.title = animation.title;
+      done.solved = done.solved && all_solved(figure);
       show(figure, frame, frames);
       done.frames = frames;
       done.panels = static_cast<int>(figure.panels.size());

@@ -22,6 +22,7 @@ struct Animation {
 
 struct Animated {
   int frames = 0, panels = 0;  ///< panels of each frame
+  bool solved = true;          ///< is every state shown a solution?
   std::vector<std::string> remarks;
 };
 

@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kCompareFooter = R"(
 The LAST file is the reference, usually FEBio's result: differences are (FILE - LAST) / LAST. Files may be dea's or FEBio's,
-compressed or not. Nothing is solved.
+compressed or not. Nothing is solved. Exit code 1: a compared state is no solution (a warning names it).
 
 Compared is the `contact pressure` per facet of every file, in the reference configuration. "nodes" are area-weighted
 averages of the facets around each node; the area of a node is a quarter of each quad around it and a third of each triangle.
@@ -224,10 +224,13 @@ int compare_command(const CompareArguments& a) {
   if (!a.csv.empty()) write_text(a.csv, compare_csv(comparison));
   if (!a.report.empty()) write_page(a.report, compare_page(files, options, comparison, a.words));
   progress.clear();
-  if (a.quiet) return kSolved;
+  const bool all_solved =
+      std::all_of(comparison.solved.begin(), comparison.solved.end(), [](char solved) { return solved != 0; });
+  const int code = all_solved ? kSolved : kNoSolution;
+  if (a.quiet) return code;
   for (const std::string& line : comparison.warnings) log(line);
   if (a.json != "-" && a.csv != "-") print(compare_text(comparison, a.details));
-  return kSolved;
+  return code;
 }
 
 }  // namespace dea

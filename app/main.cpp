@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <set>
 #include <sstream>
@@ -143,6 +144,20 @@ std::string option_taken_for_value(const CLI::App& command) {
   return "";
 }
 
+/// "smooth", which is taken as a file and is none: it was to be --smooth. Empty: there is no such thing.
+std::string option_taken_for_file(const CLI::App& command) {
+  const std::vector<std::string> names = long_names(command);
+  for (const CLI::Option* option : command.get_options()) {
+    if (!option->get_positional()) continue;
+    for (const std::string& word : option->results()) {
+      std::error_code unknown;
+      if (std::find(names.begin(), names.end(), "--" + word) != names.end() && !std::filesystem::exists(word, unknown))
+        return fmt::format("found \"{0}\", which is no file (did you mean \"--{0}\"?)", word);
+    }
+  }
+  return "";
+}
+
 /// The other faults of a model are counted: they may be many.
 std::string more_text(const InputError& e) {
   return e.others.empty() ? ""
@@ -223,7 +238,8 @@ int parse_and_run(int argc, char** argv) {
   }
 
   for (const CLI::App* command : app.get_subcommands()) {
-    const std::string taken = option_taken_for_value(*command);
+    std::string taken = option_taken_for_value(*command);
+    if (taken.empty()) taken = option_taken_for_file(*command);
     if (!taken.empty()) return refuse("dea " + command->get_name() + ": ", taken, kWrongUse);
   }
   if (run_command->parsed()) return run(run_arguments);

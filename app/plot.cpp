@@ -234,23 +234,27 @@ int plot_command(const PlotArguments& a) {
   const ResultFile* taken = minus.empty() ? nullptr : &minus.front();
   std::vector<std::string> remarks;
   std::string what;
+  bool solved = true;
   if (a.animate.empty()) {
     MapFigure figure = make_map_figure(files, taken, options);
     figure.title = a.title;
     write_text(output, picture(figure, look));
     remarks = figure.remarks;
+    solved = all_solved(figure);
     what = fmt::format("{} panel{}", figure.panels.size(), figure.panels.size() == 1 ? "" : "s");
   } else {
     Progress progress(progress_style(a.quiet, false));
     const Animated done = animate(files, taken, options, look, animation, progress);
     remarks = done.remarks;
+    solved = done.solved;
     what = fmt::format("{} frame{}, {} panel{} each", done.frames, done.frames == 1 ? "" : "s", done.panels,
                        done.panels == 1 ? "" : "s");
   }
-  if (a.quiet) return kSolved;
+  const int code = solved ? kSolved : kNoSolution;
+  if (a.quiet) return code;
   for (const std::string& remark : remarks) log(remark);
   log(fmt::format("{}: {}", output, what));
-  return kSolved;
+  return code;
 }
 
 }  // namespace dea

@@ -848,8 +848,7 @@ TEST(BadInput, WhatIsPassedOverOrRepairedIsTold) {
       {{{"surface_pair=\"pair\"/>",
          "surface_pair=\"pair\">\n<fric_coef>0.3</fric_coef><penalty>1</penalty></contact>"}},
        "<fric_coef> in contact \"sliding-elastic\", none of FEBio's words (did you mean \"fric_coeff\"?)"},
-      {{{"<v>0.3</v>", ""}},
-       "ignored: model.feb:5: material \"cartilage\": \"neo-Hookean\" without <v>; nu = 0 is taken, FEBio's default"},
+      {{{"<v>0.3</v>", ""}}, "note: model.feb:5: material \"cartilage\": \"neo-Hookean\" without <v>: 0, as in FEBio"},
       {{{"<quad4 id=\"1\">5,6,7,8</quad4>", "<quad4 id=\"1\">8,7,6,5</quad4>"}},
        "note: surface \"top\": 1 of its 1 facets have their nodes in the reverse order, facing into their elements: "
        "turned outwards"},
@@ -872,6 +871,123 @@ TEST(BadInput, WhatIsPassedOverOrRepairedIsTold) {
     EXPECT_EQ(run.code, 0) << run.err;
     EXPECT_NE(run.err.find(c.second), std::string::npos) << run.err;
   }
+}
+
+// What a file leaves unsaid, or says twice: FEBio's default, and what FEBio lets count, are told.
+TEST(BadInput, WhatFebioTakesInsteadIsTold) {
+  const auto with_rigid = [](const std::string& more) { return Edits{{"</Rigid>", more + "</Rigid>"}}; };
+  const auto connector = [&](const std::string& type, const std::string& more) {
+    return with_rigid("\n<rigid_connector name=\"c\" type=\"" + type +
+                      "\"><body_a>base</body_a><body_b>plate</body_b>" + more + "</rigid_connector>\n");
+  };
+  const auto moved = [](const std::string& name, const std::string& more) {
+    return "<rigid_bc name=\"" + name + "\" type=\"rigid_displacement\"><rb>plate</rb>" + more + "</rigid_bc>";
+  };
+  const std::string spring = "<insertion_a>0,0,0</insertion_a><insertion_b>0,0,1</insertion_b>";
+  const Edits held = {{"<Rz_dof>0", "<Rz_dof>1"}};
+  Edits held_and_moved = with_rigid(moved("sink", "<dof>z</dof><value lc=\"1\">-0.2</value>"));
+  held_and_moved.insert(held_and_moved.end(), held.begin(), held.end());
+  const std::pair<Edits, const char*> cases[] = {
+      {connector("rigid spring", spring + "<free_length>1</free_length>"),
+       "note: model.feb:67: rigid spring without <k>: 1, as in FEBio"},
+      {connector("rigid spring", spring + "<k>1</k>"),
+       "rigid spring without <free_length>: its length at the start, as in FEBio"},
+      {connector("rigid spring", "<insertion_a>0,0,0</insertion_a><k>1</k><free_length>1</free_length>"),
+       "rigid spring without <insertion_b>: 0,0,0, as in FEBio"},
+      {connector("rigid revolute joint", ""), "rigid revolute joint without <joint_origin>: 0,0,0, as in FEBio"},
+      {connector("rigid revolute joint", ""), "rigid revolute joint without <rotation_axis>: 0,0,1, as in FEBio"},
+      {{{"<pt>0,0</pt>\n<pt>1,1</pt>\n", ""}}, "load controller 1 without <points>: 0 at all times, as in FEBio"},
+      {with_rigid(moved("sink", "<dof>z</dof>")), "rigid_displacement without <value>: 0, as in FEBio"},
+      {held_and_moved,
+       "note: body \"plate\": \"sink\" prescribes z, which \"hold plate\" fixes: it is prescribed, as in FEBio"},
+      {with_rigid(moved("sink", "<dof>z</dof><value lc=\"1\">-0.1</value>") +
+                  moved("again", "<dof>z</dof><value lc=\"1\">-0.2</value>")),
+       "body \"plate\": \"sink\" and \"again\" prescribe z at the same time: the second one counts, as in FEBio"},
+      {{{"</Material>",
+         "<material id=\"4\" name=\"lid\" type=\"rigid body\"><center_of_mass>0,0,2</center_of_mass></material>\n"
+         "</Material>"},
+        {"</Elements>\n<NodeSet",
+         "</Elements>\n<Elements type=\"quad4\" name=\"lid\"><elem id=\"9\">9,10,11,12</elem></Elements>\n<NodeSet"},
+        {"</MeshDomains>", "<ShellDomain name=\"lid\" mat=\"lid\"/>\n</MeshDomains>"}},
+       "note: material \"lid\": its centre of mass 0,0,2 is left out, as in FEBio: it shares nodes with \"plate\", is "
+       "one "
+       "body with it, and the centre of mass of that counts (0,0,1)"},
+  };
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.second);
+    const test::TemporaryFolder folder;
+    std::ofstream(folder.path / "model.feb") << edited(c.first);
+    const test::Finished info = test::run_program(folder.path, {DEA_PROGRAM, "info", "model.feb"}, kLimit);
+    EXPECT_NE(info.out.find(c.second), std::string::npos) << info.out << info.err;
+    std::ofstream(folder.path / "model.feb") << kModel;
+    EXPECT_EQ(test::run_program(folder.path, {DEA_PROGRAM, "info", "model.feb"}, kLimit).out.find("as in FEBio"),
+              std::string::npos);
+  }
+}
+
+// Commands with lists of files take an option without its dashes for one more.
+TEST(BadInput, AnOptionTakenForAFileIsNamed) {
+  const test::TemporaryFolder folder;
+  const auto error = [&](const Words& words) {
+    Words all = {DEA_PROGRAM};
+    all.insert(all.end(), words.begin(), words.end());
+    const test::Finished f = test::run_program(folder.path, all, kLimit);
+    EXPECT_EQ(f.code, 2);
+    return f.err;
+  };
+  EXPECT_EQ(error({"plot", "a.xplt", "smooth"}),
+            "dea plot: found \"smooth\", which is no file (did you mean \"--smooth\"?)\n");
+  EXPECT_EQ(error({"compare", "a.xplt", "b.xplt", "details"}),
+            "dea compare: found \"details\", which is no file (did you mean \"--details\"?)\n");
+  EXPECT_EQ(error({"study", "a.feb", "inside"}).rfind("dea study: found \"inside\"", 0), 0u);
+}
+
+// Settings that nothing uses: refused where no model could use them, told where another one might.
+TEST(Solved, SettingsWithoutEffectAreTold) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << edited(
+      {{"<SurfacePair", "<Surface name=\"bottom\">\n<quad4 id=\"1\">1,4,3,2</quad4>\n</Surface>\n<SurfacePair"}});
+  const auto run = [&](Words options) {
+    const Words words = {DEA_PROGRAM, "run", "model.feb", "-q", "--no-xplt"};
+    options.insert(options.begin(), words.begin(), words.end());
+    return test::run_program(folder.path, options, kLimit);
+  };
+  EXPECT_EQ(run({"--E", "top=5", "--nu", "top=0.2"}).err, "");
+  const test::Finished bare = run({"--E", "under=5"});
+  EXPECT_EQ(bare.code, 2);
+  EXPECT_EQ(bare.err,
+            "dea: --E under=5: surface \"under\" is a bare rigid surface, without cartilage; leave it out, or give a "
+            "thickness with --thickness \"under=VALUE\"\n");
+  EXPECT_EQ(run({"--nu", "under=0.3"}).code, 2);
+  const std::pair<Words, const char*> idle[] = {
+      {{"--E", "bottom=5"}, "--E bottom: it has no effect, for no contact that is solved has this surface"},
+      {{"--thickness", "bottom=5"},
+       "--thickness bottom: it has no effect, for no contact that is solved has this surface"},
+      {{"--rotate-about", "plate=com"},
+       "--rotate-about plate: it has no effect, for no setting turns body \"plate\"; turn it with --rotate "
+       "\"plate=x,y,z,DEGREES\", or leave it out"},
+      {{"--frame", "hip=1,0,0/0,1,0/0,0,1"}, "--frame hip: it has no effect, for no setting names it (frame:hip)"},
+  };
+  for (const auto& [options, what] : idle) {
+    const test::Finished f = run(options);
+    EXPECT_EQ(f.code, 0) << f.err;
+    EXPECT_EQ(f.err, std::string("warning: ") + what + "\n");
+  }
+  EXPECT_EQ(run({"--rotate-about", "plate=com", "--rotate", "plate=0,0,1,1"}).err, "");
+  EXPECT_EQ(run({"--frame", "hip=1,0,0/0,1,0/0,0,1", "--force", "plate=frame:hip,0,0,-5"}).err, "");
+}
+
+// Where a body starts beside the surface that is to carry it, that is why the surfaces part, not its load.
+TEST(NoSolution, SurfacesBesideEachOtherAreNamed) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << edited(
+      {{"-2,-2,0.1<", "8,-2,0.1<"}, {"2,-2,0.1<", "12,-2,0.1<"}, {"2,2,0.1<", "12,2,0.1<"}, {"-2,2,0.1<", "8,2,0.1<"}});
+  const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--no-xplt"}, kLimit);
+  EXPECT_EQ(f.code, 1);
+  EXPECT_NE(f.err.find("(no spring finds the opposite surface from where the bodies start: do the surfaces lie beside "
+                       "each other, or look the same way?)"),
+            std::string::npos)
+      << f.err;
 }
 
 // What stands there, what may have been meant, and what there is.
@@ -924,6 +1040,19 @@ TEST(BadInput, Misspelt) {
                 3,
                 "<discrete dmat",
                 {"discrete material \"liner spring\"", "did you mean \"linear spring\"?"}},
+           Case{"axis of another joint",
+                edited({{"</Rigid>",
+                         "<rigid_connector name=\"slide\" type=\"rigid prismatic joint\"><body_a>base</body_a>"
+                         "<body_b>plate</body_b><joint_origin>0,0,0</joint_origin>\n<joint_axis>0,0,1</joint_axis>"
+                         "</rigid_connector>\n</Rigid>"}}),
+                3,
+                "<joint_axis>",
+                {"is none of FEBio's words", "did you mean <translation_axis>?"}},
+           Case{"type of a load controller",
+                edited({{"type=\"loadcurve\"", "type=\"lodcurve\""}}),
+                3,
+                "<value lc=\"1\">",
+                {"load controller 1 with type \"lodcurve\" (did you mean \"loadcurve\"?)"}},
            Case{"module",
                 edited({{"type=\"solid\"", "type=\"biphasci\""}}),
                 3,
@@ -1161,7 +1290,8 @@ TEST(Solved, ABodyThatNothingLoadsIsNamed) {
     return test::run_program(folder.path, all, kLimit);
   };
   const std::string warning = "warning: r.xplt: the state at time 2 is no solution; do not use its numbers\n";
-  EXPECT_NE(dea({"plot", "r.xplt"}).err.find(warning), std::string::npos);
+  const test::Finished plotted = dea({"plot", "r.xplt"});
+  EXPECT_NE(plotted.err.find(warning), std::string::npos) << plotted.err;
   const test::Finished compared = dea({"compare", "r.xplt", "r.xplt"});
   EXPECT_NE(compared.err.find(warning), std::string::npos) << compared.err;
   EXPECT_NE(compared.out.find("time 2, no solution: do not use its numbers"), std::string::npos) << compared.out;
@@ -1794,6 +1924,36 @@ TEST(NoSolution, IsWrittenAndMarked) {
     EXPECT_FALSE(has_nan(text));
     EXPECT_EQ(nlohmann::json::parse(text)["states"].back()["outcome"], c.outcome);
   }
+}
+
+// What is read from a plot file later knows it too.
+TEST(NoSolution, IsMarkedInPlotAndCompare) {
+  const test::TemporaryFolder folder;
+  const auto dea = [&](const Words& words) {
+    Words all = {DEA_PROGRAM};
+    all.insert(all.end(), words.begin(), words.end());
+    return test::run_program(folder.path, all, kLimit);
+  };
+  std::ofstream(folder.path / "good.feb") << kModel;
+  std::ofstream(folder.path / "apart.feb") << edited({{">-5<", ">5<"}});
+  EXPECT_EQ(dea({"run", "good.feb"}).code, 0);
+  EXPECT_EQ(dea({"run", "apart.feb"}).code, 1);
+  EXPECT_EQ(dea({"plot", "good_dea.xplt"}).code, 0);
+  EXPECT_EQ(dea({"plot", "apart_dea.xplt", "-q", "-o", "a.png"}).code, 1);
+  EXPECT_TRUE(fs::exists(folder.path / "a.png"));
+  EXPECT_EQ(dea({"plot", "apart_dea.xplt", "-q", "-o", "b.png", "--at", "0"}).code, 0);  // the reference state
+  EXPECT_EQ(dea({"plot", "good_dea.xplt", "--minus", "apart_dea.xplt", "-q", "-o", "c.png"}).code, 1);
+  EXPECT_EQ(dea({"plot", "apart_dea.xplt", "-q", "--animate", "a.gif"}).code, 1);
+  EXPECT_EQ(dea({"compare", "good_dea.xplt", "good_dea.xplt"}).code, 0);
+  const test::Finished f =
+      dea({"compare", "apart_dea.xplt", "good_dea.xplt", "-q", "--json", "c.json", "--csv", "c.csv"});
+  EXPECT_EQ(f.code, 1) << f.err;
+  const auto results = nlohmann::json::parse(test::file_text(folder.path / "c.json"))["results"];
+  EXPECT_EQ(results[0]["solved"], false);
+  EXPECT_EQ(results[1]["solved"], true);
+  const std::string csv = test::file_text(folder.path / "c.csv");
+  EXPECT_NE(csv.find(",solved\napart_dea,"), std::string::npos) << csv;
+  EXPECT_NE(csv.find(",0\ngood_dea,"), std::string::npos) << csv;
 }
 
 // Models no one here wrote: solved, refused with one line, or no solution; never a crash, a hang or half a file.

@@ -22,10 +22,9 @@ PAGE = "docs/results.md"
 NEVER = "–"  # in the last column of a row
 
 # What joins and loads bodies besides what samples/ligament has: a cable, a joint, a force on nodes. And something that is
-# passed over.
+# passed over, and something that is left unsaid: which way the cable's force pulls.
 EXTRAS = """<rigid_ic name="swing" type="initial_rigid_velocity"><rb>femur</rb><value>0,0,1</value></rigid_ic>
 <rigid_load name="muscle" type="rigid_cable"><force>5</force><relative>0</relative>
-<force_direction>0,0,-1</force_direction>
 <rigid_cable_point><rigid_body_id>femur</rigid_body_id><position>0,0,20</position></rigid_cable_point>
 <rigid_cable_point><rigid_body_id>tibia</rigid_body_id><position>0,0,-20</position></rigid_cable_point></rigid_load>
 <rigid_connector name="guide" type="rigid cylindrical joint"><body_a>tibia</body_a><body_b>femur</body_b>

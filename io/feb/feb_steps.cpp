@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/names.h>
 #include <febiodea/io/feb/feb_reading.h>
 #include <febiodea/io/febio/known_words.h>
 #include <febiodea/model/load_curve.h>
@@ -199,12 +200,14 @@ void read_load_data(Reading& reading, const XMLElement& section) {
     } else if (type == "math") {
       read_expression(reading, child, curve);
     } else {
-      curve.unsupported = fmt::format("type {}", quote(type));
+      curve.unsupported = fmt::format("type {}{}", quote(type), did_you_mean(type, {"loadcurve", "math"}));
     }
     for (const LoadController& other : reading.model.controllers) {
       if (other.id == curve.id)
         fail(reading, child, fmt::format("load controller {} exists twice: renumber one", curve.id));
     }
+    if (curve.unsupported.empty() && curve.expression.empty() && curve.points.empty())
+      febio::assume(reading, curve.origin, fmt::format("load controller {}", curve.id), "points", "0 at all times");
     reading.model.controllers.push_back(std::move(curve));
   }
 }

@@ -17,6 +17,16 @@ void ignore(Draft& draft, Origin origin, const std::string& what) {
   list_once(draft.model.ignored, draft.ignored_index, what, origin);
 }
 
+void assume(Draft& draft, Origin origin, std::string_view owner, std::string_view tag, std::string_view value) {
+  list_once(draft.model.assumed, draft.assumed_index,
+            fmt::format("{} without <{}>: {}, as in FEBio", owner, tag, value), origin);
+}
+
+void assume_unless_given(Draft& draft, const Component& component, std::string_view tag, std::string_view value) {
+  if (find(component, tag) == nullptr)
+    assume(draft, component.origin, component.type.empty() ? component.tag : component.type, tag, value);
+}
+
 void unsupported(Draft& draft, Origin origin, const std::string& what, const Sentence& advice) {
   list_once(draft.model.unsupported, draft.unsupported_index, what, origin, advice);
 }

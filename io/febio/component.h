@@ -29,7 +29,7 @@ struct Component {
 /// resolve_controllers.
 struct Draft {
   JointModel model;
-  RemarkIndex ignored_index, unsupported_index;
+  RemarkIndex ignored_index, assumed_index, unsupported_index;
   std::set<std::string, std::less<>> ambiguous_materials;  ///< names of several materials
 };
 
@@ -39,6 +39,11 @@ struct Draft {
 [[noreturn]] void fail(const Draft& draft, Origin origin, const std::string& fault);
 /// Harmless: listed once with a count.
 void ignore(Draft& draft, Origin origin, const std::string& what);
+/// FEBio's default where the file says nothing, if a user may have forgotten it: listed once with a count.
+/// "rigid spring without <k>: 1, as in FEBio".
+void assume(Draft& draft, Origin origin, std::string_view owner, std::string_view tag, std::string_view value);
+/// The same, if the component has no such part.
+void assume_unless_given(Draft& draft, const Component& component, std::string_view tag, std::string_view value);
 /// Changes the mechanics and cannot be taken into account: listed once with a count. `advice`: what to do about it;
 /// empty: take it out.
 void unsupported(Draft& draft, Origin origin, const std::string& what, const Sentence& advice = {});

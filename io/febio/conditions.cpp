@@ -225,6 +225,7 @@ void rigid_prescribed(Draft& draft, const Component& component, int dof, const C
 void rigid_displacement(Draft& draft, const Component& component, const Steps& steps) {
   const std::string dof = lower(trim(text_of(component, "dof")));
   const bool r = !dof.empty() && dof[0] == 'r';
+  assume_unless_given(draft, component, "value", "0");
   rigid_prescribed(draft, component, dof_of(draft, component, r ? kForces : kDisplacements), find(component, "value"),
                    steps);
 }
@@ -295,8 +296,9 @@ void rigid_follower(Draft& draft, const Component& component, bool moment, const
   follower.value = to_vector(draft, value->origin, tag, value->text);
   follower.controller = controller_of(draft, *value);
   if (!moment) {
-    follower.insertion = vector_of(draft, component, "insertion", Vector3d::Zero());
     follower.from_center = flag_of(draft, component, "relative");
+    if (!follower.from_center) assume_unless_given(draft, component, "insertion", "0,0,0");
+    follower.insertion = vector_of(draft, component, "insertion", Vector3d::Zero());
   }
   add(draft.model.rigid_followers, std::move(follower), component.name, value->origin, steps);
 }
@@ -309,12 +311,14 @@ bool rigid_motion(Draft& draft, const Component& c, const Steps& steps) {
   } else if (type == "rigid_displacement") {
     rigid_displacement(draft, c, steps);
   } else if (type == "rigid_rotation") {
+    assume_unless_given(draft, c, "value", "0");
     rigid_prescribed(draft, c, 3 + dof_of(draft, c, kRotations), find(c, "value"), steps);
   } else if (type == "rigid_rotation_vector") {
     rigid_prescribed(draft, c, 3, find(c, "vx"), steps);
     rigid_prescribed(draft, c, 4, find(c, "vy"), steps);
     rigid_prescribed(draft, c, 5, find(c, "vz"), steps);
   } else if (type == "prescribe") {  // 3.0
+    assume_unless_given(draft, c, "value", "0");
     rigid_prescribed(draft, c, dof_of(draft, c, kAll), find(c, "value"), steps);
   } else if (type == "rigid_euler_angles") {
     rigid_euler_angles(draft, c, steps);

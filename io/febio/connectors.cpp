@@ -31,6 +31,9 @@ Vector3d plain_vector(const Draft& draft, const Component& component, const char
 void rigid_spring(Draft& draft, const Component& component, const Steps& steps) {
   RigidSpring spring;
   set_bodies(draft, component, spring);
+  for (const char* tag : {"insertion_a", "insertion_b"}) assume_unless_given(draft, component, tag, "0,0,0");
+  assume_unless_given(draft, component, "k", "1");
+  assume_unless_given(draft, component, "free_length", "its length at the start");
   spring.insertion_a = plain_vector(draft, component, "insertion_a");
   spring.insertion_b = plain_vector(draft, component, "insertion_b");
   spring.k = number_of(draft, component, "k", 1.0);
@@ -47,6 +50,8 @@ void rigid_spring(Draft& draft, const Component& component, const Steps& steps) 
 void contractile_force(Draft& draft, const Component& component, const Steps& steps) {
   RigidAxialForce pull;
   set_bodies(draft, component, pull);
+  for (const char* tag : {"insertion_a", "insertion_b"}) assume_unless_given(draft, component, tag, "0,0,0");
+  assume_unless_given(draft, component, "f0", "0");
   pull.point_a = vector_of(draft, component, "insertion_a", Vector3d::Zero());
   pull.point_b = vector_of(draft, component, "insertion_b", Vector3d::Zero());
   pull.force = scaled_of(draft, component, "f0");
@@ -192,6 +197,7 @@ void set_generic(Draft& draft, const Component& component, RigidJoint& joint) {
 void set_motions(Draft& draft, const Component& c, RigidJoint& joint) {
   const Vector3d x(1, 0, 0), y(0, 1, 0), z(0, 0, 1), none(0, 0, 0);
   if (joint.type == "rigid revolute joint") {
+    assume_unless_given(draft, c, "rotation_axis", "0,0,1");
     joint.axes = axes_of(draft, c, {"rotation_axis", z}, {"transverse_axis", x}, true);
     set_free(draft, c, {3, "prescribed_rotation", "rotation", "moment"}, joint);
     const Component* torsion = find(c, "torsion_stiffness");
@@ -199,6 +205,7 @@ void set_motions(Draft& draft, const Component& c, RigidJoint& joint) {
       unsupported(draft, torsion->origin, "rigid revolute joint with torsion_stiffness",
                   "set it to 0, or give its moment as <moment>");
   } else if (joint.type == "rigid prismatic joint") {
+    assume_unless_given(draft, c, "translation_axis", "1,0,0");
     joint.axes = axes_of(draft, c, {"translation_axis", x}, {"transverse_axis", y}, false);
     set_free(draft, c, {0, "prescribed_translation", "translation", "force"}, joint);
   } else if (joint.type == "rigid cylindrical joint") {
@@ -228,7 +235,9 @@ bool rigid_joint(Draft& draft, const Component& component, const Steps& steps) {
     return false;
   joint.value.fill(kNothing);
   set_bodies(draft, component, joint);
-  joint.joint_origin = vector_of(draft, component, old || generic ? "joint" : "joint_origin", Vector3d::Zero());
+  const char* origin = old || generic ? "joint" : "joint_origin";
+  assume_unless_given(draft, component, origin, "0,0,0");
+  joint.joint_origin = vector_of(draft, component, origin, Vector3d::Zero());
   if (old)
     std::fill(joint.motion.begin() + 3, joint.motion.end(), Motion::Free);
   else if (generic)
@@ -264,6 +273,8 @@ void check_joints(Draft& draft) {
 void rigid_axial_force(Draft& draft, const Component& component, const Steps& steps) {
   RigidAxialForce pull;
   set_bodies(draft, component, pull, "rbA", "rbB");
+  for (const char* tag : {"ra", "rb"}) assume_unless_given(draft, component, tag, "0,0,0");
+  assume_unless_given(draft, component, "force", "0");
   pull.point_a = vector_of(draft, component, "ra", Vector3d::Zero());
   pull.point_b = vector_of(draft, component, "rb", Vector3d::Zero());
   pull.from_centers = flag_of(draft, component, "relative");
@@ -274,14 +285,18 @@ void rigid_axial_force(Draft& draft, const Component& component, const Steps& st
 void rigid_cable(Draft& draft, const Component& component, const Steps& steps) {
   RigidCable cable;
   cable.from_centers = flag_of(draft, component, "relative", true);
+  assume_unless_given(draft, component, "force", "0");
+  assume_unless_given(draft, component, "force_direction", "0,0,-1");
   cable.force = scaled_of(draft, component, "force");
   cable.direction = vector_of(draft, component, "force_direction", Vector3d(0, 0, -1));
   if (!(cable.direction.norm() > 0)) fail(draft, component.origin, "force_direction is zero, expected a direction");
   cable.direction.normalize();
-  for (const Component& part : component.parts)
-    if (part.tag == "rigid_cable_point")
-      cable.points.push_back(
-          {body_of(draft, part, "rigid_body_id"), vector_of(draft, part, "position", Vector3d::Zero())});
+  for (const Component& part : component.parts) {
+    if (part.tag != "rigid_cable_point") continue;
+    assume_unless_given(draft, part, "position", "0,0,0");
+    cable.points.push_back(
+        {body_of(draft, part, "rigid_body_id"), vector_of(draft, part, "position", Vector3d::Zero())});
+  }
   if (cable.points.empty())
     fail(draft, component.origin, "rigid_cable without <rigid_cable_point>: add the points it runs through");
   add(draft.model.rigid_cables, std::move(cable), component.name, component.origin, steps);

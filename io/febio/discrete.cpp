@@ -105,6 +105,7 @@ DiscreteMaterial discrete_material(Draft& draft, const Component& component) {
   DiscreteMaterial material;
   const std::string& type = component.type;
   if (type == "linear spring" || type == "tension-only linear spring") {
+    assume_unless_given(draft, component, "E", "1");
     material.springs.stiffness = plain_number(draft, component, "E", 1.0, material.unsupported);
     material.springs.tension_only = type != "linear spring";
   } else if (type == "nonlinear spring") {

@@ -24,7 +24,7 @@ struct Reading {
   const JointModel& model;
   const std::string& name;
   bool nested_k_adds;
-  std::vector<Remark>& left_out;
+  std::vector<Remark>&left_out, &assumed;
 };
 
 /// A part of the material that has no place in E and nu. `instead`: what is taken.
@@ -117,8 +117,9 @@ Stiffness from_E_and_v(const Reading& reading, const MaterialTree& material) {
                    fmt::format("material {}: v = {:g}, need -1 < v < 0.5", quote(reading.name), nu));
   }
   if (material.constants.count("v") == 0)
-    leave_out(reading, material, fmt::format("{} without <v>", quote(material.type)),
-              "nu = 0 is taken, FEBio's default");
+    reading.assumed.push_back(
+        {fmt::format("material {}: {} without <v>: 0, as in FEBio", quote(reading.name), quote(material.type)), 1,
+         material.origin});
   if (std::isnan(E) || std::isnan(nu)) return s;
   set_from_E_nu(s, E, nu);
   return s;
@@ -309,9 +310,10 @@ double constant_of(const MaterialTree& material, const char* name, double fallba
 }
 
 void set_elasticity(Material& material, const MaterialTree& tree, bool nested_k_adds, JointModel& model) {
-  std::vector<Remark> left_out;
-  Stiffness s = stiffness_of({model, material.name, nested_k_adds, left_out}, tree);
+  std::vector<Remark> left_out, assumed;
+  Stiffness s = stiffness_of({model, material.name, nested_k_adds, left_out, assumed}, tree);
   model.ignored.insert(model.ignored.end(), left_out.begin(), left_out.end());
+  model.assumed.insert(model.assumed.end(), assumed.begin(), assumed.end());
   if (std::isnan(s.E) && !std::isnan(s.G + s.lambda)) {
     add_note(s.note, fmt::format("no stiffness: G = {:g}, K = {:g}, need both > 0", s.G, s.lambda + 2 * s.G / 3));
   }

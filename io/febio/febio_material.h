@@ -29,8 +29,8 @@ double constant_of(const MaterialTree& material, const char* name, double fallba
 
 /// Fills type, E, nu and note of a deformable material. `nested_k_adds`: the k of uncoupled materials nested in
 /// uncoupled ones is added to the k above, as FEBio does with files up to version 2.5 (its model then holds the sum).
-/// What of it has no place in E and nu is listed in `model.ignored`. Throws InputError at the constant's place for
-/// values that no material may have.
+/// What of it has no place in E and nu is listed in `model.ignored`, a missing v in `model.assumed`. Throws InputError
+/// at the constant's place for values that no material may have.
 void set_elasticity(Material& material, const MaterialTree& tree, bool nested_k_adds, JointModel& model);
 
 /// Density of a material. Throws InputError if negative; a rigid body without a centre of mass needs one number, `why`

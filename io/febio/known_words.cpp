@@ -138,7 +138,22 @@ constexpr Alias kOtherNames[] = {{"nu", "v"},
                                  {"bulk_modulus", "k"},
                                  {"shear_modulus", "G"},
                                  {"value", "scale"},
-                                 {"scale", "value"}};
+                                 {"scale", "value"},
+                                 {"joint", "joint_origin"},
+                                 {"joint_origin", "joint"},
+                                 {"origin", "joint_origin"},
+                                 {"joint_axis", "rotation_axis"},
+                                 {"joint_axis", "translation_axis"},
+                                 {"rotation_axis", "joint_axis"},
+                                 {"translation_axis", "joint_axis"},
+                                 {"axis", "rotation_axis"},
+                                 {"axis", "translation_axis"},
+                                 {"axis", "joint_axis"},
+                                 {"stiffness", "k"},
+                                 {"stiffness", "E"},
+                                 {"k", "E"},
+                                 {"rest_length", "free_length"},
+                                 {"slack_length", "free_length"}};
 
 struct Known {
   std::vector<std::string> taken, repeated, others;

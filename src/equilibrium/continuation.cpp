@@ -112,9 +112,16 @@ Solution search_from(Problem& problem, const std::vector<Pose>& start, const Equ
   Solution direct = newton(problem, std::move(e), options);
   const bool no_equilibrium = direct.outcome == Outcome::NoEquilibrium;
   const char* sign = "(the opposite load would press them together: look at its sign)";
-  if (direct.outcome == Outcome::SurfacesApart && direct.advice.empty() &&
-      opposite_load_presses(problem, evaluate(problem, poses)))
-    direct.advice = sign;
+  if (direct.outcome == Outcome::SurfacesApart && direct.advice.empty()) {
+    const Evaluation at_start = evaluate(problem, poses);
+    if (!any_faces(at_start))
+      direct.advice =
+          "(no spring finds the opposite surface from where the bodies start: do the surfaces lie beside each other, "
+          "or "
+          "look the same way?)";
+    else if (opposite_load_presses(problem, at_start))
+      direct.advice = sign;
+  }
   if ((direct.outcome != Outcome::NotConverged && !no_equilibrium) || !direct.at.contact.allFinite()) return direct;
   Evaluation from =
       evaluate(problem, poses);  // a copy, kept for this rare case, would be as large as the springs' states
@@ -123,8 +130,8 @@ Solution search_from(Problem& problem, const std::vector<Pose>& start, const Equ
       direct.outcome = Outcome::SurfacesApart;
       direct.advice = opposite_load_presses(problem, from) ? Sentence(sign) : Sentence();
       direct.message = fmt::format(
-          "the load moves the surfaces apart: pressures on them, however spread, leave {:.2g} of it unbalanced",
-          std::min(*at_start, *at_end));
+          "the load moves the surfaces apart: pressures on them, however spread, leave {:.3g}% of it unbalanced",
+          100.0 * std::min(*at_start, *at_end));
       return direct;
     }
   }

@@ -57,9 +57,9 @@ Travel travel(const Problem& problem, const std::vector<Pose>& from, const std::
       result.words = fmt::format("rotation of \"{}\" about ({:.3f}, {:.3f}, {:.3f}), turned {:.3g} degrees", name,
                                  turn.axis().x(), turn.axis().y(), turn.axis().z(), turn.angle() * 180.0 / kPi);
     if (slid > 0.3 * turned)
-      result.words += fmt::format("{}translation of \"{}\" along ({:.3f}, {:.3f}, {:.3f}), moved {:.3g}",
-                                  result.words.empty() ? "" : ", and ", name, slide.x() / slid, slide.y() / slid,
-                                  slide.z() / slid, slid);
+      result.words += fmt::format(
+          "{}translation of \"{}\" along ({:.3f}, {:.3f}, {:.3f}), moved by {:.3g} (the model's unit of length)",
+          result.words.empty() ? "" : ", and ", name, slide.x() / slid, slide.y() / slid, slide.z() / slid, slid);
   }
   return result;
 }
@@ -69,11 +69,11 @@ std::string says_nothing_resists(const Problem& problem, const std::vector<Pose>
   const Travel gone = travel(problem, started, e.poses);
   const double cap = 0.5 * problem.beds.least_thickness;
   return fmt::format(
-      "{:.2g} of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses;",
-      unbalanced,
-      gone.reached > 2.0 * cap
-          ? gone.words
-          : fmt::format("{}, followed for {:.3g}", direction_in_words(problem, e, motion.normalized()), gone.reached),
+      "{:.3g}% of the load acts along a motion that nothing resists: {}; no nearer to balance after {} poses;",
+      100.0 * unbalanced,
+      gone.reached > 2.0 * cap ? gone.words
+                               : fmt::format("{}, followed for {:.3g} (the model's unit of length)",
+                                             direction_in_words(problem, e, motion.normalized()), gone.reached),
       problem.casts);
 }
 

@@ -95,6 +95,8 @@ int springs_that_face(const Evaluation& e) {
 
 }  // namespace
 
+bool any_faces(const Evaluation& e) { return springs_that_face(e) > 0; }
+
 bool opposite_load_presses(const Problem& problem, const Evaluation& e) {
   if (problem.joined()) return false;  // the joints may take the load either way
   const int facing = springs_that_face(e);

@@ -12,6 +12,9 @@ struct Separation {
 };
 Separation separation(const Problem& problem, const Evaluation& e);
 
+/// Whether any spring finds the opposite surface at this pose.
+bool any_faces(const Evaluation& e);
+
 /// Whether pressures at this pose could balance the opposite load: the load's sign may be wrong then.
 bool opposite_load_presses(const Problem& problem, const Evaluation& e);
 

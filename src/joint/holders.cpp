@@ -238,12 +238,14 @@ std::vector<std::string> holds_of_some_steps(const JointModel& model, const Hold
                                 in.empty() ? "in none of the steps" : "in step " + number_list(numbers) + " only"));
   };
 
-  std::map<int, std::array<std::set<int>, 3>> per_node;  // steps in which its components are fixed
+  using Steps = std::set<int>;
+  std::map<int, std::array<Steps, 3>> per_node;  // of those held in x, y and z: by component
+  std::array<std::map<int, Steps>, 3> in_plane;  // of the others: by component, and node
   for (const FixedNodes& f : model.fixed_nodes)
     for (const int node : f.nodes)
-      if (holders.fixed[at(node)] && region[at(node)] >= 0 && moved[at(node)] < 0)
-        for (std::size_t k = 0; k < 3; ++k)
-          if (f.xyz[k]) per_node[node][k].insert(f.step);
+      for (std::size_t k = 0; k < 3; ++k)
+        if (f.xyz[k] && region[at(node)] >= 0 && moved[at(node)] < 0)
+          (holders.fixed[at(node)] ? per_node[node][k] : in_plane[k][node]).insert(f.step);
   std::map<std::set<int>, int> fixed;  // steps in which nodes are held -> how many
   for (const auto& entry : per_node) {
     std::set<int> in;
@@ -258,8 +260,16 @@ std::vector<std::string> holds_of_some_steps(const JointModel& model, const Hold
     tell(count == 1 ? "1 node of a deformable part is fixed in x, y and z at once"
                     : fmt::format("{} nodes of deformable parts are fixed in x, y and z at once", count),
          in);
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::map<Steps, int> held;  // steps -> how many nodes
+    for (const auto& entry : in_plane[k]) ++held[entry.second];
+    for (const auto& [in, count] : held)
+      tell(fmt::format("{} of deformable parts {} held in {}", count == 1 ? "1 node" : fmt::format("{} nodes", count),
+                       count == 1 ? "is" : "are", "xyz"[k]),
+           in);
+  }
 
-  std::map<std::string, std::set<int>> ties;  // those that hold a part, by their name
+  std::map<std::string, Steps> ties;  // those that hold a part, by their name
   for (const Contact& c : model.contacts)
     if (c.kind == Contact::Kind::Tied && holders.ties.count(c.name) > 0) ties[c.name].insert(c.step);
   for (const auto& [name, in] : ties) tell(fmt::format("contact \"{}\" ties its surfaces", name), in);

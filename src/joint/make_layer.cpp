@@ -437,6 +437,21 @@ std::vector<Fault> take_rigid_elements(const ContactSide& in, const CarriedSurfa
   return {};
 }
 
+/// A modulus or Poisson's ratio that the user names for a surface without cartilage.
+void refuse_elasticity_of_bare(const ContactSide& in, const Layer& layer) {
+  if (!layer.rigid) return;
+  const auto refuse = [&](const char* setting, const std::map<std::string, double>& given) {
+    const auto found = given.find(in.surface.name);
+    if (found != given.end())
+      throw UsageError(
+          Fault{.given = NamedSetting{setting, in.surface.name, fmt::format("{:g}", found->second)},
+                .found = say("surface \"{}\" is a bare rigid surface, without cartilage;", in.surface.name),
+                .expected = say("leave it out, or give a thickness with {}", setting_of(in, "thickness"))});
+  };
+  refuse("E", in.parts.settings.E);
+  refuse("nu", in.parts.settings.nu);
+}
+
 /// Thickness times the user's factor, wherever it comes from. The articular surface stays: the bone is taken to lie
 /// deeper or less deep, so that gaps between articular surfaces are the mesh's.
 void scale_thickness(const ContactSide& in, Layer& layer) {
@@ -518,6 +533,7 @@ void finish(const ContactSide& in, const CarriedSurface& carried, bool on_elemen
   if (draft.faults.empty() && on_elements)
     if (const Sentence gap = gap_to_named_bone(in, carried, draft.boundary, layer); !gap.empty())
       layer.notes.push_back(gap);
+  if (draft.faults.empty()) refuse_elasticity_of_bare(in, layer);
   if (draft.faults.empty()) scale_thickness(in, layer);
   if (draft.faults.empty()) draft.faults = too_thick(in, layer);
   if (draft.faults.empty() && !layer.rigid && draft.boundary.faces.size() > 0 && on_articular)

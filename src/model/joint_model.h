@@ -371,6 +371,7 @@ struct JointModel {
   std::vector<Step> steps;  ///< at least one
 
   std::vector<Remark> ignored;      ///< harmless: does not change the joint
+  std::vector<Remark> assumed;      ///< what the file leaves unsaid and FEBio's default says instead
   std::vector<Remark> unsupported;  ///< changes the mechanics and cannot be taken into account: refused by `dea run`
 };
 

@@ -15,6 +15,7 @@
 #include <febiodea/base/time_text.h>
 #include <febiodea/joint/shared_ends.h>
 #include <febiodea/run/idle_loads.h>
+#include <febiodea/run/idle_settings.h>
 
 namespace dea {
 
@@ -193,8 +194,9 @@ SolvedStates solve_states(const JointModel& model, const Settings& settings, con
   const std::vector<Vector6> no_reaction(joint.bodies.size(), Vector6::Zero());
   SolvedStates solved;
   solved.start = starting_poses(model, joint, settings);
+  solved.idle = idle_settings(model, joint, settings);
   if (times.back().row >= 0 || times.back().step == last_step(model)) {  // the others have no such loads
-    solved.idle = idle_warnings(idle_loads(model, joint, settings));
+    for (Sentence& words : idle_warnings(idle_loads(model, joint, settings))) solved.idle.push_back(std::move(words));
     for (Sentence& words : idle_model_loads(model, joint, settings)) solved.idle.push_back(std::move(words));
     for (Sentence& words : idle_load_points(model, joint, settings)) solved.idle.push_back(std::move(words));
   }

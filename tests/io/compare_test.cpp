@@ -748,7 +748,7 @@ TEST_F(CompareCommand, SaysWhichAreasAndHowFarTheContactGivesWay) {
   std::string line;
   ASSERT_TRUE(std::getline(lines, line));
   const std::string last =
-      ",areas,headline_p99,headline_mean,headline_area,headline_peak,headline_above,covered_by_reference";
+      ",areas,headline_p99,headline_mean,headline_area,headline_peak,headline_above,covered_by_reference,solved";
   EXPECT_EQ(line.substr(line.size() - last.size()), last);
   ASSERT_TRUE(std::getline(lines, line));
   EXPECT_NE(line.find(",deformed,"), std::string::npos);

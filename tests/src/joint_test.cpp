@@ -225,6 +225,13 @@ TEST(Recognition, HoldsOfSomeStepsAreTold) {
   EXPECT_TRUE(told(model, fixed + "none of the steps of the model"));
   model.fixed_nodes.clear();
   tie(model, 1, 2);
+  held.nodes.resize(5);
+  held.xyz = {true, false, false};
+  model.fixed_nodes = {held};
+  EXPECT_TRUE(told(model, "5 nodes of deformable parts are held in x in step 2 only of the model"));
+  model.fixed_nodes[0].step = -1;
+  EXPECT_FALSE(told(model, "are held in x"));
+  model.fixed_nodes.clear();
   const std::string ties = "contact \"tie\" ties its surfaces in step 2 only";
   EXPECT_FALSE(told(model, ties));
   model.contacts.back().step = 1;

@@ -297,7 +297,10 @@ Json compare_json(const Comparison& c) {
   j["areas"] = c.areas == CompareAreas::Deformed ? "deformed" : "reference";
   j["results"] = Json::array();
   for (std::size_t i = 0; i < c.labels.size(); ++i)
-    j["results"].push_back({{"label", c.labels[i]}, {"file", c.paths[i]}, {"time", json_number(c.times[i])}});
+    j["results"].push_back({{"label", c.labels[i]},
+                            {"file", c.paths[i]},
+                            {"time", json_number(c.times[i])},
+                            {"solved", c.solved[i] != 0}});
   j["surfaces"] = Json::array();
   for (const ComparedSurface& surface : c.surfaces) j["surfaces"].push_back(surface_json(c, surface));
   j["bodies"] = Json::array();
@@ -319,6 +322,7 @@ std::string compare_csv(const Comparison& c) {
         for (Quantity& q : inside_quantities(c, surface, region)) last.push_back(std::move(q));
       last.push_back({"", "covered_by_reference", surface.covered_by_reference});
       last.back().values.push_back(kNaN);
+      last.push_back({"", "solved", std::vector<double>(c.solved.begin(), c.solved.end())});
       if (text.empty()) {
         text = "label,file,time,surface,region";
         for (const Quantity& q : quantities) text += fmt::format(",{}", q.key);

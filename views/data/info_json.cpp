@@ -220,6 +220,7 @@ Json info_json(const JointModel& model, const Settings& settings, const JointChe
   j["errors"] = Json::array();  // all that are known, the most basic first
   for (const Fault& fault : check.errors) j["errors"].push_back(line(fault, wording));
   j["unit_names"] = units_json(model.units);
+  j["assumed"] = remarks_json(model, model.assumed);
   return j;
 }
 

@@ -747,6 +747,10 @@ void finish_panels(Work& work, const std::vector<MapValues>& values) {
 
 }  // namespace
 
+bool all_solved(const MapFigure& figure) {
+  return std::all_of(figure.panels.begin(), figure.panels.end(), [](const MapPanel& p) { return p.solved; });
+}
+
 MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& o) {
   Work work = begin(files, minus, o, false);
   std::vector<MapValues> values;

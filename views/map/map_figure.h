@@ -69,6 +69,9 @@ struct MapFigure {
   std::vector<std::string> remarks;         ///< for the user: what is not to be seen, what is cut off or missing
 };
 
+/// Is every state on the map a solution?
+bool all_solved(const MapFigure& figure);
+
 /// `minus`: the result to take away, on the same surface; nullptr: none. Throws InputError: no such field, surface or
 /// state, no scalar; UsageError: a surface that cannot be unrolled, a scale without width.
 MapFigure make_map_figure(const std::vector<ResultFile>& files, const ResultFile* minus, const MapOptions& options);

@@ -288,9 +288,12 @@ void add_held_face(const JointModel& model, const Joint& joint, const std::strin
 
 std::vector<std::string> model_remarks(const JointModel& model, const Joint& joint, const Wording& wording) {
   std::vector<std::string> lines;
-  for (const Remark& r : model.ignored)
-    add_once(lines, fmt::format("ignored: {}{}{}", where(model, r.origin), r.what,
+  const auto add = [&](const char* kind, const Remark& r) {
+    add_once(lines, fmt::format("{}: {}{}{}", kind, where(model, r.origin), r.what,
                                 r.count > 1 ? fmt::format(" ({} times)", r.count) : ""));
+  };
+  for (const Remark& r : model.ignored) add("ignored", r);
+  for (const Remark& r : model.assumed) add("note", r);
   for (const ContactPair& pair : joint.contacts) {
     const Contact& contact = model.contacts[at(pair.contact)];
     for (const std::string& what : contact.ignored)
