@@ -925,6 +925,73 @@ TEST(BadInput, WhatFebioTakesInsteadIsTold) {
   }
 }
 
+// FEBio's <override_com>: what is written behind the centre of mass counts.
+TEST(BadInput, OverrideComIsFollowed) {
+  const auto info = [](const std::string& com) {
+    const test::TemporaryFolder folder;
+    std::ofstream(folder.path / "model.feb") << edited({{"<center_of_mass>0,0,1</center_of_mass>", com}});
+    const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "info", "model.feb"}, kLimit);
+    EXPECT_EQ(f.code, 0) << f.err;
+    const std::size_t plate = f.out.find("plate: material");
+    return f.out.substr(plate, f.out.find('\n', plate) - plate) + f.out.substr(f.out.find("remarks"));
+  };
+  const std::string com = "<center_of_mass>0,0,1</center_of_mass>";
+  const std::string left_out = "<center_of_mass> of rigid body \"plate\", for <override_com> is 0";
+  EXPECT_NE(info(com).find("(0, 0, 1) (given)"), std::string::npos);
+  EXPECT_NE(info("<override_com>0</override_com>" + com).find("(0, 0, 1) (given)"), std::string::npos);
+  EXPECT_NE(info(com + "<override_com>1</override_com>").find("(0, 0, 1) (given)"), std::string::npos);
+  const std::string without = info(com + "<override_com>0</override_com>");
+  EXPECT_EQ(without.find("(given)"), std::string::npos) << without;
+  EXPECT_NE(without.find(left_out), std::string::npos) << without;
+  const std::string origin = info("<override_com>1</override_com>");
+  EXPECT_NE(origin.find("(0, 0, 0) (given)"), std::string::npos) << origin;
+  EXPECT_NE(origin.find("rigid body \"plate\" without <center_of_mass>: 0,0,0, as in FEBio"), std::string::npos)
+      << origin;
+}
+
+// Face centres of 27-node elements are held by a bone of 9-node ones as the rest of the face is.
+TEST(Solved, LayersOfHex27OnQuad9) {
+  std::string nodes, ids;
+  const auto add = [&, id = 0](double x, double y, double z) mutable {
+    nodes += fmt::format("<node id=\"{}\">{},{},{}</node>\n", ++id, x, y, z - 1);
+    ids += fmt::format("{}{}", id > 1 ? "," : "", id);
+  };
+  for (const double z : {-1.0, 1.0})
+    for (const auto& [x, y] : {std::pair(-1.0, -1.0), {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) add(x, y, z);
+  const std::pair<double, double> sides[] = {{0.0, -1.0}, {1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}};
+  for (const double z : {-1.0, 1.0})
+    for (const auto& [x, y] : sides) add(x, y, z);
+  for (const auto& [x, y] : {std::pair(-1.0, -1.0), {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) add(x, y, 0);
+  for (const auto& [x, y] : sides) add(x, y, 0);
+  for (const double z : {-1.0, 1.0, 0.0}) add(0, 0, z);
+  std::string text = without("<node id=\"1\">", "<node id=\"8\">-1,1,0</node>\n");
+  text = edited({{"<Nodes name=\"all\">\n", "<Nodes name=\"all\">\n" + nodes}}, text);
+  const auto moved = [](int id) { return fmt::format("<node id=\"{}\">", id); };
+  text = edited({{moved(9) + "-2,-2,0.1", moved(39) + "-2,-2,0.1"},
+                 {moved(10) + "2,-2,0.1", moved(40) + "2,-2,0.1"},
+                 {moved(11) + "2,2,0.1", moved(41) + "2,2,0.1"},
+                 {moved(12) + "-2,2,0.1", moved(42) + "-2,2,0.1"},
+                 {"9,10,11,12</elem>", "39,40,41,42</elem>"},
+                 {"9,12,11,10</quad4>", "39,42,41,40</quad4>"},
+                 {"<Elements type=\"hex8\" name=\"layer\">", "<Elements type=\"hex27\" name=\"layer\">"},
+                 {"1,2,3,4,5,6,7,8</elem>", ids + "</elem>"},
+                 {"<Elements type=\"quad4\" name=\"base\">", "<Elements type=\"quad9\" name=\"base\">"},
+                 {"1,2,3,4</elem>", "1,2,3,4,9,10,11,12,25</elem>"}},
+                text);
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path / "model.feb") << text;
+  std::ofstream(folder.path / "plain.feb") << kModel;
+  const auto sunk = [&](const char* model) {
+    const test::Finished f = test::run_program(
+        folder.path, {DEA_PROGRAM, "run", model, "--no-xplt", "--law", "linear", "--json", "r.json"}, kLimit);
+    EXPECT_EQ(f.code, 0) << f.err;
+    return nlohmann::json::parse(test::file_text(folder.path / "r.json"))["states"]
+        .back()["bodies"]["plate"]["translation"][2]
+        .get<double>();
+  };
+  EXPECT_NEAR(sunk("model.feb"), sunk("plain.feb"), 1e-12);
+}
+
 // Commands with lists of files take an option without its dashes for one more.
 TEST(BadInput, AnOptionTakenForAFileIsNamed) {
   const test::TemporaryFolder folder;
@@ -960,13 +1027,11 @@ TEST(Solved, SettingsWithoutEffectAreTold) {
             "thickness with --thickness \"under=VALUE\"\n");
   EXPECT_EQ(run({"--nu", "under=0.3"}).code, 2);
   const std::pair<Words, const char*> idle[] = {
-      {{"--E", "bottom=5"}, "--E bottom: it has no effect, for no contact that is solved has this surface"},
-      {{"--thickness", "bottom=5"},
-       "--thickness bottom: it has no effect, for no contact that is solved has this surface"},
+      {{"--E", "bottom=5"}, "--E bottom: it has no effect, for no sliding contact has this surface"},
+      {{"--thickness", "bottom=5"}, "--thickness bottom: it has no effect, for no sliding contact has this surface"},
       {{"--rotate-about", "plate=com"},
        "--rotate-about plate: it has no effect, for no setting turns body \"plate\"; turn it with --rotate "
        "\"plate=x,y,z,DEGREES\", or leave it out"},
-      {{"--frame", "hip=1,0,0/0,1,0/0,0,1"}, "--frame hip: it has no effect, for no setting names it (frame:hip)"},
   };
   for (const auto& [options, what] : idle) {
     const test::Finished f = run(options);
@@ -974,7 +1039,7 @@ TEST(Solved, SettingsWithoutEffectAreTold) {
     EXPECT_EQ(f.err, std::string("warning: ") + what + "\n");
   }
   EXPECT_EQ(run({"--rotate-about", "plate=com", "--rotate", "plate=0,0,1,1"}).err, "");
-  EXPECT_EQ(run({"--frame", "hip=1,0,0/0,1,0/0,0,1", "--force", "plate=frame:hip,0,0,-5"}).err, "");
+  EXPECT_EQ(run({"--frame", "hip=1,0,0/0,1,0/0,0,1"}).err, "");  // a settings file has all of a bone's
 }
 
 // Where a body starts beside the surface that is to carry it, that is why the surfaces part, not its load.

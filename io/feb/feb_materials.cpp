@@ -52,6 +52,32 @@ MaterialTree read_tree(const Reading& reading, const XMLElement& element) {
   return tree;
 }
 
+/// FEBio's: a centre of mass that is written counts, unless <override_com> behind it says 0; 1 without one is the
+/// origin.
+void read_center_of_mass(Reading& reading, const XMLElement& element, Material& material) {
+  bool counts = false;
+  Vector3d center = Vector3d::Zero();
+  for (const XMLElement& child : children(element)) {
+    const std::string_view tag = child.Name();
+    if (tag == "center_of_mass") {
+      center = read_vector(reading, child);
+      counts = true;
+    } else if (tag == "override_com") {
+      counts = febio::to_flag(reading, origin_of(reading, child), tag, text_of(child));
+    }
+  }
+  const std::string owner = fmt::format("rigid body {}", quote(material.name));
+  if (counts) {
+    if (element.FirstChildElement("center_of_mass") == nullptr)
+      febio::assume(reading, origin_of(reading, element), owner, "center_of_mass", "0,0,0");
+    material.center_of_mass = center;
+  } else if (const XMLElement* given = element.FirstChildElement("center_of_mass")) {
+    ignore(
+        reading, *given,
+        fmt::format("<center_of_mass> of {}, for <override_com> is 0: it is that of the elements, as in FEBio", owner));
+  }
+}
+
 void read_material(Reading& reading, const XMLElement& element) {
   Material material;
   material.origin = origin_of(reading, element);
@@ -81,8 +107,7 @@ void read_material(Reading& reading, const XMLElement& element) {
   febio::check_material_words(reading, component_of(reading, element));
   const MaterialTree tree = read_tree(reading, element);
   if (material.rigid) {
-    if (const XMLElement* com = element.FirstChildElement("center_of_mass"))
-      material.center_of_mass = read_vector(reading, *com);
+    read_center_of_mass(reading, element, material);
     if (const XMLElement* parent = element.FirstChildElement("parent_id");
         parent != nullptr && read_int(reading, *parent) >= 0)
       unsupported(reading, *parent, fmt::format("<parent_id> of rigid body {}", quote(material.name)),

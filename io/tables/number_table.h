@@ -1,5 +1,6 @@
 // febiodea/io/tables/number_table.h – numbers in columns with names: CSV, and OpenSim's .sto and .mot.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,7 @@ namespace dea {
 struct NumberTable {
   std::string path;
   bool opensim = false;                   ///< .sto or .mot: has a header that ends in "endheader"
-  bool degrees = false;                   ///< its header says inDegrees=yes
+  std::optional<bool> degrees;            ///< of its header: inDegrees=yes or no; empty: it does not say
   std::vector<std::string> names;         ///< of the columns, without white space around them
   std::vector<std::vector<double>> rows;  ///< as many numbers each as there are names
   std::vector<int> lines;                 ///< of the rows in the file, 1-based

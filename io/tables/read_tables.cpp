@@ -48,6 +48,10 @@ std::optional<UnitNames> model_system(const JointModel& model) {
   return units.metres > 0 ? std::optional(units) : std::nullopt;
 }
 
+// What columns are taken in that name a unit, where the model names none.
+constexpr const char* kUnnamed = "mm-N-s";
+constexpr const char* kTakenUnnamed = " (it names none, its columns do: taken as in mm-N-s)";
+
 /// What a table's forces (angles) and lengths are multiplied by, and how that was decided.
 struct Scale {
   double first = 1.0, length = 1.0;
@@ -62,7 +66,7 @@ Scale scale_of(const char* setting, const std::string& units, const Unit (&first
   const std::optional<double> a = size_of(first, units.substr(0, dash));
   const std::optional<double> b = dash == std::string::npos ? std::nullopt : size_of(kLengths, units.substr(dash + 1));
   if (!a || !b) throw wrong_setting(setting, units, "these are no units that are known;", expected);
-  const UnitNames system = model.value_or(unit_names("mm-N-s"));
+  const UnitNames system = model.value_or(unit_names(kUnnamed));
   return {
       is_force ? *a / system.newtons : *a, *b / system.metres,
       fmt::format("in {}, the model {} {}", units, model ? "in" : "names no units and is taken as in", system.system)};
@@ -178,16 +182,18 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
     scale = scale_of("load-units", units, kForces, "FORCE-LENGTH of N, kN, mN, nN and m, cm, mm, um, such as N-m",
                      system, true);
   const std::vector<int> columns = load_columns(table, loads.columns);
-  const std::array<std::string, 2> taken =
-      units_taken(units, system ? system->force : "", system ? system->length : "");
-  const Sentence remedy = loads.body_weight
-                              ? say("with {} they are percent of it: leave that out", NamedSetting{"body-weight"})
-                              : say("say what they are in with {}, or with {}", NamedSetting{"load-units", "", "kN-m"},
-                                    NamedSetting{"body-weight", "", "FORCE"});
-  const std::string force_unit = loads.body_weight ? "%bw" : taken[0].empty() ? "?" : taken[0];
-  const std::vector<std::string> of_weight = {"%bw", "bw"};
-  refuse_other_units(table, columns, 0, force_unit, force_unit == "?" ? of_weight : force_words(), remedy);
-  if (!taken[1].empty()) refuse_other_units(table, columns, 3, force_unit + taken[1], moment_words(), remedy);
+  const UnitNames own = system.value_or(unit_names(kUnnamed));
+  const std::array<std::string, 2> taken = units_taken(units, own.force, own.length);
+  const Sentence remedy =
+      loads.body_weight ? say("with {} they are percent of it: leave that out", NamedSetting{"body-weight"})
+                        : say("say what they are in with {} (N-m and the like), or with {}",
+                              NamedSetting{"load-units", "", "FORCE-LENGTH"}, NamedSetting{"body-weight", "", "FORCE"});
+  const std::string force_unit = loads.body_weight ? "%bw" : taken[0];
+  refuse_other_units(table, columns, 0, force_unit, force_words(), remedy);
+  refuse_other_units(table, columns, 3, force_unit + taken[1], moment_words(), remedy);
+  if (!system && units.empty() &&
+      (name_says_unit(table, columns, 0, force_words()) || name_says_unit(table, columns, 3, moment_words())))
+    scale.words += kTakenUnnamed;
   loads.time = times_of(table);
   loads.load = values_of(table, columns);
   const double share = loads.body_weight ? *loads.body_weight / 100.0 : 1.0;
@@ -249,6 +255,10 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
   const std::optional<UnitNames> system = model_system(model);
   const std::vector<int> columns = motion_columns(table, motion);
   motion.turns = columns.size() == 6;
+  if (!motion.turns && !motion.rotation.empty())
+    throw wrong_setting("motion-rotation", motion.rotation, say("{} has no columns rx, ry, rz:", table.path),
+                        say("it has {}; name the translation's and the rotation's with {}, or leave this out",
+                            named_columns(table), NamedSetting{"motion-columns", "", "TX,TY,TZ,RX,RY,RZ"}));
   if (motion.turns && motion.rotation.empty())
     throw wrong_setting("motion", motion.file, "its rows have rotations, and nobody says what their three numbers are;",
                         say("say {} for a rotation vector, or the sequence of three angles: {}",
@@ -256,7 +266,7 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
   std::string units = motion.units;
   if (units.empty() && table.opensim) {
     need_model_units(table, system, "m", {"motion-units", "", "deg-m"});
-    units = table.degrees ? "deg-m" : "rad-m";
+    units = table.degrees.value_or(false) ? "deg-m" : "rad-m";
   }
   if (units.empty() && motion.turns)
     throw wrong_setting("motion", motion.file,
@@ -266,10 +276,16 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
   if (!units.empty())
     scale = scale_of("motion-units", units, kAngles, "ANGLE-LENGTH of deg, rad and m, cm, mm, um, such as deg-mm",
                      system, false);
-  const std::array<std::string, 2> taken = units_taken(units, "", system ? system->length : "");
-  const Sentence remedy = say("say what they are in with {}", NamedSetting{"motion-units", "", "deg-m"});
+  const std::array<std::string, 2> taken = units_taken(units, "", system.value_or(unit_names(kUnnamed)).length);
+  if (motion.turns && table.degrees && *table.degrees != (taken[0] == "deg"))
+    throw wrong_setting("motion-units", units,
+                        say("{} says inDegrees={} in its header;", table.path, *table.degrees ? "yes" : "no"),
+                        "say the same, or correct the header");
+  const Sentence remedy =
+      say("say what they are in with {} (deg-m and the like)", NamedSetting{"motion-units", "", "ANGLE-LENGTH"});
   refuse_other_units(table, columns, 0, taken[1], length_words(), remedy);
   refuse_other_units(table, columns, 3, taken[0], angle_words(), remedy);
+  if (!system && units.empty() && name_says_unit(table, columns, 0, length_words())) scale.words += kTakenUnnamed;
   motion.time = times_of(table);
   motion.motion = values_of(table, columns);
   for (Vector6& row : motion.motion) {

@@ -39,6 +39,18 @@ std::string unit_in_name(const std::string& name) {
   return unit;
 }
 
+/// "n" as N, "knmm" as kN mm, "%bwm" as % of body weight times m.
+std::string unit_in_words(const std::string& unit) {
+  constexpr std::pair<const char*, const char*> kWords[] = {
+      {"%bw", "% of body weight"}, {"kn", "kN"}, {"nn", "nN"}, {"mn", "mN"}, {"n", "N"}};
+  for (const auto& [start, words] : kWords) {
+    if (unit.rfind(start, 0) != 0) continue;
+    const std::string length = unit.substr(std::string(start).size());
+    return length.empty() ? words : fmt::format("{}{}{}", words, unit[0] == '%' ? " times " : " ", length);
+  }
+  return unit;
+}
+
 }  // namespace
 
 std::string named_columns(const NumberTable& table, const std::string& word) { return name_list(table.names, word); }
@@ -106,25 +118,41 @@ std::vector<int> given_columns(const NumberTable& table, const char* setting, co
 
 void refuse_other_units(const NumberTable& table, const std::vector<int>& columns, std::size_t first,
                         const std::string& expected, const std::vector<std::string>& known, const Sentence& remedy) {
-  for (std::size_t k = first; k < std::min(columns.size(), first + 3) && !expected.empty(); ++k) {
+  for (std::size_t k = first; k < std::min(columns.size(), first + 3); ++k) {
     const std::string& name = table.names[at(columns[k])];
     const std::string unit = unit_in_name(name);
-    if (unit == expected || std::find(known.begin(), known.end(), unit) == known.end()) continue;
-    throw InputError(
-        Fault{.place = table.path,
-              .found = say("column {} is taken in {}, and its name says otherwise;", febio::quote(name), expected),
-              .expected = remedy});
+    if (unit == expected || (unit == "%" && expected == "%bw") ||
+        std::find(known.begin(), known.end(), unit) == known.end())
+      continue;
+    throw InputError(Fault{.place = table.path,
+                           .found = say("column {} is taken in {}, and its name says otherwise;", febio::quote(name),
+                                        unit_in_words(expected)),
+                           .expected = remedy});
   }
 }
 
-std::vector<std::string> force_words() { return {"n", "kn", "mn", "nn", "%bw", "bw", "%"}; }
-std::vector<std::string> length_words() { return {"m", "cm", "mm", "um"}; }
-std::vector<std::string> angle_words() { return {"deg", "rad"}; }
+bool name_says_unit(const NumberTable& table, const std::vector<int>& columns, std::size_t first,
+                    const std::vector<std::string>& known) {
+  for (std::size_t k = first; k < std::min(columns.size(), first + 3); ++k)
+    if (std::find(known.begin(), known.end(), unit_in_name(table.names[at(columns[k])])) != known.end()) return true;
+  return false;
+}
+
+// Also units that dea does not know the size of: none of them is what it takes.
+std::vector<std::string> force_words() {
+  return {"n", "kn", "mn", "nn", "un", "dyn", "lbf", "lb", "kgf", "kg", "kp", "n/kg", "%bw", "bw", "xbw", "%"};
+}
+std::vector<std::string> length_words() { return {"m", "cm", "mm", "um", "in", "inch", "ft"}; }
+std::vector<std::string> angle_words() { return {"deg", "rad", "mrad", "grad", "rev", "turns"}; }
 
 std::vector<std::string> moment_words() {
   std::vector<std::string> words;
   for (const std::string& force : force_words())
-    for (const std::string& length : length_words()) words.push_back(force + length);
+    for (const std::string& length : length_words()) {
+      words.push_back(force + length);
+      words.push_back(length + force);
+    }
+  for (const char* other : {"nm/kg", "%bwht", "bwht", "%bwh", "n", "kn", "%bw", "bw"}) words.emplace_back(other);
   return words;
 }
 

@@ -32,9 +32,13 @@ std::array<int, 3> vector_columns(const NumberTable& table, const char* setting,
 std::vector<int> given_columns(const NumberTable& table, const char* setting, const std::string& names);
 
 /// InputError: a column, of the three from `first` on, whose name says a unit of `known` other than `expected` ("n",
-/// "nm"). `expected` empty: nobody knows, nothing is refused.
+/// "nm").
 void refuse_other_units(const NumberTable& table, const std::vector<int>& columns, std::size_t first,
                         const std::string& expected, const std::vector<std::string>& known, const Sentence& remedy);
+
+/// Does one of the three columns from `first` on say a unit of `known`?
+bool name_says_unit(const NumberTable& table, const std::vector<int>& columns, std::size_t first,
+                    const std::vector<std::string>& known);
 
 /// Units that a column's name may say.
 std::vector<std::string> force_words();

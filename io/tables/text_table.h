@@ -1,5 +1,6 @@
 // febiodea/io/tables/text_table.h – cells in columns with names: CSV, and OpenSim's .sto and .mot.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace dea {
 struct TextTable {
   std::string path;
   bool opensim = false;                        ///< .sto or .mot: has a header that ends in "endheader"
-  bool degrees = false;                        ///< its header says inDegrees=yes
+  std::optional<bool> degrees;                 ///< of its header: inDegrees=yes or no; empty: it does not say
   std::string axes;                            ///< .fcsv: LPS or RAS, as its header says; else empty
   int names_line = 0;                          ///< of the file, 1-based
   std::vector<std::string> names;              ///< of the columns, without white space around them

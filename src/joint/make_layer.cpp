@@ -193,10 +193,11 @@ std::optional<Fault> held_inside(const ContactSide& in, const std::set<int>& reg
   for (const LayerElement& e : region_elements(in.parts, regions)) {
     const Domain& d = model.domains[at(e.domain)];
     const int n = nodes_per_element(d.shape);
-    for (int k = 0; k < n; ++k) {
-      const int node = d.nodes[at(e.element * n + k)];
-      if (boundary.node_held[at(node)]) held.insert(node);
-    }
+    for (const auto& face : element_faces(d.shape))  // not centres of faces, which the faces here are without
+      for (const int k : face) {
+        const int node = d.nodes[at(e.element * n + k)];
+        if (boundary.node_held[at(node)]) held.insert(node);
+      }
   }
   for (int node : boundary.faces.nodes) held.erase(node);
   if (held.empty()) return std::nullopt;

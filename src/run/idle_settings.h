@@ -7,8 +7,8 @@
 
 namespace dea {
 
-/// A sentence each: of a surface that no solved contact has; points of turning (rotate-about) of a body that nothing
-/// turns; frames that no setting names. Loads and their points are in idle_loads.h.
+/// A sentence each: of a surface that no sliding contact has; points of turning (rotate-about) of a body that nothing
+/// turns. Not frames: a settings file has all of a bone's. Loads and their points are in idle_loads.h.
 std::vector<Sentence> idle_settings(const JointModel& model, const Joint& joint, const Settings& settings);
 
 }  // namespace dea

@@ -208,10 +208,22 @@ TEST(Tables, UnitsInNamesOfColumnsMustBeThoseTaken) {
     return std::string();
   };
   EXPECT_EQ(with("fx [N],fy [N],fz [N]", "", "mm-N-s"), "");
-  EXPECT_EQ(with("fx [N],fy [N],fz [N]", "", ""), "");  // nobody knows the model's
+  EXPECT_EQ(with("fx [N],fy [N],fz [N]", "", ""), "");  // the model's are taken for mm and N then
+  EXPECT_NE(loads_of(file("u.csv", "fx [N],fy [N],fz [N]\n1,1,1\n"), "", "").loads.words.find("taken as in mm-N-s"),
+            std::string::npos);
+  EXPECT_EQ(loads_of(file("u.csv", "fx,fy,fz\n1,1,1\n"), "", "").loads.words.find("taken as in"), std::string::npos);
+  EXPECT_NE(with("fx [N],fy [N],fz [kN]", "", "").find("column \"fz [kN]\" is taken in N,"), std::string::npos);
+  EXPECT_NE(with("fx [N],fy [N],fz [N],mx [Nm],my [Nm],mz [Nm]", "", "").find("\"mx [Nm]\" is taken in N mm,"),
+            std::string::npos);
+  for (const char* unit : {"lbf", "N/kg", "xBW", "kgf"}) {
+    SCOPED_TRACE(unit);
+    EXPECT_NE(with(fmt::format("fx [{0}],fy [{0}],fz [{0}]", unit), "", "mm-N-s").find(" is taken in N, and its name"),
+              std::string::npos);
+  }
+  EXPECT_EQ(with("fx [left],fy [left],fz [left]", "", "mm-N-s"), "");  // no unit
   EXPECT_EQ(with("fx [kN],fy [kN],fz [kN]", "kN-m", "mm-N-s"), "");
   EXPECT_EQ(with("fx (N),fy (N),fz (N),mx (N mm),my (N mm),mz (N mm)", "", "mm-N-s"), "");
-  EXPECT_NE(with("fx [kN],fy [kN],fz [kN]", "", "mm-N-s").find("column \"fx [kN]\" is taken in n"), std::string::npos);
+  EXPECT_NE(with("fx [kN],fy [kN],fz [kN]", "", "mm-N-s").find("column \"fx [kN]\" is taken in N,"), std::string::npos);
   EXPECT_NE(with("fx [%BW],fy [%BW],fz [%BW]", "", "mm-N-s"), "");
   EXPECT_NE(with("fx [%BW],fy [%BW],fz [%BW]", "", ""), "");
   EXPECT_NE(with("fx [N],fy [N],fz [N],mx [N m],my [N m],mz [N m]", "", "mm-N-s"), "");
@@ -225,6 +237,24 @@ TEST(Tables, UnitsInNamesOfColumnsMustBeThoseTaken) {
   EXPECT_THROW(read_tables({}, settings), InputError);
   settings.motion.units = "rad-mm";
   EXPECT_NO_THROW(read_tables({}, settings));
+  settings.motion.file = file("m.csv", "tx [mm],ty [mm],tz [mm],rx_rad,ry_rad,rz_rad\n0,0,0,0,0,0.1\n");
+  EXPECT_THROW(read_tables({}, settings), UsageError) << "a rotation is asked for, and not found";
+  settings.motion.rotation.clear();
+  settings.motion.units.clear();
+  EXPECT_NO_THROW(read_tables({}, settings));
+  settings.motion.file = file("m.csv", "tx [m],ty [m],tz [m]\n0,0,0\n");
+  EXPECT_THROW(read_tables({}, settings), InputError);
+
+  settings.motion.rotation = "xyz";
+  const auto header = [&](const std::string& says, const std::string& units) {
+    settings.motion.file = file("m.mot", says + "endheader\ntime\ttx\tty\ttz\trx\try\trz\n0\t0\t0\t0\t0\t0\t1\n");
+    settings.motion.units = units;
+    read_tables({}, settings);
+  };
+  EXPECT_THROW(header("inDegrees=yes\n", "rad-m"), UsageError);
+  EXPECT_THROW(header("inDegrees=no\n", "deg-m"), UsageError);
+  EXPECT_NO_THROW(header("inDegrees=yes\n", "deg-m"));
+  EXPECT_NO_THROW(header("", "deg-m"));
 }
 
 TEST(Tables, OneLoadsColumnsAndWholeFiles) {

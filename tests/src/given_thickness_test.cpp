@@ -225,8 +225,10 @@ TEST(ThicknessFrom, ConstantIsTheSameAsTheNumber) {
     for (const char* surface : {"layer", "plate"}) {
       for (const Law law : {Law::Linear, Law::Layer}) {
         Settings number = of(law);
-        number.E["plate"] = kE;
-        number.nu["plate"] = kNu;
+        if (surface == std::string("plate")) {  // bare but for the thickness that it is given
+          number.E["plate"] = kE;
+          number.nu["plate"] = kNu;
+        }
         Settings file = number;
         number.thickness[surface] = 1.3;
         for (const Surface& s : model.surfaces)

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/time_text.h>
 #include <febiodea/joint/shared_ends.h>
+#include <febiodea/results/neighbours.h>
 #include <febiodea/views/text/plausibility.h>
 #include <febiodea/views/text/table.h>
 #include <febiodea/views/text/words.h>
@@ -572,6 +574,32 @@ void add_large_strains(const ContactPair& pair, const SolvedStates& result, std:
                               pair.name, time_text(worst->when.time), 100 * strain(*worst)));
 }
 
+/// Contacts side by side of which one presses at the line they share and the other does not, in any state.
+void add_uneven_neighbours(const JointModel& model, const Joint& joint, const SolvedStates& result, std::size_t contact,
+                           Lines& lines) {
+  std::optional<UnevenNeighbour> worst;
+  double time = 0.0;
+  const auto size = [](const UnevenNeighbour& n) { return std::abs(n.own - n.beyond); };
+  for (const StateResult& state : result.states) {
+    if (!solved(state.equilibrium.outcome)) continue;
+    const double above = kFelt * state.statistics[contact].peak;
+    for (const UnevenNeighbour& n : uneven_neighbours(joint, state.fields, static_cast<int>(contact), above)) {
+      if (worst && size(n) <= size(*worst)) continue;
+      worst = n;
+      time = state.when.time;
+    }
+  }
+  if (!worst) return;
+  add_once(
+      lines,
+      fmt::format("warning: contact \"{}\": at time {} it presses surface \"{}\" with {:.3g} within two thicknesses "
+                  "of the line where contact \"{}\" begins, and that one presses there with {:.3g}; each is solved "
+                  "as if the other pressed alike: force may be 15%, pressures near the line a third off; one "
+                  "contact with one surface of both tells it right",
+                  joint.contacts[contact].name, time_text(time), model.surfaces[at(worst->surface)].name, worst->own,
+                  joint.contacts[at(worst->other)].name, worst->beyond));
+}
+
 /// Maps that do not carry the whole force.
 void add_incomplete_maps(const JointModel& model, const ContactPair& pair, const ContactFields& fields, Lines& lines) {
   for (int side = 0; side < 2; ++side) {
@@ -746,6 +774,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
   add_tiny_load(joint, result, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     add_large_strains(joint.contacts[c], result, c, lines);
+    add_uneven_neighbours(model, joint, result, c, lines);
     if (!solved(last.equilibrium.outcome)) continue;  // no map to be judged, and no mesh to be blamed
     add_few_springs(joint.contacts[c], last, c, wording, lines);
     add_crowded_force(joint.contacts[c], last, c, wording, lines);
