@@ -226,11 +226,9 @@ int compare_command(const CompareArguments& a) {
   progress.clear();
   const bool all_solved =
       std::all_of(comparison.solved.begin(), comparison.solved.end(), [](char solved) { return solved != 0; });
-  const int code = all_solved ? kSolved : kNoSolution;
-  if (a.quiet) return code;
-  for (const std::string& line : comparison.warnings) log(line);
-  if (a.json != "-" && a.csv != "-") print(compare_text(comparison, a.details));
-  return code;
+  for (const std::string& line : a.quiet ? no_solution_warnings(comparison.warnings) : comparison.warnings) log(line);
+  if (!a.quiet && a.json != "-" && a.csv != "-") print(compare_text(comparison, a.details));
+  return all_solved ? kSolved : kNoSolution;
 }
 
 }  // namespace dea

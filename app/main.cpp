@@ -148,7 +148,8 @@ std::string option_taken_for_value(const CLI::App& command) {
 std::string option_taken_for_file(const CLI::App& command) {
   const std::vector<std::string> names = long_names(command);
   for (const CLI::Option* option : command.get_options()) {
-    if (!option->get_positional()) continue;
+    const std::string place = option->get_name(true);
+    if (!option->get_positional() || place == "COMMAND" || place == "SHELL") continue;
     for (const std::string& word : option->results()) {
       std::error_code unknown;
       if (std::find(names.begin(), names.end(), "--" + word) != names.end() && !std::filesystem::exists(word, unknown))

@@ -19,7 +19,8 @@ namespace dea {
 namespace {
 
 constexpr const char* kPlotFooter = R"(
-Files may be dea's or FEBio's, compressed or not. Facets are drawn as they are, in the reference configuration. All panels have
+Files may be dea's or FEBio's, compressed or not. Exit code 1: a state on the picture is no solution (a warning names it).
+Facets are drawn as they are, in the reference configuration. All panels have
 one scale, that of all states of the files, as on the page of --report; colours have 128 steps. Lines of equal value, and
 --smooth, are of nodal averages (area-weighted, of the facets around each node). With --smooth the edge of contact encloses as
 much area as the facets with pressure do. Numbers of pressure are those of `dea run` and `dea compare`: of nodes above 5 % of
@@ -250,11 +251,9 @@ int plot_command(const PlotArguments& a) {
     what = fmt::format("{} frame{}, {} panel{} each", done.frames, done.frames == 1 ? "" : "s", done.panels,
                        done.panels == 1 ? "" : "s");
   }
-  const int code = solved ? kSolved : kNoSolution;
-  if (a.quiet) return code;
-  for (const std::string& remark : remarks) log(remark);
-  log(fmt::format("{}: {}", output, what));
-  return code;
+  for (const std::string& remark : a.quiet ? no_solution_warnings(remarks) : remarks) log(remark);
+  if (!a.quiet) log(fmt::format("{}: {}", output, what));
+  return solved ? kSolved : kNoSolution;
 }
 
 }  // namespace dea

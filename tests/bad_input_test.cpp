@@ -887,6 +887,11 @@ TEST(BadInput, WhatFebioTakesInsteadIsTold) {
   const Edits held = {{"<Rz_dof>0", "<Rz_dof>1"}};
   Edits held_and_moved = with_rigid(moved("sink", "<dof>z</dof><value lc=\"1\">-0.2</value>"));
   held_and_moved.insert(held_and_moved.end(), held.begin(), held.end());
+  Edits step_moves = with_rigid(moved("sink", "<dof>z</dof><value lc=\"1\">-0.1</value>"));
+  step_moves.push_back(
+      {"</Control>\n</step>", "</Control>\n<Rigid>" + moved("again", "<dof>z</dof><value lc=\"1\">-0.2</value>") +
+                                  "</Rigid></step>\n<step id=\"2\" name=\"more\"><Control><analysis>STATIC</analysis>"
+                                  "<time_steps>2</time_steps><step_size>0.5</step_size></Control></step>"});
   const std::pair<Edits, const char*> cases[] = {
       {connector("rigid spring", spring + "<free_length>1</free_length>"),
        "note: model.feb:67: rigid spring without <k>: 1, as in FEBio"},
@@ -899,10 +904,10 @@ TEST(BadInput, WhatFebioTakesInsteadIsTold) {
       {{{"<pt>0,0</pt>\n<pt>1,1</pt>\n", ""}}, "load controller 1 without <points>: 0 at all times, as in FEBio"},
       {with_rigid(moved("sink", "<dof>z</dof>")), "rigid_displacement without <value>: 0, as in FEBio"},
       {held_and_moved,
-       "note: body \"plate\": \"sink\" prescribes z, which \"hold plate\" fixes: it is prescribed, as in FEBio"},
-      {with_rigid(moved("sink", "<dof>z</dof><value lc=\"1\">-0.1</value>") +
-                  moved("again", "<dof>z</dof><value lc=\"1\">-0.2</value>")),
-       "body \"plate\": \"sink\" and \"again\" prescribe z at the same time: the second one counts, as in FEBio"},
+       "note: model.feb:66: z of \"plate\" is fixed (line 57) and prescribed: it is prescribed, as in FEBio"},
+      {step_moves,
+       "z of \"plate\" is prescribed in all steps (line 66) and prescribed in step 1: that ends with the step, "
+       "and dea then goes on as before, where FEBio leaves it free"},
       {{{"</Material>",
          "<material id=\"4\" name=\"lid\" type=\"rigid body\"><center_of_mass>0,0,2</center_of_mass></material>\n"
          "</Material>"},
@@ -952,7 +957,8 @@ TEST(BadInput, OverrideComIsFollowed) {
 // Face centres of 27-node elements are held by a bone of 9-node ones as the rest of the face is.
 TEST(Solved, LayersOfHex27OnQuad9) {
   std::string nodes, ids;
-  const auto add = [&, id = 0](double x, double y, double z) mutable {
+  int id = 0;
+  const auto add = [&](double x, double y, double z) {
     nodes += fmt::format("<node id=\"{}\">{},{},{}</node>\n", ++id, x, y, z - 1);
     ids += fmt::format("{}{}", id > 1 ? "," : "", id);
   };
@@ -1007,6 +1013,7 @@ TEST(BadInput, AnOptionTakenForAFileIsNamed) {
   EXPECT_EQ(error({"compare", "a.xplt", "b.xplt", "details"}),
             "dea compare: found \"details\", which is no file (did you mean \"--details\"?)\n");
   EXPECT_EQ(error({"study", "a.feb", "inside"}).rfind("dea study: found \"inside\"", 0), 0u);
+  EXPECT_EQ(error({"completion", "help"}).find("which is no file"), std::string::npos);
 }
 
 // Settings that nothing uses: refused where no model could use them, told where another one might.
@@ -1105,6 +1112,15 @@ TEST(BadInput, Misspelt) {
                 3,
                 "<discrete dmat",
                 {"discrete material \"liner spring\"", "did you mean \"linear spring\"?"}},
+           Case{"spring without its stiffness",
+                edited({{"</Surface>\n<SurfacePair",
+                         "</Surface>\n<DiscreteSet name=\"d\">\n<delem>1,9</delem>\n</DiscreteSet>\n<SurfacePair"},
+                        {"</Contact>",
+                         "</Contact>\n<Discrete>\n<discrete_material id=\"1\" type=\"tension-only linear spring\"/>\n"
+                         "<discrete dmat=\"1\" discrete_set=\"d\"/>\n</Discrete>"}}),
+                3,
+                "<discrete_material",
+                {"tension-only linear spring without <E>, which has no default: add it"}},
            Case{"axis of another joint",
                 edited({{"</Rigid>",
                          "<rigid_connector name=\"slide\" type=\"rigid prismatic joint\"><body_a>base</body_a>"
@@ -2004,7 +2020,10 @@ TEST(NoSolution, IsMarkedInPlotAndCompare) {
   EXPECT_EQ(dea({"run", "good.feb"}).code, 0);
   EXPECT_EQ(dea({"run", "apart.feb"}).code, 1);
   EXPECT_EQ(dea({"plot", "good_dea.xplt"}).code, 0);
-  EXPECT_EQ(dea({"plot", "apart_dea.xplt", "-q", "-o", "a.png"}).code, 1);
+  const std::string warning = "warning: apart_dea.xplt: the state at time 1 is no solution; do not use its numbers\n";
+  const test::Finished plotted = dea({"plot", "apart_dea.xplt", "-q", "-o", "a.png"});
+  EXPECT_EQ(plotted.code, 1);
+  EXPECT_EQ(plotted.err, warning);
   EXPECT_TRUE(fs::exists(folder.path / "a.png"));
   EXPECT_EQ(dea({"plot", "apart_dea.xplt", "-q", "-o", "b.png", "--at", "0"}).code, 0);  // the reference state
   EXPECT_EQ(dea({"plot", "good_dea.xplt", "--minus", "apart_dea.xplt", "-q", "-o", "c.png"}).code, 1);
@@ -2012,7 +2031,8 @@ TEST(NoSolution, IsMarkedInPlotAndCompare) {
   EXPECT_EQ(dea({"compare", "good_dea.xplt", "good_dea.xplt"}).code, 0);
   const test::Finished f =
       dea({"compare", "apart_dea.xplt", "good_dea.xplt", "-q", "--json", "c.json", "--csv", "c.csv"});
-  EXPECT_EQ(f.code, 1) << f.err;
+  EXPECT_EQ(f.code, 1);
+  EXPECT_EQ(f.err, warning);
   const auto results = nlohmann::json::parse(test::file_text(folder.path / "c.json"))["results"];
   EXPECT_EQ(results[0]["solved"], false);
   EXPECT_EQ(results[1]["solved"], true);

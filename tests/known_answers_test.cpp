@@ -152,38 +152,73 @@ TEST(KnownAnswers, QuarterModelEitherWayRound) {
   for (double nu : kNus) expect_the_same("quarter.feb", "quarter_rigid_primary.feb", nu);
 }
 
-// Two contacts side by side, each with half of the facets that a ball presses: by symmetry each is half of the whole,
+// Two contacts side by side on one slab.
+struct DividedSlab {
+  JointModel model;
+  Settings settings;
+  Analysis analysis;
+
+  /// Facets of the slab left and right of x = `split`, a contact each, "left" and "right".
+  DividedSlab(double nu, double split) {
+    SlabUnderBall slab(nu);
+    for (const bool right : {false, true}) {
+      const Surface& s = slab.model.surfaces[at(slab.layer)];
+      Surface part;
+      part.name = right ? "right" : "left";
+      for (int f = 0; f < s.size(); ++f) {
+        if ((slab.center(s, f).x() > split) != right) continue;
+        part.nodes.insert(part.nodes.end(), s.nodes.begin() + 4 * f, s.nodes.begin() + 4 * f + 4);
+        part.begin.push_back(static_cast<int>(part.nodes.size()));
+      }
+      slab.model.surfaces.push_back(part);
+      slab.settings.nu[part.name] = nu;
+      test::add_contact(slab.model, part.name, static_cast<int>(slab.model.surfaces.size()) - 1, slab.indenter);
+    }
+    slab.settings.nu.erase("layer");
+    model = slab.model;
+    settings = slab.settings;
+    analysis = analyse(model, settings);
+  }
+};
+
+// Each with half of the facets that a ball presses: by symmetry each is half of the whole,
 // whichever body carries the springs. Where the layer goes on without load beside the line they share (as from a
 // contact of other bodies), the peak is a punch's, far too high.
 TEST(KnownAnswers, TwoHalvesOfAContactAreTheWhole) {
   for (double nu : kNus) {
-    const SlabUnderBall slab(nu);
-    SlabUnderBall halves(nu);
     const Solved whole = SlabUnderBall(nu).run();
-    const auto half = [&](const char* name, bool right) {
-      const Surface& s = slab.model.surfaces[at(slab.layer)];
-      Surface part;
-      part.name = name;
-      for (int f = 0; f < s.size(); ++f) {
-        if ((slab.center(s, f).x() > 0) != right) continue;
-        part.nodes.insert(part.nodes.end(), s.nodes.begin() + 4 * f, s.nodes.begin() + 4 * f + 4);
-        part.begin.push_back(static_cast<int>(part.nodes.size()));
-      }
-      halves.model.surfaces.push_back(part);
-      halves.settings.nu[name] = nu;
-      return static_cast<int>(halves.model.surfaces.size()) - 1;
-    };
-    const int left = half("left", false), right = half("right", true);
-    test::add_contact(halves.model, "left", left, halves.indenter);
-    test::add_contact(halves.model, "right", right, halves.indenter);
-    halves.settings.nu.erase("layer");
-    const Analysis analysis = analyse(halves.model, halves.settings);
+    const DividedSlab halves(nu, 0);
     for (int c = 0; c < 2; ++c) {
-      const ContactStatistics& of = analysis.states.back().statistics[at(c)];
+      const ContactStatistics& of = halves.analysis.states.back().statistics[at(c)];
       EXPECT_NEAR(std::abs(of.force.z()) / whole.force, 0.5, 0.002) << nu;
       EXPECT_NEAR(of.peak / whole.peak, 1, 0.002) << nu;
-      EXPECT_NEAR(rim_lengths(analysis.joint.contacts[at(c)].layers[0].face).shared, 28, 1e-9);
+      EXPECT_NEAR(rim_lengths(halves.analysis.joint.contacts[at(c)].layers[0].face).shared, 28, 1e-9);
+      EXPECT_FALSE(of.uneven) << nu;
     }
+  }
+}
+
+// Divided at the edge of contact instead, the left part carries all, and the mirror image of its edge stands for
+// cartilage that nothing presses: too stiff, and told with what each part presses there.
+TEST(KnownAnswers, ContactsSideBySideThatPressUnevenlyAreTold) {
+  for (double nu : kNus) {
+    const Solved whole = SlabUnderBall(nu).run();
+    const DividedSlab parts(nu, 3);
+    const ContactStatistics &left = parts.analysis.states.back().statistics[0],
+                            &right = parts.analysis.states.back().statistics[1];
+    EXPECT_GT(std::abs(left.force.z() + right.force.z()), 1.001 * whole.force) << nu;
+    ASSERT_TRUE(left.uneven) << nu;
+    EXPECT_EQ(left.uneven->other, 1);
+    EXPECT_EQ(parts.model.surfaces[at(left.uneven->surface)].name, "left");
+    EXPECT_GT(left.uneven->own, 4 * left.uneven->beyond);
+    const std::vector<std::string> lines = result_remarks(parts.model, parts.analysis);
+    EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
+                            [](const std::string& line) {
+                              return line.rfind("warning: contact \"left\": at time 1 it presses surface \"left\"",
+                                                0) == 0;
+                            }),
+              1)
+        << nu;
   }
 }
 

@@ -17,6 +17,10 @@ void ignore(Draft& draft, Origin origin, const std::string& what) {
   list_once(draft.model.ignored, draft.ignored_index, what, origin);
 }
 
+void note(Draft& draft, Origin origin, const std::string& what) {
+  list_once(draft.model.assumed, draft.assumed_index, what, origin);
+}
+
 void assume(Draft& draft, Origin origin, std::string_view owner, std::string_view tag, std::string_view value) {
   list_once(draft.model.assumed, draft.assumed_index,
             fmt::format("{} without <{}>: {}, as in FEBio", owner, tag, value), origin);

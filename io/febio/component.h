@@ -39,6 +39,8 @@ struct Draft {
 [[noreturn]] void fail(const Draft& draft, Origin origin, const std::string& fault);
 /// Harmless: listed once with a count.
 void ignore(Draft& draft, Origin origin, const std::string& what);
+/// What the file says and FEBio takes otherwise: listed once with a count.
+void note(Draft& draft, Origin origin, const std::string& what);
 /// FEBio's default where the file says nothing, if a user may have forgotten it: listed once with a count.
 /// "rigid spring without <k>: 1, as in FEBio".
 void assume(Draft& draft, Origin origin, std::string_view owner, std::string_view tag, std::string_view value);

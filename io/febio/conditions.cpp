@@ -365,6 +365,30 @@ void remark_double_motion(Draft& draft) {
                          motion.origin.line > 0 ? fmt::format(" in line {}", motion.origin.line) : ""));
     other = &motion;
   }
+  const auto line = [](Origin origin) { return origin.line > 0 ? fmt::format(" (line {})", origin.line) : ""; };
+  const auto last_step = static_cast<int>(draft.model.steps.size()) - 1;
+  for (const RigidPrescribed& motion : draft.model.rigid_prescribed) {
+    const std::string which =
+        fmt::format("{} of {}", kDofNames[motion.dof], quote(draft.model.materials[at(motion.material)].name));
+    const auto tell = [&](const char* held, int step, Origin origin) {
+      if (motion.step < 0 || step >= 0 || motion.step == last_step) return;
+      note(draft, motion.origin,
+           fmt::format(
+               "{} is {} in all steps{} and prescribed in step {}: that ends with the step, and dea then goes on "
+               "as before, where FEBio leaves it free",
+               which, held, line(origin), motion.step + 1));
+    };
+    for (const RigidFixed& fixed : draft.model.rigid_fixed) {
+      if (fixed.material != motion.material || !fixed.dofs[at(motion.dof)] || !at_same_time(fixed.step, motion.step))
+        continue;
+      if (motion.value.factor != 0)
+        note(draft, motion.origin,
+             fmt::format("{} is fixed{} and prescribed: it is prescribed, as in FEBio", which, line(fixed.origin)));
+      tell("fixed", fixed.step, fixed.origin);
+    }
+    for (const RigidPrescribed& other : draft.model.rigid_prescribed)
+      if (other.material == motion.material && other.dof == motion.dof) tell("prescribed", other.step, other.origin);
+  }
 }
 
 // -- loads, contact, initial conditions --------------------------------------------------------------

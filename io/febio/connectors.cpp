@@ -273,11 +273,12 @@ void check_joints(Draft& draft) {
 void rigid_axial_force(Draft& draft, const Component& component, const Steps& steps) {
   RigidAxialForce pull;
   set_bodies(draft, component, pull, "rbA", "rbB");
-  for (const char* tag : {"ra", "rb"}) assume_unless_given(draft, component, tag, "0,0,0");
+  pull.from_centers = flag_of(draft, component, "relative");
+  for (const char* tag : {"ra", "rb"})
+    if (!pull.from_centers) assume_unless_given(draft, component, tag, "0,0,0");
   assume_unless_given(draft, component, "force", "0");
   pull.point_a = vector_of(draft, component, "ra", Vector3d::Zero());
   pull.point_b = vector_of(draft, component, "rb", Vector3d::Zero());
-  pull.from_centers = flag_of(draft, component, "relative");
   pull.force = scaled_of(draft, component, "force");
   add(draft.model.rigid_axial_forces, std::move(pull), component.name, component.origin, steps);
 }
@@ -293,7 +294,7 @@ void rigid_cable(Draft& draft, const Component& component, const Steps& steps) {
   cable.direction.normalize();
   for (const Component& part : component.parts) {
     if (part.tag != "rigid_cable_point") continue;
-    assume_unless_given(draft, part, "position", "0,0,0");
+    if (!cable.from_centers) assume_unless_given(draft, part, "position", "0,0,0");
     cable.points.push_back(
         {body_of(draft, part, "rigid_body_id"), vector_of(draft, part, "position", Vector3d::Zero())});
   }

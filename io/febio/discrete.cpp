@@ -105,6 +105,8 @@ DiscreteMaterial discrete_material(Draft& draft, const Component& component) {
   DiscreteMaterial material;
   const std::string& type = component.type;
   if (type == "linear spring" || type == "tension-only linear spring") {
+    if (type != "linear spring" && find(component, "E") == nullptr)
+      fail(draft, component.origin, fmt::format("{} without <E>, which has no default: add it", type));
     assume_unless_given(draft, component, "E", "1");
     material.springs.stiffness = plain_number(draft, component, "E", 1.0, material.unsupported);
     material.springs.tension_only = type != "linear spring";

@@ -66,9 +66,18 @@ bool is_solution(const ResultFile& result, int state) {
   return !written_by_dea(result.xplt) || result.xplt.states[at(state)].status != kStatusNotConverged;
 }
 
+constexpr const char* kNoSolution = "is no solution; do not use its numbers";
+
 std::string no_solution_warning(const ResultFile& result, int state) {
-  return fmt::format("warning: {}: the state at time {} is no solution; do not use its numbers", result.path,
-                     time_text(result.xplt.states[at(state)].time));
+  return fmt::format("warning: {}: the state at time {} {}", result.path, time_text(result.xplt.states[at(state)].time),
+                     kNoSolution);
+}
+
+std::vector<std::string> no_solution_warnings(const std::vector<std::string>& remarks) {
+  std::vector<std::string> warnings;
+  for (const std::string& remark : remarks)
+    if (remark.ends_with(kNoSolution)) warnings.push_back(remark);
+  return warnings;
 }
 
 bool same_time(double a, double b) { return std::abs(a - b) <= 1e-6 * std::max({std::abs(a), std::abs(b), 1e-30}); }

@@ -25,6 +25,8 @@ const XpltMesh& mesh_of(const ResultFile& result, int state);
 bool is_solution(const ResultFile& result, int state);
 /// "warning: hip.xplt: the state at time 1 is no solution; do not use its numbers"
 std::string no_solution_warning(const ResultFile& result, int state);
+/// Of remarks, such warnings alone: what is said with -q too.
+std::vector<std::string> no_solution_warnings(const std::vector<std::string>& remarks);
 
 /// Plot files hold times in single precision.
 bool same_time(double a, double b);

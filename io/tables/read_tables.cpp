@@ -72,6 +72,16 @@ Scale scale_of(const char* setting, const std::string& units, const Unit (&first
       fmt::format("in {}, the model {} {}", units, model ? "in" : "names no units and is taken as in", system.system)};
 }
 
+/// What to do about a column whose name says another unit than it is taken in.
+Sentence unit_remedy(const std::optional<UnitNames>& model, const NamedSetting& of_table, const char* such_as) {
+  return model ? say("say what they are in with {} ({} and the like), or convert the column and its name", of_table,
+                     such_as)
+               : say("the model names no units and is taken as in mm-N-s: name its own with {}, say what the columns "
+                     "are in "
+                     "with {} ({} and the like), or convert the column and its name",
+                     NamedSetting{"units", "", "SYSTEM"}, of_table, such_as);
+}
+
 void need_body(const char* file_setting, const std::string& file, const char* body_setting, const std::string& body) {
   if (!file.empty() && body.empty())
     throw wrong_setting(file_setting, file, "no body is named on which its rows act;",
@@ -185,9 +195,9 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
   const UnitNames own = system.value_or(unit_names(kUnnamed));
   const std::array<std::string, 2> taken = units_taken(units, own.force, own.length);
   const Sentence remedy =
-      loads.body_weight ? say("with {} they are percent of it: leave that out", NamedSetting{"body-weight"})
-                        : say("say what they are in with {} (N-m and the like), or with {}",
-                              NamedSetting{"load-units", "", "FORCE-LENGTH"}, NamedSetting{"body-weight", "", "FORCE"});
+      loads.body_weight ? say("with {} they are percent of it: leave that out, or convert the column and its name",
+                              NamedSetting{"body-weight"})
+                        : unit_remedy(system, {"load-units", "", "FORCE-LENGTH"}, "N-m");
   const std::string force_unit = loads.body_weight ? "%bw" : taken[0];
   refuse_other_units(table, columns, 0, force_unit, force_words(), remedy);
   refuse_other_units(table, columns, 3, force_unit + taken[1], moment_words(), remedy);
@@ -281,8 +291,7 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
     throw wrong_setting("motion-units", units,
                         say("{} says inDegrees={} in its header;", table.path, *table.degrees ? "yes" : "no"),
                         "say the same, or correct the header");
-  const Sentence remedy =
-      say("say what they are in with {} (deg-m and the like)", NamedSetting{"motion-units", "", "ANGLE-LENGTH"});
+  const Sentence remedy = unit_remedy(system, {"motion-units", "", "ANGLE-LENGTH"}, "deg-m");
   refuse_other_units(table, columns, 0, taken[1], length_words(), remedy);
   refuse_other_units(table, columns, 3, taken[0], angle_words(), remedy);
   if (!system && units.empty() && name_says_unit(table, columns, 0, length_words())) scale.words += kTakenUnnamed;

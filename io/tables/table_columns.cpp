@@ -28,15 +28,25 @@ int time_column(const NumberTable& table) {
 
 /// What a column's name says in brackets: "Fx [N]" "n", "mx (N m)" "nm"; empty: nothing.
 std::string unit_in_name(const std::string& name) {
-  const std::size_t open = name.find_first_of("[("), close = name.find_last_of("])");
+  const std::size_t open = name.find_last_of("[("), close = name.find_last_of("])");
   if (open == name.npos || close == name.npos || close < open) return "";
   std::string unit;
   for (char c : lower_case(name.substr(open + 1, close - open - 1)))
     if (std::string(" -*.").find(c) == std::string::npos) unit += c;
+  for (const std::string dot : {"\u00b7", "\u22c5", "\u00d7"})  // between N and m
+    for (std::size_t place; (place = unit.find(dot)) != unit.npos;) unit.erase(place, dot.size());
   for (const auto& [word, meant] : std::map<std::string, std::string>{
            {"degree", "deg"}, {"degrees", "deg"}, {"°", "deg"}, {"radian", "rad"}, {"radians", "rad"}, {"µm", "um"}})
     if (unit == word) return meant;
   return unit;
+}
+
+/// "mmn" is "nmm", and "%" is "%bw" where that is expected.
+bool is_unit(const std::string& unit, const std::string& expected) {
+  if (unit == expected || (unit == "%" && expected == "%bw")) return true;
+  for (const std::string& length : length_words())
+    if (unit.starts_with(length) && unit.substr(length.size()) + length == expected) return true;
+  return false;
 }
 
 /// "n" as N, "knmm" as kN mm, "%bwm" as % of body weight times m.
@@ -121,9 +131,7 @@ void refuse_other_units(const NumberTable& table, const std::vector<int>& column
   for (std::size_t k = first; k < std::min(columns.size(), first + 3); ++k) {
     const std::string& name = table.names[at(columns[k])];
     const std::string unit = unit_in_name(name);
-    if (unit == expected || (unit == "%" && expected == "%bw") ||
-        std::find(known.begin(), known.end(), unit) == known.end())
-      continue;
+    if (is_unit(unit, expected) || std::find(known.begin(), known.end(), unit) == known.end()) continue;
     throw InputError(Fault{.place = table.path,
                            .found = say("column {} is taken in {}, and its name says otherwise;", febio::quote(name),
                                         unit_in_words(expected)),

@@ -58,21 +58,9 @@ std::vector<Sentence> liberties(const JointModel& model, const Settings& setting
   return findings;
 }
 
-/// What FEBio leaves out of what the model says of one body: a motion prescribed before another one, a fixed dof that
-/// is prescribed too, a centre of mass of another material than its first.
-std::vector<Sentence> overruled(const JointModel& model, const Bodies& bodies) {
+/// Centres of mass that FEBio leaves out: of another material of a body than its first.
+std::vector<Sentence> unused_centers(const JointModel& model, const Bodies& bodies) {
   std::vector<Sentence> findings;
-  for (auto p = model.rigid_prescribed.begin(); p != model.rigid_prescribed.end(); ++p)
-    for (auto later = p + 1; later != model.rigid_prescribed.end(); ++later)
-      if (later->material == p->material && later->dof == p->dof && at_same_time(later->step, p->step))
-        findings.push_back(
-            say("body \"{}\": \"{}\" and \"{}\" prescribe {} at the same time: the second one counts, as in FEBio",
-                model.materials[at(p->material)].name, p->name, later->name, kDofNames[p->dof]));
-  for (const RigidPrescribed& p : model.rigid_prescribed)
-    for (const RigidFixed& f : model.rigid_fixed)
-      if (f.material == p.material && f.dofs[at(p.dof)] && at_same_time(f.step, p.step) && p.value.factor != 0)
-        findings.push_back(say("body \"{}\": \"{}\" prescribes {}, which \"{}\" fixes: it is prescribed, as in FEBio",
-                               model.materials[at(p.material)].name, p.name, kDofNames[p.dof], f.name));
   for (const Body& body : bodies.bodies)
     for (const int m : body.materials)
       if (const auto& given = model.materials[at(m)].center_of_mass; given && *given != body.center_of_mass)
@@ -190,7 +178,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
   joint.bodies = parts.bodies.bodies;
   joint.findings = parts.findings;
   append(joint.findings, liberties(model, settings));
-  append(joint.findings, overruled(model, parts.bodies));
+  append(joint.findings, unused_centers(model, parts.bodies));
   append(joint.findings, given_values_in_words(parts));
 
   FoundContacts contacts = find_contacts(parts, parts.faults);

@@ -371,7 +371,7 @@ struct JointModel {
   std::vector<Step> steps;  ///< at least one
 
   std::vector<Remark> ignored;      ///< harmless: does not change the joint
-  std::vector<Remark> assumed;      ///< what the file leaves unsaid and FEBio's default says instead
+  std::vector<Remark> assumed;      ///< what FEBio takes where the file leaves it unsaid, or says it twice
   std::vector<Remark> unsupported;  ///< changes the mechanics and cannot be taken into account: refused by `dea run`
 };
 

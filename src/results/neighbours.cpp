@@ -59,11 +59,12 @@ double mean_near(const Layer& layer, const std::vector<double>& pressure,
 
 }  // namespace
 
-std::vector<UnevenNeighbour> uneven_neighbours(const Joint& joint, const std::vector<ContactFields>& fields, int c,
-                                               double above) {
+std::optional<UnevenNeighbour> uneven_neighbour(const Joint& joint, const std::vector<ContactFields>& fields, int c,
+                                                double above) {
   constexpr double kAlike = 0.3, kReach = 2.0;  // thicknesses
-  std::vector<UnevenNeighbour> uneven;
-  if (joint.contacts[at(c)].law != Law::Layer) return uneven;
+  std::optional<UnevenNeighbour> worst;
+  const auto size = [](const UnevenNeighbour& n) { return std::abs(n.own - n.beyond); };
+  if (joint.contacts[at(c)].law != Law::Layer) return worst;
   for (std::size_t side = 0; side < 2; ++side) {
     const Layer& layer = joint.contacts[at(c)].layers[side];
     const std::set<EdgeNodes> own = shared_edges(layer);
@@ -76,16 +77,16 @@ std::vector<UnevenNeighbour> uneven_neighbours(const Joint& joint, const std::ve
         if (lines.empty()) continue;
         const double reach = kReach * layer.mean_thickness();
         UnevenNeighbour found;
-        found.contact = c;
         found.other = other;
         found.surface = layer.surface;
         found.own = mean_near(layer, fields[at(c)].sides[side].pressure, lines, reach);
         found.beyond = mean_near(beside, fields[at(other)].sides[of].pressure, lines, reach);
-        if (found.own > above && std::abs(found.own - found.beyond) > kAlike * std::max(found.own, found.beyond))
-          uneven.push_back(found);
+        if (found.own > above && size(found) > kAlike * std::max(found.own, found.beyond) &&
+            (!worst || size(found) > size(*worst)))
+          worst = found;
       }
   }
-  return uneven;
+  return worst;
 }
 
 }  // namespace dea

@@ -182,6 +182,7 @@ std::vector<ContactStatistics> contact_statistics(const Joint& joint, const Spri
     stats.moment = e.contact_on_target[c].tail<3>();
     for (int side = 0; side < 2 && any; ++side)
       stats.pressed_rim[side] = pressed_rim(joint, e, c, side, kFelt * stats.peak);
+    if (any) stats.uneven = uneven_neighbour(joint, fields, static_cast<int>(c), 0.1 * stats.peak);
     stats.compartments = compartment_loads(joint, beds, maps, e, fields[c], c);
     all.push_back(stats);
   }

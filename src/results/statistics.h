@@ -9,6 +9,7 @@
 #include <febiodea/results/fields.h>
 #include <febiodea/results/headline.h>
 #include <febiodea/results/inside_fields.h>
+#include <febiodea/results/neighbours.h>
 
 namespace dea {
 
@@ -42,6 +43,7 @@ struct ContactStatistics {
   Vector3d moment = Vector3d::Zero();  ///< the same, about the target's current centre of mass
   double largest_strain = 0.0;
   PressedRim pressed_rim[2];                  ///< of bare surfaces: primary, secondary
+  std::optional<UnevenNeighbour> uneven;      ///< Law::Layer, contacts side by side
   double complementarity = kNaN;              ///< Law::Layer: residual of (L4) over the largest pressure
   std::vector<CompartmentLoad> compartments;  ///< one per compartment_names of the contact
   std::optional<InsideEnds> inside[2];        ///< of the layers of source, target; none: not asked for, or no layer

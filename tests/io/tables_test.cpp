@@ -1,5 +1,6 @@
 // Tables of loads and motion from files: columns by name, units, OpenSim's headers, and what is refused.
 #include <febiodea/io/tables/read_tables.h>
+#include <fmt/format.h>
 
 #include <gtest/gtest.h>
 
@@ -221,6 +222,12 @@ TEST(Tables, UnitsInNamesOfColumnsMustBeThoseTaken) {
               std::string::npos);
   }
   EXPECT_EQ(with("fx [left],fy [left],fz [left]", "", "mm-N-s"), "");  // no unit
+  EXPECT_EQ(with("fx,fy,fz,mx [mm N],my [mm N],mz [mm N]", "", "mm-N-s"), "");
+  for (const char* moment : {"N\u00b7m", "N\u22c5m", "N*m", "N-m"})
+    EXPECT_NE(with(fmt::format("fx,fy,fz,mx [{0}],my [{0}],mz [{0}]", moment), "", "mm-N-s"), "") << moment;
+  EXPECT_NE(with("fx (hip) [kN],fy (hip) [kN],fz (hip) [kN]", "", "mm-N-s"), "");
+  EXPECT_NE(with("fx,fy,fz,mx [Nm],my [Nm],mz [Nm]", "", "").find("taken as in mm-N-s: name its own with "),
+            std::string::npos);
   EXPECT_EQ(with("fx [kN],fy [kN],fz [kN]", "kN-m", "mm-N-s"), "");
   EXPECT_EQ(with("fx (N),fy (N),fz (N),mx (N mm),my (N mm),mz (N mm)", "", "mm-N-s"), "");
   EXPECT_NE(with("fx [kN],fy [kN],fz [kN]", "", "mm-N-s").find("column \"fx [kN]\" is taken in N,"), std::string::npos);

@@ -12,7 +12,6 @@
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/time_text.h>
 #include <febiodea/joint/shared_ends.h>
-#include <febiodea/results/neighbours.h>
 #include <febiodea/views/text/plausibility.h>
 #include <febiodea/views/text/table.h>
 #include <febiodea/views/text/words.h>
@@ -577,19 +576,16 @@ void add_large_strains(const ContactPair& pair, const SolvedStates& result, std:
 /// Contacts side by side of which one presses at the line they share and the other does not, in any state.
 void add_uneven_neighbours(const JointModel& model, const Joint& joint, const SolvedStates& result, std::size_t contact,
                            Lines& lines) {
-  std::optional<UnevenNeighbour> worst;
+  const UnevenNeighbour* worst = nullptr;
   double time = 0.0;
   const auto size = [](const UnevenNeighbour& n) { return std::abs(n.own - n.beyond); };
   for (const StateResult& state : result.states) {
-    if (!solved(state.equilibrium.outcome)) continue;
-    const double above = kFelt * state.statistics[contact].peak;
-    for (const UnevenNeighbour& n : uneven_neighbours(joint, state.fields, static_cast<int>(contact), above)) {
-      if (worst && size(n) <= size(*worst)) continue;
-      worst = n;
-      time = state.when.time;
-    }
+    const std::optional<UnevenNeighbour>& found = state.statistics[contact].uneven;
+    if (!found || !solved(state.equilibrium.outcome) || (worst != nullptr && size(*found) <= size(*worst))) continue;
+    worst = &*found;
+    time = state.when.time;
   }
-  if (!worst) return;
+  if (worst == nullptr) return;
   add_once(
       lines,
       fmt::format("warning: contact \"{}\": at time {} it presses surface \"{}\" with {:.3g} within two thicknesses "
