@@ -481,7 +481,9 @@ void read_contacts(Reading& reading) {
     contact.kind = *kind;
     const febio::Component component = component_of(reading, fe, "contact");
     contact.max_distance = febio::tie_reach(reading, component);
+    contact.closes_gap = febio::closes_gap(component);
     contact.ignored = febio::ignored_contact_parameters(component);
+    febio::refuse_contact_parameters(reading, component);
     if (auto* own = dynamic_cast<StatesContact*>(&fe)) contact.dea = own->statement(reading.model).dea;
     contact.step = steps_of(reading, fe).front();  // a contact is of one step, or of all
     reading.model.contacts.push_back(std::move(contact));

@@ -630,6 +630,11 @@ TEST(BadInput, Unsupported) {
                3,
                "<bc type",
                {"prescribed displacement \"corner\": node 5 is moved in z and free in x and y", "DEA moves bones"}},
+          Case{"offset of a contact",
+               edited({{"surface_pair=\"pair\"/>", "surface_pair=\"pair\">\n<offset>0.1</offset></contact>"}}),
+               3,
+               "<offset>",
+               {"offset = \"0.1\" of contact \"touch\"", "take it out, and mesh or place the bodies"}},
           Case{"rigid cable",
                with("</Rigid>", "<rigid_load name=\"cable\" type=\"rigid_cable\">\n<force>1</force>\n</rigid_load>"),
                3,
@@ -1047,6 +1052,21 @@ TEST(Solved, SettingsWithoutEffectAreTold) {
   }
   EXPECT_EQ(run({"--rotate-about", "plate=com", "--rotate", "plate=0,0,1,1"}).err, "");
   EXPECT_EQ(run({"--frame", "hip=1,0,0/0,1,0/0,0,1"}).err, "");  // a settings file has all of a bone's
+}
+
+// A material that FEBio softens in compression, and one that it does not.
+TEST(Solved, AMaterialThatSoftensIsTold) {
+  const auto warned = [](const Edits& edits) {
+    const test::TemporaryFolder folder;
+    std::ofstream(folder.path / "model.feb") << edited(edits);
+    const test::Finished f = test::run_program(folder.path, {DEA_PROGRAM, "run", "model.feb", "--no-xplt"}, kLimit);
+    EXPECT_EQ(f.code, 0) << f.err;
+    return f.err.find("\"isotropic elastic\", which in FEBio gets softer") != std::string::npos;
+  };
+  const std::pair<std::string, std::string> softens = {"type=\"neo-Hookean\"", "type=\"isotropic elastic\""};
+  EXPECT_TRUE(warned({softens}));
+  EXPECT_FALSE(warned({}));
+  EXPECT_FALSE(warned({softens, {">-5<", ">-0.5<"}}));  // small strains
 }
 
 // Where a body starts beside the surface that is to carry it, that is why the surfaces part, not its load.

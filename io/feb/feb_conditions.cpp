@@ -246,7 +246,9 @@ void add_contact(Reading& reading, const XMLElement& element, int primary, int s
   const febio::Component component = component_of(reading, element);
   febio::check_words(reading, febio::Place::Contact, component);
   contact.max_distance = febio::tie_reach(reading, component);
+  contact.closes_gap = febio::closes_gap(component);
   contact.ignored = febio::ignored_contact_parameters(component);
+  febio::refuse_contact_parameters(reading, component);
   if (contact.type == "dea") contact.dea = read_dea(reading, element);
   contact.step = reading.step;
   contact.origin = origin_of(reading, element);

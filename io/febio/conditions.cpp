@@ -446,6 +446,23 @@ double tie_reach(const Draft& draft, const Component& component) {
                                                : number_of(draft, component, "max_distance", 0.0);
 }
 
+bool closes_gap(const Component& component) {
+  const Component* keeps = find(component, "gap_offset");
+  const auto offset = keeps == nullptr ? std::optional<double>(0.0) : whole_double(keeps->text);
+  return offset && *offset == 0 &&
+         one_of(component.type, {"tied-node-on-facet", "tied-facet-on-facet", "tied", "facet-to-facet tied", "sticky"});
+}
+
+void refuse_contact_parameters(Draft& draft, const Component& component) {
+  const Component* offset = find(component, "offset");
+  if (offset == nullptr || contact_kind(component.type) != Contact::Kind::Sliding) return;
+  const auto value = whole_double(offset->text);
+  if (value && *value == 0 && !offset->lc) return;
+  unsupported(draft, offset->origin.line > 0 ? offset->origin : component.origin,
+              fmt::format("offset = {} of contact {}", quote(trim(offset->text)), quote(component.name)),
+              "take it out, and mesh or place the bodies as far apart as it says");
+}
+
 std::vector<std::string> ignored_contact_parameters(const Component& component) {
   std::vector<std::string> ignored;
   for (const ContactParameter& parameter : unused_contact_parameters(component.type)) {

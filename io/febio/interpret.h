@@ -91,6 +91,10 @@ double tie_reach(const Draft& draft, const Component& component);
 /// Parameters of a contact that could change the result and that DEA does not use, away from their defaults:
 /// "fric_coeff = 0.2".
 std::vector<std::string> ignored_contact_parameters(const Component& component);
+/// Does FEBio pull tied nodes onto the surface that they are tied to, through gaps and overlaps of the mesh?
+bool closes_gap(const Component& component);
+/// Lists as unsupported what changes a sliding contact and DEA does not know: an offset.
+void refuse_contact_parameters(Draft& draft, const Component& component);
 
 // -- springs between nodes ---------------------------------------------------------------------------
 

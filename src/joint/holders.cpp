@@ -153,6 +153,8 @@ std::vector<TiedNode> tied_nodes(const JointModel& model, const Bodies& bodies, 
     if (mesh.size() == 0) continue;
     const RayCaster caster(mesh);
     FarTie far;
+    TieGap gap;
+    gap.facet = std::sqrt(2 * surface_extent(mesh).area / mesh.size());
     for (int node : nodes_of_surface(*tie.surface)) {
       const Vector3d& x = model.nodes[at(node)];
       const SurfacePoint closest = caster.closest(x);
@@ -165,7 +167,13 @@ std::vector<TiedNode> tied_nodes(const JointModel& model, const Bodies& bodies, 
         continue;
       }
       tied.push_back({&tie, node, soft_end(holders, bodies, region, mesh, closest.triangle)});
+      const double between = (x - position(mesh, closest)).dot(mesh.normals[at(closest.triangle)]);
+      ++gap.nodes;
+      gap.mean += (between - gap.mean) / gap.nodes;
+      gap.most = std::max(gap.most, std::abs(between));
     }
+    if (tie.contact->closes_gap && gap.nodes > 0)
+      holders.tie_gaps[static_cast<int>(tie.contact - model.contacts.data())] = gap;
     if (far.nodes > 0) holders.far_ties[static_cast<int>(tie.contact - model.contacts.data())] = far;
   }
   return tied;
@@ -224,6 +232,21 @@ std::string in_words(const JointModel& model, int contact, const FarTie& far) {
       "tied to: they are not tied, in FEBio neither; if they are to be, write {} into it",
       c.name, c.type, c.max_distance, far.nodes, far.of, far.nearest,
       ties_by_search_radius(c.type) ? "a larger <search_radius> (1 if it is not given)" : "a larger <max_distance>");
+}
+
+std::vector<std::string> closing_ties(const JointModel& model, const Holders& holders) {
+  constexpr double kSome = 0.01;  // of the facets' size
+  std::vector<std::string> closing;
+  for (const auto& [contact, gap] : holders.tie_gaps)
+    if (std::abs(gap.mean) > kSome * gap.facet)
+      closing.push_back(fmt::format(
+          "contact \"{}\" of type {}: FEBio pulls the {} tied nodes, and their layer with them, onto the surface they "
+          "are "
+          "tied to, over gaps or overlaps of {:.3g} on average ({:.3g} at most); dea leaves the layer where it "
+          "is meshed, so that its joint space is another one; close the gaps in the mesh, or use tied-elastic, which "
+          "keeps them in FEBio too",
+          model.contacts[at(contact)].name, model.contacts[at(contact)].type, gap.nodes, std::abs(gap.mean), gap.most));
+  return closing;
 }
 
 std::vector<std::string> holds_of_some_steps(const JointModel& model, const Holders& holders,

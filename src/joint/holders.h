@@ -23,10 +23,18 @@ struct FarTie {
   double nearest = 0.0;  ///< of those
 };
 
+/// What lies between tied nodes and the surface they are tied to.
+struct TieGap {
+  int nodes = 0;
+  double mean = 0.0, most = 0.0;  ///< along that surface's normals; most: the largest size
+  double facet = 0.0;             ///< of the surface that they are tied to: mean size
+};
+
 struct Holders {
   std::map<int, std::map<int, std::string>> of_region;  ///< region -> body -> how
   std::map<int, SoftTie> soft_ties;                     ///< region -> what it is tied to, if that is deformable
   std::map<int, FarTie> far_ties;                       ///< by the contact
+  std::map<int, TieGap> tie_gaps;                       ///< by the contact: of those that close them in FEBio
   std::set<std::string> ties;                           ///< names of the contacts that are how a body holds a part
   std::vector<std::vector<int>> of_node;                ///< per node: all bodies that hold it
   std::vector<char> fixed;                              ///< per node: held by the ground in x, y and z
@@ -41,6 +49,9 @@ std::string in_words(const JointModel& model, int contact, const FarTie& far);
 /// together, -1: none.
 Holders find_holders(const JointModel& model, const Bodies& bodies, const std::vector<int>& region,
                      const std::vector<int>& moved);
+
+/// Ties over gaps or overlaps that FEBio closes and dea does not, a sentence each.
+std::vector<std::string> closing_ties(const JointModel& model, const Holders& holders);
 
 /// Fixed nodes and ties that hold deformable parts in some steps only: they count in all. A sentence each.
 std::vector<std::string> holds_of_some_steps(const JointModel& model, const Holders& holders,

@@ -205,6 +205,7 @@ JointFound find_joint(const JointModel& model, const Settings& settings) {
 
   joint.unmodelled = find_unmodelled_parts(parts, joint.contacts);
   joint.dropped_ties = find_dropped_ties(parts);
+  joint.doubts = closing_ties(model, parts.holders);
   joint.node_body = find_carriers(parts, joint.contacts);
   Connections connections = find_connections(parts, joint.node_body);
   if (connections.fault) found.faults = {*connections.fault};

@@ -25,7 +25,8 @@ struct Joint {
   std::vector<UnmodelledPart> unmodelled;
   std::vector<DroppedTie> dropped_ties;
   std::vector<SymmetryPlane> symmetry_planes;
-  std::vector<Sentence> findings;  ///< what was concluded or left out, a sentence each, in order
+  std::vector<std::string> doubts;  ///< where FEBio's answer is another one, a sentence each: warnings
+  std::vector<Sentence> findings;   ///< what was concluded or left out, a sentence each, in order
 
   /// Index of the body with this name (of any of its materials), -1: none.
   int find_body(const JointModel& model, const std::string& name) const;

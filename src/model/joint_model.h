@@ -315,6 +315,7 @@ struct Contact {
   Kind kind = Kind::Sliding;
   int primary = -1, secondary = -1;  ///< indices into JointModel::surfaces
   double max_distance = 0.0;         ///< tied: facets farther apart are not tied; 0: no limit
+  bool closes_gap = false;           ///< tied: FEBio pulls the nodes onto the surface they are tied to
   std::vector<std::string>
       ignored;                    ///< parameters away from their defaults that DEA has no use for: "fric_coeff = 0.2"
   std::optional<DeaContact> dea;  ///< of a contact of type "dea" (kind Sliding)

@@ -80,6 +80,26 @@ TEST(Recognition, TiedLayerTakesTheBodyItIsTiedTo) {
   }
 }
 
+// FEBio pulls some ties' nodes onto the surface they are tied to; dea leaves the layer where it is meshed.
+TEST(Recognition, TiesThatFebioClosesAreTold) {
+  const auto doubts = [](double gap, bool closes) {
+    JointModel model = floating_layer(2.0);
+    tie(model, 1, 2);
+    model.contacts.back().type = closes ? "tied-node-on-facet" : "tied-elastic";
+    model.contacts.back().closes_gap = closes;
+    for (const int node : nodes_of_surface(model.surfaces[2])) model.nodes[static_cast<std::size_t>(node)].z() -= gap;
+    return make_joint(model, {}).doubts;
+  };
+  EXPECT_TRUE(doubts(0, true).empty());
+  EXPECT_TRUE(doubts(0.05, false).empty());
+  for (const double gap : {0.05, -0.05}) {
+    const std::vector<std::string> told = doubts(gap, true);
+    ASSERT_EQ(told.size(), 1u);
+    EXPECT_EQ(told[0].rfind("contact \"tie\" of type tied-node-on-facet: FEBio pulls the ", 0), 0u) << told[0];
+    EXPECT_NE(told[0].find("over gaps or overlaps of 0.05 on average (0.05 at most)"), std::string::npos) << told[0];
+  }
+}
+
 TEST(Recognition, ABodyWithoutElementsIsToldWhereABodyIsAskedFor) {
   JointModel model = floating_layer(2.0);
   add_material(model, "ghost", true);

@@ -304,6 +304,7 @@ std::vector<std::string> model_remarks(const JointModel& model, const Joint& joi
   for (const std::string& odd : implausible_numbers(model, joint, wording)) add_once(lines, odd);
   for (const UnmodelledPart& part : joint.unmodelled) add_once(lines, unmodelled_part(joint, part));
   for (const DroppedTie& tie : joint.dropped_ties) add_once(lines, dropped_tie(joint, tie));
+  for (const std::string& doubt : joint.doubts) add_once(lines, "warning: " + doubt);
   for (const ContactPair& pair : joint.contacts) {
     const std::string coarse = coarse_facets(model, pair, wording);
     if (!coarse.empty()) add_once(lines, coarse);
@@ -573,6 +574,24 @@ void add_large_strains(const ContactPair& pair, const SolvedStates& result, std:
                               pair.name, time_text(worst->when.time), 100 * strain(*worst)));
 }
 
+/// A material that FEBio softens where cartilage stiffens: beyond small strains dea's laws are another material.
+void add_softening_material(const JointModel& model, const ContactPair& pair, const SolvedStates& result,
+                            std::size_t contact, Lines& lines) {
+  constexpr double kSmall = 0.03;
+  double most = 0.0;
+  for (const StateResult& state : result.states)
+    if (solved(state.equilibrium.outcome)) most = std::max(most, state.statistics[contact].largest_strain);
+  if (!(most > kSmall)) return;
+  for (const Layer& layer : pair.layers) {
+    if (layer.rigid || layer.material < 0 || model.materials[at(layer.material)].type != "isotropic elastic") continue;
+    add_once(lines, fmt::format(
+                        "warning: contact \"{}\": cartilage is pressed together by {:.0f}%, and its material \"{}\" is "
+                        "\"isotropic elastic\", which in FEBio gets softer as it is compressed, where dea's laws get "
+                        "stiffer or stay as they are: p99 was 14% above FEBio's at 5%, 60% at 15%; neo-Hookean agrees",
+                        pair.name, 100 * most, model.materials[at(layer.material)].name));
+  }
+}
+
 /// Contacts side by side of which one presses at the line they share and the other does not, in any state.
 void add_uneven_neighbours(const JointModel& model, const Joint& joint, const SolvedStates& result, std::size_t contact,
                            Lines& lines) {
@@ -770,6 +789,7 @@ std::vector<std::string> result_remarks(const JointModel& model, const Joint& jo
   add_tiny_load(joint, result, lines);
   for (std::size_t c = 0; c < joint.contacts.size(); ++c) {
     add_large_strains(joint.contacts[c], result, c, lines);
+    add_softening_material(model, joint.contacts[c], result, c, lines);
     add_uneven_neighbours(model, joint, result, c, lines);
     if (!solved(last.equilibrium.outcome)) continue;  // no map to be judged, and no mesh to be blamed
     add_few_springs(joint.contacts[c], last, c, wording, lines);
