@@ -634,7 +634,7 @@ TEST(BadInput, Unsupported) {
                edited({{"surface_pair=\"pair\"/>", "surface_pair=\"pair\">\n<offset>0.1</offset></contact>"}}),
                3,
                "<offset>",
-               {"offset = \"0.1\" of contact \"touch\"", "take it out, and mesh or place the bodies"}},
+               {"offset = 0.1 of contact \"touch\"", "take it out, and mesh or place the bodies"}},
           Case{"rigid cable",
                with("</Rigid>", "<rigid_load name=\"cable\" type=\"rigid_cable\">\n<force>1</force>\n</rigid_load>"),
                3,

@@ -458,9 +458,11 @@ void refuse_contact_parameters(Draft& draft, const Component& component) {
   if (offset == nullptr || contact_kind(component.type) != Contact::Kind::Sliding) return;
   const auto value = whole_double(offset->text);
   if (value && *value == 0 && !offset->lc) return;
-  unsupported(draft, offset->origin.line > 0 ? offset->origin : component.origin,
-              fmt::format("offset = {} of contact {}", quote(trim(offset->text)), quote(component.name)),
-              "take it out, and mesh or place the bodies as far apart as it says");
+  unsupported(
+      draft, offset->origin.line > 0 ? offset->origin : component.origin,
+      fmt::format("offset = {} of contact {}",
+                  value ? fmt::format("{:g}", *value) : std::string(quote(trim(offset->text))), quote(component.name)),
+      "take it out, and mesh or place the bodies as far apart as it says");
 }
 
 std::vector<std::string> ignored_contact_parameters(const Component& component) {

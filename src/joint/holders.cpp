@@ -241,9 +241,8 @@ std::vector<std::string> closing_ties(const JointModel& model, const Holders& ho
     if (std::abs(gap.mean) > kSome * gap.facet)
       closing.push_back(fmt::format(
           "contact \"{}\" of type {}: FEBio pulls the {} tied nodes, and their layer with them, onto the surface they "
-          "are "
-          "tied to, over gaps or overlaps of {:.3g} on average ({:.3g} at most); dea leaves the layer where it "
-          "is meshed, so that its joint space is another one; close the gaps in the mesh, or use tied-elastic, which "
+          "are tied to, over gaps or overlaps of {:.3g} on average ({:.3g} at most); dea leaves the layer where it is "
+          "meshed, so that its joint space is another one; close the gaps in the mesh, or use tied-elastic, which "
           "keeps them in FEBio too",
           model.contacts[at(contact)].name, model.contacts[at(contact)].type, gap.nodes, std::abs(gap.mean), gap.most));
   return closing;
