@@ -22,8 +22,7 @@ void note(Draft& draft, Origin origin, const std::string& what) {
 }
 
 void assume(Draft& draft, Origin origin, std::string_view owner, std::string_view tag, std::string_view value) {
-  list_once(draft.model.assumed, draft.assumed_index,
-            fmt::format("{} without <{}>: {}, as in FEBio", owner, tag, value), origin);
+  note(draft, origin, fmt::format("{} without <{}>: {}, as in FEBio", owner, tag, value));
 }
 
 void assume_unless_given(Draft& draft, const Component& component, std::string_view tag, std::string_view value) {

@@ -13,16 +13,17 @@ namespace {
 
 using EdgeNodes = std::array<int, 2>;  // of the model, the lesser first
 
+EdgeNodes nodes_of(const SurfaceMesh& mesh, const LayerFace::Edge& e) {
+  const auto& corners = mesh.triangles[at(e.triangle)];
+  const int a = mesh.model_nodes[at(corners[at(e.edge)])], b = mesh.model_nodes[at(corners[at((e.edge + 1) % 3)])];
+  return {std::min(a, b), std::max(a, b)};
+}
+
 /// The edges of a layer's face beyond which another contact presses.
 std::set<EdgeNodes> shared_edges(const Layer& layer) {
   std::set<EdgeNodes> edges;
-  const SurfaceMesh& mesh = layer.face.mesh;
-  for (const LayerFace::Edge& e : layer.face.edges) {
-    if (!e.shared) continue;
-    const auto& corners = mesh.triangles[at(e.triangle)];
-    const int a = mesh.model_nodes[at(corners[at(e.edge)])], b = mesh.model_nodes[at(corners[at((e.edge + 1) % 3)])];
-    edges.insert({std::min(a, b), std::max(a, b)});
-  }
+  for (const LayerFace::Edge& e : layer.face.edges)
+    if (e.shared) edges.insert(nodes_of(layer.face.mesh, e));
   return edges;
 }
 
@@ -30,13 +31,9 @@ std::set<EdgeNodes> shared_edges(const Layer& layer) {
 std::vector<std::array<Vector3d, 2>> segments(const Layer& layer, const std::set<EdgeNodes>& edges) {
   std::vector<std::array<Vector3d, 2>> found;
   const SurfaceMesh& mesh = layer.face.mesh;
-  for (const LayerFace::Edge& e : layer.face.edges) {
-    const auto& corners = mesh.triangles[at(e.triangle)];
-    const int p = corners[at(e.edge)], q = corners[at((e.edge + 1) % 3)];
-    const int a = mesh.model_nodes[at(p)], b = mesh.model_nodes[at(q)];
-    if (edges.count({std::min(a, b), std::max(a, b)}) > 0)
-      found.push_back({mesh.vertices[at(p)], mesh.vertices[at(q)]});
-  }
+  for (const LayerFace::Edge& e : layer.face.edges)
+    if (edges.count(nodes_of(mesh, e)) > 0)
+      found.push_back({mesh.corner(e.triangle, e.edge), mesh.corner(e.triangle, (e.edge + 1) % 3)});
   return found;
 }
 
