@@ -99,6 +99,14 @@ def moved(triangles, change):
 
 # ---- running ---------------------------------------------------------------------------------------------------------
 
+# A slow machine sees what is being done, and for how long: a line each.
+PROGRESS = re.compile(r"(reading surfaces|anatomy|cartilage|writing \S+|balance)( \(\d+ s\))?")
+
+
+def lines_beside_progress(done):
+    return [line for line in done.stderr.splitlines() if not PROGRESS.fullmatch(line)]
+
+
 class Folder:
     def __init__(self):
         self.temporary = tempfile.TemporaryDirectory(prefix="dea_build_")
@@ -124,7 +132,7 @@ class Folder:
         done = self.dea("build", "-o", "j.feb", *words)
         true(not re.search(r"\b(nan|inf)\b", done.stdout), done.stdout)
         if done.returncode in (2, 3, 4):
-            same(done.stderr.count("\n"), 1, f"lines of {done.stderr!r}")
+            same(len(lines_beside_progress(done)), 1, f"lines of {done.stderr!r}")
             true(not os.path.exists(path), "a model is there all the same")
         else:
             true(done.returncode in (0, 1) and os.path.exists(path), f"{done.returncode}: {done.stderr}")
@@ -200,7 +208,7 @@ def shapes_are_solved_or_refused(folder):
     same(folder.build(*JOINT, "--edge", "2").returncode, 0, "slivers, with other triangles")
     fine = folder.build(*JOINT, "--edge", "1e-4")
     same(fine.returncode, 3, "edges far too short")
-    true("expected one that makes no more than 1e+06" in fine.stderr and fine.stderr.count("\n") == 1, fine.stderr)
+    true("expected one that makes no more than 1e+06" in fine.stderr, fine.stderr)
 
 
 # ---- files -----------------------------------------------------------------------------------------------------------

@@ -128,6 +128,13 @@ void need_model_units(const NumberTable& table, const std::optional<UnitNames>& 
 
 // ---- loads ---------------------------------------------------------------------------------------------------------
 
+/// What is said of columns that may be the second half of each row, where the names gave the first half alone.
+std::string left_unread(const NumberTable& table, const std::vector<int>& columns, const char* what) {
+  if (columns.empty()) return "";
+  return fmt::format("; {} ({}) are not read from it: name all six columns to have them", what,
+                     column_names(table, columns));
+}
+
 std::vector<int> load_columns(const NumberTable& table, const std::string& given) {
   if (!given.empty()) return given_columns(table, "load-columns", given);
   const auto words = [](const char* letter, const char* word, const char* other) {
@@ -224,6 +231,8 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
   const std::vector<int> points = like(table, {"px", "py", "pz"});
   if (!points.empty())
     loads.words += fmt::format("; where the force acts ({}) is not read from it", column_names(table, points));
+  if (loads.columns.empty() && columns.size() <= 3)
+    loads.words += left_unread(table, containing(table, {"moment", "torque"}), "moments");
 }
 
 // ---- motion --------------------------------------------------------------------------------------------------------
@@ -303,6 +312,8 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
     if (motion.turns && motion.rotation != "vector") row.tail<3>() = rotation_vector(motion.rotation, row.tail<3>());
   }
   motion.words = fmt::format("{} {}", table_in_words(table, columns, motion.time), scale.words);
+  if (motion.columns.empty() && columns.size() <= 3)
+    motion.words += left_unread(table, containing(table, {"rotation", "rot_", "angle"}), "rotations");
 }
 
 // ---- thickness -----------------------------------------------------------------------------------------------------

@@ -182,8 +182,11 @@ std::string vtp(const VtpKind& kind) {
     appended += coded(all);
     return words;
   };
-  const std::string arrays = "<Points>" + array("Float64", "Points", points) + "</Points><Polys>" +
-                             array("Int32", "connectivity", corners) + array("UInt64", "offsets", ends) + "</Polys>";
+  // one after the other into the appended bytes, whatever the compiler's order; the points' several blocks are the last
+  const std::string ends_array = array("UInt64", "offsets", ends);
+  const std::string corners_array = array("Int32", "connectivity", corners);
+  const std::string arrays =
+      "<Points>" + array("Float64", "Points", points) + "</Points><Polys>" + corners_array + ends_array + "</Polys>";
   return std::string("<VTKFile type=\"PolyData\" byte_order=\"") + (kind.big ? "BigEndian" : "LittleEndian") +
          "\" header_type=\"" + (kind.long_counts ? "UInt64" : "UInt32") + "\"" +
          (kind.packed ? " compressor=\"vtkZLibDataCompressor\"" : "") + ">\n<PolyData><Piece>" + arrays +

@@ -272,6 +272,16 @@ TEST(Tables, OneLoadsColumnsAndWholeFiles) {
       std::string::npos);
   const Settings s = loads_of(file("p.csv", "time,fx,fy,fz,px,py,pz\n0,1,2,3,4,5,6\n"));
   EXPECT_NE(s.loads.words.find("where the force acts (px, py, pz) is not read from it"), std::string::npos);
+  const std::string moments = "time,hip_fx,hip_fy,hip_fz,moment_hip_x,moment_hip_y,moment_hip_z\n0,1,2,3,4,5,6\n";
+  EXPECT_NE(loads_of(file("q.csv", moments))
+                .loads.words.find("moments (moment_hip_x, moment_hip_y, moment_hip_z) are not read from it"),
+            std::string::npos);
+  Settings moved;
+  moved.motion.body = "femur";
+  moved.motion.file = file("m.csv", "time,tx,ty,tz,rotation_hip_x,rotation_hip_y,rotation_hip_z\n0,1,2,3,4,5,6\n");
+  read_tables({}, moved);
+  EXPECT_NE(moved.motion.words.find("rotations (rotation_hip_x, rotation_hip_y, rotation_hip_z) are not read from it"),
+            std::string::npos);
   Settings twice;
   twice.loads.file = file("a.csv", "time,fx,fy,fz\n0,1,2,3\n");
   twice.loads.body = "femur";
