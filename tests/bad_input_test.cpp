@@ -113,7 +113,7 @@ const std::string kModel = R"FEB(<?xml version="1.0" encoding="ISO-8859-1"?>
 )FEB";
 
 // Seconds of processor time; nearly all need less than a tenth. Sanitizers cost ten times as much.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef DEA_SANITIZE_ADDRESS
 constexpr double kLimit = 200;
 #else
 constexpr double kLimit = 20;

@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
 // Seconds of processor time. Sanitizers cost ten times as much.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef DEA_SANITIZE_ADDRESS
 constexpr double kLimit = 200;
 #else
 constexpr double kLimit = 20;

@@ -777,7 +777,7 @@ TEST_F(Cli, FineDivisionsTellTheirCost) {
   const std::string note =
       "note: --refine 240: 1036800 springs (18 triangles, each divided into 240 x 240), about 0.75 GB of memory\n";
   EXPECT_NE(many.err.find(note), std::string::npos) << many.err;
-#ifndef __SANITIZE_ADDRESS__  // takes all addresses for itself
+#ifndef DEA_SANITIZE_ADDRESS  // takes all addresses for itself
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
   const rlimit small{rlim_t{3} << 30, before.rlim_max};
@@ -797,7 +797,7 @@ TEST_F(Cli, FineDivisionsTellTheirCost) {
 
 // With too few addresses for the search of the hip's bones: one line, whichever library runs out first.
 TEST_F(Cli, AFullMemoryIsSaid) {
-#ifndef __SANITIZE_ADDRESS__  // takes all addresses for itself
+#ifndef DEA_SANITIZE_ADDRESS  // takes all addresses for itself
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
   for (const rlim_t megabytes : {100, 120, 150}) {

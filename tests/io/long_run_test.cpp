@@ -45,7 +45,7 @@ RunOptions all_files(const std::filesystem::path& folder) {
 // 12 KB of numbers per state stay, for the table and the remarks at the end; a state's displacements and fields are
 // many times as large.
 TEST(LongRun, MemoryDoesNotGrowWithItsStates) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef DEA_SANITIZE_ADDRESS
   GTEST_SKIP() << "the sanitizer keeps what was given back";
 #endif
   constexpr double kNumbers = 12000;

@@ -36,7 +36,7 @@ void PrintTo(const MemoryOfJoint& j, std::ostream* out) { *out << j.name; }
 class JointMemory : public testing::TestWithParam<MemoryOfJoint> {};
 
 TEST_P(JointMemory, IsWhatIsSaid) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef DEA_SANITIZE_ADDRESS
   GTEST_SKIP() << "the sanitizer keeps what was given back";
 #endif
   const MemoryOfJoint& p = GetParam();
@@ -112,7 +112,7 @@ TEST(JointUses, TheLastCaseOfEachJoint) {
 
 // Ten times as many cases, each with a joint of its own, hold no more memory.
 TEST(JointUses, MemoryOfAStudyDoesNotGrowWithItsCases) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef DEA_SANITIZE_ADDRESS
   GTEST_SKIP() << "the sanitizer keeps what was given back";
 #endif
   Plan plan;

@@ -1,6 +1,6 @@
 // Under the thread sanitizer TBB, which is not built with it, runs each caller's work in the caller's own thread: what
 // is left to find are races between callers.
-#ifdef __SANITIZE_THREAD__
+#ifdef DEA_SANITIZE_THREAD
 #include <tbb/global_control.h>
 
 namespace {
