@@ -22,7 +22,9 @@ def check(true, what):
 
 
 # Tests that are named
-listed = subprocess.run([ctest, "--test-dir", build, "-N"], capture_output=True, text=True, check=True).stdout
+with tempfile.TemporaryDirectory(prefix="dea_ctest_") as elsewhere:  # in the build folder, ctest would begin the running ctest's log anew
+    (pathlib.Path(elsewhere) / "CTestTestfile.cmake").write_text(f'subdirs("{build}")\n')
+    listed = subprocess.run([ctest, "--test-dir", elsewhere, "-N"], capture_output=True, text=True, check=True).stdout
 tests = re.findall(r"^ +Test +#\d+: (\S+)", listed, re.M)
 exist = {re.sub(r"^\w+/|/[^/]+$", "", name) for name in tests} | set(tests)
 if any(name.endswith("_NOT_BUILT") for name in tests):  # of programs that are not built the sources know the tests
