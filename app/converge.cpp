@@ -60,11 +60,11 @@ int converge_command(const ConvergeArguments& a) {
         "converge: found a table of loads or motion, expected none: it divides the springs of the model's own "
         "last state");
   for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
-  read_thickness(settings);
   Progress progress(progress_style(a.quiet, a.verbose));
   progress.now("reading " + file_name(a.model), "", "reading " + file_name(a.model));
   JointModel model = read_feb(a.model);
   settle_units(model, settings);
+  read_thickness(model, settings);
   const HeldOutputs held = claim_outputs(inputs, outputs);
 
   double last = seconds();

@@ -69,9 +69,9 @@ int convert(const ConvertArguments& a) {
   const auto threads = limit_threads(a.threads);
   Settings settings = effective_settings(a.settings);
   for (const NamedPath& table : table_files(settings)) inputs.push_back(table);
-  read_thickness(settings);
   JointModel model = read_feb(a.model);
   settle_units(model, settings);
+  read_thickness(model, settings);
   for (std::size_t i = 1; i < model.files.size(); ++i) inputs.push_back({"a file of the model", model.files[i]});
   const HeldOutputs held = claim_outputs(inputs, {{"-o", output}});
   if (!a.overwrite) refuse_to_replace(output, why_kept_model(output, ModelOf::Convert));

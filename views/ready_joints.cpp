@@ -80,7 +80,7 @@ std::shared_ptr<const ReadyJoint> make_ready(const std::string& path, Settings s
                                              const std::function<void(double)>& make_room) {
   JointModel read = read_feb(path);
   settle_units(read, settings);
-  read_thickness(settings);
+  read_thickness(read, settings);
   Recognition recognition = recognise_joint(std::move(read), settings);  // its loads are the cases' matter
   throw_if_any(recognition.faults);
   const double bytes = kept_bytes(recognition.model, recognition.joint);

@@ -109,7 +109,7 @@ constexpr Row kRows[] = {
      "tied-facet-on-facet,sticky,sliding-biphasic-mixed,sliding-biphasic-solute,sliding-multiphasic,sliding2,sliding3,"
      "mortar-sliding,sliding-tension-compression,facet-to-facet sliding,sliding_with_gaps,sliding,tied,"
      "facet-to-facet tied,mortar-tied",
-     "max_distance", kContact},
+     "max_distance,offset", kContact},
     {Place::Contact, "tied-elastic,tied-biphasic,tied-multiphasic", "search_radius", kContact},
 
     {Place::Spring, "linear spring,tension-only linear spring", "E", "mat_axis"},

@@ -128,11 +128,25 @@ void need_model_units(const NumberTable& table, const std::optional<UnitNames>& 
 
 // ---- loads ---------------------------------------------------------------------------------------------------------
 
-/// What is said of columns that may be the second half of each row, where the names gave the first half alone.
-std::string left_unread(const NumberTable& table, const std::vector<int>& columns, const char* what) {
-  if (columns.empty()) return "";
-  return fmt::format("; {} ({}) are not read from it: name all six columns to have them", what,
-                     column_names(table, columns));
+/// Where the names gave the first half of the rows alone: what is said of the other columns, which may be the second.
+std::string left_unread(const NumberTable& table, std::vector<int> known, const std::vector<int>& told,
+                        const char* second) {
+  constexpr std::size_t kNamed = 6;
+  known.insert(known.end(), told.begin(), told.end());
+  std::vector<int> others;
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    const int column = static_cast<int>(i);
+    const std::string name = bare_name(table.names[i]);
+    if (name != "time" && name != "t" && std::find(known.begin(), known.end(), column) == known.end())
+      others.push_back(column);
+  }
+  if (others.empty()) return "";
+  const std::size_t more = others.size() - std::min(others.size(), kNamed);
+  others.resize(others.size() - more);
+  return fmt::format("; no {}: {}{} not read from it", second, column_names(table, others),
+                     more > 0             ? fmt::format(" and {} more columns are", more)
+                     : others.size() == 1 ? " is"
+                                          : " are");
 }
 
 std::vector<int> load_columns(const NumberTable& table, const std::string& given) {
@@ -231,8 +245,7 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
   const std::vector<int> points = like(table, {"px", "py", "pz"});
   if (!points.empty())
     loads.words += fmt::format("; where the force acts ({}) is not read from it", column_names(table, points));
-  if (loads.columns.empty() && columns.size() <= 3)
-    loads.words += left_unread(table, containing(table, {"moment", "torque"}), "moments");
+  if (columns.size() <= 3 && loads.columns.empty()) loads.words += left_unread(table, columns, points, "moments");
 }
 
 // ---- motion --------------------------------------------------------------------------------------------------------
@@ -312,8 +325,7 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
     if (motion.turns && motion.rotation != "vector") row.tail<3>() = rotation_vector(motion.rotation, row.tail<3>());
   }
   motion.words = fmt::format("{} {}", table_in_words(table, columns, motion.time), scale.words);
-  if (motion.columns.empty() && columns.size() <= 3)
-    motion.words += left_unread(table, containing(table, {"rotation", "rot_", "angle"}), "rotations");
+  if (columns.size() <= 3 && motion.columns.empty()) motion.words += left_unread(table, columns, {}, "rotations");
 }
 
 // ---- thickness -----------------------------------------------------------------------------------------------------
@@ -326,9 +338,14 @@ int column_called(const NumberTable& table, const char* name) {
                          .expected = "name the columns node and thickness in the first line"});
 }
 
-void read_node_thickness(const GivenTables& given, NodeThickness& thickness) {
+void read_node_thickness(const JointModel& model, const GivenTables& given, NodeThickness& thickness) {
   const NumberTable table = table_of(thickness.file, given);
   const int node_column = column_called(table, "node"), column = column_called(table, "thickness");
+  const std::string length = model_system(model).value_or(unit_names(kUnnamed)).length;
+  refuse_other_units(table, {column}, 0, length, length_words(),
+                     model_system(model) ? Sentence("convert the column and its name")
+                                         : say("convert the column and its name, or name the model's units with {}",
+                                               NamedSetting{"units", "", "SYSTEM"}));
   std::map<int, int> line_of;  // by node
   thickness.at_node.clear();
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
@@ -360,8 +377,8 @@ void check_units(const JointModel& model, const Settings& settings) {
 
 }  // namespace
 
-void read_thickness(Settings& settings, const GivenTables& given) {
-  for (auto& entry : settings.thickness_from) read_node_thickness(given, entry.second);
+void read_thickness(const JointModel& model, Settings& settings, const GivenTables& given) {
+  for (auto& entry : settings.thickness_from) read_node_thickness(model, given, entry.second);
 }
 
 std::vector<NamedPath> table_files(const Settings& settings) {
@@ -386,7 +403,7 @@ void read_tables(const JointModel& model, Settings& settings, const GivenTables&
   need_body("motion", settings.motion.file, "motion-body", settings.motion.body);
   if (!settings.loads.file.empty()) read_loads(model, given, settings.loads);
   if (!settings.motion.file.empty()) read_motion(model, given, settings.motion);
-  read_thickness(settings, given);
+  read_thickness(model, settings, given);
 }
 
 }  // namespace dea

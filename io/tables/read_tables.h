@@ -25,9 +25,9 @@ using GivenTables = std::map<std::string, NumberTable>;
 void read_tables(const JointModel& model, Settings& settings, const GivenTables& given = {});
 
 /// Fills settings.thickness_from from its files, or from `given`: columns "node", numbers of the model's nodes, and
-/// "thickness", >= 0, in the model's length; other columns are passed over. Throws InputError (a file's fault, with its
+/// "thickness", >= 0, in the model's length (a unit in its name must be that); other columns are passed over. Throws InputError (a file's fault, with its
 /// line).
-void read_thickness(Settings& settings, const GivenTables& given = {});
+void read_thickness(const JointModel& model, Settings& settings, const GivenTables& given = {});
 
 /// The files that the settings name to be read, so that no output takes their place.
 std::vector<NamedPath> table_files(const Settings& settings);

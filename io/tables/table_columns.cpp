@@ -82,16 +82,6 @@ std::vector<int> like(const NumberTable& table, const std::vector<std::string>& 
   return found;
 }
 
-std::vector<int> containing(const NumberTable& table, const std::vector<std::string>& words) {
-  std::vector<int> found;
-  for (std::size_t i = 0; i < table.names.size(); ++i)
-    if (std::any_of(words.begin(), words.end(), [name = bare_name(table.names[i])](const std::string& word) {
-          return name.find(word) != name.npos;
-        }))
-      found.push_back(static_cast<int>(i));
-  return found;
-}
-
 std::array<int, 3> vector_columns(const NumberTable& table, const char* setting, const char* what,
                                   const std::array<std::vector<std::string>, 3>& words) {
   std::array<int, 3> columns = {-1, -1, -1};

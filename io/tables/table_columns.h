@@ -22,9 +22,6 @@ bool ends_in(const std::string& text, const std::string& end);
 /// Columns whose bare names are one of these or end in "_" and one of these.
 std::vector<int> like(const NumberTable& table, const std::vector<std::string>& words);
 
-/// Columns in whose bare names one of these stands anywhere.
-std::vector<int> containing(const NumberTable& table, const std::vector<std::string>& words);
-
 /// Three columns by the words for their x, y, z; all -1: none of them is there. InputError: one or two of them are, or
 /// several may be the same. `setting` names the columns, `what` is the vector, both for the message.
 std::array<int, 3> vector_columns(const NumberTable& table, const char* setting, const char* what,

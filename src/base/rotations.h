@@ -11,4 +11,10 @@ inline Eigen::Matrix3d rotation(const Eigen::Vector3d& w) {
   return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
 }
 
+/// The vector w, |w| <= pi, of which R is the rotation.
+inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R) {
+  const Eigen::AngleAxisd turn(R);
+  return turn.angle() * turn.axis();
+}
+
 }  // namespace dea

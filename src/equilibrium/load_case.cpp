@@ -331,18 +331,12 @@ LoadPointFound find_load_point(const Joint& joint, int body, const LoadPoint& as
   LoadPointFound found;
   found.point = asked.point;
   if (!asked.sphere_center) return found;
-  for (const ContactPair& pair : joint.contacts) {
-    for (const Layer& layer : pair.layers) {
-      if (layer.body != body) continue;
-      found.fit = fit_sphere(layer.articular);
-      found.point = found.fit.center;
-      found.fitted = true;
-      return found;
-    }
-  }
-  throw UsageError(Fault{.given = NamedSetting{"load-at", joint.bodies[at(body)].name, "sphere-center"},
-                         .found = "this body has no articular surface;",
-                         .expected = "give a point x,y,z"});
+  const std::string& name = joint.bodies[at(body)].name;
+  found.fit = articular_sphere(joint, body, {"load-at", name, "sphere-center"},
+                               say("name the point: {}", NamedSetting{"load-at", name, "x,y,z"}));
+  found.point = found.fit.center;
+  found.fitted = true;
+  return found;
 }
 
 namespace {
@@ -463,7 +457,11 @@ std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case
     const auto prescribed = std::find(c.dofs.begin() + 3, c.dofs.end(), DofState::Prescribed);
     if (prescribed == c.dofs.end()) continue;
     const bool relative = c.relative[static_cast<std::size_t>(prescribed - c.dofs.begin())];
-    poses[b].rotation = rotation(c.value.tail<3>()) * (relative ? step_start[b] : begin).rotation;
+    // FEBio adds to the components of the vector that the body has turned by (FERigidPrescribedBC::Activate), whatever
+    // its axis
+    const Vector3d before =
+        relative ? rotation_vector(step_start[b].rotation * begin.rotation.transpose()) : Vector3d::Zero();
+    poses[b].rotation = rotation(before + c.value.tail<3>()) * begin.rotation;
   }
   return poses;
 }

@@ -101,6 +101,10 @@ std::vector<Sentence> rows_in_words(const JointModel& model, const Joint& joint,
       words.push_back(
           say("body \"{}\" is not free to move at the end of the last step: the table's loads have no effect",
               s.loads.body));
+    const bool moments = std::any_of(s.loads.load.begin(), s.loads.load.end(),
+                                     [](const Vector6& load) { return !load.tail<3>().isZero(0); });
+    if (free > 0 && moments && std::count(body.dofs.begin() + 3, body.dofs.end(), DofState::Free) == 0)
+      words.push_back(say("body \"{}\" is not free to turn: the table's moments have no effect", s.loads.body));
   }
   if (motion_given(s))
     words.push_back(say(

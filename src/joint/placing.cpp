@@ -16,37 +16,6 @@ namespace {
 
 constexpr double kDegree = kPi / 180.0;
 
-[[noreturn]] void refuse(const std::string& name, Sentence found) {
-  throw UsageError(
-      Fault{.given = NamedSetting{"rotate", name},
-            .found = std::move(found),
-            .expected = say("name the point to turn about: {}", NamedSetting{"rotate-about", name, "x,y,z"})});
-}
-
-/// The sphere through a body's articular surface, if it has one and that is round enough to have a centre.
-SphereFit articular_sphere(const Joint& joint, int body, const std::string& name) {
-  std::set<int> surfaces;
-  const Layer* layer = nullptr;
-  for (const ContactPair& pair : joint.contacts)
-    for (const Layer& l : pair.layers)
-      if (l.body == body && surfaces.insert(l.surface).second) layer = &l;
-  if (!layer) refuse(name, "this body has no articular surface, so no sphere;");
-  if (surfaces.size() > 1)
-    refuse(name, say("this body has {} articular surfaces, each with a sphere of its own;", surfaces.size()));
-  const SphereFit sphere = fit_sphere(layer->articular);
-  switch (roundness(layer->articular, sphere)) {
-    case Roundness::Uneven:
-      refuse(name, say("its articular surface is no sphere: the points lie {:.3g} from one of radius {:.3g} (root mean "
-                       "square);",
-                       sphere.rms, sphere.radius));
-    case Roundness::Flat:  // it has no centre: that of its sphere lies anywhere
-      refuse(name, say("its articular surface is nearly flat (sphere of radius {:.3g});", sphere.radius));
-    case Roundness::Round:
-      break;
-  }
-  return sphere;
-}
-
 /// What a body is turned about, and how that is called.
 struct Turn {
   Vector3d reference = Vector3d::Zero();
@@ -61,7 +30,9 @@ Turn turn_of(const Joint& joint, int body, const TurnPoint& about, const std::st
     case TurnPoint::Kind::SphereCenter:
       break;
   }
-  const SphereFit sphere = articular_sphere(joint, body, name);
+  const SphereFit sphere =
+      articular_sphere(joint, body, {"rotate", name},
+                       say("name the point to turn about: {}", NamedSetting{"rotate-about", name, "x,y,z"}));
   return {sphere.center,
           fmt::format("the centre of its articular surface's sphere (radius {:.4g}, rms distance {:.2g}),",
                       sphere.radius, sphere.rms)};
@@ -102,6 +73,35 @@ std::vector<Pose> place_bodies(const JointModel& model, const Joint& joint, cons
 }
 
 }  // namespace
+
+SphereFit articular_sphere(const Joint& joint, int body, const NamedSetting& given, const Sentence& expected) {
+  const auto refuse = [&](Sentence found) {
+    throw UsageError(Fault{.given = given, .found = std::move(found), .expected = expected});
+  };
+  std::set<int> surfaces;
+  const Layer* layer = nullptr;
+  for (const ContactPair& pair : joint.contacts)
+    for (const Layer& l : pair.layers)
+      if (l.body == body && surfaces.insert(l.surface).second) layer = &l;
+  if (!layer) refuse("this body has no articular surface, so no sphere;");
+  if (surfaces.size() > 1)
+    refuse(say("this body has {} articular surfaces, each with a sphere of its own;", surfaces.size()));
+  const SphereFit sphere = fit_sphere(layer->articular);
+  switch (roundness(layer->articular, sphere)) {
+    case Roundness::Uneven:
+      refuse(
+          say("its articular surface is no sphere: the points lie {:.3g} from one of radius {:.3g} (root mean "
+              "square);",
+              sphere.rms, sphere.radius));
+      break;
+    case Roundness::Flat:  // it has no centre: that of its sphere lies anywhere
+      refuse(say("its articular surface is nearly flat (sphere of radius {:.3g});", sphere.radius));
+      break;
+    case Roundness::Round:
+      break;
+  }
+  return sphere;
+}
 
 std::vector<Pose> reference_poses(const Joint& joint) {
   std::vector<Pose> poses;

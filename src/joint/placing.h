@@ -17,6 +17,10 @@ std::vector<Pose> reference_poses(const Joint& joint);
 /// the sphere about whose centre a body is to be turned says little: settings.rotate_about has to name the point then.
 std::vector<Pose> starting_poses(const JointModel& model, const Joint& joint, const Settings& settings);
 
+/// The sphere through a body's articular surface, if it has one, no other one, and that is round enough to have a
+/// centre. Else UsageError: `given` asks for the centre, `expected` is what to give in its place.
+SphereFit articular_sphere(const Joint& joint, int body, const NamedSetting& given, const Sentence& expected);
+
 /// Reference coordinates of the point about which settings turn a body. `name`: of the body, for faults. Throws as
 /// starting_poses does.
 Vector3d turn_point(const Joint& joint, int body, const TurnPoint& about, const std::string& name);

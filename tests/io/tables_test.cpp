@@ -274,14 +274,15 @@ TEST(Tables, OneLoadsColumnsAndWholeFiles) {
   EXPECT_NE(s.loads.words.find("where the force acts (px, py, pz) is not read from it"), std::string::npos);
   const std::string moments = "time,hip_fx,hip_fy,hip_fz,moment_hip_x,moment_hip_y,moment_hip_z\n0,1,2,3,4,5,6\n";
   EXPECT_NE(loads_of(file("q.csv", moments))
-                .loads.words.find("moments (moment_hip_x, moment_hip_y, moment_hip_z) are not read from it"),
+                .loads.words.find("no moments: moment_hip_x, moment_hip_y, moment_hip_z are not read from it"),
             std::string::npos);
   Settings moved;
   moved.motion.body = "femur";
   moved.motion.file = file("m.csv", "time,tx,ty,tz,rotation_hip_x,rotation_hip_y,rotation_hip_z\n0,1,2,3,4,5,6\n");
   read_tables({}, moved);
-  EXPECT_NE(moved.motion.words.find("rotations (rotation_hip_x, rotation_hip_y, rotation_hip_z) are not read from it"),
-            std::string::npos);
+  EXPECT_NE(
+      moved.motion.words.find("no rotations: rotation_hip_x, rotation_hip_y, rotation_hip_z are not read from it"),
+      std::string::npos);
   Settings twice;
   twice.loads.file = file("a.csv", "time,fx,fy,fz\n0,1,2,3\n");
   twice.loads.body = "femur";
@@ -317,7 +318,7 @@ std::string thickness_refusal(const std::string& path, NodeThickness* read = nul
   Settings settings;
   settings.thickness_from["s"].file = path;
   try {
-    read_thickness(settings);
+    read_thickness({}, settings);
   } catch (const InputError& e) {
     return std::string(e.what()).substr(path.size());
   }
@@ -331,6 +332,13 @@ TEST(Tables, ThicknessPerNode) {
   EXPECT_EQ(thickness_refusal(path, &read), "");
   EXPECT_EQ(read.at_node, (std::map<int, double>{{7, 1.5}, {12, 0.0}}));
   EXPECT_EQ(read.file, path);
+}
+
+TEST(Tables, ThicknessPerNodeInAnotherUnitIsRefused) {
+  EXPECT_NE(thickness_refusal(file("t.csv", "node,thickness [cm]\n7,0.2\n")).find("its name says otherwise"),
+            std::string::npos);
+  EXPECT_EQ(thickness_refusal(file("t.csv", "node,thickness [mm]\n7,2\n")), "");
+  EXPECT_EQ(thickness_refusal(file("t.csv", "node,thickness\n7,2\n")), "");
 }
 
 TEST(Tables, ThicknessPerNodeRefusedWithItsLine) {

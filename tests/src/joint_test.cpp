@@ -699,6 +699,25 @@ TEST(Conditions, RelativeMotion) {
   }
 }
 
+// FEBio adds a relative rotation to the components of the vector that the body has turned by; it does not turn it once
+// more.
+TEST(Conditions, RelativeRotationAddsToTheRotationVector) {
+  JointModel model = flat_plates(4, 10, 2, 5.0);  // apart: the poses alone count
+  model.steps.push_back(model.steps[0]);
+  fix(model, 2, {true, true, true, false, false, false});
+  const double values[2][3] = {{0, 0, 1.2}, {0.3, 0, 0}};
+  for (int step = 0; step < 2; ++step)
+    for (int k = 0; k < 3; ++k) {
+      prescribe(model, 2, 3 + k, values[step][k]);
+      model.rigid_prescribed.back().value = {values[step][k], -1};
+      model.rigid_prescribed.back().relative = step == 1;
+      model.rigid_prescribed.back().step = step;
+    }
+  const Eigen::AngleAxisd turned(analyse(model, {}).states.back().equilibrium.poses[1].rotation);
+  const Vector3d vector = turned.angle() * turned.axis();
+  EXPECT_NEAR((vector - Vector3d(0.3, 0, 1.2)).norm(), 0, 1e-12) << vector.transpose();
+}
+
 // A load that slides the plate off, for one state only: the next starts from the last pose that was solved.
 TEST(Conditions, AnUnsolvedStateDoesNotSpoilTheNext) {
   JointModel model = flat_plates(8, 20, 2, 0.05, 10);
