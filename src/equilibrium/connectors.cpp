@@ -21,15 +21,6 @@ using Eigen::VectorXd;
 using Matrix3d = Eigen::Matrix3d;
 using Motion = RigidJoint::Motion;
 
-/// Rotation vector, angle in [0, pi]; small angles to full relative precision.
-Vector3d rotation_vector(const Matrix3d& r) {
-  Eigen::Quaterniond q(r);
-  if (q.w() < 0) q.coeffs() = -q.coeffs();
-  const double s = q.vec().norm();
-  if (s < 1e-300) return 2.0 * q.vec();
-  return q.vec() * (2.0 * std::atan2(s, q.w()) / s);
-}
-
 /// A connector at a pose. Columns of a and b: its axes as A and B carry them; d: from its point on A to that on B.
 struct Frame {
   Matrix3d a, b;
