@@ -171,11 +171,13 @@ Words lines(const std::string& text) {
 
 bool starts_with(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
 
-/// The error: the only line that is no warning.
+/// The error: the only line that is no warning. A slow machine sees what is being done before it.
 std::string error_of(const test::Finished& f) {
   Words errors;
   for (const std::string& line : lines(f.err))
-    if (!starts_with(line, "warning: ") && !starts_with(line, "note: ")) errors.push_back(line);
+    if (!starts_with(line, "warning: ") && !starts_with(line, "note: ") && !starts_with(line, "reading ") &&
+        !starts_with(line, "joint and thickness") && !starts_with(line, "springs and layers"))
+      errors.push_back(line);
   EXPECT_EQ(errors.size(), 1u) << f.err;
   return errors.empty() ? "" : errors.front();
 }
@@ -1885,7 +1887,7 @@ TEST(BadInput, OptionsAndSettings) {
                 2,
                 "",
                 {"--load-at ground=sphere-center: this body has no articular surface, so no sphere; name the point: "
-                 "--load-at ground=x,y,z"},
+                 "--load-at \"ground=x,y,z\""},
                 {"--load-at", "ground=sphere-center"}},
            Case{"load in axes that turn freely",
                 kModel,
