@@ -12,6 +12,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/names.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/rotations.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/files/packed_bytes.h>
 #include <febiodea/io/study/database.h>
@@ -63,11 +64,6 @@ void bind_numbers(Statement& to, const std::vector<NamedNumber<Of>>& numbers, co
 }
 
 void bind_vector(Statement& to, const Vector3d& v) { to.bind(v.x()).bind(v.y()).bind(v.z()); }
-
-Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
-  const Eigen::AngleAxisd turn(rotation);
-  return turn.angle() * turn.axis();
-}
 
 }  // namespace
 
