@@ -106,6 +106,7 @@ Vector3d three_numbers(const py::object& given, const char* where) {
 Settings settings_with(const PreparedJoint& joint, const SaidValues& values, const GivenLoad& given) {
   const Recognition& r = joint.recognised->recognition;
   Settings settings = with_values(r.settings, values);
+  check_body_names(r.model, joint.prepared.joint.bodies, settings);
   if (given.body.empty()) return settings;
   if (!settings.loads.time.empty() && settings.loads.body != given.body)
     throw UsageError(
@@ -202,16 +203,15 @@ GivenLoad given_load(const PreparedJoint& joint, const std::string& body, const 
 void check_loads(const PreparedJoint& joint, const Settings& settings, const GivenLoad& given) {
   for (const IdleLoad& idle : idle_loads(joint.recognised->recognition.model, joint.prepared.joint, settings)) {
     const bool of_call = !given.body.empty() && idle.given.setting == "loads";
-    const char* place = given.load.head<3>().isZero(0) ? "moment" : "force";
+    const bool of_force = std::any_of(idle.lost.begin(), idle.lost.begin() + 3, [](bool lost) { return lost; });
+    const char* place = of_force ? "force" : "moment";
     const std::string words = idle_in_words(idle);
     if (!idle.all) {
       if (of_call && PyErr_WarnEx(PyExc_UserWarning, fmt::format("{}: {}", place, words).c_str(), 2) != 0)
         throw py::error_already_set();
       continue;
     }
-    Fault fault{.found = words + ";",
-                .expected = say("load another body, or let it move ({})",
-                                NamedSetting{.setting = "free", .of = idle.body, .value = "x,y,z"})};
+    Fault fault{.found = words + ";", .expected = say("load another body, or let it move ({})", freeing(idle))};
     if (of_call)
       fault.place = place;
     else

@@ -344,8 +344,7 @@ void refuse_idle_loads(const Recognition& r) {
     if (idle.all)
       throw UsageError(Fault{.given = idle.given,
                              .found = idle_in_words(idle) + ";",
-                             .expected = say("load another body, or let it move ({})",
-                                             NamedSetting{.setting = "free", .of = idle.body, .value = "x,y,z"})});
+                             .expected = say("load another body, or let it move ({})", freeing(idle))});
 }
 
 Settings with_values(Settings settings, const SaidValues& values) {

@@ -50,11 +50,20 @@ std::string placement_words(const NamedSetting& s) {
                      angle == s.value.npos ? "" : ", " + s.value.substr(angle + 1));
 }
 
+/// ["x", "y", "z"]
+std::string axes_words(const std::string& axes) {
+  std::string words;
+  for (const std::string& axis : split_at_commas(axes)) words += (words.empty() ? "" : ", ") + quoted(axis);
+  return "[" + words + "]";
+}
+
 std::string keyword_words(const NamedSetting& s) {
   std::string keyword = s.setting;
   std::replace(keyword.begin(), keyword.end(), '-', '_');
   const SettingOption* option = find_setting_option(s.setting);
   if (option != nullptr && option->places) return keyword + "=" + placement_words(s);
+  if (s.setting == "free" && !s.of.empty() && !s.value.empty())
+    return fmt::format("{}={{{}: {}}}", keyword, quoted(s.of), axes_words(s.value));
   if (!s.of.empty())
     return fmt::format("{}={{{}: {}}}", keyword, quoted(s.of), s.value.empty() ? "..." : value_words(s.value));
   if (s.value.empty()) return keyword;

@@ -32,7 +32,12 @@ Eigen::Matrix3d read_rotation(const Reading& reading, const XMLElement& element)
   if (type.empty() || type == "quaternion") {
     const std::vector<double> q = read_numbers(reading, element, 4);
     const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
-    if (!(turn.norm() > 0)) fail(reading, element, "rotate: the quaternion is zero, expected x,y,z,w");
+    if (!(std::abs(turn.norm() - 1.0) <= 1e-3))
+      fail(reading, element,
+           fmt::format(
+               "rotate: the quaternion has length {:g}, expected x,y,z,w of length 1 (FEBio would scale the part "
+               "by the square of it)",
+               turn.norm()));
     return turn.normalized().toRotationMatrix();
   }
   if (type != "vector" && type != "Euler") {

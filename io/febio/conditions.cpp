@@ -264,6 +264,23 @@ void rigid_euler_angles(Draft& draft, const Component& component, const Steps& s
   }
 }
 
+/// LOAD, FOLLOW or TARGET as 0, 1, 2.
+int load_type_of(Draft& draft, const Component& component, int dof) {
+  const Component* type = find(component, "load_type");
+  if (type == nullptr) return 0;
+  const int load_type = place_of_word(type->text, {"LOAD", "FOLLOW", "TARGET"});
+  if (load_type < 0)
+    fail(draft, type->origin, fmt::format("load_type = {}, expected LOAD, FOLLOW or TARGET", quote(type->text)));
+  if (component.type != "force" || load_type == 0) return load_type;
+  // version 3.0: FEBio passes over the type of a moment, and reads a word as 0
+  const bool word = !whole_double(type->text);
+  if (dof < 3 && !word) return load_type;
+  note(draft, type->origin,
+       fmt::format("load_type {} of a {}: LOAD, as in FEBio, which {} in version 3.0", trim(type->text),
+                   dof < 3 ? "force" : "moment", dof < 3 ? "takes numbers alone" : "has no other for moments"));
+  return 0;
+}
+
 /// Force (dof 0-2) or moment (3-5).
 void rigid_load(Draft& draft, const Component& component, int dof, const Steps& steps) {
   const Component* value = find(component, "value");
@@ -272,10 +289,7 @@ void rigid_load(Draft& draft, const Component& component, int dof, const Steps& 
   load.material = body_of(draft, component);
   load.dof = dof;
   load.value = scaled(draft, *value);
-  const Component* type = find(component, "load_type");
-  const int load_type = type == nullptr ? 0 : place_of_word(type->text, {"LOAD", "FOLLOW", "TARGET"});
-  if (load_type < 0)
-    fail(draft, type->origin, fmt::format("load_type = {}, expected LOAD, FOLLOW or TARGET", quote(type->text)));
+  const int load_type = load_type_of(draft, component, dof);
   if (load_type == 1 && dof >= 3)
     return unsupported(draft, component.origin, "rigid moment with load_type FOLLOW",
                        "use rigid_follower_moment, or load_type LOAD");

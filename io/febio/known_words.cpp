@@ -218,7 +218,8 @@ void check_parts(Draft& draft, const Component& component, const Known& known, c
   std::vector<std::string> all = known.taken;
   all.insert(all.end(), known.others.begin(), known.others.end());
   for (const Component& part : component.parts) {
-    if (holds(known.taken, part.tag)) {
+    // parameters of contacts are read, and told, even where DEA does without them
+    if (holds(known.taken, part.tag) || (component.tag == "contact" && holds(known.others, part.tag))) {
       const Component* first = find(component, part.tag);
       if (first != &part && !holds(known.repeated, part.tag) && !same(*first, part))
         fail_twice(draft, *first, part, in);

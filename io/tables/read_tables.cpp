@@ -52,6 +52,21 @@ std::optional<UnitNames> model_system(const JointModel& model) {
 constexpr const char* kUnnamed = "mm-N-s";
 constexpr const char* kTakenUnnamed = " (it names none, its columns do: taken as in mm-N-s)";
 
+/// A model that names no units and would be taken as in mm, but is hardly a millimetre large.
+void refuse_metres(const JointModel& model, const std::string& table) {
+  constexpr double kLeast = 1.0;  // mm; in metres all that has a joint in it is smaller
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& node : model.nodes) box.extend(node);
+  const double size = model.nodes.empty() ? kLeast : box.diagonal().norm();
+  if (size >= kLeast) return;
+  throw InputError(Fault{.place = table,
+                         .found = fmt::format("the model, {:.3g} across, names no units: for this table it would be "
+                                              "taken as in mm, and is too small for that;",
+                                              size),
+                         .expected = say("name its units with {} or {}", NamedSetting{"units", "", "SI"},
+                                         NamedSetting{"units", "", "mm-N-s"})});
+}
+
 /// What a table's forces (angles) and lengths are multiplied by, and how that was decided.
 struct Scale {
   double first = 1.0, length = 1.0;
@@ -225,6 +240,8 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
   if (!system && units.empty() &&
       (name_says_unit(table, columns, 0, force_words()) || name_says_unit(table, columns, 3, moment_words())))
     scale.words += kTakenUnnamed;
+  if (!system && columns.size() > 3 && (!units.empty() || name_says_unit(table, columns, 3, moment_words())))
+    refuse_metres(model, table.path);
   loads.time = times_of(table);
   loads.load = values_of(table, columns);
   const double share = loads.body_weight ? *loads.body_weight / 100.0 : 1.0;
@@ -316,7 +333,9 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
   const Sentence remedy = unit_remedy(system, {"motion-units", "", "ANGLE-LENGTH"}, "deg-m");
   refuse_other_units(table, columns, 0, taken[1], length_words(), remedy);
   refuse_other_units(table, columns, 3, taken[0], angle_words(), remedy);
-  if (!system && units.empty() && name_says_unit(table, columns, 0, length_words())) scale.words += kTakenUnnamed;
+  const bool says = name_says_unit(table, columns, 0, length_words());
+  if (!system && units.empty() && says) scale.words += kTakenUnnamed;
+  if (!system && (!units.empty() || says)) refuse_metres(model, table.path);
   motion.time = times_of(table);
   motion.motion = values_of(table, columns);
   for (Vector6& row : motion.motion) {
@@ -346,6 +365,7 @@ void read_node_thickness(const JointModel& model, const GivenTables& given, Node
                      model_system(model) ? Sentence("convert the column and its name")
                                          : say("convert the column and its name, or name the model's units with {}",
                                                NamedSetting{"units", "", "SYSTEM"}));
+  if (!model_system(model) && name_says_unit(table, {column}, 0, length_words())) refuse_metres(model, table.path);
   std::map<int, int> line_of;  // by node
   thickness.at_node.clear();
   for (std::size_t r = 0; r < table.rows.size(); ++r) {

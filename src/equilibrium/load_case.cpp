@@ -268,6 +268,13 @@ void refuse_rotations_in_part(const JointModel& model, const Joint& joint, const
       throw fault_at(model, {0, 0},
                      say("body \"{}\": some rotations are prescribed and others free;", joint.bodies[b].name),
                      "FEBio and DEA need all three prescribed or fixed (a fixed one counts as 0)");
+    const auto& relative = c.bodies[b].relative;
+    const auto counted = std::count(relative.begin() + 3, relative.end(), true);
+    if (any && counted > 0 && counted < 3)
+      throw fault_at(
+          model, {0, 0},
+          say("body \"{}\": some rotations are prescribed as relative and others are not;", joint.bodies[b].name),
+          "FEBio needs all three relative, or none (a fixed one is not: prescribe 0 there)");
   }
 }
 

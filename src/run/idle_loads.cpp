@@ -106,8 +106,21 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
   return found;
 }
 
+namespace {
+
+/// One of the two opposite moments that a joint puts on its bodies.
+bool of_joint(const JointModel& model, const RigidLoad& load) {
+  return std::any_of(model.rigid_loads.begin(), model.rigid_loads.end(), [&](const RigidLoad& other) {
+    return other.dof == load.dof && other.material != load.material && other.name == load.name &&
+           other.step == load.step && other.value.factor == -load.value.factor &&
+           other.value.controller == load.value.controller;
+  });
+}
+
+}  // namespace
+
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
-  std::vector<Sentence> prescribed, held;
+  std::vector<Sentence> always, held;  // told always, told where nothing acts
   if (model.rigid_loads.empty()) return held;
   const std::vector<LoadCase> ends = ends_of_steps(model, joint, settings);
   bool acts = !model.rigid_followers.empty() || !joint.point_loads.empty();  // another load presses
@@ -122,19 +135,24 @@ std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joi
       idle = idle && !(load.dof < 3 ? force_acts(body, load.dof) : is_free(body, load.dof));
     }
     acts = acts || (any && !idle);
-    const bool replaced = std::any_of(settings.force.begin(), settings.force.end(),
-                                      [&](const auto& given) { return joint.find_body(model, given.first) == b; }) ||
-                          (!settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == b);
-    if (!any || !idle || replaced || load.dof >= 3 || load.kind != RigidLoad::Kind::Dead || load.relative) continue;
+    const bool moment = load.dof >= 3;
+    const bool replaced =
+        (!moment && std::any_of(settings.force.begin(), settings.force.end(),
+                                [&](const auto& given) { return joint.find_body(model, given.first) == b; })) ||
+        (!settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == b);
+    if (!any || !idle || replaced || load.kind != RigidLoad::Kind::Dead || load.relative) continue;
+    if (moment && of_joint(model, load)) continue;
     const bool moved = ends.back().bodies[at(b)].dofs[at(load.dof)] == DofState::Prescribed;
-    (moved ? prescribed : held)
-        .push_back(fmt::format("force{} along {} has no effect: body \"{}\" is {} along that axis",
-                               load.name.empty() ? "" : fmt::format(" \"{}\"", load.name), "xyz"[load.dof],
-                               joint.bodies[at(b)].name, moved ? "moved as prescribed" : "held"));
+    const char *how = moment ? "about" : "along", *by = !moved ? "held" : moment ? "turned" : "moved";
+    (moved || moment ? always : held)
+        .push_back(fmt::format("{}{} {} {} has no effect: body \"{}\" is {}{} {} that axis",
+                               moment ? "moment" : "force", load.name.empty() ? "" : fmt::format(" \"{}\"", load.name),
+                               how, "xyz"[load.dof % 3], joint.bodies[at(b)].name, by, moved ? " as prescribed" : "",
+                               how));
   }
   if (!acts && settings.force.empty() && settings.loads.time.empty())
-    prescribed.insert(prescribed.end(), held.begin(), held.end());
-  return prescribed;
+    always.insert(always.end(), held.begin(), held.end());
+  return always;
 }
 
 std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joint, const Settings& settings) {
@@ -163,6 +181,11 @@ std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joi
       idle.push_back(say("{}: it has no effect, for body \"{}\" is not free to turn", given, joint.bodies[at(b)].name));
   }
   return idle;
+}
+
+NamedSetting freeing(const IdleLoad& load) {
+  const bool moment = load.lost[3] || load.lost[4] || load.lost[5];
+  return {.setting = "free", .of = load.body, .value = moment ? "x,y,z,Ru,Rv,Rw" : "x,y,z"};
 }
 
 std::string idle_in_words(const IdleLoad& load) {

@@ -22,13 +22,17 @@ struct IdleLoad {
 /// beside the centre of mass of a body that is free to turn, its moment counts as an effect.
 std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 
+/// What lets the body follow it: {free, of the body, "x,y,z"}, with the rotations where a moment is lost.
+NamedSetting freeing(const IdleLoad& load);
+
 /// Why it has no effect: "the body "tibia" is not free to move along x, y, z; this load has no effect".
 std::string idle_in_words(const IdleLoad& load);
 
-/// Forces of the model along a motion that it prescribes, in all steps in which they act, a sentence each. Where no
-/// load of the model or the settings has an effect, also forces on bodies that are held; else these are the other ends
-/// of muscles. Not moments, of which a joint puts one on each of its bodies; not forces that the settings replace,
-/// those of value 0, and those of kind Target or relative ones, which FEBio counts from the reaction.
+/// Loads of the model without effect. Forces along a motion that it prescribes, in all steps in which they act, a
+/// sentence each. Where no load of the model or the settings has an effect, also forces on bodies that are held; else
+/// these are the other ends of muscles. Moments about an axis that is held or prescribed, but for those that a joint
+/// puts on both its bodies. Not loads that the settings replace, those of value 0, and those of kind Target or relative
+/// ones, which FEBio counts from the reaction.
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// Points of the settings (load-at) that change nothing, a sentence each: no force acts on the body, or none of its

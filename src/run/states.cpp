@@ -86,8 +86,10 @@ States row_states(const JointModel& model, const Settings& settings, const State
     const bool by_time = std::any_of(asked.times.begin(), asked.times.end(),
                                      [&](double t) { return same_in_single_precision(t, end, end); });
     if (!asked.all && !asked.last && !by_time && !asks_for(asked, end))
-      throw UsageError(fmt::format("{}: found no time {}, expected it: without the model's steps it is the only state",
-                                   option, time_text(end)));
+      throw UsageError(
+          fmt::format("{}: without the model's steps its end, time {}, is the only state: expected last, "
+                      "or that time",
+                      option, time_text(end)));
     return all_states({{end, last}});
   }
   if (!settings.skip_steps) {

@@ -502,6 +502,25 @@ TEST_F(ReadFeb, NodeSetsOfEveryKind) {
   EXPECT_EQ(named.fixed_nodes[0].nodes.size(), 30u);
 }
 
+// FEBioRigidSection.cpp: a moment has no type, and the type of a force is read as a number.
+TEST_F(ReadFeb, LoadTypesOfVersion30) {
+  const auto with = [&](const std::string& moment, const std::string& force) {
+    return read(replaced(replaced(kModel30, "<load_type>0<", "<load_type>" + moment + "<"), "<load_type>1<",
+                         "<load_type>" + force + "<"));
+  };
+  const JointModel numbers = with("2", "2"), words = with("2", "TARGET"), none = with("0", "0");
+  ASSERT_EQ(numbers.rigid_loads.size(), 2u);
+  EXPECT_EQ(numbers.rigid_loads[0].kind, RigidLoad::Kind::Dead);
+  EXPECT_EQ(numbers.rigid_loads[1].kind, RigidLoad::Kind::Target);
+  EXPECT_EQ(words.rigid_loads[0].kind, RigidLoad::Kind::Dead);
+  EXPECT_EQ(words.rigid_loads[1].kind, RigidLoad::Kind::Dead);
+  EXPECT_TRUE(words.unsupported.empty());
+  EXPECT_EQ(numbers.assumed.size(), none.assumed.size() + 1);
+  ASSERT_EQ(words.assumed.size(), none.assumed.size() + 2);
+  EXPECT_EQ(words.assumed.back().what,
+            "load_type TARGET of a force: LOAD, as in FEBio, which takes numbers alone in version 3.0");
+}
+
 TEST_F(ReadFeb, RotationVectorIsThreePrescribedRotations) {
   const JointModel m = read(model_and(
       R"(<Rigid><rigid_bc type="rigid_rotation_vector"><rb>femur</rb><vx lc="1">0.1</vx><vz>0.3</vz></rigid_bc>
@@ -1177,7 +1196,9 @@ TEST_F(ReadFeb, FaultsOfPartsHaveTheirLine) {
   const auto of_instance = [&](const std::string& inside) {
     return of_geometry(kPart + "<Instance part=\"P\">" + inside + "</Instance>\n");
   };
-  EXPECT_EQ(of_instance("<rotate>0,0,0,0</rotate>"), "model.feb:13: rotate: the quaternion is zero, expected x,y,z,w");
+  EXPECT_EQ(of_instance("<rotate>0,0,0,0.5</rotate>"),
+            "model.feb:13: rotate: the quaternion has length 0.5, expected x,y,z,w of length 1 (FEBio would scale the "
+            "part by the square of it)");
   EXPECT_EQ(of_instance("<rotate type=\"matrix\">1</rotate>"),
             "model.feb:13: rotate with type \"matrix\", expected quaternion, vector or Euler");
   EXPECT_EQ(of_instance("<rotate>0,0,1</rotate>"), "model.feb:13: rotate = \"0,0,1\", expected 4 numbers");

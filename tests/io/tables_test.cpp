@@ -95,6 +95,38 @@ TEST(Tables, OpenSimIsInNewtonsAndMetres) {
   EXPECT_NE(refusal(path).find("the model names no units"), std::string::npos);
 }
 
+// In metres moments in N m would come out a thousand times too large.
+TEST(Tables, AModelTooSmallForMillimetresThatNamesNoUnitsIsRefused) {
+  const std::string plain = file("plain.csv", "fx,fy,fz,mx,my,mz\n0,0,2,3,0,0\n"),
+                    named = file("named.csv", "fx,fy,fz,mx [Nmm],my [Nmm],mz [Nmm]\n0,0,2,3,0,0\n"),
+                    forces = file("forces.csv", "fx,fy,fz\n0,0,2\n"), motion = file("moves.csv", "tx,ty,tz\n0,0,2\n");
+  const auto found = [&](double size, const std::string& loads, const std::string& units, const char* model_units,
+                         const std::string& moves = "") {
+    JointModel model;
+    model.units = model_units;
+    model.nodes = {Vector3d::Zero(), Vector3d(size, 0, 0)};
+    Settings settings;
+    settings.loads.file = loads;
+    settings.motion.file = moves;
+    (loads.empty() ? settings.motion.body : settings.loads.body) = "femur";
+    (loads.empty() ? settings.motion.units : settings.loads.units) = units;
+    try {
+      read_tables(model, settings);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(found(0.03, plain, "N-m", "").find("the model, 0.03 across, names no units"), std::string::npos);
+  EXPECT_NE(found(0.03, named, "", "").find("too small for that"), std::string::npos);
+  EXPECT_NE(found(0.03, "", "deg-mm", "", motion).find("too small for that"), std::string::npos);
+  EXPECT_EQ(found(30, plain, "N-m", ""), "");
+  EXPECT_EQ(found(0.03, plain, "", ""), "");  // as they are
+  EXPECT_EQ(found(0.03, plain, "N-m", "SI"), "");
+  EXPECT_EQ(found(0.03, forces, "N-m", ""), "");  // N either way
+  EXPECT_EQ(found(0.03, "", "", "", motion), "");
+}
+
 TEST(Tables, PercentOfBodyWeight) {
   Settings settings;
   settings.loads.file = file("bw.csv", "cycle,fx,fy,fz\n0,100,0,250\n");

@@ -175,6 +175,12 @@ def test_a_load_by_bodies_is_told_how_it_is_said(joint):
         joint.solve(force={"femur": (0, 0, 1)})
 
 
+def test_a_misspelt_body_of_a_placing_is_told_as_one(joint):
+    for keywords in ({"move": [("femurr", (0, 0, 1))]}, {"rotate": [("femurr", (0, 1, 0), 4)]}):
+        with pytest.raises(febiodea.UsageError, match='"femurr".*no rigid body of this name .did you mean "femur"'):
+            joint.solve(**keywords)
+
+
 def test_a_load_that_nothing_carries_is_an_answer(joint):
     state = joint.solve(body="femur", force=(0, 0, -500))
     assert not state.solved and state.message and np.isfinite(state.poses["femur"]).all()
@@ -184,11 +190,11 @@ def test_loads_that_a_body_cannot_follow_are_refused(joint, hip):
     """The pelvis is held, and the femur does not turn: what is asked for would change nothing."""
     with pytest.raises(febiodea.UsageError, match='"pelvis" is not free to move along z') as caught:
         joint.solve(body="pelvis", force=(0, 0, -50))
-    assert caught.value.place == "force" and caught.value.remedy
+    assert caught.value.place == "force" and 'free={"pelvis": ["x", "y", "z"]}' in caught.value.expected
     with pytest.raises(febiodea.UsageError, match="not free to turn about x") as caught:
         joint.solve(body="femur", moment=(50, 0, 0))
-    assert caught.value.place == "moment"
-    with pytest.warns(UserWarning, match="not free to turn about y at the end of the last step; these parts"):
+    assert caught.value.place == "moment" and '"z", "Ru", "Rv", "Rw"]' in caught.value.expected
+    with pytest.warns(UserWarning, match="^moment: .*not free to turn about y at the end of the last step; these parts"):
         assert joint.solve(body="femur", force=(0, 0, 1500), moment=(0, 10, 0)).solved
     with pytest.warns(UserWarning, match="not free to move along x at"):
         joint.solve(body="femur", force=(100, 0, 1500), free={"femur": ["y", "z"]})

@@ -718,6 +718,29 @@ TEST(Conditions, RelativeRotationAddsToTheRotationVector) {
   EXPECT_NEAR((vector - Vector3d(0.3, 0, 1.2)).norm(), 0, 1e-12) << vector.transpose();
 }
 
+// FEBio stops with "All or none rigid rotations must have relative flag set"; a fixed one counts as not set.
+TEST(Conditions, RotationsOfWhichSomeAreRelativeAreRefused) {
+  for (const bool fixed : {false, true}) {
+    JointModel model = flat_plates(4, 10, 2, 5.0);
+    model.steps.push_back(model.steps[0]);
+    fix(model, 2, {true, true, true, fixed, fixed, false});
+    for (int k = fixed ? 2 : 0; k < 3; ++k) {
+      prescribe(model, 2, 3 + k, 0.1);
+      model.rigid_prescribed.back().value = {0.1, -1};
+      model.rigid_prescribed.back().relative = k == 2;
+      model.rigid_prescribed.back().step = 1;
+    }
+    try {
+      analyse(model, {});
+      ADD_FAILURE() << fixed;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("some rotations are prescribed as relative and others are not"),
+                std::string::npos)
+          << e.what();
+    }
+  }
+}
+
 // A load that slides the plate off, for one state only: the next starts from the last pose that was solved.
 TEST(Conditions, AnUnsolvedStateDoesNotSpoilTheNext) {
   JointModel model = flat_plates(8, 20, 2, 0.05, 10);

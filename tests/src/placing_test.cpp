@@ -312,13 +312,15 @@ TEST(Rows, TranslationsAloneLeaveTheModelsRotation) {
 JointModel turned_in_two_steps() {
   JointModel model = slanted();
   model.rigid_fixed.erase(model.rigid_fixed.begin());  // the socket's
-  test::fix(model, 1, {true, true, true, false, true, true});
+  test::fix(model, 1, {true, true, true, false, false, false});
   model.steps.push_back(model.steps[0]);
   model.controllers[0].points = {{0, 0}, {1, 1}, {2, 1}};
   for (int step = 0; step < 2; ++step) {
-    test::prescribe(model, 1, 3, step == 0 ? 0.2 : 0.1);
-    model.rigid_prescribed.back().step = step;
-    model.rigid_prescribed.back().relative = step == 1;
+    for (int k = 0; k < 3; ++k) {
+      test::prescribe(model, 1, 3 + k, k > 0 ? 0.0 : step == 0 ? 0.2 : 0.1);
+      model.rigid_prescribed.back().step = step;
+      model.rigid_prescribed.back().relative = step == 1;
+    }
   }
   return model;
 }
