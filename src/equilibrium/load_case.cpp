@@ -274,7 +274,7 @@ void refuse_rotations_in_part(const JointModel& model, const Joint& joint, const
       throw fault_at(
           model, {0, 0},
           say("body \"{}\": some rotations are prescribed as relative and others are not;", joint.bodies[b].name),
-          "FEBio needs all three relative, or none (a fixed one is not: prescribe 0 there)");
+          "FEBio needs all three relative, or none (a fixed one is not: prescribe it as 0, relative too)");
   }
 }
 
