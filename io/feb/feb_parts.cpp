@@ -32,6 +32,13 @@ Eigen::Matrix3d read_rotation(const Reading& reading, const XMLElement& element)
   if (type.empty() || type == "quaternion") {
     const std::vector<double> q = read_numbers(reading, element, 4);
     const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+    if (turn.vec().isZero(0)) return Eigen::Matrix3d::Identity();  // as in quatd::RotateVector
+    if (turn.w() == 0)
+      fail(reading, element,
+           fmt::format(
+               "rotate = {}: FEBio turns by no quaternion whose last number is 0; give a half turn with type vector, "
+               "in degrees",
+               quote(trim(text_of(element)))));
     if (!(std::abs(turn.norm() - 1.0) <= 1e-3))
       fail(reading, element,
            fmt::format(

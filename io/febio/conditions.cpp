@@ -269,12 +269,11 @@ int load_type_of(Draft& draft, const Component& component, int dof) {
   const Component* type = find(component, "load_type");
   if (type == nullptr) return 0;
   const int load_type = place_of_word(type->text, {"LOAD", "FOLLOW", "TARGET"});
-  if (load_type < 0)
+  const bool old =
+      component.type == "force";  // version 3.0: FEBio passes over the type of a moment, and reads a word as 0
+  if (load_type < 0 && !(old && dof >= 3))
     fail(draft, type->origin, fmt::format("load_type = {}, expected LOAD, FOLLOW or TARGET", quote(type->text)));
-  if (component.type != "force" || load_type == 0) return load_type;
-  // version 3.0: FEBio passes over the type of a moment, and reads a word as 0
-  const bool word = !whole_double(type->text);
-  if (dof < 3 && !word) return load_type;
+  if (!old || load_type == 0 || (dof < 3 && whole_double(type->text))) return load_type;
   note(draft, type->origin,
        fmt::format("load_type {} of a {}: LOAD, as in FEBio, which {} in version 3.0", trim(type->text),
                    dof < 3 ? "force" : "moment", dof < 3 ? "takes numbers alone" : "has no other for moments"));

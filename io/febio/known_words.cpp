@@ -209,6 +209,13 @@ bool same(const Component& a, const Component& b) {
                    said(again), in, first.tag, said(first), first.origin.line));
 }
 
+/// Parameters of a contact that DEA does without and tells, or that a tie has.
+bool is_looked_at(const Component& contact, const std::string& word) {
+  if (word == "gap_offset" || word == "search_radius" || word == "max_distance") return true;
+  const std::vector<ContactParameter> told = unused_contact_parameters(contact.type);
+  return std::any_of(told.begin(), told.end(), [&](const ContactParameter& p) { return word == p.name; });
+}
+
 /// `in`: the component in a refusal; `kind`: the same for all of its type.
 void check_parts(Draft& draft, const Component& component, const Known& known, const std::string& in,
                  const std::string& kind) {
@@ -218,8 +225,7 @@ void check_parts(Draft& draft, const Component& component, const Known& known, c
   std::vector<std::string> all = known.taken;
   all.insert(all.end(), known.others.begin(), known.others.end());
   for (const Component& part : component.parts) {
-    // parameters of contacts are read, and told, even where DEA does without them
-    if (holds(known.taken, part.tag) || (component.tag == "contact" && holds(known.others, part.tag))) {
+    if (holds(known.taken, part.tag) || (component.tag == "contact" && is_looked_at(component, part.tag))) {
       const Component* first = find(component, part.tag);
       if (first != &part && !holds(known.repeated, part.tag) && !same(*first, part))
         fail_twice(draft, *first, part, in);

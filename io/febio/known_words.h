@@ -32,7 +32,7 @@ struct InWords {
 void unknown_word(Draft& draft, Origin origin, std::string_view word, const InWords& in,
                   const std::vector<std::string>& taken, const std::vector<std::string>& others);
 
-/// The parameters of a component, by its type. Refuses one that DEA takes, or any of a contact, that is given twice
+/// The parameters of a component, by its type. Refuses one that DEA takes or tells that is given twice
 /// with different values, for FEBio takes the last. A type that DEA does not read is not looked into.
 void check_words(Draft& draft, Place place, const Component& component);
 /// The same of a material and of those nested in it.

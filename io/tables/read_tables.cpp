@@ -52,19 +52,33 @@ std::optional<UnitNames> model_system(const JointModel& model) {
 constexpr const char* kUnnamed = "mm-N-s";
 constexpr const char* kTakenUnnamed = " (it names none, its columns do: taken as in mm-N-s)";
 
-/// A model that names no units and would be taken as in mm, but is hardly a millimetre large.
-void refuse_metres(const JointModel& model, const std::string& table) {
-  constexpr double kLeast = 1.0;  // mm; in metres all that has a joint in it is smaller
+/// How far the largest surface that slides reaches; where there is none, all nodes.
+double size_of_joint(const JointModel& model) {
+  double most = 0.0;
+  for (const Contact& contact : model.contacts)
+    for (const int surface : {contact.primary, contact.secondary}) {
+      if (contact.kind != Contact::Kind::Sliding || surface < 0) continue;
+      Eigen::AlignedBox3d box;
+      for (const int node : model.surfaces[at(surface)].nodes) box.extend(model.nodes[at(node)]);
+      if (!box.isEmpty()) most = std::max(most, box.diagonal().norm());
+    }
   Eigen::AlignedBox3d box;
   for (const Vector3d& node : model.nodes) box.extend(node);
-  const double size = model.nodes.empty() ? kLeast : box.diagonal().norm();
-  if (size >= kLeast) return;
-  throw InputError(Fault{.place = table,
-                         .found = fmt::format("the model, {:.3g} across, names no units: for this table it would be "
-                                              "taken as in mm, and is too small for that;",
-                                              size),
-                         .expected = say("name its units with {} or {}", NamedSetting{"units", "", "SI"},
-                                         NamedSetting{"units", "", "mm-N-s"})});
+  return most > 0 || box.isEmpty() ? most : box.diagonal().norm();
+}
+
+/// A model that names no units and would be taken as in mm, but is hardly a millimetre large.
+void refuse_metres(const JointModel& model, const std::string& table, const char* of_table) {
+  constexpr double kLeast = 1.0;  // a joint is larger in mm, and smaller in m
+  const double size = size_of_joint(model);
+  if (!(size > 0) || size >= kLeast) return;
+  throw InputError(Fault{
+      .place = table,
+      .found = fmt::format("the model names no units, and for this table would be taken as in mm: it "
+                           "is too small for that, {:.3g} across;",
+                           size),
+      .expected = say("name its units with {} or {}; those of the columns ({}) then count against them",
+                      NamedSetting{"units", "", "SI"}, NamedSetting{"units", "", "mm-N-s"}, NamedSetting{of_table})});
 }
 
 /// What a table's forces (angles) and lengths are multiplied by, and how that was decided.
@@ -241,7 +255,7 @@ void read_loads(const JointModel& model, const GivenTables& given, LoadTable& lo
       (name_says_unit(table, columns, 0, force_words()) || name_says_unit(table, columns, 3, moment_words())))
     scale.words += kTakenUnnamed;
   if (!system && columns.size() > 3 && (!units.empty() || name_says_unit(table, columns, 3, moment_words())))
-    refuse_metres(model, table.path);
+    refuse_metres(model, table.path, "load-units");
   loads.time = times_of(table);
   loads.load = values_of(table, columns);
   const double share = loads.body_weight ? *loads.body_weight / 100.0 : 1.0;
@@ -335,7 +349,7 @@ void read_motion(const JointModel& model, const GivenTables& given, MotionTable&
   refuse_other_units(table, columns, 3, taken[0], angle_words(), remedy);
   const bool says = name_says_unit(table, columns, 0, length_words());
   if (!system && units.empty() && says) scale.words += kTakenUnnamed;
-  if (!system && (!units.empty() || says)) refuse_metres(model, table.path);
+  if (!system && (!units.empty() || says)) refuse_metres(model, table.path, "motion-units");
   motion.time = times_of(table);
   motion.motion = values_of(table, columns);
   for (Vector6& row : motion.motion) {
@@ -365,7 +379,8 @@ void read_node_thickness(const JointModel& model, const GivenTables& given, Node
                      model_system(model) ? Sentence("convert the column and its name")
                                          : say("convert the column and its name, or name the model's units with {}",
                                                NamedSetting{"units", "", "SYSTEM"}));
-  if (!model_system(model) && name_says_unit(table, {column}, 0, length_words())) refuse_metres(model, table.path);
+  if (!model_system(model) && name_says_unit(table, {column}, 0, length_words()))
+    refuse_metres(model, table.path, "thickness-from");
   std::map<int, int> line_of;  // by node
   thickness.at_node.clear();
   for (std::size_t r = 0; r < table.rows.size(); ++r) {

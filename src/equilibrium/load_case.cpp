@@ -260,20 +260,25 @@ void set_motions(const Instant& now, LoadCase& c) {
   }
 }
 
-void refuse_rotations_in_part(const JointModel& model, const Joint& joint, const LoadCase& c) {
+/// Rotations of one body that FEBio does not take together. `turned`: the body that a table of motions turns instead of
+/// the model; -1: none.
+void refuse_rotations_in_part(const Instant& now, const LoadCase& c, int turned = -1) {
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const auto& dofs = c.bodies[b].dofs;
     const bool any = std::count(dofs.begin() + 3, dofs.end(), DofState::Prescribed) > 0;
     if (any && std::count(dofs.begin() + 3, dofs.end(), DofState::Free) > 0)
-      throw fault_at(model, {0, 0},
-                     say("body \"{}\": some rotations are prescribed and others free;", joint.bodies[b].name),
+      throw fault_at(now.model, {0, 0},
+                     say("body \"{}\": some rotations are prescribed and others free;", now.joint.bodies[b].name),
                      "FEBio and DEA need all three prescribed or fixed (a fixed one counts as 0)");
-    const auto& relative = c.bodies[b].relative;
-    const auto counted = std::count(relative.begin() + 3, relative.end(), true);
-    if (any && counted > 0 && counted < 3)
+    std::array<bool, 3> relative = {};  // the flag alone, also outside steps, where it counts for nothing
+    for (const RigidPrescribed& p : now.model.rigid_prescribed)
+      if (p.dof >= 3 && now.acts(p.step) && now.joint.body_of(p.material) == static_cast<int>(b))
+        relative[at(p.dof - 3)] = p.relative;
+    const auto counted = std::count(relative.begin(), relative.end(), true);
+    if (counted > 0 && counted < 3 && static_cast<int>(b) != turned)
       throw fault_at(
-          model, {0, 0},
-          say("body \"{}\": some rotations are prescribed as relative and others are not;", joint.bodies[b].name),
+          now.model, {0, 0},
+          say("body \"{}\": some rotations are prescribed as relative and others are not;", now.joint.bodies[b].name),
           "FEBio needs all three relative, or none (a fixed one is not: prescribe it as 0, relative too)");
   }
 }
@@ -446,7 +451,7 @@ LoadCase make_load_case(const JointModel& model, const Joint& joint, const Setti
                         const std::vector<Vector6>* reaction) {
   const Instant now{model, joint, settings, step, time};
   LoadCase c = model_load_case(now, replaced_by(model, joint, settings), reaction);
-  refuse_rotations_in_part(model, joint, c);
+  refuse_rotations_in_part(now, c);
   add_given_forces(now, c);
   return c;
 }
@@ -461,13 +466,12 @@ std::vector<Pose> prescribed_poses(const Joint& joint, const LoadCase& load_case
       if (c.dofs[at(k)] != DofState::Prescribed) continue;
       poses[b].center[k] = (c.relative[at(k)] ? step_start[b].center[k] : begin.center[k]) + c.value[k];
     }
-    const auto prescribed = std::find(c.dofs.begin() + 3, c.dofs.end(), DofState::Prescribed);
-    if (prescribed == c.dofs.end()) continue;
-    const bool relative = c.relative[static_cast<std::size_t>(prescribed - c.dofs.begin())];
+    if (std::count(c.dofs.begin() + 3, c.dofs.end(), DofState::Prescribed) == 0) continue;
     // FEBio adds to the components of the vector that the body has turned by (FERigidPrescribedBC::Activate), whatever
     // its axis
-    const Vector3d before =
-        relative ? rotation_vector(step_start[b].rotation * begin.rotation.transpose()) : Vector3d::Zero();
+    Vector3d before = rotation_vector(step_start[b].rotation * begin.rotation.transpose());
+    for (int k = 0; k < 3; ++k)
+      if (!c.relative[at(3 + k)]) before[k] = 0.0;
     poses[b].rotation = rotation(before + c.value.tail<3>()) * begin.rotation;
   }
   return poses;
@@ -485,7 +489,7 @@ LoadCase make_row_case(const JointModel& model, const Joint& joint, const Settin
   }
   LoadCase c = model_load_case(now, replaced, reaction);
   set_row_motion(now, row, c);
-  refuse_rotations_in_part(model, joint, c);
+  refuse_rotations_in_part(now, c, settings.motion.turns ? joint.find_body(model, settings.motion.body) : -1);
   add_given_forces(now, c);
   add_row_loads(now, row, poses, step_start, c);
   c.time = row_time(settings, at(row));

@@ -253,7 +253,9 @@ bool shortened_step(Search& s, VectorXd step, double least = 1.0 / 33.0) {
   const bool cut = motion > most;
   if (cut) step *= most / motion;
   const double whole = std::min(motion, most);
-  for (double length = whole; length > least * std::min(whole, s.cap); length *= 0.5, step *= 0.5) {
+  for (int halved = 0;; ++halved, step *= 0.5) {
+    const double length = std::ldexp(whole, -halved);
+    if (!(length > least * std::min(whole, s.cap))) break;
     if (problem.casts >= s.options.max_casts || problem.casts - s.patient.paid >= 2.0 * s.patient.most) return false;
     auto poses = poses_after(problem, s.e, step);
     if (!poses) continue;
@@ -303,7 +305,8 @@ bool regularised_step(Search& s) {
   Sparse one(K.rows(), K.cols());
   one.setIdentity();
   bool moved_on = false;
-  for (double lambda = 1e-3; lambda <= 10.0 && !moved_on; lambda *= 10.0) {
+  for (const double lambda : {1e-3, 1e-2, 0.1, 1.0, 10.0}) {
+    if (moved_on) break;
     const Sparse regular = K + lambda * stiffest * one;
     if (K.rows() <= kDenseUnknowns) {
       moved_on = shortened_step(s, solve_regular(MatrixXd(regular), s.d.residual));

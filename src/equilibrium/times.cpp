@@ -75,8 +75,8 @@ std::vector<TimePoint> model_times(const JointModel& model, bool thin) {
     std::vector<double> in_step = step.must_points;
     if (step.step_size > 0) {
       const double whole = std::floor(step.duration / step.step_size * (1 + 1e-9));
-      for (double i = stride; i <= whole && std::isfinite(i); i += stride)
-        in_step.push_back(start + i * step.step_size);
+      for (int i = 1; i * stride <= whole && std::isfinite(i * stride); ++i)
+        in_step.push_back(start + i * stride * step.step_size);
     }
     in_step.push_back(end);
     std::sort(in_step.begin(), in_step.end());

@@ -128,8 +128,8 @@ ModelParts find_parts(const JointModel& model, const Settings& settings) {
   add_moved_bodies(parts);
   parts.holders = find_holders(model, parts.bodies, parts.region, parts.moved);
   for (const auto& [contact, far] : parts.holders.far_ties) parts.findings.push_back(in_words(model, contact, far));
-  for (std::string& hold : holds_of_some_steps(model, parts.holders, parts.region, parts.moved))
-    parts.findings.push_back(std::move(hold));
+  for (const std::string& hold : holds_of_some_steps(model, parts.holders, parts.region, parts.moved))
+    parts.findings.push_back(hold);
   return parts;
 }
 

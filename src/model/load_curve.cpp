@@ -96,8 +96,8 @@ double value_of(const Spline& spline, double t) {
   const std::vector<double> b = basis(spline, interval, t);
   double sum = 0.0;
   for (int k = 0; k < spline.order; ++k) {
-    sum +=
-        b[static_cast<std::size_t>(k)] * spline.coefficients[static_cast<std::size_t>(interval - spline.order + 1 + k)];
+    const int entry = interval - spline.order + 1 + k;
+    sum += b[static_cast<std::size_t>(k)] * spline.coefficients[static_cast<std::size_t>(entry)];
   }
   return sum;
 }

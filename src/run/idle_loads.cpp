@@ -108,12 +108,11 @@ std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, co
 
 namespace {
 
-/// One of the two opposite moments that a joint puts on its bodies.
-bool of_joint(const JointModel& model, const RigidLoad& load) {
+/// One of two opposite moments: a joint, or a user, puts one on each of two bodies.
+bool of_pair(const JointModel& model, const RigidLoad& load) {
   return std::any_of(model.rigid_loads.begin(), model.rigid_loads.end(), [&](const RigidLoad& other) {
-    return other.dof == load.dof && other.material != load.material && other.name == load.name &&
-           other.step == load.step && other.value.factor == -load.value.factor &&
-           other.value.controller == load.value.controller;
+    return other.dof == load.dof && other.material != load.material && other.step == load.step &&
+           other.value.factor == -load.value.factor && other.value.controller == load.value.controller;
   });
 }
 
@@ -141,7 +140,7 @@ std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joi
                                 [&](const auto& given) { return joint.find_body(model, given.first) == b; })) ||
         (!settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == b);
     if (!any || !idle || replaced || load.kind != RigidLoad::Kind::Dead || load.relative) continue;
-    if (moment && of_joint(model, load)) continue;
+    if (moment && of_pair(model, load)) continue;
     const bool moved = ends.back().bodies[at(b)].dofs[at(load.dof)] == DofState::Prescribed;
     const char *how = moment ? "about" : "along", *by = !moved ? "held" : moment ? "turned" : "moved";
     (moved || moment ? always : held)

@@ -30,9 +30,9 @@ std::string idle_in_words(const IdleLoad& load);
 
 /// Loads of the model without effect. Forces along a motion that it prescribes, in all steps in which they act, a
 /// sentence each. Where no load of the model or the settings has an effect, also forces on bodies that are held; else
-/// these are the other ends of muscles. Moments about an axis that is held or prescribed, but for those that a joint
-/// puts on both its bodies. Not loads that the settings replace, those of value 0, and those of kind Target or relative
-/// ones, which FEBio counts from the reaction.
+/// these are the other ends of muscles. Moments about an axis that is held or prescribed, but for those
+/// whose opposite acts on another body, as a joint has them. Not loads that the settings replace, those of value 0, and
+/// those of kind Target or relative ones, which FEBio counts from the reaction.
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 
 /// Points of the settings (load-at) that change nothing, a sentence each: no force acts on the body, or none of its

@@ -87,7 +87,7 @@ States row_states(const JointModel& model, const Settings& settings, const State
                                      [&](double t) { return same_in_single_precision(t, end, end); });
     if (!asked.all && !asked.last && !by_time && !asks_for(asked, end))
       throw UsageError(
-          fmt::format("{}: without the model's steps its end, time {}, is the only state: expected last, "
+          fmt::format("{}: without the model's steps its end, time {}, is the only state: expected all, last "
                       "or that time",
                       option, time_text(end)));
     return all_states({{end, last}});

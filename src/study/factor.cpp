@@ -47,7 +47,7 @@ Decimal parse_decimal(const std::string& text) {
     number.digits = 10 * number.digits + (word[i] - '0');
     if (point) --number.exponent;
   }
-  if (i < word.size()) number.exponent += std::atoi(word.c_str() + i + 1);
+  if (i < word.size()) number.exponent += static_cast<int>(std::strtol(word.c_str() + i + 1, nullptr, 10));
   if (std::abs(number.exponent) > 30) throw no_decimal(text);
   if (word[0] == '-') number.digits = -number.digits;
   return number;

@@ -55,18 +55,24 @@ TEST(Plausibility, MixedUnitsAreToldOnce) {
   EXPECT_EQ(told(test::concentric_spheres(6, 100, true), 12e6, "").size(), 1u);  // two layers
 }
 
-// A ball of radius 20 under 4 of cartilage, and one of 4: the layer is as thick as its ball.
-TEST(Plausibility, ALayerAsThickAsItsBallIsToldAndAPlaneHasNoRadius) {
+// A ball of radius 4, the outer `thick` of it cartilage, under a plate.
+JointModel thick_ball(double thick) {
   JointModel model = test::empty_model();
   const int cartilage = test::add_material(model, "cartilage", false), ball = test::add_material(model, "ball", true),
             plate = test::add_material(model, "plate", true);
   const int a = test::add_layer(
-      model, "ball articular", 8, 8, 1, [](double u, double v) { return test::hemisphere(1.0, u, v); },
+      model, "ball articular", 8, 8, 1, [thick](double u, double v) { return test::hemisphere(4.0 - thick, u, v); },
       [](double u, double v) { return test::hemisphere(4.0, u, v); }, cartilage, ball);
   const int b = test::add_rigid_surface(
       model, "plate", 4, 4, [](double u, double v) { return Vector3d(20 * (v - 0.5), 20 * (u - 0.5), 4.0); }, plate);
   test::add_contact(model, "press", a, b);
-  EXPECT_TRUE(has(told(model, 12, "mm-N-s"), " of the radius of its sphere, 4:"));
+  return model;
+}
+
+TEST(Plausibility, ALayerThickOnItsBallIsToldAndAPlaneHasNoRadius) {
+  EXPECT_TRUE(has(told(thick_ball(3.0), 12, "mm-N-s"), " times the radius of its sphere, 4:"));
+  EXPECT_TRUE(has(told(thick_ball(1.2), 12, "mm-N-s"), "is 0.3 times the radius of its sphere, 4:"));
+  EXPECT_FALSE(has(told(thick_ball(0.8), 12, "mm-N-s"), "radius"));
   EXPECT_FALSE(has(told(test::concentric_spheres(6, 100), 12, ""), "radius"));
   EXPECT_FALSE(has(told(test::flat_plates(2, 4, 3.9, 0.0), 12, ""), "radius"));
 }
@@ -235,6 +241,19 @@ TEST(Plausibility, LoadsOfTheModelThatMoveNothingAreTold) {
   EXPECT_TRUE(has(lines(), "moment \"twist\" about y has no effect: body \"plate\" is held about that axis"));
   add(1, 4, -1, "twist");
   EXPECT_FALSE(has(lines(), "\"twist\""));  // a joint's moments act on both bodies
+  add(2, 5, 2, "spin");
+  test::prescribe(model, 2, 3, 0.0);
+  test::prescribe(model, 2, 4, 0.0);
+  test::prescribe(model, 2, 5, 0.01);
+  EXPECT_TRUE(
+      has(lines(), "moment \"spin\" about z has no effect: body \"plate\" is turned as prescribed about that axis"));
+  model.rigid_prescribed.clear();
+  model.rigid_fixed.back().dofs[5] = false;
+  EXPECT_FALSE(has(lines(), "\"spin\""));
+  given.free["plate"] = {false, false, true, false, false, false};
+  EXPECT_TRUE(has(lines(), "moment \"spin\" about z has no effect: body \"plate\" is held about that axis"));
+  given.free.clear();
+  model.rigid_loads.pop_back();
   EXPECT_FALSE(has(lines(), "\"nothing\""));
   add(1, 1, -2, "aside");
   EXPECT_FALSE(has(lines(), "\"aside\""));  // "down" presses: this is the other end of something

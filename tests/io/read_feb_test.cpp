@@ -1196,7 +1196,11 @@ TEST_F(ReadFeb, FaultsOfPartsHaveTheirLine) {
   const auto of_instance = [&](const std::string& inside) {
     return of_geometry(kPart + "<Instance part=\"P\">" + inside + "</Instance>\n");
   };
-  EXPECT_EQ(of_instance("<rotate>0,0,0,0.5</rotate>"),
+  EXPECT_EQ(
+      of_instance("<rotate>0,0,1,0</rotate>"),
+      "model.feb:13: rotate = \"0,0,1,0\": FEBio turns by no quaternion whose last number is 0; give a half turn with "
+      "type vector, in degrees");
+  EXPECT_EQ(of_instance("<rotate>0,0,0.3,0.4</rotate>"),
             "model.feb:13: rotate: the quaternion has length 0.5, expected x,y,z,w of length 1 (FEBio would scale the "
             "part by the square of it)");
   EXPECT_EQ(of_instance("<rotate type=\"matrix\">1</rotate>"),

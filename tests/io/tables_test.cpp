@@ -117,7 +117,7 @@ TEST(Tables, AModelTooSmallForMillimetresThatNamesNoUnitsIsRefused) {
     }
     return std::string();
   };
-  EXPECT_NE(found(0.03, plain, "N-m", "").find("the model, 0.03 across, names no units"), std::string::npos);
+  EXPECT_NE(found(0.03, plain, "N-m", "").find("it is too small for that, 0.03 across"), std::string::npos);
   EXPECT_NE(found(0.03, named, "", "").find("too small for that"), std::string::npos);
   EXPECT_NE(found(0.03, "", "deg-mm", "", motion).find("too small for that"), std::string::npos);
   EXPECT_EQ(found(30, plain, "N-m", ""), "");
@@ -125,6 +125,14 @@ TEST(Tables, AModelTooSmallForMillimetresThatNamesNoUnitsIsRefused) {
   EXPECT_EQ(found(0.03, plain, "N-m", "SI"), "");
   EXPECT_EQ(found(0.03, forces, "N-m", ""), "");  // N either way
   EXPECT_EQ(found(0.03, "", "", "", motion), "");
+  JointModel model;
+  model.nodes = {Vector3d::Zero(), Vector3d(0.03, 0, 0)};
+  Settings thickness;
+  thickness.thickness_from["layer"].file = file("thick.csv", "node,thickness [mm]\n1,2\n");
+  EXPECT_THROW(read_tables(model, thickness), InputError);
+  model.nodes[1] *= 1000;
+  model.node_ids = {1, 2};
+  EXPECT_NO_THROW(read_tables(model, thickness));
 }
 
 TEST(Tables, PercentOfBodyWeight) {

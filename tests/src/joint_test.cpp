@@ -11,6 +11,7 @@
 
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
+#include <febiodea/base/rotations.h>
 #include <febiodea/joint/shared_ends.h>
 #include <febiodea/results/percentile.h>
 #include <febiodea/results/statistics.h>
@@ -716,6 +717,25 @@ TEST(Conditions, RelativeRotationAddsToTheRotationVector) {
   const Eigen::AngleAxisd turned(analyse(model, {}).states.back().equilibrium.poses[1].rotation);
   const Vector3d vector = turned.angle() * turned.axis();
   EXPECT_NEAR((vector - Vector3d(0.3, 0, 1.2)).norm(), 0, 1e-12) << vector.transpose();
+}
+
+// The flag counts outside steps too, though a rotation has nothing there to be relative to.
+TEST(Conditions, RotationsThatAreRelativeInAndOutsideStepsGoTogether) {
+  const auto turned = [](bool others) {
+    JointModel model = flat_plates(4, 10, 2, 5.0);
+    model.steps.push_back(model.steps[0]);
+    fix(model, 2, {true, true, true, false, false, false});
+    const std::array<std::array<int, 2>, 4> given = {{{3, 0}, {3, 1}, {4, -1}, {5, -1}}};  // dof and step
+    for (const auto& [dof, step] : given) {
+      prescribe(model, 2, dof, 0.1);
+      model.rigid_prescribed.back().value = {0.1, -1};
+      model.rigid_prescribed.back().relative = dof == 3 || others;
+      model.rigid_prescribed.back().step = step;
+    }
+    return rotation_vector(analyse(model, {}).states.back().equilibrium.poses[1].rotation);
+  };
+  EXPECT_NEAR((turned(true) - Vector3d(0.2, 0.1, 0.1)).norm(), 0, 1e-12) << turned(true).transpose();
+  EXPECT_THROW(turned(false), InputError);
 }
 
 // FEBio stops with "All or none rigid rotations must have relative flag set"; a fixed one counts as not set.

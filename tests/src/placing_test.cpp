@@ -498,7 +498,15 @@ TEST(States, WithoutStepsThereIsOneAndNoOther) {
   settings.skip_steps = true;
   for (const char* asked : {"all", "last", "1", "0.5:1"})
     EXPECT_EQ(row_states(slanted(), settings, parse_states(asked), "--states").times.size(), 1u) << asked;
-  EXPECT_THROW(row_states(slanted(), settings, parse_states("0.5"), "--states 0.5"), UsageError);
+  try {
+    row_states(slanted(), settings, parse_states("0.5"), "--states 0.5");
+    ADD_FAILURE();
+  } catch (const UsageError& e) {
+    EXPECT_STREQ(
+        e.what(),
+        "--states 0.5: without the model's steps its end, time 1, is the only state: expected all, last or that "
+        "time");
+  }
   EXPECT_THROW(row_states(slanted(), settings, parse_states("0:0.5"), "--states 0:0.5"), UsageError);
 }
 

@@ -18,7 +18,7 @@ constexpr double kLeastSize = 5e-4, kMostSize = 1.0;        // m, radius of gyra
 // Without units: cartilage in Pa has more than 1e5, in kPa and MPa less; a joint in mm is larger than 2, in m smaller
 // than 0.1. Numbers between are those of blocks of size 1, which are no joint's.
 constexpr double kLeastInPascals = 2e5, kLeastInMillimetres = 2.0, kMostInMetres = 0.1, kMostInMegapascals = 1e4;
-constexpr double kMostThicknessOverRadius = 0.25;  // at a third the force of a pressed ball is 27 % above FEBio's
+constexpr double kMostThicknessOverRadius = 0.25;  // at a third a ball's force is 27 % above FEBio's
 
 /// A modulus, or a size, that no joint has in these units.
 std::string odd_in_units(const std::string& surface, const Layer& layer, double size, const UnitNames& units) {
@@ -55,9 +55,8 @@ std::string thick_on_its_radius(const std::string& surface, const Layer& layer) 
   if (!(thickness > kMostThicknessOverRadius * sphere.radius) || roundness(layer.articular, sphere) != Roundness::Round)
     return "";
   return fmt::format(
-      "surface \"{}\": its mean thickness, {:.3g}, is {:.2g} of the radius of its sphere, {:.3g}: springs and the "
-      "layer "
-      "law suppose a layer that is thin against it, and pressures may come out well above FEBio's",
+      "surface \"{}\": its mean thickness, {:.3g}, is {:.2g} times the radius of its sphere, {:.3g}: springs and "
+      "the layer law suppose a thin layer, and pressures may come out well above FEBio's",
       surface, thickness, thickness / sphere.radius, sphere.radius);
 }
 
