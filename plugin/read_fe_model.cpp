@@ -519,6 +519,7 @@ JointModel read_fe_model(FEModel& fem) {
   if (fem.MeshAdaptors() > 0) ignore(reading, "mesh adaptors");
   febio::resolve_controllers(model);
   febio::check_joints(reading);
+  febio::hold_from_the_start(reading);
   febio::remark_double_motion(reading);
   febio::refuse_moved_rigid_nodes(model, reading.unsupported_index);
   febio::refuse_unusable_controllers(model);

@@ -308,6 +308,18 @@ TEST(BadInput, MissingSections) {
                 3,
                 "",
                 {"model.feb: ", "no sliding contact", "needs one between two bodies"}},
+           Case{"a domain twice",
+                edited({{"<SolidDomain name=\"layer\" mat=\"cartilage\"/>",
+                         "<SolidDomain name=\"layer\" mat=\"cartilage\"/>\n<SolidDomain mat=\"cartilage\" "
+                         "name=\"layer\"/>"}}),
+                3,
+                "<SolidDomain mat",
+                {"a second SolidDomain \"layer\", expected one"}},
+           Case{"a condition that is switched off",
+                edited({{"<rigid_load ", "<rigid_load active=\"0\" "}}),
+                3,
+                "<rigid_load active",
+                {"<rigid_load> with active = \"0\", which FEBio does not know"}},
            Case{"MeshDomains",
                 without("<MeshDomains>", "</MeshDomains>"),
                 3,
@@ -911,7 +923,27 @@ TEST(BadInput, WhatFebioTakesInsteadIsTold) {
       {"</Control>\n</step>", "</Control>\n<Rigid>" + moved("again", "<dof>z</dof><value lc=\"1\">-0.2</value>") +
                                   "</Rigid></step>\n<step id=\"2\" name=\"more\"><Control><analysis>STATIC</analysis>"
                                   "<time_steps>2</time_steps><step_size>0.5</step_size></Control></step>"});
+  const auto in_first_step = [](const std::string& conditions) {
+    return Edits{
+        {"</Control>\n</step>", "</Control>\n" + conditions +
+                                    "</step>\n<step id=\"2\" name=\"more\"><Control><analysis>STATIC</analysis>"
+                                    "<time_steps>2</time_steps><step_size>0.5</step_size></Control></step>"}};
+  };
+  const std::string side = "<NodeSet name=\"side\">1,2</NodeSet>\n</Mesh>";
+  const auto nodes_held = [](const std::string& inside) {
+    return "<Boundary><bc name=\"n\" type=\"zero displacement\" node_set=\"side\">" + inside + "</bc></Boundary>\n";
+  };
+  Edits fixed_nodes_twice = in_first_step(nodes_held("<y_dof>1</y_dof>"));
+  fixed_nodes_twice.push_back({"</Mesh>", side});
+  fixed_nodes_twice.push_back({"<Contact>", nodes_held("<x_dof>1</x_dof><y_dof>1</y_dof>") + "<Contact>"});
   const std::pair<Edits, const char*> cases[] = {
+      {in_first_step(
+           "<Rigid><rigid_bc name=\"r\" type=\"rigid_fixed\"><rb>plate</rb><Rx_dof>1</Rx_dof></rigid_bc></Rigid>"),
+       "x of \"plate\" is fixed in all steps (line 57) and in step 1: that ends with the step, and dea then goes on as "
+       "before, where FEBio leaves it free"},
+      {fixed_nodes_twice,
+       "y of nodes is fixed in all steps (line 69) and in step 1: that ends with the step, and dea then goes on as "
+       "before, where FEBio leaves it free"},
       {connector("rigid spring", spring + "<free_length>1</free_length>"),
        "note: model.feb:67: rigid spring without <k>: 1, as in FEBio"},
       {connector("rigid spring", spring + "<k>1</k>"),

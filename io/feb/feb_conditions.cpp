@@ -134,7 +134,9 @@ void read_rigid_body(Reading& reading, const XMLElement& section) {
                   "expected fixed, prescribed, force or initial_velocity");
     }
   }
-  if (any_fixed) reading.model.rigid_fixed.push_back(std::move(fixed));
+  if (!any_fixed) return;
+  reading.old_fixes.push_back(reading.model.rigid_fixed.size());
+  reading.model.rigid_fixed.push_back(std::move(fixed));
 }
 
 // -- contact -----------------------------------------------------------------------------------------

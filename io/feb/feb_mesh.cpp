@@ -877,6 +877,7 @@ void read_mesh(Reading& reading, const XMLElement& section) {
 }
 
 void read_mesh_domains(Reading& reading, const XMLElement& section) {
+  std::set<std::string> seen;
   for (const XMLElement& child : children(section)) {
     const std::string_view tag = child.Name();
     if (tag.size() < 6 || tag.substr(tag.size() - 6) != "Domain") {
@@ -890,6 +891,10 @@ void read_mesh_domains(Reading& reading, const XMLElement& section) {
            fmt::format("{} {} names no Elements section: expected the name of one in Mesh{}", tag, quote(name),
                        those_there(name, reading.domain_index)));
     }
+    if (!seen.insert(fmt::format("{} {}", tag, name)).second)
+      fail(reading, child,
+           fmt::format("a second {} {}, expected one: FEBio would make two domains of its elements, one over the other",
+                       tag, quote(name)));
     const std::string mat = need_attribute(reading, child, "mat");
     const XMLElement* thickness = child.FirstChildElement("shell_thickness");
     for (const int index : domains->second) {

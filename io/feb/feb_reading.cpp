@@ -121,6 +121,10 @@ void check_attributes(const Reading& reading, const XMLElement& element) {
     if (std::find(taken.begin(), taken.end(), word) != taken.end() ||
         febio::one_of(word, {"name", "id", "sol", "rb", "mat", "set", "node_set", "surface", "ref"}))
       continue;
+    if (word == "active" && febio::one_of(a->Value(), {"0", "false"}))
+      fail(reading, element,
+           fmt::format("<{}> with active = {}, which FEBio does not know: take it out, or what it stands in",
+                       element.Name(), quote(a->Value())));
     const std::string meant = nearest_name(word, taken);
     if (!meant.empty() && element.Attribute(meant.c_str()) == nullptr)
       fail(reading, element,

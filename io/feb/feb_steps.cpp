@@ -236,6 +236,7 @@ void finish(Reading& reading) {
   febio::resolve_controllers(model);
   resolve_functions(reading);
   febio::check_joints(reading);
+  febio::hold_from_the_start(reading);
   febio::remark_double_motion(reading);
   febio::refuse_unusable_controllers(model);
   // A named Nodes section is a node set too; FEBio lists it before the others.

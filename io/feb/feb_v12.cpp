@@ -79,7 +79,7 @@ int dof_of(std::string_view tag) {
 
 bool is_relative(const Reading& reading, const XMLElement& element) {
   const std::string word = attribute(element, "relative");
-  if (word != "" && word != "true" && word != "false") {
+  if (!word.empty() && word != "true" && word != "false") {
     fail(reading, element, fmt::format("relative = {}, expected true or false", quote(word)));
   }
   return word == "true";
@@ -110,7 +110,9 @@ void read_body(Reading& reading, const XMLElement& section) {
            fmt::format("{} with type {}, expected fixed, prescribed or force", child.Name(), quote(type)));
     }
   }
-  if (any_fixed) reading.model.rigid_fixed.push_back(std::move(fixed));
+  if (!any_fixed) return;
+  reading.old_fixes.push_back(reading.model.rigid_fixed.size());
+  reading.model.rigid_fixed.push_back(std::move(fixed));
 }
 
 void read_constraints_12(Reading& reading, const XMLElement& section) {

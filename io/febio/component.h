@@ -30,6 +30,7 @@ struct Component {
 struct Draft {
   JointModel model;
   RemarkIndex ignored_index, assumed_index, unsupported_index;
+  std::vector<std::size_t> old_fixes;  ///< of model.rigid_fixed: as files before 4.0 fix (hold_from_the_start)
   std::set<std::string, std::less<>> ambiguous_materials;  ///< names of several materials
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include <febiodea/base/numbers.h>
@@ -207,7 +208,10 @@ void rigid_fixed(Draft& draft, const Component& component, const Steps& steps) {
   } else {
     for (std::size_t i = 0; i < kDofs; ++i) fixed.dofs[i] = flag_of(draft, component, kFlags[i]);
   }
+  const std::size_t before = draft.model.rigid_fixed.size();
   add(draft.model.rigid_fixed, std::move(fixed), component.name, component.origin, steps);
+  for (std::size_t i = before; i < draft.model.rigid_fixed.size() && component.type == "fix"; ++i)
+    draft.old_fixes.push_back(i);
 }
 
 /// `value`: null: 0.
@@ -367,6 +371,92 @@ bool rigid_condition(Draft& draft, const Component& component, const Steps& step
   return true;
 }
 
+namespace {
+
+std::string in_line(Origin origin) { return origin.line > 0 ? fmt::format(" (line {})", origin.line) : ""; }
+
+/// What is fixed in all steps and again in one: FEBio opens it when that step ends, unless the next one fixes it too.
+void remark_double_fix(Draft& draft) {
+  const JointModel& model = draft.model;
+  const auto last_step = static_cast<int>(model.steps.size()) - 1;
+  const auto tell = [&](const std::string& which, Origin all, int step, Origin origin) {
+    note(draft, origin,
+         fmt::format("{} fixed in all steps{} and in step {}: that ends with the step, and dea then goes on as before, "
+                     "where FEBio leaves it free",
+                     which, in_line(all), step + 1));
+  };
+  std::set<std::array<int, 3>> in_step;  // material, dof, step
+  for (const RigidFixed& f : model.rigid_fixed)
+    for (int k = 0; k < kDofs; ++k)
+      if (f.dofs[at(k)]) in_step.insert({f.material, k, f.step});
+  for (const RigidPrescribed& p : model.rigid_prescribed) in_step.insert({p.material, p.dof, p.step});
+  for (const RigidFixed& all : model.rigid_fixed) {
+    if (all.step >= 0) continue;
+    for (const RigidFixed& f : model.rigid_fixed)
+      for (int k = 0; k < kDofs && f.step >= 0 && f.step < last_step && f.material == all.material; ++k)
+        if (f.dofs[at(k)] && all.dofs[at(k)] && in_step.count({f.material, k, f.step + 1}) == 0)
+          tell(fmt::format("{} of {} is", kDofNames[k], quote(model.materials[at(f.material)].name)), all.origin,
+               f.step, f.origin);
+  }
+  for (const FixedNodes& all : model.fixed_nodes) {
+    if (all.step >= 0) continue;
+    const std::set<int> held(all.nodes.begin(), all.nodes.end());
+    const auto shares = [&](const FixedNodes& f) {
+      return std::any_of(f.nodes.begin(), f.nodes.end(), [&](int node) { return held.count(node) > 0; });
+    };
+    for (const FixedNodes& f : model.fixed_nodes) {
+      if (f.step < 0 || f.step >= last_step || !shares(f)) continue;
+      for (int k = 0; k < 3; ++k) {
+        const bool goes_on = std::any_of(
+            model.fixed_nodes.begin(), model.fixed_nodes.end(),
+            [&](const FixedNodes& next) { return next.step == f.step + 1 && next.xyz[at(k)] && shares(next); });
+        if (f.xyz[at(k)] && all.xyz[at(k)] && !goes_on)
+          tell(fmt::format("{} of nodes is", "xyz"[k]), all.origin, f.step, f.origin);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void hold_from_the_start(Draft& draft) {
+  std::map<std::pair<int, int>, int> first;  // of material and dof: the step that fixes or moves it first
+  const auto look = [&](int material, int dof, int step) {
+    if (step < 0) return;
+    const auto [entry, is_new] = first.insert({{material, dof}, step});
+    if (!is_new) entry->second = std::min(entry->second, step);
+  };
+  const std::vector<RigidFixed> given = draft.model.rigid_fixed;
+  for (const RigidFixed& f : given)
+    for (int k = 0; k < kDofs; ++k)
+      if (f.dofs[at(k)]) look(f.material, k, f.step);
+  for (const RigidPrescribed& p : draft.model.rigid_prescribed) look(p.material, p.dof, p.step);
+  std::map<std::pair<int, int>, const RigidFixed*> old;  // of material and dof: the earliest of them
+  for (const std::size_t i : draft.old_fixes)
+    for (int k = 0; k < kDofs; ++k) {
+      if (!given[i].dofs[at(k)] || given[i].step < 0) continue;
+      const RigidFixed*& earliest = old[{given[i].material, k}];
+      if (earliest == nullptr || given[i].step < earliest->step) earliest = &given[i];
+    }
+  for (const auto& [of, fixed] : old) {
+    const int until = first.at(of);
+    for (int step = 0; step < until; ++step) {
+      RigidFixed early = *fixed;
+      early.dofs = {};
+      early.dofs[at(of.second)] = true;
+      early.step = step;
+      draft.model.rigid_fixed.push_back(std::move(early));
+    }
+    if (until > 0)
+      note(draft, fixed->origin,
+           fmt::format(
+               "{} of {} is fixed in step {}, and from the first step on until step {} ends, as FEBio 4 does with "
+               "files before 4.0 (save as 4.0 to fix it in that step alone)",
+               kDofNames[of.second], quote(draft.model.materials[at(of.first)].name), fixed->step + 1,
+               until == fixed->step ? until + 1 : until));
+  }
+}
+
 void remark_double_motion(Draft& draft) {
   std::map<std::pair<int, int>, const RigidPrescribed*> before;  // of a material and dof
   for (const RigidPrescribed& motion : draft.model.rigid_prescribed) {
@@ -378,7 +468,7 @@ void remark_double_motion(Draft& draft) {
                          motion.origin.line > 0 ? fmt::format(" in line {}", motion.origin.line) : ""));
     other = &motion;
   }
-  const auto line = [](Origin origin) { return origin.line > 0 ? fmt::format(" (line {})", origin.line) : ""; };
+  remark_double_fix(draft);
   const auto last_step = static_cast<int>(draft.model.steps.size()) - 1;
   for (const RigidPrescribed& motion : draft.model.rigid_prescribed) {
     const std::string which =
@@ -389,14 +479,14 @@ void remark_double_motion(Draft& draft) {
            fmt::format(
                "{} is {} in all steps{} and prescribed in step {}: that ends with the step, and dea then goes on "
                "as before, where FEBio leaves it free",
-               which, held, line(origin), motion.step + 1));
+               which, held, in_line(origin), motion.step + 1));
     };
     for (const RigidFixed& fixed : draft.model.rigid_fixed) {
       if (fixed.material != motion.material || !fixed.dofs[at(motion.dof)] || !at_same_time(fixed.step, motion.step))
         continue;
       if (motion.value.factor != 0)
         note(draft, motion.origin,
-             fmt::format("{} is fixed{} and prescribed: it is prescribed, as in FEBio", which, line(fixed.origin)));
+             fmt::format("{} is fixed{} and prescribed: it is prescribed, as in FEBio", which, in_line(fixed.origin)));
       tell("fixed", fixed.step, fixed.origin);
     }
     for (const RigidPrescribed& other : draft.model.rigid_prescribed)

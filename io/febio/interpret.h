@@ -65,7 +65,10 @@ void nodal_load(Draft& draft, const Component& component, OnNodes on);
 
 /// Conditions and loads of rigid bodies; false: it is none of them.
 bool rigid_condition(Draft& draft, const Component& component, const Steps& steps);
-/// When all conditions have been read: motions of one body that another one overrides.
+/// When all conditions have been read: what files before 4.0 fix in a step acts in FEBio from the first step on
+/// (FERigidFixedBCOld), until a step ends that fixes or moves the same dof. Adds those steps, with a remark.
+void hold_from_the_start(Draft& draft);
+/// Then: motions of one body that another one overrides, and what is fixed twice.
 void remark_double_motion(Draft& draft);
 
 // -- what joins rigid bodies -------------------------------------------------------------------------

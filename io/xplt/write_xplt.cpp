@@ -14,6 +14,7 @@
 #include <utility>
 
 #include <febiodea/base/error.h>
+#include <febiodea/base/numbers.h>
 #include <febiodea/io/files/output.h>
 #include <febiodea/io/files/packed_bytes.h>
 #include <febiodea/io/files/spool.h>
@@ -376,7 +377,7 @@ void put_facets(Chunks& out, const std::vector<XpltFacets>& all, const FacetIds&
         put(out.bytes, i + 1);
         put(out.bytes, n);
         for (int k = 0; k < facets.max_nodes; ++k) {
-          put(out.bytes, k < n ? facets.nodes[static_cast<std::size_t>(first + k)] : 0);
+          put(out.bytes, k < n ? facets.nodes[at(first + k)] : 0);
         }
         end(out);
       }

@@ -376,7 +376,7 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
     };
     for (int i = 0; i <= n; ++i)
       for (int j = 0; i + j <= n; ++j) {
-        int& v = id[static_cast<std::size_t>(i * (n + 1) + j)];
+        int& v = id[at(i * (n + 1) + j)];
         if (i == 0 && j == 0)
           v = corner[0];
         else if (i == n)
@@ -396,7 +396,7 @@ SurfaceMesh divided(const SurfaceMesh& mesh, int n) {
       }
     for (const auto& part : parts) {
       std::array<int, 3> triangle;
-      for (std::size_t c = 0; c < 3; ++c) triangle[c] = id[static_cast<std::size_t>(part[c][0] * (n + 1) + part[c][1])];
+      for (std::size_t c = 0; c < 3; ++c) triangle[c] = id[at(part[c][0] * (n + 1) + part[c][1])];
       out.triangles.push_back(triangle);
       out.facet.push_back(mesh.facet[static_cast<std::size_t>(t)]);
     }

@@ -13,7 +13,8 @@ namespace dea {
 
 namespace {
 
-/// Area, centroid of a shell element's middle surface, and its mean thickness.
+/// Area, centroid of a shell element's middle surface, and its mean thickness. Beside solids FEBio counts the mass of
+/// shells twice (FERigidShellDomain::detJ0 has the whole thickness, and the weights across it add up to 2).
 void add_shell_mass(const JointModel& model, const Domain& domain, int element, double density, double* mass,
                     Vector3d* moment) {
   const int n = nodes_per_element(domain.shape);
@@ -25,7 +26,7 @@ void add_shell_mass(const JointModel& model, const Domain& domain, int element, 
   }
   for (const auto& t : split_facet(nodes, n, model.nodes)) {
     const Vector3d &a = model.nodes[at(t[0])], &b = model.nodes[at(t[1])], &c = model.nodes[at(t[2])];
-    const double dm = density * thickness * 0.5 * (b - a).cross(c - a).norm();
+    const double dm = density * 2.0 * thickness * 0.5 * (b - a).cross(c - a).norm();
     *mass += dm;
     *moment += dm * (a + b + c) / 3.0;
   }

@@ -502,6 +502,40 @@ TEST_F(ReadFeb, NodeSetsOfEveryKind) {
   EXPECT_EQ(named.fixed_nodes[0].nodes.size(), 30u);
 }
 
+// FERigidFixedBCOld stays active from the start of the analysis: what is fixed in step 2 is fixed in step 1.
+TEST_F(ReadFeb, WhatFilesBefore40FixInALaterStepHoldsFromTheFirstOn) {
+  const auto fixed_in = [&](const std::string& in_one, const std::string& in_two) {
+    const std::string one = "<Rigid><rigid_constraint type=\"prescribe\"",
+                      two = "<Rigid><rigid_constraint type=\"force\"";
+    return read(
+        replaced(replaced(kModel30, one, "<Rigid>" + in_one + one.substr(7)), two, "<Rigid>" + in_two + two.substr(7)));
+  };
+  const auto fix = [](const char* dofs) {
+    return fmt::format("<rigid_constraint type=\"fix\"><rb>4</rb><dofs>{}</dofs></rigid_constraint>", dofs);
+  };
+  const auto steps_of = [](const JointModel& m, int dof) {
+    std::set<int> steps;
+    for (const RigidFixed& f : m.rigid_fixed)
+      if (m.materials[static_cast<std::size_t>(f.material)].name == "femur" && f.dofs[static_cast<std::size_t>(dof)])
+        steps.insert(f.step);
+    return steps;
+  };
+  const JointModel plain = fixed_in("", fix("Ry")), after_motion = fixed_in("", fix("Rz")),
+                   after_fix = fixed_in(fix("Ry"), fix("Ry"));
+  EXPECT_EQ(steps_of(plain, 1), (std::set<int>{0, 1}));
+  EXPECT_NE(
+      plain.assumed.back().what.find("Ry of \"femur\" is fixed in step 2, and from the first step on until step 2 "
+                                     "ends"),
+      std::string::npos)
+      << plain.assumed.back().what;
+  EXPECT_EQ(steps_of(after_motion, 2), (std::set<int>{1}));  // the motion of step 1 comes first
+  EXPECT_EQ(steps_of(after_fix, 1), (std::set<int>{0, 1}));
+  const JointModel new_words = read(replaced(
+      kModel40, "</step></Step>",
+      "<Rigid><rigid_bc type=\"rigid_fixed\"><rb>femur</rb><Ry_dof>1</Ry_dof></rigid_bc></Rigid></step></Step>"));
+  EXPECT_EQ(steps_of(new_words, 1), (std::set<int>{1}));
+}
+
 // FEBioRigidSection.cpp: a moment has no type, and the type of a force is read as a number.
 TEST_F(ReadFeb, LoadTypesOfVersion30) {
   const auto with = [&](const std::string& moment, const std::string& force) {

@@ -12,6 +12,7 @@
 #include <febiodea/base/error.h>
 #include <febiodea/base/numbers.h>
 #include <febiodea/base/rotations.h>
+#include <febiodea/joint/bodies.h>
 #include <febiodea/joint/shared_ends.h>
 #include <febiodea/results/percentile.h>
 #include <febiodea/results/statistics.h>
@@ -717,6 +718,30 @@ TEST(Conditions, RelativeRotationAddsToTheRotationVector) {
   const Eigen::AngleAxisd turned(analyse(model, {}).states.back().equilibrium.poses[1].rotation);
   const Vector3d vector = turned.angle() * turned.axis();
   EXPECT_NEAR((vector - Vector3d(0.3, 0, 1.2)).norm(), 0, 1e-12) << vector.transpose();
+}
+
+// FEBio 4.11 counts the mass of shells twice beside solids (FERigidShellDomain::detJ0 has the whole thickness and the
+// weights across it add up to 2): a block of volume 3 under a lid of volume 1.5.
+TEST(Bodies, CentreOfMassOfSolidsAndShellsIsFebios) {
+  JointModel model = empty_model();
+  const int bone = add_material(model, "bone", true);
+  model.materials[at(bone)].density = 2.0;
+  model.nodes = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 3}, {1, 0, 3}, {1, 1, 3}, {0, 1, 3}};
+  Domain cube, lid;
+  cube.material = lid.material = bone;
+  cube.element_ids = {1};
+  cube.nodes = {0, 1, 2, 3, 4, 5, 6, 7};
+  lid.shape = ElementShape::Quad4;
+  lid.element_ids = {2};
+  lid.nodes = {4, 5, 6, 7};
+  lid.shell_thickness.assign(4, 1.5);
+  const auto center = [&](const std::vector<Domain>& domains) {
+    model.domains = domains;
+    return find_bodies(model, std::vector<char>(model.materials.size(), 1)).bodies[0].center_of_mass;
+  };
+  EXPECT_LT((center({cube}) - Vector3d(0.5, 0.5, 1.5)).norm(), 1e-12);
+  EXPECT_LT((center({lid}) - Vector3d(0.5, 0.5, 3)).norm(), 1e-12);
+  EXPECT_LT((center({cube, lid}) - Vector3d(0.5, 0.5, (3 * 1.5 + 2 * 1.5 * 3) / (3 + 2 * 1.5))).norm(), 1e-12);
 }
 
 // The flag counts outside steps too, though a rotation has nothing there to be relative to.
