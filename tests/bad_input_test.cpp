@@ -942,7 +942,7 @@ TEST(BadInput, WhatFebioTakesInsteadIsTold) {
        "x of \"plate\" is fixed in all steps (line 57) and in step 1: that ends with the step, and dea then goes on as "
        "before, where FEBio leaves it free"},
       {fixed_nodes_twice,
-       "y of nodes is fixed in all steps (line 69) and in step 1: that ends with the step, and dea then goes on as "
+       "y of nodes is fixed in all steps (line 68) and in step 1: that ends with the step, and dea then goes on as "
        "before, where FEBio leaves it free"},
       {connector("rigid spring", spring + "<free_length>1</free_length>"),
        "note: model.feb:67: rigid spring without <k>: 1, as in FEBio"},

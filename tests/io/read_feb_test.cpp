@@ -523,10 +523,9 @@ TEST_F(ReadFeb, WhatFilesBefore40FixInALaterStepHoldsFromTheFirstOn) {
   const JointModel plain = fixed_in("", fix("Ry")), after_motion = fixed_in("", fix("Rz")),
                    after_fix = fixed_in(fix("Ry"), fix("Ry"));
   EXPECT_EQ(steps_of(plain, 1), (std::set<int>{0, 1}));
-  EXPECT_NE(
-      plain.assumed.back().what.find("Ry of \"femur\" is fixed in step 2, and from the first step on until step 2 "
-                                     "ends"),
-      std::string::npos)
+  EXPECT_NE(plain.assumed.back().what.find("y of \"femur\" is fixed in step 2, and from the first step on until step 2 "
+                                           "ends"),
+            std::string::npos)
       << plain.assumed.back().what;
   EXPECT_EQ(steps_of(after_motion, 2), (std::set<int>{1}));  // the motion of step 1 comes first
   EXPECT_EQ(steps_of(after_fix, 1), (std::set<int>{0, 1}));

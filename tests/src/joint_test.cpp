@@ -726,6 +726,7 @@ TEST(Bodies, CentreOfMassOfSolidsAndShellsIsFebios) {
   JointModel model = empty_model();
   const int bone = add_material(model, "bone", true);
   model.materials[at(bone)].density = 2.0;
+  model.materials[at(bone)].center_of_mass.reset();
   model.nodes = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 3}, {1, 0, 3}, {1, 1, 3}, {0, 1, 3}};
   Domain cube, lid;
   cube.material = lid.material = bone;
