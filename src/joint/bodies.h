@@ -26,8 +26,8 @@ struct Body {
 };
 
 /// One body per set of rigid materials whose elements share nodes, in the order of their first material; then the
-/// ground. The centre of mass is the given one, or integrated from the elements (solids: volume, shells: area times
-/// thickness; a body without any mass has it at the origin, as in FEBio).
+/// ground. The centre of mass is the given one, or integrated from the elements (solids: volume, shells: twice area
+/// times thickness, as FEBio counts them; a body without any mass has it at the origin, as in FEBio).
 struct Bodies {
   std::vector<Body> bodies;      ///< the last one is the ground
   std::vector<int> of_material;  ///< per material: body, -1: not rigid
