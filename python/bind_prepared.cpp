@@ -211,7 +211,7 @@ void check_loads(const PreparedJoint& joint, const Settings& settings, const Giv
         throw py::error_already_set();
       continue;
     }
-    Fault fault{.found = words + ";", .expected = say("load another body, or let it move ({})", freeing(idle))};
+    Fault fault{.found = words + ";", .expected = instead_of(idle)};
     if (of_call)
       fault.place = place;
     else

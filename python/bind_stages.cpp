@@ -342,9 +342,7 @@ void bind_progress(py::module_& m) {
 void refuse_idle_loads(const Recognition& r) {
   for (const IdleLoad& idle : idle_loads(r.model, r.joint, r.settings))
     if (idle.all)
-      throw UsageError(Fault{.given = idle.given,
-                             .found = idle_in_words(idle) + ";",
-                             .expected = say("load another body, or let it move ({})", freeing(idle))});
+      throw UsageError(Fault{.given = idle.given, .found = idle_in_words(idle) + ";", .expected = instead_of(idle)});
 }
 
 Settings with_values(Settings settings, const SaidValues& values) {

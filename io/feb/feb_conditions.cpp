@@ -134,9 +134,7 @@ void read_rigid_body(Reading& reading, const XMLElement& section) {
                   "expected fixed, prescribed, force or initial_velocity");
     }
   }
-  if (!any_fixed) return;
-  reading.old_fixes.push_back(reading.model.rigid_fixed.size());
-  reading.model.rigid_fixed.push_back(std::move(fixed));
+  if (any_fixed) febio::add_old_fix(reading, std::move(fixed));
 }
 
 // -- contact -----------------------------------------------------------------------------------------

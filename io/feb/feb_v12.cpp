@@ -110,9 +110,7 @@ void read_body(Reading& reading, const XMLElement& section) {
            fmt::format("{} with type {}, expected fixed, prescribed or force", child.Name(), quote(type)));
     }
   }
-  if (!any_fixed) return;
-  reading.old_fixes.push_back(reading.model.rigid_fixed.size());
-  reading.model.rigid_fixed.push_back(std::move(fixed));
+  if (any_fixed) febio::add_old_fix(reading, std::move(fixed));
 }
 
 void read_constraints_12(Reading& reading, const XMLElement& section) {

@@ -349,6 +349,11 @@ bool rigid_motion(Draft& draft, const Component& c, const Steps& steps) {
 
 }  // namespace
 
+void add_old_fix(Draft& draft, RigidFixed fixed) {
+  draft.old_fixes.push_back(draft.model.rigid_fixed.size());
+  draft.model.rigid_fixed.push_back(std::move(fixed));
+}
+
 bool rigid_condition(Draft& draft, const Component& component, const Steps& steps) {
   const std::string& type = component.type;
   if (rigid_motion(draft, component, steps)) return true;
@@ -375,16 +380,19 @@ namespace {
 
 std::string in_line(Origin origin) { return origin.line > 0 ? fmt::format(" (line {})", origin.line) : ""; }
 
-/// What is fixed in all steps and again in one: FEBio opens it when that step ends, unless the next one fixes it too.
+/// `what` holds in all steps, and in one again: FEBio opens it when that step ends.
+void note_opened(Draft& draft, const std::string& what, Origin all, const char* in_one, int step, Origin origin) {
+  note(draft, origin,
+       fmt::format("{} in all steps{} and {}in step {}: that ends with the step, and dea then goes on as before, where "
+                   "FEBio leaves it free",
+                   what, in_line(all), in_one, step + 1));
+}
+
+/// What is fixed in all steps and again in one, unless the next step fixes it too.
 void remark_double_fix(Draft& draft) {
   const JointModel& model = draft.model;
   const auto last_step = static_cast<int>(model.steps.size()) - 1;
-  const auto tell = [&](const std::string& which, Origin all, int step, Origin origin) {
-    note(draft, origin,
-         fmt::format("{} fixed in all steps{} and in step {}: that ends with the step, and dea then goes on as before, "
-                     "where FEBio leaves it free",
-                     which, in_line(all), step + 1));
-  };
+  const auto ends = [&](int step) { return step >= 0 && step < last_step; };
   std::set<std::array<int, 3>> in_step;  // material, dof, step
   for (const RigidFixed& f : model.rigid_fixed)
     for (int k = 0; k < kDofs; ++k)
@@ -393,10 +401,11 @@ void remark_double_fix(Draft& draft) {
   for (const RigidFixed& all : model.rigid_fixed) {
     if (all.step >= 0) continue;
     for (const RigidFixed& f : model.rigid_fixed)
-      for (int k = 0; k < kDofs && f.step >= 0 && f.step < last_step && f.material == all.material; ++k)
+      for (int k = 0; k < kDofs && ends(f.step) && f.material == all.material; ++k)
         if (f.dofs[at(k)] && all.dofs[at(k)] && in_step.count({f.material, k, f.step + 1}) == 0)
-          tell(fmt::format("{} of {} is", kDofNames[k], quote(model.materials[at(f.material)].name)), all.origin,
-               f.step, f.origin);
+          note_opened(draft,
+                      fmt::format("{} of {} is fixed", kDofNames[k], quote(model.materials[at(f.material)].name)),
+                      all.origin, "", f.step, f.origin);
   }
   for (const FixedNodes& all : model.fixed_nodes) {
     if (all.step >= 0) continue;
@@ -404,16 +413,14 @@ void remark_double_fix(Draft& draft) {
     const auto shares = [&](const FixedNodes& f) {
       return std::any_of(f.nodes.begin(), f.nodes.end(), [&](int node) { return held.count(node) > 0; });
     };
-    for (const FixedNodes& f : model.fixed_nodes) {
-      if (f.step < 0 || f.step >= last_step || !shares(f)) continue;
-      for (int k = 0; k < 3; ++k) {
-        const bool goes_on = std::any_of(
-            model.fixed_nodes.begin(), model.fixed_nodes.end(),
-            [&](const FixedNodes& next) { return next.step == f.step + 1 && next.xyz[at(k)] && shares(next); });
-        if (f.xyz[at(k)] && all.xyz[at(k)] && !goes_on)
-          tell(fmt::format("{} of nodes is", "xyz"[k]), all.origin, f.step, f.origin);
-      }
-    }
+    const auto goes_on = [&](int k, int step) {
+      return std::any_of(model.fixed_nodes.begin(), model.fixed_nodes.end(),
+                         [&](const FixedNodes& next) { return next.step == step && next.xyz[at(k)] && shares(next); });
+    };
+    for (const FixedNodes& f : model.fixed_nodes)
+      for (int k = 0; k < 3 && ends(f.step); ++k)
+        if (f.xyz[at(k)] && all.xyz[at(k)] && shares(f) && !goes_on(k, f.step + 1))
+          note_opened(draft, fmt::format("{} of nodes is fixed", "xyz"[k]), all.origin, "", f.step, f.origin);
   }
 }
 
@@ -474,12 +481,8 @@ void remark_double_motion(Draft& draft) {
     const std::string which =
         fmt::format("{} of {}", kDofNames[motion.dof], quote(draft.model.materials[at(motion.material)].name));
     const auto tell = [&](const char* held, int step, Origin origin) {
-      if (motion.step < 0 || step >= 0 || motion.step == last_step) return;
-      note(draft, motion.origin,
-           fmt::format(
-               "{} is {} in all steps{} and prescribed in step {}: that ends with the step, and dea then goes on "
-               "as before, where FEBio leaves it free",
-               which, held, in_line(origin), motion.step + 1));
+      if (motion.step >= 0 && step < 0 && motion.step != last_step)
+        note_opened(draft, fmt::format("{} is {}", which, held), origin, "prescribed ", motion.step, motion.origin);
     };
     for (const RigidFixed& fixed : draft.model.rigid_fixed) {
       if (fixed.material != motion.material || !fixed.dofs[at(motion.dof)] || !at_same_time(fixed.step, motion.step))

@@ -62,9 +62,10 @@ double size_of_joint(const JointModel& model) {
       for (const int node : model.surfaces[at(surface)].nodes) box.extend(model.nodes[at(node)]);
       if (!box.isEmpty()) most = std::max(most, box.diagonal().norm());
     }
+  if (most > 0) return most;
   Eigen::AlignedBox3d box;
   for (const Vector3d& node : model.nodes) box.extend(node);
-  return most > 0 || box.isEmpty() ? most : box.diagonal().norm();
+  return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
 /// A model that names no units and would be taken as in mm, but is hardly a millimetre large.

@@ -270,6 +270,7 @@ void refuse_rotations_in_part(const Instant& now, const LoadCase& c, int turned 
       throw fault_at(now.model, {0, 0},
                      say("body \"{}\": some rotations are prescribed and others free;", now.joint.bodies[b].name),
                      "FEBio and DEA need all three prescribed or fixed (a fixed one counts as 0)");
+    if (!any) continue;
     std::array<bool, 3> relative = {};  // the flag alone, also outside steps, where it counts for nothing
     for (const RigidPrescribed& p : now.model.rigid_prescribed)
       if (p.dof >= 3 && now.acts(p.step) && now.joint.body_of(p.material) == static_cast<int>(b))

@@ -116,6 +116,18 @@ bool of_pair(const JointModel& model, const RigidLoad& load) {
   });
 }
 
+/// The settings load this body by a table.
+bool loads_by_table(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
+  return !settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == body;
+}
+
+/// The settings give a force on this body, or load it by a table.
+bool loads_by_settings(const JointModel& model, const Joint& joint, const Settings& settings, int body) {
+  return std::any_of(settings.force.begin(), settings.force.end(),
+                     [&](const auto& given) { return joint.find_body(model, given.first) == body; }) ||
+         loads_by_table(model, joint, settings, body);
+}
+
 }  // namespace
 
 std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joint, const Settings& settings) {
@@ -136,9 +148,7 @@ std::vector<Sentence> idle_model_loads(const JointModel& model, const Joint& joi
     acts = acts || (any && !idle);
     const bool moment = load.dof >= 3;
     const bool replaced =
-        (!moment && std::any_of(settings.force.begin(), settings.force.end(),
-                                [&](const auto& given) { return joint.find_body(model, given.first) == b; })) ||
-        (!settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == b);
+        moment ? loads_by_table(model, joint, settings, b) : loads_by_settings(model, joint, settings, b);
     if (!any || !idle || replaced || load.kind != RigidLoad::Kind::Dead || load.relative) continue;
     if (moment && of_pair(model, load)) continue;
     const bool moved = ends.back().bodies[at(b)].dofs[at(load.dof)] == DofState::Prescribed;
@@ -160,9 +170,7 @@ std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joi
   const std::vector<LoadCase> ends = ends_of_steps(model, joint, settings);
   for (const auto& [name, point] : settings.load_at) {
     const int b = joint.find_body(model, name);
-    const auto on_body = [&](const auto& given) { return joint.find_body(model, given.first) == b; };
-    const bool force = std::any_of(settings.force.begin(), settings.force.end(), on_body) ||
-                       (!settings.loads.time.empty() && joint.find_body(model, settings.loads.body) == b) ||
+    const bool force = loads_by_settings(model, joint, settings, b) ||
                        std::any_of(model.rigid_loads.begin(), model.rigid_loads.end(), [&](const RigidLoad& load) {
                          return load.dof < 3 && joint.body_of(load.material) == b;
                        });
@@ -182,9 +190,10 @@ std::vector<Sentence> idle_load_points(const JointModel& model, const Joint& joi
   return idle;
 }
 
-NamedSetting freeing(const IdleLoad& load) {
+Sentence instead_of(const IdleLoad& load) {
   const bool moment = load.lost[3] || load.lost[4] || load.lost[5];
-  return {.setting = "free", .of = load.body, .value = moment ? "x,y,z,Ru,Rv,Rw" : "x,y,z"};
+  return say("load another body, or let it move ({})",
+             NamedSetting{.setting = "free", .of = load.body, .value = moment ? "x,y,z,Ru,Rv,Rw" : "x,y,z"});
 }
 
 std::string idle_in_words(const IdleLoad& load) {
