@@ -8,14 +8,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <iostream>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -351,7 +354,7 @@ void serve_presses(const std::string& feb, Law law) {
   int springs = 0;
   for (const SpringBed& bed : joint.beds.beds) springs += bed.springs.size();
   fmt::print("{}\n", springs);
-  for (int count = 0; std::scanf("%d", &count) == 1;) {
+  for (int count = 0; std::cin >> count;) {
     double force = 0.0;
     const double seconds = seconds_of([&] {
       for (int i = 0; i < count; ++i) {
@@ -393,7 +396,12 @@ int main(int argc, char** argv) {
   const std::vector<std::string> known = {"all", "springs", "laws", "bodies", "hip", "read", "smoke"};
   const std::vector<std::string> of_sizes = {"springs", "laws", "bodies"};
   std::vector<int> sizes;
-  for (int i = 2; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
+  for (int i = 2; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    int size = 0;
+    const std::from_chars_result read = std::from_chars(word.data(), word.data() + word.size(), size);
+    sizes.push_back(read.ec == std::errc() && read.ptr == word.data() + word.size() ? size : 0);
+  }
   const bool bad_size = std::any_of(sizes.begin(), sizes.end(), [](int n) { return n < 1; });
   if (bad_size || (!sizes.empty() && std::find(of_sizes.begin(), of_sizes.end(), what) == of_sizes.end()) ||
       std::find(known.begin(), known.end(), what) == known.end()) {

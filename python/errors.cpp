@@ -119,7 +119,8 @@ py::object error_of(const char* type, const Fault& fault, const std::vector<Faul
 
 void raise(const py::object& error) { PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr()); }
 
-void translate(std::exception_ptr thrown) {
+// By value, as pybind11 calls it.
+void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-value-param)
   if (!thrown) return;
   try {
     std::rethrow_exception(thrown);

@@ -147,9 +147,9 @@ void run_work(const std::function<void(Work&)>& job, const py::object& progress,
       ended = work->ended;
     }
     if (listen(progress, told)) continue;
-    const py::error_already_set raised;
+    const std::exception_ptr raised = std::make_exception_ptr(py::error_already_set());
     give_up(work, grace);
-    throw raised;
+    std::rethrow_exception(raised);
   }
   if (work->failure) std::rethrow_exception(work->failure);
 }

@@ -90,7 +90,7 @@ std::shared_ptr<const ReadyJoint> make_ready(const std::string& path, Settings s
   ready->warnings = warnings_in(model_remarks(recognition.model, recognition.joint));
   ready->bytes = bytes;
   ready->prepared = prepare(std::move(recognition), stop);
-  ready->model = std::move(recognition.model);
+  ready->model = std::move(recognition.model);  // NOLINT(bugprone-use-after-move): `prepare` takes its joint alone
   ready->maps = make_field_maps(ready->model, ready->prepared.joint);
   ready->settings = std::move(settings);
   return ready;

@@ -130,10 +130,11 @@ struct Wall {
 template <class Is>
 std::optional<double> outermost(double from, double to, const Is& is) {
   if (is(from)) return std::nullopt;
-  for (double angle = from - kStep; angle > to; angle -= kStep) {
+  for (int k = 1; from - k * kStep > to; ++k) {
+    const double angle = from - k * kStep;
     if (!is(angle)) continue;
     double in = angle, out = angle + kStep;
-    for (int k = 0; k < 60; ++k) {
+    for (int halved = 0; halved < 60; ++halved) {
       const double middle = (in + out) / 2;
       (is(middle) ? in : out) = middle;
     }
@@ -310,19 +311,17 @@ std::optional<double> roof_angle(const Wall& wall, const HipSection& section, do
     return x && (*x - wall.socket.center).norm() <= (1 + kRoof) * wall.socket.radius;
   };
   const double last = std::max(edge - 170 * kDegree, -90 * kDegree);  // lower is no roof
-  double angle = edge - 0.1 * kStep;
-  while (angle > last && !on_roof(angle)) angle -= kStep;  // a rounded edge is not on the sphere
-  for (double off = 0; angle > last; angle -= kStep) {
-    if (on_roof(angle)) {
-      off = 0;
-      continue;
-    }
-    off += kStep;
-    if (off < kFossa) continue;
-    double out = angle, in = angle + off;
+  double first = edge - 0.1 * kStep;
+  while (first > last && !on_roof(first)) first -= kStep;  // a rounded edge is not on the sphere
+  int off = 0;                                             // steps since the roof was last met
+  for (int k = 0; first - k * kStep > last; ++k) {
+    const double angle = first - k * kStep;
+    off = on_roof(angle) ? 0 : off + 1;
+    if (off * kStep < kFossa) continue;
+    double in = angle + off * kStep;
     while (!on_roof(in)) in += kStep;
-    out = in - kStep;
-    for (int k = 0; k < 60; ++k) {
+    double out = in - kStep;
+    for (int halved = 0; halved < 60; ++halved) {
       const double middle = (in + out) / 2;
       (on_roof(middle) ? in : out) = middle;
     }

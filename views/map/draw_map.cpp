@@ -162,7 +162,7 @@ std::vector<double> angle_circles(const MapSurface& s) {
   const double most = 2.0 * std::asin(std::min(1.0, reach / (2.0 * s.view.radius))) * 180.0 / kPi;
   const double step = most > 50 ? 30.0 : most > 25 ? 15.0 : most > 12 ? 5.0 : 2.0;
   std::vector<double> angles;
-  for (double angle = step; angle < most + 0.02 * step && angle < 179; angle += step) angles.push_back(angle);
+  for (int k = 1; k * step < most + 0.02 * step && k * step < 179; ++k) angles.push_back(k * step);
   return angles;
 }
 
@@ -198,7 +198,8 @@ bool touches(const std::array<Vector2d, 3>& triangle, const Vector2d& low, const
   }
   if ((a.array() > high.array()).any() || (b.array() < low.array()).any()) return false;
   for (int k = 0; k < 3; ++k) {  // an edge with the whole box beyond it
-    const Vector2d p = triangle[at(k)], d = triangle[at((k + 1) % 3)] - p, q = triangle[at((k + 2) % 3)] - p;
+    const Vector2d& p = triangle[at(k)];
+    const Vector2d d = triangle[at((k + 1) % 3)] - p, q = triangle[at((k + 2) % 3)] - p;
     const double inside = d.x() * q.y() - d.y() * q.x() < 0 ? -1.0 : 1.0;
     bool beyond = true;
     for (const Vector2d& corner : {low, high, Vector2d(low.x(), high.y()), Vector2d(high.x(), low.y())})
@@ -245,7 +246,8 @@ void draw_angles(Pen& pen, const Placing& place, const MapPanel& panel, const Ma
     std::size_t least = static_cast<std::size_t>(-1);
     Vector2d best = middle + r * Vector2d(0, 1);
     for (int k = 0; k < 48 && least > 0; ++k) {  // below the pole, or the next place to both sides
-      const double turn = (k % 2 == 0 ? 1 : -1) * ((k + 1) / 2) * 7.5 * kPi / 180.0;
+      const int places = (k + 1) / 2;
+      const double turn = (k % 2 == 0 ? 1 : -1) * places * 7.5 * kPi / 180.0;
       const Vector2d p = middle + r * Vector2d(std::sin(turn), std::cos(turn));
       if (p.x() < low.x() - 1 || p.x() > high.x() + 1 || p.y() < low.y() - 1 || p.y() > high.y() + 1) continue;
       std::size_t covered = 0;
@@ -455,7 +457,10 @@ struct Layout {
   int columns = 1, rows = 1;
   double width = 0, height = 0, panel_width = 0, map_height = 0, top = 0, header = 0, bar = 0, scale = 1, footer = 0;
   double panel_x(int i) const { return kMargin + (i % columns) * (panel_width + kGap); }
-  double panel_y(int i) const { return top + (i / columns) * (header + map_height + kGap); }
+  double panel_y(int i) const {
+    const int row = i / columns;
+    return top + row * (header + map_height + kGap);
+  }
 };
 
 /// One sign of the legend, its middle 8 px to the right of `p`, and what it means.
