@@ -22,8 +22,8 @@ struct IdleLoad {
 /// beside the centre of mass of a body that is free to turn, its moment counts as an effect.
 std::vector<IdleLoad> idle_loads(const JointModel& model, const Joint& joint, const Settings& settings);
 
-/// What to do about it: "load another body, or let it move (--free tibia=x,y,z)", with the rotations where a moment is
-/// lost.
+/// What to do about it: "load another body, or let it move (...)" with the setting that frees it, also to turn where
+/// a moment is lost.
 Sentence instead_of(const IdleLoad& load);
 
 /// Why it has no effect: "the body "tibia" is not free to move along x, y, z; this load has no effect".
