@@ -14,8 +14,15 @@ ls "$folder/prefix/share/man/man1/dea-run.1"* "$folder/prefix/share/bash-complet
 # The library's name in programs that are linked with it: major.minor.
 version=$("$dea" --version | sed -n 's/^FEBioDEA \([0-9]*\.[0-9]*\)\..*/\1/p')
 [ -n "$(find "$folder/prefix" -name "libfebiodea.so.$version")" ] || { echo "no libfebiodea.so.$version"; exit 1; }
-generator=$(sed -n 's/^CMAKE_GENERATOR:INTERNAL=//p' "$build/CMakeCache.txt")
-"$cmake" -S "$source/tests/outside" -B "$folder/build" -G "$generator" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH="$folder/prefix" \
+cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
+# With the library's own compiler, and its sanitizers: what clang's need comes with the program that loads the library.
+case $(cached DEA_SANITIZE) in
+  "" | OFF) sanitizers= ;;
+  thread) sanitizers=-fsanitize=thread ;;
+  *) sanitizers=-fsanitize=address,undefined ;;
+esac
+"$cmake" -S "$source/tests/outside" -B "$folder/build" -G "$(cached CMAKE_GENERATOR)" -DCMAKE_BUILD_TYPE=Debug \
+  -DCMAKE_PREFIX_PATH="$folder/prefix" -DCMAKE_CXX_COMPILER="$(cached CMAKE_CXX_COMPILER)" -DCMAKE_CXX_FLAGS="$sanitizers" \
   >"$folder/configure.log"
 "$cmake" --build "$folder/build" >"$folder/build.log" || { cat "$folder/build.log"; exit 1; }
 "$folder/build/outside" "$source/samples/hip/hip_walking.feb" "$folder/outside.xplt"
