@@ -1,8 +1,8 @@
 #!/bin/sh
-# outside_program.sh BUILD SOURCE DEA CMAKE: installs the library, builds tests/outside against what was installed, and compares
+# outside_program.sh BUILD SOURCE DEA CMAKE COMPILER FLAGS: installs the library, builds tests/outside against what was installed, and compares
 # its plot file with that of `dea run`, byte by byte.
 set -eu
-build=$1 source=$2 dea=$3 cmake=$4
+build=$1 source=$2 dea=$3 cmake=$4 compiler=$5 flags=$6
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$cmake" --install "$build" --prefix "$folder/prefix" >"$folder/install.log"
@@ -14,15 +14,10 @@ ls "$folder/prefix/share/man/man1/dea-run.1"* "$folder/prefix/share/bash-complet
 # The library's name in programs that are linked with it: major.minor.
 version=$("$dea" --version | sed -n 's/^FEBioDEA \([0-9]*\.[0-9]*\)\..*/\1/p')
 [ -n "$(find "$folder/prefix" -name "libfebiodea.so.$version")" ] || { echo "no libfebiodea.so.$version"; exit 1; }
-cached() { sed -n "s/^$1:[A-Z]*=//p" "$build/CMakeCache.txt"; }
-# With the library's own compiler, and its sanitizers: what clang's need comes with the program that loads the library.
-case $(cached DEA_SANITIZE) in
-  "" | OFF) sanitizers= ;;
-  thread) sanitizers=-fsanitize=thread ;;
-  *) sanitizers=-fsanitize=address,undefined ;;
-esac
-"$cmake" -S "$source/tests/outside" -B "$folder/build" -G "$(cached CMAKE_GENERATOR)" -DCMAKE_BUILD_TYPE=Debug \
-  -DCMAKE_PREFIX_PATH="$folder/prefix" -DCMAKE_CXX_COMPILER="$(cached CMAKE_CXX_COMPILER)" -DCMAKE_CXX_FLAGS="$sanitizers" \
+generator=$(sed -n 's/^CMAKE_GENERATOR:INTERNAL=//p' "$build/CMakeCache.txt")
+# With the library's own compiler and sanitizers: clang links what they need into programs alone.
+"$cmake" -S "$source/tests/outside" -B "$folder/build" -G "$generator" -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH="$folder/prefix" \
+  -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="$flags" \
   >"$folder/configure.log"
 "$cmake" --build "$folder/build" >"$folder/build.log" || { cat "$folder/build.log"; exit 1; }
 "$folder/build/outside" "$source/samples/hip/hip_walking.feb" "$folder/outside.xplt"

@@ -380,15 +380,16 @@ namespace {
 
 std::string in_line(Origin origin) { return origin.line > 0 ? fmt::format(" (line {})", origin.line) : ""; }
 
-/// `what` holds in all steps, and in one again: FEBio opens it when that step ends.
-void note_opened(Draft& draft, const std::string& what, Origin all, const char* in_one, int step, Origin origin) {
+/// `what` in all steps, and again (`again`: "in step", "prescribed in step") in one: FEBio leaves it free when that
+/// ends.
+void note_opened(Draft& draft, const std::string& what, Origin all, const char* again, int step, Origin origin) {
   note(draft, origin,
-       fmt::format("{} in all steps{} and {}in step {}: that ends with the step, and dea then goes on as before, where "
+       fmt::format("{} in all steps{} and {} {}: that ends with the step, and dea then goes on as before, where "
                    "FEBio leaves it free",
-                   what, in_line(all), in_one, step + 1));
+                   what, in_line(all), again, step + 1));
 }
 
-/// What is fixed in all steps and again in one, unless the next step fixes it too.
+/// What is fixed in all steps and again in one, unless the next step fixes it too, or moves it.
 void remark_double_fix(Draft& draft) {
   const JointModel& model = draft.model;
   const auto last_step = static_cast<int>(model.steps.size()) - 1;
@@ -405,7 +406,7 @@ void remark_double_fix(Draft& draft) {
         if (f.dofs[at(k)] && all.dofs[at(k)] && in_step.count({f.material, k, f.step + 1}) == 0)
           note_opened(draft,
                       fmt::format("{} of {} is fixed", kDofNames[k], quote(model.materials[at(f.material)].name)),
-                      all.origin, "", f.step, f.origin);
+                      all.origin, "in step", f.step, f.origin);
   }
   for (const FixedNodes& all : model.fixed_nodes) {
     if (all.step >= 0) continue;
@@ -420,7 +421,7 @@ void remark_double_fix(Draft& draft) {
     for (const FixedNodes& f : model.fixed_nodes)
       for (int k = 0; k < 3 && ends(f.step); ++k)
         if (f.xyz[at(k)] && all.xyz[at(k)] && shares(f) && !goes_on(k, f.step + 1))
-          note_opened(draft, fmt::format("{} of nodes is fixed", "xyz"[k]), all.origin, "", f.step, f.origin);
+          note_opened(draft, fmt::format("{} of nodes is fixed", "xyz"[k]), all.origin, "in step", f.step, f.origin);
   }
 }
 
@@ -482,7 +483,8 @@ void remark_double_motion(Draft& draft) {
         fmt::format("{} of {}", kDofNames[motion.dof], quote(draft.model.materials[at(motion.material)].name));
     const auto tell = [&](const char* held, int step, Origin origin) {
       if (motion.step >= 0 && step < 0 && motion.step != last_step)
-        note_opened(draft, fmt::format("{} is {}", which, held), origin, "prescribed ", motion.step, motion.origin);
+        note_opened(draft, fmt::format("{} is {}", which, held), origin, "prescribed in step", motion.step,
+                    motion.origin);
     };
     for (const RigidFixed& fixed : draft.model.rigid_fixed) {
       if (fixed.material != motion.material || !fixed.dofs[at(motion.dof)] || !at_same_time(fixed.step, motion.step))

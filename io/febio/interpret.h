@@ -65,7 +65,7 @@ void nodal_load(Draft& draft, const Component& component, OnNodes on);
 
 /// Conditions and loads of rigid bodies; false: it is none of them.
 bool rigid_condition(Draft& draft, const Component& component, const Steps& steps);
-/// As files before 4.0 fix a body in a step (hold_from_the_start).
+/// Adds what a file before 4.0 fixes; hold_from_the_start looks at it when all conditions have been read.
 void add_old_fix(Draft& draft, RigidFixed fixed);
 /// When all conditions have been read: what files before 4.0 fix in a step acts in FEBio from the first step on
 /// (FERigidFixedBCOld), until a step ends that fixes or moves the same dof. Adds those steps, with a remark.

@@ -25,7 +25,7 @@ constexpr double kWall = 0.15;      // of the radius: what lies farther out is n
 constexpr double kRoof = 0.06;      // of the radius: what lies farther out is the fossa
 constexpr double kDegree = 1.0 / kDegreesPerRadian;
 constexpr double kStep = 0.5 * kDegree;  // of the search for an edge, before it is halved
-constexpr double kFossa = 3 * kDegree;   // what is farther out over less is a dent in the roof, not its end
+constexpr int kDent = 6;                 // steps: what is farther out over no more is a dent in the roof, not its end
 
 // ---- spheres -------------------------------------------------------------------------------------------------------
 
@@ -317,7 +317,7 @@ std::optional<double> roof_angle(const Wall& wall, const HipSection& section, do
   for (int k = 0; first - k * kStep > last; ++k) {
     const double angle = first - k * kStep;
     off = on_roof(angle) ? 0 : off + 1;
-    if (off * kStep < kFossa) continue;
+    if (off <= kDent) continue;
     double in = angle + off * kStep;
     while (!on_roof(in)) in += kStep;
     double out = in - kStep;
