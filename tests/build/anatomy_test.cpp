@@ -699,6 +699,35 @@ TEST(Hip, ASocketWithoutFossaHasNoIndex) {
   EXPECT_NEAR(anatomy.hip->lateral_center_edge, hip.lateral(), 0.1);
 }
 
+/// A groove round the socket's axis, an eighth deeper than the sphere: a narrow one is a dent, and the roof goes on to
+/// the fossa; from a wide one on the roof has ended, at its outer edge.
+TEST(Hip, TheRoofGoesOnBeyondADent) {
+  const MadeHip hip;
+  const int n = 16;
+  const double ring = (hip.rim - hip.fossa) / (3 * n), outer = hip.fossa + 24 * ring;  // degrees from the axis
+  const auto index_with = [&](int rings) {
+    std::vector<BoneRequest> bones = bones_of(hip, n);
+    for (Vector3d& x : bones[1].surface.points) {
+      const Vector3d from = x - hip.center;
+      const double angle = std::acos(-from.normalized().dot(hip.axis())) / kDegree;
+      if (angle < outer + 0.5 * ring && angle > outer - (rings - 0.5) * ring) x = hip.center + 1.12 * from;
+    }
+    return find_anatomy(bones, request_of(hip)).hip->acetabular_index;
+  };
+  const double smooth = index_with(0);
+  EXPECT_NEAR(index_with(1), smooth, 1e-6);
+  // the end is where the groove's outer wall leaves the sphere, between two rings
+  const auto index_to = [&](double angle) {
+    MadeHip to = hip;
+    to.fossa = angle;
+    return -(hip.lateral() + to.roof_end(Vector3d::UnitX(), Vector3d::UnitZ())) / 2;
+  };
+  const double wide = index_with(6);
+  EXPECT_LT(wide, index_to(outer) + 0.1);
+  EXPECT_GT(wide, index_to(outer + ring) - 0.1);
+  EXPECT_LT(wide, smooth - 10);
+}
+
 /// Forces and regions along a frame's axes.
 TEST(Frames, NumbersAlongThemBecomeTheScans) {
   const MadeHip hip;
