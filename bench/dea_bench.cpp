@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -17,13 +16,12 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <string_view>
-#include <system_error>
 #include <thread>
 #include <vector>
 
 #include <febiodea/equilibrium/times.h>
 #include <febiodea/io/feb/read_feb.h>
+#include <febiodea/io/febio/febio_text.h>
 #include <febiodea/io/results/plot_file.h>
 #include <febiodea/io/xplt/xplt.h>
 #include <febiodea/run/analysis.h>
@@ -396,12 +394,7 @@ int main(int argc, char** argv) {
   const std::vector<std::string> known = {"all", "springs", "laws", "bodies", "hip", "read", "smoke"};
   const std::vector<std::string> of_sizes = {"springs", "laws", "bodies"};
   std::vector<int> sizes;
-  for (int i = 2; i < argc; ++i) {
-    const std::string_view word = argv[i];
-    int size = 0;
-    const std::from_chars_result read = std::from_chars(word.data(), word.data() + word.size(), size);
-    sizes.push_back(read.ec == std::errc() && read.ptr == word.data() + word.size() ? size : 0);
-  }
+  for (int i = 2; i < argc; ++i) sizes.push_back(febio::whole_int(argv[i]).value_or(0));
   const bool bad_size = std::any_of(sizes.begin(), sizes.end(), [](int n) { return n < 1; });
   if (bad_size || (!sizes.empty() && std::find(of_sizes.begin(), of_sizes.end(), what) == of_sizes.end()) ||
       std::find(known.begin(), known.end(), what) == known.end()) {

@@ -126,19 +126,23 @@ struct Wall {
   }
 };
 
+/// Where `is` ends between `in`, at which it holds, and `out`, at which it does not: to rounding.
+template <class Is>
+double end_between(double in, double out, const Is& is) {
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (in + out) / 2;
+    (is(middle) ? in : out) = middle;
+  }
+  return in;
+}
+
 /// The largest angle in (to, from) at which `is` holds, searched downwards. nullopt: nowhere, or at `from` already.
 template <class Is>
 std::optional<double> outermost(double from, double to, const Is& is) {
   if (is(from)) return std::nullopt;
   for (int k = 1; from - k * kStep > to; ++k) {
     const double angle = from - k * kStep;
-    if (!is(angle)) continue;
-    double in = angle, out = angle + kStep;
-    for (int halved = 0; halved < 60; ++halved) {
-      const double middle = (in + out) / 2;
-      (is(middle) ? in : out) = middle;
-    }
-    return in;
+    if (is(angle)) return end_between(angle, angle + kStep, is);
   }
   return std::nullopt;
 }
@@ -320,12 +324,7 @@ std::optional<double> roof_angle(const Wall& wall, const HipSection& section, do
     if (off <= kDent) continue;
     double in = angle + off * kStep;
     while (!on_roof(in)) in += kStep;
-    double out = in - kStep;
-    for (int halved = 0; halved < 60; ++halved) {
-      const double middle = (in + out) / 2;
-      (on_roof(middle) ? in : out) = middle;
-    }
-    return in;
+    return end_between(in, in - kStep, on_roof);
   }
   return std::nullopt;
 }
