@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <filesystem>
@@ -49,6 +50,25 @@ struct Finished {
   double seconds = 0.0;
   std::string out, err;
 };
+
+/// Processor time in seconds that a running process, with all its threads, has taken so far.
+inline double processor_seconds(pid_t process) {
+  const std::string text = file_text("/proc/" + std::to_string(process) + "/stat");
+  std::istringstream in(text.substr(std::min(text.size(), text.rfind(')') + 1)));  // a name may have spaces
+  std::string word;
+  for (int i = 0; i < 11; ++i) in >> word;  // up to the time in the program and in the kernel, proc(5)
+  double program = 0.0, kernel = 0.0;
+  in >> program >> kernel;
+  return (program + kernel) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+/// The same of all programs that this one started, waited for and that have ended.
+inline double processor_seconds_of_ended() {
+  rusage used = {};
+  ::getrusage(RUSAGE_CHILDREN, &used);
+  return static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+}
 
 /// Runs `words` (the program first) in `folder`, for at most `limit` seconds of processor time: a busy machine does not
 /// make a program hang. One that waits for ever is ended after ten times as long.

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 
 #include <febiodea/base/error.h>
 #include <febiodea/io/files/encoded_text.h>
@@ -300,7 +299,7 @@ TEST(Surfaces, OneShapeInEveryFormat) {
 
 TEST(Surfaces, WrittenAndReadAgain) {
   const TriangleSurface s = read_surface(file("again.obj", kObj));
-  const std::string path = (std::filesystem::path(::testing::TempDir()) / "again.stl").string();
+  const std::string path = file("again.stl", "");
   write_stl(path, s);
   const TriangleSurface t = read_surface(path);
   ASSERT_EQ(t.triangles.size(), s.triangles.size());

@@ -1,16 +1,17 @@
 // A file of a test with this text.
 #pragma once
-#include <gtest/gtest.h>
-
-#include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "program.h"
+
 namespace dea::test {
 
-/// Its path, in the folder for tests; byte by byte as `text` is.
+/// Its path, byte by byte as `text` is. It lies in a folder of this process alone, since tests that run side by side
+/// may give their files the same names; the folder vanishes at the end.
 inline std::string file(const std::string& name, const std::string& text) {
-  const std::string path = (std::filesystem::path(::testing::TempDir()) / name).string();
+  static const TemporaryFolder folder;
+  const std::string path = (folder.path / name).string();
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }

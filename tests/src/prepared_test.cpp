@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <thread>
 
 #include <febiodea/base/error.h>
@@ -203,7 +204,8 @@ TEST(Stop, IsNoFaultOfTheInput) {
   EXPECT_EQ(dynamic_cast<const InputError*>(&stopped), nullptr);
 }
 
-// Another thread sets the flag while one contact is being pressed: that search alone takes far longer.
+// Another thread sets the flag while one contact is being pressed: a search that ends far sooner than it would have.
+// Processor time counts, since others may keep the machine busy.
 TEST(Stop, EndsWithinAContact) {
   Settings settings = with_law(Layer);
   settings.refine = 8;
@@ -214,22 +216,20 @@ TEST(Stop, EndsWithinAContact) {
   StopFlag stop = false;
   PressOptions options;
   options.stop = &stop;
-  const auto now = [] { return std::chrono::steady_clock::now(); };
-  auto asked = now();
+  const auto now = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+  const double begun = now();
+  press(joint, poses, options);
+  const double whole = now() - begun;
+  double asked = 0.0;
   std::thread other([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
     asked = now();
     stop = true;
   });
   EXPECT_THROW(press(joint, poses, options), Stopped);
-  const auto ended = now();
+  const double ended = now();
   other.join();
-#if defined(DEA_SANITIZE_ADDRESS) || defined(DEA_SANITIZE_THREAD)
-  constexpr double kSoon = 10.0;
-#else
-  constexpr double kSoon = 1.0;
-#endif
-  EXPECT_LT(std::chrono::duration<double>(ended - asked).count(), kSoon);
+  EXPECT_LT(ended - asked, 0.25 * whole);
   stop = true;  // asked for before
   EXPECT_THROW(press(joint, poses, options), Stopped);
   EquilibriumOptions search;
