@@ -381,8 +381,9 @@ namespace {
 std::string in_line(Origin origin) { return origin.line > 0 ? fmt::format(" (line {})", origin.line) : ""; }
 
 /// `what` in all steps, and again (`again`: "in step", "prescribed in step") in one: FEBio leaves it free when that
-/// ends.
+/// ends. Nothing for the last step, after which nothing runs, and for -1.
 void note_opened(Draft& draft, const std::string& what, Origin all, const char* again, int step, Origin origin) {
+  if (step < 0 || step + 1 >= static_cast<int>(draft.model.steps.size())) return;
   note(draft, origin,
        fmt::format("{} in all steps{} and {} {}: that ends with the step, and dea then goes on as before, where "
                    "FEBio leaves it free",
@@ -392,8 +393,6 @@ void note_opened(Draft& draft, const std::string& what, Origin all, const char* 
 /// What is fixed in all steps and again in one, unless the next step fixes it too, or moves it.
 void remark_double_fix(Draft& draft) {
   const JointModel& model = draft.model;
-  const auto last_step = static_cast<int>(model.steps.size()) - 1;
-  const auto ends = [&](int step) { return step >= 0 && step < last_step; };
   std::set<std::array<int, 3>> in_step;  // material, dof, step
   for (const RigidFixed& f : model.rigid_fixed)
     for (int k = 0; k < kDofs; ++k)
@@ -402,7 +401,7 @@ void remark_double_fix(Draft& draft) {
   for (const RigidFixed& all : model.rigid_fixed) {
     if (all.step >= 0) continue;
     for (const RigidFixed& f : model.rigid_fixed)
-      for (int k = 0; k < kDofs && ends(f.step) && f.material == all.material; ++k)
+      for (int k = 0; k < kDofs && f.material == all.material; ++k)
         if (f.dofs[at(k)] && all.dofs[at(k)] && in_step.count({f.material, k, f.step + 1}) == 0)
           note_opened(draft,
                       fmt::format("{} of {} is fixed", kDofNames[k], quote(model.materials[at(f.material)].name)),
@@ -419,7 +418,7 @@ void remark_double_fix(Draft& draft) {
                          [&](const FixedNodes& next) { return next.step == step && next.xyz[at(k)] && shares(next); });
     };
     for (const FixedNodes& f : model.fixed_nodes)
-      for (int k = 0; k < 3 && ends(f.step); ++k)
+      for (int k = 0; k < 3 && f.step >= 0; ++k)
         if (f.xyz[at(k)] && all.xyz[at(k)] && shares(f) && !goes_on(k, f.step + 1))
           note_opened(draft, fmt::format("{} of nodes is fixed", "xyz"[k]), all.origin, "in step", f.step, f.origin);
   }
@@ -477,12 +476,11 @@ void remark_double_motion(Draft& draft) {
     other = &motion;
   }
   remark_double_fix(draft);
-  const auto last_step = static_cast<int>(draft.model.steps.size()) - 1;
   for (const RigidPrescribed& motion : draft.model.rigid_prescribed) {
     const std::string which =
         fmt::format("{} of {}", kDofNames[motion.dof], quote(draft.model.materials[at(motion.material)].name));
     const auto tell = [&](const char* held, int step, Origin origin) {
-      if (motion.step >= 0 && step < 0 && motion.step != last_step)
+      if (step < 0)
         note_opened(draft, fmt::format("{} is {}", which, held), origin, "prescribed in step", motion.step,
                     motion.origin);
     };

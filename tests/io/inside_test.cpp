@@ -325,7 +325,7 @@ TEST_F(InsideFiles, ComparedWithout) {
 }
 
 TEST_F(InsideFiles, OtherLawsAreRefusedInALine) {
-  const Finished f = dea({"run", sample("spheres/one_layer.feb"), "-q", "--law", "linear", "--inside"});
+  const Finished f = dea({"run", sample("spheres/one_layer.feb"), "-q", "--law", "linear", "--inside", "-o", "a.xplt"});
   EXPECT_EQ(f.code, 2);
   EXPECT_NE(f.err.find("--inside: contact "), std::string::npos) << f.err;
   EXPECT_NE(f.err.find("found law linear, expected --law layer of two terms"), std::string::npos) << f.err;
